@@ -1,0 +1,5 @@
+"""`python -m l4d_blender`: the worker that the l4d binary starts."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,1 @@
+"""Procedural assets, one module per kind: functions that return one mesh object standing on its origin."""

@@ -1,0 +1,529 @@
+"""A domestic cat: one smooth skinned mesh on an armature.
+
+Owns: feline proportions (joints, volumes, ears, eyes, lids), skin weights, coat markings as mesh attributes.
+Refuses to know: how a cat moves (motion/cats.py), how fur is shaded (materials/interior.py).
+
+Rest pose: standing, facing -Y, tail straight back, paws on z = 0, origin between the paws; metres.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector, noise
+
+from l4d_blender.assets import implicit
+from l4d_blender.assets.materials import interior
+
+VOXEL_M = 0.0036
+BODY_FACES = 11500
+TAIL_BONES = 9
+
+
+@dataclass(frozen=True)
+class Coat:
+    """Linear RGB colours; how strong the stripes are; `bib` over 0.5 adds white chest, socks and blaze."""
+
+    name: str
+    base: tuple[float, float, float]
+    dark: tuple[float, float, float]
+    pale: tuple[float, float, float]
+    eye: tuple[float, float, float]
+    skin: tuple[float, float, float] = (0.52, 0.23, 0.21)
+    stripes: float = 1.0
+    bib: float = 0.25
+
+
+GREY_TABBY = Coat(
+    "grey_tabby",
+    base=(0.200, 0.178, 0.152),
+    dark=(0.028, 0.024, 0.022),
+    pale=(0.50, 0.46, 0.40),
+    eye=(0.42, 0.55, 0.10),
+)
+ORANGE = Coat(
+    "orange",
+    base=(0.55, 0.205, 0.05),
+    dark=(0.27, 0.070, 0.013),
+    pale=(0.80, 0.73, 0.64),
+    eye=(0.62, 0.36, 0.05),
+    stripes=0.85,
+    bib=0.8,
+)
+BLACK = Coat(
+    "black",
+    base=(0.022, 0.02, 0.02),
+    dark=(0.008, 0.008, 0.008),
+    pale=(0.045, 0.04, 0.038),
+    eye=(0.65, 0.48, 0.06),
+    skin=(0.12, 0.06, 0.06),
+    stripes=0.25,
+    bib=0.1,
+)
+COATS = {coat.name: coat for coat in (GREY_TABBY, ORANGE, BLACK)}
+
+
+def _tail_joints() -> list[tuple[float, float, float]]:
+    return [(0.0, 0.186 + 0.034 * i, 0.240 - 0.004 * i) for i in range(TAIL_BONES + 1)]
+
+
+JOINTS: dict[str, tuple[float, float, float]] = {
+    "pelvis": (0.0, 0.165, 0.236),
+    "lumbar": (0.0, 0.108, 0.246),
+    "loin": (0.0, 0.052, 0.250),
+    "back": (0.0, -0.004, 0.249),
+    "withers": (0.0, -0.060, 0.246),
+    "chest": (0.0, -0.115, 0.242),
+    "neck": (0.0, -0.166, 0.272),
+    "skull": (0.0, -0.203, 0.306),
+    "nose": (0.0, -0.300, 0.308),
+}
+LIMB_JOINTS: dict[str, tuple[float, float, float]] = {
+    "scapula": (0.028, -0.100, 0.250),
+    "shoulder": (0.039, -0.150, 0.176),
+    "elbow": (0.041, -0.098, 0.132),
+    "wrist": (0.037, -0.113, 0.033),
+    "forepaw": (0.037, -0.128, 0.0),
+    "foretoe": (0.037, -0.158, 0.008),
+    "hip": (0.035, 0.150, 0.212),
+    "knee": (0.049, 0.098, 0.142),
+    "hock": (0.041, 0.178, 0.069),
+    "hindpaw": (0.041, 0.154, 0.0),
+    "hindtoe": (0.041, 0.118, 0.008),
+    "ear": (0.0305, -0.224, 0.352),
+    "eartip": (0.0465, -0.219, 0.397),
+    "eye": (0.0238, -0.2735, 0.3265),
+}
+EYE_RADIUS_M = 0.0135
+LID_RADIUS_M = 0.0148
+
+
+def joint(name: str) -> Vector:
+    """A rest joint by name; limb joints take a side suffix ("wrist.L" is at +x)."""
+    if name.endswith((".L", ".R")):
+        x, y, z = LIMB_JOINTS[name[:-2]]
+        return Vector((x if name.endswith("L") else -x, y, z))
+    if name.startswith("tail"):
+        return Vector(_tail_joints()[int(name[4:])])
+    return Vector(JOINTS[name])
+
+
+@dataclass(frozen=True)
+class Bone:
+    """A bone between two named rest joints."""
+
+    name: str
+    parent: str | None
+    head: str
+    tail: str
+
+
+def _bones() -> list[Bone]:
+    chain = ["pelvis", "lumbar", "loin", "back", "withers", "chest", "neck", "skull", "nose"]
+    names = ["pelvis", "lumbar", "loin", "back", "withers", "chest", "neck", "head"]
+    bones = [Bone(n, names[i - 1] if i else None, chain[i], chain[i + 1]) for i, n in enumerate(names)]
+    bones += [
+        Bone(f"tail{i}", f"tail{i - 1}" if i else "pelvis", f"tail{i}", f"tail{i + 1}")
+        for i in range(TAIL_BONES)
+    ]
+    for s in (".L", ".R"):
+        bones += [
+            Bone("scapula" + s, "withers", "scapula" + s, "shoulder" + s),
+            Bone("upperarm" + s, "scapula" + s, "shoulder" + s, "elbow" + s),
+            Bone("forearm" + s, "upperarm" + s, "elbow" + s, "wrist" + s),
+            Bone("forepaw" + s, "forearm" + s, "wrist" + s, "foretoe" + s),
+            Bone("thigh" + s, "pelvis", "hip" + s, "knee" + s),
+            Bone("shin" + s, "thigh" + s, "knee" + s, "hock" + s),
+            Bone("hindpaw" + s, "shin" + s, "hock" + s, "hindpaw" + s),
+            Bone("hindtoe" + s, "hindpaw" + s, "hindpaw" + s, "hindtoe" + s),
+            Bone("ear" + s, "head", "ear" + s, "eartip" + s),
+            Bone("lid" + s, "head", "eye" + s, "nose"),
+        ]
+    return bones
+
+
+BONES = _bones()
+
+
+@dataclass(frozen=True)
+class _Flesh:
+    """A volume and the bone that carries it."""
+
+    bone: str
+    shape: implicit.Cone | _TiltedEllipsoid
+
+
+@dataclass(frozen=True)
+class _TiltedEllipsoid:
+    """An ellipsoid turned by `pitch` radians about X, for `implicit.Grid`."""
+
+    centre: np.ndarray
+    radii: np.ndarray
+    pitch: float
+    blend: float
+
+    def _axes(self) -> np.ndarray:
+        c, s = math.cos(self.pitch), math.sin(self.pitch)
+        return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        reach = np.sqrt(np.square(self._axes() * self.radii).sum(axis=1))
+        return self.centre - reach, self.centre + reach
+
+    def __call__(self, points: np.ndarray) -> np.ndarray:
+        local = (points - self.centre) @ self._axes() / self.radii
+        scaled = np.linalg.norm(local, axis=-1)
+        return scaled * (scaled - 1.0) / np.maximum(np.linalg.norm(local / self.radii, axis=-1), 1e-9)
+
+
+def _volumes() -> list[_Flesh]:
+    """All flesh of a cat at rest."""
+
+    def cone(bone, a, b, ra, rb, blend=0.014):
+        return _Flesh(bone, implicit.Cone(np.array(a), np.array(b), ra, rb, blend))
+
+    def egg(centre, radii, pitch, bone, blend):
+        return _Flesh(bone, _TiltedEllipsoid(np.array(centre), np.array(radii), pitch, blend))
+
+    volumes = [
+        egg((0, -0.095, 0.202), (0.053, 0.074, 0.066), 0.16, "chest", 0.03),
+        egg((0, -0.045, 0.203), (0.057, 0.085, 0.066), 0.05, "withers", 0.03),
+        egg((0, 0.015, 0.208), (0.056, 0.080, 0.060), -0.03, "back", 0.03),
+        egg((0, 0.066, 0.212), (0.054, 0.075, 0.056), -0.06, "loin", 0.03),
+        egg((0, 0.112, 0.216), (0.052, 0.070, 0.054), 0, "lumbar", 0.03),
+        egg((0, 0.150, 0.214), (0.050, 0.054, 0.052), 0.2, "pelvis", 0.03),
+        egg((0, -0.142, 0.212), (0.040, 0.034, 0.052), 0.45, "chest", 0.03),
+        cone("neck", (0, -0.125, 0.235), (0, -0.172, 0.270), 0.055, 0.049, 0.03),
+        cone("neck", (0, -0.166, 0.262), (0, -0.208, 0.304), 0.049, 0.042, 0.02),
+        egg((0, -0.232, 0.326), (0.0455, 0.047, 0.041), 0, "head", 0.015),
+        egg((0, -0.240, 0.304), (0.046, 0.034, 0.026), 0, "head", 0.018),
+        egg((0, -0.276, 0.304), (0.0205, 0.021, 0.0145), 0, "head", 0.012),
+        egg((0, -0.274, 0.290), (0.012, 0.013, 0.010), 0, "head", 0.010),
+        cone("head", (0, -0.256, 0.335), (0, -0.2895, 0.3145), 0.0150, 0.0085, 0.012),
+        egg((0, -0.2955, 0.3125), (0.0068, 0.0052, 0.0050), 0, "head", 0.005),
+    ]
+    for s, side in ((1, ".L"), (-1, ".R")):
+        j = {name: joint(name + side) for name in LIMB_JOINTS}
+        volumes += [
+            egg((0.0125 * s, -0.2865, 0.3015), (0.0125, 0.0120, 0.0105), 0, "head", 0.006),
+            egg((0.0275 * s, -0.247, 0.306), (0.0245, 0.026, 0.022), 0, "head", 0.015),
+            egg((0.0225 * s, -0.2605, 0.340), (0.0165, 0.0115, 0.0085), 0.3, "head", 0.010),
+            egg((0.036 * s, -0.112, 0.210), (0.022, 0.036, 0.060), 0.45, "scapula" + side, 0.03),
+            cone("upperarm" + side, j["shoulder"], j["elbow"], 0.0285, 0.0230, 0.022),
+            cone("forearm" + side, j["elbow"], j["wrist"], 0.0225, 0.0150, 0.012),
+            cone("forepaw" + side, j["wrist"], j["wrist"] + Vector((0, -0.012, -0.016)), 0.0155, 0.0150),
+            egg((0.037 * s, -0.141, 0.0125), (0.0185, 0.0235, 0.0125), 0, "forepaw" + side, 0.008),
+            egg((0.042 * s, 0.132, 0.176), (0.026, 0.058, 0.062), -0.35, "thigh" + side, 0.025),
+            cone("thigh" + side, j["hip"], j["knee"], 0.040, 0.030, 0.02),
+            cone("shin" + side, j["knee"], j["hock"], 0.0285, 0.0140, 0.016),
+            cone("hindpaw" + side, j["hock"], j["hindpaw"] + Vector((0, -0.008, 0.013)), 0.0142, 0.0138),
+            egg((0.041 * s, 0.133, 0.0125), (0.0185, 0.0290, 0.0125), 0, "hindtoe" + side, 0.008),
+        ]
+        for i in (-1.0, -0.35, 0.35, 1.0):
+            drop = 0.005 * i * i
+            volumes += [
+                egg(
+                    (0.037 * s + 0.0115 * i, -0.1575 + drop, 0.0105),
+                    (0.0062, 0.0105, 0.0095),
+                    0,
+                    "forepaw" + side,
+                    0.003,
+                ),
+                egg(
+                    (0.041 * s + 0.0115 * i, -0.0015 + 0.117 + drop, 0.0105),
+                    (0.0062, 0.0105, 0.0095),
+                    0,
+                    "hindtoe" + side,
+                    0.003,
+                ),
+            ]
+    tail = _tail_joints()
+    radii = [0.0215 - 0.0009 * i for i in range(TAIL_BONES + 1)]
+    volumes.append(cone("pelvis", (0, 0.160, 0.228), tail[0], 0.034, radii[0], 0.02))
+    volumes += [
+        cone(f"tail{i}", tail[i], tail[i + 1], radii[i], radii[i + 1], 0.006) for i in range(TAIL_BONES)
+    ]
+    return volumes
+
+
+@dataclass
+class _Skin:
+    """Everything a cat of any coat shares; built once per process."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    groups: list[str]
+    weights: np.ndarray
+
+
+_skin_cache: list[_Skin] = []
+
+
+def _skin() -> _Skin:
+    if not _skin_cache:
+        volumes = _volumes()
+        low = np.min([v.shape.bounds()[0] for v in volumes], axis=0) - 0.02
+        high = np.max([v.shape.bounds()[1] for v in volumes], axis=0) + 0.02
+        grid = implicit.Grid.over(low, high, VOXEL_M)
+        for volume in volumes:
+            grid.add(volume.shape, margin=0.04)
+        vertices, quads = implicit.surface_nets(grid)
+        vertices = implicit.relax(vertices, quads, 3)
+        vertices[:, 2] = np.maximum(vertices[:, 2], 0.0005)
+        vertices, faces = _decimate(vertices, quads)
+        groups, weights = _weights(volumes, vertices, faces)
+        _skin_cache.append(_Skin(vertices, faces, groups, weights))
+    return _skin_cache[0]
+
+
+def _decimate(vertices: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    mesh = bpy.data.meshes.new("cat_decimation")
+    mesh.from_pydata(vertices, [], quads.tolist())
+    obj = bpy.data.objects.new("cat_decimation", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    modifier = obj.modifiers.new("decimate", "DECIMATE")
+    modifier.ratio = min(1.0, BODY_FACES / (2 * len(quads)))
+    reduced = bpy.data.meshes.new_from_object(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    reduced.calc_loop_triangles()
+    points = np.empty(len(reduced.vertices) * 3)
+    reduced.vertices.foreach_get("co", points)
+    corners = np.empty(len(reduced.loop_triangles) * 3, dtype=np.int32)
+    reduced.loop_triangles.foreach_get("vertices", corners)
+    bpy.data.objects.remove(obj)
+    bpy.data.meshes.remove(mesh)
+    bpy.data.meshes.remove(reduced)
+    return points.reshape(-1, 3), corners.reshape(-1, 3)
+
+
+def _weights(volumes: list[_Flesh], vertices: np.ndarray, faces: np.ndarray) -> tuple[list[str], np.ndarray]:
+    """Weights fall off with the distance to each bone's flesh, then diffuse over the surface."""
+    groups = sorted({v.bone for v in volumes})
+    distance = np.full((len(vertices), len(groups)), 1.0)
+    for volume in volumes:
+        column = groups.index(volume.bone)
+        distance[:, column] = np.minimum(distance[:, column], volume.shape(vertices))
+    softness = np.array([0.004 if g == "head" else 0.006 for g in groups])
+    weights = np.exp(-np.clip(distance - distance.min(axis=1, keepdims=True), 0, 0.1) / softness)
+    average = _neighbour_average(len(vertices), faces)
+    for _ in range(14):
+        weights = 0.4 * weights + 0.6 * average(weights)
+    weights[weights < 0.02 * weights.max(axis=1, keepdims=True)] = 0.0
+    return groups, weights / weights.sum(axis=1, keepdims=True)
+
+
+def _neighbour_average(count: int, triangles: np.ndarray):
+    """A function that replaces each vertex's row by the mean over its edge neighbours."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    a, b = np.unique(np.sort(edges, axis=1), axis=0).T
+    degree = np.maximum(np.bincount(a, minlength=count) + np.bincount(b, minlength=count), 1)
+
+    def average(rows: np.ndarray) -> np.ndarray:
+        columns = [np.bincount(a, column[b], count) + np.bincount(b, column[a], count) for column in rows.T]
+        return np.stack(columns, axis=1) / degree[:, None]
+
+    return average
+
+
+def _step(edge_0: float, edge_1: float, x: np.ndarray) -> np.ndarray:
+    t = np.clip((x - edge_0) / (edge_1 - edge_0), 0.0, 1.0)
+    return t * t * (3 - 2 * t)
+
+
+def _markings(vertices: np.ndarray, coat: Coat, seed: Vector) -> np.ndarray:
+    """Per vertex (stripe, pale, skin, 1): a mackerel tabby with ringed limbs and tail, bib, nose, pads."""
+    x, y, z = vertices.T
+    wobble = np.array([noise.noise(Vector(v) * 22 + seed) for v in vertices])
+    wobble_large = np.array([noise.noise(Vector(v) * 9 - seed) for v in vertices])
+
+    def bands(coordinate: np.ndarray, period_m: float, duty: float) -> np.ndarray:
+        return _step(math.cos(math.pi * duty), 1.0, np.cos(2 * math.pi * coordinate / period_m))
+
+    flank = bands(y + 0.10 * (z - 0.2) + 0.010 * wobble_large + 0.005 * wobble, 0.036, 0.62)
+    flank *= _step(0.135, 0.185, z + 0.02 * wobble_large)
+    spine = _step(0.016, 0.005, np.abs(x) + 0.004 * wobble) * _step(0.235, 0.255, z) * (y > -0.19)
+    limb = bands(z + 0.004 * wobble, 0.034, 0.55) * _step(0.160, 0.125, z) * _step(0.02, 0.045, z)
+    tail = bands(y + 0.003 * wobble, 0.042, 0.62)
+    on_tail = _step(0.195, 0.215, y)
+    tail_tip = _step(0.445, 0.465, y)
+    forehead = bands(x + 0.001 * wobble, 0.0135, 0.5) * _step(0.345, 0.356, z) * (y < -0.2)
+    cheek = (
+        bands(z + 0.25 * np.abs(x), 0.020, 0.45) * _step(0.030, 0.042, np.abs(x)) * (y < -0.215) * (z < 0.335)
+    )
+    head = y < -0.205
+    body = np.maximum(np.maximum(flank, limb), spine)
+    stripe = np.where(head, np.maximum(forehead, cheek), body)
+    stripe = np.maximum(stripe * (1 - on_tail), on_tail * np.maximum(tail, tail_tip))
+
+    muzzle = _step(-0.272, -0.282, y + 0.004 * wobble) * _step(0.318, 0.309, z)
+    chin = _step(0.300, 0.292, z) * (y < -0.225)
+    brow = _step(0.010, 0.006, np.hypot(np.abs(x) - 0.022, z - 0.344)) * (y < -0.25)
+    belly = (
+        _step(0.165, 0.145, z + 0.015 * wobble_large)
+        * (np.abs(x) < 0.045)
+        * (z > 0.11)
+        * (y > -0.12)
+        * (y < 0.1)
+    )
+    pale = np.maximum.reduce([0.9 * muzzle, chin, 0.6 * brow, 0.8 * belly])
+    if coat.bib > 0.5:
+        chest = _step(-0.125, -0.150, y + 0.02 * wobble_large) * _step(0.255, 0.235, z + 0.012 * wobble)
+        socks = _step(0.070, 0.052, z + 0.02 * wobble_large)
+        blaze = _step(0.0105, 0.006, np.abs(x) + 0.002 * wobble) * (y < -0.25) * (z < 0.352)
+        white_muzzle = _step(-0.262, -0.272, y) * _step(0.325, 0.315, z)
+        pale = np.maximum.reduce([pale, chest * (y > -0.215), socks, blaze, white_muzzle, tail_tip * on_tail])
+    nose = _step(0.0075, 0.0055, np.linalg.norm(vertices - (0, -0.2985, 0.3135), axis=1))
+    pads = (z < 0.0025).astype(float)
+    skin = np.maximum(nose, pads)
+    return np.stack([coat.stripes * stripe * (1 - pale), pale, skin, np.ones_like(x)], axis=1)
+
+
+def _ear(side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A cupped triangular shell: vertices, quads and the share of bare skin (inside) per vertex."""
+    across, up = 9, 9
+    base, tip = Vector(LIMB_JOINTS["ear"]), Vector(LIMB_JOINTS["eartip"])
+    base = base + Vector((-0.002, 0.004, -0.014))
+    rise = tip - base
+    right = Vector((0.86, -0.10, -0.42)).normalized()
+    out = right.cross(rise).normalized()
+    vertices, skin = [], []
+    for layer in (0, 1):
+        for j in range(up):
+            v = j / (up - 1)
+            width = 0.0250 * (1 - v**1.6) * (1 + 0.12 * math.sin(math.pi * v)) + 0.0018
+            for i in range(across):
+                u = 2 * i / (across - 1) - 1
+                cup = 0.017 * (1 - v) ** 0.7 * u * u
+                thick = 0.0030 * (1 - 0.6 * v) * (1 if layer else -1) * 0.5
+                p = base + rise * v + right * (u * width) + out * (cup + thick)
+                vertices.append((p.x * side, p.y, p.z))
+                inner = layer == 1 and abs(u) < 0.72 and 0.1 < v < 0.86
+                skin.append(1.0 if inner else 0.0)
+    count = across * up
+
+    def at(layer: int, i: int, j: int) -> int:
+        return layer * count + j * across + i
+
+    quads = []
+    for j in range(up - 1):
+        for i in range(across - 1):
+            quads.append([at(0, i, j), at(0, i, j + 1), at(0, i + 1, j + 1), at(0, i + 1, j)])
+            quads.append([at(1, i, j), at(1, i + 1, j), at(1, i + 1, j + 1), at(1, i, j + 1)])
+        quads.append([at(0, 0, j), at(1, 0, j), at(1, 0, j + 1), at(0, 0, j + 1)])
+        last = across - 1
+        quads.append([at(0, last, j), at(0, last, j + 1), at(1, last, j + 1), at(1, last, j)])
+    for i in range(across - 1):
+        top = up - 1
+        quads.append([at(0, i, top), at(1, i, top), at(1, i + 1, top), at(0, i + 1, top)])
+    quads = np.array(quads)
+    return np.array(vertices), quads if side > 0 else quads[:, ::-1], np.array(skin)
+
+
+def _ball(
+    centre: Vector, radius: float, segments: int, rings: int, upper_only: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """A sphere whose poles are on Y; `upper_only` keeps the half that a closing lid is made of."""
+    vertices, quads = [], []
+    sweep = math.pi if upper_only else 2 * math.pi
+    columns = segments + 1 if upper_only else segments
+    for i in range(columns):
+        a = sweep * i / segments
+        for j in range(rings + 1):
+            b = math.pi * j / rings
+            along = -math.cos(b) if not upper_only else math.cos(b)
+            ring = math.sin(b)
+            if upper_only:
+                p = (along * radius, -math.cos(a) * ring * radius, math.sin(a) * ring * radius)
+            else:
+                p = (math.cos(a) * ring * radius, along * radius, math.sin(a) * ring * radius)
+            vertices.append((centre.x + p[0], centre.y + p[1], centre.z + p[2]))
+    for i in range(columns - 1 if upper_only else columns):
+        for j in range(rings):
+            k, n = i * (rings + 1), ((i + 1) % columns) * (rings + 1)
+            quads.append([k + j, n + j, n + j + 1, k + j + 1])
+    quads = np.array(quads)
+    return np.array(vertices), quads if upper_only else quads[:, ::-1]
+
+
+def build(name: str, rng: random.Random, *, coat: Coat) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """(armature, mesh) of a cat in its rest pose; the mesh is parented to the armature and skinned by it."""
+    skin = _skin()
+    seed = Vector((rng.uniform(0, 50), rng.uniform(0, 50), rng.uniform(0, 50)))
+    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, str | None, int]] = [
+        (skin.vertices, skin.faces, _markings(skin.vertices, coat, seed), None, 0)
+    ]
+    for side, suffix in ((1, ".L"), (-1, ".R")):
+        vertices, faces, bare = _ear(side)
+        marks = np.zeros((len(vertices), 4))
+        marks[:, 2], marks[:, 3] = 0.75 * bare, 1
+        marks[:, 0] = 0.5 * coat.stripes * (1 - bare)
+        parts.append((vertices, faces, marks, "ear" + suffix, 0))
+        eye = joint("eye" + suffix)
+        vertices, faces = _ball(eye, EYE_RADIUS_M, 20, 14)
+        parts.append((vertices, faces, np.zeros((len(vertices), 4)), "head", 1))
+        vertices, faces = _ball(eye, LID_RADIUS_M, 10, 14, upper_only=True)
+        marks = np.zeros((len(vertices), 4))
+        marks[:, 0] = 0.35 * coat.stripes
+        parts.append((vertices, faces, marks, "lid" + suffix, 0))
+
+    mesh = bpy.data.meshes.new(name)
+    offset, all_faces, material_index = 0, [], []
+    for vertices, faces, _, _, material in parts:
+        all_faces += (faces + offset).tolist()
+        material_index += [material] * len(faces)
+        offset += len(vertices)
+    points = np.concatenate([p[0] for p in parts])
+    mesh.from_pydata(points, [], all_faces)
+    mesh.polygons.foreach_set("material_index", material_index)
+    mesh.shade_smooth()
+    rest = mesh.attributes.new("rest_position", "FLOAT_VECTOR", "POINT")
+    rest.data.foreach_set("vector", points.astype(np.float32).ravel())
+    marks = np.concatenate([p[2] for p in parts]).astype(np.float32)
+    mesh.attributes.new("coat", "FLOAT_COLOR", "POINT").data.foreach_set("color", marks.ravel())
+    mesh.materials.append(interior.fur(f"{name}_fur", coat, rng))
+    mesh.materials.append(interior.cat_eye(f"{name}_eye", coat.eye, tuple(LIMB_JOINTS["eye"])))
+    mesh.update()
+
+    body = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(body)
+    armature = _armature(f"{name}_armature")
+    _bind(body, armature, skin, parts)
+    return armature, body
+
+
+def _armature(name: str) -> bpy.types.Object:
+    armature = bpy.data.objects.new(name, bpy.data.armatures.new(name))
+    bpy.context.scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    for bone in BONES:
+        edit = armature.data.edit_bones.new(bone.name)
+        side = bone.name[-2:] if bone.name.endswith((".L", ".R")) else ""
+        edit.head, edit.tail = joint(bone.head), joint(bone.tail)
+        if bone.name.startswith("lid"):
+            edit.tail = joint("eye" + side) + Vector((0, -0.02, 0))
+        if bone.parent:
+            edit.parent = armature.data.edit_bones[bone.parent]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return armature
+
+
+def _bind(body: bpy.types.Object, armature: bpy.types.Object, skin: _Skin, parts: list) -> None:
+    for bone in BONES:
+        body.vertex_groups.new(name=bone.name)
+    for column, group in enumerate(skin.groups):
+        target = body.vertex_groups[group]
+        for index in np.nonzero(skin.weights[:, column])[0]:
+            target.add([int(index)], float(skin.weights[index, column]), "REPLACE")
+    offset = 0
+    for vertices, _, _, bone, _ in parts:
+        if bone is not None:
+            body.vertex_groups[bone].add(list(range(offset, offset + len(vertices))), 1.0, "REPLACE")
+        offset += len(vertices)
+    body.parent = armature
+    body.matrix_parent_inverse = Matrix.Identity(4)
+    modifier = body.modifiers.new("armature", "ARMATURE")
+    modifier.object = armature

@@ -1,0 +1,1 @@
+"""Procedural materials, grouped by where they are met: outdoors, interiors, products, skin."""

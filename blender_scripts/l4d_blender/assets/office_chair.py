@@ -1,0 +1,40 @@
+"""An upholstered swivel chair.
+
+Owns the chair; knows nothing of who sits on it. The seat faces -Y; the castors stand on z = 0.
+"""
+
+from __future__ import annotations
+
+import random
+from math import cos, pi, sin
+
+import bpy
+
+from l4d_blender.assets import mesh
+from l4d_blender.assets.materials import products
+
+Colour = tuple[float, float, float]
+
+SEAT_M = 0.46
+
+
+def office_chair(name: str, rng: random.Random, *, cloth: Colour = (0.09, 0.10, 0.12)) -> bpy.types.Object:
+    """A chair with a seat at `SEAT_M` and a back up to 0.98 m."""
+    cover = products.woven_cloth(f"{name}_cover", cloth, rng, threads_per_m=320.0)
+    shell = products.satin_plastic(f"{name}_shell", (0.03, 0.03, 0.032), rng)
+    steel = products.metal(f"{name}_steel", (0.45, 0.45, 0.46), rng)
+    seat = mesh.move(mesh.bevel_box(f"{name}_seat", (0.48, 0.46, 0.09), 0.035, segments=4), z=SEAT_M - 0.09)
+    back = mesh.move(mesh.bevel_box(f"{name}_back", (0.44, 0.07, 0.50), 0.033, segments=4), z=SEAT_M + 0.02)
+    mesh.move(mesh.rotate(back, "X", -7.0), y=0.17)
+    parts = [mesh.set_material(seat, cover), mesh.set_material(back, cover)]
+    parts.append(mesh.set_material(mesh.move(mesh.cylinder(f"{name}_post", 0.028, 0.30, 20), z=0.08), steel))
+    for k in range(5):
+        a = 2 * pi * k / 5
+        leg = mesh.tube(
+            f"{name}_leg", [(0.0, 0.0, 0.10), (0.29 * cos(a), 0.29 * sin(a), 0.065)], [0.024, 0.016]
+        )
+        castor = mesh.ellipsoid(
+            f"{name}_castor", (0.028, 0.028, 0.028), 14, 10, (0.29 * cos(a), 0.29 * sin(a), 0.028)
+        )
+        parts += [mesh.set_material(leg, shell), mesh.set_material(castor, shell)]
+    return mesh.join(name, parts)

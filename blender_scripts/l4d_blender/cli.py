@@ -1,0 +1,175 @@
+"""The worker's command line: plan, render, preview. stdout carries JSON Lines, everything else is stderr.
+
+Exit codes: 0 done, 2 failure (the last line on stdout is then an event "error" with a hint).
+"""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import NoReturn
+
+from . import recipes
+from .recipes import WorkerError
+from .timeline import CAMERA_COUNT, LAST_FRAME
+
+
+def main(arguments: list[str] | None = None) -> NoReturn:
+    """Runs one command and ends the process at once (Blender's own shutdown may hang)."""
+    options = _parser().parse_args(arguments)
+    events = _Events()
+    try:
+        options.run(options, events)
+        code = 0
+    except WorkerError as error:
+        events.send("error", message=str(error), hint=error.hint)
+        code = 2
+    except OSError as error:
+        events.send("error", message=_os_message(error), hint=_os_hint(error))
+        code = 2
+    events.close()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+class _Events:
+    """The real stdout, kept for events.
+
+    Blender's C code prints a hundred lines per image to file descriptor 1: they go nowhere. What Python
+    prints goes to stderr.
+    """
+
+    def __init__(self) -> None:
+        sys.stdout.flush()
+        self._stream = os.fdopen(os.dup(1), "w", encoding="utf-8", buffering=1)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        os.close(nowhere)
+        sys.stdout = sys.stderr
+
+    def send(self, event: str, **fields: object) -> None:
+        self._stream.write(json.dumps({"event": event, **fields}) + "\n")
+        self._stream.flush()
+
+    def close(self) -> None:
+        self._stream.flush()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="l4d_blender", description=__doc__)
+    commands = parser.add_subparsers(required=True)
+
+    def recipe_options(command: argparse.ArgumentParser) -> None:
+        command.add_argument("--scene", required=True)
+        command.add_argument("--variant", type=int, default=0, help="0 is the benchmark")
+        command.add_argument("--seed", type=int, default=0)
+        command.add_argument(
+            "--recipes", type=Path, default=recipes.RECIPES, help="folder of <scene>.py files"
+        )
+
+    plan = commands.add_parser(
+        "plan", help="tracks.json, scene.usdc and plan.json of a scene: no picture yet"
+    )
+    recipe_options(plan)
+    plan.add_argument("--out", type=Path, required=True, help="folder of the scene")
+    plan.add_argument("--without-usd", action="store_true", help="tracks.json and plan.json only")
+    plan.set_defaults(run=_plan)
+
+    render = commands.add_parser("render", help="the images that a job lists, one EXR each")
+    render.add_argument("job", type=Path, metavar="JOB.json")
+    render.set_defaults(run=_render)
+
+    preview = commands.add_parser("preview", help="one PNG of some frames and views, for people")
+    recipe_options(preview)
+    preview.add_argument("--out", type=Path, required=True, help="folder of the PNG")
+    preview.add_argument("--name", help="file name without .png (default: the scene's name)")
+    preview.add_argument("--frames", type=_numbers(LAST_FRAME), default=[0, 48, 96])
+    views = preview.add_mutually_exclusive_group()
+    views.add_argument("--cameras", type=_numbers(CAMERA_COUNT - 1), help="such as 0,8")
+    views.add_argument("--views", type=int, default=2, help="so many cameras spread over the rig")
+    preview.add_argument("--size", type=_size, default=(256, 192))
+    preview.add_argument("--samples", type=int, default=4)
+    preview.add_argument("--ids", action="store_true", help="add a row of colour-coded ids below each view")
+    preview.set_defaults(run=_preview)
+    return parser
+
+
+def _plan(options: argparse.Namespace, events: _Events) -> None:
+    recipes.find(options.scene, options.recipes)
+    _make_folder(options.out)
+    scene, description = recipes.build(options.scene, options.variant, options.seed, options.recipes)
+    from . import plan
+
+    for message, numbers in plan.write(
+        scene, description, options.out, options.recipes, usd=not options.without_usd
+    ):
+        events.send("warning", message=message, numbers=numbers)
+    events.send("done")
+
+
+def _render(options: argparse.Namespace, events: _Events) -> None:
+    from . import worker
+
+    job = worker.read_job(options.job)
+    recipes.find(job.scene, job.recipes)
+    _make_folder(job.out)
+    worker.run(job, events.send)
+
+
+def _preview(options: argparse.Namespace, events: _Events) -> None:
+    scene, _ = recipes.build(options.scene, options.variant, options.seed, options.recipes)
+    from . import preview
+
+    count = max(options.views, 1)
+    spread = [round((i + 0.5) * CAMERA_COUNT / count - 0.5) for i in range(count)]
+    views = [scene.camera_rig[i].name for i in options.cameras or spread]
+    path = preview.write_sheet(
+        scene,
+        options.out,
+        options.frames,
+        views,
+        options.size,
+        options.samples,
+        ids=options.ids,
+        name=options.name,
+    )
+    events.send("preview", path=str(path), frames=options.frames, views=views)
+
+
+def _make_folder(folder: Path) -> None:
+    """Finds out now, not after an hour, that nothing can be written there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+
+
+def _numbers(largest: int):
+    def parse(text: str) -> list[int]:
+        numbers = [int(part) for part in text.split(",")]
+        if any(not 0 <= number <= largest for number in numbers):
+            raise argparse.ArgumentTypeError(f"numbers from 0 to {largest}, separated by commas")
+        return numbers
+
+    return parse
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    return int(width), int(height)
+
+
+def _os_message(error: OSError) -> str:
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error)
+
+
+def _os_hint(error: OSError) -> str:
+    if error.errno == errno.ENOSPC:
+        return "the disk is full: free some space and start again, finished frames are kept"
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return "choose a folder that you may write to"
+    return ""

@@ -1,0 +1,1 @@
+"""Bodies that act: each module animates one kind of body and records what it does as events."""

@@ -1,0 +1,197 @@
+"""The plan of one person: tracks over all frames, and the strokes that actions draw on them.
+
+Holds where body, feet, hands and gaze shall be, who holds what, and how deep a stoop reaches something. Knows
+no verbs and records no events but holding; people.py does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import pi
+
+import numpy as np
+from mathutils import Matrix
+
+from ..assets.anatomy import SIDES, vec
+from ..assets.person import Look, build_person
+from ..scene import Instance, RecipeError, Scene
+from ..timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from . import gait
+from .ik import ease, turn_z
+from .puppet import Puppet, Stance
+
+ROWS = np.arange(FRAME_COUNT)
+SIGN = dict(SIDES)
+Frames = tuple[int, int]
+CROUCH_M, BEND_RAD = 0.225, 1.10  # share of knees and of hips in a stoop of depth 1
+
+
+@dataclass
+class Wish:
+    """A hand's target over time: wins over earlier wishes as `weight` rises from 0 to 1."""
+
+    weight: np.ndarray
+    wrist: np.ndarray
+    rotation: np.ndarray | None
+    space: str
+    pole: np.ndarray | None = None
+
+
+@dataclass
+class Held:
+    """Something that moves with one or two hands from `first` to `last`."""
+
+    instance: Instance
+    sides: tuple[str, ...]
+    grips: list[np.ndarray]
+    first: int
+    last: int | None = None
+    rest_at: Matrix = field(default_factory=Matrix)
+    goal: Matrix | None = None
+    from_start: bool = False
+    bar_yaw: float | None = None
+    again: dict[str, Matrix] | None = None
+
+
+class PersonPlan:
+    """State and strokes of a person's plan; `Person` adds the verbs."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        name: str,
+        id: int,
+        *,
+        category: str,
+        look: Look,
+        attributes: Mapping[str, str] | None = None,
+        at: Sequence[float] = (0.0, 0.0),
+        heading_rad: float = 0.0,
+        ground_m: float = 0.0,
+    ) -> None:
+        self.scene, self.look, self.ground_m = scene, look, ground_m
+        self.body = build_person(name, look)
+        self.puppet = Puppet(self.body.anatomy, self.body.skirt)
+        self.instance = scene.instance(
+            name,
+            id,
+            category,
+            self.body.meshes,
+            attributes=attributes,
+            front="-y",
+            frame_object=self.body.rig,
+        )
+        self._k = self.body.anatomy.scale
+        self._phase = scene.rng(f"{name}/idle").uniform(0.0, 2.0 * pi)
+        xy = np.array(at[:2], float)
+        self._xy = np.tile(xy, (FRAME_COUNT, 1))
+        self._heading = np.full(FRAME_COUNT, float(heading_rad))
+        spots = {s: gait.stance_spot(self.body.anatomy, s, xy, heading_rad) for s, _ in SIDES}
+        self._feet = gait.FootTrack(self.body.anatomy, spots, heading_rad)
+        self._crouch, self._bend = np.zeros(FRAME_COUNT), np.zeros(FRAME_COUNT)
+        self._twist, self._lean = np.zeros(FRAME_COUNT), np.zeros(FRAME_COUNT)
+        self._slide = np.zeros((FRAME_COUNT, 2))
+        self._wishes: dict[str, list[Wish]] = {s: [] for s, _ in SIDES}
+        self._curl = {s: np.full(FRAME_COUNT, 0.28) for s, _ in SIDES}
+        self._point = {s: np.zeros(FRAME_COUNT) for s, _ in SIDES}
+        self._gazes: list[tuple[np.ndarray, object]] = []
+        self._held: list[Held] = []
+        self._lead = "l"
+        self._finished = False
+
+    def _stoop(self, first: int, last: int, depth: float, twist: float = 0.0) -> None:
+        u = ease((ROWS - first) / max(last - first, 1))
+        for name, goal in (
+            ("_crouch", CROUCH_M * self._k * depth),
+            ("_bend", min(BEND_RAD * depth, 1.45)),
+            ("_twist", twist),
+        ):
+            track = getattr(self, name)
+            setattr(self, name, np.where(first > ROWS, track, track[first] + (goal - track[first]) * u))
+
+    def _squat(self, first: int, last: int, depth: float) -> None:
+        """Turns a stoop into a squat: deeper knees, a more upright back."""
+        u = ease((ROWS - first) / max(last - first, 1))
+        self._crouch = self._crouch + 0.10 * self._k * depth * u
+        self._bend = self._bend * (1.0 - 0.35 * u)
+
+    def _depth_for(self, wrists: dict[str, np.ndarray], frame: int) -> float:
+        """How deep to stoop so that the arms reach their targets comfortably."""
+        heading = float(self._heading[frame])
+        for depth in np.linspace(0.0, 2.0, 41):
+            stance = self._torso_at(
+                frame, crouch=CROUCH_M * self._k * depth, bend=min(BEND_RAD * depth, 1.45)
+            )
+            gaps = []
+            for side, wrist in wrists.items():
+                local = turn_z(-heading) @ (wrist - np.array([*self._xy[frame], self.ground_m]))
+                arm = sum(self.puppet.arm[side])
+                gaps.append(float(np.linalg.norm(local - self.puppet.shoulder(stance, side))) / arm)
+            if max(gaps) < 0.93:
+                return float(depth)
+        raise RecipeError(
+            f"{self.instance.name} can't reach at frame {frame}: {100 * (max(gaps) - 0.93):.0f} % of an "
+            "arm's length is missing",
+            "stand closer, about where Person.reach_spot says",
+        )
+
+    def _wish(
+        self,
+        side: str,
+        frames: Frames,
+        wrist: np.ndarray,
+        rotation: np.ndarray | None,
+        space: str,
+        *,
+        pole: np.ndarray | None = None,
+        arc: float = 0.0,
+    ) -> None:
+        first, last = frames
+        u = ease((ROWS - first) / max(last - first, 1))
+        track = np.broadcast_to(wrist, (FRAME_COUNT, 3)).astype(float).copy()
+        track[:, 2] += arc * np.sin(pi * u) * (1 - u)
+        turned = None if rotation is None else np.broadcast_to(rotation, (FRAME_COUNT, 3, 3))
+        self._wishes[side].append(Wish(u, track, turned, space, pole))
+
+    def _lower(self, side: str, frames: Frames) -> None:
+        """Lets an arm sink to where it hangs."""
+        first, last = frames
+        if first < LAST_FRAME:
+            self._wishes[side].append(
+                Wish(ease((ROWS - first) / (last - first)), np.zeros((FRAME_COUNT, 3)), None, "hang")
+            )
+
+    def _close(self, side: str, frame: int, curl: float, within: int = 10) -> None:
+        u = ease((ROWS - frame) / within)
+        start = self._curl[side][max(frame, 0)]
+        self._curl[side] = np.where(frame > ROWS, self._curl[side], start + (curl - start) * u)
+
+    def _wish_rotation_at(self, side: str, frame: int) -> np.ndarray:
+        wish = [w for w in self._wishes[side] if w.space == "world" and w.weight[frame] > 0.99][-1:]
+        if wish:
+            return wish[0].rotation[frame]
+        return turn_z(float(self._heading[frame])) @ self._wishes[side][-1].rotation[frame]
+
+    def _track(self, target: Instance | Sequence[float]) -> np.ndarray:
+        if isinstance(target, Instance):
+            return np.array([np.array(target.matrix(f).translation) for f in range(FRAME_COUNT)])
+        return np.tile(np.array(target, float), (FRAME_COUNT, 1))
+
+    def _world(self, local: np.ndarray) -> np.ndarray:
+        return np.array(
+            [
+                np.array([*self._xy[f], self.ground_m]) + turn_z(float(self._heading[f])) @ local
+                for f in range(FRAME_COUNT)
+            ]
+        )
+
+    def _torso_at(self, frame: int, crouch: float, bend: float) -> Stance:
+        k, root = self._k, self.body.anatomy.joints["root"]
+        back = 0.17 * np.sin(bend) * k + 0.12 * crouch
+        return Stance(pelvis=root + vec(0, back, -0.012 * k - crouch), bend=bend)
+
+    def _report_hold(self, held: Held) -> None:
+        last = LAST_FRAME if held.last is None else held.last
+        if last - held.first + 1 >= MIN_EVENT_FRAMES:
+            self.scene.event(self.instance, "hold", (held.first, last), held.instance)

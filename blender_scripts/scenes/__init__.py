@@ -1,0 +1,1 @@
+"""Scene recipes: one module per scene, read top to bottom."""

@@ -1,0 +1,432 @@
+"""A farm yard in warm late-afternoon sun. Three buckets stand in a row between a haystack and a well; a
+fourth, the twin of the middle one, stands apart behind them. One woman walks up to it, bends down, lifts it
+and carries it away; another stands by the well and waves for a while. Three hens of one look share the
+foreground: one pecks in bouts, one walks and stops, one only stands and looks about.
+
+What tells look-alikes apart: the twin buckets differ by place and by who touches them, the women by what
+they do, the hens by what they do and when.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender import keys
+from l4d_blender.assets import barn, bucket, farm_tools, fence, ground, haystack, hen, mesh, tree, well
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.hens import HenActor
+from l4d_blender.motion.people import Person
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "outdoor"
+
+HAYSTACK = Vector((-1.95, 0.78, 0.0))
+WELL = Vector((2.02, 0.85, 0.0))
+BARN = Vector((-2.9, 8.9, 0.0))
+BARN_TURN = 0.22
+BARN_DOOR = Vector((-2.35, 6.3, 0.0))
+
+#: Where buckets stand: three in the row, one apart.
+ROW = {
+    "haystack": Vector((-1.33, -0.12, 0.0)),
+    "middle": Vector((0.02, -0.42, 0.0)),
+    "well": Vector((1.30, -0.18, 0.0)),
+}
+APART = Vector((0.20, 0.98, 0.0))
+NAMES = {
+    "haystack": "bucket_by_haystack",
+    "middle": "bucket_in_between",
+    "well": "bucket_by_well",
+    "apart": "bucket_fetched",
+}
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    bucket_looks: dict[str, str]
+    dresses: tuple[str, str]
+    hair: tuple[str, str]
+    plumage: str
+    wave: tuple[int, int]
+    peck: tuple[int, int]
+    sun_azimuth_deg: float
+    sun_elevation_deg: float
+
+
+BENCHMARK = Choices(
+    bucket_looks={"haystack": "red", "middle": "galvanised", "well": "blue", "apart": "galvanised"},
+    dresses=("pink", "green"),
+    hair=("blond", "dark_brown"),
+    plumage="russet",
+    wave=(18, 74),
+    peck=(17, 78),
+    sun_azimuth_deg=-118.0,
+    sun_elevation_deg=31.0,
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: the bucket in the middle of the row and the one apart are twins whatever their look."""
+    twin = rng.choice(["galvanised", "white", "green"])
+    others = [look for look in ("red", "blue", "yellow", "green", "galvanised") if look != twin]
+    first, second = rng.sample(others, 2)
+    dresses = rng.sample(["pink", "green", "yellow", "light_blue", "orange", "white"], 2)
+    hair = rng.sample(["blond", "dark_brown", "red", "black", "brown"], 2)
+    wave, peck = rng.randint(12, 26), rng.randint(13, 24)
+    return Choices(
+        bucket_looks={"haystack": first, "middle": twin, "well": second, "apart": twin},
+        dresses=(dresses[0], dresses[1]),
+        hair=(hair[0], hair[1]),
+        plumage=rng.choice(["russet", "white", "buff", "slate"]),
+        wave=(wave, wave + rng.randint(44, 58)),
+        peck=(peck, peck + rng.randint(47, 58)),
+        sun_azimuth_deg=rng.uniform(-145.0, -60.0),
+        sun_elevation_deg=rng.uniform(27.0, 40.0),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Sets the yard, puts those who act into it, and lights it."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    terrain = _yard(scene)
+    _surroundings(scene, terrain)
+    _landmarks(scene)
+    buckets = _buckets(scene, choices)
+    _women(scene, choices, buckets["apart"])
+    _hens(scene, choices)
+    _light(scene, choices)
+    scene.cameras(
+        (0.0, 0.2, 0.86),
+        radius_m=5.2,
+        heights_m=(1.45, 2.45),
+        arc_deg=166.0,
+        facing_deg=-90.0,
+        fov_deg=47.0,
+    )
+
+
+# --- the yard ---------------------------------------------------------------------------------------------
+
+
+def _yard(scene: Scene) -> ground.Terrain:
+    terrain = ground.Terrain(
+        seed=scene.rng("terrain").randrange(1 << 30),
+        yard=[((0.0, 0.2), 3.3), ((-1.2, 3.4), 2.4), ((-2.3, 5.6), 1.9)],
+        paths=[
+            ground.Path([(-2.4, 6.0), (-0.9, 2.8), (0.4, -1.5), (1.2, -4.5), (0.6, -14.0)], 0.75),
+            ground.Path(
+                [(-30.0, 5.5), (-11.0, 3.9), (-4.0, 3.2), (2.0, 3.9), (6.2, 5.6), (14.0, 12.0), (40.0, 24.0)],
+                1.15,
+                ruts=True,
+            ),
+        ],
+    )
+    covered = [(WELL, 0.62), (HAYSTACK, 0.75)]
+
+    def free(x: float, y: float) -> float:
+        inside_barn = abs(x - BARN.x) < 3.2 and abs(y - BARN.y) < 2.7
+        return 0.0 if inside_barn or any(math.hypot(x - c.x, y - c.y) < r for c, r in covered) else 1.0
+
+    short = ground.grass(
+        "turf", terrain, scene.rng("turf"), tufts=1500, radius_m=8.5, length_m=(0.04, 0.11), keep=free
+    )
+    rim = [(WELL, 0.66, 0.22), (HAYSTACK, 0.85, 0.25)]
+
+    def at_edges(x: float, y: float) -> float:
+        """Scythes miss what grows against stones, fences and walls."""
+        near = max((1.0 for c, r, w in rim if r < math.hypot(x - c.x, y - c.y) < r + w), default=0.0)
+        return free(x, y) * max(near, 0.25 if math.hypot(x, y) > 5.5 else 0.0)
+
+    tall = ground.grass(
+        "meadow", terrain, scene.rng("meadow"), tufts=700, radius_m=13.0, length_m=(0.12, 0.34), keep=at_edges
+    )
+    stones = ground.stones("stones", terrain, scene.rng("stones"), count=240, radius_m=7.0, keep=free)
+    litter = ground.straw_litter(
+        "litter",
+        terrain,
+        scene.rng("litter"),
+        spots=[
+            ((HAYSTACK.x, HAYSTACK.y), 1.5, 420),
+            ((BARN_DOOR.x, BARN_DOOR.y), 1.3, 160),
+            ((-0.3, -0.3), 2.6, 130),
+        ],
+    )
+    scene.scenery(ground.ground("ground", terrain), short, tall, stones, litter)
+    return terrain
+
+
+def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
+    """Trees and bushes behind the yard, woods on the skyline, tools that stand about: none annotated."""
+    rng = scene.rng("surroundings")
+
+    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float, turn: float) -> None:
+        copy = mesh.duplicate(model, name, linked=True)
+        copy.matrix_basis = (
+            Matrix.Translation((x, y, terrain.height(x, y) - 0.05))
+            @ Matrix.Rotation(turn, 4, "Z")
+            @ Matrix.Scale(scale, 4)
+        )
+        scene.scenery(copy)
+
+    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.5) for k in range(3)]
+    spots = [
+        (2.6, 11.5),
+        (5.4, 9.2),
+        (8.8, 8.6),
+        (12.0, 4.6),
+        (10.8, -1.6),
+        (15.5, 10.0),
+        (-8.4, 9.6),
+        (-10.2, 5.4),
+        (-12.5, 0.6),
+        (-10.6, -4.2),
+        (-14.5, 9.0),
+        (13.0, -5.5),
+    ]
+    for k, (x, y) in enumerate(spots):
+        model = trees[k % 3]
+        plant(
+            model,
+            f"tree_{k}",
+            x + rng.uniform(-0.4, 0.4),
+            y + rng.uniform(-0.4, 0.4),
+            rng.uniform(0.8, 1.15),
+            rng.uniform(0, 6.3),
+        )
+    bushes = [tree.bush(f"bush_model_{k}", scene.rng(f"bush{k}"), size_xyz=(1.7, 1.0, 1.1)) for k in range(2)]
+    for k, (x, y) in enumerate(
+        [
+            (1.2, 7.4),
+            (-6.9, 6.5),
+            (6.9, 5.7),
+            (8.6, 2.4),
+            (8.9, 0.7),
+            (-8.2, 2.9),
+            (-8.4, -1.2),
+            (-8.9, -2.6),
+            (4.6, 7.3),
+        ]
+    ):
+        plant(bushes[k % 2], f"bush_{k}", x, y, rng.uniform(0.75, 1.25), rng.uniform(0, 6.3))
+    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    for k in range(17):
+        azimuth = math.radians(-38.0 + 256.0 * k / 16)
+        distance = rng.uniform(32.0, 58.0)
+        plant(
+            woods[k % 2],
+            f"wood_{k}",
+            distance * math.cos(azimuth),
+            distance * math.sin(azimuth),
+            rng.uniform(0.9, 1.5),
+            azimuth + math.pi / 2 + rng.uniform(-0.3, 0.3),
+        )
+    for model in (*trees, *bushes, *woods):
+        bpy.data.objects.remove(model)
+
+    def put(thing: bpy.types.Object, x: float, y: float, turn: float = 0.0, tilt: float = 0.0) -> None:
+        thing.matrix_basis = (
+            Matrix.Translation((x, y, terrain.height(x, y)))
+            @ Matrix.Rotation(turn, 4, "Z")
+            @ Matrix.Rotation(tilt, 4, "X")
+        )
+        scene.scenery(thing)
+
+    door = Matrix.Translation(BARN) @ Matrix.Rotation(BARN_TURN, 4, "Z")
+    ladder_foot = door @ Vector((1.75, -3.2, 0.0))
+    put(farm_tools.ladder("ladder", rng), ladder_foot.x, ladder_foot.y, BARN_TURN, -0.19)
+    for k, (x, y, turn) in enumerate([(2.2, -3.3, 0.1), (2.35, -3.85, -0.25)]):
+        spot = door @ Vector((x, y, 0.0))
+        put(haystack.hay_bale(f"bale_{k}", rng), spot.x, spot.y, BARN_TURN + turn)
+    for k, (x, y) in enumerate([(-1.75, -2.95), (-2.15, -3.05)]):
+        spot = door @ Vector((x, y, 0.0))
+        put(farm_tools.milk_churn(f"churn_{k}", rng), spot.x, spot.y, rng.uniform(0, 3))
+    lean = Matrix.Translation(HAYSTACK + Vector((0.62, -0.60, 0.0))) @ Matrix.Rotation(0.75, 4, "Z")
+    fork = farm_tools.hay_fork("fork")
+    fork.matrix_basis = lean @ Matrix.Rotation(-0.30, 4, "X")
+    scene.scenery(fork)
+
+
+def _landmarks(scene: Scene) -> None:
+    stack = haystack.haystack("haystack", scene.rng("haystack"))
+    stack.location = HAYSTACK
+    draw_well = well.well("well", scene.rng("well"))
+    draw_well.matrix_basis = Matrix.Translation(WELL) @ Matrix.Rotation(-0.35, 4, "Z")
+    shed = barn.barn("barn", scene.rng("barn"))
+    shed.matrix_basis = Matrix.Translation(BARN) @ Matrix.Rotation(BARN_TURN, 4, "Z")
+    rails = fence.fence("fence", scene.rng("fence"), [(0.9, 7.0), (3.6, 6.6)])
+    east = fence.fence(
+        "fence_east", scene.rng("fence_east"), [(6.4, 4.7), (7.5, 2.2), (7.6, -2.0), (7.2, -5.5)]
+    )
+    west = fence.fence("fence_west", scene.rng("fence_west"), [(-6.0, 6.6), (-7.3, 4.6)])
+    far_west = fence.fence(
+        "fence_far_west", scene.rng("fence_far_west"), [(-7.6, 1.9), (-7.6, -1.5), (-7.3, -5.0)]
+    )
+    barrow = farm_tools.wheelbarrow("wheelbarrow")
+    barrow.matrix_basis = Matrix.Translation((-1.05, 3.60, 0.0)) @ Matrix.Rotation(1.0, 4, "Z")
+    scene.instance("well", 1001, "well", draw_well)
+    scene.instance("haystack", 1002, "haystack", stack)
+    scene.instance("barn", 1003, "barn", shed, front="-y")
+    scene.instance("fence", 1004, "fence", [rails, east, west, far_west])
+    scene.instance("wheelbarrow", 1005, "wheelbarrow", barrow, front="-y")
+
+
+# --- those who act ----------------------------------------------------------------------------------------
+
+
+def _buckets(scene: Scene, choices: Choices) -> dict[str, Instance]:
+    rng = scene.rng("buckets")
+    looks = choices.bucket_looks
+    plan = {
+        "haystack": (ROW["haystack"], 1.25, None),
+        "middle": (ROW["middle"], 0.0, None),
+        "well": (ROW["well"], -1.25, "water"),
+        "apart": (APART, 0.0, None),
+    }
+    instances = {}
+    for id, (place, (spot, bail, filling)) in enumerate(plan.items(), 1):
+        name = NAMES[place]
+        body = bucket.bucket(
+            name, scene.rng(f"bucket/{place}"), look=looks[place], bail_angle=bail, filling=filling
+        )
+        jitter = Vector((rng.uniform(-0.05, 0.05), rng.uniform(-0.05, 0.05), 0.0))
+        body.matrix_basis = Matrix.Translation(spot + jitter) @ Matrix.Rotation(
+            rng.uniform(-0.6, 0.6), 4, "Z"
+        )
+        material = "metal" if looks[place] == "galvanised" else "painted"
+        instances[place] = scene.instance(
+            name,
+            id,
+            "bucket",
+            body,
+            attributes={
+                "colour": "grey" if looks[place] == "galvanised" else looks[place],
+                "material": material,
+                "content": filling or "empty",
+            },
+        )
+    return instances
+
+
+def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
+    """One fetches the bucket that stands apart, the other waves from the well."""
+    rng = scene.rng("women")
+    fetcher_look = Look(
+        build="woman",
+        height_m=1.67,
+        skin="fair",
+        hair="ponytail",
+        hair_colour=choices.hair[0],
+        bottom="dress",
+        sleeve="short",
+        lower=Cloth(choices.dresses[0]),
+        apron=Cloth("beige"),
+        shoes="boots",
+        shoe_colour="brown",
+        seed=rng.randrange(1000),
+    )
+    waver_look = Look(
+        build="woman",
+        height_m=1.71,
+        girth=1.06,
+        skin="tan",
+        hair="bun",
+        hair_colour=choices.hair[1],
+        bottom="dress",
+        sleeve="elbow",
+        lower=Cloth(choices.dresses[1], "dots", repeat_m=0.05),
+        shoes="boots",
+        shoe_colour="black",
+        seed=rng.randrange(1000),
+    )
+
+    fetcher = Person(
+        scene,
+        "woman_fetching",
+        5,
+        category="woman",
+        look=fetcher_look,
+        attributes={"dress": choices.dresses[0], "pattern": "plain", "apron": "beige"},
+        at=(0.22, 2.80),
+        heading_rad=0.10,
+    )
+    facing = -0.80
+    fetcher.walk_to(
+        fetcher.reach_spot(wanted.matrix(0).translation, facing, side="l"), (0, 30), facing_rad=facing
+    )
+    fetcher.lift(
+        wanted,
+        (0.0, 0.0, bucket.GRIP_Z_M),
+        (30, 58),
+        side="l",
+        bar=(1.0, 0.0, 0.0),
+        clear_m=bucket.RIM_RADIUS_M,
+    )
+    fetcher.walk_along([(-0.22, 1.42), (-0.62, 1.72)], (58, LAST_FRAME))
+    fetcher.finish()
+
+    waver = Person(
+        scene,
+        "woman_waving",
+        6,
+        category="woman",
+        look=waver_look,
+        attributes={"dress": choices.dresses[1], "pattern": "dotted", "apron": "none"},
+        at=(1.06, 0.66),
+        heading_rad=-0.45,
+    )
+    waver.stand()
+    waver.wave(choices.wave, side="r")
+    waver.finish()
+
+
+def _hens(scene: Scene, choices: Choices) -> None:
+    def actor(name: str, id: int, x: float, y: float, heading: float) -> HenActor:
+        bird = hen.hen(name, scene.rng(name), plumage=choices.plumage)
+        instance = scene.instance(
+            name,
+            id,
+            "hen",
+            bird,
+            attributes={"colour": choices.plumage},
+            front="-y",
+            frame_object=bird.parent,
+        )
+        return HenActor(instance, Vector((x, y, 0.0)), heading, scene.rng(f"{name}/acts"))
+
+    pecker = actor("hen_pecking", 7, -0.62, -1.18, 0.9)
+    first, last = choices.peck
+    pecker.stand(0, first - 1)
+    pecker.peck(first, last)
+    pecker.stand(last + 1, LAST_FRAME)
+    pecker.finish()
+
+    way = keys.Path([(0.02, -1.56), (0.35, -1.52), (0.62, -1.36), (0.80, -1.14)])
+    start = way.point(0.0), way.tangent(0.0)
+    walker = actor("hen_walking", 8, start[0].x, start[0].y, math.atan2(start[1].x, -start[1].y))
+    walker.walk(way, 0, 72)
+    walker.stand(73, LAST_FRAME)
+    walker.finish()
+
+    watcher = actor("hen_watching", 9, 0.60, -0.12, -0.7)
+    watcher.stand(0, LAST_FRAME)
+    watcher.finish()
+
+
+# --- light ------------------------------------------------------------------------------------------------
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    # The sky of a lower sun is the warmer one; shadows keep the length that leaves the yard readable.
+    scene.sky(sun_elevation_deg=elevation - 12.0, sun_azimuth_deg=azimuth, strength=0.22)
+    scene.sun(
+        elevation_deg=elevation, azimuth_deg=azimuth, strength=6.2, angle_deg=1.6, colour=(1.0, 0.77, 0.50)
+    )

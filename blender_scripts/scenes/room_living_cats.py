@@ -1,0 +1,371 @@
+"""Three cats in a sunny living room: one sleeps, one plays with a ball of wool, one comes and takes over.
+
+Story. Two of the three cats are twins (variant 0: grey tabbies; the third is orange and white), and so are
+two red balls of wool. One twin lies curled up asleep on the sofa. The other sits by the window, gets up, then
+walks across the rug and settles before a ball. Meanwhile the third cat bats that ball to and fro between its
+paws and knocks it away over the rug; it rolls to where the walker arrives, who bats it in turn, while the
+first player sits down and looks on. The twin ball lies still under the low table, a toy mouse on the rug. By
+looks alone neither twin cat and neither ball can be told from the other, and who plays with the ball depends
+on the time.
+
+Axes: the floor is z = 0, the sofa's wall at +Y, cameras on the -Y side; metres; a heading of 0 faces -Y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, radians, sin
+
+import bpy
+from mathutils import Matrix
+
+from l4d_blender.assets import (
+    armchair,
+    bookcase,
+    cat,
+    cat_tree,
+    coffee_table,
+    cushion,
+    floor_lamp,
+    houseplant,
+    picture_frame,
+    room,
+    rug,
+    sofa,
+    toy_mouse,
+    window,
+    yarn_ball,
+)
+from l4d_blender.assets.materials import interior
+from l4d_blender.motion.cats import Ball, Cat, Ground, Tap, level
+from l4d_blender.scene import Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "room"
+
+BACK_WALL_Y = 1.50
+HALF_WIDTH = 3.1
+FRONT_Y = -3.2
+
+# Where things stand: x, y, heading.
+SOFA = (-0.68, 1.05, 0.0)
+LOW_TABLE = (-0.42, 0.16, 0.0)
+RUG = (0.06, -0.12, 0.0)
+WINDOW_X = 1.02
+BOOKCASE = (-2.06, 1.34, 0.0)
+ARMCHAIR = (1.86, 0.42, -1.15)
+LAMP = (0.40, 1.27, 0.0)
+PLANT = (1.95, 1.20, 0.0)
+CAT_TREE = (-2.15, 0.40, 0.5)
+BALL_UNDER_TABLE = (-0.40, 0.10)
+TOY_MOUSE = (0.76, -0.34, -0.5)
+SLEEPER = (-0.36, 0.90, -1.15)
+WALKER = (0.90, 0.88, -0.35)
+PLAYER = (-0.66, -0.40, 0.60)
+
+BALL_RADIUS_M = 0.076
+REACH_M = 0.295  # from the middle of a poised cat to the ball that it bats
+RUG_TOP_M = rug.THICKNESS_M
+RUG_SIZE_M = (2.15, 1.50)
+
+
+@dataclass(frozen=True)
+class Cast:
+    """Coats of the three roles; exactly two of them are equal."""
+
+    sleeper: cat.Coat
+    walker: cat.Coat
+    player: cat.Coat
+
+
+CASTS = (
+    Cast(cat.GREY_TABBY, cat.GREY_TABBY, cat.ORANGE),
+    Cast(cat.ORANGE, cat.GREY_TABBY, cat.ORANGE),
+    Cast(cat.BLACK, cat.ORANGE, cat.ORANGE),
+    Cast(cat.BLACK, cat.BLACK, cat.GREY_TABBY),
+)
+COLOURS = {
+    "grey_tabby": {"colour": "grey", "pattern": "striped"},
+    "orange": {"colour": "orange", "pattern": "white_bib"},
+    "black": {"colour": "black", "pattern": "plain"},
+}
+UPHOLSTERY = ((0.10, 0.19, 0.21), (0.30, 0.12, 0.09), (0.16, 0.20, 0.11))
+ARMCHAIR_CLOTH = ((0.52, 0.30, 0.07), (0.12, 0.18, 0.27), (0.45, 0.36, 0.26))
+WALLS = (
+    ((0.44, 0.47, 0.38), (0.58, 0.60, 0.50)),
+    ((0.50, 0.45, 0.37), (0.62, 0.57, 0.48)),
+    ((0.36, 0.43, 0.47), (0.50, 0.56, 0.58)),
+)
+
+
+class Stage:
+    """The layout of one variant: mirrored or not, everything a few centimetres off, looks drawn by seed."""
+
+    def __init__(self, scene: Scene) -> None:
+        rng = scene.rng("stage")
+        benchmark = scene.variant == 0
+        self.scene = scene
+        self.mirror = 1 if benchmark else rng.choice((1, -1))
+        self.cast = CASTS[0] if benchmark else rng.choice(CASTS)
+        self.look = 0 if benchmark else rng.randrange(3)
+        self.jitter = rng
+
+    def spot(self, place: tuple[float, float, float], loose_m: float = 0.02) -> tuple[float, float, float]:
+        """A place of the layout in this variant."""
+        x, y, heading = place
+        dx, dy = self.jitter.uniform(-loose_m, loose_m), self.jitter.uniform(-loose_m, loose_m)
+        return self.mirror * (x + dx), y + dy, self.mirror * (heading + self.jitter.uniform(-2, 2) * loose_m)
+
+    def x(self, x: float) -> float:
+        """An x of the layout in this variant."""
+        return self.mirror * x
+
+    def paw(self, paw: str) -> str:
+        """The same side as seen from the layout."""
+        return paw if self.mirror > 0 else {"fore.L": "fore.R", "fore.R": "fore.L"}[paw]
+
+
+def build(scene: Scene) -> None:
+    """Sets the stage, lets the cats act, lights it and places the cameras."""
+    stage = Stage(scene)
+    furnish(stage)
+    toys = put_toys(stage)
+    let_cats_play(stage, toys)
+    light(stage)
+    scene.cameras(
+        (0.02, 0.20, 0.33),
+        radius_m=2.68,
+        heights_m=(1.15, 1.50, 0.95, 1.35),
+        arc_deg=110,
+        facing_deg=-90,
+        fov_deg=47,
+    )
+
+
+def put(obj: bpy.types.Object, place: tuple[float, float, float], z: float = 0.0) -> bpy.types.Object:
+    """Stands an asset on the floor (or at a height)."""
+    x, y, heading = place
+    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(heading, 4, "Z")
+    return obj
+
+
+def furnish(stage: Stage) -> None:
+    """The room, its furniture as landmarks, and the clutter that nobody asks about."""
+    scene, rng = stage.scene, stage.scene.rng("furniture")
+    wall, figure = WALLS[stage.look]
+    scene.scenery(
+        *room.build(
+            "room",
+            rng,
+            half_width_m=HALF_WIDTH,
+            back_m=BACK_WALL_Y,
+            front_m=FRONT_Y,
+            wall=wall,
+            figure=figure,
+        )
+    )
+
+    couch_at = stage.spot(SOFA)
+    couch = put(sofa.build("sofa_body", rng, colour=UPHOLSTERY[stage.look]), couch_at)
+    scene.instance("sofa", 1001, "sofa", [couch, *cushions(stage, couch_at)], front="-y")
+
+    table_at = stage.spot(LOW_TABLE)
+    table = put(coffee_table.build("low_table", rng, size_m=(0.84, 0.48)), table_at)
+    scene.instance("low_table", 1002, "table", table)
+    for thing, dx, dy, turn in (
+        (coffee_table.fruit_bowl("fruit_bowl", rng), 0.05, 0.03, 0.0),
+        (coffee_table.mug("mug", rng, colour=(0.62, 0.24, 0.12)), 0.30, -0.12, 0.8),
+        (coffee_table.book_stack("table_books", rng), -0.27, -0.02, 0.3),
+    ):
+        scene.scenery(put(thing, (table_at[0] + dx, table_at[1] + dy, turn), coffee_table.HEIGHT_M))
+
+    carpet = rug.build("rug", rng, size_m=RUG_SIZE_M, palette=rug.PALETTES[stage.look])
+    scene.instance("rug", 1003, "rug", put(carpet, (stage.x(RUG[0]), RUG[1], 0.0)))
+
+    casement = window.build(
+        "window", rng, curtain=((0.62, 0.45, 0.22), (0.30, 0.36, 0.30), (0.55, 0.28, 0.20))[stage.look]
+    )
+    for part in casement:
+        put(part, (stage.x(WINDOW_X), BACK_WALL_Y, 0.0))
+    scene.instance("window", 1004, "window", casement, front="-y")
+
+    shelves = put(bookcase.build("bookcase", rng), stage.spot(BOOKCASE, 0.01))
+    scene.instance("bookcase", 1005, "bookcase", shelves, front="-y")
+    chair = put(armchair.build("armchair", rng, colour=ARMCHAIR_CLOTH[stage.look]), stage.spot(ARMCHAIR))
+    scene.instance("armchair", 1006, "armchair", chair, front="-y")
+
+    scene.scenery(
+        put(floor_lamp.build("floor_lamp", rng), stage.spot(LAMP)),
+        put(houseplant.build("plant", rng), stage.spot(PLANT)),
+        put(
+            houseplant.build("small_plant", rng, height_m=0.55, stems=8, pot=(0.45, 0.16, 0.08)),
+            stage.spot((-2.62, 1.05, 0.0)),
+        ),
+        put(cat_tree.build("cat_tree", rng), stage.spot(CAT_TREE)),
+    )
+    for k, (x, z, size) in enumerate(
+        ((-1.16, 0.97, (0.36, 0.46)), (-0.68, 1.02, (0.44, 0.34)), (-0.20, 0.97, (0.34, 0.44)))
+    ):
+        picture = picture_frame.build(f"picture_{k}", rng, size_m=size, palette=k + stage.look)
+        scene.scenery(put(picture, (stage.x(x), BACK_WALL_Y, 0.0), z))
+
+
+def cushions(stage: Stage, couch: tuple[float, float, float]) -> list[bpy.types.Object]:
+    """Scatter cushions that lean on the sofa's back and arms."""
+    rng = stage.scene.rng("cushions")
+    stripes = interior.striped_cloth("cushion_stripes", ((0.62, 0.55, 0.42), (0.45, 0.12, 0.07)), rng)
+    plain = interior.cloth("cushion_plain", (0.58, 0.36, 0.08), rng)
+    pale = interior.cloth("cushion_pale", (0.60, 0.56, 0.48), rng)
+    made = []
+    for k, (cloth, dx, dy, turn, size) in enumerate(
+        (
+            (stripes, -0.55, 0.03, 0.45, 0.40),
+            (plain, -0.33, 0.09, -0.10, 0.36),
+            (pale, 0.57, 0.05, -0.55, 0.38),
+        )
+    ):
+        pillow = cushion.build(f"cushion_{k}", rng, size_m=(size, size), material=cloth)
+        x, y, heading = couch[0] + stage.x(dx), couch[1] + dy, stage.mirror * turn
+        lean = Matrix.Rotation(-radians(rng.uniform(16, 22)), 4, "X")
+        pillow.matrix_basis = (
+            Matrix.Translation((x, y, sofa.SEAT_HEIGHT_M - 0.005)) @ Matrix.Rotation(heading, 4, "Z") @ lean
+        )
+        made.append(pillow)
+    return made
+
+
+@dataclass(frozen=True)
+class Toys:
+    """The two balls: one that is played with, one that lies under the table."""
+
+    played: Ball
+    still: Ball
+
+
+def put_toys(stage: Stage) -> Toys:
+    """Two equal balls of wool and a toy mouse; the first ball lies within reach of the player's paws."""
+    scene = stage.scene
+    ball_at = ahead_of(stage, PLAYER)
+    spin = scene.rng("spin")
+    balls = []
+    for name, id, (x, y), floor in (
+        ("yarn_ball_played", 4, ball_at, RUG_TOP_M),
+        ("yarn_ball_still", 5, (stage.x(BALL_UNDER_TABLE[0]), BALL_UNDER_TABLE[1]), RUG_TOP_M),
+    ):
+        body = yarn_ball.build(name, scene.rng("wool"), radius_m=BALL_RADIUS_M)
+        toy = scene.instance(name, id, "toy", body, attributes={"kind": "yarn_ball", "colour": "red"})
+        balls.append(Ball(toy, BALL_RADIUS_M, (x, y), floor, turn=spin.uniform(0, 6)))
+    mouse = put(toy_mouse.build("toy_mouse", scene.rng("toy_mouse")), stage.spot(TOY_MOUSE), RUG_TOP_M)
+    scene.instance("toy_mouse", 6, "toy", mouse, attributes={"kind": "mouse", "colour": "grey"}, front="-y")
+    return Toys(*balls)
+
+
+def ahead_of(stage: Stage, place: tuple[float, float, float], aside_m: float = 0.0) -> tuple[float, float]:
+    """Where a cat poised at a place of the layout has a ball before its paws (`aside_m` to its left)."""
+    x, y, heading = place
+    return (
+        stage.x(x + REACH_M * sin(heading) + aside_m * cos(heading)),
+        y - REACH_M * cos(heading) + aside_m * sin(heading),
+    )
+
+
+def let_cats_play(stage: Stage, toys: Toys) -> None:
+    """The action, in the order of time: batting, the long roll, the walk, the second player."""
+    scene, ball, cast, m = stage.scene, toys.played, stage.cast, stage.mirror
+
+    def animal(
+        name: str, id: int, coat: cat.Coat, place: tuple[float, float, float], posture: str, ground: Ground
+    ) -> Cat:
+        x, y, heading = place
+        return Cat(
+            scene,
+            name,
+            id,
+            coat=coat,
+            at=(m * x, y),
+            heading=m * heading,
+            ground=ground,
+            posture=posture,
+            tail_side=m,
+            attributes=COLOURS[coat.name],
+        )
+
+    def on_floor(x: float, y: float) -> float:
+        on_rug = abs(m * x - RUG[0]) < RUG_SIZE_M[0] / 2 and abs(y - RUG[1]) < RUG_SIZE_M[1] / 2
+        return RUG_TOP_M if on_rug else 0.0
+
+    # It curls the same way round in a mirrored room, and its face should show.
+    asleep_at = (SLEEPER[0], SLEEPER[1], m * SLEEPER[2])
+    sleeper = animal("cat_sleeper", 1, cast.sleeper, asleep_at, "sleep", level(sofa.SEAT_HEIGHT_M - 0.004))
+    walker = animal("cat_walker", 2, cast.walker, WALKER, "sit", on_floor)
+    player = animal("cat_player", 3, cast.player, PLAYER, "poise", on_floor)
+
+    sleeper.sleep((0, LAST_FRAME))
+
+    near, far = ahead_of(stage, PLAYER, -0.045), ahead_of(stage, PLAYER, 0.055)
+    rest = ahead_of(stage, PLAYER, 0.70)
+    ball.place(far)
+    player.play_with(
+        ball,
+        [
+            Tap(6, stage.paw("fore.L"), near, 17),
+            Tap(17, stage.paw("fore.R"), far, 28),
+            Tap(28, stage.paw("fore.L"), near, 39),
+            Tap(39, stage.paw("fore.R"), rest, 68),
+        ],
+        (0, 46),
+    )
+
+    start, goal = WALKER, (0.36, 0.02)
+    toward = atan2(m * rest[0] - goal[0], goal[1] - rest[1])
+    stop = (m * rest[0] - REACH_M * sin(toward), rest[1] + REACH_M * cos(toward), toward)
+    walker.sit((0, 13))
+    walker.stand_up((13, 23))
+    walker.walk_along(
+        [
+            (m * (0.5 * start[0] + 0.5 * stop[0] + 0.08), 0.5 * start[1] + 0.5 * stop[1]),
+            (m * stop[0], stop[1]),
+        ],
+        (23, 66),
+    )
+    walker.poise((66, 75))
+    left = ahead_of(stage, stop, 0.10)
+    walker.play_with(
+        ball,
+        [Tap(76, stage.paw("fore.R"), left, 86), Tap(86, stage.paw("fore.L"), rest, 96)],
+        (72, LAST_FRAME),
+    )
+
+    player.sit_down((56, 72))
+    player.watch(ball.centres, (46, LAST_FRAME), event_object=ball.instance)
+    player.sit((72, LAST_FRAME))
+    for actor in (sleeper, walker, player, ball, toys.still):
+        actor.finish()
+
+
+def light(stage: Stage) -> None:
+    """Daylight from the window, a sunbeam on the rug, the house from the open side, a warm lamp."""
+    scene, m = stage.scene, stage.mirror
+    scene.exposure = 1.12
+    scene.hdri("interior", strength=0.46, rotation=1.2 if m > 0 else -1.2)
+    scene.area_light(
+        "window_light",
+        (m * WINDOW_X, BACK_WALL_Y - 0.22, 1.35),
+        (m * 0.2, -0.5, 0.1),
+        size_m=(1.0, 1.2),
+        power_w=13,
+        colour=(0.92, 0.96, 1.0),
+    )
+    patch = scene.area_light(
+        "sunbeam",
+        (m * 2.1, 1.2, 2.6),
+        (m * 0.35, -0.25, 0.0),
+        size_m=(0.7, 0.9),
+        power_w=13,
+        colour=(1.0, 0.83, 0.58),
+    )
+    patch.data.spread = radians(26)
+    lamp_x, lamp_y, _ = LAMP
+    scene.point_light(
+        "lamp_glow", (m * lamp_x, lamp_y - 0.02, floor_lamp.SHADE_HEIGHT_M - 0.2), power_w=5, radius_m=0.12
+    )

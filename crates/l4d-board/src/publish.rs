@@ -1,0 +1,82 @@
+//! Writing a board: everything is made in memory first, so that a refusal leaves the folder as it was.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::store::write_atomic;
+
+use crate::error::BoardError;
+use crate::figures::{self, Figure};
+use crate::rank::Board;
+use crate::{markdown, table};
+
+/// Writes tables, page and figures into `folder`, each file through a temporary neighbour and rename; gives the
+/// paths in order. Files of other names stay.
+pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
+    let mut files = vec![
+        ("leaderboard.csv".to_owned(), table::leaderboard(board)?),
+        ("per_category.csv".to_owned(), table::per_category(board)?),
+        ("per_scale.csv".to_owned(), table::per_scale(board)?),
+        ("per_scene.csv".to_owned(), table::per_scene(board)?),
+    ];
+    let mut shown = Vec::new();
+    for Figure { name, caption, drawing } in figures::all(board) {
+        let svg = format!("figures/{name}.svg");
+        files.push((svg.clone(), figures::svg(name, &drawing)?.into_bytes()));
+        files.push((format!("figures/{name}.png"), figures::png(name, &drawing)?));
+        shown.push((svg, caption));
+    }
+    // The page comes last: when it is new, so is everything that it shows.
+    files.push(("leaderboard.md".to_owned(), markdown::page(board, &shown).into_bytes()));
+
+    let mut paths = Vec::new();
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        write_atomic(&path, &bytes)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample;
+
+    fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+        let mut files = Vec::new();
+        for part in [folder.to_owned(), folder.join("figures")] {
+            for entry in std::fs::read_dir(part).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_file() {
+                    files.push((path.clone(), std::fs::read(path).unwrap()));
+                }
+            }
+        }
+        files.sort();
+        files
+    }
+
+    #[test]
+    fn a_second_run_replaces_files_with_the_same_bytes_and_leaves_others() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("leaderboard.csv"), "old").unwrap();
+        std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+        let mut paths = publish(&sample::hand_made(), folder.path()).unwrap();
+        let first = files(folder.path());
+        publish(&sample::hand_made(), folder.path()).unwrap();
+        assert_eq!(files(folder.path()), first);
+        paths.push(folder.path().join("notes.txt"));
+        paths.sort();
+        assert_eq!(first.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>(), paths);
+        assert_eq!(paths.len(), 14);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let blocked = folder.path().join("file");
+        std::fs::write(&blocked, "a file").unwrap();
+        let error = publish(&sample::hand_made(), &blocked).unwrap_err();
+        assert!(error.to_string().contains("file"), "{error}");
+    }
+}

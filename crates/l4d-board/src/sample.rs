@@ -1,0 +1,157 @@
+//! Made-up boards for tests.
+
+use std::collections::BTreeMap;
+
+use l4d_data::{Category, Name, Profile, Scale};
+use l4d_score::{Average, Breakdown, Metrics};
+
+use crate::rank::Board;
+use crate::row::{BoardRow, Heading};
+
+pub(crate) fn heading(queries: usize, verified: usize) -> Heading {
+    Heading {
+        benchmark: "Panoptic-L4D".to_owned(),
+        version: "1.0.0".to_owned(),
+        truth_digest: "3f2a91c0".to_owned(),
+        protocol: "l4d".to_owned(),
+        profile: Profile::Small,
+        queries,
+        verified,
+    }
+}
+
+/// A row with one number everywhere.
+pub(crate) fn row(name: &str, queries: usize, value: f64) -> BoardRow {
+    let all = |queries| Metrics {
+        queries,
+        miou: Some(value),
+        macc: Some(value),
+        acc25: Some(value),
+        acc50: Some(value),
+        tube_iou: Some(value),
+        select: Some(value),
+        false_positive_rate: Some(100.0 - value),
+    };
+    BoardRow {
+        name: Name::new(name).unwrap(),
+        version: "0.1".to_owned(),
+        link: String::new(),
+        profile: Profile::Small,
+        protocol: "l4d".to_owned(),
+        benchmark_version: "1.0.0".to_owned(),
+        truth_digest: "3f2a91c0".to_owned(),
+        ground_truth: false,
+        test_view: false,
+        partial: false,
+        seconds: None,
+        asked: queries,
+        scores: Breakdown {
+            headline: all(queries),
+            categories: Category::ALL.map(|key| (key, all(queries / 4))).into(),
+            scales: Scale::ALL.map(|key| (key, all(queries / 3))).into(),
+            scenes: BTreeMap::from([(Name::new("room_living_cats").unwrap(), all(queries))]),
+            averages: BTreeMap::from([(Average::Micro, all(queries))]),
+        },
+        frames: (0..=96).step_by(2).map(|frame| (frame, value)).collect(),
+    }
+}
+
+/// Two tied methods, a third, an oracle, a partial one, and one of another profile; four queries.
+pub(crate) fn hand_made() -> Board {
+    let mut alpha = row("alpha", 4, 62.5);
+    alpha.link = "https://example.org/alpha".to_owned();
+    alpha.link.clear();
+    alpha.seconds = Some(12.34);
+    let mut beta = row("beta", 4, 62.5);
+    beta.scores.headline.macc = Some(75.0);
+    let mut gamma = row("gamma", 4, 50.0);
+    gamma.scores.headline.select = None;
+    gamma.scores.categories.remove(&Category::Spatial);
+    let mut oracle = row("oracle", 4, 100.0);
+    oracle.ground_truth = true;
+    let partial = row("half", 2, 80.0);
+    let mut foreign = row("elsewhere", 4, 99.0);
+    foreign.profile = Profile::Tiny;
+    Board::new(heading(4, 1), vec![gamma, foreign, beta, partial, oracle, alpha]).unwrap()
+}
+
+/// The baselines as they come out in truth, and `methods` made-up methods.
+pub(crate) fn board(methods: usize) -> Board {
+    let mut rows = Vec::new();
+    let names = [
+        "panopticquery",
+        "panopticquery-fast",
+        "4dlangsplat",
+        "langsplat-per-frame",
+        "feature4x",
+        "sam2-track",
+    ];
+    for index in 0..methods.saturating_sub(6).max(methods.min(1)) {
+        let value = 71.3 * 0.9_f64.powi(index as i32);
+        let name = names.get(index).map_or_else(|| format!("method-{index}"), |&name| name.to_owned());
+        let mut row = varied(&name, value, index as f64);
+        row.scores.headline.tube_iou = Some((value - 6.0 - 2.0 * index as f64).max(0.0));
+        row.scores.headline.select = Some((value + 8.0 - 3.0 * index as f64).max(0.0));
+        row.seconds = Some(120.0 * (index + 1) as f64);
+        rows.push(row);
+    }
+    let baselines = [
+        ("oracle", 100.0, 100.0, 100.0),
+        ("time-agnostic", 100.0, 58.4, 100.0),
+        ("look-alike-union", 47.9, 31.0, 2.0),
+        ("random-look-alike", 33.1, 24.2, 34.6),
+        ("all", 2.4, 2.1, 0.0),
+        ("none", 0.0, 0.0, 0.0),
+    ];
+    for (name, miou, tube, select) in baselines.into_iter().take(methods.saturating_sub(1)) {
+        let mut row = varied(name, miou, 0.0);
+        row.ground_truth = true;
+        row.scores.headline.tube_iou = Some(tube);
+        row.scores.headline.select = Some(select);
+        rows.push(row);
+    }
+    Board::new(heading(289, 0), rows).unwrap()
+}
+
+/// Names as long as names can be, missing values, an empty category.
+pub(crate) fn long_names() -> Board {
+    let mut rows = Vec::new();
+    for index in 0..12 {
+        let name =
+            format!("panopticquery-robust-farthest-point-sampling-without-consensus-seed{index:02}-v1.2.3");
+        let mut row = varied(&name[..80.min(name.len())], 45.0 + 0.6 * f64::from(index), f64::from(index));
+        row.scores.categories.insert(Category::Spatial, Metrics::default());
+        rows.push(row);
+    }
+    rows.push(row(&"x".repeat(80), 289, 100.0));
+    rows.push(row("none", 289, 0.0));
+    Board::new(heading(289, 289), rows).unwrap()
+}
+
+fn varied(name: &str, value: f64, phase: f64) -> BoardRow {
+    let mut row = row(name, 289, value);
+    let spread = if value == 0.0 || value == 100.0 { 0.0 } else { 9.0 };
+    let wobble = |at: f64| (value + spread * (at * 1.7 + phase).sin()).clamp(0.0, 100.0);
+    let queries = [
+        (Category::Attribute, 100),
+        (Category::Action, 61),
+        (Category::Spatial, 72),
+        (Category::Interaction, 56),
+    ];
+    for (index, (category, count)) in queries.into_iter().enumerate() {
+        let metrics = row.scores.categories.get_mut(&category).unwrap();
+        metrics.queries = count;
+        metrics.miou = Some(wobble(index as f64));
+    }
+    for (index, (scale, count)) in
+        [(Scale::Outdoor, 110), (Scale::Room, 83), (Scale::Tabletop, 96)].into_iter().enumerate()
+    {
+        let metrics = row.scores.scales.get_mut(&scale).unwrap();
+        metrics.queries = count;
+        metrics.miou = Some(wobble(index as f64 + 4.0));
+    }
+    for (&frame, value) in &mut row.frames {
+        *value = wobble(f64::from(frame) / 9.0);
+    }
+    row
+}

@@ -1,0 +1,174 @@
+//! The board as aligned text for a terminal, at most [`WIDTH`] columns wide.
+
+use l4d_data::Category;
+
+use crate::rank::Board;
+use crate::row::{BoardRow, Metric};
+
+/// No line is wider.
+pub(crate) const WIDTH: usize = 100;
+
+const HEADLINES: [Metric; 4] = [Metric::Miou, Metric::Macc, Metric::TubeIou, Metric::Select];
+const NUMBER_WIDTH: usize = 8;
+const RANK_WIDTH: usize = 4;
+const SECONDS_WIDTH: usize = 9;
+
+/// The board as lines of text: ranked methods, then those that are only shown, then other boards'.
+pub fn text_table(board: &Board) -> String {
+    let numbers = HEADLINES.len() + Category::ALL.len();
+    let room = WIDTH - RANK_WIDTH - 1 - numbers * NUMBER_WIDTH - SECONDS_WIDTH;
+    let foreign = board.others.iter().flat_map(|other| &other.rows);
+    let longest =
+        board.rows().map(|(_, row)| row).chain(foreign).map(|row| row.name.len()).max().unwrap_or(0);
+    let name_width = longest.clamp("method".len(), room);
+
+    let mut lines = wrap(&board.heading.line(), WIDTH);
+    lines.push(String::new());
+    lines.extend(header(name_width));
+    if board.ranked.is_empty() {
+        lines.push("   - no method is ranked".to_owned());
+    }
+    for entry in &board.ranked {
+        lines.extend(row_lines(&entry.rank.to_string(), &entry.row, name_width));
+    }
+    if !board.unranked.is_empty() {
+        lines.push(String::new());
+        lines.push("not ranked, shown for scale".to_owned());
+        for entry in &board.unranked {
+            lines.extend(row_lines("-", &entry.row, name_width));
+            lines.push(format!("{:RANK_WIDTH$} ({})", "", entry.reason()));
+        }
+    }
+    for other in &board.others {
+        lines.push(String::new());
+        lines.extend(wrap(&format!("not of this board: {}", other.line()), WIDTH));
+        for row in &other.rows {
+            lines.extend(row_lines("-", row, name_width));
+        }
+    }
+    lines.join("\n")
+}
+
+fn header(name_width: usize) -> Vec<String> {
+    let metrics = ["mIoU", "mAcc", "tube", "select"].map(|name| format!("{name:>NUMBER_WIDTH$}")).concat();
+    let categories = ["attrib.", "action", "spatial", "inter."].map(|name| format!("{name:>NUMBER_WIDTH$}"));
+    let (seconds, method) = (format!("{:>SECONDS_WIDTH$}", "seconds"), "method");
+    let over = format!("{:1$}", "", RANK_WIDTH + 1 + name_width + HEADLINES.len() * NUMBER_WIDTH);
+    vec![
+        format!("{over}{:>1$}", "mIoU per category", Category::ALL.len() * NUMBER_WIDTH),
+        format!("{:>RANK_WIDTH$} {method:name_width$}{metrics}{}{seconds}", "rank", categories.concat()),
+    ]
+}
+
+fn row_lines(rank: &str, row: &BoardRow, name_width: usize) -> Vec<String> {
+    let headlines = HEADLINES.map(|metric| metric.of(&row.scores.headline));
+    let categories =
+        Category::ALL.map(|category| row.scores.categories.get(&category).and_then(|metrics| metrics.miou));
+    let numbers: String = headlines.iter().chain(&categories).map(|&value| number(value)).collect();
+    let seconds = row.seconds.map_or_else(|| "-".to_owned(), seconds_text);
+    let mut name_lines = split(&row.name, name_width).into_iter();
+    let first = name_lines.next().unwrap_or_default();
+    let mut lines =
+        vec![format!("{rank:>RANK_WIDTH$} {first:name_width$}{numbers}{seconds:>SECONDS_WIDTH$}")];
+    lines.extend(name_lines.map(|rest| format!("{:RANK_WIDTH$} {rest}", "")));
+    lines
+}
+
+fn number(value: Option<f64>) -> String {
+    match value {
+        Some(value) => format!("{value:>NUMBER_WIDTH$.2}"),
+        None => format!("{:>NUMBER_WIDTH$}", "-"),
+    }
+}
+
+/// Seconds in at most eight characters.
+pub(crate) fn seconds_text(seconds: f64) -> String {
+    if seconds < 100_000.0 { format!("{seconds:.1}") } else { format!("{seconds:.1e}") }
+}
+
+/// Cuts a name into pieces of at most `width` bytes, after `_`, `-` or `.` where one is near. Names are ASCII.
+fn split(name: &str, width: usize) -> Vec<&str> {
+    let mut pieces = Vec::new();
+    let mut rest = name;
+    while rest.len() > width {
+        let seam = rest[..width].rfind(['_', '-', '.']).map(|at| at + 1).filter(|&at| at > width / 2);
+        let (piece, tail) = rest.split_at(seam.unwrap_or(width));
+        pieces.push(piece);
+        rest = tail;
+    }
+    pieces.push(rest);
+    pieces
+}
+
+/// Breaks a sentence at spaces so that no line is wider than `width` characters.
+fn wrap(sentence: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in sentence.split(' ') {
+        let line = lines.last_mut().expect("starts with one line");
+        if line.is_empty() {
+            line.push_str(word);
+        } else if line.chars().count() + 1 + word.chars().count() <= width {
+            line.push(' ');
+            line.push_str(word);
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample;
+
+    #[test]
+    fn no_line_is_wider_than_the_terminal() {
+        for board in [sample::board(1), sample::board(14), sample::long_names()] {
+            let text = text_table(&board);
+            for line in text.lines() {
+                assert!(line.chars().count() <= WIDTH, "{} columns: {line}", line.chars().count());
+            }
+            for (_, row) in board.rows() {
+                let glued: String = text.split_whitespace().collect();
+                let start: String = row.name.chars().take(20).collect();
+                assert!(glued.contains(&start), "{} is not in\n{text}", row.name);
+            }
+        }
+    }
+
+    #[test]
+    fn long_names_break_at_seams_and_stay_whole() {
+        assert_eq!(split("short", 21), ["short"]);
+        assert_eq!(
+            split("panopticquery-robust-without-consensus", 21),
+            ["panopticquery-robust-", "without-consensus"]
+        );
+        assert_eq!(split(&"x".repeat(45), 21).concat(), "x".repeat(45));
+    }
+
+    #[test]
+    fn columns_line_up_and_say_what_is_missing() {
+        let text = text_table(&sample::hand_made());
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            lines[0],
+            "Panoptic-L4D 1.0.0 · protocol l4d · profile small · 4 queries, 1 verified by people"
+        );
+        assert_eq!(
+            lines[3],
+            "rank method       mIoU    mAcc    tube  select attrib.  action spatial  inter.  seconds"
+        );
+        assert_eq!(
+            lines[4],
+            "   1 alpha       62.50   62.50   62.50   62.50   62.50   62.50   62.50   62.50     12.3"
+        );
+        assert_eq!(
+            lines[6],
+            "   3 gamma       50.00   50.00   50.00       -   50.00   50.00       -   50.00        -"
+        );
+        assert!(text.contains("   - oracle     100.00  100.00"), "{text}");
+        assert!(text.contains("     (used ground truth)\n"), "{text}");
+        assert!(text.contains("not of this board: benchmark 1.0.0 · protocol l4d · profile tiny"), "{text}");
+    }
+}

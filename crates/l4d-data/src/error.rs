@@ -1,0 +1,88 @@
+//! What can be wrong with a file, always with its path, the field and a remedy.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// An error about one file or folder on disk.
+#[derive(Debug, thiserror::Error)]
+pub enum DataError {
+    /// The operating system refused.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// What was attempted, as a verb phrase ("read", "write").
+        action: &'static str,
+        /// The refusal.
+        source: io::Error,
+    },
+    /// The file is not the format that its name says.
+    #[error("{}: {location}: {message}", path.display())]
+    Format {
+        /// File.
+        path: PathBuf,
+        /// Field, line or offset ("line 3, field `referents`").
+        location: String,
+        /// What is wrong there.
+        message: String,
+    },
+    /// The file parses but says something that cannot be.
+    #[error("{}: {location}: {message}", path.display())]
+    Invalid {
+        /// File or folder.
+        path: PathBuf,
+        /// Field, line or entry.
+        location: String,
+        /// What is wrong there.
+        message: String,
+        /// What to do about it.
+        remedy: String,
+    },
+}
+
+impl DataError {
+    /// An I/O error that knows its path.
+    pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
+        Self::Io { path: path.to_owned(), action, source }
+    }
+
+    /// A semantic error with its remedy.
+    pub fn invalid(
+        path: &Path,
+        location: impl Into<String>,
+        message: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Invalid {
+            path: path.to_owned(),
+            location: location.into(),
+            message: message.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    /// The file or folder concerned.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Io { path, .. } | Self::Format { path, .. } | Self::Invalid { path, .. } => path,
+        }
+    }
+
+    /// What the user can do, where more can be said than the message does.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Io { source, .. } => match source.kind() {
+                io::ErrorKind::StorageFull => {
+                    Some("free some disk space and run the command again".to_owned())
+                }
+                io::ErrorKind::PermissionDenied => {
+                    Some("make the path readable and writable for this user, or choose another".to_owned())
+                }
+                io::ErrorKind::NotFound => Some("check the path and the working folder".to_owned()),
+                _ => None,
+            },
+            Self::Format { .. } => Some("see docs/formats.md for the format of this file".to_owned()),
+            Self::Invalid { remedy, .. } => Some(remedy.clone()),
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! JSON and JSON Lines with errors that name file, line and field, and a canonical form for digests.
+
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::error::DataError;
+use crate::store::{read_bounded, write_atomic};
+
+/// No JSON file of the project is larger.
+pub const MAX_BYTES: u64 = 512 << 20;
+
+/// Reads one JSON document.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, DataError> {
+    parse(path, None, &read_bounded(path, MAX_BYTES)?)
+}
+
+/// Reads a JSON Lines file; blank lines are skipped. Gives each value with its line number, from 1.
+pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<(usize, T)>, DataError> {
+    let bytes = read_bounded(path, MAX_BYTES)?;
+    bytes
+        .split(|&byte| byte == b'\n')
+        .enumerate()
+        .filter(|(_, line)| !line.trim_ascii().is_empty())
+        .map(|(index, line)| Ok((index + 1, parse(path, Some(index + 1), line)?)))
+        .collect()
+}
+
+/// Parses bytes that came from `path` (at line `line` of a JSON Lines file).
+pub fn parse<T: DeserializeOwned>(path: &Path, line: Option<usize>, bytes: &[u8]) -> Result<T, DataError> {
+    let mut reader = serde_json::Deserializer::from_slice(bytes);
+    let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let field = error.path().to_string();
+        let field = if field == "." { "top level".to_owned() } else { format!("field `{field}`") };
+        let location = match line {
+            Some(line) => format!("line {line}, {field}"),
+            None => field,
+        };
+        DataError::Format { path: path.to_owned(), location, message: error.inner().to_string() }
+    })?;
+    reader.end().map_err(|error| DataError::Format {
+        path: path.to_owned(),
+        location: line.map_or_else(|| "end of file".to_owned(), |line| format!("line {line}")),
+        message: error.to_string(),
+    })?;
+    Ok(value)
+}
+
+/// Writes a document as indented JSON with a final newline.
+pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
+    let mut text = serde_json::to_string_pretty(value).map_err(|error| unwritable(path, &error))?;
+    text.push('\n');
+    write_atomic(path, text.as_bytes())
+}
+
+/// Writes a document on one line with a final newline (large machine-written data).
+pub fn write_compact<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
+    let mut text = serde_json::to_string(value).map_err(|error| unwritable(path, &error))?;
+    text.push('\n');
+    write_atomic(path, text.as_bytes())
+}
+
+/// Writes one value a line.
+pub fn write_lines<T: Serialize>(path: &Path, values: &[T]) -> Result<(), DataError> {
+    let mut text = String::new();
+    for value in values {
+        text.push_str(&serde_json::to_string(value).map_err(|error| unwritable(path, &error))?);
+        text.push('\n');
+    }
+    write_atomic(path, text.as_bytes())
+}
+
+/// Compact JSON with object keys sorted: the same value always gives the same bytes.
+pub fn canonical(value: &Value) -> String {
+    match value {
+        Value::Object(fields) => {
+            let mut keys: Vec<&String> = fields.keys().collect();
+            keys.sort();
+            let fields: Vec<String> = keys
+                .into_iter()
+                .map(|key| format!("{}:{}", Value::from(key.as_str()), canonical(&fields[key])))
+                .collect();
+            format!("{{{}}}", fields.join(","))
+        }
+        Value::Array(items) => format!("[{}]", items.iter().map(canonical).collect::<Vec<_>>().join(",")),
+        scalar => scalar.to_string(),
+    }
+}
+
+fn unwritable(path: &Path, error: &serde_json::Error) -> DataError {
+    DataError::Format { path: path.to_owned(), location: "document".to_owned(), message: error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize)]
+    struct Outer {
+        #[expect(dead_code)]
+        inner: Vec<Inner>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    struct Inner {
+        #[expect(dead_code)]
+        count: u32,
+    }
+
+    #[test]
+    fn errors_name_file_line_and_field() {
+        let error = parse::<Outer>(Path::new("x.jsonl"), Some(3), br#"{"inner":[{"count":1},{"count":-2}]}"#);
+        let text = error.unwrap_err().to_string();
+        assert!(text.starts_with("x.jsonl: line 3, field `inner[1].count`"), "{text}");
+    }
+
+    #[test]
+    fn trailing_text_is_refused() {
+        assert!(parse::<Value>(Path::new("x"), None, b"{} {}").is_err());
+    }
+
+    #[test]
+    fn canonical_form_sorts_keys_at_every_depth() {
+        let value: Value = serde_json::from_str(r#"{"b":[{"z":1,"a":"\n"}],"a":null}"#).unwrap();
+        assert_eq!(canonical(&value), r#"{"a":null,"b":[{"a":"\n","z":1}]}"#);
+    }
+}

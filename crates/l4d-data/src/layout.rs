@@ -1,0 +1,140 @@
+//! Where everything stands, relative to the folders that the user can choose.
+
+use std::path::{Path, PathBuf};
+
+use crate::query::QueryId;
+use crate::timeline::Profile;
+use crate::truth::frame_key;
+
+/// A rendered scene: `<data>/<scene>`.
+#[derive(Debug, Clone)]
+pub struct SceneDir(PathBuf);
+
+impl SceneDir {
+    /// `<data>/<scene>`.
+    pub fn new(data: &Path, scene: &str) -> Self {
+        Self(data.join(scene))
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// `scene.json`.
+    pub fn scene(&self) -> PathBuf {
+        self.0.join("scene.json")
+    }
+
+    /// `scene.usdc`.
+    pub fn usd(&self) -> PathBuf {
+        self.0.join("scene.usdc")
+    }
+
+    /// `tracks.json`, as the generator wrote it.
+    pub fn tracks(&self) -> PathBuf {
+        self.0.join("tracks.json")
+    }
+
+    /// `plan.json`: which scripts made the tracks.
+    pub fn plan(&self) -> PathBuf {
+        self.0.join("plan.json")
+    }
+
+    /// `SHA256SUMS` of the files of the scene.
+    pub fn checksums(&self) -> PathBuf {
+        self.0.join("SHA256SUMS")
+    }
+
+    /// `frames/<view>`.
+    pub fn view(&self, view: &str) -> PathBuf {
+        self.0.join("frames").join(view)
+    }
+
+    /// `frames/<view>/view.json`.
+    pub fn view_card(&self, view: &str) -> PathBuf {
+        self.view(view).join("view.json")
+    }
+
+    /// `frames/<view>/<frame:04>.exr`.
+    pub fn frame(&self, view: &str, frame: u32) -> PathBuf {
+        self.view(view).join(format!("{}.exr", frame_key(frame)))
+    }
+}
+
+/// A benchmark folder.
+#[derive(Debug, Clone)]
+pub struct BenchDir(PathBuf);
+
+impl BenchDir {
+    /// The folder that holds `panoptic-l4d.toml`.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self(root.into())
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// `panoptic-l4d.toml`.
+    pub fn manifest(&self) -> PathBuf {
+        self.0.join("panoptic-l4d.toml")
+    }
+
+    /// `scenes/<scene>.json`.
+    pub fn tracks(&self, scene: &str) -> PathBuf {
+        self.0.join("scenes").join(format!("{scene}.json"))
+    }
+
+    /// `queries/<scene>.jsonl`.
+    pub fn queries(&self, scene: &str) -> PathBuf {
+        self.0.join("queries").join(format!("{scene}.jsonl"))
+    }
+
+    /// `truth/<profile>/<scene>.json`.
+    pub fn truth(&self, profile: Profile, scene: &str) -> PathBuf {
+        self.0.join("truth").join(profile.as_str()).join(format!("{scene}.json"))
+    }
+}
+
+/// The results of one method: `results/<method>`.
+#[derive(Debug, Clone)]
+pub struct ResultsDir(PathBuf);
+
+impl ResultsDir {
+    /// `results/<method>`.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self(root.into())
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// `method.json`.
+    pub fn card(&self) -> PathBuf {
+        self.0.join("method.json")
+    }
+
+    /// `masks`.
+    pub fn masks(&self) -> PathBuf {
+        self.0.join("masks")
+    }
+
+    /// `masks/<scene>/<nnn>.json`.
+    pub fn mask_file(&self, id: &QueryId) -> PathBuf {
+        self.masks().join(id.scene.as_str()).join(format!("{}.json", id.number))
+    }
+
+    /// `masks/<scene>/<nnn>`: the folder of PNG masks.
+    pub fn mask_folder(&self, id: &QueryId) -> PathBuf {
+        self.masks().join(id.scene.as_str()).join(id.number.as_str())
+    }
+
+    /// `masks/<scene>/<nnn>/<frame:04>.png`.
+    pub fn mask_png(&self, id: &QueryId, frame: u32) -> PathBuf {
+        self.mask_folder(id).join(format!("{}.png", frame_key(frame)))
+    }
+}

@@ -1,0 +1,32 @@
+//! The vocabulary of l4d: names, shapes, units and places of everything that stands on disk.
+//!
+//! Every stage of the pipeline is a function from directories to a directory; this crate owns the types that
+//! those directories hold and refuses to know how any of them is made, drawn, judged or shown. It decodes no
+//! image and evaluates no predicate.
+//!
+//! Conventions (units, axes, pixel centres, frame numbers): see `docs/formats.md`.
+
+pub mod benchmark;
+pub mod camera;
+pub mod digest;
+pub mod error;
+pub mod finding;
+pub mod json;
+pub mod layout;
+pub mod name;
+pub mod query;
+pub mod results;
+pub mod scene;
+pub mod store;
+pub mod timeline;
+pub mod tracks;
+pub mod truth;
+
+pub use benchmark::Benchmark;
+pub use camera::{Camera, Split};
+pub use error::DataError;
+pub use finding::{Finding, Report, Severity};
+pub use name::Name;
+pub use query::{Category, Query, QueryId, Status, Temporal};
+pub use scene::{Event, Role, Scale, Scene};
+pub use timeline::{Interval, Profile};

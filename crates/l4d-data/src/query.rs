@@ -1,0 +1,279 @@
+//! Queries: a sentence, what it refers to, and when.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::digest::sha256_hex;
+use crate::error::DataError;
+use crate::json;
+use crate::name::Name;
+use crate::timeline::Interval;
+
+/// The kind of reasoning that tells the referent from its look-alikes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Category {
+    /// A property.
+    Attribute,
+    /// A verb with one role.
+    Action,
+    /// A geometric relation.
+    Spatial,
+    /// A verb with two roles.
+    Interaction,
+}
+
+impl Category {
+    /// All categories in the paper's table order.
+    pub const ALL: [Self; 4] = [Self::Attribute, Self::Action, Self::Spatial, Self::Interaction];
+
+    /// Name as written in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Attribute => "attribute",
+            Self::Action => "action",
+            Self::Spatial => "spatial",
+            Self::Interaction => "interaction",
+        }
+    }
+}
+
+/// `<scene>/<nnn>`, with `nnn` of three or more digits.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct QueryId {
+    /// The scene.
+    pub scene: Name,
+    /// The number as written, also the stem of the mask file.
+    pub number: Name,
+}
+
+/// Why a string is no [`QueryId`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{}` is not a query id: write `<scene>/<nnn>`, for example `room_living_cats/003`", .0.escape_debug())]
+pub struct QueryIdError(String);
+
+impl FromStr for QueryId {
+    type Err = QueryIdError;
+
+    fn from_str(text: &str) -> Result<Self, QueryIdError> {
+        let refuse = || QueryIdError(text.chars().take(120).collect());
+        let (scene, number) = text.split_once('/').ok_or_else(refuse)?;
+        let digits = (3..=6).contains(&number.len()) && number.bytes().all(|byte| byte.is_ascii_digit());
+        match (Name::new(scene), Name::new(number)) {
+            (Ok(scene), Ok(number)) if digits => Ok(Self { scene, number }),
+            _ => Err(refuse()),
+        }
+    }
+}
+
+impl TryFrom<String> for QueryId {
+    type Error = QueryIdError;
+
+    fn try_from(text: String) -> Result<Self, QueryIdError> {
+        text.parse()
+    }
+}
+
+impl From<QueryId> for String {
+    fn from(id: QueryId) -> Self {
+        id.to_string()
+    }
+}
+
+impl fmt::Display for QueryId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}/{}", self.scene, self.number)
+    }
+}
+
+/// How the sentence binds time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Temporal {
+    /// Names an identity: the referent counts in the whole clip ("the pear that tips over").
+    Whole,
+    /// Gated: the referent counts only while the predicate holds ("the pear while it tips").
+    While,
+}
+
+/// Where a query stands in annotation. Set by `l4d verdict` alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Proved by machine, not yet voted on by people.
+    Candidate,
+    /// All annotators agreed.
+    Verified,
+    /// Annotators disagreed; not scored.
+    Rejected,
+}
+
+/// Who wrote a query.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// `author`, `model` or `import`.
+    pub source: String,
+    /// Free text: model name, file, remark.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub note: String,
+}
+
+/// One line of `benchmark/queries/<scene>.jsonl`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Query {
+    /// `<scene>/<nnn>`.
+    pub id: QueryId,
+    /// The sentence.
+    pub text: String,
+    /// One category, or two for composites.
+    pub categories: Vec<Category>,
+    /// Names of the instances meant.
+    pub referents: Vec<Name>,
+    /// How the sentence binds time.
+    pub temporal: Temporal,
+    /// When it holds, canonical frames (`whole`: all).
+    pub frames: Vec<Interval>,
+    /// The machine-readable meaning; null only for real scenes. `l4d-query` owns the language.
+    pub predicate: Option<Value>,
+    /// [`text_digest`] of text and predicate: editing either invalidates it.
+    pub text_digest: String,
+    /// Who wrote it.
+    pub provenance: Provenance,
+    /// Where it stands in annotation.
+    pub status: Status,
+}
+
+impl Query {
+    /// Whether the referent counts at a canonical frame.
+    pub fn holds_at(&self, frame: u32) -> bool {
+        self.frames.iter().any(|interval| interval.contains(frame))
+    }
+
+    fn problem(&self, scene: &str) -> Option<(&'static str, String, &'static str)> {
+        if self.id.scene.as_str() != scene {
+            return Some((
+                "id",
+                format!("`{}` does not belong to scene `{scene}`", self.id),
+                "move the line to its scene's file",
+            ));
+        }
+        if self.text.trim().is_empty() || self.text.len() > 500 || self.text.chars().any(char::is_control) {
+            return Some(("text", "must be one line of 1 to 500 bytes".into(), "write the sentence"));
+        }
+        if self.categories.is_empty() {
+            return Some(("categories", "is empty".into(), "name one category, or two for a composite"));
+        }
+        if self.referents.is_empty()
+            || self.referents.iter().collect::<BTreeSet<_>>().len() != self.referents.len()
+        {
+            return Some((
+                "referents",
+                "must name at least one instance, none twice".into(),
+                "name the instances meant",
+            ));
+        }
+        let ascending = self.frames.windows(2).all(|pair| pair[0].last() < pair[1].first());
+        if self.frames.is_empty() || !ascending {
+            return Some((
+                "frames",
+                "must be ascending intervals without overlap".into(),
+                "write [[first, last], ...]",
+            ));
+        }
+        let digest = text_digest(&self.text, self.predicate.as_ref());
+        if self.text_digest != digest {
+            let message = format!("is `{}`, but text and predicate give `{digest}`", self.text_digest);
+            return Some((
+                "text_digest",
+                message,
+                "check that the sentence still means the predicate, then write the new digest",
+            ));
+        }
+        None
+    }
+}
+
+/// Ties a sentence to its predicate: the first 16 hex digits of SHA-256 over both.
+pub fn text_digest(text: &str, predicate: Option<&Value>) -> String {
+    let predicate = predicate.map_or_else(|| "null".to_owned(), json::canonical);
+    let mut digest = sha256_hex(format!("{text}\n{predicate}").as_bytes());
+    digest.truncate(16);
+    digest
+}
+
+/// Reads the queries of a scene; ids and texts are unique in the file.
+pub fn read_queries(path: &Path, scene: &str) -> Result<Vec<Query>, DataError> {
+    let mut ids = BTreeSet::new();
+    let mut texts = BTreeSet::new();
+    let mut queries = Vec::new();
+    for (line, query) in json::read_lines::<Query>(path)? {
+        let refuse = |field: &str, message: String, remedy: &str| {
+            Err(DataError::invalid(path, format!("line {line}, field `{field}`"), message, remedy))
+        };
+        if let Some((field, message, remedy)) = query.problem(scene) {
+            return refuse(field, message, remedy);
+        }
+        if !ids.insert(query.id.clone()) {
+            return refuse(
+                "id",
+                format!("`{}` stands there twice", query.id),
+                "give each query its own number",
+            );
+        }
+        if !texts.insert(query.text.clone()) {
+            return refuse("text", "the same sentence stands there twice".into(), "keep one of them");
+        }
+        queries.push(query);
+    }
+    Ok(queries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(text: &str, digest: Option<&str>) -> String {
+        let predicate: Value = serde_json::from_str(r#"{"category":"bucket"}"#).unwrap();
+        let digest = digest.map_or_else(|| text_digest(text, Some(&predicate)), str::to_owned);
+        format!(
+            r#"{{"id":"farm/001","text":"{text}","categories":["action"],"referents":["a"],"temporal":"while","frames":[[0,20],[40,60]],"predicate":{predicate},"text_digest":"{digest}","provenance":{{"source":"author"}},"status":"candidate"}}"#
+        )
+    }
+
+    fn read(text: &str) -> Result<Vec<Query>, DataError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("farm.jsonl");
+        std::fs::write(&path, text).unwrap();
+        read_queries(&path, "farm")
+    }
+
+    #[test]
+    fn a_query_round_trips_and_knows_its_time() {
+        let query = read(&line("the bucket", None)).unwrap().remove(0);
+        assert!(query.holds_at(20) && query.holds_at(40) && !query.holds_at(21));
+        let again: Query = serde_json::from_str(&serde_json::to_string(&query).unwrap()).unwrap();
+        assert_eq!(again, query);
+    }
+
+    #[test]
+    fn an_edited_sentence_is_noticed() {
+        let error = read(&line("the pail", Some("0123456789abcdef"))).unwrap_err().to_string();
+        assert!(error.contains("line 1, field `text_digest`"), "{error}");
+    }
+
+    #[test]
+    fn duplicates_and_foreign_ids_are_refused() {
+        let twice = format!("{}\n{}", line("the bucket", None), line("the bucket", None));
+        assert!(read(&twice).unwrap_err().to_string().contains("twice"));
+        let foreign = line("the bucket", None).replace("farm/001", "../../etc/001");
+        assert!(read(&foreign).unwrap_err().to_string().contains("not a query id"));
+    }
+}

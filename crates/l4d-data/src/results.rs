@@ -1,0 +1,92 @@
+//! Results of a method: the card (`method.json`) and the masks of each query.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::DataError;
+use crate::json;
+use crate::name::Name;
+use crate::timeline::Profile;
+
+/// What a method looked at beyond the training views and the sentence.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Used {
+    /// Ground truth of any kind: such results are shown but never ranked.
+    pub ground_truth: bool,
+    /// Pictures of the held-out view.
+    pub test_view: bool,
+    /// Model servers that were asked.
+    #[serde(default)]
+    pub endpoints: Vec<String>,
+}
+
+/// `results/<method>/method.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MethodCard {
+    /// Equals the folder's name.
+    pub name: Name,
+    /// Version of the method.
+    pub version: String,
+    /// Paper or code, may be empty.
+    #[serde(default)]
+    pub link: String,
+    /// Version of the benchmark (`panoptic-l4d.toml`).
+    pub benchmark_version: String,
+    /// [`crate::Benchmark::truth_digest`] of the profile.
+    pub truth_digest: String,
+    /// Profile of the masks.
+    pub profile: Profile,
+    /// Mask width, pixels.
+    pub width: u32,
+    /// Mask height, pixels.
+    pub height: u32,
+    /// Canonical frames that the masks cover, ascending.
+    pub frames: Vec<u32>,
+    /// Protocol that the masks were made for (`l4d`).
+    pub protocol: String,
+    /// What the method looked at.
+    pub used: Used,
+    /// Wall seconds that the method took for all queries; null where it was not measured.
+    pub seconds: Option<f64>,
+}
+
+impl MethodCard {
+    /// Reads a card and checks it against its folder.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let card: Self = json::read(path)?;
+        let folder =
+            path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
+        if card.name.as_str() != folder {
+            return Err(DataError::invalid(
+                path,
+                "field `name`",
+                format!("is `{}`, but the folder is `{folder}`", card.name),
+                "rename the folder or the method",
+            ));
+        }
+        if card.seconds.is_some_and(|seconds| !(seconds.is_finite() && seconds >= 0.0)) {
+            return Err(DataError::invalid(
+                path,
+                "field `seconds`",
+                "must be a time",
+                "write seconds or null",
+            ));
+        }
+        Ok(card)
+    }
+}
+
+/// `results/<method>/masks/<scene>/<nnn>.json`: the masks of one query in the held-out view.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaskFile {
+    /// `[height, width]`, pixels.
+    pub size: [u32; 2],
+    /// Four-digit frame -> compressed COCO counts (column-major), null = the method says absent. A missing key is
+    /// a missing answer.
+    pub frames: BTreeMap<String, Option<String>>,
+}

@@ -1,0 +1,108 @@
+//! Reading whole files with a bound, and writing them so that a kill leaves the old file or the new one.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::error::DataError;
+
+/// Reads a file of at most `limit` bytes.
+pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
+    let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
+    let metadata = file.metadata().map_err(|source| DataError::io(path, "read", source))?;
+    if !metadata.is_file() {
+        return Err(DataError::invalid(path, "file", "is not a regular file", "put a regular file there"));
+    }
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|source| DataError::io(path, "read", source))?;
+    if bytes.len() as u64 > limit {
+        return Err(DataError::invalid(
+            path,
+            "size",
+            format!("is larger than the {limit} bytes that such a file may have"),
+            "check that this is the intended file",
+        ));
+    }
+    Ok(bytes)
+}
+
+/// Writes a file through a temporary neighbour, fsync and rename; makes the folder if it is missing.
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    make_folder(folder)?;
+    let temporary = temporary_beside(path);
+    let written = write_and_sync(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
+    written.map_err(|source| {
+        fs::remove_file(&temporary).ok();
+        DataError::io(path, "write", source)
+    })?;
+    // The rename itself must survive a power cut; a filesystem that cannot sync folders is no error.
+    if let Ok(folder) = File::open(folder) {
+        folder.sync_all().ok();
+    }
+    Ok(())
+}
+
+/// Makes a folder and its parents.
+pub fn make_folder(path: &Path) -> Result<(), DataError> {
+    fs::create_dir_all(path).map_err(|source| DataError::io(path, "create the folder", source))
+}
+
+/// Names of the visible entries of a folder, sorted. A missing folder is an error.
+pub fn list_folder(path: &Path) -> Result<Vec<String>, DataError> {
+    let read = || -> io::Result<Vec<String>> {
+        let mut names = Vec::new();
+        for entry in fs::read_dir(path)? {
+            names.push(entry?.file_name().to_string_lossy().into_owned());
+        }
+        Ok(names)
+    };
+    let mut names = read().map_err(|source| DataError::io(path, "list the folder", source))?;
+    names.retain(|name| !name.starts_with('.'));
+    names.sort();
+    Ok(names)
+}
+
+fn temporary_beside(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
+}
+
+fn write_and_sync(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_atomic_write_replaces_and_leaves_no_temporary() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/file.json");
+        write_atomic(&path, b"one").unwrap();
+        write_atomic(&path, b"two").unwrap();
+        assert_eq!(read_bounded(&path, 10).unwrap(), b"two");
+        assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file_and_says_where() {
+        let folder = tempfile::tempdir().unwrap();
+        let blocked = folder.path().join("file");
+        fs::write(&blocked, "a file, not a folder").unwrap();
+        let error = write_atomic(&blocked.join("child.json"), b"x").unwrap_err();
+        assert!(error.to_string().contains("file"), "{error}");
+        assert_eq!(fs::read(&blocked).unwrap(), b"a file, not a folder");
+    }
+
+    #[test]
+    fn oversized_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("big");
+        fs::write(&path, [0; 11]).unwrap();
+        assert!(read_bounded(&path, 10).unwrap_err().to_string().contains("larger"));
+    }
+}

@@ -1,0 +1,185 @@
+//! The one canonical timeline of the synthetic scenes and the profiles that sample it.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// Frames of a synthetic clip, numbered 0 to 96.
+pub const FRAME_COUNT: u32 = 97;
+/// Last canonical frame.
+pub const LAST_FRAME: u32 = FRAME_COUNT - 1;
+/// Frames per second of the canonical timeline.
+pub const FPS: f64 = 24.0;
+/// Shortest interval in which anything may be declared, so that every profile samples it.
+pub const MIN_INTERVAL: u32 = 13;
+
+/// Canonical frames `first..=last`, both inclusive. JSON: `[first, last]`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "[u32; 2]", into = "[u32; 2]")]
+pub struct Interval {
+    first: u32,
+    last: u32,
+}
+
+/// An interval whose end lies before its start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("interval [{0}, {1}] ends before it starts")]
+pub struct IntervalError(u32, u32);
+
+impl Interval {
+    /// The whole canonical clip.
+    pub const WHOLE: Self = Self { first: 0, last: LAST_FRAME };
+
+    /// `first..=last`.
+    pub fn new(first: u32, last: u32) -> Result<Self, IntervalError> {
+        if last < first { Err(IntervalError(first, last)) } else { Ok(Self { first, last }) }
+    }
+
+    /// First frame inside.
+    pub fn first(self) -> u32 {
+        self.first
+    }
+
+    /// Last frame inside.
+    pub fn last(self) -> u32 {
+        self.last
+    }
+
+    /// Number of frames inside.
+    pub fn frame_count(self) -> u32 {
+        self.last - self.first + 1
+    }
+
+    /// Whether `frame` lies inside.
+    pub fn contains(self, frame: u32) -> bool {
+        (self.first..=self.last).contains(&frame)
+    }
+}
+
+impl TryFrom<[u32; 2]> for Interval {
+    type Error = IntervalError;
+
+    fn try_from([first, last]: [u32; 2]) -> Result<Self, IntervalError> {
+        Self::new(first, last)
+    }
+}
+
+impl From<Interval> for [u32; 2] {
+    fn from(interval: Interval) -> Self {
+        [interval.first, interval.last]
+    }
+}
+
+/// How much of a scene is rendered. Every profile keeps the canonical frame numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Profile {
+    /// 128x96, 4+1 views, 9 frames: tests and the quickstart.
+    Tiny,
+    /// 256x192, 12+1 views, 49 frames: a laptop.
+    Small,
+    /// 640x480, 16+1 views, 97 frames: the official one.
+    Full,
+}
+
+impl Profile {
+    /// All profiles, smallest first.
+    pub const ALL: [Self; 3] = [Self::Tiny, Self::Small, Self::Full];
+
+    /// Name as written in paths and files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Tiny => "tiny",
+            Self::Small => "small",
+            Self::Full => "full",
+        }
+    }
+
+    /// Picture width, pixels.
+    pub fn width(self) -> u32 {
+        match self {
+            Self::Tiny => 128,
+            Self::Small => 256,
+            Self::Full => 640,
+        }
+    }
+
+    /// Picture height, pixels.
+    pub fn height(self) -> u32 {
+        self.width() / 4 * 3
+    }
+
+    /// Every how many canonical frames one is rendered.
+    pub fn stride(self) -> u32 {
+        match self {
+            Self::Tiny => 12,
+            Self::Small => 2,
+            Self::Full => 1,
+        }
+    }
+
+    /// Training views, without the held-out one.
+    pub fn training_views(self) -> usize {
+        match self {
+            Self::Tiny => 4,
+            Self::Small => 12,
+            Self::Full => 16,
+        }
+    }
+
+    /// Canonical numbers of the rendered frames, ascending.
+    pub fn frames(self) -> impl Iterator<Item = u32> + Clone {
+        (0..FRAME_COUNT).step_by(self.stride() as usize)
+    }
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.as_str())
+    }
+}
+
+impl FromStr for Profile {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|profile| profile.as_str() == text)
+            .ok_or_else(|| format!("unknown profile `{text}`: use tiny, small or full"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_profile_samples_every_allowed_interval() {
+        for profile in Profile::ALL {
+            let frames: Vec<u32> = profile.frames().collect();
+            assert_eq!((frames[0], frames[frames.len() - 1]), (0, LAST_FRAME), "{profile}");
+            for first in 0..=(FRAME_COUNT - MIN_INTERVAL) {
+                let interval = Interval::new(first, first + MIN_INTERVAL - 1).unwrap();
+                assert!(
+                    frames.iter().any(|&frame| interval.contains(frame)),
+                    "{profile} misses {interval:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn frame_counts_are_those_of_the_contract() {
+        let counts = Profile::ALL.map(|profile| profile.frames().count());
+        assert_eq!(counts, [9, 49, 97]);
+        assert_eq!(Profile::Full.height(), 480);
+    }
+
+    #[test]
+    fn reversed_intervals_are_refused() {
+        assert!(serde_json::from_str::<Interval>("[5, 4]").is_err());
+        assert_eq!(serde_json::from_str::<Interval>("[4, 4]").unwrap().frame_count(), 1);
+    }
+}

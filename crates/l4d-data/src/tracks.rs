@@ -1,0 +1,233 @@
+//! `benchmark/scenes/<scene>.json`: where everything is at each of the 97 canonical frames.
+//!
+//! Queries are proved from this file alone; it knows nothing of pictures.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Split;
+use crate::error::DataError;
+use crate::json;
+use crate::name::Name;
+use crate::scene::{Event, Instance, Role, Scale, instance_problem};
+use crate::timeline::{FRAME_COUNT, Interval, LAST_FRAME, MIN_INTERVAL, Profile};
+
+/// Schema tag of a tracks file.
+pub const SCHEMA: &str = "l4d/tracks/1";
+
+/// Oriented box over time; every list has length 1 (static) or 97.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Track {
+    /// Centres, metres, world.
+    pub centre: Vec<[f64; 3]>,
+    /// Row-major 3x3 `world_from_box` rotations.
+    pub axes: Vec<[f64; 9]>,
+    /// Full side lengths along the box axes, metres.
+    pub extents: Vec<[f64; 3]>,
+}
+
+/// An instance with its track.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackedInstance {
+    /// Value of the `id` channel.
+    pub id: u32,
+    /// Unique in the scene.
+    pub name: Name,
+    /// Object or landmark.
+    pub role: Role,
+    /// Common noun.
+    pub category: String,
+    /// Visible properties.
+    pub attributes: BTreeMap<String, String>,
+    /// Box axis that points forward, or null.
+    pub front: Option<String>,
+    /// Where it is.
+    pub track: Track,
+}
+
+impl TrackedInstance {
+    /// The description without the track.
+    pub fn instance(&self) -> Instance {
+        Instance {
+            id: self.id,
+            name: self.name.clone(),
+            role: self.role,
+            category: self.category.clone(),
+            attributes: self.attributes.clone(),
+            front: self.front.clone(),
+        }
+    }
+}
+
+/// Exact distance between the surfaces of two instances over time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pair {
+    /// One instance.
+    pub a: Name,
+    /// The other.
+    pub b: Name,
+    /// Mesh distances, metres, 1 or 97; 0 where they touch or overlap.
+    pub distance_m: Vec<f64>,
+    /// Canonical frames in contact.
+    pub contact: Vec<Interval>,
+}
+
+/// A view, independent of the picture size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackedCamera {
+    /// View name.
+    pub name: Name,
+    /// Training or held out.
+    pub split: Split,
+    /// Profiles that render it.
+    pub profiles: Vec<Profile>,
+    /// Focal length divided by the picture width; pixels are square, the principal point is the centre.
+    pub focal_over_width: f64,
+    /// Row-major 4x4 poses, OpenCV axes, metres: 1 or 97.
+    pub world_from_camera: Vec<[f64; 16]>,
+}
+
+/// A tracks file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tracks {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Scene name.
+    pub scene: Name,
+    /// Spatial scale.
+    pub scale: Scale,
+    /// 0 is the benchmark.
+    pub variant: u32,
+    /// Seed of the recipe.
+    pub seed: u64,
+    /// Frames per second.
+    pub fps: f64,
+    /// Always 97.
+    pub frame_count: u32,
+    /// Display exposure.
+    pub exposure: f64,
+    /// The story, one paragraph.
+    pub description: String,
+    /// Instances sorted by id.
+    pub instances: Vec<TrackedInstance>,
+    /// Events, sorted.
+    pub events: Vec<Event>,
+    /// Pairs with an object that are not listed never come closer than this, metres.
+    pub pair_reach_m: f64,
+    /// Pairs that come within reach of each other, or interact.
+    pub pairs: Vec<Pair>,
+    /// Views sorted by name.
+    pub cameras: Vec<TrackedCamera>,
+}
+
+impl Tracks {
+    /// Reads and checks a tracks file.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let tracks: Self = json::read(path)?;
+        match tracks.problem() {
+            None => Ok(tracks),
+            Some((location, message)) => Err(DataError::invalid(
+                path,
+                location,
+                message,
+                "mend the recipe and run `l4d build-scenes --tracks-only` again",
+            )),
+        }
+    }
+
+    /// The instance of that name.
+    pub fn instance(&self, name: &str) -> Option<&TrackedInstance> {
+        self.instances.iter().find(|instance| instance.name.as_str() == name)
+    }
+
+    /// Names of the views that a profile renders.
+    pub fn views(&self, profile: Profile) -> impl Iterator<Item = &TrackedCamera> {
+        self.cameras.iter().filter(move |camera| camera.profiles.contains(&profile))
+    }
+
+    fn problem(&self) -> Option<(String, String)> {
+        if self.schema != SCHEMA {
+            return Some((
+                "field `schema`".into(),
+                format!("is `{}`, but this l4d reads `{SCHEMA}`", self.schema),
+            ));
+        }
+        if self.frame_count != FRAME_COUNT {
+            return Some((
+                "field `frame_count`".into(),
+                format!("is {}, but a clip has {FRAME_COUNT}", self.frame_count),
+            ));
+        }
+        let instances: Vec<Instance> = self.instances.iter().map(TrackedInstance::instance).collect();
+        instance_problem(&instances)
+            .or_else(|| self.instances.iter().find_map(track_problem))
+            .or_else(|| self.events.iter().find_map(|event| self.event_problem(event)))
+            .or_else(|| self.pairs.iter().find_map(|pair| self.pair_problem(pair)))
+    }
+
+    fn event_problem(&self, event: &Event) -> Option<(String, String)> {
+        let place = format!("event {} {}", event.subject, event.verb);
+        let unknown = std::iter::once(&event.subject)
+            .chain(&event.object)
+            .find(|name| self.instance(name.as_str()).is_none());
+        if let Some(name) = unknown {
+            return Some((place, format!("names `{name}`, which is no instance of the scene")));
+        }
+        if event.frames.last() > LAST_FRAME || event.frames.frame_count() < MIN_INTERVAL {
+            let message = format!(
+                "[{}, {}] must lie in 0..={LAST_FRAME} and be at least {MIN_INTERVAL} frames long",
+                event.frames.first(),
+                event.frames.last()
+            );
+            return Some((place, message));
+        }
+        None
+    }
+
+    fn pair_problem(&self, pair: &Pair) -> Option<(String, String)> {
+        let place = format!("pair {}, {}", pair.a, pair.b);
+        if let Some(name) = [&pair.a, &pair.b].into_iter().find(|name| self.instance(name.as_str()).is_none())
+        {
+            return Some((place, format!("names `{name}`, which is no instance of the scene")));
+        }
+        if !is_track_length(pair.distance_m.len())
+            || pair.distance_m.iter().any(|d| !(d.is_finite() && *d >= 0.0))
+        {
+            return Some((place, "distance_m holds 1 or 97 finite distances, none negative".into()));
+        }
+        None
+    }
+}
+
+fn track_problem(instance: &TrackedInstance) -> Option<(String, String)> {
+    let Track { centre, axes, extents } = &instance.track;
+    let lengths = [centre.len(), axes.len(), extents.len()];
+    let finite = centre
+        .iter()
+        .flatten()
+        .chain(axes.iter().flatten())
+        .chain(extents.iter().flatten())
+        .all(|x| x.is_finite());
+    (!finite || lengths.into_iter().any(|length| !is_track_length(length))).then(|| {
+        (
+            format!("instance {}", instance.name),
+            "its track must hold 1 or 97 finite values in each list".to_owned(),
+        )
+    })
+}
+
+fn is_track_length(length: usize) -> bool {
+    length == 1 || length == FRAME_COUNT as usize
+}
+
+/// The value of a 1-or-97 list at a canonical frame.
+pub fn at_frame<T>(values: &[T], frame: u32) -> &T {
+    &values[if values.len() == 1 { 0 } else { frame as usize }]
+}

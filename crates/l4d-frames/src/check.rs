@@ -1,0 +1,116 @@
+//! `l4d check-scenes`: whether a rendered scene keeps its contract and agrees with itself, with its tracks and
+//! with the committed truth.
+//!
+//! Collects findings instead of stopping. Pictures are streamed: all views of one frame are in memory at once,
+//! never two frames. Nothing is written or mended.
+
+mod boxes;
+mod checksums;
+mod contract;
+mod cross_view;
+mod gates;
+mod pictures;
+mod truth;
+
+use std::path::Path;
+
+use l4d_data::layout::{BenchDir, SceneDir};
+use l4d_data::scene::Scene;
+use l4d_data::tracks::Tracks;
+use l4d_data::{Name, Profile, Report};
+use serde::Serialize;
+
+use crate::geometry::Summary;
+use crate::truth::TruthBuilder;
+
+/// What to check.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// Folder that holds the folder of the scene.
+    pub data: &'a Path,
+    /// Benchmark folder with tracks, queries and truth.
+    pub bench: &'a BenchDir,
+    /// Expected profile.
+    pub profile: Profile,
+    /// Scene.
+    pub scene: &'a Name,
+}
+
+/// What was looked at, and how well the views agree.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SceneStats {
+    /// Scene.
+    pub scene: Name,
+    /// Whether nothing but warnings was found.
+    pub good: bool,
+    /// Views.
+    pub views: usize,
+    /// Frames a view.
+    pub frames: usize,
+    /// Pictures that could be read.
+    pub pictures: usize,
+    /// Annotated things.
+    pub instances: usize,
+    /// Agreement across views; null if fewer than two views could be read.
+    pub cross_view: Option<Summary>,
+}
+
+/// Checks one scene; `tick` is called once a frame.
+pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Report) {
+    let mut report = Report::default();
+    let dir = SceneDir::new(request.data, request.scene);
+    let scene = match Scene::read(&dir.scene()) {
+        Ok(scene) => scene,
+        Err(error) => {
+            report.data_error("L4D101", &error);
+            return (None, report);
+        }
+    };
+    contract::check_header(&scene, request, &dir, &mut report);
+    let variants = BenchDir::new(request.data.join("benchmark"));
+    let request = if is_benchmark(&scene) { request } else { Request { bench: &variants, ..request } };
+    let truth = match TruthBuilder::new(&scene) {
+        Some(truth) if scene.profile == request.profile && scene.name == *request.scene => truth,
+        _ => return (None, report),
+    };
+    contract::check_files(&scene, &dir, &mut report);
+    let tracks = read_tracks(request, &mut report);
+    if let Some(tracks) = &tracks {
+        contract::check_against_tracks(&scene, tracks, &dir, &mut report);
+    }
+    let checksums = checksums::Checksums::read(&dir, &mut report);
+    let source =
+        pictures::Source { scene: &scene, dir: &dir, tracks: tracks.as_ref(), checksums: &checksums };
+    let seen = pictures::stream(&source, truth, tick, &mut report);
+    let cross_view = cross_view::judge(&seen.comparisons, &scene, &dir, &mut report);
+    if seen.complete {
+        truth::compare_with_committed(&seen.truth, request, &mut report);
+    }
+    if seen.complete && scene.profile != Profile::Tiny && is_benchmark(&scene) {
+        gates::check(&seen.truth, &scene, request, &mut report);
+    }
+    let stats = SceneStats {
+        scene: scene.name.clone(),
+        good: !report.has_errors(),
+        views: scene.cameras.len(),
+        frames: scene.profile.frames().count(),
+        pictures: seen.pictures,
+        instances: scene.instances.len(),
+        cross_view,
+    };
+    (Some(stats), report)
+}
+
+/// Variants and other seeds have tracks and truth of their own, in `<data>/benchmark`, and no queries.
+fn is_benchmark(scene: &Scene) -> bool {
+    (scene.variant, scene.seed) == (0, 0)
+}
+
+fn read_tracks(request: Request, report: &mut Report) -> Option<Tracks> {
+    Tracks::read(&request.bench.tracks(request.scene))
+        .map_err(|error| report.data_error("L4D112", &error))
+        .ok()
+}
+
+#[cfg(test)]
+mod tests;

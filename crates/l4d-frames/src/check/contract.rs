@@ -1,0 +1,180 @@
+//! What can be checked without opening a picture: scene.json, the files that stand there, the tracks.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use l4d_data::layout::SceneDir;
+use l4d_data::scene::Scene;
+use l4d_data::store::list_folder;
+use l4d_data::tracks::{TrackedCamera, TrackedInstance, Tracks};
+use l4d_data::truth::frame_key;
+use l4d_data::{Camera, Report, json};
+use serde::Deserialize;
+
+use super::Request;
+
+/// Poses and intrinsics are written with micrometres and six digits.
+const POSE_TOLERANCE: f64 = 2e-6;
+const REBUILD: &str = "run `l4d build-scenes` again";
+
+pub(super) fn check_header(scene: &Scene, request: Request, dir: &SceneDir, report: &mut Report) {
+    let path = dir.scene();
+    let mut expect = |field: &str, matches: bool, found: String, expected: String| {
+        if !matches {
+            let hint = "choose the --profile and --data that belong together, or build the scene again";
+            report.error(
+                "L4D102",
+                &path,
+                format!("field `{field}`"),
+                format!("is {found}, but {expected} is expected"),
+                hint,
+            );
+        }
+    };
+    let named = scene.name == *request.scene;
+    expect("name", named, format!("`{}`", scene.name), format!("`{}`", request.scene));
+    let profile = request.profile;
+    expect("profile", scene.profile == profile, scene.profile.to_string(), profile.to_string());
+    let stride = scene.profile.stride();
+    expect("stride", scene.stride == stride, scene.stride.to_string(), stride.to_string());
+    let bright = scene.exposure.is_finite() && scene.exposure > 0.0;
+    expect("exposure", bright, scene.exposure.to_string(), "a positive number".to_owned());
+    let frame_keys: BTreeSet<String> = scene.profile.frames().map(frame_key).collect();
+    for camera in &scene.cameras {
+        let known: BTreeSet<String> = scene
+            .digests
+            .get(&camera.name)
+            .map(|digests| digests.keys().cloned().collect())
+            .unwrap_or_default();
+        if known != frame_keys {
+            let message =
+                format!("has digests of {} frames, but the profile has {}", known.len(), frame_keys.len());
+            report.error("L4D102", &path, format!("field `digests.{}`", camera.name), message, REBUILD);
+        }
+    }
+    for view in scene.digests.keys().filter(|view| scene.camera(view).is_none()) {
+        report.error("L4D102", &path, format!("field `digests.{view}`"), "belongs to no view", REBUILD);
+    }
+}
+
+/// Missing and superfluous views and frames. Files that start with a dot are half-written ones of a worker.
+pub(super) fn check_files(scene: &Scene, dir: &SceneDir, report: &mut Report) {
+    let views: BTreeSet<String> = scene.cameras.iter().map(|camera| camera.name.to_string()).collect();
+    compare_listing(&dir.root().join("frames"), &views, &BTreeSet::new(), report);
+    let frames: BTreeSet<String> =
+        scene.profile.frames().map(|frame| format!("{}.exr", frame_key(frame))).collect();
+    let cards = BTreeSet::from(["view.json".to_owned()]);
+    for view in &views {
+        compare_listing(&dir.view(view), &frames, &cards, report);
+    }
+    for camera in &scene.cameras {
+        check_card(camera, dir, report);
+    }
+}
+
+/// What a worker wrote of its camera.
+#[derive(Deserialize)]
+struct ViewCard {
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+    world_from_camera: Vec<[f64; 16]>,
+}
+
+/// The frames were rendered with the camera of `view.json`, where that still stands beside them.
+fn check_card(camera: &Camera, dir: &SceneDir, report: &mut Report) {
+    let path = dir.view_card(&camera.name);
+    if !path.exists() {
+        return;
+    }
+    let card: ViewCard = match json::read(&path) {
+        Ok(card) => card,
+        Err(error) => return report.data_error("L4D102", &error),
+    };
+    let lens = (card.fx, card.fy, card.cx, card.cy) == (camera.fx, camera.fy, camera.cx, camera.cy);
+    if !lens || card.world_from_camera != camera.world_from_camera {
+        let message = "the camera that the frames were rendered with differs from scene.json";
+        report.error("L4D102", &path, "camera", message, REBUILD);
+    }
+}
+
+fn compare_listing(
+    folder: &Path,
+    required: &BTreeSet<String>,
+    allowed: &BTreeSet<String>,
+    report: &mut Report,
+) {
+    let found: BTreeSet<String> = match list_folder(folder) {
+        Ok(names) => names.into_iter().collect(),
+        Err(error) => return report.data_error("L4D103", &error),
+    };
+    for missing in required.difference(&found) {
+        report.error("L4D103", folder, missing.as_str(), "is missing", REBUILD);
+    }
+    for extra in found.iter().filter(|name| !required.contains(*name) && !allowed.contains(*name)) {
+        let hint = "move it elsewhere: this folder holds what scene.json lists and nothing else";
+        report.error("L4D103", folder, extra.as_str(), "does not belong to the scene", hint);
+    }
+}
+
+pub(super) fn check_against_tracks(scene: &Scene, tracks: &Tracks, dir: &SceneDir, report: &mut Report) {
+    let path = dir.scene();
+    let mut differs = |place: String, message: &str| {
+        let hint = "build tracks and pictures from the same recipe: `l4d build-scenes --overwrite`, \
+                    with --update-benchmark if the recipe is meant to have changed";
+        report.error("L4D112", &path, place, format!("{message} differs from the tracks"), hint);
+    };
+    let same_recipe = (&scene.name, scene.scale, scene.variant, scene.seed)
+        == (&tracks.scene, tracks.scale, tracks.variant, tracks.seed);
+    if !same_recipe {
+        differs("fields `name`, `scale`, `variant`, `seed`".into(), "the recipe");
+    }
+    if (scene.exposure - tracks.exposure).abs() > POSE_TOLERANCE {
+        differs("field `exposure`".into(), "the exposure");
+    }
+    let described: Vec<_> = tracks.instances.iter().map(TrackedInstance::instance).collect();
+    if scene.instances != described {
+        differs("field `instances`".into(), "the list of instances");
+    }
+    if scene.events != tracks.events {
+        differs("field `events`".into(), "the list of events");
+    }
+    let views: BTreeSet<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let tracked: BTreeSet<&str> = tracks.views(scene.profile).map(|camera| camera.name.as_str()).collect();
+    if views != tracked {
+        differs("field `cameras`".into(), "the list of views");
+    }
+    for camera in &scene.cameras {
+        let Some(tracked) = tracks.cameras.iter().find(|tracked| tracked.name == camera.name) else {
+            continue;
+        };
+        if camera.split != tracked.split {
+            differs(format!("camera {}", camera.name), "the split");
+        }
+        if !same_lens(camera, tracked, scene) {
+            differs(format!("camera {}", camera.name), "the lens");
+        }
+        if !same_poses(camera, tracked) {
+            differs(format!("camera {}", camera.name), "the pose");
+        }
+    }
+}
+
+fn same_lens(camera: &Camera, tracked: &TrackedCamera, scene: &Scene) -> bool {
+    let (width, height) = (f64::from(scene.width), f64::from(scene.height));
+    let focal_px = tracked.focal_over_width * width;
+    let found = [camera.fx, camera.fy, camera.cx, camera.cy];
+    let expected = [focal_px, focal_px, width / 2.0, height / 2.0];
+    found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= POSE_TOLERANCE * width)
+}
+
+fn same_poses(camera: &Camera, tracked: &TrackedCamera) -> bool {
+    camera.world_from_camera.len() == tracked.world_from_camera.len()
+        && camera
+            .world_from_camera
+            .iter()
+            .flatten()
+            .zip(tracked.world_from_camera.iter().flatten())
+            .all(|(found, expected)| (found - expected).abs() <= POSE_TOLERANCE)
+}

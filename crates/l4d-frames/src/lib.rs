@@ -1,0 +1,34 @@
+//! What a camera saw: colour, depth in metres, instance ids; masks of instances and pictures of all of it.
+//!
+//! This crate decodes and draws. It knows what a pixel means (which instance, how far, which colour on a
+//! screen) and whether the frames of a scene contradict each other or the tracks. It refuses to know what a
+//! query means, how a mask is scored and how anything was rendered. All that needs renders stands behind the
+//! feature `exr`, so that the judge can use the masks without linking a decoder of renders.
+
+pub mod display;
+pub mod frame;
+pub mod mask;
+pub mod png;
+pub mod quantiles;
+pub mod rle;
+pub mod truth;
+
+#[cfg(feature = "exr")]
+pub mod check;
+#[cfg(feature = "exr")]
+pub mod exr;
+#[cfg(feature = "exr")]
+#[cfg(test)]
+mod fake;
+#[cfg(feature = "exr")]
+pub mod geometry;
+#[cfg(feature = "exr")]
+pub mod overlay;
+#[cfg(feature = "exr")]
+pub mod sheet;
+#[cfg(feature = "exr")]
+pub mod text;
+
+pub use display::Display;
+pub use frame::{Frame, Surfaces};
+pub use mask::Mask;

@@ -1,0 +1,278 @@
+//! Reads what a method answers to a query, from either form, and reports everything that is no answer.
+//!
+//! A mask's size is checked before it is decoded; frames are compared with those that are asked for.
+
+use std::fmt;
+use std::path::Path;
+
+use l4d_data::layout::ResultsDir;
+use l4d_data::truth::frame_key;
+use l4d_data::{QueryId, Report, json};
+use l4d_frames::Mask;
+use l4d_frames::png::{self, PngError};
+use l4d_frames::rle::{self, RleError};
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use crate::codes;
+use crate::folder::{Kind, entries, read_sized, report_link};
+use crate::judge::Answer;
+
+/// No JSON file of masks is larger: 97 frames of noise at the full profile fit twice.
+const MAX_JSON_BYTES: u64 = 64 << 20;
+/// No PNG mask is larger: uncompressed 8-bit masks far above the full profile fit.
+const MAX_PNG_BYTES: u64 = 4 << 20;
+
+/// The forms in which the answers to one query stand there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Forms {
+    /// `<nnn>.json`.
+    pub json: bool,
+    /// `<nnn>/`.
+    pub folder: bool,
+}
+
+/// Reads the answers of one method to one query after another.
+#[derive(Debug, Clone, Copy)]
+pub struct Reader<'a> {
+    /// Where the results stand.
+    pub dir: &'a ResultsDir,
+    /// Frames that are asked for, ascending.
+    pub clip: &'a [u32],
+    /// Width and height that masks must have, pixels.
+    pub size: (u32, u32),
+    /// Whether masks of another size are resized to it.
+    pub resize: bool,
+}
+
+impl Reader<'_> {
+    /// One answer per frame of the clip. What cannot be read is reported and counts as missing.
+    pub fn read(&self, id: &QueryId, forms: Forms, report: &mut Report) -> Vec<Answer> {
+        match forms {
+            Forms { json: true, folder: true } => {
+                let message = format!("{} and the folder {} answer the same query", id.number, id.number);
+                let hint = "keep either the JSON file or the PNG folder";
+                report.error(codes::DUPLICATE, &self.dir.mask_file(id), "file", message, hint);
+                vec![Answer::Missing; self.clip.len()]
+            }
+            Forms { json: true, folder: false } => self.read_json(id, report),
+            Forms { json: false, folder: true } => self.read_pngs(id, report),
+            Forms { json: false, folder: false } => vec![Answer::Missing; self.clip.len()],
+        }
+    }
+
+    fn read_json(&self, id: &QueryId, report: &mut Report) -> Vec<Answer> {
+        let path = self.dir.mask_file(id);
+        let mut answers = vec![Answer::Missing; self.clip.len()];
+        let Some(bytes) = read_sized(&path, MAX_JSON_BYTES, report) else { return answers };
+        let file: AnswerFile = match json::parse(&path, None, &bytes) {
+            Ok(file) => file,
+            Err(error) => {
+                report.data_error(codes::UNREADABLE, &error);
+                return answers;
+            }
+        };
+        let [height, width] = file.size;
+        if let Err(message) = self.check_size((width, height)) {
+            let hint = "write [height, width] of the profile, or pass --resize";
+            report.error(codes::WRONG_SIZE, &path, "field `size`", message, hint);
+            return answers;
+        }
+        let mut is_seen = vec![false; self.clip.len()];
+        for (key, counts) in file.frames.0 {
+            let place = || format!("frame `{}`", printable(&key));
+            let Some(position) = self.position(&key) else {
+                let hint = format!("use the frames {}", frame_list(self.clip));
+                report.error(codes::UNKNOWN_ENTRY, &path, place(), "is no frame of the clip", hint);
+                continue;
+            };
+            if std::mem::replace(&mut is_seen[position], true) {
+                report.error(codes::DUPLICATE, &path, place(), "stands there twice", "keep one of them");
+                continue;
+            }
+            answers[position] = match counts.map(|counts| rle::decode(&counts, width, height)).transpose() {
+                Ok(None) => Answer::Absent,
+                Ok(Some(mask)) => Answer::Pixels(self.resized(mask)),
+                Err(error) => {
+                    report.error(codes::BAD_RLE, &path, place(), error.to_string(), rle_remedy(&error));
+                    Answer::Missing
+                }
+            };
+        }
+        answers
+    }
+
+    fn read_pngs(&self, id: &QueryId, report: &mut Report) -> Vec<Answer> {
+        let folder = self.dir.mask_folder(id);
+        let mut answers = vec![Answer::Missing; self.clip.len()];
+        for (name, kind) in entries(&folder, report) {
+            let path = folder.join(&name);
+            let position = name.strip_suffix(".png").and_then(|key| self.position(key));
+            match (kind, position) {
+                (Kind::File, Some(position)) => {
+                    if let Some(mask) = self.read_png(&path, report) {
+                        answers[position] = Answer::Pixels(mask);
+                    }
+                }
+                (Kind::Link | Kind::Other, _) => report_link(&path, report),
+                (Kind::File | Kind::Folder, _) => {
+                    let hint = format!("name masks <frame>.png with the frames {}", frame_list(self.clip));
+                    report.error(
+                        codes::UNKNOWN_ENTRY,
+                        &path,
+                        "name",
+                        "is no mask of a frame of the clip",
+                        hint,
+                    );
+                }
+            }
+        }
+        answers
+    }
+
+    fn read_png(&self, path: &Path, report: &mut Report) -> Option<Mask> {
+        let bytes = read_sized(path, MAX_PNG_BYTES, report)?;
+        let (width, height) = self.size;
+        let decoded = if self.resize {
+            let checked = png::size(&bytes).map(|size| self.check_size(size));
+            match checked {
+                Ok(Err(message)) => {
+                    report.error(
+                        codes::WRONG_SIZE,
+                        path,
+                        "header",
+                        message,
+                        "keep the proportions of the profile",
+                    );
+                    return None;
+                }
+                Ok(Ok(())) => png::decode_any(&bytes),
+                Err(error) => Err(error),
+            }
+        } else {
+            png::decode(&bytes, width, height)
+        };
+        match decoded {
+            Ok(mask) => Some(self.resized(mask)),
+            Err(error) => {
+                let (code, place) = match error {
+                    PngError::Size { .. } | PngError::AbsurdSize { .. } => (codes::WRONG_SIZE, "header"),
+                    PngError::Kind { .. } => (codes::BAD_PNG, "header"),
+                    PngError::NotPng | PngError::Value { .. } | PngError::Damaged(_) => {
+                        (codes::BAD_PNG, "file")
+                    }
+                };
+                report.error(code, path, place, error.to_string(), error.remedy());
+                None
+            }
+        }
+    }
+
+    fn check_size(&self, found: (u32, u32)) -> Result<(), String> {
+        let (width, height) = self.size;
+        if found == self.size {
+            return Ok(());
+        }
+        if !self.resize {
+            return Err(format!("is {}x{}, but masks are {width}x{height} here", found.0, found.1));
+        }
+        if !Mask::is_sane_size(found.0, found.1) {
+            return Err(format!("{}x{} cannot be resized", found.0, found.1));
+        }
+        let ours = u64::from(width) * u64::from(found.1);
+        let theirs = u64::from(height) * u64::from(found.0);
+        if ours.abs_diff(theirs) * 100 > ours {
+            let shape = format!("{}x{}", found.0, found.1);
+            return Err(format!(
+                "{shape} has other proportions than {width}x{height}, so it shows another picture"
+            ));
+        }
+        Ok(())
+    }
+
+    fn resized(&self, mask: Mask) -> Mask {
+        let (width, height) = self.size;
+        if mask.size() == self.size { mask } else { mask.resized_nearest(width, height) }
+    }
+
+    fn position(&self, key: &str) -> Option<usize> {
+        let is_plain = key.len() == 4 && key.bytes().all(|byte| byte.is_ascii_digit());
+        let frame = if is_plain { key.parse().ok()? } else { return None };
+        self.clip.binary_search(&frame).ok()
+    }
+}
+
+/// Reports the frames that have no answer.
+pub fn report_missing(dir: &ResultsDir, id: &QueryId, clip: &[u32], answers: &[Answer], report: &mut Report) {
+    let missing: Vec<u32> = clip
+        .iter()
+        .zip(answers)
+        .filter(|(_, answer)| **answer == Answer::Missing)
+        .map(|(frame, _)| *frame)
+        .collect();
+    if missing.is_empty() {
+        return;
+    }
+    let message =
+        format!("{} of {} frames have no answer: {}", missing.len(), clip.len(), frame_list(&missing));
+    let hint =
+        "answer them (null says that nothing is to be seen), or pass --missing zero or skip to `l4d score`";
+    let path = if dir.mask_folder(id).is_dir() { dir.mask_folder(id) } else { dir.mask_file(id) };
+    report.error(codes::MISSING, &path, format!("query {id}"), message, hint);
+}
+
+/// [`l4d_data::results::MaskFile`] as read from strangers: keys in order, so that doubles are seen.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AnswerFile {
+    size: [u32; 2],
+    frames: Pairs,
+}
+
+#[derive(Debug)]
+struct Pairs(Vec<(String, Option<String>)>);
+
+impl<'de> Deserialize<'de> for Pairs {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Collect;
+
+        impl<'de> Visitor<'de> for Collect {
+            type Value = Pairs;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("an object of frames")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Pairs, A::Error> {
+                let mut pairs = Vec::new();
+                while let Some(pair) = map.next_entry()? {
+                    pairs.push(pair);
+                }
+                Ok(Pairs(pairs))
+            }
+        }
+
+        deserializer.deserialize_map(Collect)
+    }
+}
+
+fn rle_remedy(error: &RleError) -> &'static str {
+    match error {
+        RleError::Total { .. } => "encode a mask of exactly the stated [height, width]",
+        _ => "write what pycocotools' mask.encode gives as `counts` (compressed, column-major)",
+    }
+}
+
+/// The first frames and the last.
+pub(crate) fn frame_list(frames: &[u32]) -> String {
+    const SHOWN: usize = 4;
+    let shown: Vec<String> = frames.iter().take(SHOWN).map(|frame| frame_key(*frame)).collect();
+    match frames {
+        [.., last] if frames.len() > SHOWN => format!("{}, ... {}", shown.join(", "), frame_key(*last)),
+        _ => shown.join(", "),
+    }
+}
+
+fn printable(key: &str) -> String {
+    key.chars().take(40).flat_map(char::escape_default).collect()
+}

@@ -1,0 +1,220 @@
+//! Baselines that bracket the scale: made from the truth and a seed, to show what the metrics can and cannot tell
+//! apart.
+
+use std::fs;
+use std::path::Path;
+
+use l4d_data::digest::sha256_hex;
+use l4d_data::layout::ResultsDir;
+use l4d_data::results::{MaskFile, MethodCard, Used};
+use l4d_data::scene::Role;
+use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::truth::frame_key;
+use l4d_data::{DataError, Name, Query, Temporal};
+use l4d_frames::{Mask, rle};
+use rand::SeedableRng as _;
+use rand::seq::SliceRandom as _;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::exam::Exam;
+use crate::results::PROTOCOL;
+use crate::truth::SceneTruth;
+
+/// A way to answer every query without looking at a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Baseline {
+    /// The truth itself.
+    Oracle,
+    /// Nothing anywhere.
+    None,
+    /// Every pixel of every frame.
+    All,
+    /// The right instances in all frames: right about what, blind to when.
+    TimeAgnostic,
+    /// As many random objects of the referents' categories as are meant, while the query holds: right about when,
+    /// guessing what.
+    RandomLookAlike,
+    /// All objects of the referents' categories, while the query holds.
+    LookAlikeUnion,
+}
+
+impl Baseline {
+    /// All baselines, best first.
+    pub const ALL: [Self; 6] = [
+        Self::Oracle,
+        Self::TimeAgnostic,
+        Self::LookAlikeUnion,
+        Self::RandomLookAlike,
+        Self::All,
+        Self::None,
+    ];
+
+    /// Name of the baseline and of its folder.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Oracle => "oracle",
+            Self::None => "none",
+            Self::All => "all",
+            Self::TimeAgnostic => "time-agnostic",
+            Self::RandomLookAlike => "random-look-alike",
+            Self::LookAlikeUnion => "look-alike-union",
+        }
+    }
+
+    fn uses_truth(self) -> bool {
+        !matches!(self, Self::None | Self::All)
+    }
+}
+
+/// What [`write_baseline`] found and did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Files written.
+    pub new: usize,
+    /// Files that stood there already with the same bytes.
+    pub kept: usize,
+}
+
+/// Writes the results of a baseline to `<results>/<name>/`. Files with the right bytes are kept, so that a killed
+/// run is finished by the next; other bytes are replaced only if `force` is set.
+pub fn write_baseline(
+    baseline: Baseline,
+    exam: &Exam,
+    seed: u64,
+    results: &Path,
+    force: bool,
+) -> Result<Written, DataError> {
+    let dir = ResultsDir::new(results.join(baseline.as_str()));
+    let card = card(baseline, exam);
+    let card_bytes = pretty(&card);
+    let is_current = is_current(&dir.card(), &card_bytes, force)?;
+    if !is_current && dir.card().exists() {
+        // Until the last mask stands, the folder must not look like results of either kind.
+        fs::remove_file(dir.card()).map_err(|source| DataError::io(&dir.card(), "replace", source))?;
+    }
+    let mut written = Written::default();
+    for scene in &exam.scenes {
+        let truth = exam.truth(&scene.name)?;
+        let write = |query: &Query| {
+            let referents = truth.referents(query, &scene.queries_path)?;
+            let file = answer(baseline, &truth, query, &referents, &exam.clip, seed);
+            let path = dir.mask_file(&query.id);
+            write_unless_current(&path, &compact(&file), force)
+        };
+        let states = scene.queries.par_iter().map(write).collect::<Result<Vec<bool>, DataError>>()?;
+        let new = states.iter().filter(|is_new| **is_new).count();
+        written.new += new;
+        written.kept += states.len() - new;
+    }
+    let is_new = write_unless_current(&dir.card(), &card_bytes, force)?;
+    written.new += usize::from(is_new);
+    written.kept += usize::from(!is_new);
+    Ok(written)
+}
+
+fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
+    let (width, height) = exam.size();
+    let name = Name::new(baseline.as_str()).expect("names of baselines are names");
+    MethodCard {
+        name,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        link: String::new(),
+        benchmark_version: exam.bench.manifest.version.clone(),
+        truth_digest: exam.truth_digest.clone(),
+        profile: exam.profile,
+        width,
+        height,
+        frames: exam.clip.clone(),
+        protocol: PROTOCOL.to_owned(),
+        used: Used { ground_truth: baseline.uses_truth(), test_view: false, endpoints: Vec::new() },
+        seconds: None,
+    }
+}
+
+fn answer(
+    baseline: Baseline,
+    truth: &SceneTruth,
+    query: &Query,
+    referents: &[usize],
+    clip: &[u32],
+    seed: u64,
+) -> MaskFile {
+    let (width, height) = (truth.width, truth.height);
+    let chosen = match baseline {
+        Baseline::Oracle | Baseline::TimeAgnostic => referents.to_vec(),
+        Baseline::None | Baseline::All => Vec::new(),
+        Baseline::LookAlikeUnion => look_alikes(truth, referents),
+        Baseline::RandomLookAlike => {
+            let mut alike = look_alikes(truth, referents);
+            let wanted = referents.len().min(alike.len());
+            alike.partial_shuffle(&mut random_of(seed, query), wanted).0.to_vec()
+        }
+    };
+    let is_gated = baseline != Baseline::TimeAgnostic && query.temporal == Temporal::While;
+    let encode = |frame: u32| match baseline {
+        Baseline::None => None,
+        Baseline::All => Some(rle::encode(&Mask::full(width, height))),
+        _ if is_gated && !query.holds_at(frame) => None,
+        _ => truth.union(&chosen, truth.position(frame)?).map(|union| rle::encode(union.mask())),
+    };
+    let frames = clip.iter().map(|&frame| (frame_key(frame), encode(frame))).collect();
+    MaskFile { size: [height, width], frames }
+}
+
+/// Objects of the categories that the referents have, the referents among them.
+fn look_alikes(truth: &SceneTruth, referents: &[usize]) -> Vec<usize> {
+    let is_alike = |index: &usize| {
+        let instance = &truth.instances[*index];
+        let alike = referents.iter().any(|&referent| truth.instances[referent].category == instance.category);
+        alike && instance.role == Role::Object
+    };
+    (0..truth.instances.len()).filter(is_alike).collect()
+}
+
+/// A generator of the query's own, so that no choice depends on the order or number of the others.
+fn random_of(seed: u64, query: &Query) -> ChaCha8Rng {
+    let digest = sha256_hex(format!("{seed}/{}", query.id).as_bytes());
+    let mut key = [0; 32];
+    for (byte, hex) in key.iter_mut().zip(digest.as_bytes().chunks_exact(2)) {
+        let digit = |character: u8| (character as char).to_digit(16).unwrap_or_default() as u8;
+        *byte = 16 * digit(hex[0]) + digit(hex[1]);
+    }
+    ChaCha8Rng::from_seed(key)
+}
+
+fn pretty(card: &MethodCard) -> Vec<u8> {
+    let text = serde_json::to_string_pretty(card).expect("a card of strings and numbers serialises");
+    (text + "\n").into_bytes()
+}
+
+fn compact(file: &MaskFile) -> Vec<u8> {
+    let text = serde_json::to_string(file).expect("masks of strings serialise");
+    (text + "\n").into_bytes()
+}
+
+/// Whether the file stands there with these bytes; other bytes are an error unless they may be replaced.
+fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
+    if fs::symlink_metadata(path).is_err() {
+        return Ok(false);
+    }
+    let is_same = read_bounded(path, bytes.len() as u64).is_ok_and(|found| found == bytes);
+    if !is_same && !force {
+        let message = "stands there with other content, perhaps of another seed, profile or version";
+        return Err(DataError::invalid(
+            path,
+            "file",
+            message,
+            "pass --force to replace it, or another --results",
+        ));
+    }
+    Ok(is_same)
+}
+
+fn write_unless_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
+    let is_new = !is_current(path, bytes, force)?;
+    if is_new {
+        write_atomic(path, bytes)?;
+    }
+    Ok(is_new)
+}

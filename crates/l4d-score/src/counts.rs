@@ -1,0 +1,258 @@
+//! `counts.csv`: one row per query and frame, from which every score is derived.
+
+use std::path::Path;
+
+use l4d_data::store::read_bounded;
+use l4d_data::{DataError, Name, QueryId};
+use serde::{Deserialize, Serialize};
+
+use crate::atomic::AtomicFile;
+
+/// What happened in one frame of one query.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// Something was to be found, and the prediction shares at least one pixel with it.
+    Hit,
+    /// Something was to be found, and the prediction shares no pixel with it: it is empty or lies elsewhere.
+    Miss,
+    /// Nothing was to be found, and the prediction has at least one pixel.
+    FalseAlarm,
+    /// Nothing was to be found, and the prediction has no pixel.
+    TrueAbsent,
+    /// The results hold no answer for the frame.
+    Missing,
+    /// The truth does not say what is to be found in the frame.
+    NotAnnotated,
+}
+
+impl State {
+    /// All states in the order of the documentation.
+    pub const ALL: [Self; 6] =
+        [Self::Hit, Self::Miss, Self::FalseAlarm, Self::TrueAbsent, Self::Missing, Self::NotAnnotated];
+
+    /// Name as written in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Hit => "hit",
+            Self::Miss => "miss",
+            Self::FalseAlarm => "false_alarm",
+            Self::TrueAbsent => "true_absent",
+            Self::Missing => "missing",
+            Self::NotAnnotated => "not_annotated",
+        }
+    }
+}
+
+/// Counts of one query in one frame, pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameCount {
+    /// The query.
+    pub query: QueryId,
+    /// Canonical frame.
+    pub frame: u32,
+    /// What happened.
+    pub state: State,
+    /// Pixels in both.
+    pub intersection: u64,
+    /// Pixels in at least one.
+    pub union: u64,
+    /// Pixels of the prediction.
+    pub predicted: u64,
+    /// Pixels of the truth.
+    pub truth: u64,
+    /// The object or landmark that the prediction overlaps most; none if it overlaps nothing. Among equals an
+    /// instance that is not meant comes before one that is, then the lower id.
+    pub instance: Option<Name>,
+    /// Pixels of that overlap.
+    pub instance_overlap: u64,
+}
+
+/// A row as it stands in the file.
+#[derive(Debug, Serialize, Deserialize)]
+struct Row {
+    scene: Name,
+    query: Name,
+    frame: u32,
+    state: State,
+    intersection: u64,
+    union: u64,
+    predicted: u64,
+    truth: u64,
+    instance: Option<Name>,
+    instance_overlap: u64,
+}
+
+impl From<&FrameCount> for Row {
+    fn from(count: &FrameCount) -> Self {
+        Self {
+            scene: count.query.scene.clone(),
+            query: count.query.number.clone(),
+            frame: count.frame,
+            state: count.state,
+            intersection: count.intersection,
+            union: count.union,
+            predicted: count.predicted,
+            truth: count.truth,
+            instance: count.instance.clone(),
+            instance_overlap: count.instance_overlap,
+        }
+    }
+}
+
+impl Row {
+    fn into_count(self) -> Result<FrameCount, String> {
+        let query = format!("{}/{}", self.scene, self.query).parse().map_err(|error| format!("{error}"))?;
+        // Sums in u64, so that no value can overflow them: pixel counts stay far below 2^40.
+        if [self.intersection, self.union, self.predicted, self.truth, self.instance_overlap]
+            .iter()
+            .any(|&pixels| pixels > 1 << 40)
+        {
+            return Err("has a pixel count that no picture has".to_owned());
+        }
+        if self.intersection > self.predicted.min(self.truth)
+            || self.union + self.intersection != self.predicted + self.truth
+        {
+            return Err("the counts contradict each other".to_owned());
+        }
+        Ok(FrameCount {
+            query,
+            frame: self.frame,
+            state: self.state,
+            intersection: self.intersection,
+            union: self.union,
+            predicted: self.predicted,
+            truth: self.truth,
+            instance: self.instance,
+            instance_overlap: self.instance_overlap,
+        })
+    }
+}
+
+/// Writes `counts.csv` row by row; the file appears when all rows stand.
+#[derive(Debug)]
+pub struct CountsWriter {
+    file: AtomicFile,
+    has_header: bool,
+}
+
+impl CountsWriter {
+    /// Starts the file at `path`.
+    pub fn create(path: &Path) -> Result<Self, DataError> {
+        Ok(Self { file: AtomicFile::create(path)?, has_header: false })
+    }
+
+    /// Appends rows.
+    pub fn write(&mut self, counts: &[FrameCount]) -> Result<(), DataError> {
+        let bytes = to_csv(counts, !self.has_header);
+        self.has_header = true;
+        self.file.write(&bytes)
+    }
+
+    /// Puts the file in place.
+    pub fn commit(mut self) -> Result<(), DataError> {
+        if !self.has_header {
+            self.write(&[])?;
+        }
+        self.file.commit()
+    }
+}
+
+/// The rows as CSV.
+pub fn to_csv(counts: &[FrameCount], with_header: bool) -> Vec<u8> {
+    const HEADER: [&str; 10] = [
+        "scene",
+        "query",
+        "frame",
+        "state",
+        "intersection",
+        "union",
+        "predicted",
+        "truth",
+        "instance",
+        "instance_overlap",
+    ];
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let mut write = || -> csv::Result<()> {
+        if with_header {
+            writer.write_record(HEADER)?;
+        }
+        counts.iter().try_for_each(|count| writer.serialize(Row::from(count)))
+    };
+    write().expect("rows of one shape always serialise to memory");
+    writer.into_inner().expect("memory takes all bytes")
+}
+
+/// Reads a `counts.csv`.
+pub fn read(path: &Path) -> Result<Vec<FrameCount>, DataError> {
+    let bytes = read_bounded(path, 1 << 30)?;
+    let mut rows = csv::Reader::from_reader(bytes.as_slice());
+    let invalid = |line: usize, message: String| {
+        let remedy = "run `l4d score` again";
+        DataError::invalid(path, format!("line {line}"), message, remedy)
+    };
+    let counts = rows.deserialize::<Row>().enumerate().map(|(index, row)| {
+        // The header is line 1.
+        let line = index + 2;
+        let row = row.map_err(|error| invalid(line, error.to_string()))?;
+        row.into_count().map_err(|message| invalid(line, message))
+    });
+    counts.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(frame: u32, state: State, instance: Option<&str>) -> FrameCount {
+        FrameCount {
+            query: "farm/003".parse().unwrap(),
+            frame,
+            state,
+            intersection: 2,
+            union: 5,
+            predicted: 3,
+            truth: 4,
+            instance: instance.map(|name| Name::new(name).unwrap()),
+            instance_overlap: 2,
+        }
+    }
+
+    #[test]
+    fn rows_round_trip_and_look_as_documented() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("counts.csv");
+        let rows = [row(0, State::Hit, Some("bucket_red")), row(12, State::FalseAlarm, None)];
+        let mut writer = CountsWriter::create(&path).unwrap();
+        writer.write(&rows[..1]).unwrap();
+        writer.write(&rows[1..]).unwrap();
+        writer.commit().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let expected = "scene,query,frame,state,intersection,union,predicted,truth,instance,instance_overlap\n\
+                        farm,003,0,hit,2,5,3,4,bucket_red,2\n\
+                        farm,003,12,false_alarm,2,5,3,4,,2\n";
+        assert_eq!(text, expected);
+        assert_eq!(read(&path).unwrap(), rows);
+    }
+
+    #[test]
+    fn damage_names_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("counts.csv");
+        let good = String::from_utf8(to_csv(&[row(0, State::Hit, None)], true)).unwrap();
+        for (from, to) in
+            [("hit", "bull"), (",2,5,", ",4,5,"), ("farm", "../x"), ("003", "x"), (",2,5,", ",-1,5,")]
+        {
+            std::fs::write(&path, good.replace(from, to)).unwrap();
+            let error = read(&path).unwrap_err().to_string();
+            assert!(error.contains("counts.csv: line 2: "), "{error}");
+        }
+    }
+
+    #[test]
+    fn names_of_states_are_those_of_the_files() {
+        for state in State::ALL {
+            assert_eq!(serde_json::to_value(state).unwrap(), state.as_str());
+        }
+    }
+}

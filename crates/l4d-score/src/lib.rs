@@ -1,0 +1,34 @@
+//! The judge: how well the masks of a method fit the truth of the benchmark.
+//!
+//! Counts come first: for every query and frame a [`counts::FrameCount`], written to `counts.csv`. Every number of
+//! a table is derived from those rows by [`metrics`] and [`averages`], so that anyone can do it again. Definitions and worked
+//! examples stand in `docs/scoring.md`, which is also a test.
+//!
+//! The judge sees the truth, the queries and the masks of a method, nothing else: it links no solver, no
+//! importer, no query language and no decoder of renders, and it refuses to rank (that is `l4d-board`).
+
+pub mod answers;
+mod atomic;
+pub mod averages;
+pub mod baseline;
+pub mod check;
+pub mod codes;
+pub mod counts;
+pub mod exam;
+mod folder;
+pub mod judge;
+pub mod metrics;
+pub mod results;
+pub mod score;
+pub mod summary;
+pub mod table;
+pub mod truth;
+
+pub use averages::{Average, Breakdown};
+pub use baseline::Baseline;
+pub use check::check_results;
+pub use counts::{FrameCount, State};
+pub use exam::Exam;
+pub use metrics::{Metrics, Missing, Options};
+pub use score::{Scored, score_results};
+pub use summary::Summary;

@@ -1,0 +1,204 @@
+//! Finds the results of methods, reads their cards and looks through their folders, and reports every problem
+//! instead of stopping at the first.
+//!
+//! Results come from strangers: names are compared with what is asked and never joined to a path otherwise, links
+//! are refused, files have a largest size.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use l4d_data::layout::ResultsDir;
+use l4d_data::results::MethodCard;
+use l4d_data::store::{list_folder, read_bounded};
+use l4d_data::{DataError, Name, Query, Report};
+
+use crate::answers::{Forms, frame_list};
+use crate::codes;
+use crate::exam::Exam;
+use crate::folder::{Kind, entries, kind_of, report_link};
+
+/// The protocol that this judge applies.
+pub const PROTOCOL: &str = "l4d";
+/// No card is larger.
+const MAX_CARD_BYTES: u64 = 1 << 20;
+
+/// Finds the methods in a folder: the folder itself if it holds a card or masks, else each of its folders.
+pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>, DataError> {
+    // `l4d score .` must know its name.
+    let root = match root.file_name() {
+        Some(_) => root.to_owned(),
+        None => fs::canonicalize(root).map_err(|source| DataError::io(root, "open", source))?,
+    };
+    let names = list_folder(&root)?;
+    if names.iter().any(|name| name == "method.json" || name == "masks") {
+        return Ok(vec![ResultsDir::new(root)]);
+    }
+    let mut methods = Vec::new();
+    for name in names {
+        let path = root.join(&name);
+        match kind_of(&path) {
+            Ok(Kind::Folder) => methods.push(ResultsDir::new(path)),
+            Ok(Kind::File) => {}
+            Ok(Kind::Link | Kind::Other) => report_link(&path, report),
+            Err(error) => report.data_error(codes::UNREADABLE, &error),
+        }
+    }
+    if methods.is_empty() {
+        let hint = "give a folder with one folder a method, or run `l4d baseline` to make some";
+        report.error(codes::NO_RESULTS, &root, "folder", "holds no results of any method", hint);
+    }
+    Ok(methods)
+}
+
+/// Reads `method.json` and checks that the masks were made for this exam; none if they cannot be scored.
+pub fn read_card(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -> Option<MethodCard> {
+    let path = dir.card();
+    match kind_of(&path) {
+        Ok(Kind::File) => {}
+        Ok(Kind::Link | Kind::Other) => {
+            report_link(&path, report);
+            return None;
+        }
+        Ok(Kind::Folder) | Err(_) => {
+            let hint = "write method.json as docs/formats.md says, or remove the folder";
+            report.error(
+                codes::BAD_CARD,
+                &path,
+                "file",
+                "is missing: the masks tell nothing of themselves",
+                hint,
+            );
+            return None;
+        }
+    }
+    let card = read_bounded(&path, MAX_CARD_BYTES).and_then(|_| MethodCard::read(&path));
+    let card = match card {
+        Ok(card) => card,
+        Err(error) => {
+            report.data_error(codes::BAD_CARD, &error);
+            return None;
+        }
+    };
+    let mismatches = mismatches(&card, exam, resize);
+    for (field, message, hint) in &mismatches {
+        report.error(codes::CARD_MISMATCH, &path, format!("field `{field}`"), message, hint);
+    }
+    mismatches.is_empty().then_some(card)
+}
+
+fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str, String, String)> {
+    let mut found = Vec::new();
+    let mut check = |field, is_equal: bool, message: String, hint: String| {
+        if !is_equal {
+            found.push((field, message, hint));
+        }
+    };
+    let version = &exam.bench.manifest.version;
+    let again =
+        "make the results again with this benchmark, or pass the benchmark that they were made for (--bench)";
+    check(
+        "protocol",
+        card.protocol == PROTOCOL,
+        format!("is `{}`, but `{PROTOCOL}` is scored here", card.protocol),
+        format!("write `{PROTOCOL}` if the masks answer the whole clip of the held-out view"),
+    );
+    check(
+        "benchmark_version",
+        card.benchmark_version == *version,
+        format!("is {}, but the benchmark is {version}", card.benchmark_version),
+        again.to_owned(),
+    );
+    let profile = exam.profile;
+    if card.profile != profile {
+        let message = format!("is {}, but {profile} is scored", card.profile);
+        check("profile", false, message, format!("pass --profile {}", card.profile));
+        // Digest, size and frames follow from the profile and would only repeat it.
+        return found;
+    }
+    let digest = |text: &str| text.chars().take(12).collect::<String>();
+    check(
+        "truth_digest",
+        card.truth_digest == exam.truth_digest,
+        format!("is {}..., but the truth is {}...", digest(&card.truth_digest), digest(&exam.truth_digest)),
+        again.to_owned(),
+    );
+    let (width, height) = exam.size();
+    check(
+        "width",
+        resize || (card.width, card.height) == (width, height),
+        format!(
+            "width and height are {}x{}, but profile {profile} is {width}x{height}",
+            card.width, card.height
+        ),
+        "render masks at that size, or pass --resize".to_owned(),
+    );
+    check(
+        "frames",
+        card.frames == exam.clip,
+        format!("are not the {} frames of profile {profile}", exam.clip.len()),
+        format!("answer the frames {}", frame_list(&exam.clip)),
+    );
+    found
+}
+
+/// Reports folders of masks for scenes that the benchmark does not have, and anything else that is out of place.
+pub fn check_scenes(dir: &ResultsDir, known: &[Name], report: &mut Report) {
+    let masks = dir.masks();
+    for (name, kind) in entries(&masks, report) {
+        let path = masks.join(&name);
+        match kind {
+            Kind::Folder if known.iter().any(|scene| scene.as_str() == name) => {}
+            Kind::Folder => {
+                let scenes: Vec<&str> = known.iter().map(Name::as_str).collect();
+                let hint = format!("rename or remove it; the scenes are {}", scenes.join(", "));
+                report.error(codes::UNKNOWN_SCENE, &path, "folder", "is no scene of the benchmark", hint);
+            }
+            Kind::File => report_unknown(&path, report),
+            Kind::Link | Kind::Other => report_link(&path, report),
+        }
+    }
+}
+
+/// Looks through the masks of a scene: which queries are answered in which form, and what is out of place.
+pub fn scan_scene(
+    dir: &ResultsDir,
+    scene: &Name,
+    queries: &[Query],
+    report: &mut Report,
+) -> BTreeMap<String, Forms> {
+    let folder = dir.masks().join(scene.as_str());
+    let mut found: BTreeMap<String, Forms> = BTreeMap::new();
+    for (name, kind) in entries(&folder, report) {
+        let path = folder.join(&name);
+        let number = match kind {
+            Kind::Folder => Some(name.as_str()),
+            Kind::File => name.strip_suffix(".json"),
+            Kind::Link | Kind::Other => {
+                report_link(&path, report);
+                continue;
+            }
+        };
+        let Some(number) = number else {
+            report_unknown(&path, report);
+            continue;
+        };
+        if !queries.iter().any(|query| query.id.number.as_str() == number) {
+            let hint = "rename or remove it; the queries stand in the benchmark's folder `queries`";
+            report.error(codes::UNKNOWN_QUERY, &path, "name", format!("is no query of scene {scene}"), hint);
+            continue;
+        }
+        let forms = found.entry(number.to_owned()).or_default();
+        match kind {
+            Kind::Folder => forms.folder = true,
+            _ => forms.json = true,
+        }
+    }
+    found
+}
+
+fn report_unknown(path: &Path, report: &mut Report) {
+    let hint =
+        "masks stand in masks/<scene>/<nnn>.json or masks/<scene>/<nnn>/<frame>.png; move or remove the file";
+    report.error(codes::UNKNOWN_ENTRY, path, "name", "has no meaning here", hint);
+}

@@ -1,0 +1,184 @@
+//! Scores methods: reads their masks, counts, writes `counts.csv` and sums up.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::layout::ResultsDir;
+use l4d_data::results::MethodCard;
+use l4d_data::{DataError, Query, Report, json};
+use rayon::prelude::*;
+
+use crate::answers::{Reader, report_missing};
+use crate::codes;
+use crate::counts::{CountsWriter, FrameCount};
+use crate::exam::{Exam, SceneExam};
+use crate::judge::{Answer, judge_query};
+use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
+use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::summary::Summary;
+use crate::truth::SceneTruth;
+
+/// Scores of all methods of a folder that have no error.
+#[derive(Debug)]
+pub struct Scored {
+    /// One summary a method, in the order of their names.
+    pub summaries: Vec<Summary>,
+    /// What is wrong with the others, and with the benchmark.
+    pub report: Report,
+}
+
+/// Where the counts of a method are written.
+pub fn counts_path(scores: &Path, method: &str) -> PathBuf {
+    scores.join(method).join("counts.csv")
+}
+
+/// Where the summary of a method is written.
+pub fn summary_path(scores: &Path, method: &str) -> PathBuf {
+    scores.join(method).join("summary.json")
+}
+
+/// Scores one method or a folder of them into `scores/<method>/`. A method with an error finding is not scored and
+/// the scores that it had before stay. `progress` is told the name of
+/// each method that was read.
+pub fn score_results(
+    root: &Path,
+    exam: &Exam,
+    options: &Options,
+    scores: &Path,
+    progress: impl Fn(&str),
+) -> Result<Scored, DataError> {
+    let mut report = Report::default();
+    let mut summaries = Vec::new();
+    let asked =
+        exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
+    if asked == 0 {
+        let remedy = "drop --verified-only, or have queries verified";
+        return Err(DataError::invalid(
+            exam.bench.root(),
+            "folder `queries`",
+            "no query is left to score",
+            remedy,
+        ));
+    }
+    for dir in find_methods(root, &mut report)? {
+        let mut found = Report::default();
+        if let Some(card) = read_card(&dir, exam, options.resize, &mut found)
+            && let Some(summary) = score_method(&dir, card, exam, options, scores, &mut found)?
+        {
+            summaries.push(summary);
+        }
+        report.extend(found);
+        progress(&dir.root().file_name().unwrap_or_default().to_string_lossy());
+    }
+    if let Some(first) = summaries.first() {
+        report_never_present(first, exam, &mut report);
+    }
+    Ok(Scored { summaries, report })
+}
+
+fn score_method(
+    dir: &ResultsDir,
+    card: MethodCard,
+    exam: &Exam,
+    options: &Options,
+    scores: &Path,
+    report: &mut Report,
+) -> Result<Option<Summary>, DataError> {
+    check_scenes(dir, &exam.bench.manifest.scenes, report);
+    let mut writer = CountsWriter::create(&counts_path(scores, &card.name))?;
+    let mut tallies = Vec::new();
+    // As many scenes at once as there are threads: their truth is all that memory must hold.
+    for batch in exam.scenes.chunks(rayon::current_num_threads()) {
+        let judged: Vec<JudgedScene> = batch
+            .par_iter()
+            .map(|scene| judge_scene(dir, scene, exam, options))
+            .collect::<Result<_, DataError>>()?;
+        for JudgedScene { queries, report: found } in judged {
+            report.extend(found);
+            for (tally, counts) in queries {
+                writer.write(&counts)?;
+                tallies.push(tally);
+            }
+        }
+    }
+    if report.has_errors() {
+        return Ok(None);
+    }
+    writer.commit()?;
+    let summary = Summary::new(card, exam, options, &tallies);
+    json::write(&summary_path(scores, &summary.name), &summary)?;
+    Ok(Some(summary))
+}
+
+struct JudgedScene {
+    queries: Vec<(QueryTally, Vec<FrameCount>)>,
+    report: Report,
+}
+
+fn judge_scene(
+    dir: &ResultsDir,
+    scene: &SceneExam,
+    exam: &Exam,
+    options: &Options,
+) -> Result<JudgedScene, DataError> {
+    let mut report = Report::default();
+    let truth = exam.truth(&scene.name)?;
+    let forms = scan_scene(dir, &scene.name, &scene.queries, &mut report);
+    let reader = Reader { dir, clip: &exam.clip, size: exam.size(), resize: options.resize };
+    let judge = |query: &&Query| {
+        let mut found = Report::default();
+        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
+        let answers = reader.read(&query.id, forms, &mut found);
+        if options.missing == Missing::Error && found.is_empty() {
+            report_missing(dir, &query.id, &exam.clip, &answers, &mut found);
+        }
+        let counts = count(&truth, query, scene, exam, &answers)?;
+        let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
+        Ok((tally, counts, found))
+    };
+    let asked: Vec<&Query> = scene.queries.iter().filter(|query| options.takes(query)).collect();
+    let judged = asked.par_iter().map(judge).collect::<Result<Vec<_>, DataError>>()?;
+    let mut queries = Vec::with_capacity(judged.len());
+    for (tally, counts, found) in judged {
+        report.extend(found);
+        queries.push((tally, counts));
+    }
+    Ok(JudgedScene { queries, report })
+}
+
+fn count(
+    truth: &SceneTruth,
+    query: &Query,
+    scene: &SceneExam,
+    exam: &Exam,
+    answers: &[Answer],
+) -> Result<Vec<FrameCount>, DataError> {
+    let referents = truth.referents(query, &scene.queries_path)?;
+    Ok(judge_query(truth, query, &referents, &exam.clip, answers))
+}
+
+/// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.
+pub fn tallies_of_counts(
+    counts: &[FrameCount],
+    exam: &Exam,
+    options: &Options,
+) -> Result<Vec<QueryTally>, DataError> {
+    let mut tallies = Vec::new();
+    for scene in &exam.scenes {
+        let scale = exam.bench.truth(exam.profile, &scene.name)?.scale;
+        for query in scene.queries.iter().filter(|query| options.takes(query)) {
+            let rows: Vec<FrameCount> =
+                counts.iter().filter(|count| count.query == query.id).cloned().collect();
+            tallies.push(QueryTally::of(QueryFacts::of(query, scale), &rows, options));
+        }
+    }
+    Ok(tallies)
+}
+
+fn report_never_present(summary: &Summary, exam: &Exam, report: &mut Report) {
+    for id in &summary.never_present {
+        let path = exam.bench.dir.queries(&id.scene);
+        let message = format!("what it means is visible in no frame of profile {}", exam.profile);
+        let hint = "it enters no mean of mIoU, mAcc, tube IoU and select; mend the query or the scene";
+        report.warning(codes::NEVER_PRESENT, &path, format!("query {id}"), message, hint);
+    }
+}

@@ -1,0 +1,95 @@
+//! `summary.json`: the scores of one method with everything that they depend on. Derived from `counts.csv`, kept so
+//! that a leaderboard needs neither truth nor queries.
+
+use std::path::Path;
+
+use l4d_data::results::{MethodCard, Used};
+use l4d_data::{DataError, Name, Profile, QueryId, json};
+use serde::{Deserialize, Serialize};
+
+use crate::averages::Breakdown;
+use crate::exam::Exam;
+use crate::metrics::{Missing, Options, QueryTally};
+
+/// Schema tag of a summary.
+pub const SCHEMA: &str = "l4d/score/1";
+
+/// Scores of one method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Name of the method.
+    pub name: Name,
+    /// Version of the method.
+    pub version: String,
+    /// Paper or code, may be empty.
+    pub link: String,
+    /// What the method looked at.
+    pub used: Used,
+    /// Wall seconds that the method took for all queries.
+    pub seconds: Option<f64>,
+    /// Protocol of the scores.
+    pub protocol: String,
+    /// Profile of truth and masks.
+    pub profile: Profile,
+    /// Version of the benchmark.
+    pub benchmark_version: String,
+    /// [`l4d_data::Benchmark::truth_digest`].
+    pub truth_digest: String,
+    /// Choices that change numbers.
+    pub options: Options,
+    /// Whether frames without an answer were left out, which makes the scores incomparable.
+    pub partial: bool,
+    /// Frames without an answer.
+    pub missing_frames: u64,
+    /// Queries that were asked: the counted ones and those whose target is never present.
+    pub asked_queries: usize,
+    /// How many of them people have verified.
+    pub verified_queries: usize,
+    /// Queries whose target is visible in no scored frame; they enter no mean of it.
+    pub never_present: Vec<QueryId>,
+    /// The numbers.
+    #[serde(flatten)]
+    pub scores: Breakdown,
+}
+
+impl Summary {
+    /// Sums up the queries of a method.
+    pub fn new(card: MethodCard, exam: &Exam, options: &Options, tallies: &[QueryTally]) -> Self {
+        let missing_frames = tallies.iter().map(|tally| tally.missing_frames).sum();
+        Self {
+            schema: SCHEMA.to_owned(),
+            name: card.name,
+            version: card.version,
+            link: card.link,
+            used: card.used,
+            seconds: card.seconds,
+            protocol: card.protocol,
+            profile: exam.profile,
+            benchmark_version: card.benchmark_version,
+            truth_digest: card.truth_digest,
+            options: *options,
+            partial: options.missing == Missing::Skip && missing_frames > 0,
+            missing_frames,
+            asked_queries: tallies.len(),
+            verified_queries: tallies.iter().filter(|tally| tally.facts.verified).count(),
+            never_present: tallies
+                .iter()
+                .filter(|tally| !tally.is_counted())
+                .map(|tally| tally.facts.id.clone())
+                .collect(),
+            scores: Breakdown::of(tallies),
+        }
+    }
+
+    /// Reads a summary.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let summary: Self = json::read(path)?;
+        if summary.schema != SCHEMA {
+            let message = format!("is `{}`, but this l4d reads `{SCHEMA}`", summary.schema);
+            return Err(DataError::invalid(path, "field `schema`", message, "run `l4d score` again"));
+        }
+        Ok(summary)
+    }
+}

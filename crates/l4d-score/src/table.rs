@@ -1,0 +1,69 @@
+//! Scores as aligned text, at most 100 columns wide.
+
+use std::collections::BTreeMap;
+
+use l4d_data::{Category, Scale};
+
+use crate::metrics::Metrics;
+use crate::summary::Summary;
+
+const NAME_WIDTH: usize = 24;
+
+/// One row a method: the headline, then mIoU and mAcc per category and per scale.
+pub fn render(summaries: &[Summary]) -> String {
+    let mut text = String::new();
+    headline(&mut text, summaries);
+    if !summaries.is_empty() {
+        groups(&mut text, summaries, "category", &Category::ALL.map(|key| (key, key.as_str())), |summary| {
+            &summary.scores.categories
+        });
+        groups(&mut text, summaries, "scale", &Scale::ALL.map(|key| (key, key.as_str())), |summary| {
+            &summary.scores.scales
+        });
+    }
+    text
+}
+
+fn headline(text: &mut String, summaries: &[Summary]) {
+    const COLUMNS: [&str; 8] = ["mIoU", "mAcc", "Acc@.25", "Acc@.5", "tube", "select", "FPR", "queries"];
+    let titles = COLUMNS.iter().map(|title| format!("{title:>8}"));
+    line(text, "method", titles);
+    for summary in summaries {
+        let Metrics { miou, macc, acc25, acc50, tube_iou, select, false_positive_rate, queries } =
+            summary.scores.headline;
+        let values = [miou, macc, acc25, acc50, tube_iou, select, false_positive_rate];
+        let cells = values.into_iter().map(|value| format!("{:>8}", percent(value)));
+        let mark = if summary.partial { " partial" } else { "" };
+        line(text, &summary.name, cells.chain([format!("{queries:>8}{mark}")]));
+    }
+}
+
+fn groups<K: Ord + Copy>(
+    text: &mut String,
+    summaries: &[Summary],
+    what: &str,
+    keys: &[(K, &str)],
+    table: impl Fn(&Summary) -> &BTreeMap<K, Metrics>,
+) {
+    text.push('\n');
+    line(text, &format!("mIoU mAcc by {what}"), keys.iter().map(|(_, name)| format!("{name:>17}")));
+    for summary in summaries {
+        let cells = keys.iter().map(|(key, _)| {
+            let metrics = table(summary).get(key).copied().unwrap_or_default();
+            format!("{:>9}{:>8}", percent(metrics.miou), percent(metrics.macc))
+        });
+        line(text, &summary.name, cells);
+    }
+}
+
+fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
+    let short: String = name.chars().take(NAME_WIDTH).collect();
+    let row = format!("{short:<NAME_WIDTH$}{}", cells.collect::<String>());
+    text.push_str(row.trim_end());
+    text.push('\n');
+}
+
+/// A percentage with two decimals; `-` where there is none.
+fn percent(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+}

@@ -1,0 +1,151 @@
+//! The truth of one scene in memory: which pixels of the held-out view show which instance, at every frame.
+
+use std::borrow::Cow;
+use std::ops::Range;
+use std::path::Path;
+
+use l4d_data::scene::Role;
+use l4d_data::truth::frame_key;
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Scale, Temporal};
+use l4d_frames::{Mask, rle};
+use rayon::prelude::*;
+
+/// A mask of the truth with what is asked of it again and again.
+#[derive(Debug, Clone)]
+pub struct TruthMask {
+    mask: Mask,
+    area: u64,
+    rows: Range<u32>,
+}
+
+impl TruthMask {
+    /// None if the mask has no pixel.
+    pub fn new(mask: Mask) -> Option<Self> {
+        let bounds = mask.bounding_box()?;
+        let area = mask.area();
+        Some(Self { mask, area, rows: bounds.first_row..bounds.last_row + 1 })
+    }
+
+    /// The pixels.
+    pub fn mask(&self) -> &Mask {
+        &self.mask
+    }
+
+    /// Number of pixels.
+    pub fn area(&self) -> u64 {
+        self.area
+    }
+
+    /// Pixels shared with a prediction of the same size.
+    pub fn overlap(&self, predicted: &Mask) -> u64 {
+        self.mask.and_count_in_rows(predicted, self.rows.clone())
+    }
+}
+
+/// One instance in the held-out view.
+#[derive(Debug, Clone)]
+pub struct TruthInstance {
+    /// Instance name.
+    pub name: Name,
+    /// Value of the `id` channel.
+    pub id: u32,
+    /// Object or landmark.
+    pub role: Role,
+    /// Common noun.
+    pub category: String,
+    /// One entry per annotated frame; none where no pixel is visible.
+    pub masks: Vec<Option<TruthMask>>,
+}
+
+/// The truth of one scene.
+#[derive(Debug, Clone)]
+pub struct SceneTruth {
+    /// Scene name.
+    pub scene: Name,
+    /// Spatial scale.
+    pub scale: Scale,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Annotated frames, ascending.
+    pub frames: Vec<u32>,
+    /// Instances, ascending by id.
+    pub instances: Vec<TruthInstance>,
+}
+
+impl SceneTruth {
+    /// Reads and decodes the truth of a scene.
+    pub fn load(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
+        let path = bench.dir.truth(profile, scene);
+        let file = bench.truth(profile, scene)?;
+        let (width, height) = (file.width, file.height);
+        let decode = |frame: &u32, name: &Name, counts: Option<&String>| {
+            let mask =
+                counts.map(|counts| rle::decode(counts, width, height)).transpose().map_err(|error| {
+                    let place = format!("instance {name}, frame {}", frame_key(*frame));
+                    DataError::invalid(&path, place, error.to_string(), "restore the file from the release")
+                })?;
+            Ok(mask.and_then(TruthMask::new))
+        };
+        let instances = file.instances.par_iter().map(|instance| {
+            let masks = file
+                .frames
+                .iter()
+                .map(|frame| decode(frame, &instance.name, instance.masks.get(&frame_key(*frame))))
+                .collect::<Result<Vec<_>, DataError>>()?;
+            Ok(TruthInstance {
+                name: instance.name.clone(),
+                id: instance.id,
+                role: instance.role,
+                category: instance.category.clone(),
+                masks,
+            })
+        });
+        let mut instances = instances.collect::<Result<Vec<_>, DataError>>()?;
+        instances.sort_by_key(|instance| instance.id);
+        Ok(Self { scene: scene.clone(), scale: file.scale, width, height, frames: file.frames, instances })
+    }
+
+    /// Positions of the referents of a query among the instances. `queries` is the file to blame.
+    pub fn referents(&self, query: &Query, queries: &Path) -> Result<Vec<usize>, DataError> {
+        let position = |name: &Name| {
+            self.instances.iter().position(|instance| instance.name == *name).ok_or_else(|| {
+                DataError::invalid(
+                    queries,
+                    format!("query {}, field `referents`", query.id),
+                    format!("names `{name}`, which is no instance of the truth of scene {}", self.scene),
+                    "mend the name, or build the scene again",
+                )
+            })
+        };
+        query.referents.iter().map(position).collect()
+    }
+
+    /// Position of a frame among the annotated ones; none if the truth says nothing about it.
+    pub fn position(&self, frame: u32) -> Option<usize> {
+        self.frames.binary_search(&frame).ok()
+    }
+
+    /// What a query asks to find at an annotated frame: the union of its referents, or nothing.
+    pub fn target(&self, query: &Query, referents: &[usize], position: usize) -> Option<Cow<'_, TruthMask>> {
+        if query.temporal == Temporal::While && !query.holds_at(self.frames[position]) {
+            return None;
+        }
+        self.union(referents, position)
+    }
+
+    /// Union of instances at an annotated frame; none if no pixel of them is visible.
+    pub fn union(&self, instances: &[usize], position: usize) -> Option<Cow<'_, TruthMask>> {
+        let mut visible =
+            instances.iter().filter_map(|&index| self.instances[index].masks[position].as_ref());
+        let first = visible.next()?;
+        let mut rest = visible.peekable();
+        if rest.peek().is_none() {
+            return Some(Cow::Borrowed(first));
+        }
+        let mut union = first.mask.clone();
+        rest.for_each(|other| union.union_with(&other.mask));
+        TruthMask::new(union).map(Cow::Owned)
+    }
+}

@@ -1,0 +1,328 @@
+//! Rendering: which pictures are missing, who renders them, and what to do when a worker dies.
+
+use std::collections::VecDeque;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use anyhow::{Context as _, Result};
+use glam::UVec2;
+use indicatif::ProgressBar;
+use l4d_data::layout::SceneDir;
+use l4d_data::store::{list_folder, make_folder};
+use l4d_data::{DataError, Name, Profile, json};
+use l4d_frames::exr::read_frame;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::env::BlenderEnv;
+use super::plan::{Draw, Plan};
+use super::worker::{self, WorkerEnd, WorkerEvent};
+use crate::cli::Shard;
+use crate::out::{Printer, refusal};
+
+const JOB_SCHEMA: &str = "l4d/render-job/1";
+
+/// How pictures are made; pictures made otherwise are never mixed with them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RenderSettings {
+    pub(crate) profile: Profile,
+    pub(crate) variant: u32,
+    pub(crate) seed: u64,
+    pub(crate) samples: u32,
+    pub(crate) bpy: String,
+    pub(crate) scripts_sha256: String,
+}
+
+/// One picture.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub(crate) struct Image {
+    pub(crate) frame: u32,
+    pub(crate) view: Name,
+}
+
+/// What a worker is asked to render.
+#[derive(Debug, Serialize)]
+struct Job<'a> {
+    schema: &'a str,
+    scene: &'a Name,
+    variant: u32,
+    seed: u64,
+    profile: Profile,
+    width: u32,
+    height: u32,
+    samples: u32,
+    denoise: bool,
+    threads: usize,
+    out: &'a Path,
+    tracks: PathBuf,
+    images: &'a [Image],
+}
+
+/// A scene and the pictures of it that one worker renders.
+#[derive(Debug)]
+struct Piece<'a> {
+    scene: &'a PlannedScene,
+    number: usize,
+    images: Vec<Image>,
+}
+
+/// A scene that is ready to be rendered.
+#[derive(Debug)]
+pub(crate) struct PlannedScene {
+    pub(crate) name: Name,
+    pub(crate) dir: SceneDir,
+    pub(crate) plan: Plan,
+    pub(crate) settings: RenderSettings,
+}
+
+impl PlannedScene {
+    pub(crate) fn new(name: Name, dir: SceneDir, plan: Plan, profile: Profile, draw: Draw, samples: u32) -> Self {
+        let settings = RenderSettings {
+            profile,
+            variant: draw.variant,
+            seed: draw.seed,
+            samples,
+            bpy: plan.bpy.clone(),
+            scripts_sha256: plan.scripts_sha256.clone(),
+        };
+        Self { name, dir, plan, settings }
+    }
+
+    /// Every picture of the profile, frame by frame: a worker then moves through time once.
+    pub(crate) fn images(&self) -> Vec<Image> {
+        let profile = self.settings.profile;
+        let views: Vec<&Name> = self.plan.tracks.views(profile).map(|camera| &camera.name).collect();
+        let of_frame = |frame| views.iter().map(move |view| Image { frame, view: (*view).clone() });
+        profile.frames().flat_map(of_frame).collect()
+    }
+
+    /// Makes sure that what stands in the folder was rendered with the same settings.
+    pub(crate) fn claim(&self, overwrite: bool) -> Result<()> {
+        let path = self.dir.root().join("render.json");
+        let frames = self.dir.root().join("frames");
+        if frames.exists() && json::read::<RenderSettings>(&path).ok().as_ref() != Some(&self.settings) {
+            if !overwrite {
+                return Err(refusal(
+                    format!("{} holds pictures of other scripts, seeds or samples", frames.display()),
+                    "add --overwrite to render them again, or choose another folder with --data",
+                ));
+            }
+            std::fs::remove_dir_all(&frames).with_context(|| format!("cannot remove {}", frames.display()))?;
+            std::fs::remove_file(self.dir.scene()).ok();
+        }
+        json::write(&path, &self.settings)?;
+        Ok(())
+    }
+
+    /// The pictures that are not on disk, or torn, or of another size.
+    pub(crate) fn missing(&self) -> Vec<Image> {
+        let size = UVec2::new(self.settings.profile.width(), self.settings.profile.height());
+        let is_good = |image: &Image| read_frame(&self.dir.frame(&image.view, image.frame), size).is_ok();
+        let views_without_card: Vec<&Name> = self
+            .plan
+            .tracks
+            .views(self.settings.profile)
+            .map(|camera| &camera.name)
+            .filter(|view| !self.dir.view_card(view).exists())
+            .collect();
+        self.images()
+            .into_par_iter()
+            .filter(|image| views_without_card.contains(&&image.view) || !is_good(image))
+            .collect()
+    }
+
+    /// Removes what killed workers left half-written. Only safe when nobody renders into the folder.
+    pub(crate) fn sweep(&self) -> Result<(), DataError> {
+        for camera in self.plan.tracks.views(self.settings.profile) {
+            let folder = self.dir.view(&camera.name);
+            let entries = std::fs::read_dir(&folder).map_err(|source| DataError::io(&folder, "list the folder", source))?;
+            for entry in entries.flatten() {
+                let name = entry.file_name().to_string_lossy().into_owned();
+                if name.starts_with('.') && name.ends_with(".tmp") {
+                    std::fs::remove_file(entry.path()).map_err(|source| DataError::io(&entry.path(), "remove", source))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Renders what is missing of the scenes. Gives the number of pictures that this call rendered.
+pub(crate) fn render(
+    env: &BlenderEnv,
+    scenes: &[PlannedScene],
+    shard: Option<Shard>,
+    jobs: usize,
+    work: &Path,
+    out: &Printer,
+) -> Result<u64> {
+    let jobs = jobs.max(1);
+    let threads = (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(1);
+    let mut total = 0;
+    let mut pieces = VecDeque::new();
+    for scene in scenes {
+        let images = of_shard(scene.missing(), shard, scene.settings.profile);
+        total += images.len() as u64;
+        let length = images.len().div_ceil(jobs).max(1);
+        for (number, images) in images.chunks(length).enumerate() {
+            pieces.push_back(Piece { scene, number, images: images.to_vec() });
+        }
+    }
+    if total == 0 {
+        return Ok(0);
+    }
+    let bar = out.bar(total, "rendering");
+    let queue = Mutex::new(pieces);
+    let stop = AtomicBool::new(false);
+    let ends: Vec<Result<()>> = thread::scope(|scope| {
+        let hands: Vec<_> =
+            (0..jobs).map(|_| scope.spawn(|| work_off(env, &queue, &stop, threads, work, &bar, out))).collect();
+        hands.into_iter().map(|hand| hand.join().unwrap_or_else(|_| Err(anyhow::anyhow!("a supervisor panicked")))).collect()
+    });
+    bar.finish_and_clear();
+    ends.into_iter().collect::<Result<()>>()?;
+    Ok(total)
+}
+
+/// Shard i of n renders every n-th frame of the profile, so that the views of a frame stay together.
+fn of_shard(images: Vec<Image>, shard: Option<Shard>, profile: Profile) -> Vec<Image> {
+    let Some(Shard { index, count }) = shard else { return images };
+    let is_ours = |image: &Image| (image.frame / profile.stride()) as usize % count == index - 1;
+    images.into_iter().filter(is_ours).collect()
+}
+
+fn work_off(
+    env: &BlenderEnv,
+    queue: &Mutex<VecDeque<Piece<'_>>>,
+    stop: &AtomicBool,
+    threads: usize,
+    work: &Path,
+    bar: &ProgressBar,
+    out: &Printer,
+) -> Result<()> {
+    loop {
+        let piece = queue.lock().map_err(|_| anyhow::anyhow!("another supervisor panicked"))?.pop_front();
+        let Some(piece) = piece else { return Ok(()) };
+        if stop.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let end = render_piece(env, piece, stop, threads, work, bar, out);
+        if end.is_err() {
+            stop.store(true, Ordering::Relaxed);
+            return end;
+        }
+    }
+}
+
+/// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
+fn render_piece(
+    env: &BlenderEnv,
+    mut piece: Piece<'_>,
+    stop: &AtomicBool,
+    threads: usize,
+    work: &Path,
+    bar: &ProgressBar,
+    out: &Printer,
+) -> Result<()> {
+    while !piece.images.is_empty() {
+        let before = piece.images.len();
+        let end = run_worker(env, &mut piece, stop, threads, work, bar, out)?;
+        match end {
+            WorkerEnd::Done if piece.images.is_empty() => {}
+            WorkerEnd::Stopped => return Ok(()),
+            WorkerEnd::Done => {
+                let message = format!("the worker left out {} pictures of {}", piece.images.len(), piece.scene.name);
+                return Err(refusal(message, "run the command again; if it stays, please report it"));
+            }
+            WorkerEnd::Died(error) if piece.images.len() < before => {
+                out.warn(format!("{}: starting a new worker: {error:#}", piece.scene.name));
+            }
+            WorkerEnd::Died(error) | WorkerEnd::Refused(error) => {
+                return Err(error.context(format!("cannot render {}", piece.scene.name)));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn run_worker(
+    env: &BlenderEnv,
+    piece: &mut Piece<'_>,
+    stop: &AtomicBool,
+    threads: usize,
+    work: &Path,
+    bar: &ProgressBar,
+    out: &Printer,
+) -> Result<WorkerEnd> {
+    let scene = piece.scene;
+    let root = std::path::absolute(scene.dir.root()).context("cannot resolve the scene's folder")?;
+    let profile = scene.settings.profile;
+    let job = Job {
+        schema: JOB_SCHEMA,
+        scene: &scene.name,
+        variant: scene.settings.variant,
+        seed: scene.settings.seed,
+        profile,
+        width: profile.width(),
+        height: profile.height(),
+        samples: scene.settings.samples,
+        denoise: true,
+        threads,
+        tracks: root.join("tracks.json"),
+        out: &root,
+        images: &piece.images,
+    };
+    let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
+    let jobs_folder = work.join("jobs");
+    make_folder(&jobs_folder)?;
+    let job_path = jobs_folder.join(format!("{name}.json"));
+    json::write(&job_path, &job)?;
+    let mut command = env.command();
+    command.arg("render").arg(&job_path);
+    bar.set_message(scene.name.to_string());
+    let end = worker::run(command, &worker::log_path(work, "render", &name), &mut |event| {
+        match event {
+            WorkerEvent::Image { view, frame } => {
+                bar.inc(1);
+                piece.images.retain(|image| !(image.view.as_str() == view && image.frame == *frame));
+            }
+            WorkerEvent::Warning { message } => bar.suspend(|| out.warn(message)),
+            WorkerEvent::Start { device } => tracing::info!(scene = %scene.name, device, "worker started"),
+            _ => {}
+        }
+        Ok(!stop.load(Ordering::Relaxed))
+    });
+    std::fs::remove_file(&job_path).ok();
+    end
+}
+
+/// Scenes that have a recipe, sorted.
+pub(crate) fn recipes(scripts: &Path) -> Result<Vec<String>, DataError> {
+    let names = list_folder(&scripts.join("scenes"))?;
+    let stems = names.iter().filter_map(|name| name.strip_suffix(".py")).filter(|stem| !stem.starts_with('_'));
+    Ok(stems.map(str::to_owned).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_partition_the_pictures_and_keep_frames_whole() {
+        let view = |name: &str| Name::new(name).unwrap();
+        let images: Vec<Image> = Profile::Small
+            .frames()
+            .flat_map(|frame| ["a", "b"].map(|name| Image { frame, view: view(name) }))
+            .collect();
+        let parts: Vec<Vec<Image>> =
+            (1..=2).map(|index| of_shard(images.clone(), Some(Shard { index, count: 2 }), Profile::Small)).collect();
+        let mut all: Vec<Image> = parts.concat();
+        all.sort();
+        assert_eq!(all, images);
+        assert!(parts.iter().all(|part| part.len() >= images.len() / 2 - 2 && part.len() % 2 == 0));
+    }
+}

@@ -1,0 +1,32 @@
+//! One file per verb; each is a function from its arguments to an exit status.
+
+mod baseline;
+mod build_scenes;
+mod check_queries;
+mod check_results;
+mod check_scenes;
+mod doctor;
+mod leaderboard;
+mod quickstart;
+mod score;
+mod sheet;
+
+use anyhow::Result;
+
+use crate::cli::Command;
+use crate::out::{ExitStatus, Printer};
+
+pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
+    match command {
+        Command::Quickstart(args) => quickstart::run(args, out),
+        Command::Doctor(args) => doctor::run(args, out),
+        Command::BuildScenes(args) => build_scenes::run(args, out),
+        Command::CheckScenes(args) => check_scenes::run(args, out),
+        Command::Sheet(args) => sheet::run(args, out),
+        Command::CheckQueries(args) => check_queries::run(args, out),
+        Command::Baseline(args) => baseline::run(args, out),
+        Command::CheckResults(args) => check_results::run(args, out),
+        Command::Score(args) => score::run(args, out),
+        Command::Leaderboard(args) => leaderboard::run(args, out),
+    }
+}

@@ -1,0 +1,17 @@
+//! `l4d check-results`: every problem of a results folder, with codes.
+
+use anyhow::Result;
+use l4d_data::{Benchmark, Report};
+use l4d_score::{Exam, check_results};
+
+use crate::cli::CheckResultsArgs;
+use crate::out::{ExitStatus, Printer};
+
+pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> {
+    let mut report = Report::default();
+    let exam =
+        Exam::open(Benchmark::open(&args.bench.bench)?, args.bench.profile, &args.bench.scenes, &mut report)?;
+    let methods = check_results(&args.results, &exam, &mut report)?;
+    out.note(format!("checked {methods} method{}", if methods == 1 { "" } else { "s" }));
+    out.findings(report, args.json)
+}

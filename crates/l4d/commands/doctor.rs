@@ -1,0 +1,184 @@
+//! `l4d doctor`: one line for each thing that a stage needs, with the remedy where it lacks.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use l4d_data::Benchmark;
+use serde::Serialize;
+use serde_json::json;
+
+use crate::blender::env::{Probe, environment_python, import_remedy, probe};
+use crate::cli::DoctorArgs;
+use crate::out::{ExitStatus, Printer};
+
+/// Free space that a `full` build of the benchmark wants.
+const WANTED_DISK_GIB: u64 = 20;
+
+/// Whether a stage can run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum State {
+    /// There.
+    Ok,
+    /// Lacks, and something else does the work.
+    Optional,
+    /// Lacks, and a stage cannot run.
+    Missing,
+}
+
+/// One line of the report.
+#[derive(Debug, Serialize)]
+struct Line {
+    name: &'static str,
+    state: State,
+    found: String,
+    remedy: String,
+}
+
+impl Line {
+    fn ok(name: &'static str, found: impl Into<String>) -> Self {
+        Self { name, state: State::Ok, found: found.into(), remedy: String::new() }
+    }
+
+    fn lacking(name: &'static str, state: State, found: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { name, state, found: found.into(), remedy: remedy.into() }
+    }
+}
+
+pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
+    let mut lines = python_lines(args);
+    lines.push(benchmark_line());
+    lines.push(vulkan_line());
+    lines.push(terminal_line());
+    lines.push(cores_line());
+    lines.push(disk_line(&args.python.work));
+    if args.json {
+        out.json(&json!({ "doctor": lines }))?;
+    } else {
+        for Line { name, state, found, remedy } in &lines {
+            let mark = match state {
+                State::Ok => "ok",
+                State::Optional => "--",
+                State::Missing => "MISSING",
+            };
+            let remedy = if remedy.is_empty() { String::new() } else { format!(" -> {remedy}") };
+            out.data(format!("{mark:<8}{name:<11}{found}{remedy}"))?;
+        }
+    }
+    let lacks = lines.iter().any(|line| line.state == State::Missing);
+    Ok(if lacks { ExitStatus::Findings } else { ExitStatus::Success })
+}
+
+fn python_lines(args: &DoctorArgs) -> Vec<Line> {
+    let python = match &args.python.python {
+        Some(python) => Ok(python.clone()),
+        None => environment_python(&args.python.blender_scripts, &args.python.work),
+    };
+    let python = match python {
+        Ok(python) => python,
+        Err(error) => {
+            let remedy = "run l4d in the project's root folder, or name the folder with --blender-scripts";
+            return vec![Line::lacking("python", State::Missing, format!("{error:#}"), remedy)];
+        }
+    };
+    if !python.exists() && args.python.python.is_none() {
+        let remedy = "nothing to do: `l4d build-scenes` makes it (needs Python 3.11 or uv, and about 1 GB)";
+        return vec![Line::lacking("python", State::Optional, "no Blender environment yet", remedy)];
+    }
+    match probe(&python) {
+        Ok(probe) => probe_lines(&python, &probe),
+        Err(error) => {
+            let remedy = "name a working Python 3.11 with --python, or delete the environment so that it is made again";
+            vec![Line::lacking("python", State::Missing, format!("{error:#}"), remedy)]
+        }
+    }
+}
+
+fn probe_lines(python: &Path, probe: &Probe) -> Vec<Line> {
+    let modules = [("bpy", "bpy"), ("OpenEXR", "OpenEXR"), ("usd-core", "pxr"), ("numpy", "numpy")];
+    let module_line = |(name, module): (&'static str, &str)| match probe.errors.get(module) {
+        Some(error) => Line::lacking(name, State::Missing, error.clone(), import_remedy(module, error)),
+        None => Line::ok(name, probe.modules.get(module).cloned().unwrap_or_default()),
+    };
+    let python = Line::ok("python", format!("{} ({})", probe.version, python.display()));
+    std::iter::once(python).chain(modules.into_iter().map(module_line)).collect()
+}
+
+fn benchmark_line() -> Line {
+    match Benchmark::open("benchmark") {
+        Ok(bench) => {
+            let manifest = bench.manifest;
+            Line::ok("benchmark", format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len()))
+        }
+        Err(error) => Line::lacking("benchmark", State::Missing, error.to_string(), "run l4d in the project's root folder"),
+    }
+}
+
+/// Looks for the loader and a driver; which adapter answers is only known once something is drawn with it.
+fn vulkan_line() -> Line {
+    let drivers: Vec<String> = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"]
+        .into_iter()
+        .filter_map(|folder| l4d_data::store::list_folder(Path::new(folder)).ok())
+        .flatten()
+        .filter_map(|name| name.strip_suffix(".json").map(str::to_owned))
+        .collect();
+    let remedy = "not needed yet; for the GPU rasterizer install a driver (software: apt-get install mesa-vulkan-drivers libvulkan1)";
+    match (vulkan_loader(), drivers.is_empty()) {
+        (Some(_), false) => Line::ok("vulkan", format!("drivers: {}", drivers.join(", "))),
+        (None, false) => Line::lacking("vulkan", State::Optional, "drivers, but no loader", remedy),
+        (_, true) => Line::lacking("vulkan", State::Optional, "no driver", remedy),
+    }
+}
+
+fn vulkan_loader() -> Option<PathBuf> {
+    let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib", "/usr/local/lib"];
+    folders.into_iter().map(|folder| Path::new(folder).join("libvulkan.so.1")).find(|path| path.exists())
+}
+
+fn terminal_line() -> Line {
+    let var = |name: &str| std::env::var(name).unwrap_or_default();
+    let program = var("TERM_PROGRAM").to_lowercase();
+    let term = var("TERM");
+    let protocol = if !var("KITTY_WINDOW_ID").is_empty() || term.contains("kitty") || program == "ghostty" {
+        Some("kitty graphics")
+    } else if program == "iterm.app" || program == "wezterm" {
+        Some("iTerm2 graphics")
+    } else if term.contains("sixel") || term.starts_with("foot") || term.starts_with("mlterm") {
+        Some("sixel")
+    } else {
+        None
+    };
+    let colours = if var("COLORTERM").contains("truecolor") { "24-bit colour" } else { "256 colours or fewer" };
+    match protocol {
+        Some(protocol) => Line::ok("terminal", format!("{protocol}, {colours}")),
+        None => Line::lacking(
+            "terminal",
+            State::Optional,
+            format!("no graphics protocol seen, {colours}"),
+            "pictures are drawn in half blocks; kitty, WezTerm, iTerm2 or foot show them in full",
+        ),
+    }
+}
+
+fn cores_line() -> Line {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    Line::ok("cores", format!("{cores}"))
+}
+
+fn disk_line(work: &Path) -> Line {
+    let existing = work.ancestors().find(|folder| folder.exists()).filter(|folder| !folder.as_os_str().is_empty());
+    let folder = existing.unwrap_or(Path::new("."));
+    match rustix::fs::statvfs(folder) {
+        Ok(stat) => {
+            let free_gib = stat.f_bavail * stat.f_frsize / (1 << 30);
+            let found = format!("{free_gib} GiB free");
+            if free_gib >= WANTED_DISK_GIB {
+                Line::ok("disk", found)
+            } else {
+                let remedy = format!("profile full wants {WANTED_DISK_GIB} GiB; --data and --work may stand elsewhere");
+                Line::lacking("disk", State::Optional, found, remedy)
+            }
+        }
+        Err(error) => Line::lacking("disk", State::Optional, error.to_string(), "check that the folder is readable"),
+    }
+}

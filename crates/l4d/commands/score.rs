@@ -1,0 +1,86 @@
+//! `l4d score`: masks of methods in, counts and tables out.
+
+use anyhow::Result;
+use l4d_data::{Benchmark, Report};
+use l4d_score::results::PROTOCOL;
+use l4d_score::{Exam, Missing, Options, Scored, Summary, score_results, table};
+use serde_json::json;
+
+use crate::cli::{MissingArg, ScoreArgs};
+use crate::out::{ExitStatus, Printer, refusal};
+
+pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
+    if !(0.0..1.0).contains(&args.hit_iou) {
+        return Err(refusal(
+            format!("--hit-iou {} is no threshold", args.hit_iou),
+            "give a number from 0 to below 1",
+        ));
+    }
+    let options = Options {
+        missing: match args.missing {
+            MissingArg::Error => Missing::Error,
+            MissingArg::Zero => Missing::Zero,
+            MissingArg::Skip => Missing::Skip,
+        },
+        hit_iou: args.hit_iou,
+        verified_only: args.verified_only,
+        resize: args.resize,
+    };
+    let mut report = Report::default();
+    let exam =
+        Exam::open(Benchmark::open(&args.bench.bench)?, args.bench.profile, &args.bench.scenes, &mut report)?;
+    let Scored { summaries, report: found } =
+        score_results(&args.results, &exam, &options, &args.scores, |name| out.note(format!("read {name}")))?;
+    report.extend(found);
+    let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+    if args.json {
+        let scenes: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
+        out.json(&json!({
+            "protocol": PROTOCOL,
+            "profile": exam.profile,
+            "benchmark_version": exam.bench.manifest.version,
+            "truth_digest": exam.truth_digest,
+            "scenes": scenes,
+            "methods": summaries,
+            "findings": report.into_sorted(),
+        }))?;
+        return Ok(status);
+    }
+    if !summaries.is_empty() {
+        out.data(table::render(&summaries))?;
+        out.data(footer(&summaries, &exam))?;
+    }
+    if !report.is_empty() {
+        out.findings(report, false)?;
+    }
+    if !summaries.is_empty() {
+        out.note(format!("counts and summaries stand in {}/<method>/", args.scores.display()));
+    }
+    Ok(status)
+}
+
+/// What the numbers rest on.
+fn footer(summaries: &[Summary], exam: &Exam) -> String {
+    let Some(first) = summaries.first() else { return String::new() };
+    let mut text = format!(
+        "{} {}, profile {}, {} scenes: {} of {} scored prompts are verified by people.",
+        exam.bench.manifest.name,
+        exam.bench.manifest.version,
+        exam.profile,
+        exam.scenes.len(),
+        first.verified_queries,
+        first.asked_queries,
+    );
+    if first.options.hit_iou > 0.0 {
+        text.push_str(&format!("\nmAcc counts frames whose IoU is above {}.", first.options.hit_iou));
+    }
+    let missing: Vec<&Summary> = summaries.iter().filter(|summary| summary.missing_frames > 0).collect();
+    for summary in missing {
+        let how = if summary.partial { "left out" } else { "counted as empty" };
+        text.push_str(&format!(
+            "\n{}: {} frames without an answer {how}.",
+            summary.name, summary.missing_frames
+        ));
+    }
+    text
+}

@@ -1,0 +1,147 @@
+//! What a person or a script sees: stdout is data, stderr is talk; errors end with a `hint:`.
+
+use std::fmt::Display;
+use std::io::{self, IsTerminal as _, Write as _};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use l4d_data::{DataError, Report};
+use serde::Serialize;
+use serde_json::json;
+
+/// How a verb ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ExitStatus {
+    /// Everything went well: exit code 0.
+    Success,
+    /// A check found problems: exit code 1.
+    Findings,
+}
+
+impl From<ExitStatus> for ExitCode {
+    fn from(status: ExitStatus) -> Self {
+        match status {
+            ExitStatus::Success => Self::SUCCESS,
+            ExitStatus::Findings => Self::from(1),
+        }
+    }
+}
+
+/// An error message that carries its own remedy; `hint:` prints it.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+pub(crate) struct Refusal {
+    message: String,
+    hint: String,
+}
+
+/// An `anyhow` error with a remedy.
+pub(crate) fn refusal(message: impl Into<String>, hint: impl Into<String>) -> anyhow::Error {
+    Refusal { message: message.into(), hint: hint.into() }.into()
+}
+
+/// The one place that writes to the terminal.
+#[derive(Debug)]
+pub(crate) struct Printer {
+    quiet: bool,
+}
+
+impl Printer {
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self { quiet }
+    }
+
+    /// One line of data.
+    pub(crate) fn data(&self, line: impl Display) -> io::Result<()> {
+        writeln!(io::stdout().lock(), "{line}")
+    }
+
+    /// One JSON document as data.
+    pub(crate) fn json(&self, value: &impl Serialize) -> anyhow::Result<()> {
+        self.data(serde_json::to_string_pretty(value)?)?;
+        Ok(())
+    }
+
+    /// One line of talk.
+    pub(crate) fn note(&self, line: impl Display) {
+        if !self.quiet {
+            writeln!(io::stderr().lock(), "{line}").ok();
+        }
+    }
+
+    /// A warning; shown even when quiet.
+    pub(crate) fn warn(&self, line: impl Display) {
+        writeln!(io::stderr().lock(), "warning: {line}").ok();
+    }
+
+    /// A progress bar with elapsed time and ETA; hidden when quiet or when stderr is no terminal.
+    pub(crate) fn bar(&self, total: u64, what: &'static str) -> ProgressBar {
+        let hidden = self.quiet || !io::stderr().is_terminal();
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(total), target);
+        let template = "{prefix:>12} [{bar:32}] {pos}/{len} {msg} {elapsed_precise} eta {eta_precise}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_prefix(what);
+        bar.enable_steady_tick(Duration::from_millis(250));
+        bar
+    }
+
+    /// Prints findings, one per line or as JSON, and tells the exit status.
+    pub(crate) fn findings(&self, report: Report, as_json: bool) -> anyhow::Result<ExitStatus> {
+        let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+        let findings = report.into_sorted();
+        if as_json {
+            self.json(&json!({ "findings": findings }))?;
+            return Ok(status);
+        }
+        for finding in &findings {
+            let severity = match finding.severity {
+                l4d_data::Severity::Error => "error",
+                l4d_data::Severity::Warning => "warning",
+            };
+            let place =
+                if finding.location.is_empty() { String::new() } else { format!(": {}", finding.location) };
+            self.data(format!("{}{place}: {severity}[{}]: {}", finding.path, finding.code, finding.message))?;
+            if !finding.hint.is_empty() {
+                self.data(format!("    hint: {}", finding.hint))?;
+            }
+        }
+        let count = findings.len();
+        self.note(format!("{count} finding{}", if count == 1 { "" } else { "s" }));
+        Ok(status)
+    }
+
+    /// The error chain on one line, then the hint.
+    pub(crate) fn failure(&self, error: &anyhow::Error) {
+        let mut stderr = io::stderr().lock();
+        writeln!(stderr, "error: {error:#}").ok();
+        if let Some(hint) = hint_of(error) {
+            writeln!(stderr, "\nhint: {hint}").ok();
+        }
+    }
+}
+
+/// Sends `tracing` to stderr; `RUST_LOG` overrides the level.
+pub(crate) fn init_logging(verbose: bool) {
+    let default = if verbose { "l4d=debug,info" } else { "warn" };
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new(default));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).without_time().init();
+}
+
+/// Whether the reader of our output went away (`l4d ... | head`).
+pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    })
+}
+
+fn hint_of(error: &anyhow::Error) -> Option<String> {
+    error.chain().find_map(|cause| {
+        let refusal = cause.downcast_ref::<Refusal>().map(|refusal| refusal.hint.clone());
+        refusal.or_else(|| cause.downcast_ref::<DataError>().and_then(DataError::hint))
+    })
+}

@@ -1,0 +1,71 @@
+//! The arrows of ARCHITECTURE.md, checked against what cargo would link.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// (crate, what its normal dependencies must not reach)
+const FORBIDDEN: &[(&str, &[&str])] = &[
+    ("l4d-data", &["l4d-frames", "l4d-query", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
+    ("l4d-frames", &["l4d-query", "l4d-score", "l4d-board", "polars", "plotters"]),
+    ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
+    ("l4d-score", &["l4d-query", "l4d-board", "exr", "polars", "plotters"]),
+    ("l4d-board", &["l4d-query", "exr"]),
+];
+
+/// (heavy dependency, the crates that may name it)
+const QUARANTINE: &[(&str, &[&str])] = &[
+    ("exr", &["l4d-frames"]),
+    ("image", &["l4d-frames", "l4d-board"]),
+    ("polars", &["l4d-board"]),
+    ("plotters", &["l4d-board"]),
+];
+
+#[test]
+fn no_crate_reaches_what_it_must_not() {
+    for (package, forbidden) in FORBIDDEN {
+        let reached = tree(package);
+        assert!(reached.contains("serde"), "cargo tree of {package} lists nothing");
+        let wrong: Vec<&&str> = forbidden.iter().filter(|name| reached.contains(**name)).collect();
+        assert!(wrong.is_empty(), "{package} reaches {wrong:?}");
+    }
+}
+
+#[test]
+fn heavy_dependencies_stand_behind_their_crate() {
+    let named = named_dependencies();
+    for (heavy, owners) in QUARANTINE {
+        let users: Vec<&str> = named
+            .iter()
+            .filter(|(_, dependencies)| dependencies.contains(*heavy))
+            .map(|(package, _)| package.as_str())
+            .collect();
+        assert!(!users.is_empty(), "nobody uses {heavy}");
+        assert!(users.iter().all(|user| owners.contains(user)), "{heavy} is named by {users:?}, allowed: {owners:?}");
+    }
+}
+
+/// Everything that a package links by itself, with its own default features.
+fn tree(package: &str) -> BTreeSet<String> {
+    let output = cargo(&["tree", "--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}"]);
+    output.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
+}
+
+/// Package -> the normal dependencies that its manifest names.
+fn named_dependencies() -> BTreeMap<String, BTreeSet<String>> {
+    let metadata: Value = serde_json::from_str(&cargo(&["metadata", "--format-version", "1", "--no-deps"])).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    let normal = |package: &Value| {
+        let dependencies = package["dependencies"].as_array().unwrap().clone();
+        dependencies.into_iter().filter(|d| d["kind"].is_null()).map(|d| text(&d["name"])).collect()
+    };
+    packages.iter().map(|package| (text(&package["name"]), normal(package))).collect()
+}
+
+fn cargo(args: &[&str]) -> String {
+    let output = Command::new(env!("CARGO")).args(args).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}

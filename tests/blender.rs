@@ -1,0 +1,224 @@
+//! The main job on real Blender: nothing here is skipped where Blender lacks; it is installed.
+//!
+//! The environment is made once in the project's `work/` folder and shared by all tests.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use glam::UVec2;
+use l4d_data::layout::SceneDir;
+use l4d_data::{Benchmark, Name, Profile, Scene};
+use l4d_frames::exr::read_frame;
+use l4d_frames::frame::Frame;
+use serde_json::Value;
+
+const SCENE: &str = "tabletop_mouse_cups";
+
+/// Twenty kills and the other long suites run with `L4D_SLOW=1`.
+fn is_slow() -> bool {
+    std::env::var_os("L4D_SLOW").is_some_and(|value| value == "1")
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn l4d(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_l4d"));
+    command.current_dir(root()).args(args).stdin(Stdio::null());
+    command
+}
+
+fn succeed(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}\n{}\n{stderr}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stdout).unwrap() + &stderr
+}
+
+fn build(data: &Path, bench: &Path, more: &[&str]) -> Command {
+    let mut command = l4d(&["build-scenes", "--profile", "tiny", "--scenes", SCENE]);
+    command.arg("--data").arg(data).arg("--bench").arg(bench).args(more);
+    command
+}
+
+/// A benchmark folder of its own, so that the committed one is never written by a test.
+fn bench_copy(folder: &Path) -> PathBuf {
+    let bench = folder.join("benchmark");
+    std::fs::create_dir_all(bench.join("queries")).unwrap();
+    std::fs::copy(root().join("benchmark/panoptic-l4d.toml"), bench.join("panoptic-l4d.toml")).unwrap();
+    for scene in &Benchmark::open(root().join("benchmark")).unwrap().manifest.scenes {
+        let file = format!("queries/{scene}.jsonl");
+        std::fs::copy(root().join("benchmark").join(&file), bench.join(&file)).unwrap();
+    }
+    bench
+}
+
+fn environment_python() -> PathBuf {
+    let folder = tempfile::tempdir().unwrap();
+    // Any build makes the environment; tracks are the quickest one.
+    succeed(&mut build(&folder.path().join("data"), &bench_copy(folder.path()), &["--tracks-only"]));
+    let doctor: Value = serde_json::from_slice(&l4d(&["doctor", "--json"]).output().unwrap().stdout).unwrap();
+    let lines = doctor["doctor"].as_array().unwrap();
+    let found = lines.iter().find(|line| line["name"] == "python").unwrap()["found"].as_str().unwrap();
+    let (_, path) = found.split_once('(').unwrap();
+    PathBuf::from(path.trim_end_matches(')'))
+}
+
+#[test]
+fn the_python_suite_passes() {
+    let status = Command::new(environment_python())
+        .current_dir(root().join("blender_scripts"))
+        .args(["-m", "pytest", "-q", "-x"])
+        .status()
+        .unwrap();
+    assert!(status.success(), "pytest: {status}");
+}
+
+#[test]
+fn the_quickstart_ends_with_a_leaderboard() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("quickstart");
+    let mut quickstart = l4d(&["quickstart", "--scene", SCENE, "--out"]);
+    quickstart.arg(&out);
+    succeed(&mut quickstart);
+    for file in ["data/tabletop_mouse_cups/sheet.png", "leaderboard/leaderboard.csv", "leaderboard/leaderboard.md"] {
+        assert!(out.join(file).metadata().is_ok_and(|metadata| metadata.len() > 0), "{file} is not there");
+    }
+    let scores = methods(&out);
+    for column in ["miou", "macc", "tube_iou", "select"] {
+        assert_eq!(scores["oracle"][column], 100.0, "oracle {column}");
+        assert_eq!(scores["none"][column], 0.0, "none {column}");
+    }
+    let tube = |method: &str| scores[method]["tube_iou"].as_f64().unwrap();
+    assert!(tube("time-agnostic") < tube("oracle"), "tube IoU does not see time");
+    assert_eq!(scores["time-agnostic"]["miou"], 100.0, "the paper's mIoU was expected to be blind to time");
+    assert!(tube("random-look-alike") < tube("look-alike-union").max(tube("time-agnostic")));
+
+    check_against_shipped_truth(&out.join("benchmark"));
+    let again = succeed(&mut quickstart);
+    assert!(again.contains("rendered 0 pictures"), "a second quickstart rendered again:\n{again}");
+}
+
+fn methods(out: &Path) -> BTreeMap<String, Value> {
+    let mut score = l4d(&["score", "--profile", "tiny", "--json", "--bench"]);
+    score.arg(out.join("benchmark")).arg("--scores").arg(out.join("scores")).arg(out.join("results"));
+    let output = score.output().unwrap();
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let methods = document["methods"].as_array().unwrap().clone();
+    methods.into_iter().map(|method| (method["name"].as_str().unwrap().to_owned(), method)).collect()
+}
+
+/// The shipped truth is what these scripts render: at most a stray edge pixel of another processor may differ.
+fn check_against_shipped_truth(bench: &Path) {
+    let shipped = Benchmark::open(root().join("benchmark")).unwrap();
+    let scene = Name::new(SCENE).unwrap();
+    let shipped = shipped.truth(Profile::Tiny, &scene).unwrap();
+    let rendered = Benchmark::open(bench).unwrap().truth(Profile::Tiny, &scene).unwrap();
+    assert_eq!(shipped.test_view, rendered.test_view);
+    let pixels = |truth: &l4d_data::truth::Truth| -> i64 {
+        truth.visible.values().flat_map(|view| view.values()).flatten().map(|&count| i64::from(count)).sum()
+    };
+    let (shipped, rendered) = (pixels(&shipped), pixels(&rendered));
+    assert!((shipped - rendered).abs() <= shipped / 1000, "{shipped} pixels are shipped, {rendered} were rendered");
+}
+
+#[test]
+fn a_killed_build_ends_with_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench_copy(folder.path());
+    let (calm, shaken) = (folder.path().join("calm"), folder.path().join("shaken"));
+    succeed(&mut build(&calm, &bench, &[]));
+    let kills = if is_slow() { 20 } else { 3 };
+    for kill in 0..kills {
+        let mut child = build(&shaken, &bench, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // Spread over planning, rendering and settling without a random source: primes of milliseconds.
+        std::thread::sleep(Duration::from_millis(1500 + (kill * 2711) % 9973));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(temporaries_are_hidden(&shaken), "a half-written file has a final name");
+    }
+    succeed(&mut build(&shaken, &bench, &[]));
+    assert_same_build(&SceneDir::new(&calm, SCENE), &SceneDir::new(&shaken, SCENE));
+}
+
+fn temporaries_are_hidden(data: &Path) -> bool {
+    let frames = SceneDir::new(data, SCENE).root().join("frames");
+    let Ok(views) = std::fs::read_dir(frames) else { return true };
+    let files = views.flatten().filter_map(|view| std::fs::read_dir(view.path()).ok()).flatten().flatten();
+    files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|extension| extension == "exr")).all(
+        |path| path.file_name().unwrap().to_string_lossy().starts_with('.') || read_frame(&path, tiny_size()).is_ok(),
+    )
+}
+
+fn tiny_size() -> UVec2 {
+    UVec2::new(Profile::Tiny.width(), Profile::Tiny.height())
+}
+
+fn assert_same_build(calm: &SceneDir, shaken: &SceneDir) {
+    assert_eq!(std::fs::read(calm.scene()).unwrap(), std::fs::read(shaken.scene()).unwrap(), "scene.json");
+    let scene = Scene::read(&calm.scene()).unwrap();
+    for camera in &scene.cameras {
+        for frame in Profile::Tiny.frames() {
+            let [calm, shaken] = [calm, shaken].map(|dir| read_frame(&dir.frame(&camera.name, frame), tiny_size()).unwrap());
+            let place = format!("{}/{frame:04}", camera.name);
+            assert_eq!(calm.surfaces, shaken.surfaces, "depth and ids of {place}");
+            assert_close_colour(&calm, &shaken, &place);
+        }
+    }
+}
+
+/// Within 1e-4, or one step of half precision.
+fn assert_close_colour(calm: &Frame, shaken: &Frame, place: &str) {
+    for (left, right) in calm.rgb.iter().flatten().zip(shaken.rgb.iter().flatten()) {
+        let step = i32::from(left.to_bits()).abs_diff(i32::from(right.to_bits()));
+        let difference = (left.to_f32() - right.to_f32()).abs();
+        assert!(difference <= 1e-4 || step <= 1, "colour of {place}: {left} and {right}");
+    }
+}
+
+#[test]
+fn torn_frames_are_rendered_again_and_good_ones_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench_copy(folder.path());
+    let data = folder.path().join("data");
+    succeed(&mut build(&data, &bench, &[]));
+    let dir = SceneDir::new(&data, SCENE);
+    let before = std::fs::read(dir.scene()).unwrap();
+    let camera = Scene::read(&dir.scene()).unwrap().cameras[0].name.clone();
+    let (torn, kept) = (dir.frame(&camera, 12), dir.frame(&camera, 24));
+    let bytes = std::fs::read(&torn).unwrap();
+    std::fs::write(&torn, &bytes[..bytes.len() / 2]).unwrap();
+    let modified = kept.metadata().unwrap().modified().unwrap();
+    let talk = succeed(&mut build(&data, &bench, &[]));
+    assert!(talk.contains("rendered 1 picture"), "{talk}");
+    assert_eq!(kept.metadata().unwrap().modified().unwrap(), modified, "a good frame was rendered again");
+    assert_eq!(std::fs::read(dir.scene()).unwrap(), before);
+
+    let refused = build(&data, &bench, &["--samples", "2"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--overwrite"), "{refused:?}");
+}
+
+#[test]
+fn requests_that_cannot_be_served_say_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench_copy(folder.path());
+    let refused = |command: &mut Command, words: &[&str]| {
+        let output = command.output().unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command:?}\n{stderr}");
+        for word in words.iter().chain(&["hint: "]) {
+            assert!(stderr.contains(word), "{command:?} does not say {word:?}:\n{stderr}");
+        }
+    };
+    refused(&mut l4d(&["build-scenes", "--scenes", "moon_base"]), &["no scene `moon_base`", SCENE]);
+    refused(&mut l4d(&["build-scenes", "--scenes", "../evil"]), &["no scene `../evil`"]);
+    refused(&mut build(&folder.path().join("data"), &bench, &["--python", "/nonexistent"]), &["/nonexistent", "--python"]);
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    refused(&mut build(&file.join("data"), &bench, &[]), &["file"]);
+    refused(&mut l4d(&["build-scenes", "--blender-scripts", "/nonexistent"]), &["--blender-scripts"]);
+}
