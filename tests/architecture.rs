@@ -7,7 +7,10 @@ use serde_json::Value;
 
 /// (crate, what its normal dependencies must not reach)
 const FORBIDDEN: &[(&str, &[&str])] = &[
-    ("l4d-data", &["l4d-frames", "l4d-query", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
+    (
+        "l4d-data",
+        &["l4d-frames", "l4d-query", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"],
+    ),
     ("l4d-frames", &["l4d-query", "l4d-score", "l4d-board", "polars", "plotters"]),
     ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
     ("l4d-score", &["l4d-query", "l4d-board", "exr", "polars", "plotters"]),
@@ -42,19 +45,24 @@ fn heavy_dependencies_stand_behind_their_crate() {
             .map(|(package, _)| package.as_str())
             .collect();
         assert!(!users.is_empty(), "nobody uses {heavy}");
-        assert!(users.iter().all(|user| owners.contains(user)), "{heavy} is named by {users:?}, allowed: {owners:?}");
+        assert!(
+            users.iter().all(|user| owners.contains(user)),
+            "{heavy} is named by {users:?}, allowed: {owners:?}"
+        );
     }
 }
 
 /// Everything that a package links by itself, with its own default features.
 fn tree(package: &str) -> BTreeSet<String> {
-    let output = cargo(&["tree", "--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}"]);
+    let output =
+        cargo(&["tree", "--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}"]);
     output.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
 }
 
 /// Package -> the normal dependencies that its manifest names.
 fn named_dependencies() -> BTreeMap<String, BTreeSet<String>> {
-    let metadata: Value = serde_json::from_str(&cargo(&["metadata", "--format-version", "1", "--no-deps"])).unwrap();
+    let metadata: Value =
+        serde_json::from_str(&cargo(&["metadata", "--format-version", "1", "--no-deps"])).unwrap();
     let packages = metadata["packages"].as_array().unwrap();
     let text = |value: &Value| value.as_str().unwrap().to_owned();
     let normal = |package: &Value| {
@@ -65,7 +73,8 @@ fn named_dependencies() -> BTreeMap<String, BTreeSet<String>> {
 }
 
 fn cargo(args: &[&str]) -> String {
-    let output = Command::new(env!("CARGO")).args(args).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+    let output =
+        Command::new(env!("CARGO")).args(args).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }

@@ -14,6 +14,8 @@ use l4d_frames::exr::read_frame;
 use l4d_frames::frame::Frame;
 use serde_json::Value;
 
+use crate::support::blender_python;
+
 const SCENE: &str = "tabletop_mouse_cups";
 
 /// Twenty kills and the other long suites run with `L4D_SLOW=1`.
@@ -56,20 +58,9 @@ fn bench_copy(folder: &Path) -> PathBuf {
     bench
 }
 
-fn environment_python() -> PathBuf {
-    let folder = tempfile::tempdir().unwrap();
-    // Any build makes the environment; tracks are the quickest one.
-    succeed(&mut build(&folder.path().join("data"), &bench_copy(folder.path()), &["--tracks-only"]));
-    let doctor: Value = serde_json::from_slice(&l4d(&["doctor", "--json"]).output().unwrap().stdout).unwrap();
-    let lines = doctor["doctor"].as_array().unwrap();
-    let found = lines.iter().find(|line| line["name"] == "python").unwrap()["found"].as_str().unwrap();
-    let (_, path) = found.split_once('(').unwrap();
-    PathBuf::from(path.trim_end_matches(')'))
-}
-
 #[test]
 fn the_python_suite_passes() {
-    let status = Command::new(environment_python())
+    let status = Command::new(blender_python())
         .current_dir(root().join("blender_scripts"))
         .args(["-m", "pytest", "-q", "-x"])
         .status()
@@ -84,7 +75,9 @@ fn the_quickstart_ends_with_a_leaderboard() {
     let mut quickstart = l4d(&["quickstart", "--scene", SCENE, "--out"]);
     quickstart.arg(&out);
     succeed(&mut quickstart);
-    for file in ["data/tabletop_mouse_cups/sheet.png", "leaderboard/leaderboard.csv", "leaderboard/leaderboard.md"] {
+    for file in
+        ["data/tabletop_mouse_cups/sheet.png", "leaderboard/leaderboard.csv", "leaderboard/leaderboard.md"]
+    {
         assert!(out.join(file).metadata().is_ok_and(|metadata| metadata.len() > 0), "{file} is not there");
     }
     let scores = methods(&out);
@@ -122,7 +115,10 @@ fn check_against_shipped_truth(bench: &Path) {
         truth.visible.values().flat_map(|view| view.values()).flatten().map(|&count| i64::from(count)).sum()
     };
     let (shipped, rendered) = (pixels(&shipped), pixels(&rendered));
-    assert!((shipped - rendered).abs() <= shipped / 1000, "{shipped} pixels are shipped, {rendered} were rendered");
+    assert!(
+        (shipped - rendered).abs() <= shipped / 1000,
+        "{shipped} pixels are shipped, {rendered} were rendered"
+    );
 }
 
 #[test]
@@ -133,7 +129,8 @@ fn a_killed_build_ends_with_the_same_bytes() {
     succeed(&mut build(&calm, &bench, &[]));
     let kills = if is_slow() { 20 } else { 3 };
     for kill in 0..kills {
-        let mut child = build(&shaken, &bench, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let mut child =
+            build(&shaken, &bench, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         // Spread over planning, rendering and settling without a random source: primes of milliseconds.
         std::thread::sleep(Duration::from_millis(1500 + (kill * 2711) % 9973));
         child.kill().unwrap();
@@ -148,9 +145,13 @@ fn temporaries_are_hidden(data: &Path) -> bool {
     let frames = SceneDir::new(data, SCENE).root().join("frames");
     let Ok(views) = std::fs::read_dir(frames) else { return true };
     let files = views.flatten().filter_map(|view| std::fs::read_dir(view.path()).ok()).flatten().flatten();
-    files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|extension| extension == "exr")).all(
-        |path| path.file_name().unwrap().to_string_lossy().starts_with('.') || read_frame(&path, tiny_size()).is_ok(),
-    )
+    files
+        .map(|file| file.path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "exr"))
+        .all(|path| {
+            path.file_name().unwrap().to_string_lossy().starts_with('.')
+                || read_frame(&path, tiny_size()).is_ok()
+        })
 }
 
 fn tiny_size() -> UVec2 {
@@ -162,7 +163,8 @@ fn assert_same_build(calm: &SceneDir, shaken: &SceneDir) {
     let scene = Scene::read(&calm.scene()).unwrap();
     for camera in &scene.cameras {
         for frame in Profile::Tiny.frames() {
-            let [calm, shaken] = [calm, shaken].map(|dir| read_frame(&dir.frame(&camera.name, frame), tiny_size()).unwrap());
+            let [calm, shaken] =
+                [calm, shaken].map(|dir| read_frame(&dir.frame(&camera.name, frame), tiny_size()).unwrap());
             let place = format!("{}/{frame:04}", camera.name);
             assert_eq!(calm.surfaces, shaken.surfaces, "depth and ids of {place}");
             assert_close_colour(&calm, &shaken, &place);
@@ -216,7 +218,10 @@ fn requests_that_cannot_be_served_say_why() {
     };
     refused(&mut l4d(&["build-scenes", "--scenes", "moon_base"]), &["no scene `moon_base`", SCENE]);
     refused(&mut l4d(&["build-scenes", "--scenes", "../evil"]), &["no scene `../evil`"]);
-    refused(&mut build(&folder.path().join("data"), &bench, &["--python", "/nonexistent"]), &["/nonexistent", "--python"]);
+    refused(
+        &mut build(&folder.path().join("data"), &bench, &["--python", "/nonexistent"]),
+        &["/nonexistent", "--python"],
+    );
     let file = folder.path().join("file");
     std::fs::write(&file, "").unwrap();
     refused(&mut build(&file.join("data"), &bench, &[]), &["file"]);

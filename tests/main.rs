@@ -1,4 +1,5 @@
 //! End-to-end tests: the binary, run as its users run it.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
 mod architecture;
 mod blender;

@@ -1,7 +1,5 @@
 //! `l4d check-results` and `l4d score` on results that are wrong in every way we could think of.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on must say where")]
-
 use std::os::unix::fs::symlink;
 
 use serde_json::Value;

@@ -1,7 +1,5 @@
 //! `l4d baseline` and `l4d score`, from files to files.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on must say where")]
-
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -12,7 +10,7 @@ use l4d_score::score::tallies_of_counts;
 use l4d_score::{Exam, Options, Summary};
 use serde_json::Value;
 
-use crate::support::{Dir, Noise, QUERIES, Run, SCENES};
+use crate::support::{Dir, Noise, QUERIES, Run, SCENES, blender_python};
 
 const TINY: [&str; 2] = ["--profile", "tiny"];
 const HEADLINE: [&str; 6] = ["miou", "macc", "acc25", "acc50", "tube_iou", "select"];
@@ -263,8 +261,7 @@ fn random_mask(noise: &mut Noise) -> Mask {
 
 #[test]
 fn an_independent_numpy_evaluator_agrees_to_the_last_pixel() {
-    let python = std::env::var_os("L4D_TEST_PYTHON").map(PathBuf::from);
-    let python = python.expect("L4D_TEST_PYTHON must name a Python (3.11 or later) with numpy");
+    let python = blender_python();
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("benchmark/perf/reference_score.py");
     let dir = Dir::with_benchmark();
     let mut states = std::collections::BTreeSet::new();

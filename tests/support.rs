@@ -1,10 +1,9 @@
 //! What the end-to-end tests share: a folder of their own, the binary in it, and a made-up benchmark.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on must say where")]
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 use l4d_data::layout::BenchDir;
 use l4d_data::name::Name;
@@ -14,6 +13,24 @@ use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Profile, json};
 use l4d_frames::{Mask, rle};
 use serde_json::{Value, json};
+
+/// The Python of the Blender environment in the project's `work/` folder, made once if it is missing.
+pub(crate) fn blender_python() -> PathBuf {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(make_blender_python).clone()
+}
+
+fn make_blender_python() -> PathBuf {
+    let mut doctor = Command::new(env!("CARGO_BIN_EXE_l4d"));
+    doctor.current_dir(env!("CARGO_MANIFEST_DIR")).args(["doctor", "--setup", "--json"]);
+    let run: Run = doctor.output().unwrap().into();
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let document: Value = serde_json::from_str(&run.stdout).unwrap();
+    let lines = document["doctor"].as_array().unwrap();
+    let line = lines.iter().find(|line| line["name"] == "python").unwrap();
+    let (_, path) = line["found"].as_str().unwrap().split_once('(').unwrap();
+    PathBuf::from(path.trim_end_matches(')'))
+}
 
 /// A temporary working folder in which the binary is run.
 pub(crate) struct Dir(tempfile::TempDir);

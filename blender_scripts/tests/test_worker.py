@@ -134,7 +134,8 @@ def test_requirements_and_pyproject_pin_the_same_versions():
 
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
     lines = (PROJECT / "requirements.txt").read_text().splitlines()
-    assert sorted(project["dependencies"]) == sorted(line for line in lines if line and line[0] != "#")
+    pinned = project["dependencies"] + project["optional-dependencies"]["test"]
+    assert sorted(pinned) == sorted(line for line in lines if line and line[0] != "#")
 
 
 @pytest.mark.parametrize("name", recipes.names())

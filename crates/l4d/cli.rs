@@ -80,6 +80,9 @@ pub(crate) struct QuickstartArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct DoctorArgs {
+    /// Make the Blender environment first, if it is missing
+    #[arg(long)]
+    pub(crate) setup: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -125,9 +128,9 @@ pub(crate) struct BuildScenesArgs {
     /// Render part i of n of the pictures (a deterministic partition for clusters), e.g. 2/8
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
-    /// Samples per pixel of the colour pass
-    #[arg(long, default_value_t = 8)]
-    pub(crate) samples: u32,
+    /// Samples per pixel of the colour pass, before denoising; default: 8 (tiny), 4 (small), 16 (full)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) samples: Option<u32>,
     /// Render again what other scripts, seeds or samples rendered before
     #[arg(long)]
     pub(crate) overwrite: bool,

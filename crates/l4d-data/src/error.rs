@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {
     /// The operating system refused.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}", path.display())]
     Io {
         /// File or folder.
         path: PathBuf,
@@ -78,6 +78,10 @@ impl DataError {
                 io::ErrorKind::PermissionDenied => {
                     Some("make the path readable and writable for this user, or choose another".to_owned())
                 }
+                io::ErrorKind::NotADirectory => {
+                    Some("a file stands where a folder is needed: choose another path".to_owned())
+                }
+                io::ErrorKind::ReadOnlyFilesystem => Some("choose a path on a writable disk".to_owned()),
                 io::ErrorKind::NotFound => Some("check the path and the working folder".to_owned()),
                 _ => None,
             },

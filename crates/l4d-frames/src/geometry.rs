@@ -3,18 +3,18 @@
 //! A pixel of view A is back-projected by its depth and projected into view B, where it lands between four
 //! pixel centres. Under perspective `1/z` of a plane is affine in image coordinates, so bilinear interpolation
 //! of `1/z` gives the depth of B's surface there without error on planes, however slanted. Let
-//! `delta = z_projected - z_B`. The point is
+//! `delta = z_projected - z_B`. Only interior pixels of A (one id in their 3x3 neighbourhood) that land between
+//! four pixels of one id take part. Such a point is
 //!
-//! - *unresolved* where A's or B's pixels do not resolve one smooth surface: neighbours of another id, or a
-//!   second difference of `1/z` (which bounds the interpolation error by an eighth of itself an axis) worth
-//!   more than [`allowed_m`];
+//! - *unresolved* where A's or B's pixels do not resolve one smooth surface: second differences of `1/z`, which
+//!   bound the interpolation error by an eighth of themselves an axis, are worth more than [`allowed_m`];
 //! - *occluded* if `delta > tolerance`: B sees something nearer;
 //! - *compared* otherwise. `|delta|` is the residual, and a large one means that A sees a surface where B looks
 //!   through. Nothing bounds it from above, so wrong cameras cannot hide behind occlusion.
 //!
 //! `tolerance = allowed + slope + bend`: what the contract allows, 1 mm + 1e-4 z; the change of depth over the
 //! 0.02 pixels by which the renderer may miss a pixel centre in either view; and the interpolation error.
-//! Ids are compared where the depths agree within the tolerance and A's 3x3 neighbourhood has one id.
+//! Ids are compared where the depths agree within the tolerance.
 
 mod lookup;
 mod pairs;

@@ -143,7 +143,11 @@ impl Problems<'_> {
         let predicate = match Predicate::from_json(value) {
             Ok(predicate) => predicate,
             Err(message) => {
-                return self.add("L4D203", format!("predicate: {message}"), "see docs/formats.md, Predicates");
+                return self.add(
+                    "L4D203",
+                    format!("predicate: {message}"),
+                    "see docs/formats.md, Predicates",
+                );
             }
         };
         if self.vocabulary_is_known(world, &predicate) {

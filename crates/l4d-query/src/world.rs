@@ -118,7 +118,8 @@ impl<'a> World<'a> {
             (Relation::On, [other]) => self.is_on(subject, other, frame),
             (Relation::Under, [other]) => is_under(subject, other, frame),
             (Relation::Beside, [other]) => {
-                self.distance_m(subject, other, frame) <= self.beside_m() && !self.is_on(subject, other, frame)
+                self.distance_m(subject, other, frame) <= self.beside_m()
+                    && !self.is_on(subject, other, frame)
             }
             (Relation::Between, [first, second]) => is_between(subject, first, second, frame),
             (Relation::ClosestTo, [other]) => self.is_closest(subject, other, frame),

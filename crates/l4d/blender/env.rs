@@ -114,7 +114,9 @@ pub(crate) fn import_remedy(module: &str, error: &str) -> String {
         return format!("install the system library {library} (Debian, Ubuntu: apt-get install {package})");
     }
     if module == "bpy" && error.contains("No module named") {
-        return format!("bpy needs Python {PYTHON_VERSION}; leave out --python and l4d makes an environment, or pip install -r blender_scripts/requirements.txt there");
+        return format!(
+            "bpy needs Python {PYTHON_VERSION}; leave out --python and l4d makes an environment, or pip install -r blender_scripts/requirements.txt there"
+        );
     }
     "pip install -r blender_scripts/requirements.txt in that environment, or leave out --python".to_owned()
 }
@@ -154,7 +156,10 @@ fn make_environment(scripts: &Path, work: &Path, out: &Printer) -> Result<PathBu
     if folder.exists() {
         std::fs::remove_dir_all(&folder).with_context(|| format!("cannot remove {}", folder.display()))?;
     }
-    out.note(format!("making the Blender environment in {} (bpy, usd-core, OpenEXR; about 1 GB)", folder.display()));
+    out.note(format!(
+        "making the Blender environment in {} (bpy, usd-core, OpenEXR; about 1 GB)",
+        folder.display()
+    ));
     install(&folder, &scripts.join("requirements.txt"))?;
     write_atomic(&complete, b"")?;
     Ok(python)
@@ -163,8 +168,18 @@ fn make_environment(scripts: &Path, work: &Path, out: &Printer) -> Result<PathBu
 fn install(folder: &Path, requirements: &Path) -> Result<()> {
     let python = folder.join("bin").join("python");
     if runs("uv", ["--version"]) {
-        run_step("uv", [OsStr::new("venv"), "--python".as_ref(), PYTHON_VERSION.as_ref(), folder.as_os_str()])?;
-        let install = [OsStr::new("pip"), "install".as_ref(), "--python".as_ref(), python.as_os_str(), "-r".as_ref(), requirements.as_os_str()];
+        run_step(
+            "uv",
+            [OsStr::new("venv"), "--python".as_ref(), PYTHON_VERSION.as_ref(), folder.as_os_str()],
+        )?;
+        let install = [
+            OsStr::new("pip"),
+            "install".as_ref(),
+            "--python".as_ref(),
+            python.as_os_str(),
+            "-r".as_ref(),
+            requirements.as_os_str(),
+        ];
         return run_step("uv", install);
     }
     let base = base_python()?;
@@ -185,7 +200,12 @@ fn base_python() -> Result<String> {
 }
 
 fn runs<const N: usize>(program: &str, args: [&str; N]) -> bool {
-    let silent = Command::new(program).args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let silent = Command::new(program)
+        .args(args)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
     silent.is_ok_and(|status| status.success())
 }
 
@@ -212,7 +232,10 @@ fn run_step<'a>(program: &str, args: impl IntoIterator<Item = &'a OsStr>) -> Res
 
 fn require_modules(python: &Path) -> Result<()> {
     let probe = probe(python).map_err(|error| {
-        refusal(format!("{error:#}"), format!("name a working Python {PYTHON_VERSION} with --python, or leave it out"))
+        refusal(
+            format!("{error:#}"),
+            format!("name a working Python {PYTHON_VERSION} with --python, or leave it out"),
+        )
     })?;
     match probe.errors.first_key_value() {
         None => Ok(()),

@@ -68,15 +68,18 @@ pub(crate) fn plan(
     })?;
     match end {
         WorkerEnd::Done | WorkerEnd::Stopped => read(dir),
-        WorkerEnd::Refused(error) | WorkerEnd::Died(error) => Err(error.context(format!("cannot plan {scene}"))),
+        WorkerEnd::Refused(error) | WorkerEnd::Died(error) => {
+            Err(error.context(format!("cannot plan {scene}")))
+        }
     }
 }
 
 fn read_current(scripts: &Path, dir: &SceneDir, scene: &Name, draw: Draw) -> Option<Plan> {
     let card: PlanCard = json::read(&dir.plan()).ok()?;
     let same_draw = (&card.scene, card.variant, card.seed) == (scene, draw.variant, draw.seed);
-    let unchanged =
-        |(script, digest): (&String, &String)| sha256_file(&scripts.join(script)).is_ok_and(|now| now == *digest);
+    let unchanged = |(script, digest): (&String, &String)| {
+        sha256_file(&scripts.join(script)).is_ok_and(|now| now == *digest)
+    };
     (same_draw && dir.usd().exists() && card.scripts.iter().all(unchanged)).then(|| read(dir).ok())?
 }
 

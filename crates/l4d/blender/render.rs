@@ -3,15 +3,15 @@
 use std::collections::VecDeque;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use anyhow::{Context as _, Result};
 use glam::UVec2;
 use indicatif::ProgressBar;
 use l4d_data::layout::SceneDir;
-use l4d_data::store::{list_folder, make_folder};
+use l4d_data::store::list_folder;
 use l4d_data::{DataError, Name, Profile, json};
 use l4d_frames::exr::read_frame;
 use rayon::prelude::*;
@@ -80,7 +80,14 @@ pub(crate) struct PlannedScene {
 }
 
 impl PlannedScene {
-    pub(crate) fn new(name: Name, dir: SceneDir, plan: Plan, profile: Profile, draw: Draw, samples: u32) -> Self {
+    pub(crate) fn new(
+        name: Name,
+        dir: SceneDir,
+        plan: Plan,
+        profile: Profile,
+        draw: Draw,
+        samples: u32,
+    ) -> Self {
         let settings = RenderSettings {
             profile,
             variant: draw.variant,
@@ -111,7 +118,8 @@ impl PlannedScene {
                     "add --overwrite to render them again, or choose another folder with --data",
                 ));
             }
-            std::fs::remove_dir_all(&frames).with_context(|| format!("cannot remove {}", frames.display()))?;
+            std::fs::remove_dir_all(&frames)
+                .with_context(|| format!("cannot remove {}", frames.display()))?;
             std::fs::remove_file(self.dir.scene()).ok();
         }
         json::write(&path, &self.settings)?;
@@ -139,11 +147,13 @@ impl PlannedScene {
     pub(crate) fn sweep(&self) -> Result<(), DataError> {
         for camera in self.plan.tracks.views(self.settings.profile) {
             let folder = self.dir.view(&camera.name);
-            let entries = std::fs::read_dir(&folder).map_err(|source| DataError::io(&folder, "list the folder", source))?;
+            let entries = std::fs::read_dir(&folder)
+                .map_err(|source| DataError::io(&folder, "list the folder", source))?;
             for entry in entries.flatten() {
                 let name = entry.file_name().to_string_lossy().into_owned();
                 if name.starts_with('.') && name.ends_with(".tmp") {
-                    std::fs::remove_file(entry.path()).map_err(|source| DataError::io(&entry.path(), "remove", source))?;
+                    std::fs::remove_file(entry.path())
+                        .map_err(|source| DataError::io(&entry.path(), "remove", source))?;
                 }
             }
         }
@@ -161,7 +171,6 @@ pub(crate) fn render(
     out: &Printer,
 ) -> Result<u64> {
     let jobs = jobs.max(1);
-    let threads = (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(1);
     let mut total = 0;
     let mut pieces = VecDeque::new();
     for scene in scenes {
@@ -175,15 +184,23 @@ pub(crate) fn render(
     if total == 0 {
         return Ok(0);
     }
-    let bar = out.bar(total, "rendering");
-    let queue = Mutex::new(pieces);
-    let stop = AtomicBool::new(false);
+    let crew = Crew {
+        env,
+        work,
+        out,
+        bar: out.bar(total, "rendering"),
+        threads: (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(1),
+        queue: Mutex::new(pieces),
+        stop: AtomicBool::new(false),
+    };
     let ends: Vec<Result<()>> = thread::scope(|scope| {
-        let hands: Vec<_> =
-            (0..jobs).map(|_| scope.spawn(|| work_off(env, &queue, &stop, threads, work, &bar, out))).collect();
-        hands.into_iter().map(|hand| hand.join().unwrap_or_else(|_| Err(anyhow::anyhow!("a supervisor panicked")))).collect()
+        let hands: Vec<_> = (0..jobs).map(|_| scope.spawn(|| crew.work_off())).collect();
+        let join = |hand: thread::ScopedJoinHandle<'_, Result<()>>| {
+            hand.join().unwrap_or_else(|_| Err(anyhow::anyhow!("a supervisor panicked")))
+        };
+        hands.into_iter().map(join).collect()
     });
-    bar.finish_and_clear();
+    crew.bar.finish_and_clear();
     ends.into_iter().collect::<Result<()>>()?;
     Ok(total)
 }
@@ -195,115 +212,109 @@ fn of_shard(images: Vec<Image>, shard: Option<Shard>, profile: Profile) -> Vec<I
     images.into_iter().filter(is_ours).collect()
 }
 
-fn work_off(
-    env: &BlenderEnv,
-    queue: &Mutex<VecDeque<Piece<'_>>>,
-    stop: &AtomicBool,
+/// Supervisors that share a queue of pieces; each runs one worker at a time.
+struct Crew<'a> {
+    env: &'a BlenderEnv,
+    work: &'a Path,
+    out: &'a Printer,
+    bar: ProgressBar,
     threads: usize,
-    work: &Path,
-    bar: &ProgressBar,
-    out: &Printer,
-) -> Result<()> {
-    loop {
-        let piece = queue.lock().map_err(|_| anyhow::anyhow!("another supervisor panicked"))?.pop_front();
-        let Some(piece) = piece else { return Ok(()) };
-        if stop.load(Ordering::Relaxed) {
-            return Ok(());
-        }
-        let end = render_piece(env, piece, stop, threads, work, bar, out);
-        if end.is_err() {
-            stop.store(true, Ordering::Relaxed);
-            return end;
-        }
-    }
+    queue: Mutex<VecDeque<Piece<'a>>>,
+    stop: AtomicBool,
 }
 
-/// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
-fn render_piece(
-    env: &BlenderEnv,
-    mut piece: Piece<'_>,
-    stop: &AtomicBool,
-    threads: usize,
-    work: &Path,
-    bar: &ProgressBar,
-    out: &Printer,
-) -> Result<()> {
-    while !piece.images.is_empty() {
-        let before = piece.images.len();
-        let end = run_worker(env, &mut piece, stop, threads, work, bar, out)?;
-        match end {
-            WorkerEnd::Done if piece.images.is_empty() => {}
-            WorkerEnd::Stopped => return Ok(()),
-            WorkerEnd::Done => {
-                let message = format!("the worker left out {} pictures of {}", piece.images.len(), piece.scene.name);
-                return Err(refusal(message, "run the command again; if it stays, please report it"));
+impl Crew<'_> {
+    fn work_off(&self) -> Result<()> {
+        loop {
+            let piece = self.queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
+            let Some(piece) = piece else { return Ok(()) };
+            if self.stop.load(Ordering::Relaxed) {
+                return Ok(());
             }
-            WorkerEnd::Died(error) if piece.images.len() < before => {
-                out.warn(format!("{}: starting a new worker: {error:#}", piece.scene.name));
-            }
-            WorkerEnd::Died(error) | WorkerEnd::Refused(error) => {
-                return Err(error.context(format!("cannot render {}", piece.scene.name)));
+            let end = self.render_piece(piece);
+            if end.is_err() {
+                self.stop.store(true, Ordering::Relaxed);
+                return end;
             }
         }
     }
-    Ok(())
-}
 
-fn run_worker(
-    env: &BlenderEnv,
-    piece: &mut Piece<'_>,
-    stop: &AtomicBool,
-    threads: usize,
-    work: &Path,
-    bar: &ProgressBar,
-    out: &Printer,
-) -> Result<WorkerEnd> {
-    let scene = piece.scene;
-    let root = std::path::absolute(scene.dir.root()).context("cannot resolve the scene's folder")?;
-    let profile = scene.settings.profile;
-    let job = Job {
-        schema: JOB_SCHEMA,
-        scene: &scene.name,
-        variant: scene.settings.variant,
-        seed: scene.settings.seed,
-        profile,
-        width: profile.width(),
-        height: profile.height(),
-        samples: scene.settings.samples,
-        denoise: true,
-        threads,
-        tracks: root.join("tracks.json"),
-        out: &root,
-        images: &piece.images,
-    };
-    let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
-    let jobs_folder = work.join("jobs");
-    make_folder(&jobs_folder)?;
-    let job_path = jobs_folder.join(format!("{name}.json"));
-    json::write(&job_path, &job)?;
-    let mut command = env.command();
-    command.arg("render").arg(&job_path);
-    bar.set_message(scene.name.to_string());
-    let end = worker::run(command, &worker::log_path(work, "render", &name), &mut |event| {
-        match event {
-            WorkerEvent::Image { view, frame } => {
-                bar.inc(1);
-                piece.images.retain(|image| !(image.view.as_str() == view && image.frame == *frame));
+    /// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
+    fn render_piece(&self, mut piece: Piece<'_>) -> Result<()> {
+        while !piece.images.is_empty() {
+            let before = piece.images.len();
+            match self.run_worker(&mut piece)? {
+                WorkerEnd::Done if piece.images.is_empty() => {}
+                WorkerEnd::Stopped => return Ok(()),
+                WorkerEnd::Done => {
+                    let message = format!(
+                        "the worker left out {} pictures of {}",
+                        piece.images.len(),
+                        piece.scene.name
+                    );
+                    return Err(refusal(message, "run the command again; if it stays, please report it"));
+                }
+                WorkerEnd::Died(error) if piece.images.len() < before => {
+                    let note = format!("{}: starting a new worker: {error:#}", piece.scene.name);
+                    self.bar.suspend(|| self.out.warn(note));
+                }
+                WorkerEnd::Died(error) | WorkerEnd::Refused(error) => {
+                    return Err(error.context(format!("cannot render {}", piece.scene.name)));
+                }
             }
-            WorkerEvent::Warning { message } => bar.suspend(|| out.warn(message)),
-            WorkerEvent::Start { device } => tracing::info!(scene = %scene.name, device, "worker started"),
-            _ => {}
         }
-        Ok(!stop.load(Ordering::Relaxed))
-    });
-    std::fs::remove_file(&job_path).ok();
-    end
+        Ok(())
+    }
+
+    fn run_worker(&self, piece: &mut Piece<'_>) -> Result<WorkerEnd> {
+        let scene = piece.scene;
+        let root = std::path::absolute(scene.dir.root()).context("cannot resolve the scene's folder")?;
+        let profile = scene.settings.profile;
+        let job = Job {
+            schema: JOB_SCHEMA,
+            scene: &scene.name,
+            variant: scene.settings.variant,
+            seed: scene.settings.seed,
+            profile,
+            width: profile.width(),
+            height: profile.height(),
+            samples: scene.settings.samples,
+            denoise: true,
+            threads: self.threads,
+            tracks: root.join("tracks.json"),
+            out: &root,
+            images: &piece.images,
+        };
+        let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
+        let job_path = self.work.join("jobs").join(format!("{name}.json"));
+        json::write(&job_path, &job)?;
+        let mut command = self.env.command();
+        command.arg("render").arg(&job_path);
+        self.bar.set_message(scene.name.to_string());
+        let end = worker::run(command, &worker::log_path(self.work, "render", &name), &mut |event| {
+            match event {
+                WorkerEvent::Image { view, frame } => {
+                    self.bar.inc(1);
+                    piece.images.retain(|image| !(image.view.as_str() == view && image.frame == *frame));
+                }
+                WorkerEvent::Warning { message } => self.bar.suspend(|| self.out.warn(message)),
+                WorkerEvent::Start { device } => {
+                    tracing::info!(scene = %scene.name, device, "worker started");
+                }
+                _ => {}
+            }
+            Ok(!self.stop.load(Ordering::Relaxed))
+        });
+        std::fs::remove_file(&job_path).ok();
+        end
+    }
 }
 
 /// Scenes that have a recipe, sorted.
 pub(crate) fn recipes(scripts: &Path) -> Result<Vec<String>, DataError> {
     let names = list_folder(&scripts.join("scenes"))?;
-    let stems = names.iter().filter_map(|name| name.strip_suffix(".py")).filter(|stem| !stem.starts_with('_'));
+    let stems =
+        names.iter().filter_map(|name| name.strip_suffix(".py")).filter(|stem| !stem.starts_with('_'));
     Ok(stems.map(str::to_owned).collect())
 }
 
@@ -318,8 +329,9 @@ mod tests {
             .frames()
             .flat_map(|frame| ["a", "b"].map(|name| Image { frame, view: view(name) }))
             .collect();
-        let parts: Vec<Vec<Image>> =
-            (1..=2).map(|index| of_shard(images.clone(), Some(Shard { index, count: 2 }), Profile::Small)).collect();
+        let parts: Vec<Vec<Image>> = (1..=2)
+            .map(|index| of_shard(images.clone(), Some(Shard { index, count: 2 }), Profile::Small))
+            .collect();
         let mut all: Vec<Image> = parts.concat();
         all.sort();
         assert_eq!(all, images);

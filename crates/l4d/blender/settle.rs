@@ -40,8 +40,11 @@ struct Seen {
 pub(crate) fn settle(planned: &PlannedScene) -> Result<Truth> {
     let mut scene = describe(planned)?;
     let mut builder = TruthBuilder::new(&scene).context("the plan has no held-out view")?;
-    let seen: Vec<Seen> =
-        planned.images().into_par_iter().map(|image| look(planned, &builder, image)).collect::<Result<_>>()?;
+    let seen: Vec<Seen> = planned
+        .images()
+        .into_par_iter()
+        .map(|image| look(planned, &builder, image))
+        .collect::<Result<_>>()?;
     let mut sums = BTreeMap::new();
     for seen in seen {
         let Image { frame, view } = seen.image;
@@ -87,8 +90,8 @@ fn describe(planned: &PlannedScene) -> Result<Scene> {
 fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<Seen> {
     let size = UVec2::new(planned.settings.profile.width(), planned.settings.profile.height());
     let path = planned.dir.frame(&image.view, image.frame);
-    let bytes = read_bytes(&path, size)?;
-    let surfaces = decode_surfaces(&path, &bytes, size)?;
+    let bytes = read_bytes(&path, size).map_err(DataError::from)?;
+    let surfaces = decode_surfaces(&path, &bytes, size).map_err(DataError::from)?;
     let observation = Observation::of(&surfaces, builder.wants_masks(&image.view));
     Ok(Seen { image, file_sha256: sha256_hex(&bytes), digest: surfaces.digest(), observation })
 }
@@ -96,7 +99,12 @@ fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<
 /// Puts a document into the benchmark folder unless another one stands there.
 ///
 /// The committed benchmark is what published scores refer to, so a difference is a finding, not an overwrite.
-pub(crate) fn commit<T: Serialize>(path: &Path, document: &T, update: bool, report: &mut Report) -> Result<()> {
+pub(crate) fn commit<T: Serialize>(
+    path: &Path,
+    document: &T,
+    update: bool,
+    report: &mut Report,
+) -> Result<()> {
     let mut text = serde_json::to_string(document)?;
     text.push('\n');
     match std::fs::read(path) {

@@ -68,7 +68,8 @@ pub(crate) fn run(
 ) -> Result<WorkerEnd> {
     // The worker holds the other end of its stdin: when this process dies, it reads the end and leaves.
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(open_log(log)?);
-    let child = command.spawn().with_context(|| format!("cannot start {}", command.get_program().display()))?;
+    let child =
+        command.spawn().with_context(|| format!("cannot start {}", command.get_program().display()))?;
     let mut child = Reaper(child);
     let stdout = child.0.stdout.take().context("the worker has no stdout")?;
     let mut reason = None;
@@ -142,7 +143,10 @@ mod tests {
     #[test]
     fn a_silent_death_is_told_from_a_reason() {
         let (end, _) = run_shell("echo 'out of memory' >&2; kill -9 $$");
-        assert!(matches!(&end, WorkerEnd::Died(error) if error.to_string().contains("out of memory")), "{end:?}");
+        assert!(
+            matches!(&end, WorkerEnd::Died(error) if error.to_string().contains("out of memory")),
+            "{end:?}"
+        );
         let (end, _) = run_shell(r#"echo '{"event":"error","message":"no such scene","hint":"x"}'; exit 2"#);
         assert!(matches!(&end, WorkerEnd::Refused(error) if error.to_string() == "no such scene"), "{end:?}");
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::layout::{BenchDir, SceneDir};
-use l4d_data::{Benchmark, Name, Report};
+use l4d_data::{Benchmark, Name, Profile, Report};
 
 use crate::blender::env::BlenderEnv;
 use crate::blender::plan::{Draw, plan};
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(format!("planning {name}"));
         let plan = plan(&env, &dir, &name, draw, &args.python.work, out)?;
         commit(&bench.tracks(&name), &plan.tracks, args.update_benchmark, &mut report)?;
-        planned.push(PlannedScene::new(name, dir, plan, args.bench.profile, draw, args.samples));
+        planned.push(PlannedScene::new(name, dir, plan, args.bench.profile, draw, samples(args)));
     }
     if args.tracks_only {
         out.note(format!("tracks are in {}", bench.root().join("scenes").display()));
@@ -68,6 +68,14 @@ fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
         )),
     };
     wanted.into_iter().map(choose).collect()
+}
+
+fn samples(args: &BuildScenesArgs) -> u32 {
+    args.samples.unwrap_or(match args.bench.profile {
+        Profile::Tiny => 8,
+        Profile::Small => 4,
+        Profile::Full => 16,
+    })
 }
 
 fn data_folder(args: &BuildScenesArgs) -> PathBuf {

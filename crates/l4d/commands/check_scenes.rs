@@ -64,7 +64,11 @@ fn scenes_to_check(args: &BenchArgs, bench: &Benchmark, data: &Path, out: &Print
         ));
     }
     if !absent.is_empty() {
-        out.note(format!("not built, so not checked: {} of {} scenes", absent.len(), bench.manifest.scenes.len()));
+        out.note(format!(
+            "not built, so not checked: {} of {} scenes",
+            absent.len(),
+            bench.manifest.scenes.len()
+        ));
     }
     Ok(scenes)
 }

@@ -7,7 +7,7 @@ use l4d_data::Benchmark;
 use serde::Serialize;
 use serde_json::json;
 
-use crate::blender::env::{Probe, environment_python, import_remedy, probe};
+use crate::blender::env::{BlenderEnv, Probe, environment_python, import_remedy, probe};
 use crate::cli::DoctorArgs;
 use crate::out::{ExitStatus, Printer};
 
@@ -40,12 +40,20 @@ impl Line {
         Self { name, state: State::Ok, found: found.into(), remedy: String::new() }
     }
 
-    fn lacking(name: &'static str, state: State, found: impl Into<String>, remedy: impl Into<String>) -> Self {
+    fn lacking(
+        name: &'static str,
+        state: State,
+        found: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
         Self { name, state, found: found.into(), remedy: remedy.into() }
     }
 }
 
 pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
+    if args.setup {
+        BlenderEnv::find_or_make(&args.python, out)?;
+    }
     let mut lines = python_lines(args);
     lines.push(benchmark_line());
     lines.push(vulkan_line());
@@ -82,7 +90,7 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
         }
     };
     if !python.exists() && args.python.python.is_none() {
-        let remedy = "nothing to do: `l4d build-scenes` makes it (needs Python 3.11 or uv, and about 1 GB)";
+        let remedy = "nothing to do: `l4d build-scenes` makes it, or --setup now (needs Python 3.11 or uv, and about 1 GB)";
         return vec![Line::lacking("python", State::Optional, "no Blender environment yet", remedy)];
     }
     match probe(&python) {
@@ -108,20 +116,29 @@ fn benchmark_line() -> Line {
     match Benchmark::open("benchmark") {
         Ok(bench) => {
             let manifest = bench.manifest;
-            Line::ok("benchmark", format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len()))
+            Line::ok(
+                "benchmark",
+                format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len()),
+            )
         }
-        Err(error) => Line::lacking("benchmark", State::Missing, error.to_string(), "run l4d in the project's root folder"),
+        Err(error) => Line::lacking(
+            "benchmark",
+            State::Missing,
+            error.to_string(),
+            "run l4d in the project's root folder",
+        ),
     }
 }
 
 /// Looks for the loader and a driver; which adapter answers is only known once something is drawn with it.
 fn vulkan_line() -> Line {
-    let drivers: Vec<String> = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"]
-        .into_iter()
-        .filter_map(|folder| l4d_data::store::list_folder(Path::new(folder)).ok())
-        .flatten()
-        .filter_map(|name| name.strip_suffix(".json").map(str::to_owned))
-        .collect();
+    let drivers: Vec<String> =
+        ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"]
+            .into_iter()
+            .filter_map(|folder| l4d_data::store::list_folder(Path::new(folder)).ok())
+            .flatten()
+            .filter_map(|name| name.strip_suffix(".json").map(str::to_owned))
+            .collect();
     let remedy = "not needed yet; for the GPU rasterizer install a driver (software: apt-get install mesa-vulkan-drivers libvulkan1)";
     match (vulkan_loader(), drivers.is_empty()) {
         (Some(_), false) => Line::ok("vulkan", format!("drivers: {}", drivers.join(", "))),
@@ -131,7 +148,13 @@ fn vulkan_line() -> Line {
 }
 
 fn vulkan_loader() -> Option<PathBuf> {
-    let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib", "/usr/local/lib"];
+    let folders = [
+        "/usr/lib/x86_64-linux-gnu",
+        "/usr/lib/aarch64-linux-gnu",
+        "/usr/lib64",
+        "/usr/lib",
+        "/usr/local/lib",
+    ];
     folders.into_iter().map(|folder| Path::new(folder).join("libvulkan.so.1")).find(|path| path.exists())
 }
 
@@ -148,7 +171,8 @@ fn terminal_line() -> Line {
     } else {
         None
     };
-    let colours = if var("COLORTERM").contains("truecolor") { "24-bit colour" } else { "256 colours or fewer" };
+    let colours =
+        if var("COLORTERM").contains("truecolor") { "24-bit colour" } else { "256 colours or fewer" };
     match protocol {
         Some(protocol) => Line::ok("terminal", format!("{protocol}, {colours}")),
         None => Line::lacking(
@@ -166,7 +190,8 @@ fn cores_line() -> Line {
 }
 
 fn disk_line(work: &Path) -> Line {
-    let existing = work.ancestors().find(|folder| folder.exists()).filter(|folder| !folder.as_os_str().is_empty());
+    let existing =
+        work.ancestors().find(|folder| folder.exists()).filter(|folder| !folder.as_os_str().is_empty());
     let folder = existing.unwrap_or(Path::new("."));
     match rustix::fs::statvfs(folder) {
         Ok(stat) => {
@@ -175,10 +200,14 @@ fn disk_line(work: &Path) -> Line {
             if free_gib >= WANTED_DISK_GIB {
                 Line::ok("disk", found)
             } else {
-                let remedy = format!("profile full wants {WANTED_DISK_GIB} GiB; --data and --work may stand elsewhere");
+                let remedy = format!(
+                    "profile full wants {WANTED_DISK_GIB} GiB; --data and --work may stand elsewhere"
+                );
                 Line::lacking("disk", State::Optional, found, remedy)
             }
         }
-        Err(error) => Line::lacking("disk", State::Optional, error.to_string(), "check that the folder is readable"),
+        Err(error) => {
+            Line::lacking("disk", State::Optional, error.to_string(), "check that the folder is readable")
+        }
     }
 }

@@ -30,8 +30,12 @@ pub(crate) fn run(args: &QuickstartArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let out_dir = args.out.display();
     out.note(format!("\ndone in {:.0} s. Where to look:", started.elapsed().as_secs_f64()));
-    out.note(format!("  {out_dir}/data/{scene}/sheet.png       what the cameras saw, with outlines and queries"));
-    out.note(format!("  {out_dir}/leaderboard/                 tables (CSV, Markdown) and figures (SVG, PNG)"));
+    out.note(format!(
+        "  {out_dir}/data/{scene}/sheet.png       what the cameras saw, with outlines and queries"
+    ));
+    out.note(format!(
+        "  {out_dir}/leaderboard/                 tables (CSV, Markdown) and figures (SVG, PNG)"
+    ));
     out.note(format!("  {out_dir}/scores/<method>/counts.csv   the counts behind every number"));
     Ok(ExitStatus::Success)
 }
@@ -50,7 +54,10 @@ fn steps(args: &QuickstartArgs, scene: &Name, bench: &Path) -> Vec<(&'static str
     };
     let scripts = text(&args.python.blender_scripts);
     let work = text(&args.python.work);
-    let mut build = common("build-scenes", &["--scenes", scene, "--data", &data, "--blender-scripts", &scripts, "--work", &work]);
+    let mut build = common(
+        "build-scenes",
+        &["--scenes", scene, "--data", &data, "--blender-scripts", &scripts, "--work", &work],
+    );
     // The folder is the quickstart's own, so what an older version left there may go.
     build.extend(["--overwrite".to_owned(), "--update-benchmark".to_owned()]);
     if let Some(python) = &args.python.python {

@@ -18,8 +18,14 @@ pub(crate) fn run(args: &SheetArgs, out: &Printer) -> Result<ExitStatus> {
     let views = chosen_views(args, &scene)?;
     let frames = chosen_frames(args, &scene)?;
     let queries = queries_of(args, &name)?;
-    let sheet =
-        Sheet { scene: &scene, dir: &dir, views: &views, frames: &frames, queries: &queries, plain: args.plain };
+    let sheet = Sheet {
+        scene: &scene,
+        dir: &dir,
+        views: &views,
+        frames: &frames,
+        queries: &queries,
+        plain: args.plain,
+    };
     let path = args.output.clone().unwrap_or_else(|| dir.root().join("sheet.png"));
     sheet.save(&path)?;
     out.data(path.display())?;
@@ -44,7 +50,9 @@ fn chosen_views<'a>(args: &SheetArgs, scene: &'a Scene) -> Result<Vec<&'a Camera
 
 fn chosen_frames(args: &SheetArgs, scene: &Scene) -> Result<Vec<u32>> {
     let profile = scene.profile;
-    if let Some(frame) = args.frames.iter().find(|frame| !profile.frames().any(|rendered| rendered == **frame)) {
+    if let Some(frame) =
+        args.frames.iter().find(|frame| !profile.frames().any(|rendered| rendered == **frame))
+    {
         let hint = format!("profile {profile} renders every {}. frame from 0 to 96", profile.stride());
         return Err(refusal(format!("frame {frame} is not rendered"), hint));
     }

@@ -5,11 +5,11 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec2, DVec3};
-use l4d_data::{Camera, Report};
 use l4d_data::layout::SceneDir;
 use l4d_data::name::Name;
 use l4d_data::scene::Scene;
 use l4d_data::tracks::{Track, TrackedInstance, Tracks, at_frame};
+use l4d_data::{Camera, Report};
 
 use crate::frame::Surfaces;
 use crate::geometry::allowed_m;

@@ -160,10 +160,12 @@ fn check_ids(scene: &Scene, observation: &Observation, path: &Path, report: &mut
 }
 
 fn compare_all(scene: &Scene, frame: u32, pictures: &[Picture], comparisons: &mut [Comparison]) {
-    let prepare = |(camera, picture): (&'_ Camera, &'_ Picture)| {
-        picture.surfaces.as_ref().map(|surfaces| Field::new(camera, surfaces))
-    };
-    let fields: Vec<Option<Field>> = (scene.cameras.par_iter()).zip(pictures).map(prepare).collect();
+    let fields: Vec<Option<Field>> = scene
+        .cameras
+        .par_iter()
+        .zip(pictures)
+        .map(|(camera, picture)| Some(Field::new(camera, picture.surfaces.as_ref()?)))
+        .collect();
     comparisons.par_iter_mut().for_each(|comparison| {
         let (Some(a), Some(b)) = (&fields[comparison.a], &fields[comparison.b]) else { return };
         let found = compare(frame, a, b);

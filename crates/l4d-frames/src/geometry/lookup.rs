@@ -52,7 +52,8 @@ impl<'a> Field<'a> {
         let rows = 1..surfaces.height.saturating_sub(1);
         let columns = 1..surfaces.width.saturating_sub(1);
         let pixels = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));
-        field.interior = pixels.filter_map(|(column, row)| field.interior_at(surfaces.index(column, row))).collect();
+        field.interior =
+            pixels.filter_map(|(column, row)| field.interior_at(surfaces.index(column, row))).collect();
         field
     }
 
@@ -71,7 +72,8 @@ impl<'a> Field<'a> {
         let mut slope = 0.0;
         let mut bend = 0.0;
         for step in [1, width] {
-            let [before, here, after] = [centre - step, centre, centre + step].map(|index| self.inverse[index]);
+            let [before, here, after] =
+                [centre - step, centre, centre + step].map(|index| self.inverse[index]);
             slope += (before - after).abs() / 2.0;
             bend += (before - 2.0 * here + after).abs() / 8.0;
         }
@@ -127,16 +129,16 @@ impl<'a> Field<'a> {
             let [a, b, c] = [middle - step, middle, middle + step].map(|index| self.inverse[index]);
             (a - 2.0 * b + c).abs()
         };
-        let mut largest = None;
+        let mut largest = f64::NEG_INFINITY;
         for Line { start, step, before, after } in lines {
             if before && self.shows(start - step, id) {
-                largest = largest.max_with(second_difference(start, step));
+                largest = largest.max(second_difference(start, step));
             }
             if after && self.shows(start + 2 * step, id) {
-                largest = largest.max_with(second_difference(start + step, step));
+                largest = largest.max(second_difference(start + step, step));
             }
         }
-        largest
+        largest.is_finite().then_some(largest)
     }
 }
 
@@ -147,17 +149,6 @@ struct Line {
     step: usize,
     before: bool,
     after: bool,
-}
-
-/// The larger of two numbers of which the first may be missing.
-trait MaxWith {
-    fn max_with(self, other: f64) -> Self;
-}
-
-impl MaxWith for Option<f64> {
-    fn max_with(self, other: f64) -> Self {
-        Some(self.map_or(other, |known| known.max(other)))
-    }
 }
 
 #[cfg(test)]

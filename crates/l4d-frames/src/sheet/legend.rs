@@ -14,7 +14,7 @@ const HEADING_PX: u32 = 46;
 const ENTRY_WIDTH_PX: u32 = 480;
 const LABEL_WIDTH_PX: u32 = 34;
 const NUMBER_WIDTH_PX: u32 = 52;
-const REFERENTS_WIDTH_PX: u32 = 110;
+const REFERENTS_WIDTH_PX: u32 = 84;
 const CATEGORY_WIDTH_PX: u32 = 190;
 const FRAMES_WIDTH_PX: u32 = 230;
 const COLUMN_GAP_PX: u32 = 48;
@@ -128,9 +128,8 @@ fn draw_entry(page: &mut RgbImage, left: u32, top: u32, instance: &Instance, mar
     if instance.role == Role::Landmark {
         facts.push("landmark".to_owned());
     }
-    facts.extend(
-        instance.attributes.values().filter(|value| !instance.name.contains(value.as_str())).cloned(),
-    );
+    let tells_more = |value: &&String| *value != "none" && !instance.name.contains(value.as_str());
+    facts.extend(instance.attributes.values().filter(tells_more).cloned());
     text(Weight::Regular, SIZE_PX, SOFT_INK).write(page, end + 10.0, y, &facts.join(", "));
 }
 
