@@ -121,7 +121,8 @@ pub(crate) fn import_remedy(module: &str, error: &str) -> String {
     "pip install -r blender_scripts/requirements.txt in that environment, or leave out --python".to_owned()
 }
 
-fn scripts_folder(scripts: &Path) -> Result<PathBuf> {
+/// The folder of the Blender scripts, absolute.
+pub(crate) fn scripts_folder(scripts: &Path) -> Result<PathBuf> {
     if !scripts.join("l4d_blender").is_dir() {
         return Err(refusal(
             format!("{}: the folder of the Blender scripts is not there", scripts.display()),

@@ -6,7 +6,7 @@ use anyhow::Result;
 use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::{Benchmark, Name, Profile, Report};
 
-use crate::blender::env::BlenderEnv;
+use crate::blender::env::{BlenderEnv, scripts_folder};
 use crate::blender::plan::{Draw, plan};
 use crate::blender::render::{PlannedScene, recipes, render};
 use crate::blender::settle::{commit, join_names, settle};
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
 
 /// The benchmark's scenes, or those asked for; variants and new recipes need not be in the benchmark.
 fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
-    let known = recipes(&args.python.blender_scripts)?;
+    let known = recipes(&scripts_folder(&args.python.blender_scripts)?)?;
     let wanted = match args.bench.scenes.as_slice() {
         [] => Benchmark::open(&args.bench.bench)?.manifest.scenes.iter().map(Name::to_string).collect(),
         wanted => wanted.to_vec(),
