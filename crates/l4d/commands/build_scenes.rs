@@ -37,12 +37,17 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let rendered = render(&env, &planned, args.shard, args.jobs, &args.python.work, out)?;
     out.note(format!("rendered {rendered} pictures"));
-    let unfinished: Vec<Name> =
-        planned.iter().filter(|scene| !scene.missing().is_empty()).map(|scene| scene.name.clone()).collect();
-    if args.shard.is_some() && !unfinished.is_empty() {
-        let names = join_names(&unfinished);
-        out.note(format!("other shards are still at {names}; run once without --shard when all are done"));
-        return out.findings(report, false);
+    if args.shard.is_some() {
+        let is_unfinished = |scene: &&PlannedScene| !scene.missing().is_empty();
+        let unfinished: Vec<Name> =
+            planned.iter().filter(is_unfinished).map(|scene| scene.name.clone()).collect();
+        if !unfinished.is_empty() {
+            let names = join_names(&unfinished);
+            out.note(format!(
+                "other shards are still at {names}; run once without --shard when all are done"
+            ));
+            return out.findings(report, false);
+        }
     }
     for scene in &planned {
         scene.sweep()?;

@@ -124,7 +124,7 @@ fn benchmark_line() -> Line {
         Err(error) => Line::lacking(
             "benchmark",
             State::Missing,
-            error.to_string(),
+            format!("{:#}", anyhow::Error::from(error)),
             "run l4d in the project's root folder",
         ),
     }
