@@ -24,6 +24,8 @@ use crate::cli::Shard;
 use crate::out::{Printer, refusal};
 
 const JOB_SCHEMA: &str = "l4d/render-job/1";
+/// With a single thread Cycles keeps a second one spinning, which doubles the processor time of a picture.
+const LEAST_THREADS: usize = 2;
 
 /// How pictures are made; pictures made otherwise are never mixed with them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -189,7 +191,7 @@ pub(crate) fn render(
         work,
         out,
         bar: out.bar(total, "rendering"),
-        threads: (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(1),
+        threads: (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(LEAST_THREADS),
         queue: Mutex::new(pieces),
         stop: AtomicBool::new(false),
     };
