@@ -14,7 +14,7 @@ from mathutils import Matrix
 
 from .. import keys
 from ..assets.anatomy import SIDES, vec
-from ..scene import Instance
+from ..scene import Instance, RecipeError
 from ..timeline import FPS, FRAME_COUNT
 from .ik import between, ease, smooth, turn_z
 from .puppet import Foot, Reach, Stance
@@ -314,7 +314,15 @@ def grip_gap(person: Person, played: Played) -> float:
 
 
 def check(person: Person, played: Played) -> None:
-    """Raises AssertionError when a planted foot slides or a hand floats off what it holds (2 cm)."""
+    """Refuses motion in which a planted foot slides or a hand floats off what it holds (2 cm)."""
     slide, gap = foot_slide(person, played), grip_gap(person, played)
-    assert slide < 0.02, f"{person.instance.name}: a planted foot slides {100 * slide:.1f} cm"
-    assert gap < 0.02, f"{person.instance.name}: a hand is {100 * gap:.1f} cm off its grip"
+    if slide > 0.02:
+        raise RecipeError(
+            f"{person.instance.name}: a planted foot slides {100 * slide:.1f} cm",
+            "give the walk more frames or a gentler turn, or step before the body moves on",
+        )
+    if gap > 0.02:
+        raise RecipeError(
+            f"{person.instance.name}: a hand is {100 * gap:.1f} cm off its grip",
+            "stand closer, or key nobody else's motion on the held thing",
+        )

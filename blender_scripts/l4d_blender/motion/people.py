@@ -17,7 +17,7 @@ from ..assets.anatomy import SIDES, vec
 from ..scene import Instance, RecipeError
 from ..timeline import FPS, FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from . import gait
-from .acting import bake_person
+from .acting import bake_person, check
 from .ik import ease, turn_z, unit
 from .plan_person import ROWS, SIGN, Frames, Held, PersonPlan
 
@@ -407,3 +407,4 @@ class Person(PersonPlan):
             if held.last is None:
                 self._report_hold(held)
         self.played = bake_person(self)
+        check(self, self.played)
