@@ -153,24 +153,25 @@ pub(crate) struct CheckScenesArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SheetArgs {
-    /// Scene to draw
-    pub(crate) scene: String,
+    /// Scene to draw; default: an overview of all rendered scenes, as the held-out view sees them
+    #[arg(conflicts_with = "scenes")]
+    pub(crate) scene: Option<String>,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     /// Folder of the rendered scenes; default: data/<profile>
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// PNG to write; default: <data>/<scene>/sheet.png
+    /// PNG to write; default: <data>/<scene>/sheet.png, for the overview <data>/overview.png
     #[arg(long, short, value_name = "PNG")]
     pub(crate) output: Option<PathBuf>,
-    /// Moments, canonical frames; default: five evenly spaced
+    /// Moments, canonical frames; default: five evenly spaced, in the overview three
     #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
     /// Views; default: the held-out view and two training views
-    #[arg(long, value_name = "VIEW", value_delimiter = ',')]
+    #[arg(long, value_name = "VIEW", value_delimiter = ',', requires = "scene")]
     pub(crate) views: Vec<String>,
     /// Leave out outlines, numbers and queries
-    #[arg(long)]
+    #[arg(long, requires = "scene")]
     pub(crate) plain: bool,
 }
 

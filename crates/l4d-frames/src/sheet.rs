@@ -2,6 +2,7 @@
 //! queries. A person sees at a glance whether a scene is worth showing and its queries are right.
 
 mod legend;
+mod overview;
 
 use std::io::Cursor;
 use std::path::Path;
@@ -20,6 +21,8 @@ use crate::display::Display;
 use crate::exr::{FrameError, read_frame};
 use crate::overlay::{Mark, enlarge, marks, outline};
 use crate::text::{Style, Weight};
+
+pub use overview::{Rendered, overview};
 
 /// Pictures are enlarged by a whole factor until they are about this wide, pixels.
 const CELL_WIDTH_PX: u32 = 400;
@@ -97,16 +100,6 @@ impl Sheet<'_> {
         Ok(page)
     }
 
-    /// Draws the sheet into a PNG file.
-    pub fn save(&self, path: &Path) -> Result<(), DataError> {
-        let page = self.draw()?;
-        let mut png = Cursor::new(Vec::new());
-        page.write_to(&mut png, ImageFormat::Png).map_err(|error| {
-            DataError::invalid(path, "PNG", error.to_string(), "choose fewer --views or --frames")
-        })?;
-        write_atomic(path, &png.into_inner())
-    }
-
     fn factor(&self) -> u32 {
         CELL_WIDTH_PX.div_ceil(self.scene.width.max(1)).max(1)
     }
@@ -162,6 +155,15 @@ impl Sheet<'_> {
         );
         text(Weight::Regular, 22.0, SOFT_INK).write(page, end + 18.0, y + 10.0, &facts);
     }
+}
+
+/// Writes a drawn page as a PNG file.
+pub fn save(page: &RgbImage, path: &Path) -> Result<(), DataError> {
+    let mut png = Cursor::new(Vec::new());
+    page.write_to(&mut png, ImageFormat::Png).map_err(|error| {
+        DataError::invalid(path, "PNG", error.to_string(), "choose fewer --views or --frames")
+    })?;
+    write_atomic(path, &png.into_inner())
 }
 
 fn write_row_header(page: &mut RgbImage, camera: &Camera, top: u32) {

@@ -1,19 +1,34 @@
-//! `l4d sheet`: one picture that shows a scene, its instances and its queries to a person.
+//! `l4d sheet`: one picture that shows a scene with its instances and queries, or all scenes, to a person.
+
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::query::{Query, read_queries};
 use l4d_data::scene::Scene;
-use l4d_data::{Camera, Name};
-use l4d_frames::sheet::{Sheet, default_frames, default_views};
+use l4d_data::{Benchmark, Camera, Name};
+use l4d_frames::sheet::{Rendered, Sheet, default_frames, default_views, overview, save};
 
 use super::check_scenes::data_folder;
 use crate::cli::SheetArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
+/// Moments of the overview: the clip's quarters.
+const OVERVIEW_FRAMES: [u32; 3] = [24, 48, 72];
+
 pub(crate) fn run(args: &SheetArgs, out: &Printer) -> Result<ExitStatus> {
-    let name = Name::new(args.scene.as_str())?;
-    let dir = SceneDir::new(&data_folder(args.data.as_deref(), args.bench.profile), &name);
+    let data = data_folder(args.data.as_deref(), args.bench.profile);
+    let path = match &args.scene {
+        Some(scene) => draw_scene(args, &data, scene)?,
+        None => draw_overview(args, &data, out)?,
+    };
+    out.data(path.display())?;
+    Ok(ExitStatus::Success)
+}
+
+fn draw_scene(args: &SheetArgs, data: &Path, scene: &str) -> Result<PathBuf> {
+    let name = Name::new(scene)?;
+    let dir = SceneDir::new(data, &name);
     let scene = Scene::read(&dir.scene())?;
     let views = chosen_views(args, &scene)?;
     let frames = chosen_frames(args, &scene)?;
@@ -27,9 +42,44 @@ pub(crate) fn run(args: &SheetArgs, out: &Printer) -> Result<ExitStatus> {
         plain: args.plain,
     };
     let path = args.output.clone().unwrap_or_else(|| dir.root().join("sheet.png"));
-    sheet.save(&path)?;
-    out.data(path.display())?;
-    Ok(ExitStatus::Success)
+    save(&sheet.draw()?, &path)?;
+    Ok(path)
+}
+
+fn draw_overview(args: &SheetArgs, data: &Path, out: &Printer) -> Result<PathBuf> {
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let chosen = bench.select(&args.bench.scenes)?;
+    let built = |name: &&Name| SceneDir::new(data, name).scene().is_file();
+    let scenes: Vec<Rendered> = chosen
+        .iter()
+        .filter(built)
+        .map(|name| {
+            let dir = SceneDir::new(data, name);
+            let scene = Scene::read(&dir.scene())?;
+            chosen_frames(args, &scene)?;
+            Ok((scene, dir))
+        })
+        .collect::<Result<_>>()?;
+    if scenes.is_empty() {
+        return Err(refusal(
+            format!("no scene of the benchmark stands in {}", data.display()),
+            format!(
+                "run `l4d build-scenes --profile {}` first, or choose another --data",
+                args.bench.profile
+            ),
+        ));
+    }
+    if scenes.len() < chosen.len() {
+        out.note(format!(
+            "not built, so not shown: {} of {} scenes",
+            chosen.len() - scenes.len(),
+            chosen.len()
+        ));
+    }
+    let frames = if args.frames.is_empty() { OVERVIEW_FRAMES.to_vec() } else { args.frames.clone() };
+    let path = args.output.clone().unwrap_or_else(|| data.join("overview.png"));
+    save(&overview(&scenes, &frames)?, &path)?;
+    Ok(path)
 }
 
 fn chosen_views<'a>(args: &SheetArgs, scene: &'a Scene) -> Result<Vec<&'a Camera>> {
