@@ -1,0 +1,52 @@
+"""A small wooden tray with a raised rim and two hand holes.
+
+Owns the tray; knows nothing of what stands on it. It lies on z = 0; long side along Y, front = -Y.
+"""
+
+from __future__ import annotations
+
+import random
+
+import bpy
+
+from l4d_blender.assets import mesh
+from l4d_blender.assets.materials import products
+
+Colour = tuple[float, float, float]
+
+FLOOR_M = 0.007
+RIM_M = 0.016
+
+
+def serving_tray(
+    name: str,
+    rng: random.Random,
+    *,
+    size_m: tuple[float, float] = (0.21, 0.29),
+    paint: Colour = (0.62, 0.56, 0.42),
+    inlay: Colour = (0.10, 0.24, 0.27),
+) -> bpy.types.Object:
+    """A tray whose floor is `FLOOR_M` high: painted rim, stained floor."""
+    width, depth = size_m
+    rim = products.lacquer(f"{name}_rim", paint, rng)
+    floor = mesh.bevel_box(f"{name}_floor", (width - 0.004, depth - 0.004, FLOOR_M), 0.0015)
+    stain = products.wood(f"{name}_stain", inlay, products.scaled(inlay, 0.5), rng, grain_axis="Y")
+    parts = [mesh.set_material(floor, stain)]
+    for side in (-1.0, 1.0):
+        long = mesh.bevel_box(f"{name}_long", (0.009, depth, RIM_M), 0.0035)
+        parts.append(mesh.set_material(mesh.move(long, x=side * 0.5 * (width - 0.009)), rim))
+        short = mesh.bevel_box(f"{name}_short", (width - 0.012, 0.009, RIM_M), 0.0035)
+        parts.append(mesh.set_material(mesh.move(short, y=side * 0.5 * (depth - 0.009)), rim))
+        grip = mesh.tube(
+            f"{name}_grip",
+            [
+                (-0.035, side * (0.5 * depth - 0.004), RIM_M - 0.002),
+                (-0.024, side * (0.5 * depth - 0.002), RIM_M + 0.012),
+                (0.024, side * (0.5 * depth - 0.002), RIM_M + 0.012),
+                (0.035, side * (0.5 * depth - 0.004), RIM_M - 0.002),
+            ],
+            0.0038,
+            segments=10,
+        )
+        parts.append(mesh.set_material(grip, rim))
+    return mesh.join(name, parts)

@@ -1,0 +1,143 @@
+"""What stands on pavements: bollards, sign posts, litter bins, lamp posts, planters; and kerbs.
+
+Everything stands on z = 0 and faces -Y. Metres.
+"""
+
+from __future__ import annotations
+
+import random
+from math import cos, pi, sin
+
+import bpy
+
+from . import mesh, tree
+from .lettering import lettering
+from .materials import street
+from .materials.base import emission, principled
+
+Colour = tuple[float, float, float]
+
+
+def bollard(name: str, *, height_m: float = 0.92) -> bpy.types.Object:
+    """A steel post with a domed cap and a white band."""
+    steel = street.street_metal(f"{name}_steel", (0.05, 0.055, 0.06))
+    band = principled(f"{name}_band", (0.62, 0.61, 0.58), roughness=0.5, variation=0.2)
+    post = mesh.set_material(mesh.cylinder(f"{name}_post", 0.055, height_m, 24, 0.03), steel)
+    ring = mesh.move(mesh.cylinder(f"{name}_ring", 0.0565, 0.07, 24), z=height_m - 0.22)
+    foot = mesh.set_material(mesh.cylinder(f"{name}_foot", 0.085, 0.03, 24, 0.01), steel)
+    return mesh.join(name, [post, mesh.set_material(ring, band), foot])
+
+
+def sign_post(
+    name: str,
+    text: str,
+    *,
+    face: Colour = (0.02, 0.10, 0.36),
+    height_m: float = 2.75,
+    timetable: bool = False,
+) -> bpy.types.Object:
+    """A pole with a flag towards +X that bears a word or two; a timetable case below if wanted."""
+    steel = street.steel(f"{name}_pole")
+    plate_paint = principled(f"{name}_plate", face, roughness=0.4, variation=0.15, variation_scale=9.0)
+    white = principled(f"{name}_white", (0.80, 0.80, 0.78), roughness=0.5)
+    parts = [mesh.set_material(mesh.cylinder(f"{name}_pole", 0.034, height_m, 18, 0.01), steel)]
+    wide = max(0.46, 0.115 * len(text))
+    aside = 0.5 * wide + 0.045
+    plate = mesh.move(mesh.bevel_box(f"{name}_plate", (wide, 0.028, 0.44), 0.012), aside, 0, height_m - 0.50)
+    parts.append(mesh.set_material(plate, plate_paint))
+    for turn, y in ((0.0, -0.0155), (180.0, 0.0155)):
+        word = mesh.rotate(lettering(f"{name}_word", text, 0.125, bold_m=0.002), "X", 90.0)
+        mesh.move(mesh.rotate(word, "Z", turn), aside, y, height_m - 0.28)
+        parts.append(mesh.set_material(word, white))
+    for z in (height_m - 0.12, height_m - 0.44):
+        clamp = mesh.bevel_box(f"{name}_clamp", (0.08, 0.05, 0.03), 0.006, 1)
+        parts.append(mesh.set_material(mesh.move(clamp, 0.03, 0.0, z), steel))
+    if timetable:
+        case = mesh.bevel_box(f"{name}_case", (0.34, 0.05, 0.52), 0.012)
+        parts.append(mesh.set_material(mesh.move(case, 0.0, -0.055, 1.16), steel))
+        sheet = principled(
+            f"{name}_sheet", (0.62, 0.62, 0.58), roughness=0.4, variation=0.5, variation_scale=38.0
+        )
+        paper = mesh.move(mesh.bevel_box(f"{name}_paper", (0.29, 0.006, 0.46), 0.001, 1), 0.0, -0.081, 1.19)
+        parts.append(mesh.set_material(paper, sheet))
+    foot = mesh.set_material(mesh.cylinder(f"{name}_foot", 0.08, 0.025, 20, 0.008), steel)
+    return mesh.join(name, [*parts, foot])
+
+
+def litter_bin(name: str, *, colour: Colour = (0.045, 0.085, 0.060)) -> bpy.types.Object:
+    """A round slatted bin with a hood."""
+    metal = street.street_metal(f"{name}_metal", colour)
+    dark = street.street_metal(f"{name}_dark", (0.012, 0.012, 0.013))
+    parts = [mesh.set_material(mesh.cylinder(f"{name}_liner", 0.185, 0.70, 28), dark)]
+    for k in range(22):
+        a = 2 * pi * k / 22
+        slat = mesh.move(mesh.bevel_box(f"{name}_slat", (0.012, 0.040, 0.66), 0.004, 1), 0.20, 0.0, 0.04)
+        parts.append(mesh.set_material(mesh.rotate(slat, "Z", a * 180 / pi), metal))
+    for z in (0.05, 0.36, 0.68):
+        parts.append(
+            mesh.set_material(mesh.move(mesh.torus(f"{name}_hoop", 0.205, 0.012, 32, 8), z=z), metal)
+        )
+    hood = mesh.lathe(
+        f"{name}_hood", [(0.22, 0.86), (0.215, 0.90), (0.15, 0.965), (0.0, 0.985)], 32, close_bottom=True
+    )
+    parts.append(mesh.set_material(hood, metal))
+    for k in range(3):
+        a = 2 * pi * k / 3 + 0.5
+        post = mesh.cylinder(f"{name}_post", 0.012, 0.22, 8)
+        parts.append(mesh.set_material(mesh.move(post, 0.19 * cos(a), 0.19 * sin(a), 0.67), metal))
+    return mesh.join(name, parts)
+
+
+def lamp_post(name: str, *, height_m: float = 5.2, glow: float = 6.0) -> bpy.types.Object:
+    """A tapered mast with a flat lantern on an arm towards -Y."""
+    metal = street.street_metal(f"{name}_metal", (0.07, 0.075, 0.08))
+    mast = mesh.tube(
+        f"{name}_mast",
+        [
+            (0, 0, 0),
+            (0, 0, 0.8),
+            (0, 0, 0.82),
+            (0, 0, height_m - 0.3),
+            (0, -0.25, height_m),
+            (0, -0.9, height_m),
+        ],
+        [0.085, 0.080, 0.058, 0.045, 0.042, 0.035],
+        segments=14,
+    )
+    lantern = mesh.move(
+        mesh.bevel_box(f"{name}_lantern", (0.24, 0.60, 0.09), 0.03), 0.0, -1.1, height_m - 0.05
+    )
+    lens = mesh.move(
+        mesh.bevel_box(f"{name}_lens", (0.18, 0.46, 0.02), 0.008, 1), 0.0, -1.1, height_m - 0.064
+    )
+    shine = emission(f"{name}_lens", (1.0, 0.80, 0.52), glow)
+    shine.cycles.emission_sampling = "NONE"
+    return mesh.join(
+        name,
+        [mesh.set_material(mast, metal), mesh.set_material(lantern, metal), mesh.set_material(lens, shine)],
+    )
+
+
+def planter(name: str, rng: random.Random) -> bpy.types.Object:
+    """A concrete tub with a clipped bush."""
+    tub = mesh.lathe(
+        f"{name}_tub", [(0.30, 0.0), (0.40, 0.50), (0.42, 0.52), (0.36, 0.52), (0.34, 0.44), (0.0, 0.44)], 32
+    )
+    green = tree.bush(f"{name}_bush", rng, size_xyz=(0.8, 0.75, 0.75), sprays=420, leaf_m=(0.04, 0.08))
+    mesh.move(green, z=0.40)
+    return mesh.join(name, [mesh.set_material(tub, street.stone(f"{name}_concrete")), green])
+
+
+def kerb(
+    name: str, rng: random.Random, *, length_m: float, height_m: float = 0.13, width_m: float = 0.16
+) -> bpy.types.Object:
+    """Kerb stones along X round the origin, 0.9 m each; the top is at z = 0, the road at -height."""
+    granite = street.stone(f"{name}_granite")
+    parts, x = [], -0.5 * length_m
+    while x < 0.5 * length_m:
+        size = (0.9 - rng.uniform(0.006, 0.014), width_m, height_m + 0.1)
+        block = mesh.bevel_box(f"{name}_stone", size, 0.018, 2)
+        mesh.move(block, x + 0.45, 0.0, -height_m - 0.1 + rng.uniform(0.0, 0.003))
+        parts.append(block)
+        x += 0.9
+    return mesh.set_material(mesh.join(name, parts), granite)

@@ -1,0 +1,75 @@
+"""Balls that children play with: they roll without slipping, down a slope, over the ground, to rest.
+
+Owns a ball's way over all frames and how it turns; refuses to know who pushes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from mathutils import Matrix, Quaternion, Vector
+
+from .. import keys
+from ..scene import Instance
+from ..timeline import FRAME_COUNT
+
+Frames = tuple[int, int]
+Pace = Callable[[float], float]
+_UP = Vector((0.0, 0.0, 1.0))
+
+
+def slowing(power: float = 2.2) -> Pace:
+    """Fast from the first frame on, then friction: way 0..1 over time 0..1."""
+    return lambda t: 1.0 - (1.0 - t) ** power
+
+
+def downhill(slope_share: float, slope_time: float) -> Pace:
+    """Evenly faster over the first `slope_share` of the way and `slope_time` of the time, then to rest."""
+    ahead, left = 1.0 - slope_share, 1.0 - slope_time
+    power = 2.0 * slope_share / slope_time * left / ahead
+
+    def pace(t: float) -> float:
+        if t < slope_time:
+            return slope_share * (t / slope_time) ** 2
+        return slope_share + ahead * (1.0 - (1.0 - (t - slope_time) / left) ** power)
+
+    return pace
+
+
+class RollingBall:
+    """A ball; ways are given in rising time as world centres of the ball."""
+
+    def __init__(
+        self, instance: Instance, radius_m: float, centre: Sequence[float], rest: Quaternion | None = None
+    ) -> None:
+        self.instance, self.radius_m = instance, radius_m
+        self.centres = [Vector(centre) for _ in range(FRAME_COUNT)]
+        self._turn = rest or Quaternion()
+        self._rolls: list[Frames] = []
+
+    def roll_along(self, points: Sequence[Sequence[float]], frames: Frames, pace: Pace) -> None:
+        """Rolls from where it is through points and lies at the last one from the last frame on."""
+        first, last = frames
+        way = keys.Path([self.centres[first], *points])
+        for frame in range(first, FRAME_COUNT):
+            share = pace(min((frame - first) / (last - first), 1.0))
+            self.centres[frame] = way.point(share * way.length)
+        self._rolls.append(frames)
+
+    def finish(self) -> None:
+        """Keys place and turning, and records when it rolls."""
+        turn, matrices = self._turn, []
+        for frame, centre in enumerate(self.centres):
+            step = centre - self.centres[max(frame - 1, 0)]
+            axis = _UP.cross(step)
+            if axis.length > 1e-9:
+                turn = Quaternion(axis, step.length / self.radius_m) @ turn
+            matrices.append(
+                Matrix.Translation(centre)
+                @ turn.to_matrix().to_4x4()
+                @ Matrix.Translation((0.0, 0.0, -self.radius_m))
+            )
+        for obj in self.instance.objects:
+            keys.key_matrices(obj, matrices)
+        for frames in self._rolls:
+            self.instance.scene.event(self.instance, "roll", frames)

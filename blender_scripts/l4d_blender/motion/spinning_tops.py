@@ -1,0 +1,113 @@
+"""Spinning tops: one that runs down and falls over, one that fingers stand up and twist.
+
+Each function plans a top over the whole clip, keys it and records what it shows. Knows how tops lean, wander
+and roll to rest; shapes are in assets/spinning_top.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sin
+
+from mathutils import Matrix, Vector
+
+from .. import keys
+from ..assets.spinning_top import Profile, lean_at_rest, rim
+from ..scene import Instance
+from ..timeline import FPS, FRAME_COUNT, LAST_FRAME
+from .hands import Frames, Hand
+
+SPIN_HZ = 2.7
+_WANDER_M = 0.006
+
+
+@dataclass
+class Attitude:
+    """How a top stands: lean from the vertical, where it leans to, its turn round its own axis (radians)."""
+
+    lean: float
+    towards: float
+    turn: float
+
+    def matrix(self, point: Vector) -> Matrix:
+        """World matrix of a top whose point stands there."""
+        tip = Matrix.Rotation(self.towards, 4, "Z") @ Matrix.Rotation(self.lean, 4, "Y")
+        return Matrix.Translation(point) @ tip @ Matrix.Rotation(self.turn - self.towards, 4, "Z")
+
+
+def run_down(top: Instance, profile: Profile, at: Vector, *, falls: Frames, towards_rad: float) -> None:
+    """Spins from the start, leans more and more, falls over during `falls` and rolls to rest."""
+    lying = lean_at_rest(profile)
+    radius, height = rim(profile)
+    first, last = falls
+    touch = first + 0.55 * (last - first)
+    track, state = [], Attitude(0.07, towards_rad, 0.0)
+    for f in range(FRAME_COUNT):
+        slowing = min(f / touch, 1.0)
+        sway = 0.07 + 0.16 * slowing**2
+        state.lean = sway + (lying - sway) * keys.ease_between(f, first, touch) ** 1.3
+        if f < touch:
+            state.towards += 2 * pi * (0.45 + 0.75 * slowing) / FPS
+            state.turn += 2 * pi * SPIN_HZ * (1.0 - 0.62 * slowing) / FPS
+        else:
+            rolled = 2 * pi * 0.9 * (1.0 - keys.ease_between(f, touch, last)) / FPS
+            reach = (radius**2 + height**2) ** 0.5
+            state.towards += rolled
+            state.turn += rolled - rolled * reach / radius
+        circle = 2 * pi * 0.5 * f / FPS
+        wander = _WANDER_M * (1.0 - keys.ease_between(f, first - 12, touch))
+        point = at + Vector((wander * sin(circle), wander * sin(circle + 1.2), 0.0))
+        track.append(state.matrix(point))
+    _key(top, track)
+    top.scene.event(top, "spin", (0, first))
+    top.scene.event(top, "topple", falls)
+
+
+def lie(top: Instance, profile: Profile, at: Vector, towards_rad: float) -> None:
+    """Lies on its rim."""
+    _key(top, [Attitude(lean_at_rest(profile), towards_rad, 0.0).matrix(at)] * FRAME_COUNT)
+
+
+class TopHand(Hand):
+    """A hand that sets tops spinning."""
+
+    def twirl(
+        self,
+        top: Instance,
+        profile: Profile,
+        *,
+        at: Vector,
+        towards_rad: float,
+        approach: Frames,
+        upright: int,
+        let_go: int,
+        heading_rad: float,
+    ) -> None:
+        """Takes a lying top by its stem, stands it up until frame `upright`, twists it, lets it spin."""
+        lying = lean_at_rest(profile)
+        start = Attitude(lying, towards_rad, 0.0).matrix(at)
+        stem = max(z for _, z in profile) - 0.012
+        self.approach(
+            top, approach, grip="pinch", heading_rad=heading_rad, point=start @ Vector((0.0, 0.0, stem))
+        )
+        took = approach[1]
+        held, track, turn = [], [], 0.0
+        for f in range(FRAME_COUNT):
+            up = keys.ease_between(f, took, upright)
+            twist = 0.0 if f <= upright else min((f - upright) / (let_go - upright), 1.0) ** 2
+            turn += 2 * pi * SPIN_HZ * twist / FPS * (1.0 if f <= let_go else 0.985 ** (f - let_go))
+            away = max(f - let_go, 0)
+            lean = lying * (1.0 - up) + 0.06 * min(away / 8.0, 1.0)
+            towards = towards_rad + 2 * pi * 0.5 * away / FPS
+            track.append(Attitude(lean, towards, turn).matrix(at))
+            held.append(Attitude(lying * (1.0 - up), towards_rad, min(turn, 1.1)).matrix(at))
+        self._carry(top, held, took)
+        self.release((let_go, let_go + 7))
+        _key(top, track)
+        self.scene.event(self.instance, "spin", (upright, let_go), top)
+        top.scene.event(top, "spin", (let_go - 4, LAST_FRAME))
+
+
+def _key(top: Instance, track: list[Matrix]) -> None:
+    for obj in top.objects:
+        keys.key_matrices(obj, track)

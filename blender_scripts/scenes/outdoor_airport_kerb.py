@@ -1,0 +1,326 @@
+"""At dusk before an airport terminal one traveller pulls a ribbed suitcase out to the kerb, parks it and
+waves for a taxi, while another waves, sits down on a bench beside a big soft suitcase and telephones.
+The twin of the pulled suitcase stands at the other end of the bench, and nobody touches it.
+
+What tells look-alikes apart: the twin suitcases by place and by who pulls one, the travellers by what they do
+and who waves first.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+
+from mathutils import Matrix, Vector
+
+from l4d_blender.assets import (
+    bus,
+    luggage_trolley,
+    mesh,
+    street_bench,
+    street_furniture,
+    suitcase,
+    terminal,
+    tree,
+)
+from l4d_blender.assets.materials import street
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.travellers import Traveller
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "outdoor"
+
+KERB_Y = -1.75
+ROAD_Z = -0.13
+FACADE_Y = 4.3
+BENCH = Vector((-0.95, 0.95, 0.0))
+TROLLEY = Vector((2.44, 0.52, 0.0))
+SITTER_AT = (-0.95, 0.38)
+#: Upright suitcases: beside the sitter's left hand, and at the far end of the bench.
+BY_HAND = Vector((-0.44, 0.13, 0.0))
+BY_BENCH = Vector((-2.12, 0.72, 0.0))
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twin: suitcase.CaseLook
+    other: suitcase.CaseLook
+    walker: str
+    walker_jacket: str
+    walker_top: Cloth
+    walker_hair: tuple[str, str]
+    sitter_top: Cloth
+    sitter_hair: str
+    greet_last: int
+    walk_last: int
+    sun_azimuth_deg: float
+
+
+BENCHMARK = Choices(
+    twin=suitcase.CaseLook("medium", "ribbed", "teal"),
+    other=suitcase.CaseLook("large", "soft", "red", strap="cream"),
+    walker="woman",
+    walker_jacket="yellow",
+    walker_top=Cloth("white", "stripes", "navy", 0.045),
+    walker_hair=("ponytail", "dark_brown"),
+    sitter_top=Cloth("light_blue", "checks"),
+    sitter_hair="grey",
+    greet_last=28,
+    walk_last=50,
+    sun_azimuth_deg=70.0,
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: the pulled case and the one at the bench are twins whatever their look."""
+    twin, other = rng.sample(["teal", "navy", "yellow", "pink", "grey", "red", "orange"], 2)
+    strap = rng.choice([c for c in ("cream", "yellow", "black") if c != other])
+    jacket, top = rng.sample(["yellow", "red", "grey", "navy", "green"], 2)
+    return Choices(
+        twin=suitcase.CaseLook(rng.choice(["cabin", "medium"]), rng.choice(["ribbed", "smooth"]), twin),
+        other=suitcase.CaseLook("large", "soft", other, strap=strap),
+        walker=rng.choice(["woman", "man"]),
+        walker_jacket=jacket,
+        walker_top=Cloth("white", "stripes", top, 0.045),
+        walker_hair=(rng.choice(["ponytail", "bob", "bun"]), rng.choice(["dark_brown", "red", "blond"])),
+        sitter_top=Cloth(rng.choice(["light_blue", "green", "orange"]), "checks"),
+        sitter_hair=rng.choice(["grey", "black", "brown"]),
+        greet_last=rng.randint(26, 29),
+        walk_last=rng.randint(47, 52),
+        sun_azimuth_deg=rng.choice([25.0, 70.0, 130.0, 160.0]),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Sets the kerb, puts luggage and travellers on it, and lights it."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    _ground(scene)
+    _surroundings(scene)
+    _landmarks(scene)
+    cases = _suitcases(scene, choices)
+    _walker(scene, choices, *cases["pulled"])
+    _sitter(scene, choices, *cases["by_hand"])
+    _light(scene, choices)
+    scene.cameras(
+        (0.1, 0.25, 0.82),
+        radius_m=5.3,
+        heights_m=(1.55, 2.35),
+        arc_deg=150.0,
+        facing_deg=-90.0,
+        fov_deg=50.0,
+    )
+
+
+# --- the place --------------------------------------------------------------------------------------------
+
+
+def _ground(scene: Scene) -> None:
+    slabs = street.paving(
+        "slabs", ((0.20, 0.195, 0.185), (0.155, 0.15, 0.145)), slab_m=(0.60, 0.60), stain=0.4
+    )
+    depth = FACADE_Y - KERB_Y
+    pavement = mesh.move(mesh.grid("pavement", 90.0, depth, 30, 4), 0.0, KERB_Y + 0.5 * depth)
+    road = mesh.move(mesh.grid("road", 120.0, 40.0, 24, 8), 0.0, KERB_Y - 20.0, ROAD_Z)
+    stones = street_furniture.kerb("kerb", scene.rng("kerb"), length_m=72.0)
+    stones.location = (0.0, KERB_Y, 0.0)
+    yellow = street.road_paint("yellow_line", (0.62, 0.40, 0.04))
+    white = street.road_paint("white_line")
+    scene.scenery(
+        mesh.set_material(pavement, slabs),
+        mesh.set_material(road, street.asphalt("asphalt", wetness=0.6)),
+        stones,
+    )
+    for y in (KERB_Y - 0.32, KERB_Y - 0.50):
+        line = mesh.move(mesh.grid("no_waiting", 72.0, 0.09, 40, 1), 0.0, y, ROAD_Z + 0.004)
+        scene.scenery(mesh.set_material(line, yellow))
+    for k in range(12):
+        dash = mesh.move(
+            mesh.grid("lane_dash", 2.0, 0.12, 4, 1), -33.0 + 6.0 * k, KERB_Y - 6.4, ROAD_Z + 0.004
+        )
+        scene.scenery(mesh.set_material(dash, white))
+
+
+def _surroundings(scene: Scene) -> None:
+    """Terminal, street furniture, a bus at its stop and woods behind the car parks: none annotated."""
+    rng = scene.rng("surroundings")
+    for part in terminal.terminal("terminal", scene.rng("terminal")):
+        part.location.y = FACADE_Y
+        scene.scenery(part)
+    for k, x in enumerate((-8.9, -7.0, -5.1, -3.2, 2.9, 4.8, 6.7, 8.6)):
+        post = street_furniture.bollard(f"bollard_{k}")
+        post.location = (x, KERB_Y + 0.33, 0.0)
+        scene.scenery(post)
+    for k, x in enumerate((-9.5, 6.2, 17.0, -22.0)):
+        lamp = street_furniture.lamp_post(f"lamp_{k}")
+        lamp.location = (x, KERB_Y + 0.7, 0.0)
+        scene.scenery(lamp)
+    for k, (x, y) in enumerate(((3.6, 3.2), (-5.3, 3.3))):
+        basket = street_furniture.litter_bin(f"bin_{k}", colour=(0.09, 0.095, 0.10))
+        basket.location = (x, y, 0.0)
+        scene.scenery(basket)
+    for k, x in enumerate((-7.4, -5.9, 5.3, 6.8)):
+        tub = street_furniture.planter(f"planter_{k}", scene.rng(f"planter {k}"))
+        tub.location = (x, 3.3, 0.0)
+        scene.scenery(tub)
+    stop = street_furniture.sign_post("stop_sign", "BUS", face=(0.02, 0.16, 0.10), timetable=True)
+    stop.location = (-4.4, 0.2, 0.0)
+    coach = bus.bus("bus", rng, colour=(0.52, 0.50, 0.46))
+    coach.matrix_basis = Matrix.Translation((-22.5, 1.5, ROAD_Z)) @ Matrix.Rotation(-0.35, 4, "Z")
+    second = bus.bus("bus_behind", rng, colour=(0.46, 0.16, 0.03), line="X4 HARBOUR")
+    second.matrix_basis = Matrix.Translation((22.5, 1.0, ROAD_Z)) @ Matrix.Rotation(0.30, 4, "Z")
+    scene.scenery(stop, coach, second)
+    model = tree.far_wood("wood_model", scene.rng("wood"))
+    for k in range(10):
+        wood = mesh.duplicate(model, f"wood_{k}", linked=True)
+        side = -1.0 if k % 2 else 1.0
+        wood.matrix_basis = (
+            Matrix.Translation((side * rng.uniform(38.0, 48.0), -16.0 + 4.2 * (k // 2), -0.4))
+            @ Matrix.Rotation(1.5708 + rng.uniform(-0.3, 0.3), 4, "Z")
+            @ Matrix.Scale(rng.uniform(0.8, 1.2), 4)
+        )
+        scene.scenery(wood)
+    model.location = (0.0, -60.0, -0.4)
+    scene.scenery(model)
+
+
+def _landmarks(scene: Scene) -> None:
+    seat = street_bench.street_bench("bench", scene.rng("bench"))
+    seat.location = BENCH
+    cart = luggage_trolley.luggage_trolley("trolley", scene.rng("trolley"))
+    cart.matrix_basis = Matrix.Translation(TROLLEY) @ Matrix.Rotation(0.55, 4, "Z")
+    post = street_furniture.sign_post("sign", "TAXI", face=(0.55, 0.36, 0.02), height_m=2.55)
+    post.location = (0.72, 1.75, 0.0)
+    scene.instance("bench", 1001, "bench", seat, front="-y")
+    scene.instance("trolley", 1002, "trolley", cart, front="-y")
+    scene.instance("sign", 1003, "sign", post, front="-y")
+
+
+# --- luggage and travellers -------------------------------------------------------------------------------
+
+
+def _suitcases(scene: Scene, choices: Choices) -> dict[str, tuple[suitcase.Suitcase, Instance]]:
+    rng = scene.rng("suitcases")
+    plan = {
+        "pulled": (choices.twin, Vector((2.6, 2.6, 0.0)), 0.0),
+        "by_bench": (choices.twin, BY_BENCH, 0.45),
+        "by_hand": (choices.other, BY_HAND, 0.22),
+    }
+    made = {}
+    for id, (place, (look, spot, turn)) in enumerate(plan.items(), 1):
+        case = suitcase.suitcase(f"suitcase_{place}", scene.rng(f"suitcase/{place}"), look)
+        case.place(Matrix.Translation(spot) @ Matrix.Rotation(turn + rng.uniform(-0.08, 0.08), 4, "Z"))
+        instance = scene.instance(
+            f"suitcase_{place}",
+            id,
+            "suitcase",
+            case.parts,
+            attributes={
+                "colour": look.colour,
+                "shell": look.shell,
+                "material": "cloth" if look.shell == "soft" else "plastic",
+                "size": look.size,
+                "strap": look.strap or "none",
+            },
+            front="-y",
+        )
+        made[place] = case, instance
+    return made
+
+
+def _walker(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: Instance) -> None:
+    """Comes from the doors, stops near the kerb, parks the suitcase and hails a taxi."""
+    man = choices.walker == "man"
+    hair, hair_colour = choices.walker_hair
+    look = Look(
+        build=choices.walker,
+        height_m=1.77 if man else 1.69,
+        skin="tan",
+        hair="short" if man else hair,
+        hair_colour=hair_colour,
+        top=choices.walker_top,
+        sleeve="long",
+        jacket=Cloth(choices.walker_jacket),
+        shoes="boots",
+        shoe_colour="brown",
+        seed=scene.rng("walker").randrange(1000),
+    )
+    walker = Traveller(
+        scene,
+        "person_pulling",
+        4,
+        category="person",
+        look=look,
+        attributes={
+            "hair": "short" if man else hair,
+            "jacket": choices.walker_jacket,
+            "top": "striped",
+            "trousers": "jeans",
+        },
+        at=(1.72, 1.74),
+        heading_rad=-0.36,
+    )
+    parked = walker.pull(case, instance, choices.walk_last, side="r")
+    walker.walk_along([(1.32, 0.40), (1.24, -0.66)], (0, choices.walk_last))
+    walker.wave((parked + 2, LAST_FRAME - 2), side="l")
+    walker.finish()
+
+
+def _sitter(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: Instance) -> None:
+    """Waves with one hand, the other on the suitcase; then sits down and telephones."""
+    look = Look(
+        build="man",
+        height_m=1.79,
+        girth=1.03,
+        skin="fair",
+        hair="short",
+        hair_colour=choices.sitter_hair,
+        top=choices.sitter_top,
+        sleeve="elbow",
+        lower=Cloth("beige"),
+        shoe_colour="brown",
+        seed=scene.rng("sitter").randrange(1000),
+    )
+    sitter = Traveller(
+        scene,
+        "person_by_bench",
+        5,
+        category="person",
+        look=look,
+        attributes={"hair": "short", "jacket": "none", "top": "checked", "trousers": "plain"},
+        at=SITTER_AT,
+    )
+    frame = case.body.matrix_basis
+    hold_last = choices.greet_last + 3
+    sitter.hand_on(
+        instance, frame @ case.grip, hold_last, side="l", bar=frame.to_3x3() @ Vector((1.0, 0.0, 0.0))
+    )
+    sitter.wave((1, choices.greet_last), side="r")
+    seat = (SITTER_AT[0], BENCH.y - 0.06, street_bench.SEAT_M)
+    sitter.sit(seat, (hold_last + 2, LAST_FRAME), down=20)
+    sitter.phone((hold_last + 40, LAST_FRAME), side="r", draw=12)
+    sitter.finish()
+
+
+# --- light ------------------------------------------------------------------------------------------------
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    """Blue hour: what is left of the sky, the glow of the hall, and the lamps over the kerb."""
+    scene.sky(sun_elevation_deg=1.0, sun_azimuth_deg=choices.sun_azimuth_deg, strength=0.6)
+    warm, neutral = (1.0, 0.78, 0.52), (1.0, 0.90, 0.76)
+    for k, x in enumerate((-9.0, 0.0, 9.0)):
+        scene.area_light(
+            f"hall_{k}",
+            (x, FACADE_Y + 4.0, 3.75),
+            (x, FACADE_Y + 4.0, 0.0),
+            size_m=(8.5, 7.0),
+            power_w=520.0,
+            colour=neutral,
+        )
+    for k, x in enumerate((-3.4, 3.6)):
+        scene.area_light(
+            f"lamp_{k}", (x, -2.6, 5.4), (0.6 * x, 0.6, 0.3), size_m=(1.6, 1.0), power_w=280.0, colour=warm
+        )

@@ -1,0 +1,288 @@
+"""Three gulls at a water dish on a lake dock on a clear morning: one drinks and walks away, one glides in,
+lands and only stands there, one walks up and drinks later. A drake swims a curve behind the dock while a
+brown duck eats from a tray of seeds.
+
+The first drinker and the one that lands are twins: who comes flying, who drinks and who is where at the end
+tells them apart. The dish passes from the first drinker to the third gull.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender import keys
+from l4d_blender.assets import bird_feeder, dock, ground, lake, mesh, reeds, rowing_boat, tree, waterbird
+from l4d_blender.motion.waterbirds import DRAFT_M, WaterBird
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "outdoor"
+
+WATER_M = -0.27
+DECK_X = (-3.5, 0.92)
+HALF_WIDTH_M = 0.66
+DISH = Vector((-0.02, 0.02, 0.0))
+TRAY = Vector((-0.70, -0.30, 0.0))
+POST = Vector((0.93, 0.78, 0.0))
+WAIT = Vector((0.66, 0.27, 0.0))
+BOAT = Vector((-1.48, 1.70, WATER_M))
+REACH_M = 0.205  # from a gull's middle to where its bill meets the water
+DUCK_REACH_M = 0.303
+
+LOOKS = {
+    "grey_backed": {"back": "grey", "head": "white", "legs": "pink", "bill": "yellow"},
+    "hooded": {"back": "grey", "head": "dark_hood", "legs": "red", "bill": "red"},
+    "mottled_young": {"back": "brown", "head": "mottled", "legs": "pink", "bill": "black"},
+    "drake": {"head": "green", "collar": "white", "pattern": "plain"},
+    "duck_hen": {"head": "brown", "collar": "none", "pattern": "mottled"},
+}
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: str
+    third: str
+    late_s: int
+    glaze: tuple[float, float, float]
+    boat: tuple[float, float, float]
+    sun_azimuth_deg: float
+    sun_elevation_deg: float
+
+
+BENCHMARK = Choices(
+    twins="grey_backed",
+    third="hooded",
+    late_s=0,
+    glaze=(0.10, 0.23, 0.42),
+    boat=(0.62, 0.60, 0.54),
+    sun_azimuth_deg=-28.0,
+    sun_elevation_deg=33.0,
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: any plumage may be the doubled one."""
+    twins, third = rng.sample(["grey_backed", "hooded", "mottled_young"], 2)
+    return Choices(
+        twins=twins,
+        third=third,
+        late_s=rng.randint(-2, 4),
+        glaze=rng.choice([(0.10, 0.23, 0.42), (0.42, 0.12, 0.06), (0.09, 0.26, 0.16)]),
+        boat=rng.choice([(0.62, 0.60, 0.54), (0.10, 0.30, 0.26), (0.50, 0.10, 0.06)]),
+        sun_azimuth_deg=rng.uniform(-60.0, -10.0),
+        sun_elevation_deg=rng.uniform(28.0, 42.0),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Sets lake and dock, lets the birds act, lights the morning and places the cameras."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    shore = lake.Shore(
+        seed=scene.rng("shore").randrange(1 << 30), water_m=WATER_M, shore_x_m=-2.35, hill_height_m=9.0
+    )
+    _lakeside(scene, shore)
+    marks = _landmarks(scene, choices)
+    _gulls(scene, choices, marks["dish"])
+    _ducks(scene, choices, marks["tray"])
+    _light(scene, choices)
+    scene.cameras(
+        (0.12, 0.24, 0.22),
+        radius_m=2.65,
+        heights_m=(1.02, 1.42, 1.22),
+        arc_deg=112.0,
+        facing_deg=-92.0,
+        fov_deg=48.0,
+    )
+
+
+# --- the place --------------------------------------------------------------------------------------------
+
+
+def _lakeside(scene: Scene, shore: lake.Shore) -> None:
+    """Land, water and what grows: none of it annotated but the reeds."""
+    rng = scene.rng("lakeside")
+
+    def dry(x: float, y: float) -> float:
+        return 1.0 if shore.depth_into_lake(x, y) < -0.12 else 0.0
+
+    short = ground.grass("turf", shore, scene.rng("turf"), tufts=420, radius_m=7.5, keep=dry)
+    tall = ground.grass(
+        "meadow", shore, scene.rng("meadow"), tufts=420, radius_m=11.0, length_m=(0.16, 0.42), keep=dry
+    )
+    stones = ground.stones(
+        "stones",
+        shore,
+        scene.rng("stones"),
+        count=900,
+        radius_m=9.0,
+        size_m=(0.02, 0.11),
+        keep=lambda x, y: 1.0 if -1.1 < shore.depth_into_lake(x, y) < 0.25 else 0.0,
+    )
+    scene.scenery(ground.ground("land", shore, radius_m=92.0), short, tall, stones)
+    scene.scenery(lake.water("lake", shore))
+    pads = [(2.15, 1.75), (2.75, 1.20), (1.05, 2.60), (2.3, 0.2), (3.2, 2.4)]
+    scene.scenery(lake.lily_pads("lily_pads", scene.rng("lily_pads"), pads, WATER_M))
+
+    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float) -> None:
+        copy = mesh.duplicate(model, name, linked=True)
+        turn = Matrix.Rotation(rng.uniform(0, 6.3), 4, "Z")
+        copy.matrix_basis = (
+            Matrix.Translation((x, y, shore.height(x, y) - 0.05)) @ turn @ Matrix.Scale(scale, 4)
+        )
+        scene.scenery(copy)
+
+    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.0) for k in range(2)]
+    for k, (x, y) in enumerate(
+        [(-6.4, 6.8), (-8.8, 2.6), (-10.5, 9.0), (-7.8, 12.5), (-7.2, -2.4), (-13.0, 4.5)]
+    ):
+        plant(trees[k % 2], f"tree_{k}", x, y, rng.uniform(0.8, 1.15))
+    bushes = [tree.bush(f"bush_model_{k}", scene.rng(f"bush{k}")) for k in range(2)]
+    for k, (x, y) in enumerate([(-4.6, 3.4), (-5.2, 0.9), (-4.4, 5.6), (-5.4, -1.8), (-6.1, 4.4)]):
+        plant(bushes[k % 2], f"bush_{k}", x, y, rng.uniform(0.8, 1.3))
+    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    for k in range(15):
+        azimuth = math.radians(-8.0 + 176.0 * k / 14)
+        distance = rng.uniform(46.0, 66.0)
+        x, y = distance * math.cos(azimuth), distance * math.sin(azimuth)
+        copy = mesh.duplicate(woods[k % 2], f"wood_{k}", linked=True)
+        copy.matrix_basis = (
+            Matrix.Translation((x, y, shore.height(x, y) - 0.3))
+            @ Matrix.Rotation(azimuth + math.pi / 2 + rng.uniform(-0.3, 0.3), 4, "Z")
+            @ Matrix.Scale(rng.uniform(0.8, 1.4), 4)
+        )
+        scene.scenery(copy)
+    for model in (*trees, *bushes, *woods):
+        bpy.data.objects.remove(model)
+
+
+def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
+    dish = bird_feeder.water_dish("water_dish", glaze=choices.glaze)
+    dish.location = DISH
+    tray = bird_feeder.seed_tray("seed_tray", scene.rng("seeds"))
+    tray.matrix_basis = Matrix.Translation(TRAY) @ Matrix.Rotation(0.25, 4, "Z")
+    deck = dock.dock("dock", scene.rng("dock"), x_range=DECK_X, half_width_m=HALF_WIDTH_M)
+    post = dock.mooring_post("mooring_post", scene.rng("post"))
+    post.location = POST
+    boat = rowing_boat.rowing_boat("rowing_boat", colour=choices.boat)
+    boat.matrix_basis = Matrix.Translation(BOAT) @ Matrix.Rotation(1.42, 4, "Z")
+    stand = reeds.reeds(
+        "reeds",
+        scene.rng("reeds"),
+        [(-2.55, 2.5, 0.5, 170), (-2.0, 3.1, 0.5, 150), (-2.9, 1.55, 0.35, 90), (-1.3, 3.6, 0.45, 110)],
+        foot_m=WATER_M - 0.12,
+    )
+    coil = dock.rope_coil("rope_coil", scene.rng("coil"))
+    coil.matrix_basis = Matrix.Translation((0.74, -0.42, 0.0)) @ Matrix.Rotation(2.4, 4, "Z")
+    scene.scenery(coil)
+    return {
+        "dish": scene.instance("water_dish", 1001, "dish", dish),
+        "tray": scene.instance("seed_tray", 1002, "tray", tray),
+        "dock": scene.instance("dock", 1003, "dock", deck),
+        "post": scene.instance("mooring_post", 1004, "post", post),
+        "boat": scene.instance("rowing_boat", 1005, "boat", boat, front="-y"),
+        "reeds": scene.instance("reeds", 1006, "reeds", stand),
+    }
+
+
+# --- those who act ----------------------------------------------------------------------------------------
+
+
+def _towards(a: Vector, b: Vector) -> float:
+    """The heading of one who stands at a and faces b."""
+    return math.atan2(b.x - a.x, a.y - b.y)
+
+
+def _bird(scene: Scene, name: str, id: int, look: str, at: Vector, heading: float) -> WaterBird:
+    is_duck = look in ("drake", "duck_hen")
+    return WaterBird(
+        scene,
+        name,
+        id,
+        species=waterbird.DUCK if is_duck else waterbird.GULL,
+        plumage=look,
+        category="duck" if is_duck else "bird",
+        attributes=LOOKS[look],
+        at=at,
+        heading=heading,
+    )
+
+
+def _at_dish(way: float) -> tuple[Vector, Vector]:
+    """(where to stand, where to dip the bill) on the side of the dish that lies in a direction (radians)."""
+    out = Vector((math.cos(way), math.sin(way), 0.0))
+    dip = DISH + 0.062 * out
+    return dip + REACH_M * out, dip + Vector((0.0, 0.0, bird_feeder.WATER_Z_M - 0.004))
+
+
+def _gulls(scene: Scene, choices: Choices, dish: Instance) -> None:
+    """The dish passes from the first drinker to the last; the one that lands only stands there."""
+    late = choices.late_s
+    spot, dip = _at_dish(math.radians(168.0))
+    first = _bird(scene, "gull_first_drinker", 1, choices.twins, spot, _towards(spot, DISH))
+    first.drink(dish, dip, 0, 40 + late)
+    first.turn(-1.85, 41 + late, 55 + late)
+    away = keys.Path([spot, spot + Vector((-0.34, 0.10, 0.0)), Vector((-0.93, 0.30, 0.0))])
+    first.walk(away, 56 + late, 88 + late)
+    first.pause(89 + late, LAST_FRAME)
+    first.finish()
+
+    landing = DISH + Vector((-0.09, 0.47, 0.0))
+    lander = _bird(scene, "gull_landing", 2, choices.twins, landing, 0.0)
+    way = [
+        landing + Vector(p) for p in ((0.66, 1.08, 0.54), (0.36, 0.66, 0.34), (0.0, 0.17, 0.07), (0, 0, 0))
+    ]
+    lander.glide_in(way, 0, 32 + late, 54 + late)
+    lander.stand(55 + late, LAST_FRAME)
+    lander.finish()
+
+    spot, dip = _at_dish(math.radians(12.0))
+    bend = spot + 0.9 * (spot - dip)
+    bend.z = spot.z
+    come = keys.Path([WAIT, WAIT.lerp(bend, 0.35), bend, spot])
+    last = _bird(scene, "gull_last_drinker", 3, choices.third, WAIT, _towards(WAIT, bend))
+    last.pause(0, 20 + late)
+    last.walk(come, 21 + late, 52 + late)
+    last.pause(53 + late, 57 + late)
+    last.drink(dish, dip, 58 + late, LAST_FRAME)
+    last.finish()
+
+
+def _ducks(scene: Scene, choices: Choices, tray: Instance) -> None:
+    way = keys.Path(
+        [(0.36, 1.24, 0.0), (0.88, 1.32, 0.0), (1.26, 1.10, 0.0), (1.37, 0.76, 0.0), (1.29, 0.50, 0.0)]
+    )
+    afloat = Vector((0.0, 0.0, WATER_M - DRAFT_M))
+    course = keys.Path([way.point(way.length * k / 12) + afloat for k in range(13)])
+    start = course.tangent(0.0)
+    drake = _bird(scene, "duck_swimming", 4, "drake", course.point(0.0), math.atan2(start.x, -start.y))
+    wake = lake.wake("wake")
+    scene.scenery(wake)
+    drake.rest(0, 13)
+    drake.swim(course, 14, 78, wake)
+    drake.rest(79, LAST_FRAME)
+    drake.finish()
+
+    seeds = TRAY + Vector((0.02, -0.03, bird_feeder.SEED_Z_M))
+    place = seeds + DUCK_REACH_M * Vector((math.cos(2.75), math.sin(2.75), 0.0))
+    place.z = 0.0
+    eater = _bird(scene, "duck_eating", 5, "duck_hen", place, _towards(place, seeds))
+    eater.stand(0, 15)
+    eater.eat(tray, seeds, 16, 72)
+    eater.stand(73, LAST_FRAME)
+    eater.finish()
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    """A clear, cool morning: the sun low on the right, sky light from the lake."""
+    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    scene.sky(sun_elevation_deg=elevation, sun_azimuth_deg=azimuth, strength=0.20, haze=2.0)
+    scene.sun(
+        elevation_deg=elevation, azimuth_deg=azimuth, strength=3.6, angle_deg=1.0, colour=(1.0, 0.92, 0.80)
+    )

@@ -1,0 +1,328 @@
+"""On a park path in the evening a woman on her heels strokes a cat beside her, then another that comes
+along and sits down before her, while a third gets up from under a lamp and walks past. Another woman walks
+by and makes a phone call.
+
+The first cat and the one that walks past are twins: who is stroked and who walks tells them apart. The
+strokes pass from the first cat to the one that comes.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender.assets import cat, fence, ground, mesh, park_lamp, street_bench, street_furniture, tree
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.cat_friends import CatFriend, FriendlyCat
+from l4d_blender.motion.travellers import Traveller
+from l4d_blender.scene import Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "outdoor"
+
+BENCH = Vector((-1.42, 0.98, 0.0))
+BENCH_TURN = 0.19
+LAMP = Vector((1.42, 1.12, 0.0))
+TREE = Vector((2.75, 2.55, 0.0))
+FRIEND = (0.16, 0.42)
+FIRST_CAT = (0.50, 0.10, -0.25)
+SECOND_SPOT = (-0.24, 0.0)
+PASSER_CAT = (1.22, 0.30, -0.55)
+
+LOOKS = {
+    "grey_tabby": {"colour": "grey", "pattern": "striped"},
+    "orange": {"colour": "orange", "pattern": "white_bib"},
+    "black": {"colour": "black", "pattern": "plain"},
+}
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: cat.Coat
+    third: cat.Coat
+    top: str
+    dress: str
+    late: int
+    sun_azimuth_deg: float
+    sun_elevation_deg: float
+
+
+BENCHMARK = Choices(
+    twins=cat.GREY_TABBY,
+    third=cat.ORANGE,
+    top="light_blue",
+    dress="red",
+    late=0,
+    sun_azimuth_deg=-152.0,
+    sun_elevation_deg=19.0,
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: any coat may be the doubled one."""
+    twins, third = rng.sample([cat.GREY_TABBY, cat.ORANGE, cat.BLACK], 2)
+    top, dress = rng.sample(["light_blue", "red", "yellow", "green", "pink", "white"], 2)
+    return Choices(
+        twins=twins,
+        third=third,
+        top=top,
+        dress=dress,
+        late=rng.randint(-1, 3),
+        sun_azimuth_deg=rng.uniform(-165.0, -135.0),
+        sun_elevation_deg=rng.uniform(16.0, 23.0),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Sets the park, lets cats and women act, lights the dusk and places the cameras."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    _park(scene)
+    _landmarks(scene)
+    _act(scene, choices)
+    _light(scene, choices)
+    scene.cameras(
+        (0.06, 0.12, 0.62),
+        radius_m=3.40,
+        heights_m=(1.05, 1.60, 1.32),
+        arc_deg=118.0,
+        facing_deg=-90.0,
+        fov_deg=47.0,
+    )
+
+
+# --- the place --------------------------------------------------------------------------------------------
+
+
+def _park(scene: Scene) -> None:
+    """A trodden path through grass, flower beds, trees: none of it annotated."""
+    terrain = ground.Terrain(
+        seed=scene.rng("terrain").randrange(1 << 30),
+        paths=[
+            ground.Path([(-30.0, 1.6), (-7.0, 0.2), (0.0, 0.10), (6.0, 0.6), (30.0, 7.0)], 1.05),
+            ground.Path([(0.4, 0.6), (0.9, 3.5), (-1.5, 9.0), (-3.0, 30.0)], 0.75),
+        ],
+        level_radius_m=5.0,
+        hills_from_m=30.0,
+        hill_height_m=4.0,
+    )
+    rng = scene.rng("park")
+    lawn = ground.grass("lawn", terrain, scene.rng("lawn"), tufts=2400, radius_m=9.0, length_m=(0.03, 0.075))
+
+    def rim(x: float, y: float) -> float:
+        at_feet = min(math.hypot(x - p.x, y - p.y) for p in (LAMP, TREE, BENCH))
+        return 1.0 if at_feet < 0.40 else 0.05
+
+    tall = ground.grass(
+        "uncut", terrain, scene.rng("uncut"), tufts=330, radius_m=10.0, length_m=(0.10, 0.26), keep=rim
+    )
+    pebbles = ground.stones(
+        "pebbles",
+        terrain,
+        scene.rng("pebbles"),
+        count=1300,
+        radius_m=6.0,
+        size_m=(0.006, 0.022),
+        keep=terrain.wear,
+    )
+    scene.scenery(ground.ground("ground", terrain), lawn, tall, pebbles)
+
+    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float) -> None:
+        copy = mesh.duplicate(model, name, linked=True)
+        copy.matrix_basis = (
+            Matrix.Translation((x, y, terrain.height(x, y) - 0.05))
+            @ Matrix.Rotation(rng.uniform(0, 6.3), 4, "Z")
+            @ Matrix.Scale(scale, 4)
+        )
+        scene.scenery(copy)
+
+    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.4) for k in range(2)]
+    for k, (x, y) in enumerate(
+        [
+            (-3.9, 4.9),
+            (-6.8, 2.6),
+            (0.9, 9.6),
+            (5.6, 6.4),
+            (-2.6, 11.0),
+            (7.4, 1.4),
+            (-8.4, 8.2),
+            (-7.6, -2.8),
+            (8.4, -3.6),
+        ]
+    ):
+        plant(trees[k % 2], f"tree_{k}", x, y, rng.uniform(0.85, 1.2))
+    bushes = [
+        tree.bush(f"bush_model_{k}", scene.rng(f"bush{k}"), size_xyz=(1.3, 0.9, 0.75), tone=tone)
+        for k, tone in enumerate([(0.070, 0.120, 0.028), (0.16, 0.045, 0.075), (0.10, 0.13, 0.05)])
+    ]
+    for k, (x, y) in enumerate(
+        [
+            (-2.9, 2.5),
+            (-1.7, 2.7),
+            (-0.6, 2.55),
+            (2.0, 3.2),
+            (3.4, 3.4),
+            (4.6, 2.6),
+            (-4.2, 1.9),
+            (-5.0, 3.6),
+            (3.1, 5.2),
+        ]
+    ):
+        plant(bushes[k % 3], f"bush_{k}", x, y, rng.uniform(0.75, 1.15))
+    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    for k in range(12):
+        azimuth = math.radians(-15.0 + 210.0 * k / 11)
+        distance = rng.uniform(32.0, 50.0)
+        plant(
+            woods[k % 2],
+            f"wood_{k}",
+            distance * math.cos(azimuth),
+            distance * math.sin(azimuth),
+            rng.uniform(0.8, 1.2),
+        )
+    for model in (*trees, *bushes, *woods):
+        bpy.data.objects.remove(model)
+    rails = fence.fence("rails", scene.rng("rails"), [(-7.0, 5.6), (-2.2, 6.4)], post_m=0.8, rails=2)
+    bin_at = street_furniture.litter_bin("litter_bin")
+    bin_at.location = (-2.72, 1.05, 0.0)
+    flowers = street_furniture.planter("planter", scene.rng("planter"))
+    flowers.location = (2.15, 1.75, 0.0)
+    scene.scenery(rails, bin_at, flowers)
+
+
+def _landmarks(scene: Scene) -> None:
+    bench = street_bench.street_bench("bench", scene.rng("bench"))
+    bench.matrix_basis = Matrix.Translation(BENCH) @ Matrix.Rotation(BENCH_TURN, 4, "Z")
+    lamp = park_lamp.park_lamp("lamp_post")
+    lamp.location = LAMP
+    old = tree.tree("tree", scene.rng("old_tree"), height_m=6.6)
+    old.location = TREE
+    scene.instance("bench", 1001, "bench", bench, front="-y")
+    scene.instance("lamp_post", 1002, "lamp_post", lamp)
+    scene.instance("tree", 1003, "tree", old)
+
+
+# --- those who act ----------------------------------------------------------------------------------------
+
+
+def _act(scene: Scene, choices: Choices) -> None:
+    """Stroking passes from the first cat to the one that comes; the twin only walks past."""
+    late = choices.late
+
+    def animal(
+        name: str, id: int, coat: cat.Coat, place: tuple[float, float, float], posture: str
+    ) -> FriendlyCat:
+        x, y, heading = place
+        return FriendlyCat(
+            scene,
+            name,
+            id,
+            coat=coat,
+            at=(x, y),
+            heading=heading,
+            posture=posture,
+            attributes=LOOKS[coat.name],
+        )
+
+    first = animal("cat_stroked_first", 1, choices.twins, FIRST_CAT, "sit")
+    passer = animal("cat_passing", 2, choices.twins, PASSER_CAT, "sit")
+    comer = animal("cat_coming", 3, choices.third, (-1.02, -0.46, 1.25), "stand")
+
+    comer.walk_along([(-0.58, -0.32), SECOND_SPOT], (12 + late, 48 + late))
+    comer.sit_down((48 + late, 58 + late))
+    comer.sit((58 + late, LAST_FRAME))
+
+    friend = CatFriend(
+        scene,
+        "woman_crouching",
+        4,
+        category="woman",
+        look=_friend_look(scene, choices),
+        attributes={"top": choices.top, "pattern": "checked", "hair": "bun", "bottom": "trousers"},
+        at=FRIEND,
+        heading_rad=0.10,
+    )
+    friend.squat()
+    friend.stroke(first, (4 + late, 42 + late), side="l")
+    friend.stroke(comer, (58 + late, 92 + late), side="r")
+    friend.finish()
+
+    first.sit((0, LAST_FRAME))
+    first.lean_in((14 + late, 36 + late))
+    first.watch(Vector((-0.35, -0.35, 0.25)), (44 + late, LAST_FRAME), ease_frames=12)
+    comer.lean_in((68 + late, 84 + late), roll=-0.10)
+
+    passer.sit((0, 24 + late))
+    passer.stand_up((24 + late, 33 + late))
+    passer.walk_along([(1.08, -0.16), (0.72, -0.60), (0.20, -0.80)], (33 + late, 86 + late))
+    for one in (first, passer, comer):
+        one.finish()
+
+    walker = Traveller(
+        scene,
+        "woman_phoning",
+        5,
+        category="woman",
+        look=_walker_look(scene, choices),
+        attributes={"top": choices.dress, "pattern": "dotted", "hair": "ponytail", "bottom": "dress"},
+        at=(1.70, 1.62),
+        heading_rad=-1.5,
+    )
+    walker.walk_along([(0.80, 1.58), (-0.12, 1.34)], (0, 48), facing_rad=-0.45)
+    walker.phone((70 + late, LAST_FRAME))
+    walker.finish()
+
+
+def _friend_look(scene: Scene, choices: Choices) -> Look:
+    return Look(
+        build="woman",
+        height_m=1.66,
+        skin="fair",
+        hair="bun",
+        hair_colour="red",
+        top=Cloth(choices.top, "checks", repeat_m=0.07),
+        sleeve="long",
+        bottom="trousers",
+        lower=Cloth("navy"),
+        shoes="shoes",
+        shoe_colour="black",
+        seed=scene.rng("friend").randrange(1000),
+    )
+
+
+def _walker_look(scene: Scene, choices: Choices) -> Look:
+    return Look(
+        build="woman",
+        height_m=1.71,
+        skin="brown",
+        hair="ponytail",
+        hair_colour="black",
+        bottom="dress",
+        sleeve="elbow",
+        lower=Cloth(choices.dress, "dots", repeat_m=0.05),
+        shoes="boots",
+        shoe_colour="brown",
+        seed=scene.rng("walker").randrange(1000),
+    )
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    """The sun is nearly down on the left; the lamp adds its own warmth."""
+    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    scene.exposure = 1.5
+    scene.sky(sun_elevation_deg=elevation - 9.0, sun_azimuth_deg=azimuth, strength=0.21, haze=2.5)
+    scene.sun(
+        elevation_deg=elevation, azimuth_deg=azimuth, strength=6.2, angle_deg=2.2, colour=(1.0, 0.68, 0.42)
+    )
+    scene.point_light(
+        "lamp_glow",
+        (LAMP.x, LAMP.y, park_lamp.LANTERN_Z_M + 0.6),
+        power_w=60.0,
+        radius_m=0.18,
+        colour=(1.0, 0.72, 0.42),
+    )

@@ -1,0 +1,301 @@
+"""Two athletes train in a gym with three dumbbells. One takes a dumbbell from a step, curls it and puts it
+back; the other stretches, walks to a bench and lifts the biggest dumbbell from it.
+
+Story. Two of the dumbbells look the same. He takes one of them up from an aerobics step, does two curls and
+puts it back. Meanwhile she stretches beside the treadmill, walks over to the bench, on which the other twin
+and the big dumbbell lie, and takes up the big one. The twin on the bench is never touched: it looks like the
+first and lies where the second lay. Lifting passes from him to her.
+
+Axes: the floor is z = 0, cameras on the -Y side; metres; a heading of 0 faces -Y.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import radians
+
+import bpy
+from mathutils import Matrix
+
+from l4d_blender.assets import dumbbell, gym_equipment, gym_room
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.handling import key_path, still
+from l4d_blender.motion.lifters import Lifter
+from l4d_blender.scene import Instance, Scene
+
+SCALE = "room"
+
+HALF_WIDTH, BACK_Y, FRONT_Y = 3.3, 2.5, -3.6
+STEP = (-0.72, -0.27, 4.0)
+BENCH = (0.40, -0.22, -3.0)
+TREADMILL = (2.12, 1.12, -30.0)
+LONER, LONER_HEADING = (-0.60, 0.20), 0.30
+WAITS, WAITS_HEADING = (0.96, 0.64), -0.30
+AT_BENCH, BENCH_HEADING = (0.82, 0.23), -0.20
+TAKEN = (-0.73, -0.25)
+LEFT = (0.08, -0.21)
+BIG = (0.54, -0.23)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twin: str
+    big: str
+    odd_one: str
+    in_shorts: int
+    shirts: tuple[str, str]
+    builds: tuple[str, str]
+    skins: tuple[str, str]
+    hair: tuple[str, str]
+    brick: tuple[float, float, float]
+    paint: tuple[float, float, float]
+    vinyl: tuple[float, float, float]
+    sun: float
+    delay: int
+
+
+PLACES = ("on_step", "left", "from_bench")
+RUBBER = (0.032, 0.033, 0.036)
+COATS = {
+    "red": (0.45, 0.035, 0.025),
+    "blue": (0.03, 0.12, 0.42),
+    "yellow": (0.66, 0.42, 0.03),
+    "grey": (0.26, 0.27, 0.28),
+}
+BENCHMARK = Choices(
+    twin="blue",
+    big="yellow",
+    odd_one="from_bench",
+    in_shorts=0,
+    shirts=("green", "orange"),
+    builds=("man", "woman"),
+    skins=("fair", "dark"),
+    hair=("brown", "black"),
+    brick=(0.34, 0.13, 0.08),
+    paint=(0.36, 0.40, 0.40),
+    vinyl=(0.34, 0.045, 0.035),
+    sun=1.0,
+    delay=0,
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    twin, big = rng.sample(("blue", "red", "yellow", "grey"), 2)
+    return Choices(
+        twin=twin,
+        big=big,
+        odd_one=rng.choice(PLACES),
+        in_shorts=rng.randrange(2),
+        shirts=tuple(rng.sample(("green", "orange", "white", "purple", "light_blue", "yellow"), 2)),
+        builds=rng.choice((("man", "woman"), ("woman", "man"), ("woman", "woman"))),
+        skins=tuple(rng.sample(("fair", "tan", "brown", "dark"), 2)),
+        hair=tuple(rng.sample(("brown", "black", "red", "blond", "dark_brown"), 2)),
+        brick=rng.choice(((0.34, 0.13, 0.08), (0.42, 0.33, 0.24), (0.20, 0.17, 0.16))),
+        paint=rng.choice(((0.36, 0.40, 0.40), (0.16, 0.24, 0.28), (0.45, 0.40, 0.30))),
+        vinyl=rng.choice(((0.34, 0.045, 0.035), (0.04, 0.05, 0.06), (0.05, 0.14, 0.26))),
+        sun=rng.uniform(0.7, 1.15),
+        delay=rng.randint(0, 4),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Builds the hall, sets the equipment, lets the athletes train, lights it."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    build_hall(scene, choices)
+    set_equipment(scene, choices)
+    train(scene, choices)
+    light(scene, choices)
+    scene.cameras(
+        (0.10, 0.10, 0.84), radius_m=3.1, heights_m=(1.40, 1.70, 1.25), arc_deg=88, facing_deg=-90, fov_deg=50
+    )
+
+
+def put(obj: bpy.types.Object, x: float, y: float, turn_deg: float = 0.0, z: float = 0.0) -> bpy.types.Object:
+    """Stands an asset somewhere, turned about the vertical."""
+    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(turn_deg), 4, "Z")
+    return obj
+
+
+def build_hall(scene: Scene, choices: Choices) -> None:
+    """Walls, windows and what stands along the walls."""
+    rng = scene.rng("hall")
+    shell = gym_room.build(
+        "hall",
+        rng,
+        half_width_m=HALF_WIDTH,
+        back_m=BACK_Y,
+        front_m=FRONT_Y,
+        brick=choices.brick,
+        paint=choices.paint,
+    )
+    panes = [
+        put(gym_room.window(f"window_{k}", rng, columns=4), x, BACK_Y)
+        for k, x in enumerate((-1.95, 0.10, 2.15))
+    ]
+    side = put(gym_room.window("side_window", rng, columns=5), HALF_WIDTH, 0.9, -90)
+    scene.instance("windows", 1006, "window", [*panes, side], front="-y")
+    bars = put(gym_equipment.wall_bars("wall_bars", rng, fields=2), -HALF_WIDTH + 0.01, 0.75, 90)
+    scene.instance("wall_bars", 1004, "wall_bars", bars, front="-y")
+    rack = put(gym_equipment.kettlebell_rack("rack", rng), -0.72, BACK_Y - 0.05)
+    scene.instance("rack", 1005, "rack", rack, front="-y")
+    bag = put(gym_equipment.punching_bag("punching_bag", rng, colour=(0.10, 0.03, 0.025)), -1.85, 1.25)
+    scene.instance("punching_bag", 1007, "punching_bag", bag)
+    scene.scenery(
+        *shell,
+        put(gym_equipment.barbell_stand("stand", rng, plate=(0.030, 0.030, 0.033)), 0.62, BACK_Y - 0.02),
+        put(gym_equipment.exercise_ball("ball_grey", rng, colour=(0.30, 0.32, 0.34)), -2.65, -0.62),
+        put(gym_equipment.exercise_ball("ball_teal", rng, colour=(0.03, 0.24, 0.25)), 2.75, -0.15),
+        put(gym_equipment.rolled_mats("mats", rng), 2.85, 0.75),
+        put(gym_room.pipes("duct", rng, width_m=6.5), 0.0, BACK_Y - 0.45, 0.0, 3.12),
+        put(
+            gym_equipment.folded_towel("bar_towel", rng, colour=(0.62, 0.58, 0.50)),
+            -HALF_WIDTH + 0.11,
+            0.40,
+            90,
+            1.30,
+        ),
+    )
+
+
+def set_equipment(scene: Scene, choices: Choices) -> None:
+    """Step, bench and treadmill, a mat, bottles."""
+    rng = scene.rng("equipment")
+    step = put(gym_equipment.step("step", rng, colour=(0.10, 0.34, 0.36)), *STEP)
+    bench = put(gym_equipment.bench("bench", rng, colour=choices.vinyl), *BENCH)
+    treadmill = put(gym_equipment.treadmill("treadmill", rng), *TREADMILL)
+    scene.instance("bench", 1001, "bench", bench)
+    scene.instance("step", 1002, "step", step)
+    scene.instance("treadmill", 1003, "treadmill", treadmill, front="-y")
+    scene.scenery(
+        put(
+            gym_equipment.floor_mat("mat", rng, colour=(0.07, 0.12, 0.17), size_m=(1.7, 1.2)), -0.66, 0.06, 3
+        ),
+        put(gym_equipment.drink_bottle("bottle_0", rng, colour=(0.60, 0.58, 0.10)), -1.28, -0.22),
+        put(gym_equipment.drink_bottle("bottle_1", rng, colour=(0.10, 0.30, 0.50)), 1.30, -0.42),
+    )
+
+
+# --- those who train --------------------------------------------------------------------------------------
+
+
+def train(scene: Scene, choices: Choices) -> None:
+    """Everything that moves, in the order of time."""
+    d = choices.delay
+    taken, left, heavy = (weight(scene, choices, place, id) for id, place in enumerate(PLACES, 1))
+
+    loner = hire(scene, choices, 0, "athlete_curling", 4, LONER, LONER_HEADING)
+    rest = loner.rest_matrix((*TAKEN, gym_equipment.STEP_TOP_M), "r")
+    loner.train(
+        taken,
+        rest,
+        look_of(choices, "on_step").bar_height_m,
+        side="r",
+        take=(-4, 24),
+        curl=(24, 62 + d),
+        reps=2,
+        put_down=(63 + d, 90),
+    )
+    loner.finish()
+
+    key_path(left.frame_object, still((*LEFT, gym_equipment.BENCH_TOP_M), radians(66)))
+
+    comer = hire(scene, choices, 1, "athlete_stretching", 5, WAITS, WAITS_HEADING)
+    comer.stretch((0, 36))
+    comer.walk_to(AT_BENCH, (36, 56), facing_rad=BENCH_HEADING)
+    rest = still((*BIG, gym_equipment.BENCH_TOP_M), BENCH_HEADING + radians(78))[0]
+    bar_m = look_of(choices, "from_bench").bar_height_m
+    comer.train(heavy, rest, bar_m, side="r", take=(54, 78), curl=(78, 122), reps=2)
+    comer.finish()
+
+
+def look_of(choices: Choices, place: str) -> dumbbell.DumbbellLook:
+    """Two hexagonal twins and a big one with round plates."""
+    if place == choices.odd_one:
+        return dumbbell.round_plates(RUBBER, COATS[choices.big])
+    return dumbbell.hexagonal(RUBBER, COATS[choices.twin])
+
+
+def weight(scene: Scene, choices: Choices, place: str, id: int) -> Instance:
+    """The dumbbell for a place; it lies nowhere yet."""
+    look, odd = look_of(choices, place), place == choices.odd_one
+    body = dumbbell.dumbbell(f"dumbbell_{place}", scene.rng(f"dumbbell/{look.heads}"), look=look)
+    return scene.instance(
+        f"dumbbell_{place}",
+        id,
+        "dumbbell",
+        body,
+        attributes={
+            "colour": choices.big if odd else choices.twin,
+            "shape": look.heads,
+            "size": "large" if odd else "medium",
+        },
+    )
+
+
+def hire(
+    scene: Scene, choices: Choices, k: int, name: str, id: int, at: tuple[float, float], heading: float
+) -> Lifter:
+    """One of the two wears shorts and short sleeves, the other leggings and a sleeveless top."""
+    build, in_shorts = choices.builds[k], k == choices.in_shorts
+    man = build == "man"
+    look = Look(
+        build=build,
+        height_m=1.79 if man else 1.70,
+        girth=1.05 if man else 0.98,
+        skin=choices.skins[k],
+        hair="short" if man else ("bun" if in_shorts else "ponytail"),
+        hair_colour=choices.hair[k],
+        top=Cloth(choices.shirts[k]),
+        sleeve="short" if in_shorts else "none",
+        bottom="shorts" if in_shorts else "trousers",
+        lower=Cloth("navy") if in_shorts else Cloth("black"),
+        shoe_colour="grey" if in_shorts else "white",
+        seed=scene.rng(name).randrange(1000),
+    )
+    return Lifter(
+        scene,
+        name,
+        id,
+        category="athlete",
+        look=look,
+        attributes={
+            "top": choices.shirts[k],
+            "sleeves": look.sleeve,
+            "legs": "shorts" if in_shorts else "leggings",
+            "hair": look.hair,
+        },
+        at=at,
+        heading_rad=heading,
+    )
+
+
+# --- light ------------------------------------------------------------------------------------------------
+
+
+def light(scene: Scene, choices: Choices) -> None:
+    """Late sun that slants in from the side windows, cool sky from the back, tubes under the roof."""
+    scene.exposure = 1.1
+    scene.hdri("city", strength=0.42, rotation=2.2)
+    scene.area_light(
+        "sky",
+        (0.1, BACK_Y - 0.3, 2.2),
+        (0.0, -0.5, 0.4),
+        size_m=(4.5, 1.6),
+        power_w=40,
+        colour=(0.86, 0.93, 1.0),
+    )
+    beam = scene.area_light(
+        "low_sun",
+        (HALF_WIDTH - 0.2, 0.6, 2.5),
+        (-0.2, -0.3, 0.4),
+        size_m=(1.6, 1.4),
+        power_w=170 * choices.sun,
+        colour=(1.0, 0.74, 0.45),
+    )
+    beam.data.spread = radians(60)
+    scene.area_light(
+        "tubes", (0.0, -0.9, 3.1), (0.0, 0.1, 0.8), size_m=(2.8, 0.25), power_w=30, colour=(1.0, 0.95, 0.88)
+    )

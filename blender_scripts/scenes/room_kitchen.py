@@ -1,0 +1,352 @@
+"""Two cooks work at a kitchen island with three pots on its hob. One stirs a steel saucepan, tastes and stirs
+the big enamel pot; the other pours from a jug into the twin of that saucepan and moves two of the pots.
+
+Story. She stirs the first saucepan and holds its handle; he pours soup into its twin, puts the jug down and
+pulls the big pot along the hob while she tastes; then she stirs that pot, and he pushes the filled saucepan
+onto a wooden stand. The two saucepans look the same: one is stirred, the other poured into and moved. The big
+pot is moved like the one and stirred like the other, and stirring passes from pot to pot.
+
+Axes: the cooks stand on the +Y side of the island and face -Y, where the cameras are; metres.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+
+from l4d_blender.assets import chef_hat, kitchen_jug, kitchen_set, kitchen_tools, pot
+from l4d_blender.assets import kitchen_clutter as clutter
+from l4d_blender.assets import kitchen_units as units
+from l4d_blender.assets.kitchen_set import put
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.cooks import Cook, JugPath, SpoonPath, stream_matrices
+from l4d_blender.motion.handling import Grip, key_path, shift, still
+from l4d_blender.motion.plan_person import ROWS
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import FRAME_COUNT, LAST_FRAME
+
+SCALE = "room"
+
+HOB_Z = units.HOB_TOP_M
+
+# Pots on the hob: x, y.
+STIRRED = (-0.47, -0.07)
+BIG = (-0.10, -0.01)
+POURED = (0.44, -0.06)
+BIG_MOVES = 0.13
+POURED_MOVES = (0.275, 0.04)
+POURED_MOVING = (74, 92)
+LONG_HANDLE = Grip(pot.SAUCEPAN.grip, (0, -1, 0.1), (0, -0.25, -1))
+BURNERS = [(-0.47, -0.07), (-0.10, -0.01), (0.17, -0.01), (0.44, -0.06)]
+BOARD = (-0.77, 0.00)
+JUG_STARTS = (0.72, 0.14, 1.02)
+JUG_ENDS = (0.93, 0.14, units.TOP_M)
+STIRRER_X, POURER_X, COOKS_Y = -0.24, 0.50, 0.46
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    big_colour: str
+    soup: str
+    stirrer: str
+    stirrer_wears_hat: bool
+    stirrer_in_plain: bool
+    shirts: tuple[str, str]
+    hair: tuple[str, str]
+    front: tuple[float, float, float]
+    tile: tuple[float, float, float]
+    wall: tuple[float, float, float]
+    delay: int
+    warm: float
+
+
+ENAMELS = {"red": (0.50, 0.035, 0.025), "blue": (0.03, 0.10, 0.33), "green": (0.05, 0.22, 0.11)}
+SOUPS = {
+    "tomato": ((0.62, 0.13, 0.03), (0.20, 0.30, 0.06)),
+    "pumpkin": ((0.72, 0.33, 0.04), (0.25, 0.33, 0.07)),
+    "pea": ((0.30, 0.36, 0.07), (0.66, 0.30, 0.05)),
+}
+BENCHMARK = Choices(
+    big_colour="red",
+    soup="pumpkin",
+    stirrer="woman",
+    stirrer_wears_hat=True,
+    stirrer_in_plain=True,
+    shirts=("white", "navy"),
+    hair=("dark_brown", "black"),
+    front=(0.115, 0.185, 0.165),
+    tile=(0.68, 0.64, 0.55),
+    wall=(0.62, 0.52, 0.36),
+    delay=0,
+    warm=1.0,
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    fronts = ((0.115, 0.185, 0.165), (0.50, 0.46, 0.38), (0.13, 0.19, 0.30), (0.36, 0.10, 0.07))
+    tiles = ((0.68, 0.64, 0.55), (0.34, 0.48, 0.50), (0.62, 0.60, 0.58))
+    walls = ((0.62, 0.52, 0.36), (0.50, 0.55, 0.50), (0.58, 0.56, 0.52))
+    return Choices(
+        big_colour=rng.choice(sorted(ENAMELS)),
+        soup=rng.choice(sorted(SOUPS)),
+        stirrer=rng.choice(("woman", "man")),
+        stirrer_wears_hat=rng.random() < 0.5,
+        stirrer_in_plain=rng.random() < 0.5,
+        shirts=tuple(rng.sample(("white", "navy", "light_blue", "grey", "green"), 2)),
+        hair=tuple(rng.sample(("dark_brown", "black", "brown", "red", "blond"), 2)),
+        front=rng.choice(fronts),
+        tile=rng.choice(tiles),
+        wall=rng.choice(walls),
+        delay=rng.randint(0, 3),
+        warm=rng.uniform(0.8, 1.2),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Fits the kitchen, puts pots and tools in place, lets the cooks work, lights it."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    fit_kitchen(scene, choices)
+    cook(scene, choices)
+    light(scene, choices)
+    scene.cameras(
+        (0.10, 0.10, 1.14),
+        radius_m=2.35,
+        heights_m=(1.80, 2.00, 1.68),
+        arc_deg=94,
+        facing_deg=-90,
+        fov_deg=47,
+    )
+
+
+# --- the kitchen ------------------------------------------------------------------------------------------
+
+
+def fit_kitchen(scene: Scene, choices: Choices) -> None:
+    """The kitchen, and on the island the hob, a board beside it and a stand for hot pots."""
+    rng = scene.rng("kitchen")
+    finish = units.Finish(front=choices.front)
+    kitchen = kitchen_set.build(rng, finish=finish, wall=choices.wall, tile=choices.tile)
+    scene.scenery(*kitchen.scenery)
+    top = units.TOP_M
+    burners = [(x + 0.02, y + 0.04) for x, y in BURNERS]
+    hob = put(units.hob("hob", rng, burners, size_m=(1.18, 0.46)), -0.02, -0.04, top)
+    board = put(clutter.chopping_board("chopping_board", rng), *BOARD, top, 82)
+    stand = clutter.pot_stand("wooden_stand", rng, height_m=HOB_Z - top)
+    put(stand, POURED[0] + POURED_MOVES[0], POURED[1] + POURED_MOVES[1], top)
+    scene.instance("hob", 1003, "hob", hob, front="+y")
+    scene.instance("wooden_stand", 1004, "stand", stand)
+    scene.instance("chopping_board", 1005, "board", board)
+    scene.instance("fridge", 1006, "fridge", kitchen.fridge, front="-y")
+    scene.instance("sink", 1007, "sink", kitchen.sink, front="-y")
+    scene.instance("window", 1008, "window", kitchen.window, front="-y")
+
+
+# --- those who work ---------------------------------------------------------------------------------------
+
+
+def cook(scene: Scene, choices: Choices) -> None:
+    """Everything that moves, in the order of time."""
+    d = choices.delay
+    big_look = pot.stock_pot(ENAMELS[choices.big_colour])
+    ways = {
+        "stirred": still((*STIRRED, HOB_Z), radians(-24)),
+        "big": shift(still((*BIG, HOB_Z), radians(48)), (BIG_MOVES, 0.0, 0.0), (50 + d, 66 + d)),
+        "poured": shift(still((*POURED, HOB_Z), radians(4)), (*POURED_MOVES, 0.0), POURED_MOVING),
+    }
+    level = np.full(FRAME_COUNT, pot.SAUCEPAN.soup_m)
+    pots = {
+        "stirred": put_pot(scene, choices, "pot_stirred_first", 1, pot.SAUCEPAN, ways["stirred"], level),
+        "big": put_pot(scene, choices, "pot_big", 2, big_look, ways["big"], level * 0.0 + big_look.soup_m),
+        "poured": put_pot(
+            scene,
+            choices,
+            "pot_poured_into",
+            3,
+            pot.SAUCEPAN,
+            ways["poured"],
+            level - 0.030 + 0.024 * np.clip((ROWS - 10) / 28, 0, 1),
+        ),
+    }
+    spoon = scene.instance("spoon", 1002, "spoon", kitchen_tools.wooden_spoon("spoon", scene.rng("spoon")))
+    jug = scene.instance(
+        "jug", 1001, "jug", kitchen_jug.jug("jug", scene.rng("jug"), colour=(0.66, 0.63, 0.54)), front="-x"
+    )
+
+    stir_and_taste(scene, choices, pots, ways, spoon)
+    pour_and_move(scene, choices, pots, ways, jug, big_look)
+
+
+def put_pot(
+    scene: Scene, choices: Choices, name: str, id: int, look: pot.PotLook, way: np.ndarray, level: np.ndarray
+) -> Instance:
+    """A pot with its soup, moved along its way; `level` is the soup's height in the pot at every frame."""
+    colour, bits = SOUPS[choices.soup]
+    body = pot.pot(name, scene.rng("pot"), look=look)
+    surface = pot.soup(f"{name}_soup", scene.rng(name), look=look, colour=colour, bits=bits)
+    lifted = way.copy()
+    lifted[:, 2, 3] += level
+    key_path(body, way)
+    key_path(surface, lifted)
+    enamelled = look.enamel is not None
+    attributes = {
+        "material": "enamel" if enamelled else "steel",
+        "colour": choices.big_colour if enamelled else "grey",
+        "size": "large" if enamelled else "small",
+        "handles": look.handles,
+        "lid": "none",
+    }
+    return scene.instance(name, id, "pot", [body, surface], attributes=attributes)
+
+
+def dress(choices: Choices, stirs: bool, seed: int) -> Look:
+    """One of them wears a plain apron, the other a striped apron and short sleeves."""
+    build = choices.stirrer if stirs else ("man" if choices.stirrer == "woman" else "woman")
+    woman, plain = build == "woman", stirs == choices.stirrer_in_plain
+    shirt = choices.shirts[0] if stirs else choices.shirts[1]
+    return Look(
+        build=build,
+        height_m=1.69 if woman else 1.78,
+        girth=1.02 if woman else 1.06,
+        skin="fair" if stirs else "brown",
+        hair="bun" if woman else "short",
+        hair_colour=choices.hair[0 if stirs else 1],
+        top=Cloth(shirt),
+        sleeve="long" if plain else "short",
+        lower=Cloth("grey", "checks", second="black", repeat_m=0.02),
+        apron=Cloth("brown") if plain else Cloth("white", "stripes", second="blue", repeat_m=0.05),
+        shoe_colour="black",
+        seed=seed,
+    )
+
+
+def hire(
+    scene: Scene, choices: Choices, name: str, id: int, x: float, heading: float, *, stirs: bool
+) -> Cook:
+    """One cook behind the island; one of the two wears the tall hat."""
+    hatted = stirs == choices.stirrer_wears_hat
+    look = dress(choices, stirs, scene.rng(name).randrange(1000))
+    person = Cook(
+        scene,
+        name,
+        id,
+        category="cook",
+        look=look,
+        attributes={
+            "hat": "tall" if hatted else "none",
+            "apron": "plain" if stirs == choices.stirrer_in_plain else "striped",
+            "sleeves": look.sleeve,
+            "shirt": choices.shirts[0 if stirs else 1],
+        },
+        at=(x, COOKS_Y),
+        heading_rad=heading,
+    )
+    if hatted:
+        hat = chef_hat.put_on(f"{name}.hat", person.body)
+        hat.pass_index = id
+        person.instance.objects.append(hat)
+    return person
+
+
+def stir_and_taste(
+    scene: Scene, choices: Choices, pots: dict[str, Instance], ways: dict[str, np.ndarray], spoon: Instance
+) -> None:
+    """Her right hand leads the spoon all the time; the left holds the first saucepan still."""
+    d = choices.delay
+    chef = hire(scene, choices, "cook_stirring", 4, STIRRER_X, 0.0, stirs=True)
+    chef.lean_in((-2, -1), 0.16)
+    chef.lean_in((32, 46), 0.05)
+    chef.lean_in((54 + d, 70 + d), 0.26)
+
+    way = SpoonPath()
+    first, second = (0, 34), (70 + d, LAST_FRAME)
+    saucepan = {"radius_m": 0.046, "height_m": 0.030, "lean": (-0.20, 0.42, 1.0)}
+    stock_pot = {"radius_m": 0.062, "height_m": 0.055, "lean": (-0.26, 0.36, 1.0)}
+    chef.stir(way, pots["stirred"], ways["stirred"], first, **saucepan)
+    chef.taste(way, (42, 60 + d))
+    chef.stir(way, pots["big"], ways["big"], second, **stock_pot)
+    chef.use_spoon(spoon, way, 0.255)
+    chef.grip(pots["stirred"], ways["stirred"], LONG_HANDLE, first, side="l")
+    chef.rest_hand("l", (STIRRER_X + 0.26, 0.20, units.TOP_M), (62, LAST_FRAME))
+    chef.look_at((STIRRED[0], -0.55, 1.05), (0, 30))
+    chef.look_at((BIG[0] + BIG_MOVES, -0.55, 1.05), (66 + d, LAST_FRAME))
+    chef.finish()
+
+
+def pour_and_move(
+    scene: Scene,
+    choices: Choices,
+    pots: dict[str, Instance],
+    ways: dict[str, np.ndarray],
+    jug: Instance,
+    big: pot.PotLook,
+) -> None:
+    """The left hand pours and puts the jug down; the right pulls the big pot, the left pushes the other."""
+    d = choices.delay
+    helper = hire(scene, choices, "cook_pouring", 5, POURER_X, 0.0, stirs=False)
+    helper.lean_in((-2, -1), 0.10)
+    helper.lean_in((40, 52), 0.30)
+    helper.lean_in((66 + d, 78), 0.22)
+
+    turn = radians(16)
+    route = JugPath(kitchen_jug.LIP, turn)
+    over = np.array([POURED[0] + 0.035, POURED[1] + 0.005, HOB_Z + pot.SAUCEPAN.height_m + 0.135])
+    route.stand(0, JUG_STARTS)
+    route.at(10, over, 1.00)
+    route.at(36, over + np.array((0, 0, 0.004)), 1.20)
+    route.at(46, over + np.array((0.10, 0.04, 0.02)), 0.10)
+    route.stand(60, JUG_ENDS)
+    handle = Grip(kitchen_jug.GRIP, (0, 0, 1), (-0.30, -0.95, 0))
+    jug_path = helper.pour(jug, route, handle, pots["poured"], (10, 38), side="l", puts_down=(44, 60))
+    colour, _ = SOUPS[choices.soup]
+    falling = kitchen_jug.stream("stream", colour=colour)
+    surface = np.full(FRAME_COUNT, HOB_Z + pot.SAUCEPAN.soup_m - 0.012)
+    key_path(falling, stream_matrices(jug_path, kitchen_jug.LIP, surface, (9, 36), turn))
+    scene.scenery(falling)
+
+    helper.grip(
+        pots["big"],
+        ways["big"],
+        Grip(big.grip, (0, -1, 0), (-0.75, 0, -0.55)),
+        (48 + d, 68 + d),
+        side="r",
+        arc_m=0.08,
+        moves=(50 + d, 66 + d),
+    )
+    helper.grip(
+        pots["poured"], ways["poured"], LONG_HANDLE, (74, 94), side="l", arc_m=0.10, moves=POURED_MOVING
+    )
+    helper.look_at((POURED[0], -0.5, 1.0), (0, 38))
+    helper.look_at((BIG[0], -0.5, 1.0), (46, 66))
+    helper.look_at((POURED[0] + 0.2, -0.5, 1.0), (70, LAST_FRAME))
+    helper.finish()
+
+
+# --- light ------------------------------------------------------------------------------------------------
+
+
+def light(scene: Scene, choices: Choices) -> None:
+    """Cool morning light through the window, warm lamps over the island, the rest of the house in front."""
+    scene.exposure = 1.05
+    scene.hdri("studio", strength=0.50, rotation=0.6)
+    scene.area_light(
+        "window_light",
+        (0.15, kitchen_set.BACK_Y - 0.25, 1.75),
+        (0.1, -0.2, 0.9),
+        size_m=(1.25, 1.0),
+        power_w=26,
+        colour=(0.88, 0.95, 1.0),
+    )
+    for k, x in enumerate((-0.55, 0.75)):
+        scene.area_light(
+            f"lamp_{k}",
+            (x, -0.75, 2.45),
+            (x * 0.8, 0.1, 1.0),
+            size_m=(0.45, 0.45),
+            power_w=15 * choices.warm,
+            colour=(1.0, 0.80, 0.58),
+        )

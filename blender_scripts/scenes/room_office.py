@@ -1,0 +1,385 @@
+"""Two men in an office with the sun between the slats of a blind: the seated one opens his laptop and types,
+the other writes on a whiteboard, walks to a high table and types there later. A twin of the first laptop
+stands open on the high table and is never used.
+
+Story. The seated man opens the laptop on his desk, types, stops and drinks from his mug. Meanwhile the other
+writes on the whiteboard, lays the marker on its tray, walks to the end of the high table, opens the laptop
+there and types. The silver twin stands open on the high table all the time and is never touched. Who types,
+and on what, depends on the time; silver alone, typed on alone and on the high table alone mean two each.
+
+Axes: the floor is z = 0, the whiteboard's wall at +Y, the window at -X, cameras on the -Y side; metres.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender.assets import (
+    bookcase,
+    coffee_table,
+    desk,
+    desk_lamp,
+    floor_lamp,
+    high_table,
+    houseplant,
+    laptop,
+    office_chair,
+    office_room,
+    paper_sheets,
+    pen_pot,
+    whiteboard,
+)
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.deskwork import OPEN_RAD, Computer, OfficeWorker
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "room"
+
+HALF_WIDTH, BACK_Y, FRONT_Y = 3.3, 1.95, -3.4
+WINDOW_Y = (-0.95, 1.05)
+
+# Where things stand: x, y, heading.
+DESK = (-1.12, -0.12, 1.36)
+HIGH_TABLE = (0.92, 0.50, 0.05)
+WHITEBOARD = (0.46, 1.62, 0.06)
+BOOKCASE = (-1.12, 1.78, 0.0)
+PLANT = (2.02, 1.02, 0.0)
+
+# On the furniture, in its own axes.
+DESK_SEAT_X = 0.16
+HIGH_TABLE_SPOTS = {"left": -0.36, "right": 0.35}
+STANDING_GAP_M = 0.25
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: str
+    other: str
+    shirt: str
+    checked: str
+    trousers: tuple[str, str]
+    hair: tuple[str, str]
+    skin: tuple[str, str]
+    write: int
+    typing: tuple[int, int]
+    sun_deg: float
+    accent: tuple[float, float, float]
+    wall: tuple[float, float, float]
+
+
+MODELS = {
+    "silver": laptop.COMPACT_SILVER,
+    "black": laptop.LARGE_BLACK,
+    "copper": laptop.COMPACT_COPPER,
+    "white": laptop.LARGE_WHITE,
+}
+BENCHMARK = Choices(
+    twins="silver",
+    other="black",
+    shirt="light_blue",
+    checked="seated",
+    trousers=("beige", "black"),
+    hair=("dark_brown", "grey"),
+    skin=("fair", "tan"),
+    write=18,
+    typing=(30, 56),
+    sun_deg=203.0,
+    accent=(0.10, 0.24, 0.26),
+    wall=(0.56, 0.58, 0.57),
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: other metals, clothes and light, a few frames to and fro."""
+    start = rng.randint(29, 32)
+    skins, hair = rng.sample(["fair", "tan", "brown", "dark"], 2), rng.sample(["black", "grey", "red"], 2)
+    accents = ((0.30, 0.13, 0.07), (0.09, 0.13, 0.28), (0.20, 0.24, 0.08))
+    return Choices(
+        twins=rng.choice(["silver", "copper"]),
+        other=rng.choice(["black", "white"]),
+        shirt=rng.choice(["white", "green", "light_blue", "pink"]),
+        checked=rng.choice(["seated", "standing"]),
+        trousers=tuple(rng.sample(["beige", "black", "grey", "navy"], 2)),
+        hair=tuple(hair),
+        skin=tuple(skins),
+        write=rng.randint(16, 18),
+        typing=(start, start + rng.randint(22, 26)),
+        sun_deg=rng.uniform(190.0, 214.0),
+        accent=rng.choice(accents),
+        wall=rng.choice(((0.58, 0.55, 0.49), (0.50, 0.55, 0.60), (0.56, 0.58, 0.57))),
+    )
+
+
+class Stage:
+    """The layout of one variant: everything a few centimetres off."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+        rng, loose = scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03
+
+        def spot(place: tuple[float, float, float]) -> Matrix:
+            x, y, heading = place
+            x, y = x + rng.uniform(-loose, loose), y + rng.uniform(-loose, loose)
+            return Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(heading, 4, "Z")
+
+        self.desk, self.high_table, self.whiteboard = spot(DESK), spot(HIGH_TABLE), spot(WHITEBOARD)
+        self.bookcase, self.plant = spot(BOOKCASE), spot(PLANT)
+
+
+def build(scene: Scene) -> None:
+    """Furnishes the office, lets the men work, lights it and places the cameras."""
+    stage = Stage(scene)
+    furnish(stage)
+    board = put_whiteboard(stage)
+    computers = put_laptops(stage)
+    sit_and_type(stage, computers["first"])
+    write_and_type(stage, board, computers["later"])
+    for computer in computers.values():
+        computer.finish()
+    light(stage)
+    scene.cameras(
+        (0.24, 0.36, 0.96),
+        radius_m=3.2,
+        heights_m=(1.60, 2.00),
+        arc_deg=106.0,
+        facing_deg=-90.0,
+        fov_deg=53.0,
+    )
+
+
+# --- the office -------------------------------------------------------------------------------------------
+
+
+def furnish(stage: Stage) -> None:
+    """The room, its furniture as landmarks, and the clutter that nobody asks about."""
+    scene, rng, choices = stage.scene, stage.scene.rng("furniture"), stage.choices
+    scene.scenery(
+        *office_room.office_room(
+            "office",
+            rng,
+            half_width_m=HALF_WIDTH,
+            back_m=BACK_Y,
+            front_m=FRONT_Y,
+            window_y_m=WINDOW_Y,
+            wall=choices.wall,
+            accent=choices.accent,
+        )
+    )
+    low = desk.desk("desk", rng, size_m=(1.30, 0.70))
+    low.matrix_basis = stage.desk
+    scene.instance("desk", 1001, "desk", low)
+    high = high_table.high_table("high_table", rng)
+    high.matrix_basis = stage.high_table
+    scene.instance("high_table", 1002, "table", high)
+    shelves = bookcase.build("bookcase", rng, height_m=1.85)
+    shelves.matrix_basis = stage.bookcase
+    scene.instance("bookcase", 1004, "bookcase", shelves, front="-y")
+    palm = houseplant.build("tall_plant", rng, height_m=1.25, stems=14, pot=(0.16, 0.17, 0.18))
+    palm.matrix_basis = stage.plant
+    scene.instance("tall_plant", 1005, "plant", palm)
+
+    pot = houseplant.build("small_plant", rng, height_m=0.42, stems=9, pot=(0.50, 0.20, 0.10))
+    pot.data.transform(Matrix.Scale(0.72, 4))
+    pot.matrix_basis = stage.high_table @ Matrix.Translation((-0.66, 0.10, high_table.HEIGHT_M))
+    scene.instance("small_plant", 1006, "plant", pot)
+
+    clutter(stage, rng)
+
+
+def clutter(stage: Stage, rng: random.Random) -> None:
+    """Papers, pens, books, lamps and chairs: none annotated."""
+
+    def put(thing: bpy.types.Object, on: Matrix, x: float, y: float, z: float, turn: float = 0.0) -> None:
+        thing.matrix_basis = on @ Matrix.Translation((x, y, z)) @ Matrix.Rotation(turn, 4, "Z")
+        stage.scene.scenery(thing)
+
+    low, high, floor = desk.HEIGHT_M, high_table.HEIGHT_M, Matrix()
+    put(paper_sheets.paper_sheets("sheets", rng), stage.desk, -0.42, -0.14, low, 0.3)
+    put(paper_sheets.paper_sheets("more_sheets", rng, count=2), stage.high_table, 0.05, -0.12, high, 2.9)
+    put(paper_sheets.sticky_notes("notes", rng), stage.high_table, 0.10, 0.16, high, 0.4)
+    put(pen_pot.pen_pot("pens", rng), stage.desk, -0.30, 0.22, low)
+    put(desk_lamp.desk_lamp("lamp", rng, enamel=(0.08, 0.09, 0.10)), stage.desk, 0.52, 0.10, low, -0.7)
+    put(coffee_table.book_stack("manuals", rng), stage.desk, -0.48, 0.16, low, 0.2)
+    put(office_chair.office_chair("chair", rng), stage.desk, DESK_SEAT_X, -0.655, 0.0, pi)
+    spare = office_chair.office_chair("other_chair", rng, cloth=(0.16, 0.05, 0.04))
+    put(spare, stage.high_table, 1.50, -0.10, 0.0, 1.9)
+    put(floor_lamp.build("corner_lamp", rng), floor, -2.45, 1.40, 0.0)
+
+
+def put_whiteboard(stage: Stage) -> Instance:
+    """The board with the line that will be written, still hidden inside it."""
+    scene = stage.scene
+    body, stand = whiteboard.whiteboard("whiteboard", scene.rng("whiteboard"))
+    strokes = whiteboard.ink("written", handwriting(stage.choices.write))
+    for part in (body, stand, *strokes):
+        part.matrix_basis = stage.whiteboard
+    return scene.instance("whiteboard", 1003, "whiteboard", [body, stand, *strokes], front="-y")
+
+
+def handwriting(frames: int) -> list[Vector]:
+    """A looping line in the board's axes, one point per frame: it leans and advances like script."""
+    points = []
+    for k in range(frames + 1):
+        a = 2 * pi * 2.6 * k / 24.0
+        x = 0.10 + 0.27 * k / frames + 0.016 * cos(a)
+        points.append(Vector((x, whiteboard.SURFACE_Y_M, 1.46 + 0.030 * sin(a) - 0.01 * cos(0.3 * k))))
+    return points
+
+
+def put_laptops(stage: Stage) -> dict[str, Computer]:
+    """Two twins, one on the desk and one on the high table, and a bigger one beside the latter."""
+    scene, choices = stage.scene, stage.choices
+    desk_at = stage.desk @ Matrix.Translation((DESK_SEAT_X, -0.13, desk.HEIGHT_M))
+    over = stage.high_table @ Matrix.Translation((0.0, 0.0, high_table.HEIGHT_M))
+    spots = {
+        side: over @ Matrix.Translation((x, 0.09, 0.0)) @ Matrix.Rotation(pi, 4, "Z")
+        for side, x in HIGH_TABLE_SPOTS.items()
+    }
+    plan = (
+        ("first", "laptop_first", choices.twins, desk_at, 0.0, 0),
+        ("idle", "laptop_idle", choices.twins, spots["left"], OPEN_RAD, 1),
+        ("later", "laptop_later", choices.other, spots["right"], 0.0, 2),
+    )
+    computers = {}
+    for id, (role, name, look, at, angle, page) in enumerate(plan, 1):
+        made = laptop.laptop(name, scene.rng(f"laptop/{role}"), MODELS[look], page=page)
+        size = "large" if MODELS[look].size_m[0] > 0.35 else "compact"
+        instance = scene.instance(
+            name, id, "laptop", [made.base, made.lid], attributes={"colour": look, "size": size}, front="-y"
+        )
+        computers[role] = Computer(instance, made, at, angle)
+    return computers
+
+
+# --- those who work ---------------------------------------------------------------------------------------
+
+
+def clothes(choices: Choices, role: str) -> tuple[Look, dict[str, str]]:
+    """Shirts of one colour: one checked with long sleeves, one plain with short ones."""
+    n = ("seated", "standing").index(role)
+    checked = choices.checked == role
+    look = Look(
+        build="man",
+        height_m=(1.79, 1.76)[n],
+        girth=(1.0, 1.07)[n],
+        skin=choices.skin[n],
+        hair="short",
+        hair_colour=choices.hair[n],
+        top=Cloth(choices.shirt, "checks", "navy", 0.045) if checked else Cloth(choices.shirt),
+        sleeve="long" if checked else "short",
+        lower=Cloth(choices.trousers[n]),
+        shoe_colour=("brown", "black")[n],
+        seed=11 + n,
+    )
+    seen = {
+        "shirt": choices.shirt,
+        "pattern": "checked" if checked else "plain",
+        "sleeves": look.sleeve,
+        "trousers": choices.trousers[n],
+        "hair": choices.hair[n],
+    }
+    return look, seen
+
+
+def sit_and_type(stage: Stage, computer: Computer) -> None:
+    """The seated man: opens his laptop, types, stops, drinks."""
+    scene, (first, last) = stage.scene, stage.choices.typing
+    look, seen = clothes(stage.choices, "seated")
+    feet = stage.desk @ Vector((DESK_SEAT_X, -0.22, 0.0))
+    seat = stage.desk @ Vector((DESK_SEAT_X, -0.66, office_chair.SEAT_M))
+    heading = stage.desk.to_euler().z + pi
+    mug_at = stage.desk @ Matrix.Translation((DESK_SEAT_X + 0.27, -0.14, desk.HEIGHT_M))
+    cup = coffee_table.mug("mug", scene.rng("mug"), colour=(0.62, 0.20, 0.08))
+    cup.matrix_basis = mug_at
+    mug = scene.instance("mug", 1007, "mug", cup)
+    man = OfficeWorker(
+        scene, "man_seated", 4, category="man", look=look, attributes=seen, at=feet, heading_rad=heading
+    )
+    man.be_seated(seat)
+    lap = {
+        s: stage.desk @ Vector((DESK_SEAT_X - x, -0.30, desk.HEIGHT_M))
+        for s, x in (("l", 0.20), ("r", -0.20))
+    }
+    man.rest_hands(lap, (-2, -1))
+    man.open_lid(computer, (7, 25))
+    man.type_on(computer, (first, last), arrive=6)
+    man.rest_hands({"l": lap["l"]}, (last + 1, last + 12))
+    man.drink_from(mug, (0.070, 0.0, 0.048), (0.040, 0.092), (last + 3, LAST_FRAME))
+    man.finish()
+
+
+def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
+    """The standing man: writes, lays the marker down, walks to the table's end, opens the laptop, types."""
+    scene, choices = stage.scene, stage.choices
+    look, seen = clothes(choices, "standing")
+    pen_body = whiteboard.marker("marker", scene.rng("marker"))
+    pen = scene.instance("marker", 1008, "marker", pen_body)
+    start = stage.whiteboard @ Vector((0.10, -0.50, 0.0))
+    man = OfficeWorker(
+        scene,
+        "man_standing",
+        5,
+        category="man",
+        look=look,
+        attributes=seen,
+        at=start,
+        heading_rad=stage.whiteboard.to_euler().z + pi,
+    )
+    done = choices.write
+    tray = Vector((0.20, whiteboard.TRAY_Y_M, whiteboard.TRAY_Z_M + 0.0095))
+    strokes = [part for part in board.objects if part.name.startswith("written")]
+    man.write_on(board, pen, handwriting(done), strokes, (0, done), tray, (done, done + 13))
+    x, depth = HIGH_TABLE_SPOTS["right"], 0.31
+    goal = stage.high_table @ Vector((x, depth + STANDING_GAP_M, 0.0))
+    halfway = 0.5 * (start + goal) + Vector((0.0, 0.07, 0.0))
+    man.walk_along(
+        [halfway[:2], goal[:2]],
+        (done + 12, 59),
+        facing_rad=stage.high_table.to_euler().z + 2 * pi,
+    )
+    man.open_lid(computer, (59, 73))
+    man.type_on(computer, (78, LAST_FRAME), arrive=5)
+    man.finish()
+
+
+# --- light ------------------------------------------------------------------------------------------------
+
+
+def light(stage: Stage) -> None:
+    """Low sun through the blind, daylight from the window, cool panels overhead."""
+    scene = stage.scene
+    scene.exposure = 1.1
+    scene.hdri("interior", strength=0.34, rotation=2.0)
+    scene.sun(
+        elevation_deg=24.0,
+        azimuth_deg=stage.choices.sun_deg - 25.0,
+        strength=12.0,
+        angle_deg=0.7,
+        colour=(1.0, 0.80, 0.56),
+    )
+    middle = 0.5 * sum(WINDOW_Y)
+    scene.area_light(
+        "window_light",
+        (-HALF_WIDTH + 0.25, middle, 1.6),
+        (0.0, 0.2, 0.8),
+        size_m=(1.9, 1.2),
+        power_w=26,
+        colour=(0.86, 0.93, 1.0),
+    )
+    scene.area_light(
+        "ceiling_panel",
+        (0.2, -0.3, 2.65),
+        (0.2, 0.3, 0.0),
+        size_m=(2.4, 0.6),
+        power_w=30,
+        colour=(1.0, 0.97, 0.92),
+    )

@@ -1,0 +1,382 @@
+"""A playroom in soft daylight with three teddy bears. One child goes to the bear on the mat, picks it up with
+both hands, hugs it and rocks it; another sits at a low table with an arm round a second bear, sets a block
+on a tower and then waves. The third bear sits in a small rocking chair that sways and comes to rest.
+
+What tells look-alikes apart: two bears are twins, the one in the rocking chair and the one on the table. Two
+bears rock and two are held, but only the one of another look does both.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import cos, exp, pi, radians
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender import keys
+from l4d_blender.assets import (
+    bookcase,
+    coffee_table,
+    floor_lamp,
+    houseplant,
+    mesh,
+    picture_book,
+    picture_frame,
+    play_mat,
+    ring_stacker,
+    rocking_chair,
+    room,
+    teddy,
+    toy_block,
+    toy_chest,
+    window,
+    wooden_chair,
+)
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.nursery import Toddler
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import FPS, LAST_FRAME
+
+SCALE = "room"
+
+BACK_WALL_Y = 1.72
+HALF_WIDTH = 2.7
+FRONT_Y = -3.2
+
+# Where things stand: x, y, heading.
+TABLE = (0.70, 0.20, 0.0)
+TABLE_SIZE_M = (0.86, 0.50)
+CHAIR = (0.62, 0.65, 0.0)
+CHEST = (-0.86, 0.86, 0.16)
+ROCKER = (-1.14, 0.16, 0.42)
+MAT = (-0.32, 0.02, 0.0)
+BOOKCASE = (0.42, 1.56, 0.0)
+WINDOW_X = -1.05
+BEAR_ON_MAT = (-0.24, 0.10)
+BEAR_ON_TABLE = (0.93, 0.28, 0.0)
+TOWER = (0.55, 0.29)
+LOOSE_BLOCK = (0.435, 0.325, 0.35)
+
+BLOCK_M = 0.062
+SEAT_M = 0.27
+MAT_M = play_mat.THICKNESS_M
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: tuple[str, str]
+    other: tuple[str, str]
+    hugger: Look
+    builder: Look
+    lift: int
+    stack: int
+    wall: tuple[tuple[float, float, float], tuple[float, float, float]]
+    chest: tuple[float, float, float]
+
+
+GIRL = Look(
+    build="child",
+    height_m=1.10,
+    skin="fair",
+    hair="long",
+    hair_colour="blond",
+    sleeve="short",
+    bottom="dress",
+    lower=Cloth("purple", "dots", "white", repeat_m=0.045),
+    shoes="shoes",
+    shoe_colour="white",
+    seed=5,
+)
+BOY = Look(
+    build="child",
+    height_m=1.12,
+    skin="tan",
+    hair="short",
+    hair_colour="dark_brown",
+    top=Cloth("red", "stripes", "white", repeat_m=0.05),
+    sleeve="long",
+    bottom="trousers",
+    lower=Cloth("denim", "denim"),
+    shoes="shoes",
+    shoe_colour="blue",
+    seed=31,
+)
+WALLS = (
+    ((0.60, 0.62, 0.52), (0.66, 0.67, 0.58)),
+    ((0.50, 0.60, 0.64), (0.57, 0.66, 0.69)),
+    ((0.66, 0.55, 0.46), (0.71, 0.61, 0.52)),
+)
+CHESTS = ((0.10, 0.30, 0.36), (0.42, 0.12, 0.10), (0.18, 0.28, 0.12))
+BENCHMARK = Choices(
+    twins=("brown", "red"),
+    other=("cream", "blue"),
+    hugger=GIRL,
+    builder=BOY,
+    lift=18,
+    stack=16,
+    wall=WALLS[0],
+    chest=CHESTS[0],
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: other bears, other clothes, a bit earlier or later, another wall."""
+    plush = rng.sample(["brown", "cream", "grey", "honey"], 2)
+    ribbons = rng.sample(["red", "blue", "green", "yellow"], 2)
+    dress, shirt = rng.sample(["purple", "pink", "green", "light_blue", "red", "orange"], 2)
+    hair = rng.sample(["blond", "brown", "black", "red"], 2)
+    girl = GIRL.dressed(lower=Cloth(dress, "dots", "white", repeat_m=0.045), hair_colour=hair[0])
+    boy = BOY.dressed(top=Cloth(shirt, "stripes", "white", repeat_m=0.05), hair_colour=hair[1])
+    return Choices(
+        twins=(plush[0], ribbons[0]),
+        other=(plush[1], ribbons[1]),
+        hugger=girl,
+        builder=boy,
+        lift=rng.randint(18, 22),
+        stack=rng.randint(12, 20),
+        wall=rng.choice(WALLS),
+        chest=rng.choice(CHESTS),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Furnishes the room, puts bears and children into it, lights it."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    _room(scene, choices)
+    _clutter(scene)
+    rocker = _landmarks(scene, choices)
+    bears = _bears(scene, choices)
+    _rock(bears["rocker"], rocker)
+    _hugger(scene, choices, bears["mat"])
+    _builder(scene, choices, bears["table"])
+    _light(scene)
+    scene.cameras(
+        (-0.13, 0.22, 0.48),
+        radius_m=2.85,
+        heights_m=(1.05, 1.45, 0.85, 1.25),
+        arc_deg=112.0,
+        facing_deg=-90.0,
+        fov_deg=49.0,
+    )
+
+
+def _put(obj: bpy.types.Object, place: tuple[float, float, float], z: float = 0.0) -> bpy.types.Object:
+    x, y, heading = place
+    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(heading, 4, "Z")
+    return obj
+
+
+# --- the room ---------------------------------------------------------------------------------------------
+
+
+def _room(scene: Scene, choices: Choices) -> None:
+    """Walls, floor, window and what hangs on the walls."""
+    rng = scene.rng("room")
+    wall, figure = choices.wall
+    scene.scenery(
+        *room.build(
+            "room",
+            rng,
+            half_width_m=HALF_WIDTH,
+            back_m=BACK_WALL_Y,
+            front_m=FRONT_Y,
+            wall=wall,
+            figure=figure,
+            boards=(0.50, 0.36, 0.22),
+        )
+    )
+    casement = window.build(
+        "window", rng, sill_m=0.62, width_m=1.25, height_m=1.25, curtain=(0.62, 0.40, 0.12)
+    )
+    for part in casement:
+        _put(part, (WINDOW_X, BACK_WALL_Y, 0.0))
+    scene.instance("window", 1001, "window", casement, front="-y")
+    for k, (x, z, size) in enumerate(
+        ((-0.02, 1.06, (0.28, 0.36)), (1.16, 0.98, (0.42, 0.34)), (1.66, 1.08, (0.30, 0.38)))
+    ):
+        picture = picture_frame.build(f"picture_{k}", rng, size_m=size, palette=k)
+        scene.scenery(_put(picture, (x, BACK_WALL_Y, 0.0), z))
+
+
+def _clutter(scene: Scene) -> None:
+    """Toys that lie about and what else a playroom has: none annotated."""
+    rng = scene.rng("clutter")
+    on_mat = (
+        (ring_stacker.ring_stacker("rings", rng), (-0.66, -0.36, 0.3), 2.4),
+        (picture_book.picture_book("book", rng), (0.16, -0.40, 0.5), 1.0),
+    )
+    for thing, place, size in on_mat:
+        _put(thing, place, MAT_M)
+        thing.matrix_basis @= Matrix.Scale(size, 4)
+        scene.scenery(thing)
+    paints = ((0.50, 0.035, 0.03), (0.05, 0.16, 0.42), (0.66, 0.40, 0.03), (0.08, 0.28, 0.08))
+    spots = ((0.30, -0.12, 0.4), (0.40, -0.22, 1.2), (-0.10, -0.48, 0.2), (-0.86, -0.24, 0.9))
+    for k, (paint, spot) in enumerate(zip(paints, spots)):
+        look = toy_block.Look(paint=paint, figure=toy_block.FIGURES[k], size_m=BLOCK_M)
+        scene.scenery(_put(toy_block.toy_block(f"strewn_{k}", rng, look=look), spot, MAT_M))
+    scene.scenery(
+        _put(houseplant.build("plant", rng, height_m=0.95), (1.75, 1.30, 0.0)),
+        _put(floor_lamp.build("lamp", rng), (-2.05, 1.40, 0.0)),
+        _put(bookcase.build("low_shelf", rng, height_m=0.80, width_m=0.95, shelves=2), (1.36, 1.56, 0.0)),
+    )
+
+
+def _landmarks(scene: Scene, choices: Choices) -> Instance:
+    """Furniture that sentences speak of; returns the rocking chair."""
+    rng = scene.rng("furniture")
+    mat = play_mat.play_mat("mat", rng, tiles=(5, 4), tile_m=0.44)
+    scene.instance("mat", 1002, "mat", _put(mat, MAT))
+    table = coffee_table.build("low_table", rng, size_m=TABLE_SIZE_M, colour=(0.50, 0.33, 0.17))
+    scene.instance("low_table", 1003, "table", _put(table, TABLE, MAT_M))
+    chest = toy_chest.toy_chest("toy_chest", rng, paint=choices.chest)
+    scene.instance("toy_chest", 1004, "chest", _put(chest, CHEST, MAT_M), front="-y")
+    shelves = bookcase.build("bookcase", rng, width_m=0.86, height_m=1.30, shelves=4)
+    scene.instance("bookcase", 1005, "bookcase", _put(shelves, BOOKCASE), front="-y")
+    small = rocking_chair.rocking_chair("rocking_chair", rng)
+    rocker = scene.instance("rocking_chair", 1006, "chair", _put(small, ROCKER, MAT_M), front="-y")
+    chair = wooden_chair.wooden_chair("stool", rng)
+    chair.matrix_basis = (
+        Matrix.Translation((CHAIR[0], CHAIR[1] + 0.02, MAT_M))
+        @ Matrix.Rotation(CHAIR[2], 4, "Z")
+        @ Matrix.Scale((SEAT_M - MAT_M) / wooden_chair.SEAT_M, 4)
+    )
+    scene.scenery(chair)
+    return rocker
+
+
+# --- bears and children -----------------------------------------------------------------------------------
+
+
+def _bears(scene: Scene, choices: Choices) -> dict[str, Instance]:
+    """The twins are equal to the last stitch."""
+    table_top = MAT_M + coffee_table.HEIGHT_M
+    seat = Matrix.Translation((0.0, rocking_chair.SEAT_Y_M + 0.02, rocking_chair.SEAT_M - 0.004))
+    stand = Matrix.Translation((ROCKER[0], ROCKER[1], MAT_M)) @ Matrix.Rotation(ROCKER[2], 4, "Z")
+    plan = {
+        "mat": ("teddy_hugged", choices.other, Matrix.Translation((*BEAR_ON_MAT, MAT_M))),
+        "rocker": ("teddy_in_rocking_chair", choices.twins, stand @ seat),
+        "table": (
+            "teddy_on_table",
+            choices.twins,
+            Matrix.Translation((BEAR_ON_TABLE[0], BEAR_ON_TABLE[1], table_top - 0.002)),
+        ),
+    }
+    bears = {}
+    for id, (place, (name, look, at)) in enumerate(plan.items(), 1):
+        key = "other" if place == "mat" else "twins"
+        body = teddy.teddy(name, scene.rng(f"teddy/{key}"), plush=look[0], ribbon=look[1])
+        body.matrix_basis = at
+        bears[place] = scene.instance(
+            name, id, "teddy", body, attributes={"colour": look[0], "ribbon": look[1]}, front="-y"
+        )
+    return bears
+
+
+def _rock(bear: Instance, chair: Instance) -> None:
+    """The rocking chair has been given a push: it sways ever less and comes to rest."""
+    stop = 64
+    level = chair.objects[0].matrix_basis.copy()
+    seated = level.inverted() @ bear.objects[0].matrix_basis
+    moves = []
+    for frame in range(LAST_FRAME + 1):
+        fading = exp(-0.012 * frame) * (1.0 - keys.ease_between(frame, 20, stop))
+        moves.append(level @ rocking_chair.rocked(0.24 * fading * cos(2 * pi * 0.95 * frame / FPS)))
+    keys.key_matrices(chair.objects[0], moves)
+    keys.key_matrices(bear.objects[0], [move @ seated for move in moves])
+    bear.scene.event(bear, "rock", (0, stop - 6))
+
+
+def _child(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading: float) -> Toddler:
+    wears_dress = look.bottom == "dress"
+    cloth = look.lower if wears_dress else look.top
+    return Toddler(
+        scene,
+        name,
+        id,
+        category="child",
+        look=look,
+        attributes={
+            "clothes": "dress" if wears_dress else "trousers",
+            "colour": cloth.colour,
+            "pattern": {"stripes": "striped", "dots": "dotted"}[cloth.pattern],
+            "hair": look.hair,
+            "hair_colour": look.hair_colour,
+        },
+        at=at,
+        heading_rad=heading,
+        ground_m=MAT_M,
+    )
+
+
+def _hugger(scene: Scene, choices: Choices, bear: Instance) -> None:
+    """Comes from the bookcase, picks the bear up and hugs it."""
+    hugger = _child(scene, "child_hugging", 4, choices.hugger, (-0.04, 0.86), -0.45)
+    spot = (BEAR_ON_MAT[0], BEAR_ON_MAT[1] + 0.26)
+    first = choices.lift
+    hugger.walk_to(spot, (0, first), facing_rad=0.0)
+    hugger.lift(bear, teddy.SIDES_M, (first, first + 32), carry="chest")
+    hugger.hug(bear, (first + 32, LAST_FRAME), half_m=abs(teddy.SIDES_M[0][0]))
+    hugger.finish()
+
+
+def _builder(scene: Scene, choices: Choices, bear: Instance) -> None:
+    """Sits behind the table, an arm round the bear, and sets the last block on the tower."""
+    rng = scene.rng("blocks")
+    top = MAT_M + coffee_table.HEIGHT_M
+    paints = ((0.05, 0.16, 0.42), (0.66, 0.40, 0.03), (0.08, 0.28, 0.08), (0.50, 0.035, 0.03))
+    blocks = []
+    for k, paint in enumerate(paints):
+        look = toy_block.Look(paint=paint, figure=toy_block.FIGURES[k], size_m=BLOCK_M)
+        blocks.append(toy_block.toy_block(f"block_{k}", rng, look=look))
+    for k, block in enumerate(blocks[:3]):
+        shift = (rng.uniform(-0.004, 0.004), rng.uniform(-0.004, 0.004), rng.uniform(-0.15, 0.15))
+        _put(block, (TOWER[0] + shift[0], TOWER[1] + shift[1], shift[2]), top + k * BLOCK_M)
+    tower = mesh.join("tower", blocks[:3])
+    scene.instance("tower", 1007, "tower", tower)
+    loose = scene.instance("block", 1008, "block", _put(blocks[3], LOOSE_BLOCK, top))
+
+    builder = _child(scene, "child_building", 5, choices.builder, (CHAIR[0], CHAIR[1]), 0.0)
+    builder.sit_at((CHAIR[0], CHAIR[1], SEAT_M), CHAIR[2])
+    back = Vector((BEAR_ON_TABLE[0] - 0.045, BEAR_ON_TABLE[1] + 0.066, top + 0.165))
+    builder.keep_hand_on(bear, back, side="l")
+    first = choices.stack
+    builder.stack(
+        loose, (TOWER[0], TOWER[1], top + 3 * BLOCK_M), (first, first + 40), height_m=BLOCK_M, side="r"
+    )
+    builder.wave_seated((first + 42, LAST_FRAME), side="r")
+    builder.finish()
+
+
+def _light(scene: Scene) -> None:
+    """Cool daylight from the window, soft light from the open side, a sunlit patch on the mat."""
+    scene.exposure = 1.22
+    scene.hdri("interior", strength=0.40, rotation=2.2)
+    scene.area_light(
+        "window_light",
+        (WINDOW_X, BACK_WALL_Y - 0.25, 1.35),
+        (0.0, -0.2, 0.2),
+        size_m=(1.1, 1.1),
+        power_w=15,
+        colour=(0.90, 0.95, 1.0),
+    )
+    scene.area_light(
+        "open_side",
+        (1.4, -2.6, 2.4),
+        (0.0, 0.3, 0.3),
+        size_m=(1.8, 1.4),
+        power_w=15,
+        colour=(1.0, 0.96, 0.90),
+    )
+    patch = scene.area_light(
+        "sun_patch",
+        (-1.9, 1.3, 2.4),
+        (-0.30, -0.15, 0.0),
+        size_m=(0.6, 0.8),
+        power_w=4.5,
+        colour=(1.0, 0.88, 0.66),
+    )
+    patch.data.spread = radians(24)

@@ -1,0 +1,324 @@
+"""A waiting room in the evening: one woman sits in the chair row and leafs through a magazine, another walks
+in with a duffel bag, sets it down and takes a backpack from the seat beside its twin.
+
+Story. A brown duffel and a backpack stand on two of the seats. The standing woman comes in with the twin of
+that duffel, puts it on the floor before the row, steps to the seats and lifts the backpack. The seated woman
+turns two pages, one before the other arrives and one after, then looks up. By its look alone neither
+duffel can be told from the other; what is carried, what stands on the seats and what is brown are two each.
+
+Axes: the floor is z = 0, the door's wall at +Y, cameras on the -Y side; metres; a heading of 0 faces -Y.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import pi
+
+from mathutils import Euler, Matrix, Vector
+
+from l4d_blender.assets import (
+    bags,
+    chair_row,
+    coffee_machine,
+    coffee_table,
+    floor_lamp,
+    houseplant,
+    magazine,
+    waiting_room,
+)
+from l4d_blender.assets.person import Cloth, Look
+from l4d_blender.motion.reading import Reader, Spread
+from l4d_blender.motion.visitors import Visitor
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import LAST_FRAME
+
+SCALE = "room"
+
+HALF_WIDTH, BACK_Y, FRONT_Y = 3.1, 2.05, -3.4
+
+# Where things stand: x, y, heading.
+CHAIRS = (-0.18, 0.86, 0.26)
+LOW_TABLE = (-1.30, -0.62, 0.30)
+MACHINE = (0.42, 1.78, 0.0)
+PLANT = (1.50, 1.55, 0.0)
+DOOR_X = 2.25
+LAMP = (-2.35, 1.55, 0.0)
+
+# In the axes of the chair row.
+READER_SEAT, DUFFEL_SEAT, BACKPACK_SEAT, SEATS = 0, 1, 2, 4
+PUT_DOWN = Vector((-0.42, -0.56, 0.0))
+ENTER = Vector((1.02, -0.93, 0.0))
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: str
+    other: str
+    pattern: str
+    cloth: tuple[str, str]
+    hair: tuple[str, str]
+    hair_colour: tuple[str, str]
+    skin: tuple[str, str]
+    pages: tuple[tuple[int, int], tuple[int, int]]
+    seats: tuple[float, float, float]
+    lower: tuple[float, float, float]
+
+
+BENCHMARK = Choices(
+    twins="brown",
+    other="green",
+    pattern="stripes",
+    cloth=("navy", "navy"),
+    hair=("bun", "ponytail"),
+    hair_colour=("dark_brown", "dark_brown"),
+    skin=("brown", "fair"),
+    pages=((10, 28), (40, 58)),
+    seats=(0.05, 0.16, 0.28),
+    lower=(0.17, 0.27, 0.24),
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    """A variant: other colours and people, pages turned a little earlier or later."""
+    first, second = rng.randint(9, 14), rng.randint(38, 46)
+    colour = rng.choice(["navy", "red", "purple", "green"])
+    twins, other = rng.sample(["brown", "navy", "grey", "green", "red"], 2)
+    skins = rng.sample(["pale", "fair", "tan", "brown", "dark"], 2)
+    return Choices(
+        twins=twins,
+        other=other,
+        pattern=rng.choice(["stripes", "dots", "checks"]),
+        cloth=(colour, colour),
+        hair=tuple(rng.sample(["bun", "ponytail", "bob"], 2)),
+        hair_colour=(rng.choice(["dark_brown", "black", "grey"]), rng.choice(["red", "brown", "blond"])),
+        skin=tuple(skins),
+        pages=((first, first + 18), (second, second + 18)),
+        seats=rng.choice(((0.05, 0.16, 0.28), (0.30, 0.10, 0.05), (0.07, 0.20, 0.12))),
+        lower=rng.choice(((0.17, 0.27, 0.24), (0.28, 0.16, 0.12), (0.15, 0.20, 0.30))),
+    )
+
+
+class Stage:
+    """The layout of one variant: everything a few centimetres off."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+        rng, loose = scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03
+
+        def spot(place: tuple[float, float, float]) -> Matrix:
+            x, y, heading = place
+            x, y = x + rng.uniform(-loose, loose), y + rng.uniform(-loose, loose)
+            return Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(heading, 4, "Z")
+
+        self.chairs, self.low_table, self.machine = spot(CHAIRS), spot(LOW_TABLE), spot(MACHINE)
+        self.plant, self.lamp = spot(PLANT), spot(LAMP)
+
+    def seat(self, number: int) -> Matrix:
+        """The middle of a seat's surface."""
+        at = (chair_row.seat_x(number, SEATS), -0.02, chair_row.SEAT_M - 0.008)
+        return self.chairs @ Matrix.Translation(at)
+
+
+def build(scene: Scene) -> None:
+    """Furnishes the room, lets the women act, lights it and places the cameras."""
+    stage = Stage(scene)
+    furnish(stage)
+    carried, _, backpack = put_bags(stage)
+    read(stage)
+    walk_in(stage, carried, backpack)
+    light(stage)
+    scene.cameras(
+        (-0.06, 0.40, 0.72),
+        radius_m=3.05,
+        heights_m=(1.30, 1.65),
+        arc_deg=104.0,
+        facing_deg=-90.0,
+        fov_deg=52.0,
+    )
+
+
+# --- the room ---------------------------------------------------------------------------------------------
+
+
+def furnish(stage: Stage) -> None:
+    """The room, its furniture as landmarks, and the clutter that nobody asks about."""
+    scene, rng = stage.scene, stage.scene.rng("furniture")
+    scene.scenery(
+        *waiting_room.waiting_room(
+            "room", rng, half_width_m=HALF_WIDTH, back_m=BACK_Y, front_m=FRONT_Y, lower=stage.choices.lower
+        )
+    )
+    row = chair_row.chair_row("chair_row", rng, count=SEATS, shell=stage.choices.seats)
+    row.matrix_basis = stage.chairs
+    scene.instance("chair_row", 1001, "chairs", row, front="-y")
+
+    table = coffee_table.build("low_table", rng, size_m=(0.68, 0.44), colour=(0.42, 0.27, 0.14))
+    table.matrix_basis = stage.low_table
+    scene.instance("low_table", 1002, "table", table)
+    for n, (dx, turn) in enumerate(((-0.17, 0.3), (0.16, -0.5))):
+        heap = magazine.pile(f"pile_{n}", rng, count=5 - 2 * n)
+        heap.matrix_basis = (
+            stage.low_table
+            @ Matrix.Translation((dx, 0.0, coffee_table.HEIGHT_M))
+            @ Matrix.Rotation(turn, 4, "Z")
+        )
+        scene.scenery(heap)
+
+    machine = coffee_machine.coffee_machine("coffee_machine", rng)
+    machine.matrix_basis = stage.machine
+    scene.instance("coffee_machine", 1003, "machine", machine, front="-y")
+    palm = houseplant.build("plant", rng, height_m=1.35, stems=15, pot=(0.52, 0.46, 0.36))
+    palm.matrix_basis = stage.plant
+    scene.instance("plant", 1004, "plant", palm)
+    leaf = waiting_room.door("door", rng)
+    leaf.matrix_basis = Matrix.Translation((DOOR_X, BACK_Y, 0.0))
+    scene.instance("door", 1005, "door", leaf, front="-y")
+
+    lamp = floor_lamp.build("lamp", rng)
+    lamp.matrix_basis = stage.lamp
+    scene.scenery(lamp)
+    small = houseplant.build("small_plant", rng, height_m=0.6, stems=9, pot=(0.40, 0.14, 0.07))
+    small.matrix_basis = Matrix.Translation((-2.62, 0.55, 0.0))
+    scene.scenery(small)
+    for n, (title, paper, figure, x) in enumerate(
+        (
+            ("FEEL WELL", (0.52, 0.56, 0.50), (0.10, 0.34, 0.26), -1.72),
+            ("TAKE CARE", (0.60, 0.50, 0.36), (0.52, 0.12, 0.06), -1.06),
+            ("BE KIND", (0.42, 0.50, 0.58), (0.08, 0.20, 0.42), -0.40),
+        )
+    ):
+        sheet = waiting_room.poster(f"poster_{n}", rng, title=title, paper=paper, figure=figure)
+        sheet.matrix_basis = Matrix.Translation((x, BACK_Y, 1.28))
+        scene.scenery(sheet)
+    dial = waiting_room.clock("clock", rng)
+    dial.matrix_basis = Matrix.Translation((1.30, BACK_Y, 2.05))
+    scene.scenery(dial)
+
+
+def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:
+    """The duffel that is carried in, its twin on a seat, and the backpack on the next one."""
+    scene, choices = stage.scene, stage.choices
+    bodies = []
+    for name in ("bag_brought", "bag_waiting"):
+        bodies.append(bags.duffel(name, scene.rng(f"bags/{name}"), colour=choices.twins))
+    bodies.append(bags.backpack("bag_fetched", scene.rng("bags/backpack"), colour=choices.other))
+    bodies[0].matrix_basis = stage.chairs @ Matrix.Translation(ENTER)
+    bodies[1].matrix_basis = stage.seat(DUFFEL_SEAT) @ Matrix.Rotation(0.10, 4, "Z")
+    bodies[2].matrix_basis = stage.seat(BACKPACK_SEAT) @ Matrix.Translation((0.0, -0.03, 0.0))
+    looks = (
+        {"kind": "duffel", "colour": choices.twins},
+        {"kind": "duffel", "colour": choices.twins},
+        {"kind": "backpack", "colour": choices.other},
+    )
+    return tuple(
+        scene.instance(body.name, id, "bag", body, attributes=seen)
+        for id, (body, seen) in enumerate(zip(bodies, looks), 1)
+    )
+
+
+# --- those who wait ---------------------------------------------------------------------------------------
+
+
+def clothes(choices: Choices, n: int) -> tuple[Look, dict[str, str]]:
+    """Two women in tops of one colour: one patterned with half sleeves, one plain with long ones."""
+    top = Cloth(choices.cloth[n], choices.pattern, "white", 0.045) if n == 0 else Cloth(choices.cloth[n])
+    look = Look(
+        build="woman",
+        height_m=(1.66, 1.72)[n],
+        skin=choices.skin[n],
+        hair=choices.hair[n],
+        hair_colour=choices.hair_colour[n],
+        top=top,
+        sleeve=("elbow", "long")[n],
+        bottom="trousers",
+        lower=(Cloth("beige"), Cloth("denim", "denim"))[n],
+        shoes="shoes",
+        shoe_colour=("black", "brown")[n],
+        seed=21 + n,
+    )
+    seen = {
+        "top": choices.cloth[n],
+        "pattern": choices.pattern if n == 0 else "plain",
+        "sleeves": look.sleeve,
+        "trousers": ("beige", "blue")[n],
+        "hair": choices.hair[n],
+    }
+    return look, seen
+
+
+def read(stage: Stage) -> None:
+    """The seated woman: turns two pages and then looks up."""
+    scene, choices = stage.scene, stage.choices
+    seat, turn = stage.seat(READER_SEAT), stage.chairs.to_euler().z
+    look, seen = clothes(choices, 0)
+    feet = seat @ Vector((0.0, -0.40, 0.0))
+    woman = Reader(
+        scene, "woman_reading", 4, category="woman", look=look, attributes=seen, at=feet, heading_rad=turn
+    )
+    made = magazine.magazine("magazine", scene.rng("magazine"), leaves=len(choices.pages))
+    held = scene.instance("magazine", 1006, "magazine", [made.body, *made.leaves], front="-y")
+    # Held over the lap, its top away from her and raised towards her eyes: her left is the page at -X.
+    tilt = Euler((0.75, 0.0, pi)).to_matrix().to_4x4()
+    spread = Spread(held, made, seat @ Matrix.Translation((0.0, -0.39, 0.30)) @ tilt)
+    woman.be_seated(seat @ Vector((0.0, 0.0, 0.0)), lean_rad=0.06)
+    woman.hold_open(spread)
+    for leaf, frames in enumerate(choices.pages):
+        woman.turn_page(spread, leaf, frames)
+    spread.finish()
+    woman.look_at(tuple(stage.seat(BACKPACK_SEAT) @ Vector((0.05, -0.3, 0.9))), (70, LAST_FRAME))
+    woman.finish()
+
+
+def walk_in(stage: Stage, carried: Instance, backpack: Instance) -> None:
+    """The standing woman: walks in with the duffel, sets it down, steps to the seats, lifts the backpack."""
+    scene, turn = stage.scene, stage.chairs.to_euler().z
+    look, seen = clothes(stage.choices, 1)
+    along = turn - 0.5 * pi
+    start = stage.chairs @ ENTER
+    woman = Visitor(
+        scene, "woman_arriving", 5, category="woman", look=look, attributes=seen, at=start, heading_rad=along
+    )
+    woman.hold(carried, tuple(bags.DUFFEL_GRIP), bar=(-1.0, 0.0, 0.0), clear_m=0.13)
+    target = stage.chairs @ PUT_DOWN
+    woman.walk_to(woman.reach_spot(target, along, ahead_m=0.22, aside_m=0.37), (0, 30), facing_rad=along)
+    woman.put_down(carried, target, (30, 47))
+    facing = turn + pi
+    grip = stage.seat(BACKPACK_SEAT) @ Vector((0.0, -0.03, 0.0)) + bags.BACKPACK_GRIP
+    woman.walk_to(woman.reach_spot(grip, facing, ahead_m=0.53, aside_m=0.25), (46, 67), facing_rad=facing)
+    woman.fetch(backpack, tuple(bags.BACKPACK_GRIP), (63, 90), bar=(1.0, 0.0, 0.0), clear_m=0.12)
+    woman.finish()
+
+
+# --- light ------------------------------------------------------------------------------------------------
+
+
+def light(stage: Stage) -> None:
+    """Evening: two ceiling panels, a floor lamp, a little blue from outside."""
+    scene = stage.scene
+    scene.exposure = 1.1
+    scene.hdri("night", strength=0.5, rotation=0.6)
+    for n, x in enumerate((-1.1, 1.1)):
+        scene.area_light(
+            f"ceiling_{n}",
+            (x, 0.1, 2.75),
+            (x * 0.9, 0.35, 0.0),
+            size_m=(1.2, 0.35),
+            power_w=46,
+            colour=(1.0, 0.90, 0.74),
+        )
+    scene.area_light(
+        "from_hall",
+        (0.4, -3.2, 2.0),
+        (0.0, 0.6, 0.7),
+        size_m=(2.2, 1.2),
+        power_w=22,
+        colour=(0.86, 0.93, 1.0),
+    )
+    lamp = stage.lamp.translation
+    scene.point_light(
+        "lamp_glow", (lamp.x, lamp.y - 0.02, floor_lamp.SHADE_HEIGHT_M - 0.2), power_w=12, radius_m=0.12
+    )

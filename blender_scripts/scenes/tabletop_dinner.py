@@ -1,0 +1,364 @@
+"""Dinner by candlelight: a spoon is stirred in the soup and laid on the bread board, another is picked up.
+
+Story. Four spoons: two wooden twins with red handles, two of metal. A wooden one stands in the big soup bowl,
+its twin lies on a napkin; a metal one stands in the sauce bowl, the other lies on a napkin. The diner on the
+left stirs the soup and lays the spoon on the bread board. The diner on the right slides the plate with the
+sauce bowl towards the middle, the spoon in it riding along, then takes the metal spoon from its napkin and
+stirs the soup in the plate. So wood, standing in a bowl and going round each hold for two, any two for one.
+
+Axes: the table top is z = 0; the diners sit at -X and +X and face each other; the room behind is at +Y.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import pi, radians
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender.assets import (
+    bread_board,
+    candle,
+    cup,
+    dining_room,
+    dining_table,
+    kitchen_clutter,
+    sitter,
+    soup_bowl,
+    spoon,
+    wooden_chair,
+)
+from l4d_blender.assets.hand import HandLook
+from l4d_blender.assets.materials import products, tableware
+from l4d_blender.assets.person import Cloth
+from l4d_blender.motion.diners import Diner
+from l4d_blender.motion.servers import Stirring, spoon_between
+from l4d_blender.scene import Instance, Scene
+
+SCALE = "tabletop"
+
+FLOOR_M = -dining_table.HEIGHT_M
+SEAT_M = FLOOR_M + wooden_chair.SEAT_M
+TABLE = (0.04, 0.05)
+TABLE_M = (1.30, 0.98)
+LEFT_KNIT = (0.10, 0.13, 0.22)
+RIGHT_KNIT = (0.36, 0.16, 0.06)
+CREAM, SAGE = (0.58, 0.55, 0.48), (0.20, 0.24, 0.22)
+CLOTH = (0.15, 0.20, 0.17)
+NAPKIN_M = 0.0022
+STIR_SOUP_AT_M = 0.046
+
+# x, y in metres, heading in degrees.
+SOUP = (-0.045, 0.075)
+BOARD = (-0.225, -0.185, 6)
+NAPKIN_FRONT = (0.100, -0.290, 4)
+NAPKIN_RIGHT = (0.325, 0.270, 3)
+PLATE_RIGHT = (0.315, 0.085)
+DISH = (0.385, -0.150)
+DISH_SLIDES = ((0.31, -0.140), (0.235, -0.115))
+CANDLES = ((-0.175, 0.330), (0.085, 0.365))
+CANDLE_HEIGHTS_M = (0.14, 0.11)
+
+SPOON_ON_NAPKIN = (0.125, -0.288, 96)
+SPOON_PICKED = (0.295, 0.270, -94)
+SPOON_LAID = (-0.135, -0.215, 102)
+
+SHOULDERS = {
+    "left_right": ((-0.60, -0.17, 0.25), (-0.36, -0.12, 0.0)),
+    "left_left": ((-0.60, 0.17, 0.25), (-0.33, 0.25, 0.0)),
+    "right_right": ((0.78, 0.17, 0.25), (0.52, 0.30, 0.0)),
+    "right_left": ((0.78, -0.17, 0.25), (0.565, -0.215, 0.0)),
+}
+
+WOODEN = (
+    spoon.Look(
+        length_m=0.270, bowl_m=(0.056, 0.076), handle_m=(0.0135, 0.0190), thickness_m=0.0040, material="wood",
+        colour=(0.46, 0.27, 0.12), grip=(0.36, 0.030, 0.020),
+    ),
+    {"material": "wood", "grip": "red", "end": "plain"},
+)
+DARK_WOODEN = (
+    spoon.Look(
+        length_m=0.270, bowl_m=(0.056, 0.076), handle_m=(0.0135, 0.0190), thickness_m=0.0040, material="wood",
+        colour=(0.24, 0.12, 0.05), grip=(0.08, 0.17, 0.30),
+    ),
+    {"material": "wood", "grip": "blue", "end": "plain"},
+)
+PLAIN_METAL = (
+    spoon.Look(length_m=0.222, bowl_m=(0.053, 0.076), handle_m=(0.0118, 0.0220), thickness_m=0.0028),
+    {"material": "metal", "grip": "bare", "end": "plain"},
+)
+
+
+DINERS = {
+    "left": (HandLook(skin="fair", sleeve=Cloth("navy"), cuff="navy", scale=0.92), LEFT_KNIT),
+    "right": (HandLook(skin="brown", sleeve=Cloth("brown"), cuff="brown", scale=0.92), RIGHT_KNIT),
+}
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants: the twins' look, timing, cloth, soup and the evening's light."""
+
+    twin: tuple[spoon.Look, dict[str, str]] = WOODEN
+    later: int = 0
+    napkin: tuple[float, float, float] = (0.50, 0.44, 0.33)
+    soup: tuple[float, float, float] = (0.52, 0.17, 0.025)
+    dusk: float = 1.0
+
+
+def _draw(rng: random.Random) -> Choices:
+    return Choices(
+        rng.choice([WOODEN, DARK_WOODEN]),
+        rng.randint(-2, 2),
+        rng.choice([(0.50, 0.44, 0.33), (0.16, 0.24, 0.22), (0.34, 0.10, 0.10)]),
+        rng.choice([(0.52, 0.17, 0.025), (0.24, 0.30, 0.05), (0.50, 0.36, 0.12)]),
+        rng.uniform(0.7, 1.3),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Sets the table; the story happens in `_left_diner` and `_right_diner`."""
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
+    _room(scene)
+    _light(scene, choices)
+    dishes = _landmarks(scene, choices)
+    spoons = _spoons(scene, choices)
+    _left_diner(scene, choices, spoons, dishes)
+    _right_diner(scene, choices, spoons, dishes)
+    scene.cameras(
+        (0.075, -0.02, 0.035), radius_m=0.82, heights_m=(0.48, 0.64), arc_deg=120, facing_deg=-90, fov_deg=47
+    )
+
+
+def _room(scene: Scene) -> None:
+    """The room at dusk, the table with its cloth, and the two who eat."""
+    rng = scene.rng("room")
+    for obj in dining_room.dining_room("room", rng):
+        obj.matrix_basis = Matrix.Translation((0.0, 0.0, FLOOR_M)) @ obj.matrix_basis
+        scene.scenery(obj)
+    table = dining_table.dining_table(
+        "table", rng, size_m=TABLE_M, light=(0.20, 0.095, 0.045), dark=(0.095, 0.040, 0.018), under_cloth=True
+    )
+    linen = tableware.linen(
+        "linen", CLOTH, rng, stripe=(0.40, 0.33, 0.20), stripe_at_m=(0.385, 0.405), stripe_m=0.008, axis="Y"
+    )
+    cloth = dining_table.tablecloth("cloth", rng, linen, table_m=TABLE_M)
+    mug = cup.Look(profile=cup.STRAIGHT, glaze=(0.10, 0.14, 0.15), pattern="dipped")
+    scene.scenery(
+        _stand(table, *TABLE),
+        _stand(cloth, *TABLE),
+        _stand(cup.cup("left_mug", rng, look=mug), -0.335, 0.085, 60),
+        _stand(cup.cup("right_mug", rng, look=mug), 0.520, 0.055, 215),
+        _stand(kitchen_clutter.bottle("oil", rng, colour=(0.16, 0.15, 0.03)), 0.235, 0.375),
+    )
+    for name, colour, x, heading in (
+        ("left_diner", LEFT_KNIT, -0.62, 90),
+        ("right_diner", RIGHT_KNIT, 0.80, -90),
+    ):
+        chair = wooden_chair.wooden_chair(f"{name}_chair", rng)
+        body = sitter.sitter(name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
+        scene.scenery(_stand(chair, x, 0.0, heading, FLOOR_M), _stand(body, x, 0.0, heading, SEAT_M))
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    """Candles, a warm lamp over the table, dusk in the window."""
+    scene.hdri("night", 0.10, rotation=0.6)
+    scene.area_light(
+        "lamp",
+        (0.05, -0.15, 1.15),
+        (0.05, 0.0, 0.0),
+        size_m=(0.42, 0.42),
+        power_w=12.0,
+        colour=(1.0, 0.70, 0.42),
+    )
+    scene.area_light(
+        "dusk",
+        (1.15, 1.6, 0.75),
+        (0.1, 0.0, 0.0),
+        size_m=(1.1, 1.0),
+        power_w=10.0 * choices.dusk,
+        colour=(0.42, 0.58, 1.0),
+    )
+    for k, (x, y) in enumerate(CANDLES):
+        at = candle.flame_at(CANDLE_HEIGHTS_M[k]) + Vector((x, y, 0.0))
+        scene.point_light(f"flame{k}", at, power_w=3.8, radius_m=0.022, colour=(1.0, 0.60, 0.27))
+
+
+def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
+    """Bowls, plates, napkins, candles and the board."""
+    rng = scene.rng("landmarks")
+    cloth = tableware.linen("napkins", choices.napkin, rng, stripe=(0.62, 0.58, 0.50), stripe_at_m=(0.062,))
+    vessels = {"soup_bowl": _soup(choices), "sauce_bowl": _sauce(), "deep_plate": _deep_plate(choices)}
+    things = {name: soup_bowl.soup_bowl(name, rng, look=look) for name, look in vessels.items()}
+    things["dish"] = soup_bowl.plate("dish", rng, radius_m=0.102)
+    things["bread_board"] = bread_board.bread_board("bread_board", rng)
+    things["napkin_front"] = dining_table.runner("napkin_front", rng, cloth, size_m=(0.235, 0.135))
+    things["napkin_right"] = dining_table.runner("napkin_right", rng, cloth, size_m=(0.20, 0.11))
+    for name, height in zip(("candle_left", "candle_right"), CANDLE_HEIGHTS_M):
+        things[name] = candle.candle(name, rng, height_m=height)
+    made = {}
+    for id_, (name, category, spot) in enumerate(
+        (
+            ("soup_bowl", "bowl", SOUP),
+            ("sauce_bowl", "bowl", (*DISH, 0.0, soup_bowl.PLATE_M)),
+            ("deep_plate", "plate", PLATE_RIGHT),
+            ("dish", "plate", DISH),
+            ("bread_board", "board", BOARD),
+            ("napkin_front", "napkin", NAPKIN_FRONT),
+            ("napkin_right", "napkin", NAPKIN_RIGHT),
+            ("candle_left", "candle", CANDLES[0]),
+            ("candle_right", "candle", CANDLES[1]),
+        ),
+        start=1001,
+    ):
+        made[name] = scene.instance(name, id_, category, _stand(things[name], *spot))
+    return made
+
+
+def _soup(choices: Choices) -> soup_bowl.Look:
+    return soup_bowl.Look(rim_m=(0.122, 0.126), level=0.60, soup=choices.soup)
+
+
+def _sauce() -> soup_bowl.Look:
+    return soup_bowl.Look(
+        rim_m=(0.086, 0.092), foot_m=0.042, level=0.58, glaze=(0.44, 0.30, 0.14), soup=(0.62, 0.56, 0.42)
+    )
+
+
+def _deep_plate(choices: Choices) -> soup_bowl.Look:
+    return soup_bowl.Look(
+        rim_m=(0.116, 0.042),
+        brim_m=0.024,
+        foot_m=0.052,
+        level=0.62,
+        glaze=CREAM,
+        band=SAGE,
+        soup=choices.soup,
+    )
+
+
+def _spoons(scene: Scene, choices: Choices) -> dict[str, Instance]:
+    """The twins, one standing in the soup, and two of metal, one standing in the sauce."""
+    look, attributes = choices.twin
+    colour = attributes["grip"]
+    ringed = (
+        spoon.Look(0.205, (0.050, 0.068), (0.0115, 0.0205), 0.0028, grip=look.grip, ring=True),
+        {"material": "metal", "grip": colour, "end": "ring"},
+    )
+    jitter = scene.rng("layout")
+    made = {}
+    for id_, name, (its, words), pose in (
+        (1, "spoon_in_soup", choices.twin, _stir_soup(choices).at(pi)),
+        (2, "spoon_on_napkin", choices.twin, _flat(SPOON_ON_NAPKIN, NAPKIN_M, jitter)),
+        (3, "spoon_in_sauce", ringed, _leaning(ringed[0])),
+        (4, "spoon_picked", PLAIN_METAL, _flat(SPOON_PICKED, NAPKIN_M, jitter)),
+    ):
+        obj = spoon.spoon(name, scene.rng(name), look=its)
+        obj.matrix_basis = pose
+        made[name] = scene.instance(name, id_, "spoon", obj, attributes=words)
+    return made
+
+
+def _left_diner(
+    scene: Scene, choices: Choices, spoons: dict[str, Instance], dishes: dict[str, Instance]
+) -> None:
+    """The right hand stirs the soup, lays the spoon on the board and withdraws; the left one rests."""
+    t = choices.later
+    hand = _hand(scene, "left_right", 1010)
+    held, look = spoons["spoon_in_soup"], choices.twin[0]
+    grip = held.matrix(0) @ look.tip.lerp(look.end, 0.90)
+    hand.hold_from_start(held, grip="pen", point=grip, heading_rad=radians(75.0))
+    hand.stir(dishes["soup_bowl"], _stir_soup(choices), (3, 36 + t), rounds=1.5, start_rad=pi)
+    up = Matrix.Translation((-0.02, -0.06, 0.13)) @ held.matrix(36 + t)
+    hand.bring(up, (36 + t, 50 + t))
+    hand.lay_down(_flat(SPOON_LAID, bread_board.BOARD_M, None), (50 + t, 70 + t))
+    hand.release((70 + t, 80 + t))
+    hand.withdraw((80 + t, 94 + t))
+    hand.finish()
+    _hand(scene, "left_left", 1011).finish()
+
+
+def _right_diner(
+    scene: Scene, choices: Choices, spoons: dict[str, Instance], dishes: dict[str, Instance]
+) -> None:
+    """The left hand slides the dish with the sauce; the right one takes a spoon and stirs the plate."""
+    t = choices.later
+    left = _hand(scene, "right_left", 1013)
+    dish = dishes["dish"]
+    edge = dish.matrix(0).translation + Vector((0.0, 0.0, 0.012))
+    left.approach(dish, (2, 16), grip="push", point=edge, heading_rad=radians(-98.0))
+    left.push_dish(DISH_SLIDES, (17, 48 + t), load=(dishes["sauce_bowl"], spoons["spoon_in_sauce"]))
+    left.release((48 + t, 57 + t))
+    left.withdraw((57 + t, 78 + t))
+    left.finish()
+
+    right = _hand(scene, "right_right", 1012)
+    taken = spoons["spoon_picked"]
+    grip = taken.matrix(0) @ PLAIN_METAL[0].tip.lerp(PLAIN_METAL[0].end, 0.78)
+    right.approach(
+        taken, (12, 30 + t), grip="pick", point=grip + Vector((0, 0, 0.004)), heading_rad=radians(-80.0)
+    )
+    right.lift((30 + t, 43 + t), height_m=0.10)
+    way = _stir_plate(choices)
+    right.bring(way.at(pi), (43 + t, 59 + t))
+    right.stir(dishes["deep_plate"], way, (59 + t, 92 + t), rounds=1.0, start_rad=pi)
+    right.finish()
+
+
+def _stir_soup(choices: Choices) -> Stirring:
+    """How the wooden spoon goes round in the upper half of the soup."""
+    foot = Vector((*SOUP, STIR_SOUP_AT_M))
+    inner, height = _soup(choices).inner_m
+    rim = inner, height + soup_bowl.FLOOR_M - STIR_SOUP_AT_M
+    return Stirring(foot, rim, Vector((-1.0, -0.30, 0.0)), choices.twin[0].tip, circle_m=0.050)
+
+
+def _stir_plate(choices: Choices) -> Stirring:
+    """How the metal spoon lies in the deep plate, clear of its rim."""
+    foot = Vector((*PLATE_RIGHT, soup_bowl.FLOOR_M + 0.004))
+    inner, height = _deep_plate(choices).inner_m
+    lean = Vector((1.0, 0.45, 0.0))
+    return Stirring(foot, (inner - 0.010, height + 0.012), lean, PLAIN_METAL[0].tip, circle_m=0.026)
+
+
+def _leaning(look: spoon.Look) -> Matrix:
+    """A spoon that leans across the sauce bowl, its tip in the far corner of the floor."""
+    foot = Vector((*DISH, soup_bowl.PLATE_M + soup_bowl.FLOOR_M + 0.003))
+    inner, height = _sauce().inner_m
+    lean = Vector((1.0, -0.12, 0.0)).normalized()
+    low, high = foot - lean * 0.048, foot + lean * (inner - 0.006) + Vector((0.0, 0.0, height + 0.002))
+    return spoon_between(low, high, look.tip)
+
+
+def _flat(spot: tuple[float, float, float], z: float, rng: random.Random | None) -> Matrix:
+    """A spoon that lies at x, y with its handle along a heading (degrees from +Y)."""
+    loose = (0.003, 0.003, 2.0) if rng else ()
+    dx, dy, turn = [rng.uniform(-1.0, 1.0) * most for most in loose] or (0.0, 0.0, 0.0)
+    x, y, heading = spot
+    return Matrix.Translation((x + dx, y + dy, z)) @ Matrix.Rotation(radians(heading + turn), 4, "Z")
+
+
+def _hand(scene: Scene, name: str, id_: int) -> Diner:
+    """A hand (diner_side) in the sleeve of its owner's pullover."""
+    owner, side = name.split("_")
+    shoulder, rest = SHOULDERS[name]
+    look, colour = DINERS[owner]
+    hand = Diner(
+        scene, f"hand_{name}", id_, side=side[0], look=look, shoulder=shoulder, rest_at=rest,
+        attributes={"side": side, "owner": f"{owner}_diner"},
+    )
+    _, sleeve = hand.body.meshes
+    knit = f"{name}.knit"
+    sleeve.data.materials[0] = products.knit(knit, colour, scene.rng(knit), along="Y", bends=True)
+    return hand
+
+
+def _stand(
+    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
+) -> bpy.types.Object:
+    """Puts a thing exactly there."""
+    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
+    return obj

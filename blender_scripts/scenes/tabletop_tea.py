@@ -1,0 +1,351 @@
+"""Tea in a garden: two pots are tipped one after the other over two of three cups while somebody stirs.
+
+Story. Host and guest sit at a table with a checked cloth. Two cups are twins, wide and white with a blue
+band: one stands on a saucer in front of the host, the other on the tray next to a tall striped cup. The host
+lifts the pot from its trivet with the right hand, pours into the cup on the saucer and puts the pot back;
+later the guest fills the tall cup on the tray from the other pot. Meanwhile the host's left hand stirs the
+twin on the tray and leaves the spoon in it. So of the banded cups one is filled, of the cups on the tray one
+is filled, and the banded one on the tray is only stirred.
+
+Axes: the table top is z = 0; the host is at -X and faces +X, the guest at +Y faces -Y.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import radians
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender.assets import (
+    cup,
+    dining_table,
+    flower_vase,
+    garden,
+    saucer,
+    sitter,
+    spoon,
+    sugar_bowl,
+    tea,
+    teapot,
+    tray,
+    wooden_chair,
+)
+from l4d_blender.assets.hand import HandLook
+from l4d_blender.assets.materials import products, tableware
+from l4d_blender.assets.person import Cloth
+from l4d_blender.motion.servers import Server, Stirring
+from l4d_blender.scene import Instance, Scene
+from l4d_blender.timeline import FRAME_COUNT
+
+SCALE = "tabletop"
+
+FLOOR_M = -dining_table.HEIGHT_M
+TABLE = (0.13, -0.03)
+TABLE_M = (1.22, 1.12)
+CARDIGAN = (0.24, 0.055, 0.06)
+SHIRT = (0.06, 0.15, 0.13)
+
+# x, y in metres and heading in degrees; pots head where their spout points.
+TRIVET = (-0.205, -0.345, 8)
+TRAY = (0.075, 0.115, 0)
+SUGAR = (0.085, -0.165, 0)
+BISCUITS = (0.295, -0.240, 0)
+FLOWERS = (0.375, 0.355, 40)
+POT_ON_TRIVET = (-0.205, -0.345, 180)
+POT_BEHIND_TRAY = (0.015, 0.345, 90)
+CUP_BY_HOST = (-0.125, -0.115, 215)
+CUP_STIRRED = (-0.115, 0.105, 140)
+CUP_TALL = (0.245, 0.100, -60)
+
+TEA = (0.17, 0.052, 0.010)
+CUP_LOW, CUP_HIGH = 0.60, 0.89  # levels as shares of the lip's height
+SPOON = spoon.Look(length_m=0.142)
+CLEARANCE_M = 0.082  # of a spout over a lip
+FLOW_M_S = (0.32, -0.25)  # how fast tea leaves the spout, forwards and upwards
+
+HOST_RIGHT = ((-0.60, -0.17, 0.25), (-0.40, -0.44, 0.0))
+HOST_LEFT = ((-0.60, 0.17, 0.25), (-0.34, 0.27, 0.0))
+GUEST_RIGHT = ((-0.03, 0.74, 0.25), (-0.14, 0.48, 0.0))
+GUEST_LEFT = ((0.31, 0.74, 0.25), (0.24, 0.47, 0.0))
+
+BANDED = (
+    cup.Look(profile=cup.BOWL, pattern="rim_band"),
+    {"colour": "white", "pattern": "banded", "shape": "wide"},
+)
+STRIPED = (cup.Look(pattern="stripes"), {"colour": "white", "pattern": "striped", "shape": "tall"})
+SPECKLED = (cup.Look(pattern="speckled"), {"colour": "white", "pattern": "speckled", "shape": "tall"})
+WIDE_STRIPED = (
+    cup.Look(profile=cup.BOWL, pattern="stripes", accent=(0.42, 0.08, 0.04)),
+    {"colour": "white", "pattern": "striped", "shape": "wide"},
+)
+TALL_DIPPED = (cup.Look(pattern="dipped"), {"colour": "white", "pattern": "two_tone", "shape": "tall"})
+
+ROUND_POT = (
+    teapot.Look(knob="wood"), {"colour": "blue", "shape": "round", "material": "ceramic", "knob": "wooden"}
+)
+TALL_POT = (
+    teapot.Look(shape="tall", material="enamel", pattern="banded"),
+    {"colour": "blue", "shape": "tall", "material": "enamel", "knob": "round"},
+)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants: looks, which pot pours first, when, and the light."""
+
+    twin: tuple[cup.Look, dict[str, str]] = BANDED
+    other: tuple[cup.Look, dict[str, str]] = STRIPED
+    first_pot: tuple[teapot.Look, dict[str, str]] = ROUND_POT
+    second_pot: tuple[teapot.Look, dict[str, str]] = TALL_POT
+    later: int = 0
+    sun_azimuth_deg: float = -150.0
+    cloth: tuple[float, float, float] = (0.30, 0.36, 0.24)
+
+
+def _draw(rng: random.Random) -> Choices:
+    twin, other = rng.choice(
+        [(BANDED, STRIPED), (WIDE_STRIPED, SPECKLED), (BANDED, TALL_DIPPED), (WIDE_STRIPED, TALL_DIPPED)]
+    )
+    pots = [ROUND_POT, TALL_POT]
+    rng.shuffle(pots)
+    return Choices(
+        twin,
+        other,
+        *pots,
+        later=rng.randint(-2, 2),
+        sun_azimuth_deg=rng.uniform(-165.0, -120.0),
+        cloth=rng.choice([(0.30, 0.36, 0.24), (0.16, 0.24, 0.40), (0.45, 0.13, 0.10)]),
+    )
+
+
+def build(scene: Scene) -> None:
+    """Lays the table in the garden; the story happens in `_host` and `_guest`."""
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
+    scene.scenery(*garden.garden("garden", scene.rng("garden"), floor_m=FLOOR_M))
+    _seats(scene, choices)
+    _light(scene, choices)
+
+    place = Placer(scene.rng("layout"))
+    _landmarks(scene, place)
+    cups = _cups(scene, choices, place)
+    pots = _pots(scene, choices, place)
+    _host(scene, choices, cups, pots["pot_on_trivet"])
+    _guest(scene, choices, cups["cup_tall"], pots["pot_behind_tray"])
+
+    scene.cameras(
+        (0.0, -0.02, 0.05), radius_m=0.88, heights_m=(0.42, 0.58), arc_deg=132, facing_deg=-46, fov_deg=48
+    )
+
+
+class Placer:
+    """Puts things where the layout says, each a few millimetres and degrees off, as people do."""
+
+    def __init__(self, rng: random.Random) -> None:
+        self.rng = rng
+
+    def __call__(
+        self,
+        obj: bpy.types.Object,
+        x: float,
+        y: float,
+        heading_deg: float,
+        z: float = 0.0,
+        loose: float = 1.0,
+    ) -> bpy.types.Object:
+        """Puts `obj` near x, y (metres) at a heading; `loose` scales how far off it may be."""
+        dx, dy, turn = (self.rng.uniform(-1.0, 1.0) * loose * most for most in (0.005, 0.005, 5.0))
+        return _stand(obj, x + dx, y + dy, heading_deg + turn, z)
+
+
+def _seats(scene: Scene, choices: Choices) -> None:
+    """Table, cloth, chairs, and the two who sit there."""
+    rng = scene.rng("seats")
+    table = dining_table.dining_table("table", rng, size_m=TABLE_M, under_cloth=True)
+    cloth = dining_table.tablecloth(
+        "cloth", rng, tableware.gingham("gingham", choices.cloth, rng, check_m=0.032), table_m=TABLE_M
+    )
+    scene.scenery(_stand(table, *TABLE), _stand(cloth, *TABLE))
+    for name, colour, (x, y), heading in (
+        ("host", CARDIGAN, (-0.62, 0.0), 90),
+        ("guest", SHIRT, (0.14, 0.76), 0),
+    ):
+        chair = wooden_chair.wooden_chair(f"{name}_chair", rng)
+        body = sitter.sitter(name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
+        scene.scenery(
+            _stand(chair, x, y, heading, FLOOR_M), _stand(body, x, y, heading, FLOOR_M + wooden_chair.SEAT_M)
+        )
+    napkin = dining_table.runner(
+        "napkin", rng, tableware.linen("linen", (0.62, 0.58, 0.48), rng), size_m=(0.17, 0.13)
+    )
+    spare = saucer.saucer("spare_saucer", rng, rim=(0.10, 0.20, 0.34))
+    scene.scenery(_stand(napkin, 0.10, -0.33, 22, 0.002), _stand(spare, 0.47, 0.07, 0))
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    """Late morning: sun through haze, open sky."""
+    scene.sky(sun_elevation_deg=32.0, sun_azimuth_deg=choices.sun_azimuth_deg, strength=0.20)
+    scene.sun(
+        elevation_deg=50.0,
+        azimuth_deg=choices.sun_azimuth_deg,
+        strength=3.6,
+        angle_deg=3.0,
+        colour=(1.0, 0.87, 0.68),
+    )
+
+
+def _landmarks(scene: Scene, place: Placer) -> None:
+    """Things that sentences mention to say where something is."""
+    rng = scene.rng("landmarks")
+    bowl = sugar_bowl.sugar_bowl("sugar_bowl", rng)
+    flowers = flower_vase.flower_vase("flowers", rng)
+    for id_, name, category, obj in (
+        (1001, "trivet", "trivet", place(tray.trivet("trivet", rng), *TRIVET, loose=0.5)),
+        (1002, "tray", "tray", _stand(tray.tray("tray", rng, size_m=(0.50, 0.27)), *TRAY)),
+        (1003, "sugar_bowl", "sugar_bowl", place(bowl, *SUGAR)),
+        (1004, "biscuits", "plate", place(sugar_bowl.biscuits("biscuits", rng), *BISCUITS)),
+        (1005, "flowers", "vase", place(flowers, *FLOWERS)),
+    ):
+        scene.instance(name, id_, category, obj)
+
+
+def _cups(scene: Scene, choices: Choices, place: Placer) -> dict[str, Instance]:
+    """Two twins and another, each with some tea in it."""
+    under = saucer.saucer("saucer", scene.rng("saucer"))
+    scene.scenery(place(under, *CUP_BY_HOST[:2], 0.0, loose=0.0))
+    cups = {}
+    for id_, name, (look, attributes), (x, y, heading), z in (
+        (1, "cup_by_host", choices.twin, CUP_BY_HOST, saucer.SAUCER_WELL_M),
+        (2, "cup_stirred", choices.twin, CUP_STIRRED, tray.TRAY_M),
+        (3, "cup_tall", choices.other, CUP_TALL, tray.TRAY_M),
+    ):
+        body = place(cup.cup(name, scene.rng(name), look=look), x, y, heading, z, loose=0.4)
+        drink = tea.surface(f"{name}.tea", TEA)
+        cups[name] = scene.instance(name, id_, "cup", [body, drink], attributes=attributes)
+        _fill(drink, cups[name], look, [CUP_LOW * look.profile[-1][1]] * FRAME_COUNT)
+    return cups
+
+
+def _pots(scene: Scene, choices: Choices, place: Placer) -> dict[str, Instance]:
+    """The pot that pours first stands on the trivet, the other behind the tray."""
+    pots = {}
+    for id_, name, (look, attributes), spot, z in (
+        (4, "pot_on_trivet", choices.first_pot, POT_ON_TRIVET, tray.TRIVET_M),
+        (5, "pot_behind_tray", choices.second_pot, POT_BEHIND_TRAY, 0.0),
+    ):
+        body = place(teapot.teapot(name, scene.rng(name), look=look), *spot, z, loose=0.5)
+        pots[name] = scene.instance(name, id_, "teapot", body, attributes=attributes, front="-y")
+    return pots
+
+
+def _host(scene: Scene, choices: Choices, cups: dict[str, Instance], pot: Instance) -> None:
+    """The right hand pours into the cup in front of the host and puts the pot back; the left hand stirs."""
+    look = HandLook(skin="fair", sleeve=Cloth("brown"), cuff="brown", scale=0.90)
+    right = _hand(scene, "host_right", 1006, "r", look, HOST_RIGHT, CARDIGAN)
+    stand = pot.matrix(0).translation.copy()
+    t = choices.later
+    _serve(
+        right,
+        choices.first_pot[0],
+        pot,
+        cups["cup_by_host"],
+        choices.twin[0],
+        (2, 14 + t, 29 + t, 60 + t),
+        90.0,
+    )
+    right.put_down(stand, (61 + t, 80 + t))
+    right.release((80 + t, 90 + t))
+    right.finish()
+
+    left = _hand(scene, "host_left", 1007, "l", look, HOST_LEFT, CARDIGAN)
+    stirred = cups["cup_stirred"]
+    foot = stirred.matrix(0).translation + Vector((0, 0, cup.BOTTOM_M + 0.003))
+    lip_r, lip_z = choices.twin[0].profile[-1]
+    inside = lip_r - cup.WALL_M, lip_z - cup.BOTTOM_M
+    way = Stirring(foot, inside, Vector((-1.0, 0.35, 0.0)), SPOON.tip)
+    body = spoon.spoon("spoon", scene.rng("spoon"), look=SPOON)
+    body.matrix_basis = way.at(0.0)
+    held = scene.instance("spoon", 1010, "spoon", body)
+    left.hold_from_start(held, grip="pinch", point=body.matrix_basis @ (SPOON.tip.lerp(SPOON.end, 0.82)))
+    left.stir(stirred, way, (6, 58 + t), rounds=2.0)
+    left.release((62 + t, 72 + t))
+    left.withdraw((72 + t, 90 + t))
+    left.finish()
+
+
+def _guest(scene: Scene, choices: Choices, filled: Instance, pot: Instance) -> None:
+    """The guest's right hand fills the cup on the tray; the left one rests."""
+    look = HandLook(skin="brown", sleeve=Cloth("green"), cuff="green", scale=0.90)
+    t = choices.later
+    right = _hand(scene, "guest_right", 1008, "r", look, GUEST_RIGHT, SHIRT)
+    _serve(right, choices.second_pot[0], pot, filled, choices.other[0], (26 + t, 40 + t, 55 + t, 90 + t), 0.0)
+    right.finish()
+    _hand(scene, "guest_left", 1009, "l", look, GUEST_LEFT, SHIRT).finish()
+
+
+def _serve(
+    hand: Server,
+    look: teapot.Look,
+    pot: Instance,
+    into: Instance,
+    cup_look: cup.Look,
+    frames: tuple[int, int, int, int],
+    heading_deg: float,
+) -> None:
+    """Takes a pot by its ear, brings the spout over a cup and pours: `frames` part reach, lift and pour."""
+    reach, lift, tip, end = frames
+    scene = hand.scene
+    lip = cup_look.profile[-1][1]
+    foot = into.matrix(0).translation
+    ahead = pot.matrix(0).to_3x3() @ Vector((0.0, -1.0, 0.0))
+    flow = Vector((ahead.x * FLOW_M_S[0], ahead.y * FLOW_M_S[0], FLOW_M_S[1]))
+    over = foot + Vector((0, 0, lip + CLEARANCE_M))
+    over -= (tea.landing_point(over, flow, foot.z + 0.6 * lip) - over) * Vector((1, 1, 0))
+    hand.approach(
+        pot, (reach, lift), grip="ear", point=pot.matrix(0) @ look.grip, heading_rad=radians(heading_deg)
+    )
+    hand.raise_spout(look.spout_tip, over + Vector((0, 0, 0.012)), (lift, tip))
+    wet = hand.pour(
+        into, look.spout_tip, (tip, end), tip_rad=radians(50.0 if look.shape == "round" else 58.0)
+    )
+    levels = tea.rising(wet[0] + 3, wet[1], CUP_LOW * lip, CUP_HIGH * lip)
+    _fill(into.objects[1], into, cup_look, levels)
+    spout = pot.matrix(wet[0] + 3) @ look.spout_tip
+    scene.scenery(tea.stream(f"{pot.name}.stream", TEA, spout, flow, [foot.z + z for z in levels], wet))
+
+
+def _fill(drink: bpy.types.Object, into: Instance, look: cup.Look, levels: list[float]) -> None:
+    """Keys the level of the tea in a cup, in metres over its foot."""
+    inner = [(r - cup.WALL_M, z) for r, z in look.profile if z > cup.BOTTOM_M]
+    tea.key_level(drink, [into.matrix(f) for f in range(FRAME_COUNT)], inner, levels)
+
+
+def _hand(
+    scene: Scene,
+    name: str,
+    id_: int,
+    side: str,
+    look: HandLook,
+    where: tuple[tuple[float, float, float], tuple[float, float, float]],
+    colour: tuple[float, float, float],
+) -> Server:
+    """A hand in the sleeve of its owner's pullover; `where` is the shoulder and where the palm rests."""
+    owner, side_name = name.split("_")
+    hand = Server(
+        scene, name, id_, side=side, look=look, shoulder=where[0], rest_at=where[1],
+        attributes={"side": side_name, "owner": owner},
+    )
+    _, sleeve = hand.body.meshes
+    knit = f"{name}.knit"
+    sleeve.data.materials[0] = products.knit(knit, colour, scene.rng(knit), along="Y", bends=True)
+    return hand
+
+
+def _stand(
+    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
+) -> bpy.types.Object:
+    """Puts a thing exactly there."""
+    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
+    return obj

@@ -1,0 +1,283 @@
+"""Wind-up robots and spinning tops on a work table in an attic: one robot walks and stops, then another is
+let go and walks off, a third turns on a box; one top runs down and topples, later a hand spins the other.
+
+Story. Two red robots are twins. One walks over the cutting mat, stops, and then turns round on the spot. The
+other is held by the right hand until it is let go and walks to the biscuit tin. The large robot stands on a
+wooden box, is held by the left hand at first, and then turns on the spot. The tin top spins from the start,
+wobbles and topples; the wooden one lies there until the left hand stands it up and twirls it.
+
+Axes: the table top is z = 0; the tinkerer sits at -X and faces +X, so the right hand is at -Y.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from math import radians
+
+import bpy
+from mathutils import Matrix, Vector
+
+from l4d_blender.assets import (
+    attic_room,
+    biscuit_tin,
+    book,
+    cutting_mat,
+    desk,
+    desk_lamp,
+    sitter,
+    spinning_top,
+    toy_robot,
+    wooden_box,
+    workshop_clutter,
+)
+from l4d_blender.assets.hand import HandLook
+from l4d_blender.assets.materials import products
+from l4d_blender.assets.person import Cloth
+from l4d_blender.motion import spinning_tops
+from l4d_blender.motion.spinning_tops import TopHand
+from l4d_blender.motion.windup_robots import WindUpRobot
+from l4d_blender.scene import Instance, Scene
+
+SCALE = "tabletop"
+
+FLOOR_M = -desk.HEIGHT_M
+SEAT_M = 0.47
+MAT_M = cutting_mat.THICKNESS_M
+BOX_SIZE_M = (0.21, 0.15, 0.060)
+WOOL = (0.17, 0.060, 0.035)
+
+# x, y in metres, heading in degrees.
+MAT = (0.060, -0.020, 0.0)
+BOX = (-0.050, 0.258, 78.0)
+TIN = (0.150, 0.262, 0.0)
+LAMP = (-0.165, 0.465, 40.0)
+WALKER = (0.112, -0.035, 27.0)
+RELEASED = (-0.080, -0.105, 92.0)
+TURNER = (-0.036, 0.245, 40.0)
+WOODEN_TOP = (0.125, 0.075)
+TIN_TOP = (0.010, -0.215)
+
+SHOULDERS = {"r": (-0.44, -0.17, 0.26), "l": (-0.44, 0.15, 0.26)}
+RESTS = {"r": (-0.190, -0.215, MAT_M), "l": (-0.225, 0.060, MAT_M)}
+
+PAINTS = {
+    "red": (0.48, 0.045, 0.03),
+    "teal": (0.045, 0.20, 0.23),
+    "yellow": (0.66, 0.40, 0.03),
+    "green": (0.10, 0.26, 0.08),
+}
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: str
+    large: str
+    chests: tuple[str, str]
+    walk: tuple[int, int]
+    turn_deg: float
+    lamp_w: float
+
+
+BENCHMARK = Choices(
+    twins="red", large="teal", chests=("dial", "gears"), walk=(4, 44), turn_deg=150.0, lamp_w=6.0
+)
+
+
+def _draw(rng: random.Random) -> Choices:
+    twins, large = rng.sample(list(PAINTS), 2)
+    chests = rng.sample(toy_robot.CHESTS, 2)
+    first = rng.randint(2, 6)
+    return Choices(
+        twins=twins,
+        large=large,
+        chests=(chests[0], chests[1]),
+        walk=(first, first + 40),
+        turn_deg=rng.choice((-1, 1)) * rng.uniform(120.0, 170.0),
+        lamp_w=rng.uniform(5.0, 7.5),
+    )
+
+
+def build(scene: Scene) -> None:
+    """The whole scene; who does what is in `_robots`, `_right_hand` and `_left_hand`."""
+    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    _attic(scene)
+    _clutter(scene)
+    _light(scene, choices)
+    _landmarks(scene)
+    robots = _robots(scene, choices)
+    tops = _tops(scene)
+    _right_hand(scene, robots["robot_released"])
+    _left_hand(scene, robots["robot_on_box"], tops["top_wooden"])
+    scene.cameras(
+        (0.050, -0.005, 0.065), radius_m=0.66, heights_m=(0.34, 0.50), arc_deg=140, facing_deg=-22, fov_deg=48
+    )
+
+
+def _attic(scene: Scene) -> None:
+    """The room under the roof, the table, the stool and whoever sits there."""
+    rng = scene.rng("room")
+    shell = attic_room.attic_room("attic", rng)
+    for part in shell:
+        _stand(part, -0.25, 0.0, 0, FLOOR_M)
+    table = desk.desk(
+        "table", rng, size_m=(1.30, 0.72), light=(0.25, 0.135, 0.060), dark=(0.12, 0.06, 0.026),
+        steel=(0.16, 0.085, 0.04),
+    )
+    scene.scenery(
+        *shell,
+        _stand(table, 0.06, 0.0, -90, FLOOR_M),
+        _stand(
+            sitter.sitter(
+                "tinkerer", rng, pullover=products.knit("pullover", WOOL, rng), jeans=(0.09, 0.075, 0.05)
+            ),
+            -0.45,
+            0.0,
+            90,
+            FLOOR_M + SEAT_M,
+        ),
+    )
+
+
+def _clutter(scene: Scene) -> None:
+    """What lies about and is never asked for."""
+    rng = scene.rng("clutter")
+    scene.scenery(
+        _stand(workshop_clutter.screwdriver("screwdriver", rng), 0.245, -0.10, 80, MAT_M),
+        _stand(workshop_clutter.loose_parts("parts", rng), 0.225, 0.065, 20, MAT_M),
+        _stand(workshop_clutter.oil_can("oil_can", rng), 0.235, 0.345, -30),
+        _stand(workshop_clutter.spool("spool", rng), -0.11, -0.375, 0),
+        _stand(workshop_clutter.spool("spool_red", rng, thread=(0.34, 0.05, 0.03)), -0.06, -0.405, 0),
+    )
+
+
+def _light(scene: Scene, choices: Choices) -> None:
+    """A warm desk lamp against the last blue light of the window."""
+    scene.hdri("interior", 0.16, rotation=2.4)
+    scene.area_light(
+        "dusk", (0.1, 1.15, 0.75), (0.0, 0.0, 0.0), size_m=(0.8, 0.8), power_w=9, colour=(0.62, 0.74, 1.0)
+    )
+    scene.area_light(
+        "ceiling",
+        (0.75, -0.55, 1.25),
+        (0.0, 0.0, 0.0),
+        size_m=(0.5, 0.5),
+        power_w=17,
+        colour=(1.0, 0.80, 0.56),
+    )
+    lamp = Matrix.Translation((LAMP[0], LAMP[1], 0.0)) @ Matrix.Rotation(radians(LAMP[2]), 4, "Z")
+    scene.point_light(
+        "lamp_light", lamp @ desk_lamp.LIGHT, power_w=choices.lamp_w, radius_m=0.03, colour=(1.0, 0.68, 0.36)
+    )
+
+
+def _landmarks(scene: Scene) -> None:
+    """Things that sentences mention to say where something is."""
+    rng = scene.rng("landmarks")
+    box = wooden_box.wooden_box("wooden_box", rng, size_m=BOX_SIZE_M)
+    tin = biscuit_tin.biscuit_tin("biscuit_tin", rng)
+    lamp = desk_lamp.desk_lamp("lamp", rng, enamel=(0.09, 0.10, 0.085))
+    mat = cutting_mat.cutting_mat("cutting_mat", rng)
+    scene.instance("wooden_box", 1001, "box", _stand(box, *BOX, MAT_M), front="-y")
+    scene.instance("biscuit_tin", 1002, "tin", _stand(tin, *TIN, MAT_M))
+    scene.instance("lamp", 1003, "lamp", _stand(lamp, *LAMP))
+    scene.instance("cutting_mat", 1007, "mat", _stand(mat, *MAT))
+    notes = book.book(
+        "notebook", rng, size_m=(0.135, 0.190, 0.022), cover=(0.10, 0.055, 0.03), title=("NOTES", "II")
+    )
+    atlas = book.book(
+        "atlas", rng, size_m=(0.19, 0.245, 0.028), cover=(0.06, 0.09, 0.16), title=("CLOCKS", "& TOYS")
+    )
+    scene.instance(
+        "books", 1006, "book", [_stand(atlas, 0.135, -0.405, -70), _stand(notes, 0.14, -0.405, -94, 0.0285)]
+    )
+
+
+def _robots(scene: Scene, choices: Choices) -> dict[str, Instance]:
+    """Two twins on the mat and a larger one on the box; they walk and turn by themselves."""
+    spots = {
+        "robot_walker": (WALKER, MAT_M, choices.twins, choices.chests[0], "small"),
+        "robot_released": (RELEASED, MAT_M, choices.twins, choices.chests[0], "small"),
+        "robot_on_box": (TURNER, MAT_M + BOX_SIZE_M[2], choices.large, choices.chests[1], "large"),
+    }
+    robots, movers = {}, {}
+    for id_, (name, ((x, y, heading), z, paint, chest, size)) in enumerate(spots.items(), 1):
+        look = toy_robot.Look(paint=PAINTS[paint], chest=chest, scale=1.20 if size == "large" else 1.0)
+        robot = toy_robot.toy_robot(name, scene.rng(name), look=look)
+        attributes = {"colour": paint, "chest": chest, "size": size}
+        robots[name] = scene.instance(name, id_, "robot", robot.objects, attributes=attributes, front="-y")
+        start = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading), 4, "Z")
+        movers[name] = WindUpRobot(robots[name], robot, start)
+    walk = choices.walk
+    movers["robot_walker"].walk(walk)
+    movers["robot_walker"].turn((walk[1] + 8, walk[1] + 48), radians(-130.0))
+    movers["robot_released"].walk((54, 94), step_m=0.026, turn_rad=radians(36.0))
+    movers["robot_on_box"].turn((43, 91), radians(choices.turn_deg))
+    for mover in movers.values():
+        mover.finish()
+    return robots
+
+
+def _tops(scene: Scene) -> dict[str, Instance]:
+    """A tin top that spins from the start and a wooden one that lies there."""
+    tin = spinning_top.Look()
+    wooden = spinning_top.Look(
+        profile=spinning_top.PEAR, material="wood",
+        segments=(spinning_top.GREEN, spinning_top.CREAM, spinning_top.YELLOW, spinning_top.CREAM),
+    )
+    looks = {"top_tin": (tin, "tin", "broad"), "top_wooden": (wooden, "wood", "pear")}
+    tops = {}
+    for id_, (name, (look, material, shape)) in enumerate(looks.items(), 4):
+        obj = spinning_top.spinning_top(name, scene.rng(name), look=look)
+        tops[name] = scene.instance(name, id_, "top", obj, attributes={"material": material, "shape": shape})
+    spinning_tops.run_down(
+        tops["top_tin"], spinning_top.BROAD, Vector((*TIN_TOP, MAT_M)), falls=(36, 62), towards_rad=1.0
+    )
+    spinning_tops.lie(
+        tops["top_wooden"], spinning_top.PEAR, Vector((*WOODEN_TOP, MAT_M)), towards_rad=radians(180)
+    )
+    return tops
+
+
+def _right_hand(scene: Scene, robot: Instance) -> None:
+    """Takes a robot by its head, holds it for a while and lets it go."""
+    hand = _hand(scene, "hand_right", 1004, "r")
+    hand.approach(robot, (12, 28), grip="top")
+    hand.release((46, 54))
+    hand.withdraw((56, 76))
+    hand.finish()
+
+
+def _left_hand(scene: Scene, robot: Instance, top: Instance) -> None:
+    """Holds the large robot and lets it go, then stands a top up and twirls it."""
+    hand = _hand(scene, "hand_left", 1005, "l")
+    hand.approach(robot, (0, 13), grip="top")
+    hand.release((33, 41))
+    hand.twirl(
+        top, spinning_top.PEAR, at=Vector((*WOODEN_TOP, MAT_M)), towards_rad=radians(180),
+        approach=(41, 57), upright=66, let_go=80, heading_rad=radians(90),
+    )
+    hand.move_to((-0.14, 0.05, 0.10), (87, 96))
+    hand.finish()
+
+
+def _hand(scene: Scene, name: str, id_: int, side: str) -> TopHand:
+    """A hand in the sleeve of the tinkerer's pullover."""
+    look = HandLook(skin="fair", sleeve=Cloth("brown"), cuff="brown", scale=0.94)
+    hand = TopHand(
+        scene, name, id_, side=side, look=look, shoulder=SHOULDERS[side], rest_at=RESTS[side], table_m=MAT_M,
+        attributes={"side": {"r": "right", "l": "left"}[side]},
+    )
+    _, sleeve = hand.body.meshes
+    sleeve.data.materials[0] = products.knit(f"{name}.knit", WOOL, scene.rng(name), along="Y", bends=True)
+    return hand
+
+
+def _stand(
+    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
+) -> bpy.types.Object:
+    """Puts a thing exactly there."""
+    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
+    return obj
