@@ -14,31 +14,9 @@ use l4d_frames::exr::read_frame;
 use l4d_frames::frame::Frame;
 use serde_json::Value;
 
-use crate::support::blender_python;
+use crate::support::{blender_python, is_slow, l4d, root, succeed};
 
 const SCENE: &str = "tabletop_mouse_cups";
-
-/// Twenty kills and the other long suites run with `L4D_SLOW=1`.
-fn is_slow() -> bool {
-    std::env::var_os("L4D_SLOW").is_some_and(|value| value == "1")
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn l4d(args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_l4d"));
-    command.current_dir(root()).args(args).stdin(Stdio::null());
-    command
-}
-
-fn succeed(command: &mut Command) -> String {
-    let output = command.output().unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}\n{}\n{stderr}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stdout).unwrap() + &stderr
-}
 
 fn build(data: &Path, bench: &Path, more: &[&str]) -> Command {
     let mut command = l4d(&["build-scenes", "--profile", "tiny", "--scenes", SCENE]);

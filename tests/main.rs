@@ -4,6 +4,8 @@
 mod architecture;
 mod blender;
 mod leaderboard;
+mod queries;
 mod results;
+mod scenes;
 mod score;
 mod support;

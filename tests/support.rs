@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use l4d_data::layout::BenchDir;
@@ -13,6 +13,31 @@ use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Profile, json};
 use l4d_frames::{Mask, rle};
 use serde_json::{Value, json};
+
+/// Twenty kills and the other long suites run with `L4D_SLOW=1`.
+pub(crate) fn is_slow() -> bool {
+    std::env::var_os("L4D_SLOW").is_some_and(|value| value == "1")
+}
+
+/// The project's folder.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The binary in the project's folder.
+pub(crate) fn l4d(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_l4d"));
+    command.current_dir(root()).args(args).stdin(Stdio::null());
+    command
+}
+
+/// Both outputs of a command that has to succeed.
+pub(crate) fn succeed(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}\n{}\n{stderr}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stdout).unwrap() + &stderr
+}
 
 /// The Python of the Blender environment in the project's `work/` folder, made once if it is missing.
 pub(crate) fn blender_python() -> PathBuf {

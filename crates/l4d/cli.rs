@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use l4d_data::Profile;
+use l4d_data::benchmark::SetSplit;
 
 /// Benchmark and dataset toolkit for 4D language grounding.
 #[derive(Debug, Parser)]
@@ -37,8 +38,12 @@ pub(crate) enum Command {
     CheckScenes(CheckScenesArgs),
     /// Draw a contact sheet of a scene: views, moments, outlines, queries
     Sheet(SheetArgs),
+    /// Draw the scenes anew and keep the queries that still mean one thing: a fresh test set
+    DrawVariant(DrawVariantArgs),
     /// Prove that each query has exactly one referent and real distractors
     CheckQueries(CheckQueriesArgs),
+    /// Numbers, tables and figures of the set: comparison, words, sizes, visibility, motion, intervals
+    Stats(StatsArgs),
     /// Write the results of baselines that bracket the scale
     Baseline(BaselineArgs),
     /// List every problem of a results folder
@@ -113,23 +118,24 @@ pub(crate) struct BuildScenesArgs {
     /// Folder that receives the scenes; default: data/<profile>, or data/<profile>-v<variant>
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// 0 is the benchmark; others permute looks, roles, layout and cameras
-    #[arg(long, default_value_t = 0)]
-    pub(crate) variant: u32,
-    /// Seed of everything random in the recipes
-    #[arg(long, default_value_t = 0)]
-    pub(crate) seed: u64,
+    /// 0 is the benchmark; others permute looks, roles, layout and cameras; default: that of --bench
+    #[arg(long)]
+    pub(crate) variant: Option<u32>,
+    /// Seed of everything random in the recipes; default: that of --bench
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
     /// Only tracks, no picture (writes <bench>/scenes)
     #[arg(long)]
     pub(crate) tracks_only: bool,
-    /// Blender processes at once; each uses an equal part of the cores
+    /// Blender processes at once; each uses an equal part of the cores, two at least
     #[arg(long, default_value_t = 1)]
     pub(crate) jobs: usize,
     /// Render part i of n of the pictures (a deterministic partition for clusters), e.g. 2/8
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
-    /// Samples per pixel of the colour pass, before denoising; default: 8 (tiny), 4 (small), 16 (full)
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    /// Samples per pixel of the colour pass, before denoising; 0 leaves pictures black and renders depth and ids alone,
+    /// which is all that the truth needs; default: 8 (tiny), 4 (small), 16 (full)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub(crate) samples: Option<u32>,
     /// Render again what other scripts, seeds or samples rendered before
     #[arg(long)]
@@ -176,9 +182,49 @@ pub(crate) struct SheetArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct DrawVariantArgs {
+    /// Which permutation of looks, roles, layout and cameras
+    pub(crate) variant: u32,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    #[command(flatten)]
+    pub(crate) python: PythonArgs,
+    /// Seed of everything random in the recipes
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Folder of the new set
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// What the new set is for: private or dev
+    #[arg(long, default_value = "private", value_parser = set_split)]
+    pub(crate) split: SetSplit,
+    /// Folder that receives the plans; default: data/<profile>-v<variant>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Replace another set that stands in --out
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct CheckQueriesArgs {
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StatsArgs {
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder that receives tables and figures; default: print only
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -303,5 +349,13 @@ impl std::str::FromStr for Shard {
             Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
             _ => Err(format!("`{text}` is not a shard: write i/n with 1 <= i <= n, for example 2/8")),
         }
+    }
+}
+
+fn set_split(text: &str) -> Result<SetSplit, String> {
+    match text {
+        "private" => Ok(SetSplit::Private),
+        "dev" => Ok(SetSplit::Dev),
+        _ => Err("must be `private` or `dev`: there is one test set, the benchmark".to_owned()),
     }
 }

@@ -6,10 +6,12 @@ mod check_queries;
 mod check_results;
 mod check_scenes;
 mod doctor;
+mod draw_variant;
 mod leaderboard;
 mod quickstart;
 mod score;
 mod sheet;
+mod stats;
 
 use anyhow::Result;
 
@@ -23,7 +25,9 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::BuildScenes(args) => build_scenes::run(args, out),
         Command::CheckScenes(args) => check_scenes::run(args, out),
         Command::Sheet(args) => sheet::run(args, out),
+        Command::DrawVariant(args) => draw_variant::run(args, out),
         Command::CheckQueries(args) => check_queries::run(args, out),
+        Command::Stats(args) => stats::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),

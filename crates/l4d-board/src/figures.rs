@@ -6,11 +6,13 @@ mod bars;
 mod drawing;
 mod lettering;
 mod metrics;
+mod multiples;
 mod paint;
 mod place;
 mod time;
 
 pub(crate) use drawing::Drawing;
+pub(crate) use multiples::draw as chart;
 pub(crate) use paint::{png, svg};
 
 use crate::rank::Board;

@@ -5,6 +5,7 @@
 //!
 //! polars stays inside `table`, plotters inside `figures`; no type of either is public.
 
+mod charts;
 pub mod codes;
 mod error;
 mod figures;
@@ -19,6 +20,7 @@ mod terminal;
 #[cfg(test)]
 mod sample;
 
+pub use charts::{Chart, Layout, Panel, publish_charts};
 pub use error::BoardError;
 pub use gather::{Gathered, gather};
 pub use publish::publish;

@@ -8,7 +8,7 @@ use crate::digest::{sha256_file, sha256_hex};
 use crate::error::DataError;
 use crate::layout::BenchDir;
 use crate::name::Name;
-use crate::query::{Query, read_queries};
+use crate::query::{Query, read_absents, read_queries};
 use crate::store::read_bounded;
 use crate::timeline::Profile;
 use crate::tracks::Tracks;
@@ -24,8 +24,51 @@ pub struct Manifest {
     pub version: String,
     /// Licence of the data.
     pub licence: String,
+    /// What it may be used for.
+    #[serde(default)]
+    pub split: SetSplit,
+    /// Which permutation of looks, roles, layout and cameras its scenes are; 0 is the benchmark.
+    #[serde(default)]
+    pub variant: u32,
+    /// Seed of everything random in its scenes; 0 is the benchmark.
+    #[serde(default)]
+    pub seed: u64,
     /// Scenes in table order.
     pub scenes: Vec<Name>,
+}
+
+/// What a set of scenes and queries may be used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SetSplit {
+    /// Reported scores; nothing is tuned on it.
+    #[default]
+    Test,
+    /// Tuning of thresholds.
+    Dev,
+    /// Somebody's own draw.
+    Private,
+}
+
+/// One draw of the recipes: 0 and 0 is the benchmark, others permute looks, roles, layout and cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Draw {
+    /// Which permutation.
+    pub variant: u32,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+impl Manifest {
+    /// Which draw of the recipes its scenes are.
+    pub fn draw(&self) -> Draw {
+        Draw { variant: self.variant, seed: self.seed }
+    }
+
+    /// The manifest as a file; `heading` is its comment.
+    pub fn to_toml(&self, heading: &str) -> Result<String, toml::ser::Error> {
+        Ok(format!("# {heading}\n{}", toml::to_string(self)?))
+    }
 }
 
 /// An opened benchmark folder.
@@ -77,6 +120,18 @@ impl Benchmark {
         read_queries(&self.dir.queries(scene), scene)
     }
 
+    /// Queries of two categories of a scene; none where there is no such file.
+    pub fn composites(&self, scene: &Name) -> Result<Vec<Query>, DataError> {
+        let path = self.dir.composites(scene);
+        if path.exists() { read_queries(&path, scene) } else { Ok(Vec::new()) }
+    }
+
+    /// Sentences that nothing in a scene satisfies; none where there is no such file.
+    pub fn absents(&self, scene: &Name) -> Result<Vec<Query>, DataError> {
+        let path = self.dir.absents(scene);
+        if path.exists() { read_absents(&path, scene) } else { Ok(Vec::new()) }
+    }
+
     /// Truth of a scene.
     pub fn truth(&self, profile: Profile, scene: &Name) -> Result<Truth, DataError> {
         let path = self.dir.truth(profile, scene);
@@ -122,5 +177,27 @@ impl Benchmark {
     /// The folder.
     pub fn root(&self) -> &Path {
         self.dir.root()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_manifest_says_which_draw_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = BenchDir::new(folder.path()).manifest();
+        let plain = "name = \"P\"\nversion = \"1.0.0\"\nlicence = \"CC-BY-4.0\"\nscenes = [\"a\"]\n";
+        std::fs::write(&path, plain).unwrap();
+        let manifest = Benchmark::open(folder.path()).unwrap().manifest;
+        assert_eq!((manifest.draw(), manifest.split), (Draw::default(), SetSplit::Test));
+        let drawn = Manifest { variant: 7, seed: 3, split: SetSplit::Private, ..manifest };
+        std::fs::write(&path, drawn.to_toml("Drawn.").unwrap()).unwrap();
+        let read = Benchmark::open(folder.path()).unwrap().manifest;
+        assert_eq!(read, drawn);
+        assert_eq!(read.draw(), Draw { variant: 7, seed: 3 });
+        std::fs::write(&path, format!("{plain}variant = -1\n")).unwrap();
+        assert!(Benchmark::open(folder.path()).unwrap_err().to_string().contains("variant"));
     }
 }

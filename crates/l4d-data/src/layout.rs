@@ -92,6 +92,26 @@ impl BenchDir {
         self.0.join("queries").join(format!("{scene}.jsonl"))
     }
 
+    /// `queries/<scene>.composite.jsonl`: queries of two categories.
+    pub fn composites(&self, scene: &str) -> PathBuf {
+        self.0.join("queries").join(format!("{scene}.composite.jsonl"))
+    }
+
+    /// `queries/<scene>.absent.jsonl`: sentences that nothing satisfies.
+    pub fn absents(&self, scene: &str) -> PathBuf {
+        self.0.join("queries").join(format!("{scene}.absent.jsonl"))
+    }
+
+    /// `published/<table>.csv`: numbers from papers.
+    pub fn published(&self, table: &str) -> PathBuf {
+        self.0.join("published").join(format!("{table}.csv"))
+    }
+
+    /// `vocabulary.txt`: the reviewed words of the sentences.
+    pub fn vocabulary(&self) -> PathBuf {
+        self.0.join("vocabulary.txt")
+    }
+
     /// `truth/<profile>/<scene>.json`.
     pub fn truth(&self, profile: Profile, scene: &str) -> PathBuf {
         self.0.join("truth").join(profile.as_str()).join(format!("{scene}.json"))

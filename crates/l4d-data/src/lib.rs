@@ -22,7 +22,7 @@ pub mod timeline;
 pub mod tracks;
 pub mod truth;
 
-pub use benchmark::Benchmark;
+pub use benchmark::{Benchmark, Draw};
 pub use camera::{Camera, Split};
 pub use error::DataError;
 pub use finding::{Finding, Report, Severity};

@@ -157,7 +157,7 @@ impl Query {
         self.frames.iter().any(|interval| interval.contains(frame))
     }
 
-    fn problem(&self, scene: &str) -> Option<(&'static str, String, &'static str)> {
+    fn problem(&self, scene: &str, absent: bool) -> Option<(&'static str, String, &'static str)> {
         if self.id.scene.as_str() != scene {
             return Some((
                 "id",
@@ -171,9 +171,11 @@ impl Query {
         if self.categories.is_empty() {
             return Some(("categories", "is empty".into(), "name one category, or two for a composite"));
         }
-        if self.referents.is_empty()
-            || self.referents.iter().collect::<BTreeSet<_>>().len() != self.referents.len()
-        {
+        if absent && !self.referents.is_empty() {
+            return Some(("referents", "must be empty: nothing is meant".into(), "write []"));
+        }
+        let distinct = self.referents.iter().collect::<BTreeSet<_>>().len();
+        if !absent && (self.referents.is_empty() || distinct != self.referents.len()) {
             return Some((
                 "referents",
                 "must name at least one instance, none twice".into(),
@@ -211,6 +213,15 @@ pub fn text_digest(text: &str, predicate: Option<&Value>) -> String {
 
 /// Reads the queries of a scene; ids and texts are unique in the file.
 pub fn read_queries(path: &Path, scene: &str) -> Result<Vec<Query>, DataError> {
+    read(path, scene, false)
+}
+
+/// Reads sentences that nothing in a scene satisfies: queries without a referent.
+pub fn read_absents(path: &Path, scene: &str) -> Result<Vec<Query>, DataError> {
+    read(path, scene, true)
+}
+
+fn read(path: &Path, scene: &str, absent: bool) -> Result<Vec<Query>, DataError> {
     let mut ids = BTreeSet::new();
     let mut texts = BTreeSet::new();
     let mut queries = Vec::new();
@@ -218,7 +229,7 @@ pub fn read_queries(path: &Path, scene: &str) -> Result<Vec<Query>, DataError> {
         let refuse = |field: &str, message: String, remedy: &str| {
             Err(DataError::invalid(path, format!("line {line}, field `{field}`"), message, remedy))
         };
-        if let Some((field, message, remedy)) = query.problem(scene) {
+        if let Some((field, message, remedy)) = query.problem(scene, absent) {
             return refuse(field, message, remedy);
         }
         if !ids.insert(query.id.clone()) {
@@ -267,6 +278,19 @@ mod tests {
     fn an_edited_sentence_is_noticed() {
         let error = read(&line("the pail", Some("0123456789abcdef"))).unwrap_err().to_string();
         assert!(error.contains("line 1, field `text_digest`"), "{error}");
+    }
+
+    #[test]
+    fn only_absent_sentences_go_without_a_referent() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("farm.absent.jsonl");
+        let meant = line("the bucket", None);
+        std::fs::write(&path, &meant).unwrap();
+        assert!(read_absents(&path, "farm").unwrap_err().to_string().contains("must be empty"));
+        let absent = meant.replace(r#"["a"]"#, "[]");
+        std::fs::write(&path, &absent).unwrap();
+        assert_eq!(read_absents(&path, "farm").unwrap().len(), 1);
+        assert!(read(&absent).unwrap_err().to_string().contains("at least one instance"));
     }
 
     #[test]

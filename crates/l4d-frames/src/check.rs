@@ -17,7 +17,7 @@ use std::path::Path;
 use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::scene::Scene;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Name, Profile, Report};
+use l4d_data::{Draw, Name, Profile, Report};
 use serde::Serialize;
 
 use crate::geometry::Summary;
@@ -30,6 +30,8 @@ pub struct Request<'a> {
     pub data: &'a Path,
     /// Benchmark folder with tracks, queries and truth.
     pub bench: &'a BenchDir,
+    /// Which draw of the recipes that folder describes; tracks and truth of others stand beside their frames.
+    pub draw: Draw,
     /// Expected profile.
     pub profile: Profile,
     /// Scene.
@@ -68,7 +70,8 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
     };
     contract::check_header(&scene, request, &dir, &mut report);
     let variants = BenchDir::new(request.data.join("benchmark"));
-    let request = if is_benchmark(&scene) { request } else { Request { bench: &variants, ..request } };
+    let of_benchmark = Draw { variant: scene.variant, seed: scene.seed } == request.draw;
+    let request = if of_benchmark { request } else { Request { bench: &variants, ..request } };
     let truth = match TruthBuilder::new(&scene) {
         Some(truth) if scene.profile == request.profile && scene.name == *request.scene => truth,
         _ => return (None, report),
@@ -86,7 +89,7 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
     if seen.complete {
         truth::compare_with_committed(&seen.truth, request, &mut report);
     }
-    if seen.complete && scene.profile != Profile::Tiny && is_benchmark(&scene) {
+    if seen.complete && scene.profile != Profile::Tiny && of_benchmark {
         gates::check(&seen.truth, &scene, request, &mut report);
     }
     let stats = SceneStats {
@@ -102,10 +105,6 @@ pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Re
 }
 
 /// Variants and other seeds have tracks and truth of their own, in `<data>/benchmark`, and no queries.
-fn is_benchmark(scene: &Scene) -> bool {
-    (scene.variant, scene.seed) == (0, 0)
-}
-
 fn read_tracks(request: Request, report: &mut Report) -> Option<Tracks> {
     Tracks::read(&request.bench.tracks(request.scene))
         .map_err(|error| report.data_error("L4D112", &error))

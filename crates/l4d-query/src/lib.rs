@@ -1,13 +1,27 @@
-//! What a query means, and the proof that it means exactly one thing.
+//! The predicate language of queries, its evaluation over tracks, and the proof that each query has one answer.
 //!
-//! A predicate is a small tree of clauses ([`ast`]), evaluated over the tracks of a scene ([`world`], [`eval`]).
-//! [`prove`] compares answer sets with what the query claims. The crate knows nothing of pictures, votes or
-//! results; visibility comes in as numbers from the truth file.
+//! Owns what a predicate means. Refuses to know pictures: everything is decided from `benchmark/scenes`, and
+//! visibility from the counts in `benchmark/truth`.
 
 pub mod ast;
 pub mod eval;
+mod obb;
+pub mod probes;
 pub mod prove;
+pub mod reground;
+pub mod relations;
+pub mod rules;
+pub mod stats;
+pub mod summary;
+mod text;
+pub mod thresholds;
+pub mod times;
+pub mod verbs;
 pub mod world;
 
-pub use ast::{Clause, Predicate};
-pub use prove::{SetSummary, check_set};
+pub use ast::{Clause, Party, Predicate, Relation, Superlative};
+pub use prove::check_set;
+pub use summary::SetSummary;
+pub use thresholds::Slack;
+pub use times::Times;
+pub use world::World;

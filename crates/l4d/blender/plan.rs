@@ -10,19 +10,12 @@ use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::layout::SceneDir;
 use l4d_data::store::make_folder;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Name, json};
+use l4d_data::{Draw, Name, json};
 use serde::Deserialize;
 
 use super::env::BlenderEnv;
 use super::worker::{self, WorkerEnd, WorkerEvent};
 use crate::out::Printer;
-
-/// Which draw of a recipe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Draw {
-    pub(crate) variant: u32,
-    pub(crate) seed: u64,
-}
 
 /// What `plan.json` says; the rest of it is for people.
 #[derive(Debug, Deserialize)]

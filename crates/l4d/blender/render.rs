@@ -12,13 +12,13 @@ use glam::UVec2;
 use indicatif::ProgressBar;
 use l4d_data::layout::SceneDir;
 use l4d_data::store::list_folder;
-use l4d_data::{DataError, Name, Profile, json};
+use l4d_data::{DataError, Draw, Name, Profile, json};
 use l4d_frames::exr::read_frame;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::env::BlenderEnv;
-use super::plan::{Draw, Plan};
+use super::plan::Plan;
 use super::worker::{self, WorkerEnd, WorkerEvent};
 use crate::cli::Shard;
 use crate::out::{Printer, refusal};

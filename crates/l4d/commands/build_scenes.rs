@@ -1,13 +1,14 @@
 //! `l4d build-scenes`: plan, render what is missing, settle.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::layout::{BenchDir, SceneDir};
-use l4d_data::{Benchmark, Name, Profile, Report};
+use l4d_data::{Benchmark, Draw, Name, Profile, Report};
+use rayon::prelude::*;
 
 use crate::blender::env::{BlenderEnv, scripts_folder};
-use crate::blender::plan::{Draw, plan};
+use crate::blender::plan::{Plan, plan};
 use crate::blender::render::{PlannedScene, recipes, render};
 use crate::blender::settle::{commit, join_names, settle};
 use crate::cli::BuildScenesArgs;
@@ -16,16 +17,15 @@ use crate::out::{ExitStatus, Printer, refusal};
 pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let scenes = chosen_scenes(args)?;
     let env = BlenderEnv::find_or_make(&args.python, out)?;
-    let data = data_folder(args);
-    let bench = bench_folder(args, &data);
-    let draw = Draw { variant: args.variant, seed: args.seed };
+    let draw = chosen_draw(args);
+    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
+    let bench = bench_folder(args, &data, draw);
     let mut report = Report::default();
+    let plans = plan_all(&env, &scenes, &data, draw, args, out)?;
     let mut planned = Vec::new();
-    for name in scenes {
-        let dir = SceneDir::new(&data, &name);
-        out.note(format!("planning {name}"));
-        let plan = plan(&env, &dir, &name, draw, &args.python.work, out)?;
+    for (name, plan) in scenes.into_iter().zip(plans) {
         commit(&bench.tracks(&name), &plan.tracks, args.update_benchmark, &mut report)?;
+        let dir = SceneDir::new(&data, &name);
         planned.push(PlannedScene::new(name, dir, plan, args.bench.profile, draw, samples(args)));
     }
     if args.tracks_only {
@@ -58,6 +58,23 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
     out.findings(report, false)
 }
 
+/// Plans, some scenes at once: a plan is mostly one thread's work.
+fn plan_all(
+    env: &BlenderEnv,
+    scenes: &[Name],
+    data: &Path,
+    draw: Draw,
+    args: &BuildScenesArgs,
+    out: &Printer,
+) -> Result<Vec<Plan>> {
+    let crew = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.max(1)).build()?;
+    let one = |name: &Name| {
+        out.note(format!("planning {name}"));
+        plan(env, &SceneDir::new(data, name), name, draw, &args.python.work, out)
+    };
+    crew.install(|| scenes.par_iter().with_max_len(1).map(one).collect())
+}
+
 /// The benchmark's scenes, or those asked for; variants and new recipes need not be in the benchmark.
 fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
     let known = recipes(&scripts_folder(&args.python.blender_scripts)?)?;
@@ -83,19 +100,30 @@ fn samples(args: &BuildScenesArgs) -> u32 {
     })
 }
 
-fn data_folder(args: &BuildScenesArgs) -> PathBuf {
-    let profile = args.bench.profile;
-    let default = match args.variant {
+/// That of the command line, else that of the benchmark folder.
+fn chosen_draw(args: &BuildScenesArgs) -> Draw {
+    let own = own_draw(&args.bench.bench);
+    Draw { variant: args.variant.unwrap_or(own.variant), seed: args.seed.unwrap_or(own.seed) }
+}
+
+/// A folder that is no benchmark yet becomes the benchmark's.
+fn own_draw(bench: &Path) -> Draw {
+    Benchmark::open(bench).map(|bench| bench.manifest.draw()).unwrap_or_default()
+}
+
+/// Where the frames of a draw stand if nobody says otherwise.
+pub(crate) fn data_folder(given: Option<&Path>, profile: Profile, draw: Draw) -> PathBuf {
+    let default = match draw.variant {
         0 => format!("data/{profile}"),
         variant => format!("data/{profile}-v{variant}"),
     };
-    args.data.clone().unwrap_or_else(|| PathBuf::from(default))
+    given.map_or_else(|| PathBuf::from(default), Path::to_owned)
 }
 
-/// Variants and other seeds are private draws: their tracks and truth stay beside their frames.
-fn bench_folder(args: &BuildScenesArgs, data: &std::path::Path) -> BenchDir {
-    match (args.variant, args.seed) {
-        (0, 0) => BenchDir::new(&args.bench.bench),
-        _ => BenchDir::new(data.join("benchmark")),
+/// Tracks and truth of another draw than the benchmark folder's stay beside their frames.
+fn bench_folder(args: &BuildScenesArgs, data: &Path, draw: Draw) -> BenchDir {
+    match draw == own_draw(&args.bench.bench) {
+        true => BenchDir::new(&args.bench.bench),
+        false => BenchDir::new(data.join("benchmark")),
     }
 }

@@ -3,6 +3,8 @@
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_query::check_set;
+use l4d_query::probes::Probe;
+use l4d_query::rules::Rule;
 use serde_json::json;
 
 use crate::cli::CheckQueriesArgs;
@@ -29,6 +31,51 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
     for (category, count) in &summary.queries {
         out.data(format!("  {category:<12}{count:>8}"))?;
     }
+    out.data(format!("{:<14}{:>8}", "composites", summary.composites.values().sum::<usize>()))?;
+    for (pair, count) in &summary.composites {
+        out.data(format!("  {pair:<22}{count:>6}"))?;
+    }
+    out.data(format!("{:<14}{:>8}", "absent", summary.absent))?;
     out.data(format!("{:<14}{:>8}", "verified", summary.verified))?;
+    print_rules(&summary.rules, out)?;
+    print_probes(&summary.probes, out)?;
     out.findings(report, false)
+}
+
+fn print_rules(rules: &[Rule], out: &Printer) -> Result<()> {
+    out.data("")?;
+    out.data(format!("{:<48}{:>6}  demanded", "the complete set", "found"))?;
+    for rule in rules {
+        let mark = if rule.is_met() { "" } else { "  not yet" };
+        out.data(format!("  {:<46}{:>6}  {}{mark}", rule.name, rule.found, rule.demand()))?;
+    }
+    Ok(())
+}
+
+fn print_probes(probes: &[Probe], out: &Printer) -> Result<()> {
+    out.data("")?;
+    let columns = ["right %", "chance %", "+ points", "action", "spatial", "interaction"];
+    let columns = columns.map(|column| format!("{column:>12}")).concat();
+    out.data(format!("{:<24}{columns}", "shortcut"))?;
+    for probe in probes {
+        if probe.queries == 0 {
+            out.data(format!("  {:<22}{:>12}", probe.name, "no pictures"))?;
+            continue;
+        }
+        let categories = ["action", "spatial", "interaction"];
+        let categories =
+            categories.map(|category| probe.categories.get(category).copied().unwrap_or_default());
+        let numbers = [probe.accuracy, probe.chance].map(|number| format!("{number:>12.1}")).concat();
+        let differences = [probe.difference].into_iter().chain(categories);
+        let differences: String = differences.map(|points| format!("{points:>+12.1}")).collect();
+        let mark = if probe.is_beyond() {
+            "  beyond the bound"
+        } else if probe.bounded {
+            ""
+        } else {
+            "  (no bound)"
+        };
+        out.data(format!("  {:<22}{numbers}{differences}{mark}", probe.name))?;
+    }
+    Ok(())
 }

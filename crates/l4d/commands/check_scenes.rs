@@ -1,19 +1,21 @@
 //! `l4d check-scenes`: is every picture there, whole, and in agreement with all the others?
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::layout::SceneDir;
-use l4d_data::{Benchmark, Name, Profile, Report};
+use l4d_data::{Benchmark, Name, Report};
 use l4d_frames::check::{Request, SceneStats, check_scene};
 use serde_json::json;
 
+use super::build_scenes::data_folder;
 use crate::cli::{BenchArgs, CheckScenesArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
-    let data = data_folder(args.data.as_deref(), args.bench.profile);
     let bench = Benchmark::open(&args.bench.bench)?;
+    let draw = bench.manifest.draw();
+    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
     let scenes = scenes_to_check(&args.bench, &bench, &data, out)?;
     let frames_a_scene = args.bench.profile.frames().count();
     let bar = out.bar((scenes.len() * frames_a_scene) as u64, "checking");
@@ -21,7 +23,7 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let mut stats = Vec::new();
     for scene in &scenes {
         bar.set_message(scene.to_string());
-        let request = Request { data: &data, bench: &bench.dir, profile: args.bench.profile, scene };
+        let request = Request { data: &data, bench: &bench.dir, draw, profile: args.bench.profile, scene };
         let (found, problems) = check_scene(request, &|| bar.inc(1));
         stats.extend(found);
         report.extend(problems);
@@ -34,11 +36,6 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     }
     print_table(&stats, out)?;
     out.findings(report, false)
-}
-
-/// `--data`, or the default of the profile.
-pub(crate) fn data_folder(given: Option<&Path>, profile: Profile) -> PathBuf {
-    given.map_or_else(|| Path::new("data").join(profile.as_str()), Path::to_owned)
 }
 
 /// The scenes asked for, or all that stand in the data folder, the benchmark's first.

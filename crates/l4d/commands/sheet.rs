@@ -9,7 +9,7 @@ use l4d_data::scene::Scene;
 use l4d_data::{Benchmark, Camera, Name};
 use l4d_frames::sheet::{Rendered, Sheet, default_frames, default_views, overview, save};
 
-use super::check_scenes::data_folder;
+use super::build_scenes::data_folder;
 use crate::cli::SheetArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
@@ -17,7 +17,8 @@ use crate::out::{ExitStatus, Printer, refusal};
 const OVERVIEW_FRAMES: [u32; 3] = [24, 48, 72];
 
 pub(crate) fn run(args: &SheetArgs, out: &Printer) -> Result<ExitStatus> {
-    let data = data_folder(args.data.as_deref(), args.bench.profile);
+    let draw = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
+    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
     let path = match &args.scene {
         Some(scene) => draw_scene(args, &data, scene)?,
         None => draw_overview(args, &data, out)?,

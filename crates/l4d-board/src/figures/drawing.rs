@@ -125,10 +125,15 @@ pub(crate) struct Drawing {
 impl Drawing {
     /// An empty picture with its title and what the board is of. Gives the first free baseline below.
     pub(crate) fn titled(title: &str, board: &Board, notes: &[String]) -> (Self, f64) {
+        Self::headed(title, &[&[board.heading.line()], notes].concat())
+    }
+
+    /// An empty picture with its title and lines of notes. Gives the first free baseline below.
+    pub(crate) fn headed(title: &str, notes: &[String]) -> (Self, f64) {
         let mut drawing = Self { title: title.to_owned(), height: 0.0, shapes: Vec::new() };
         let mut baseline = MARGIN + 12.0;
         drawing.text(MARGIN, baseline, title, Lettering::TITLE);
-        for note in std::iter::once(&board.heading.line()).chain(notes) {
+        for note in notes {
             for line in lettering::wrap(note, |line| Lettering::NOTE.width(line) <= WIDTH - 2.0 * MARGIN, " ")
             {
                 baseline += 15.0;

@@ -5,7 +5,7 @@ use std::fs;
 use glam::UVec2;
 use l4d_data::query::{Provenance, Query, Status, Temporal, text_digest};
 use l4d_data::truth::Truth;
-use l4d_data::{Category, Finding, Interval, Profile, json};
+use l4d_data::{Category, Draw, Finding, Interval, Profile, json};
 
 use super::*;
 use crate::exr::{read_frame, write_frame};
@@ -15,8 +15,13 @@ const SIZE: UVec2 = UVec2::new(128, 96);
 
 fn check(fake: &FakeScene) -> (Option<SceneStats>, Vec<Finding>) {
     let bench = fake.bench();
-    let request =
-        Request { data: &fake.data(), bench: &bench, profile: Profile::Tiny, scene: &fake.scene.name };
+    let request = Request {
+        data: &fake.data(),
+        bench: &bench,
+        draw: Draw::default(),
+        profile: Profile::Tiny,
+        scene: &fake.scene.name,
+    };
     let (stats, report) = check_scene(request, &|| {});
     (stats, report.into_sorted())
 }
@@ -274,8 +279,13 @@ fn gates_ask_for_pixels_where_and_when_a_query_holds() {
         query("003", "the late box", "box_blue", Interval::new(24, 96).unwrap()),
     ];
     let bench = fake.bench();
-    let request =
-        Request { data: &fake.data(), bench: &bench, profile: Profile::Tiny, scene: &fake.scene.name };
+    let request = Request {
+        data: &fake.data(),
+        bench: &bench,
+        draw: Draw::default(),
+        profile: Profile::Tiny,
+        scene: &fake.scene.name,
+    };
     let gate = |scene: &Scene, truth: &Truth, queries: &[Query]| {
         json::write_lines(&bench.queries("fake_yard"), queries).unwrap();
         let mut report = Report::default();

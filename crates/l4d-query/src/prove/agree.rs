@@ -1,0 +1,187 @@
+//! Declared events against geometry that doesn't know of them: what is held is near, what moves moves, what rests rests.
+
+use std::path::Path;
+
+use l4d_data::tracks::{TrackedInstance, at_frame};
+use l4d_data::{Event, Report, Scale};
+
+use crate::verbs;
+use crate::world::World;
+
+/// Who holds a thing is this near to it, metres.
+const HOLD_M: f64 = 0.02;
+/// Frames at either end of an interval in which a hand may still close or already open.
+const EDGE_FRAMES: u32 = 3;
+/// What moves by less than this in a whole interval doesn't act at all, metres.
+const STIRS_M: f64 = 0.001;
+
+/// Slowest mean speed of the box centre of what walks, rolls or flies, metres a second.
+const fn moves_mps(scale: Scale) -> f64 {
+    match scale {
+        Scale::Outdoor => 0.15,
+        Scale::Room => 0.10,
+        Scale::Tabletop => 0.02,
+    }
+}
+
+/// Farthest that the box centre of what stands, sits or lies strays from its mean in plan, metres: arms wave and
+/// heads turn, and the box follows them.
+const fn stays_m(scale: Scale) -> f64 {
+    match scale {
+        Scale::Outdoor => 0.35,
+        Scale::Room => 0.30,
+        Scale::Tabletop => 0.05,
+    }
+}
+
+/// Compares every declared event with boxes and mesh distances; `path` is the file of the tracks.
+pub(super) fn check(world: &World<'_>, path: &Path, report: &mut Report) {
+    for event in world.events() {
+        let Some(subject) = world.instance(&event.subject) else { continue };
+        let object = event.object.as_ref().and_then(|name| world.instance(name));
+        let problems = [
+            contact_problem(world, event, subject, object),
+            motion_problem(world, event, subject),
+            idle_problem(world, event, subject, object),
+        ];
+        for (code, message) in problems.into_iter().flatten() {
+            let (first, last) = (event.frames.first(), event.frames.last());
+            let whom = event.object.as_ref().map_or_else(String::new, |name| format!(" {name}"));
+            let place = format!("event {} {}{whom} [{first}, {last}]", event.subject, event.verb);
+            report.error(code, path, place, message, "mend the recipe, or declare what it animates");
+        }
+    }
+}
+
+fn contact_problem(
+    world: &World<'_>,
+    event: &Event,
+    subject: &TrackedInstance,
+    object: Option<&TrackedInstance>,
+) -> Option<(&'static str, String)> {
+    let object = object?;
+    let distance = |frame: u32| world.pair(subject, object).map(|pair| *at_frame(&pair.distance_m, frame));
+    let centimetres = |metres: f64| format!("{:.1} cm", metres * 100.0);
+    let limit = centimetres(HOLD_M);
+    if verbs::HOLDING.contains(&event.verb.as_str()) {
+        let inner = event.frames.first() + EDGE_FRAMES..=event.frames.last() - EDGE_FRAMES;
+        let (frame, worst) = inner
+            .map(|frame| (frame, distance(frame).unwrap_or(f64::INFINITY)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        return (worst > HOLD_M).then(|| {
+            ("L4D220", format!("they are {} apart at frame {frame}, more than {limit}", centimetres(worst)))
+        });
+    }
+    if verbs::MEETING.contains(&event.verb.as_str()) {
+        let frames = event.frames.first()..=event.frames.last();
+        let nearest = frames.map(|frame| distance(frame).unwrap_or(f64::INFINITY)).min_by(f64::total_cmp)?;
+        return (nearest > HOLD_M).then(|| {
+            ("L4D220", format!("they never meet: at best {} apart, more than {limit}", centimetres(nearest)))
+        });
+    }
+    None
+}
+
+fn motion_problem(
+    world: &World<'_>,
+    event: &Event,
+    subject: &TrackedInstance,
+) -> Option<(&'static str, String)> {
+    let verb = event.verb.as_str();
+    let frames = event.frames.first()..=event.frames.last();
+    if verbs::MOVING.contains(&verb) && !is_on_treadmill(world, subject, event.frames.first()) {
+        let seconds = f64::from(event.frames.frame_count()) / world.tracks().fps;
+        let speed = path_length_m(world, subject, frames.clone()) / seconds;
+        let least = moves_mps(world.scale());
+        if speed < least {
+            let message = format!("its box moves at {speed:.3} m/s, less than {least} m/s");
+            return Some(("L4D221", message));
+        }
+    }
+    if verbs::RESTING.contains(&verb) {
+        let places: Vec<_> = frames.map(|frame| world.obb(subject, frame).centre.truncate()).collect();
+        let mean = places.iter().sum::<glam::DVec2>() / places.len() as f64;
+        let strays = places.iter().map(|place| place.distance(mean)).fold(0.0, f64::max);
+        let most = stays_m(world.scale());
+        if strays > most {
+            return Some(("L4D222", format!("its box strays {strays:.2} m, more than {most} m")));
+        }
+    }
+    None
+}
+
+/// Something that is declared and of which nothing can be seen: neither side changes at all.
+fn idle_problem(
+    world: &World<'_>,
+    event: &Event,
+    subject: &TrackedInstance,
+    object: Option<&TrackedInstance>,
+) -> Option<(&'static str, String)> {
+    if verbs::is_quiet(&event.verb) {
+        return None;
+    }
+    let stirs = |instance: &TrackedInstance| {
+        let start = world.obb(instance, event.frames.first());
+        let frames = event.frames.first()..=event.frames.last();
+        frames.into_iter().any(|frame| world.obb(instance, frame).differs(start, STIRS_M))
+    };
+    let idle = !stirs(subject) && !object.is_some_and(stirs);
+    idle.then(|| ("L4D223", "nothing of it moves in that time".to_owned()))
+}
+
+fn is_on_treadmill(world: &World<'_>, subject: &TrackedInstance, frame: u32) -> bool {
+    let mut machines = world.instances().filter(|instance| instance.category == "treadmill");
+    machines.any(|machine| world.contact(subject, machine).at(frame))
+}
+
+/// Length of the path of the box centre, metres.
+pub(crate) fn path_length_m(
+    world: &World<'_>,
+    instance: &TrackedInstance,
+    frames: impl Iterator<Item = u32>,
+) -> f64 {
+    let places: Vec<_> = frames.map(|frame| world.obb(instance, frame).centre).collect();
+    places.windows(2).map(|step| step[0].distance(step[1])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::tests::{event, moving, pair, standing, tracks};
+
+    fn codes(events: &[String], distances: &[f64]) -> Vec<String> {
+        let path: Vec<[f64; 3]> = (0..97).map(|frame| [f64::from(frame.min(48)) / 48.0, 0.0, 0.0]).collect();
+        let instances = [
+            moving(1, "mover", "cup", &path, [0.1; 3]),
+            standing(2, "rester", "cup", [1., 0., 0.], [0.1; 3]),
+            standing(1001, "hand", "hand", [1., 0., 0.], [0.1; 3]),
+        ];
+        let tracks = tracks(&instances, &events.join(","), &pair("hand", "rester", distances));
+        let mut report = Report::default();
+        check(&World::new(&tracks), Path::new("s.json"), &mut report);
+        report.into_sorted().into_iter().map(|finding| finding.code.to_owned()).collect()
+    }
+
+    #[test]
+    fn what_is_held_is_near() {
+        let near: Vec<f64> =
+            (0..97).map(|frame| if (20..=60).contains(&frame) { 0.01 } else { 0.3 }).collect();
+        let hold = |frames: [u32; 2]| event("hand", "hold", Some("rester"), frames);
+        let lift = |frames: [u32; 2]| event("hand", "lift", Some("rester"), frames);
+        // Nothing moves here: holding may be quiet, lifting may not.
+        assert_eq!(codes(&[hold([17, 63])], &near), [""; 0]);
+        assert_eq!(codes(&[hold([10, 63])], &near), ["L4D220"]);
+        assert_eq!(codes(&[lift([0, 40])], &near), ["L4D223"]);
+        assert_eq!(codes(&[lift([70, 96])], &near), ["L4D220", "L4D223"]);
+    }
+
+    #[test]
+    fn what_moves_moves_and_what_rests_rests() {
+        let does = |who: &str, verb: &str, frames: [u32; 2]| codes(&[event(who, verb, None, frames)], &[0.3]);
+        assert_eq!(does("mover", "roll", [0, 48]), [""; 0]);
+        assert_eq!(does("mover", "roll", [60, 90]), ["L4D221", "L4D223"]);
+        assert_eq!(does("mover", "stand", [0, 48]), ["L4D222"]);
+        assert_eq!(does("rester", "stand", [0, 96]), [""; 0]);
+        assert_eq!(does("rester", "wave", [0, 96]), ["L4D223"]);
+    }
+}

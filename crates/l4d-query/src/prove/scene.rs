@@ -1,0 +1,167 @@
+//! One scene: its files, its queries one by one, and what only shows when they are seen together.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use l4d_data::tracks::Tracks;
+use l4d_data::truth::Truth;
+use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Status, json};
+
+use super::query::{Kind, Prover};
+use super::{Vocabulary, agree, words};
+use crate::ast::{Clause, Predicate};
+
+/// What the benchmark says of one scene.
+#[derive(Debug)]
+pub struct SceneSet {
+    /// Its name.
+    pub scene: Name,
+    /// Where everything is.
+    pub tracks: Tracks,
+    /// What the held-out view sees, if the profile has it.
+    pub truth: Option<Truth>,
+    /// Queries of one category.
+    pub queries: Vec<Query>,
+    /// Queries of two categories.
+    pub composites: Vec<Query>,
+    /// Sentences that nothing satisfies.
+    pub absents: Vec<Query>,
+    /// Files: tracks, queries, composites, absents.
+    pub paths: [PathBuf; 4],
+}
+
+impl SceneSet {
+    /// Reads the files of a scene; what cannot be read is a finding.
+    pub fn read(bench: &Benchmark, profile: Profile, scene: &Name, report: &mut Report) -> Option<Self> {
+        fn kept<T>(read: Result<T, DataError>, report: &mut Report) -> Option<T> {
+            read.map_err(|error| report.data_error("L4D201", &error)).ok()
+        }
+        let tracks = kept(bench.tracks(scene), report);
+        let queries = kept(bench.queries(scene), report);
+        let composites = kept(bench.composites(scene), report);
+        let absents = kept(bench.absents(scene), report);
+        let has_truth = bench.dir.truth(profile, scene).exists();
+        let truth = has_truth.then(|| bench.truth(profile, scene)).and_then(|read| kept(read, report));
+        Some(Self {
+            scene: scene.clone(),
+            tracks: tracks?,
+            truth,
+            queries: queries?,
+            composites: composites?,
+            absents: absents?,
+            paths: [
+                bench.dir.tracks(scene),
+                bench.dir.queries(scene),
+                bench.dir.composites(scene),
+                bench.dir.absents(scene),
+            ],
+        })
+    }
+
+    /// Queries of one category that people have not rejected, with their predicates where they have one.
+    pub fn scored(&self) -> impl Iterator<Item = (&Query, Option<Predicate>)> {
+        let scored = self.queries.iter().filter(|query| query.status != Status::Rejected);
+        scored.map(|query| (query, predicate_of(query)))
+    }
+
+    fn all(&self) -> impl Iterator<Item = (Kind, &PathBuf, &Query)> {
+        let [_, queries, composites, absents] = &self.paths;
+        let files = [
+            (Kind::Single, queries, &self.queries),
+            (Kind::Composite, composites, &self.composites),
+            (Kind::Absent, absents, &self.absents),
+        ];
+        let all = files
+            .into_iter()
+            .flat_map(|(kind, path, queries)| queries.iter().map(move |query| (kind, path, query)));
+        all.filter(|(_, _, query)| query.status != Status::Rejected)
+    }
+}
+
+fn predicate_of(query: &Query) -> Option<Predicate> {
+    Predicate::from_json(query.predicate.as_ref()?).ok()
+}
+
+/// Checks everything that the benchmark says of one scene.
+pub fn check_scene(set: &SceneSet, vocabulary: Option<&Vocabulary>, report: &mut Report) {
+    let prover = Prover::new(&set.tracks, set.truth.as_ref(), vocabulary);
+    agree::check(prover.world(), &set.paths[0], report);
+    for (kind, path, query) in set.all() {
+        prover.check(kind, path, query, report);
+    }
+    check_each_is_asked(set, prover.world(), report);
+    check_each_asks_something_else(set, report);
+}
+
+fn check_each_is_asked(set: &SceneSet, world: &crate::World<'_>, report: &mut Report) {
+    let queries = set.queries.iter().filter(|query| query.status != Status::Rejected);
+    let asked: BTreeSet<&Name> = queries.flat_map(|query| &query.referents).collect();
+    for object in world.objects().filter(|object| !asked.contains(&object.name)) {
+        let place = format!("instance {}", object.name);
+        let hint = "write a query for it, or make it scenery";
+        report.error("L4D209", &set.paths[1], place, "no query refers to this object", hint);
+    }
+}
+
+/// No predicate twice, no sentence twice, no event asked for once with and once without its second role.
+fn check_each_asks_something_else(set: &SceneSet, report: &mut Report) {
+    let mut predicates: BTreeMap<String, String> = BTreeMap::new();
+    let mut sentences: BTreeMap<String, String> = BTreeMap::new();
+    let mut events: BTreeMap<(String, Name), (String, Vec<Category>)> = BTreeMap::new();
+    let mut ids: BTreeSet<String> = BTreeSet::new();
+    for (kind, path, query) in set.all() {
+        let place = format!("query {} (\"{}\")", query.id, query.text);
+        let id = query.id.to_string();
+        if !ids.insert(id.clone()) {
+            let hint = "number composites from 501 and absent ones from 901";
+            report.error(
+                "L4D213",
+                path,
+                place.clone(),
+                "the id stands in another file of the scene, too",
+                hint,
+            );
+        }
+        if let Some(other) = sentences.insert(words(&query.text).join(" "), id.clone()) {
+            let message = format!("{other} has the same sentence");
+            report.error("L4D213", path, place.clone(), message, "say it differently, or drop one");
+        }
+        let Some(predicate) = predicate_of(query) else { continue };
+        if let Some(other) = predicates.insert(meaning(&predicate), id.clone()) {
+            let message = format!("{other} has the same predicate");
+            report.error("L4D212", path, place.clone(), message, "ask something else, or drop one");
+        }
+        if let (Kind::Single, Some(verbs), [referent]) = (kind, verbs(&predicate), query.referents.as_slice())
+        {
+            let claim = (id, query.categories.clone());
+            if let Some((other, categories)) = events.insert((verbs, referent.clone()), claim)
+                && categories != query.categories
+            {
+                let message = format!("{other} asks for the same event under another category");
+                report.error("L4D212", path, place, message, "ask something else, or drop one");
+            }
+        }
+    }
+}
+
+/// The same for predicates that differ only in the order of their clauses.
+fn meaning(predicate: &Predicate) -> String {
+    let mut clauses: Vec<String> = predicate
+        .0
+        .iter()
+        .filter_map(|clause| serde_json::to_value(clause).ok())
+        .map(|value| json::canonical(&value))
+        .collect();
+    clauses.sort();
+    clauses.join(",")
+}
+
+/// The verbs of a predicate that consists of plain events alone, whoever takes the second role.
+fn verbs(predicate: &Predicate) -> Option<String> {
+    let verb = |clause: &Clause| match clause {
+        Clause::Does { verb, .. } | Clause::Undergoes { verb, .. } => Some(verb.clone()),
+        _ => None,
+    };
+    let verbs: Option<Vec<String>> = predicate.discriminating().map(verb).collect();
+    verbs.map(|verbs| format!("{}: {}", predicate.noun(), verbs.join(", ")))
+}

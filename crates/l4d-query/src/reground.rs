@@ -1,0 +1,131 @@
+//! Carries sentences over to another draw of a scene: who do they mean there, and when?
+//!
+//! Sentence and predicate stay as they are; referents and frames follow from the tracks of the new draw. What people
+//! verified on one draw they have not verified on another.
+
+use std::collections::BTreeSet;
+
+use l4d_data::timeline::MIN_INTERVAL;
+use l4d_data::{Interval, Name, Query, Status, Temporal};
+
+use crate::ast::Predicate;
+use crate::eval::{Answer, answer_times, answer_whole};
+use crate::times::{Times, any_of};
+use crate::world::World;
+
+/// The query with the referent and the frames that it has in this world, or why it has none.
+pub fn reground(world: &World<'_>, query: &Query) -> Result<Query, String> {
+    let value = query.predicate.as_ref().ok_or("has no predicate")?;
+    let predicate = Predicate::from_json(value)?;
+    let (referents, frames) = match query.temporal {
+        Temporal::Whole => (answer_whole(world, &predicate), vec![Interval::WHOLE]),
+        Temporal::While => while_it_holds(world, &predicate)?,
+    };
+    let referents = distinct(world, &predicate, query, referents)?;
+    Ok(Query { referents, frames, status: Status::Candidate, ..query.clone() })
+}
+
+/// Whether nothing satisfies the predicate of an absent-referent sentence, at any time.
+pub fn stays_absent(world: &World<'_>, query: &Query) -> bool {
+    let predicate = query.predicate.as_ref().and_then(|value| Predicate::from_json(value).ok());
+    predicate.is_some_and(|predicate| {
+        answer_whole(world, &predicate).is_empty() && answer_times(world, &predicate).is_empty()
+    })
+}
+
+fn while_it_holds(world: &World<'_>, predicate: &Predicate) -> Result<(Answer, Vec<Interval>), String> {
+    let times = answer_times(world, predicate);
+    let holds: Times = any_of(times.values().copied());
+    let frames = holds.intervals();
+    if let Some(short) = frames.iter().find(|interval| interval.frame_count() < MIN_INTERVAL) {
+        return Err(format!("holds only in frames {}..{}", short.first(), short.last()));
+    }
+    if times.values().any(|own| *own != holds) {
+        return Err(format!("means different things at different times: {}", join(times.keys())));
+    }
+    Ok((times.into_keys().collect(), frames))
+}
+
+/// As many referents as before, and look-alikes that are none of them.
+fn distinct(
+    world: &World<'_>,
+    predicate: &Predicate,
+    query: &Query,
+    answer: Answer,
+) -> Result<Vec<Name>, String> {
+    if answer.is_empty() {
+        return Err("means nothing".to_owned());
+    }
+    if answer.len() != query.referents.len() {
+        return Err(format!("means {}", join(answer.iter())));
+    }
+    for category in predicate.categories() {
+        let without: BTreeSet<Name> = answer_whole(world, &predicate.without(category));
+        if without.len() <= answer.len() {
+            return Err(format!("means the same without its {} clause", category.as_str()));
+        }
+    }
+    Ok(answer.into_iter().collect())
+}
+
+fn join<'a>(names: impl Iterator<Item = &'a Name>) -> String {
+    names.map(Name::as_str).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::tests::{standing, tracks};
+    use l4d_data::query::text_digest;
+    use l4d_data::tracks::Tracks;
+
+    fn draw(events: &str) -> Tracks {
+        let instances = [
+            standing(1, "cup_a", "cup", [0., 0., 0.], [0.1; 3]),
+            standing(2, "cup_b", "cup", [1., 0., 0.], [0.1; 3]),
+            standing(1001, "hand", "hand", [0., 0.5, 0.], [0.1; 3]),
+        ];
+        tracks(&instances, events, "")
+    }
+
+    fn query(temporal: &str, frames: &str) -> Query {
+        let predicate = r#"[{"category":"cup"},{"undergoes":{"verb":"lift","by":{"category":"hand"}}}]"#;
+        let value: serde_json::Value = serde_json::from_str(predicate).unwrap();
+        let digest = text_digest("text", Some(&value));
+        let line = format!(
+            r#"{{"id":"s/001","text":"text","categories":["interaction"],"referents":["cup_a"],"temporal":"{temporal}","frames":{frames},"predicate":{predicate},"text_digest":"{digest}","provenance":{{"source":"author"}},"status":"verified"}}"#
+        );
+        serde_json::from_str(&line).unwrap()
+    }
+
+    fn lift(cup: &str, frames: &str) -> String {
+        format!(r#"{{"subject":"hand","verb":"lift","object":"{cup}","frames":{frames}}}"#)
+    }
+
+    #[test]
+    fn another_draw_has_another_answer() {
+        let tracks = draw(&lift("cup_b", "[40,60]"));
+        let world = World::new(&tracks);
+        let whole = reground(&world, &query("whole", "[[0,96]]")).unwrap();
+        assert_eq!(whole.referents, [Name::new("cup_b").unwrap()]);
+        assert_eq!(whole.frames, [Interval::WHOLE]);
+        assert_eq!(whole.status, Status::Candidate);
+        let gated = reground(&world, &query("while", "[[10,30]]")).unwrap();
+        assert_eq!(gated.referents, [Name::new("cup_b").unwrap()]);
+        assert_eq!(gated.frames, [Interval::new(40, 60).unwrap()]);
+        assert!(!stays_absent(&world, &query("whole", "[[0,96]]")));
+    }
+
+    #[test]
+    fn what_means_nothing_or_two_things_is_left_out() {
+        let both = draw(&format!("{},{}", lift("cup_a", "[0,20]"), lift("cup_b", "[40,60]")));
+        let world = World::new(&both);
+        assert_eq!(reground(&world, &query("whole", "[[0,96]]")).unwrap_err(), "means cup_a, cup_b");
+        let message = reground(&world, &query("while", "[[10,30]]")).unwrap_err();
+        assert!(message.contains("different times"), "{message}");
+        let nothing = draw("");
+        let world = World::new(&nothing);
+        assert_eq!(reground(&world, &query("whole", "[[0,96]]")).unwrap_err(), "means nothing");
+        assert!(stays_absent(&world, &query("whole", "[[0,96]]")));
+    }
+}

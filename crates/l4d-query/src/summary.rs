@@ -1,0 +1,76 @@
+//! What the set holds, in the shape of `check-queries --json`.
+
+use std::collections::BTreeMap;
+
+use l4d_data::{Category, Query, Role, Scale, Status};
+use serde::Serialize;
+
+use crate::probes::Probe;
+use crate::prove::{COMPOSITES, SceneSet};
+use crate::rules::Rule;
+
+/// Counts of the set, its shortcuts and what is demanded of it.
+#[derive(Debug, Default, Serialize)]
+pub struct SetSummary {
+    /// Scenes checked.
+    pub scenes: usize,
+    /// Scenes per scale.
+    pub scales: BTreeMap<&'static str, usize>,
+    /// Objects that queries may refer to.
+    pub instances: usize,
+    /// Scored queries per category.
+    pub queries: BTreeMap<&'static str, usize>,
+    /// Queries of two categories, per pair.
+    pub composites: BTreeMap<&'static str, usize>,
+    /// Sentences that nothing satisfies.
+    pub absent: usize,
+    /// Queries that people have verified.
+    pub verified: usize,
+    /// Queries that people have rejected; they are in no other count.
+    pub rejected: usize,
+    /// How well each shortcut does.
+    pub probes: Vec<Probe>,
+    /// What is demanded of the complete set, and what it has.
+    pub rules: Vec<Rule>,
+}
+
+impl SetSummary {
+    /// Scored queries of all categories.
+    pub fn total(&self) -> usize {
+        self.queries.values().sum()
+    }
+
+    /// Counts without probes and rules.
+    pub(crate) fn count(sets: &[SceneSet]) -> Self {
+        let mut summary = Self { scenes: sets.len(), ..Self::default() };
+        summary.scales.extend(Scale::ALL.map(|scale| (scale.as_str(), 0)));
+        summary.queries.extend(Category::ALL.map(|category| (category.as_str(), 0)));
+        summary.composites.extend(COMPOSITES.map(|(name, _)| (name, 0)));
+        for set in sets {
+            *summary.scales.entry(set.tracks.scale.as_str()).or_default() += 1;
+            let is_object = |instance: &&l4d_data::tracks::TrackedInstance| instance.role == Role::Object;
+            summary.instances += set.tracks.instances.iter().filter(is_object).count();
+            for query in &set.queries {
+                summary.count_query(query);
+            }
+            for query in set.composites.iter().filter(|query| query.status != Status::Rejected) {
+                if let Some((name, _)) = COMPOSITES.iter().find(|(_, pair)| query.categories == pair) {
+                    *summary.composites.entry(name).or_default() += 1;
+                }
+            }
+            summary.absent += set.absents.iter().filter(|query| query.status != Status::Rejected).count();
+        }
+        summary
+    }
+
+    fn count_query(&mut self, query: &Query) {
+        match query.status {
+            Status::Rejected => return self.rejected += 1,
+            Status::Verified => self.verified += 1,
+            Status::Candidate => {}
+        }
+        if let [category] = query.categories.as_slice() {
+            *self.queries.entry(category.as_str()).or_default() += 1;
+        }
+    }
+}

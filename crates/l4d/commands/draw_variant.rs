@@ -1,0 +1,137 @@
+//! `l4d draw-variant`: the same scenes drawn anew, with the sentences that still mean one thing in them.
+//!
+//! Makes a benchmark folder of its own: manifest, tracks and queries. `build-scenes --bench` on it adds the truth.
+
+use std::path::Path;
+
+use anyhow::Result;
+use l4d_data::benchmark::{Manifest, SetSplit};
+use l4d_data::layout::{BenchDir, SceneDir};
+use l4d_data::store::write_atomic;
+use l4d_data::tracks::Tracks;
+use l4d_data::{Benchmark, Draw, Name, Query};
+use l4d_query::World;
+use l4d_query::reground::{reground, stays_absent};
+use serde::Serialize;
+use serde_json::json;
+
+use super::build_scenes::data_folder;
+use crate::blender::env::BlenderEnv;
+use crate::blender::plan::plan;
+use crate::cli::DrawVariantArgs;
+use crate::out::{ExitStatus, Printer, refusal};
+
+/// What became of the sentences of a scene.
+#[derive(Debug, Default, Serialize)]
+struct Outcome {
+    scene: String,
+    asked: usize,
+    grounded: usize,
+    ungrounded: Vec<Ungrounded>,
+}
+
+#[derive(Debug, Serialize)]
+struct Ungrounded {
+    query: String,
+    text: String,
+    why: String,
+}
+
+pub(crate) fn run(args: &DrawVariantArgs, out: &Printer) -> Result<ExitStatus> {
+    let source = Benchmark::open(&args.bench.bench)?;
+    let scenes = source.select(&args.bench.scenes)?;
+    let draw = Draw { variant: args.variant, seed: args.seed };
+    if draw == source.manifest.draw() {
+        return Err(refusal(
+            format!("{} is this draw already", source.root().display()),
+            "choose another variant or --seed".to_owned(),
+        ));
+    }
+    let target = BenchDir::new(&args.out);
+    claim(&target, &source, draw, args.force)?;
+    let env = BlenderEnv::find_or_make(&args.python, out)?;
+    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
+    let mut outcomes = Vec::new();
+    for name in &scenes {
+        out.note(format!("planning {name}, variant {}", draw.variant));
+        let plan = plan(&env, &SceneDir::new(&data, name), name, draw, &args.python.work, out)?;
+        l4d_data::json::write(&target.tracks(name), &plan.tracks)?;
+        outcomes.push(carry_over(&source, &target, name, &plan.tracks)?);
+    }
+    let manifest = manifest(&source, args.split, draw, scenes);
+    let heading = format!("Drawn from {} {} by `l4d draw-variant`.", manifest.name, manifest.version);
+    write_atomic(&target.manifest(), manifest.to_toml(&heading)?.as_bytes())?;
+    print(&outcomes, args, out)?;
+    Ok(ExitStatus::Success)
+}
+
+/// Refuses to write into a folder that holds another set.
+fn claim(target: &BenchDir, source: &Benchmark, draw: Draw, force: bool) -> Result<()> {
+    let taken = |what: String| {
+        refusal(
+            format!("{} holds {what}", target.root().display()),
+            "choose another --out, or replace it with --force".to_owned(),
+        )
+    };
+    if target.root() == source.root() {
+        return Err(taken("the benchmark that is drawn from".to_owned()));
+    }
+    match Benchmark::open(target.root()) {
+        Ok(standing) if standing.manifest.draw() != draw && !force => {
+            Err(taken(format!("variant {} (seed {})", standing.manifest.variant, standing.manifest.seed)))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn manifest(source: &Benchmark, split: SetSplit, draw: Draw, scenes: Vec<Name>) -> Manifest {
+    Manifest { split, variant: draw.variant, seed: draw.seed, scenes, ..source.manifest.clone() }
+}
+
+/// Writes the queries of a scene that still mean one thing.
+fn carry_over(source: &Benchmark, target: &BenchDir, scene: &Name, tracks: &Tracks) -> Result<Outcome> {
+    let world = World::new(tracks);
+    let mut outcome = Outcome { scene: scene.to_string(), ..Outcome::default() };
+    let mut ground = |query: Query| {
+        outcome.asked += 1;
+        match reground(&world, &query) {
+            Ok(query) => Some(query),
+            Err(why) => {
+                let Query { id, text, .. } = query;
+                outcome.ungrounded.push(Ungrounded { query: id.to_string(), text, why });
+                None
+            }
+        }
+    };
+    let queries: Vec<Query> = source.queries(scene)?.into_iter().filter_map(&mut ground).collect();
+    let composites: Vec<Query> = source.composites(scene)?.into_iter().filter_map(&mut ground).collect();
+    let absents = source.absents(scene)?.into_iter().filter(|query| stays_absent(&world, query)).collect();
+    outcome.grounded = queries.len() + composites.len();
+    write_lines(&target.queries(scene), queries)?;
+    write_lines(&target.composites(scene), composites)?;
+    write_lines(&target.absents(scene), absents)?;
+    Ok(outcome)
+}
+
+fn write_lines(path: &Path, queries: Vec<Query>) -> Result<()> {
+    let lines: String = queries
+        .iter()
+        .map(|query| Ok(serde_json::to_string(query)? + "\n"))
+        .collect::<Result<_, serde_json::Error>>()?;
+    Ok(write_atomic(path, lines.as_bytes())?)
+}
+
+fn print(outcomes: &[Outcome], args: &DrawVariantArgs, out: &Printer) -> Result<()> {
+    if args.json {
+        return out.json(&json!({ "out": args.out, "variant": args.variant, "scenes": outcomes }));
+    }
+    let width = outcomes.iter().map(|outcome| outcome.scene.len()).max().unwrap_or(0).max("scene".len());
+    out.data(format!("{:width$}  asked  grounded", "scene"))?;
+    for outcome in outcomes {
+        out.data(format!("{:width$}  {:5}  {:8}", outcome.scene, outcome.asked, outcome.grounded))?;
+        for Ungrounded { query, text, why } in &outcome.ungrounded {
+            out.data(format!("    {query} \"{text}\" {why}"))?;
+        }
+    }
+    Ok(())
+}
