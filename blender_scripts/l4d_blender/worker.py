@@ -2,7 +2,8 @@
 
 The exact passes of a few frames come first and stay in memory (all cameras of a frame share one, they are
 cheap); then each image gets its beauty pass and is written at once. So whoever kills the worker loses one
-beauty pass, and Blender, which keeps only one scene's data between renders, seldom changes scenes.
+beauty pass, and Blender, which keeps only one scene's data between renders, seldom changes scenes. A job with
+no samples leaves the colour black: depth and ids are all that the truth needs.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+
+import numpy as np
 
 from . import files, recipes
 from .recipes import WorkerError
@@ -85,7 +88,10 @@ def run(job: Job, send: Send) -> None:
     from .exr import frame_path, write_frame
     from .passes import Renderer
 
-    renderer = Renderer(job.width, job.height, job.samples, denoise=job.denoise, threads=job.threads)
+    black = np.zeros((job.height, job.width, 3), dtype=np.float32)
+    renderer = Renderer(
+        job.width, job.height, max(job.samples, 1), denoise=job.denoise, threads=job.threads
+    )
     send("start", device=renderer.device, images=len(job.images), seconds=_since(started))
     for name, view in views.items():
         files.write_bytes(job.out / "frames" / name / "view.json", files.canonical_json(view))
@@ -96,7 +102,7 @@ def run(job: Job, send: Send) -> None:
         for frame, few in chunk.items():
             for view in few:
                 started = time.monotonic()
-                rgb = renderer.beauty(view, frame)
+                rgb = renderer.beauty(view, frame) if job.samples else black
                 write_frame(frame_path(job.out, view, frame), rgb, *exact[frame][view])
                 send("image", view=view, frame=frame, seconds=round(share + _since(started), 3))
     renderer.close()

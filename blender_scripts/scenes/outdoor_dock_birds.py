@@ -256,7 +256,7 @@ def _gulls(scene: Scene, choices: Choices, dish: Instance) -> None:
 
 def _ducks(scene: Scene, choices: Choices, tray: Instance) -> None:
     way = keys.Path(
-        [(0.36, 1.24, 0.0), (0.88, 1.32, 0.0), (1.26, 1.10, 0.0), (1.37, 0.76, 0.0), (1.29, 0.50, 0.0)]
+        [(-0.28, 1.44, 0.0), (0.12, 1.56, 0.0), (0.50, 1.60, 0.0), (0.80, 1.56, 0.0), (1.02, 1.44, 0.0)]
     )
     afloat = Vector((0.0, 0.0, WATER_M - DRAFT_M))
     course = keys.Path([way.point(way.length * k / 12) + afloat for k in range(13)])
