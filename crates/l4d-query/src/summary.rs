@@ -30,7 +30,7 @@ pub struct SetSummary {
     pub rejected: usize,
     /// How well each shortcut does.
     pub probes: Vec<Probe>,
-    /// What is demanded of the complete set, and what it has.
+    /// What is demanded of the complete set, and what it has; nothing is demanded of a dev or private set.
     pub rules: Vec<Rule>,
 }
 

@@ -43,6 +43,9 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
 }
 
 fn print_rules(rules: &[Rule], out: &Printer) -> Result<()> {
+    if rules.is_empty() {
+        return Ok(());
+    }
     out.data("")?;
     out.data(format!("{:<48}{:>6}  demanded", "the complete set", "found"))?;
     for rule in rules {

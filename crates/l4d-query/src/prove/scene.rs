@@ -10,6 +10,7 @@ use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Sta
 use super::query::{Kind, Prover};
 use super::{Vocabulary, agree, words};
 use crate::ast::{Clause, Predicate};
+use crate::world::World;
 
 /// What the benchmark says of one scene.
 #[derive(Debug)]
@@ -89,11 +90,12 @@ pub fn check_scene(set: &SceneSet, vocabulary: Option<&Vocabulary>, report: &mut
     for (kind, path, query) in set.all() {
         prover.check(kind, path, query, report);
     }
-    check_each_is_asked(set, prover.world(), report);
     check_each_asks_something_else(set, report);
 }
 
-fn check_each_is_asked(set: &SceneSet, world: &crate::World<'_>, report: &mut Report) {
+/// Each object of the scene is the referent of a query: what nobody asks for is scenery.
+pub(super) fn check_each_is_asked(set: &SceneSet, report: &mut Report) {
+    let world = World::new(&set.tracks);
     let queries = set.queries.iter().filter(|query| query.status != Status::Rejected);
     let asked: BTreeSet<&Name> = queries.flat_map(|query| &query.referents).collect();
     for object in world.objects().filter(|object| !asked.contains(&object.name)) {

@@ -4,7 +4,7 @@ use l4d_data::query::text_digest;
 use l4d_data::tracks::Tracks;
 use l4d_data::{Name, Query, Report};
 
-use super::{Kind, Prover, SceneSet, check_scene};
+use super::{Kind, Prover, SceneSet, check_each_is_asked, check_scene};
 use crate::ast::Predicate;
 use crate::world::tests::{event, moving, standing, tracks};
 
@@ -146,6 +146,7 @@ fn a_scene_asks_for_everything_once() {
     let codes = |set: &SceneSet| -> Vec<&str> {
         let mut report = Report::default();
         check_scene(set, None, &mut report);
+        check_each_is_asked(set, &mut report);
         let findings = report.into_sorted().into_iter();
         findings
             .map(|finding| finding.code)
