@@ -128,9 +128,17 @@ fn draw_entry(page: &mut RgbImage, left: u32, top: u32, instance: &Instance, mar
     if instance.role == Role::Landmark {
         facts.push("landmark".to_owned());
     }
-    let tells_more = |value: &&String| *value != "none" && !instance.name.contains(value.as_str());
-    facts.extend(instance.attributes.values().filter(tells_more).cloned());
+    let tells_more = |value: &String| value != "none" && !instance.name.contains(value.as_str());
+    facts.extend(instance.attributes.iter().filter(|(_, value)| tells_more(value)).map(in_words));
     text(Weight::Regular, SIZE_PX, SOFT_INK).write(page, end + 10.0, y, &facts.join(", "));
+}
+
+fn in_words((key, value): (&String, &String)) -> String {
+    match value.as_str() {
+        "yes" => key.clone(),
+        "no" => format!("no {key}"),
+        _ => value.clone(),
+    }
 }
 
 fn when(query: &Query) -> String {
