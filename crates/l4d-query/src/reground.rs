@@ -4,17 +4,21 @@
 //! verified on one draw they have not verified on another.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use l4d_data::timeline::MIN_INTERVAL;
-use l4d_data::{Interval, Name, Query, Status, Temporal};
+use l4d_data::{Interval, Name, Query, Report, Severity, Status, Temporal};
 
 use crate::ast::Predicate;
 use crate::eval::{Answer, answer_times, answer_whole};
+use crate::prove::{Kind, Prover};
 use crate::times::{Times, any_of};
 use crate::world::World;
 
-/// The query with the referent and the frames that it has in this world, or why it has none.
-pub fn reground(world: &World<'_>, query: &Query) -> Result<Query, String> {
+/// The query with the referent and the frames that it has in the prover's scene and is proved to have, or why it has
+/// none.
+pub fn reground(prover: &Prover<'_>, kind: Kind, query: &Query) -> Result<Query, String> {
+    let world = prover.world();
     let value = query.predicate.as_ref().ok_or("has no predicate")?;
     let predicate = Predicate::from_json(value)?;
     let (referents, frames) = match query.temporal {
@@ -22,15 +26,19 @@ pub fn reground(world: &World<'_>, query: &Query) -> Result<Query, String> {
         Temporal::While => while_it_holds(world, &predicate)?,
     };
     let referents = distinct(world, &predicate, query, referents)?;
-    Ok(Query { referents, frames, status: Status::Candidate, ..query.clone() })
+    proved(prover, kind, Query { referents, frames, status: Status::Candidate, ..query.clone() })
 }
 
-/// Whether nothing satisfies the predicate of an absent-referent sentence, at any time.
-pub fn stays_absent(world: &World<'_>, query: &Query) -> bool {
-    let predicate = query.predicate.as_ref().and_then(|value| Predicate::from_json(value).ok());
-    predicate.is_some_and(|predicate| {
-        answer_whole(world, &predicate).is_empty() && answer_times(world, &predicate).is_empty()
-    })
+/// Whether nothing satisfies an absent-referent sentence, at any time and with room to spare.
+pub fn stays_absent(prover: &Prover<'_>, query: &Query) -> bool {
+    proved(prover, Kind::Absent, query.clone()).is_ok()
+}
+
+fn proved(prover: &Prover<'_>, kind: Kind, query: Query) -> Result<Query, String> {
+    let mut report = Report::default();
+    prover.check(kind, Path::new(""), &query, &mut report);
+    let errors = report.into_sorted().into_iter().filter(|finding| finding.severity == Severity::Error);
+    errors.map(|finding| finding.message).next().map_or(Ok(query), Err)
 }
 
 fn while_it_holds(world: &World<'_>, predicate: &Predicate) -> Result<(Answer, Vec<Interval>), String> {
@@ -89,13 +97,19 @@ mod tests {
     }
 
     fn query(temporal: &str, frames: &str) -> Query {
+        let text =
+            if temporal == "while" { "The cup while a hand lifts it" } else { "The cup that a hand lifts" };
         let predicate = r#"[{"category":"cup"},{"undergoes":{"verb":"lift","by":{"category":"hand"}}}]"#;
         let value: serde_json::Value = serde_json::from_str(predicate).unwrap();
-        let digest = text_digest("text", Some(&value));
+        let digest = text_digest(text, Some(&value));
         let line = format!(
-            r#"{{"id":"s/001","text":"text","categories":["interaction"],"referents":["cup_a"],"temporal":"{temporal}","frames":{frames},"predicate":{predicate},"text_digest":"{digest}","provenance":{{"source":"author"}},"status":"verified"}}"#
+            r#"{{"id":"s/001","text":"{text}","categories":["interaction"],"referents":["cup_a"],"temporal":"{temporal}","frames":{frames},"predicate":{predicate},"text_digest":"{digest}","provenance":{{"source":"author"}},"status":"verified"}}"#
         );
         serde_json::from_str(&line).unwrap()
+    }
+
+    fn absent() -> Query {
+        Query { referents: Vec::new(), ..query("whole", "[[0,96]]") }
     }
 
     fn lift(cup: &str, frames: &str) -> String {
@@ -105,27 +119,33 @@ mod tests {
     #[test]
     fn another_draw_has_another_answer() {
         let tracks = draw(&lift("cup_b", "[40,60]"));
-        let world = World::new(&tracks);
-        let whole = reground(&world, &query("whole", "[[0,96]]")).unwrap();
+        let prover = Prover::new(&tracks, None, None);
+        let whole = reground(&prover, Kind::Single, &query("whole", "[[0,96]]")).unwrap();
         assert_eq!(whole.referents, [Name::new("cup_b").unwrap()]);
         assert_eq!(whole.frames, [Interval::WHOLE]);
         assert_eq!(whole.status, Status::Candidate);
-        let gated = reground(&world, &query("while", "[[10,30]]")).unwrap();
+        let gated = reground(&prover, Kind::Single, &query("while", "[[10,30]]")).unwrap();
         assert_eq!(gated.referents, [Name::new("cup_b").unwrap()]);
         assert_eq!(gated.frames, [Interval::new(40, 60).unwrap()]);
-        assert!(!stays_absent(&world, &query("whole", "[[0,96]]")));
+        assert!(!stays_absent(&prover, &absent()));
     }
 
     #[test]
     fn what_means_nothing_or_two_things_is_left_out() {
         let both = draw(&format!("{},{}", lift("cup_a", "[0,20]"), lift("cup_b", "[40,60]")));
-        let world = World::new(&both);
-        assert_eq!(reground(&world, &query("whole", "[[0,96]]")).unwrap_err(), "means cup_a, cup_b");
-        let message = reground(&world, &query("while", "[[10,30]]")).unwrap_err();
+        let prover = Prover::new(&both, None, None);
+        assert_eq!(
+            reground(&prover, Kind::Single, &query("whole", "[[0,96]]")).unwrap_err(),
+            "means cup_a, cup_b"
+        );
+        let message = reground(&prover, Kind::Single, &query("while", "[[10,30]]")).unwrap_err();
         assert!(message.contains("different times"), "{message}");
         let nothing = draw("");
-        let world = World::new(&nothing);
-        assert_eq!(reground(&world, &query("whole", "[[0,96]]")).unwrap_err(), "means nothing");
-        assert!(stays_absent(&world, &query("whole", "[[0,96]]")));
+        let prover = Prover::new(&nothing, None, None);
+        assert_eq!(
+            reground(&prover, Kind::Single, &query("whole", "[[0,96]]")).unwrap_err(),
+            "means nothing"
+        );
+        assert!(stays_absent(&prover, &absent()));
     }
 }

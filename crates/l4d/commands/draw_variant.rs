@@ -10,7 +10,7 @@ use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::store::write_atomic;
 use l4d_data::tracks::Tracks;
 use l4d_data::{Benchmark, Draw, Name, Query};
-use l4d_query::World;
+use l4d_query::prove::{Kind, Prover};
 use l4d_query::reground::{reground, stays_absent};
 use serde::Serialize;
 use serde_json::json;
@@ -90,11 +90,11 @@ fn manifest(source: &Benchmark, split: SetSplit, draw: Draw, scenes: Vec<Name>) 
 
 /// Writes the queries of a scene that still mean one thing.
 fn carry_over(source: &Benchmark, target: &BenchDir, scene: &Name, tracks: &Tracks) -> Result<Outcome> {
-    let world = World::new(tracks);
+    let prover = Prover::new(tracks, None, None);
     let mut outcome = Outcome { scene: scene.to_string(), ..Outcome::default() };
-    let mut ground = |query: Query| {
+    let mut ground = |kind: Kind, query: Query| {
         outcome.asked += 1;
-        match reground(&world, &query) {
+        match reground(&prover, kind, &query) {
             Ok(query) => Some(query),
             Err(why) => {
                 let Query { id, text, .. } = query;
@@ -103,9 +103,12 @@ fn carry_over(source: &Benchmark, target: &BenchDir, scene: &Name, tracks: &Trac
             }
         }
     };
-    let queries: Vec<Query> = source.queries(scene)?.into_iter().filter_map(&mut ground).collect();
-    let composites: Vec<Query> = source.composites(scene)?.into_iter().filter_map(&mut ground).collect();
-    let absents = source.absents(scene)?.into_iter().filter(|query| stays_absent(&world, query)).collect();
+    let mut all = |kind: Kind, queries: Vec<Query>| -> Vec<Query> {
+        queries.into_iter().filter_map(|query| ground(kind, query)).collect()
+    };
+    let queries = all(Kind::Single, source.queries(scene)?);
+    let composites = all(Kind::Composite, source.composites(scene)?);
+    let absents = source.absents(scene)?.into_iter().filter(|query| stays_absent(&prover, query)).collect();
     outcome.grounded = queries.len() + composites.len();
     write_lines(&target.queries(scene), queries)?;
     write_lines(&target.composites(scene), composites)?;
