@@ -109,6 +109,7 @@ fn heading(exam: &Exam, summaries: &[Summary]) -> Heading {
         profile: exam.profile,
         queries: asked().count(),
         verified: asked().filter(is_verified).count(),
+        rejected: exam.rejected(),
     }
 }
 

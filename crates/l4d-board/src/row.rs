@@ -24,15 +24,19 @@ pub struct Heading {
     pub queries: usize,
     /// How many of them people have verified.
     pub verified: usize,
+    /// Queries that nobody is asked, because people rejected them.
+    pub rejected: usize,
 }
 
 impl Heading {
-    /// `Panoptic-L4D 1.0.0 · protocol l4d · profile small · 289 queries, 0 verified by people`.
+    /// `Panoptic-L4D 1.0.0 · protocol l4d · profile small · 281 queries, 281 verified by people, 8 rejected`; what
+    /// they rejected is not among the queries.
     pub fn line(&self) -> String {
-        let Self { benchmark, version, protocol, profile, queries, verified, .. } = self;
+        let Self { benchmark, version, protocol, profile, queries, verified, rejected, .. } = self;
         let noun = if *queries == 1 { "query" } else { "queries" };
+        let left_out = if *rejected == 0 { String::new() } else { format!(", {rejected} rejected") };
         format!(
-            "{benchmark} {version} · protocol {protocol} · profile {profile} · {queries} {noun}, {verified} verified by people"
+            "{benchmark} {version} · protocol {protocol} · profile {profile} · {queries} {noun}, {verified} verified by people{left_out}"
         )
     }
 }

@@ -17,6 +17,7 @@ pub(crate) fn heading(queries: usize, verified: usize) -> Heading {
         profile: Profile::Small,
         queries,
         verified,
+        rejected: 0,
     }
 }
 

@@ -121,6 +121,7 @@ fn context(board: &Board, height: usize) -> Vec<Column> {
         repeat("profile", heading.profile.as_str()),
         count("board_queries", heading.queries),
         count("verified_queries", heading.verified),
+        count("rejected_queries", heading.rejected),
     ]
 }
 
@@ -156,12 +157,12 @@ mod tests {
     #[test]
     fn the_leaderboard_is_the_hand_made_one() {
         let expected = "\
-rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,miou_micro,miou_macro_scene,miou_macro_category,seconds,link,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries
-1,alpha,0.1,\"\",4,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,62.5000,,,12.3400,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1
-1,beta,0.1,\"\",4,62.5000,75.0000,62.5000,62.5000,62.5000,62.5000,37.5000,62.5000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1
-3,gamma,0.1,\"\",4,50.0000,50.0000,50.0000,50.0000,50.0000,,50.0000,50.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1
-,oracle,0.1,used ground truth,4,100.0000,100.0000,100.0000,100.0000,100.0000,100.0000,0.0000,100.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1
-,half,0.1,partial,2,80.0000,80.0000,80.0000,80.0000,80.0000,80.0000,20.0000,80.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1";
+rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,miou_micro,miou_macro_scene,miou_macro_category,seconds,link,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries,rejected_queries
+1,alpha,0.1,\"\",4,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,62.5000,,,12.3400,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+1,beta,0.1,\"\",4,62.5000,75.0000,62.5000,62.5000,62.5000,62.5000,37.5000,62.5000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+3,gamma,0.1,\"\",4,50.0000,50.0000,50.0000,50.0000,50.0000,,50.0000,50.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+,oracle,0.1,used ground truth,4,100.0000,100.0000,100.0000,100.0000,100.0000,100.0000,0.0000,100.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+,half,0.1,partial,2,80.0000,80.0000,80.0000,80.0000,80.0000,80.0000,20.0000,80.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0";
         let found = lines(leaderboard(&sample::hand_made()).unwrap());
         assert_eq!(found, expected.lines().collect::<Vec<_>>());
     }
@@ -172,8 +173,8 @@ rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,sele
         assert_eq!(
             found[..2],
             [
-                "rank,method,category,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries",
-                "1,alpha,attribute,1,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,Panoptic-L4D,1.0.0,l4d,small,4,1",
+                "rank,method,category,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries,rejected_queries",
+                "1,alpha,attribute,1,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,Panoptic-L4D,1.0.0,l4d,small,4,1,0",
             ]
         );
         // Five methods, four categories, one missing.

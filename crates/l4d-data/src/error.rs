@@ -40,6 +40,11 @@ pub enum DataError {
     },
 }
 
+/// Text that quotes a file, so that nothing in the file can steer the terminal that shows it.
+pub fn inert(text: &str) -> String {
+    text.replace(|character: char| character.is_control() && character != '\n', "\u{fffd}")
+}
+
 impl DataError {
     /// An I/O error that knows its path.
     pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {

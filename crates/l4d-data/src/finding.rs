@@ -82,6 +82,11 @@ impl Report {
         self.findings.extend(other.findings);
     }
 
+    /// Takes over a finding of another check.
+    pub fn add(&mut self, finding: Finding) {
+        self.findings.push(finding);
+    }
+
     /// The findings, sorted by path, then place.
     pub fn into_sorted(mut self) -> Vec<Finding> {
         self.findings.sort();

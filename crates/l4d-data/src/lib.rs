@@ -17,6 +17,7 @@ pub mod name;
 pub mod query;
 pub mod results;
 pub mod scene;
+pub mod status;
 pub mod store;
 pub mod timeline;
 pub mod tracks;

@@ -15,9 +15,10 @@ use l4d_data::{Benchmark, Name, Profile, Report};
 pub(crate) use agree::path_length_m;
 pub use query::{COMPOSITES, Kind, Prover};
 use scene::check_each_is_asked;
-pub use scene::{SceneSet, check_scene};
+pub(crate) use scene::predicate_of;
+pub use scene::{SceneSet, check_scene, meaning, verbs as plain_events};
 pub use vocabulary::Vocabulary;
-pub(crate) use wording::words;
+pub use wording::{form_problem, says_when, words};
 
 use crate::probes::{self, Probe};
 use crate::rules;
@@ -66,7 +67,13 @@ fn report_set(bench: &Benchmark, summary: &SetSummary, report: &mut Report) {
     }
     for rule in summary.rules.iter().filter(|rule| !rule.is_met()) {
         let message = format!("{} of {}", rule.found, rule.demand());
-        report.error("L4D231", &folder, rule.name, message, "see docs/queries.md, The set");
+        if rule.is_met_as_written() {
+            let message = format!("{message}: people rejected {}", rule.rejected);
+            let hint = "edit what they rejected and ask again with `l4d open-round --from ROUND`";
+            report.warning("L4D231", &folder, rule.name, message, hint);
+        } else {
+            report.error("L4D231", &folder, rule.name, message, "see docs/queries.md, The set");
+        }
     }
 }
 

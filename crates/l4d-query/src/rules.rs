@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use l4d_data::{Category, Name, Query, Role, Scale, Temporal};
+use l4d_data::{Category, Name, Query, Role, Scale, Status, Temporal};
 use serde::Serialize;
 
 use crate::ast::{Clause, Predicate};
 use crate::eval::{answer_whole, clause_times};
 use crate::probes::COLOURS;
-use crate::prove::SceneSet;
+use crate::prove::{SceneSet, predicate_of};
 use crate::summary::SetSummary;
 use crate::times::any_of;
 use crate::verbs;
@@ -25,6 +25,8 @@ pub struct Rule {
     pub at_least: usize,
     /// Most that there may be, if there is a bound.
     pub at_most: Option<usize>,
+    /// How many more there would be if people had rejected no query.
+    pub rejected: usize,
     /// What was counted, where a reader would ask: queries or scenes.
     pub which: Vec<String>,
 }
@@ -32,7 +34,16 @@ pub struct Rule {
 impl Rule {
     /// Whether the set keeps it.
     pub fn is_met(&self) -> bool {
-        self.found >= self.at_least && self.at_most.is_none_or(|most| self.found <= most)
+        self.allows(self.found)
+    }
+
+    /// Whether nothing is amiss but that people rejected queries.
+    pub fn is_met_as_written(&self) -> bool {
+        self.allows(self.found + self.rejected)
+    }
+
+    fn allows(&self, count: usize) -> bool {
+        count >= self.at_least && self.at_most.is_none_or(|most| count <= most)
     }
 
     /// The demand in words: `exactly 100`, `at least 40`, `at most 6`.
@@ -48,25 +59,39 @@ impl Rule {
 
 /// Counts everything that is demanded of the complete set.
 pub fn measure(sets: &[SceneSet], summary: &SetSummary) -> Vec<Rule> {
-    let exactly =
-        |name, found, count| Rule { name, found, at_least: count, at_most: Some(count), which: Vec::new() };
-    let at_least =
-        |name, found, count| Rule { name, found, at_least: count, at_most: None, which: Vec::new() };
-    let listed = |name, which: Vec<String>, least: usize, most: Option<usize>| Rule {
+    let mut rules = measure_some(sets, summary, |query| query.status != Status::Rejected);
+    if summary.rejected > 0 {
+        let written = measure_some(sets, &SetSummary::count_as_written(sets), |_| true);
+        for (rule, written) in rules.iter_mut().zip(written) {
+            rule.rejected = written.found.saturating_sub(rule.found);
+        }
+    }
+    rules
+}
+
+fn measure_some(sets: &[SceneSet], summary: &SetSummary, counts: fn(&Query) -> bool) -> Vec<Rule> {
+    let rule = |name, which: Vec<String>, found, at_least, at_most| Rule {
         name,
-        found: which.len(),
-        at_least: least,
-        at_most: most,
+        found,
+        at_least,
+        at_most,
+        rejected: 0,
         which,
+    };
+    let exactly = |name, found, count| rule(name, Vec::new(), found, count, Some(count));
+    let at_least = |name, found, count| rule(name, Vec::new(), found, count, None);
+    let listed = |name, which: Vec<String>, least, most| {
+        let found = which.len();
+        rule(name, which, found, least, most)
     };
     let scenes = |scale: Scale| summary.scales.get(scale.as_str()).copied().unwrap_or_default();
     let queries = |category: Category| summary.queries.get(category.as_str()).copied().unwrap_or_default();
     let fewest = summary.composites.values().copied().min().unwrap_or_default();
-    let with_absent = sets.iter().filter(|set| !set.absents.is_empty()).count();
+    let with_absent = sets.iter().filter(|set| set.absents.iter().any(counts)).count();
     let scored = || {
-        let all =
-            sets.iter().flat_map(|set| set.scored().map(move |(query, predicate)| (set, query, predicate)));
-        all.filter_map(|(set, query, predicate)| Some((set, query, predicate?)))
+        let all = sets.iter().flat_map(|set| set.queries.iter().map(move |query| (set, query)));
+        let kept = all.filter(|(_, query)| counts(query));
+        kept.filter_map(|(set, query)| Some((set, query, predicate_of(query)?)))
     };
     let of = |category: Category| scored().filter(move |(_, query, _)| query.categories == [category]);
     let worlds: BTreeMap<&Name, World<'_>> =
@@ -227,10 +252,18 @@ mod tests {
 
     #[test]
     fn demands_in_words() {
-        let rule = |at_least, at_most| Rule { name: "x", found: 6, at_least, at_most, which: Vec::new() };
+        let rule = |at_least, at_most| Rule {
+            name: "x",
+            found: 6,
+            at_least,
+            at_most,
+            rejected: 1,
+            which: Vec::new(),
+        };
         assert_eq!(rule(6, Some(6)).demand(), "exactly 6");
         assert_eq!(rule(0, Some(6)).demand(), "at most 6");
         assert_eq!(rule(7, None).demand(), "at least 7");
         assert!(rule(6, Some(6)).is_met() && !rule(7, None).is_met() && !rule(0, Some(5)).is_met());
+        assert!(rule(7, Some(7)).is_met_as_written() && !rule(8, None).is_met_as_written());
     }
 }

@@ -26,7 +26,7 @@ pub struct SetSummary {
     pub absent: usize,
     /// Queries that people have verified.
     pub verified: usize,
-    /// Queries that people have rejected; they are in no other count.
+    /// Queries of any kind that people have rejected; they are in no other count.
     pub rejected: usize,
     /// How well each shortcut does.
     pub probes: Vec<Probe>,
@@ -42,6 +42,15 @@ impl SetSummary {
 
     /// Counts without probes and rules.
     pub(crate) fn count(sets: &[SceneSet]) -> Self {
+        Self::count_of(sets, |query| query.status != Status::Rejected)
+    }
+
+    /// The same as if people had rejected nothing.
+    pub(crate) fn count_as_written(sets: &[SceneSet]) -> Self {
+        Self::count_of(sets, |_| true)
+    }
+
+    fn count_of(sets: &[SceneSet], counts: fn(&Query) -> bool) -> Self {
         let mut summary = Self { scenes: sets.len(), ..Self::default() };
         summary.scales.extend(Scale::ALL.map(|scale| (scale.as_str(), 0)));
         summary.queries.extend(Category::ALL.map(|category| (category.as_str(), 0)));
@@ -50,27 +59,21 @@ impl SetSummary {
             *summary.scales.entry(set.tracks.scale.as_str()).or_default() += 1;
             let is_object = |instance: &&l4d_data::tracks::TrackedInstance| instance.role == Role::Object;
             summary.instances += set.tracks.instances.iter().filter(is_object).count();
-            for query in &set.queries {
-                summary.count_query(query);
+            for query in set.queries.iter().filter(|query| counts(query)) {
+                summary.verified += usize::from(query.status == Status::Verified);
+                if let [category] = query.categories.as_slice() {
+                    *summary.queries.entry(category.as_str()).or_default() += 1;
+                }
             }
-            for query in set.composites.iter().filter(|query| query.status != Status::Rejected) {
+            for query in set.composites.iter().filter(|query| counts(query)) {
                 if let Some((name, _)) = COMPOSITES.iter().find(|(_, pair)| query.categories == pair) {
                     *summary.composites.entry(name).or_default() += 1;
                 }
             }
-            summary.absent += set.absents.iter().filter(|query| query.status != Status::Rejected).count();
+            summary.absent += set.absents.iter().filter(|query| counts(query)).count();
+            let all = set.queries.iter().chain(&set.composites).chain(&set.absents);
+            summary.rejected += all.filter(|query| query.status == Status::Rejected).count();
         }
         summary
-    }
-
-    fn count_query(&mut self, query: &Query) {
-        match query.status {
-            Status::Rejected => return self.rejected += 1,
-            Status::Verified => self.verified += 1,
-            Status::Candidate => {}
-        }
-        if let [category] = query.categories.as_slice() {
-            *self.queries.entry(category.as_str()).or_default() += 1;
-        }
     }
 }

@@ -1,5 +1,7 @@
 //! What verbs imply for geometry. A verb that stands in no list implies nothing.
 
+use std::collections::BTreeSet;
+
 /// Both are in contact all the time.
 pub const HOLDING: [&str; 11] =
     ["hold", "carry", "pull", "push", "move", "drag", "grip", "hug", "ride", "wear", "curl"];
@@ -47,6 +49,11 @@ pub const RESTING: [&str; 11] =
 /// What can be done without moving.
 const QUIET: [&str; 11] =
     ["watch", "look_at", "face", "hold", "grip", "wear", "listen", "point_at", "phone", "fill", "empty"];
+
+/// Every verb of the lists, sorted, none twice.
+pub fn lexicon() -> BTreeSet<&'static str> {
+    [&HOLDING[..], &MEETING, &MOVING, &RESTING, &QUIET].into_iter().flatten().copied().collect()
+}
 
 /// Whether it can be done without moving.
 pub fn is_quiet(verb: &str) -> bool {

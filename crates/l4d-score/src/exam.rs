@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report};
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Status};
 
 use crate::codes;
 use crate::truth::SceneTruth;
@@ -69,6 +69,12 @@ impl Exam {
     /// Reads and decodes the truth of a scene.
     pub fn truth(&self, scene: &Name) -> Result<SceneTruth, DataError> {
         SceneTruth::load(&self.bench, self.profile, scene)
+    }
+
+    /// Queries that people have rejected: never scored, but counted, so that a table can say what it lacks.
+    pub fn rejected(&self) -> usize {
+        let queries = self.scenes.iter().flat_map(|scene| &scene.queries);
+        queries.filter(|query| query.status == Status::Rejected).count()
     }
 
     /// Mask size, pixels.

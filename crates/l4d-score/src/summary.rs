@@ -47,6 +47,9 @@ pub struct Summary {
     pub asked_queries: usize,
     /// How many of them people have verified.
     pub verified_queries: usize,
+    /// Queries of the same scenes that were not asked, because people rejected them.
+    #[serde(default)]
+    pub rejected_queries: usize,
     /// Queries whose target is visible in no scored frame; they enter no mean of it.
     pub never_present: Vec<QueryId>,
     /// The numbers.
@@ -74,6 +77,7 @@ impl Summary {
             missing_frames,
             asked_queries: tallies.len(),
             verified_queries: tallies.iter().filter(|tally| tally.facts.verified).count(),
+            rejected_queries: exam.rejected(),
             never_present: tallies
                 .iter()
                 .filter(|tally| !tally.is_counted())

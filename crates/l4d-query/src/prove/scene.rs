@@ -79,7 +79,7 @@ impl SceneSet {
     }
 }
 
-fn predicate_of(query: &Query) -> Option<Predicate> {
+pub(crate) fn predicate_of(query: &Query) -> Option<Predicate> {
     Predicate::from_json(query.predicate.as_ref()?).ok()
 }
 
@@ -96,12 +96,19 @@ pub fn check_scene(set: &SceneSet, vocabulary: Option<&Vocabulary>, report: &mut
 /// Each object of the scene is the referent of a query: what nobody asks for is scenery.
 pub(super) fn check_each_is_asked(set: &SceneSet, report: &mut Report) {
     let world = World::new(&set.tracks);
-    let queries = set.queries.iter().filter(|query| query.status != Status::Rejected);
-    let asked: BTreeSet<&Name> = queries.flat_map(|query| &query.referents).collect();
-    for object in world.objects().filter(|object| !asked.contains(&object.name)) {
+    let refers = |query: &&Query, name: &Name| query.referents.contains(name);
+    let (rejected, asked): (Vec<&Query>, Vec<&Query>) =
+        set.queries.iter().partition(|query| query.status == Status::Rejected);
+    for object in world.objects().filter(|object| !asked.iter().any(|query| refers(query, &object.name))) {
         let place = format!("instance {}", object.name);
-        let hint = "write a query for it, or make it scenery";
-        report.error("L4D209", &set.paths[1], place, "no query refers to this object", hint);
+        if rejected.iter().any(|query| refers(query, &object.name)) {
+            let message = "only queries that people rejected refer to this object";
+            let hint = "edit one of them and ask again with `l4d open-round --from ROUND`";
+            report.warning("L4D209", &set.paths[1], place, message, hint);
+        } else {
+            let hint = "write a query for it, or make it scenery";
+            report.error("L4D209", &set.paths[1], place, "no query refers to this object", hint);
+        }
     }
 }
 
@@ -147,7 +154,7 @@ fn check_each_asks_something_else(set: &SceneSet, report: &mut Report) {
 }
 
 /// The same for predicates that differ only in the order of their clauses.
-fn meaning(predicate: &Predicate) -> String {
+pub fn meaning(predicate: &Predicate) -> String {
     let mut clauses: Vec<String> = predicate
         .0
         .iter()
@@ -159,7 +166,7 @@ fn meaning(predicate: &Predicate) -> String {
 }
 
 /// The verbs of a predicate that consists of plain events alone, whoever takes the second role.
-fn verbs(predicate: &Predicate) -> Option<String> {
+pub fn verbs(predicate: &Predicate) -> Option<String> {
     let verb = |clause: &Clause| match clause {
         Clause::Does { verb, .. } | Clause::Undergoes { verb, .. } => Some(verb.clone()),
         _ => None,

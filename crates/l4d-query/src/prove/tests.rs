@@ -2,7 +2,7 @@ use std::path::Path;
 
 use l4d_data::query::text_digest;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Name, Query, Report};
+use l4d_data::{Name, Query, Report, Severity, Status};
 
 use super::{Kind, Prover, SceneSet, check_each_is_asked, check_scene};
 use crate::ast::Predicate;
@@ -159,4 +159,12 @@ fn a_scene_asks_for_everything_once() {
     assert_eq!(found, ["L4D209", "L4D209", "L4D209", "L4D212", "L4D213", "L4D213"]);
     set.composites.clear();
     assert_eq!(codes(&set), ["L4D209"; 3]);
+    // What only a rejected query asks for is worth a look, not an error.
+    set.queries[0].status = Status::Rejected;
+    let mut report = Report::default();
+    check_each_is_asked(&set, &mut report);
+    let unasked = report.into_sorted().into_iter().filter(|finding| finding.code == "L4D209");
+    let warned: Vec<String> =
+        unasked.filter(|found| found.severity == Severity::Warning).map(|found| found.location).collect();
+    assert_eq!(warned, ["instance c"]);
 }

@@ -34,7 +34,7 @@ const INDEFINITE: [&str; 14] = [
 ];
 
 /// Words of a sentence in lower case; hyphens and apostrophes inside a word belong to it.
-pub(crate) fn words(text: &str) -> Vec<String> {
+pub fn words(text: &str) -> Vec<String> {
     let inside = |letter: char| letter.is_alphanumeric() || "'’-".contains(letter);
     let words = text.split(|letter: char| !inside(letter));
     let words = words.map(|word| word.trim_matches(['\'', '’', '-']).replace('’', "'").to_lowercase());
@@ -46,11 +46,16 @@ pub(crate) fn is_indefinite(text: &str) -> bool {
     words(text).iter().any(|word| INDEFINITE.contains(&word.as_str()))
 }
 
+/// Whether the sentence says when, as every `while` sentence does.
+pub fn says_when(text: &str) -> bool {
+    words(text).iter().any(|word| GATES.contains(&word.as_str()))
+}
+
 /// What is wrong with how the sentence binds time.
 pub(crate) fn temporal_problem(text: &str, temporal: Temporal, predicate: &Predicate) -> Option<String> {
     let words: BTreeSet<String> = words(text).into_iter().collect();
     match temporal {
-        Temporal::While if !GATES.iter().any(|gate| words.contains(*gate)) => {
+        Temporal::While if !says_when(text) => {
             Some("temporal is `while`, but the sentence doesn't say when".to_owned())
         }
         // "When the clip ends" names a moment of the clip, not the time of the query.
@@ -67,16 +72,27 @@ fn names_a_moment(predicate: &Predicate) -> bool {
     predicate.clauses().iter().any(|clause| matches!(clause, Clause::AtStart(_) | Clause::AtEnd(_)))
 }
 
-/// What is wrong with the places that the sentence speaks of, and with its form.
-pub(crate) fn place_problem(text: &str, predicate: &Predicate) -> Option<String> {
+/// What is wrong with a sentence whatever its predicate is: places that depend on the viewer, a full stop.
+pub fn form_problem(text: &str) -> Option<String> {
     let words = words(text);
-    let is_side = |pair: &&[String]| {
-        matches!(pair[1].as_str(), "left" | "right") && BEFORE_SIDES.contains(&pair[0].as_str())
-    };
-    let side = words.windows(2).find(is_side).map(|pair| &pair[1]);
+    let is_side = |word: &str| matches!(word, "left" | "right");
+    let side = words.windows(2).find_map(|pair| match [pair[0].as_str(), pair[1].as_str()] {
+        [before, side] if is_side(side) && BEFORE_SIDES.contains(&before) => Some(&pair[1]),
+        [side, "of"] if is_side(side) => Some(&pair[0]),
+        _ => None,
+    });
     if let Some(word) = side.or_else(|| words.iter().find(|word| VIEWER.contains(&word.as_str()))) {
         return Some(format!("\"{word}\" depends on where the viewer stands"));
     }
+    text.ends_with('.').then(|| "ends with a full stop, but is a noun phrase".to_owned())
+}
+
+/// What is wrong with the places that the sentence speaks of, and with its form.
+pub(crate) fn place_problem(text: &str, predicate: &Predicate) -> Option<String> {
+    if let Some(problem) = form_problem(text) {
+        return Some(problem);
+    }
+    let words = words(text);
     let relates = |kind: Relation| {
         let clauses = predicate.clauses();
         clauses.iter().any(|clause| matches!(clause, Clause::Relation { kind: k, .. } if *k == kind))
@@ -90,7 +106,7 @@ pub(crate) fn place_problem(text: &str, predicate: &Predicate) -> Option<String>
             return Some(format!("the {is} says `{kind}`, the {is_not} doesn't"));
         }
     }
-    text.ends_with('.').then(|| "ends with a full stop, but is a noun phrase".to_owned())
+    None
 }
 
 #[cfg(test)]
@@ -125,6 +141,7 @@ mod tests {
         let beside = parse(r#"[{"category":"a"},{"relation":{"kind":"beside","of":[{"name":"b"}]}}]"#);
         let behind = parse(r#"[{"category":"a"},{"relation":{"kind":"behind","of":[{"name":"b"}]}}]"#);
         assert!(place_problem("The cup to the left of the box", &beside).is_some());
+        assert!(place_problem("The cup right of the box", &beside).is_some());
         assert!(place_problem("The cup left beside the box", &beside).is_none());
         assert!(place_problem("The cup behind the box", &beside).is_some());
         assert!(place_problem("The cup in the back of the box", &behind).is_some());

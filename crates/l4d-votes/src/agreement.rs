@@ -1,0 +1,286 @@
+//! How much people agreed before anything was thrown out; after filtering, agreement is 1 by construction.
+//!
+//! # What counts
+//!
+//! Every answer that was given to an item as it stands in `items.jsonl`, sealed or not, whatever its verdict. An
+//! edit of the benchmark after the vote makes the *verdict* stale, but not what people said: leaving such items
+//! out would leave out the rejected ones, which are the ones that get edited. Control items and the second answer
+//! to a repeated prompt do not enter. Items with two categories count in both, and once overall.
+//!
+//! # Two codings of one answer
+//!
+//! Identification has no label that means the same for all items, and chance correction needs some. So both
+//! readings are reported, under their names:
+//!
+//! - `choice`: the label is what was chosen ([`Choice::label`](crate::Choice::label), behind the name of its scene
+//!   unless it is "none" or "ambiguous"). Its *raw* agreement is how often two people gave the same answer, right
+//!   or wrong, and needs no ground truth: quote that one. Its alpha and AC1 let chance draw from the labels of the
+//!   whole set, most of which are impossible for any one item; so chance comes out near 0 and both near the raw
+//!   figure. They are there for completeness, not to be quoted as corrected for chance.
+//! - `right`: the label is whether the answer is right (objects, and frames by the rule of the round), so q = 2.
+//!   All items share these two labels, so alpha and AC1 mean what their authors say. Two different wrong answers
+//!   agree in it. Answers are lopsided (mostly right), where alpha falls to 0 however well people agree: quote
+//!   AC1, with alpha and raw beside it.
+//!
+//! Neither coding contains the frames except through "right". q of AC1 is 2 for `right` and the number of distinct
+//! labels that occur for `choice`.
+//!
+//! # Uncertainty
+//!
+//! Answers within a scene depend on each other, so intervals of raw, alpha, AC1 and the human ceiling are 95 %
+//! percentile intervals of a bootstrap that draws whole scenes ([`DRAWS`] draws, seeded by the round). Shares of
+//! items come with Wilson's interval, which takes items for independent and is therefore too narrow, if anything.
+
+mod coefficients;
+mod estimate;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use l4d_data::{Category, Name};
+use serde::Serialize;
+
+use self::coefficients::Parts;
+pub use self::coefficients::{Undefined, Unit, gwet_ac1, krippendorff_alpha, raw};
+use self::estimate::bootstrap;
+pub use self::estimate::{Estimate, Share, wilson};
+use crate::control::{self, Consistency};
+use crate::event::{Answer, Choice};
+use crate::item::Item;
+use crate::key::{Behind, Key};
+use crate::round::Round;
+use crate::sheet::Sheet;
+use crate::verdict::{Mark, sheets_of};
+
+/// Schema tag of `agreement.json`.
+pub const SCHEMA: &str = "l4d/agreement/1";
+/// Bootstrap draws.
+pub const DRAWS: usize = 1000;
+
+/// `agreement.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Agreement {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// The round.
+    pub round: Name,
+    /// Whether the annotators are programs.
+    pub simulated: bool,
+    /// Whether all ballots are sealed.
+    pub is_final: bool,
+    /// Bootstrap draws behind each interval.
+    pub draws: usize,
+    /// Their seed.
+    pub seed: u64,
+    /// All queries of the round.
+    pub overall: Group,
+    /// Queries of each category that occurs.
+    pub categories: BTreeMap<Category, Group>,
+    /// In the order of `round.toml`.
+    pub annotators: Vec<Annotator>,
+}
+
+/// Agreement on a group of queries.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Group {
+    /// Queries that were asked.
+    pub items: usize,
+    /// Queries that all annotators answered.
+    pub complete: usize,
+    /// Answers that count.
+    pub answers: usize,
+    /// Agreement on what was chosen.
+    pub choice: Coefficients,
+    /// Agreement on whether it is right.
+    pub right: Coefficients,
+    /// Of the complete queries: those to which all answers are the same choice.
+    pub unanimous: Share,
+    /// Of the complete queries: those to which all answers are right.
+    pub understood: Share,
+    /// Complete queries by the number of right answers, from 0 to all.
+    pub histogram: Vec<usize>,
+    /// The human ceiling: the share of single answers that are right.
+    pub ceiling: Estimate,
+}
+
+/// Three coefficients over one coding.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Coefficients {
+    /// Labels that chance draws from (q).
+    pub labels: usize,
+    /// Mean over items of the share of agreeing pairs of answers.
+    pub raw: Estimate,
+    /// Krippendorff's alpha for nominal data.
+    pub alpha: Estimate,
+    /// Gwet's AC1.
+    pub ac1: Estimate,
+}
+
+/// One annotator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Annotator {
+    /// Who.
+    pub name: Name,
+    /// Whether the ballot is sealed.
+    pub sealed: bool,
+    /// Queries answered.
+    pub answered: usize,
+    /// Queries skipped.
+    pub skipped: usize,
+    /// Answers to queries that are right.
+    pub right: usize,
+    /// Sentences whose right answer is known.
+    pub gold: Consistency,
+    /// Prompts that were asked twice.
+    pub repeats: Consistency,
+}
+
+/// The counted answers to one query.
+struct Polled<'a> {
+    item: &'a Item,
+    categories: &'a [Category],
+    answers: Vec<(&'a Answer, bool)>,
+}
+
+/// Agreement, consistency and the human ceiling of a round.
+pub fn measure(round: &Round, key: &Key, sheets: &[Sheet]) -> Agreement {
+    let sheets = sheets_of(round, sheets);
+    let polled = poll(round, key, &sheets);
+    let group = |category: Option<Category>| {
+        let is_in = |polled: &&Polled<'_>| category.is_none_or(|wanted| polled.categories.contains(&wanted));
+        let chosen: Vec<&Polled<'_>> = polled.iter().filter(is_in).collect();
+        measure_group(round, &chosen, category.map_or("overall", Category::as_str))
+    };
+    let occurring: BTreeSet<Category> =
+        polled.iter().flat_map(|polled| polled.categories.iter().copied()).collect();
+    Agreement {
+        schema: SCHEMA,
+        round: round.name.clone(),
+        simulated: round.simulated,
+        is_final: sheets.iter().all(|(_, sheet)| sheet.is_some_and(|sheet| sheet.sealed)),
+        draws: DRAWS,
+        seed: round.seed,
+        overall: group(None),
+        categories: occurring.into_iter().map(|category| (category, group(Some(category)))).collect(),
+        annotators: sheets.iter().map(|(name, sheet)| annotator(round, key, name, *sheet)).collect(),
+    }
+}
+
+fn poll<'a>(round: &'a Round, key: &'a Key, sheets: &[(&'a Name, Option<&'a Sheet>)]) -> Vec<Polled<'a>> {
+    let mut polled = Vec::new();
+    for item in &round.items {
+        if let Some(Behind::Query { categories, meaning, .. }) = key.behind(&item.id) {
+            let answers =
+                sheets.iter().filter_map(|(_, sheet)| sheet.and_then(|sheet| sheet.answer(&item.id)));
+            let marked = answers.map(|answer| (answer, meaning.mark(answer, round.frames) == Mark::Right));
+            polled.push(Polled { item, categories, answers: marked.collect() });
+        }
+    }
+    polled
+}
+
+fn measure_group(round: &Round, polled: &[&Polled<'_>], name: &str) -> Group {
+    let scenes: BTreeSet<&Name> = polled.iter().map(|polled| &polled.item.scene).collect();
+    let scenes: BTreeMap<&Name, usize> =
+        scenes.into_iter().enumerate().map(|(i, scene)| (scene, i)).collect();
+    let draw = Draw { seed: round.seed, name, clusters: scenes.len() };
+
+    let mut codes: BTreeMap<String, u32> = BTreeMap::new();
+    let mut chosen = Vec::new();
+    let mut right = Vec::new();
+    let mut correct = vec![[0.0; 2]; scenes.len()];
+    for Polled { item, answers, .. } in polled {
+        let cluster = scenes[&item.scene];
+        let label = |(answer, _): &(&Answer, bool)| {
+            let label = match &answer.choice {
+                Choice::Objects(_) => format!("{}/{}", item.scene, answer.choice.label()),
+                Choice::None | Choice::Ambiguous { .. } => answer.choice.label(),
+            };
+            let next = codes.len() as u32;
+            *codes.entry(label).or_insert(next)
+        };
+        chosen.push(Unit { cluster, labels: answers.iter().map(label).collect() });
+        right.push(Unit { cluster, labels: answers.iter().map(|(_, right)| u32::from(*right)).collect() });
+        correct[cluster][0] += answers.iter().filter(|(_, right)| *right).count() as f64;
+        correct[cluster][1] += answers.len() as f64;
+    }
+
+    let all = round.annotators.len();
+    let complete: Vec<usize> =
+        (0..polled.len()).filter(|&index| polled[index].answers.len() == all).collect();
+    let is_same = |labels: &[u32]| labels.windows(2).all(|pair| pair[0] == pair[1]);
+    let mut histogram = vec![0; all + 1];
+    for &index in &complete {
+        histogram[right[index].labels.iter().filter(|&&label| label == 1).count()] += 1;
+    }
+    Group {
+        items: polled.len(),
+        complete: complete.len(),
+        answers: polled.iter().map(|polled| polled.answers.len()).sum(),
+        unanimous: Share::new(
+            complete.iter().filter(|&&index| is_same(&chosen[index].labels)).count(),
+            complete.len(),
+        ),
+        understood: Share::new(histogram[all], complete.len()),
+        histogram,
+        choice: coefficients(&chosen, codes.len(), &draw),
+        right: coefficients(&right, 2, &draw),
+        ceiling: ceiling(&correct, &draw),
+    }
+}
+
+/// Which draws of which scenes.
+struct Draw<'a> {
+    seed: u64,
+    name: &'a str,
+    clusters: usize,
+}
+
+fn coefficients(units: &[Unit], labels: usize, draw: &Draw<'_>) -> Coefficients {
+    let parts = Parts::new(units, draw.clusters);
+    let [raw, alpha, ac1] = bootstrap(draw.clusters, DRAWS, draw.seed, draw.name, {
+        let mut totals = parts.totals();
+        move |clusters| {
+            parts.sum(clusters, &mut totals);
+            [totals.raw(), totals.alpha(), totals.ac1(labels)]
+        }
+    });
+    Coefficients { labels, raw, alpha, ac1 }
+}
+
+/// `correct`: right answers and answers of each scene.
+fn ceiling(correct: &[[f64; 2]], draw: &Draw<'_>) -> Estimate {
+    let [share] = bootstrap(draw.clusters, DRAWS, draw.seed, draw.name, |clusters| {
+        let sum = |which: usize| clusters.iter().map(|&cluster| correct[cluster][which]).sum::<f64>();
+        let (right, all) = (sum(0), sum(1));
+        [if all > 0.0 { Ok(right / all) } else { Err(Undefined::NoVotes) }]
+    });
+    share
+}
+
+fn annotator(round: &Round, key: &Key, name: &Name, sheet: Option<&Sheet>) -> Annotator {
+    let mut totals = Annotator {
+        name: name.clone(),
+        sealed: sheet.is_some_and(|sheet| sheet.sealed),
+        answered: 0,
+        skipped: 0,
+        right: 0,
+        gold: Consistency::default(),
+        repeats: Consistency::default(),
+    };
+    let Some(sheet) = sheet else { return totals };
+    for (item, behind) in key.entries() {
+        if let (Behind::Query { meaning, .. }, Some(standing)) = (behind, sheet.standing(item)) {
+            totals.skipped += usize::from(standing.skipped);
+            if let Some(answer) = &standing.answer {
+                totals.answered += 1;
+                totals.right += usize::from(meaning.mark(answer, round.frames) == Mark::Right);
+            }
+        }
+    }
+    totals.gold = control::gold(key, sheet);
+    totals.repeats = control::repeats(key, sheet);
+    totals
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,341 @@
+//! One annotator at work: the log is locked, replayed, mended and appended to.
+//!
+//! Nothing else writes a log, and this module opens no other file of the round than `round.toml` and `items.jsonl`,
+//! which the caller has read. An event counts once it is on the disk; one that cannot be written is cut off again
+//! and refused. If even that fails, the ballot refuses everything until it is opened anew.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use l4d_data::digest::sha256_hex;
+use l4d_data::store::make_folder;
+use l4d_data::{DataError, Name};
+
+use crate::codes;
+use crate::event::{Answer, Event, Seen};
+use crate::item::ItemId;
+use crate::journal::{FileJournal, Journal};
+use crate::ledger::Ledger;
+use crate::line::{Act, Line, Place, digest_of, event_problem};
+use crate::replay::{Replay, replay};
+use crate::round::{Round, RoundDir};
+use crate::sheet::{MAX_BYTES, Standing, standing};
+
+/// What was noticed while reading a log: nothing that stops the work, something a person should know.
+pub type Notice = l4d_data::Finding;
+
+/// The open log of one annotator. No second process can open it meanwhile.
+pub struct Ballot {
+    path: PathBuf,
+    round: Round,
+    annotator: Name,
+    order: Vec<ItemId>,
+    /// Position in `order`, from 1.
+    positions: BTreeMap<ItemId, usize>,
+    ledger: Ledger,
+    journal: Box<dyn Journal>,
+    clock: fn() -> SystemTime,
+    length: u64,
+    lines: u64,
+    last: String,
+    sealed: bool,
+    /// An event could neither be written nor cut off.
+    torn: bool,
+}
+
+impl fmt::Debug for Ballot {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, lines, sealed, .. } = self;
+        formatter
+            .debug_struct("Ballot")
+            .field("path", path)
+            .field("lines", lines)
+            .field("sealed", sealed)
+            .finish()
+    }
+}
+
+impl Ballot {
+    /// Locks and replays the log of an annotator; makes it where there is none. A line that was not written to
+    /// its end is cut off and noticed; a log that was edited is refused, since nothing more would count in it.
+    pub fn open(dir: &RoundDir, round: &Round, annotator: &Name) -> Result<(Self, Vec<Notice>), DataError> {
+        Self::open_at(dir, round, annotator, SystemTime::now)
+    }
+
+    pub(crate) fn open_at(
+        dir: &RoundDir,
+        round: &Round,
+        annotator: &Name,
+        clock: fn() -> SystemTime,
+    ) -> Result<(Self, Vec<Notice>), DataError> {
+        round.require_annotator(annotator)?;
+        let path = dir.ballot(annotator);
+        let file = open_locked(&path, annotator)?;
+        let length = file.metadata().map_err(|source| DataError::io(&path, "read", source))?.len();
+        if length > MAX_BYTES {
+            return Err(DataError::invalid(
+                &path,
+                "size",
+                format!("is larger than the {MAX_BYTES} bytes that a log may have"),
+                "move the file away and vote again",
+            ));
+        }
+        Self::resume(path.clone(), round, annotator, Box::new(FileJournal::new(file, path)), length, clock)
+    }
+
+    pub(crate) fn resume(
+        path: PathBuf,
+        round: &Round,
+        annotator: &Name,
+        mut journal: Box<dyn Journal>,
+        length: u64,
+        clock: fn() -> SystemTime,
+    ) -> Result<(Self, Vec<Notice>), DataError> {
+        let bytes = journal.read(length).map_err(|source| DataError::io(&path, "read", source))?;
+        let Replay { ledger, whole, lines, last, edited, sealed, mut report, last_at } =
+            replay(&path, &bytes, round, annotator);
+        if let Some((line, how)) = edited {
+            return Err(DataError::invalid(
+                &path,
+                format!("line {line}"),
+                format!("is not what was written ({how}): nothing from this line on would count"),
+                "restore the file from a copy, or move it away and vote again",
+            ));
+        }
+        if last_at.is_some_and(|last| clock() < last) {
+            report.warning(
+                codes::CLOCK_BACKWARDS,
+                &path,
+                format!("line {lines}"),
+                "was written later than it is now, by the clock of this machine",
+                "set the clock",
+            );
+        }
+        let length = whole as u64;
+        if whole < bytes.len() {
+            journal.cut(length).map_err(|source| DataError::io(&path, "cut off a torn line", source))?;
+        }
+        let order = round.order(annotator);
+        let positions = order.iter().enumerate().map(|(place, item)| (item.clone(), place + 1)).collect();
+        let ballot = Self {
+            path,
+            round: round.clone(),
+            annotator: annotator.clone(),
+            order,
+            positions,
+            ledger,
+            journal,
+            clock,
+            length,
+            lines,
+            last,
+            sealed,
+            torn: false,
+        };
+        Ok((ballot, report.into_sorted()))
+    }
+
+    /// Writes an event. It counts, and survives a power cut, when this returns `Ok`; otherwise nothing happened.
+    pub fn record(
+        &mut self,
+        item: &ItemId,
+        event: Event,
+        seen: Seen,
+        elapsed: Duration,
+    ) -> Result<(), DataError> {
+        let refuse = |message: String, remedy: &str| {
+            Err(DataError::invalid(&self.path, format!("item {item}"), message, remedy))
+        };
+        if self.sealed {
+            return refuse("the ballot is sealed: nothing more counts".to_owned(), "vote in a further round");
+        }
+        let (Some(asked), Some(&order)) = (self.round.item(item), self.positions.get(item)) else {
+            return refuse("the round does not ask it".to_owned(), "choose an item of the round");
+        };
+        if let Some(problem) = event_problem(&event) {
+            return refuse(problem.to_owned(), "mend it and try again");
+        }
+        let digest = asked.digest.clone();
+        if event == Event::Undo && self.ledger.undoable(item, &digest).is_none() {
+            return refuse("nothing is left to undo".to_owned(), "go to an item that was answered");
+        }
+        let act = Act::On {
+            item: item.clone(),
+            order,
+            digest: digest.clone(),
+            event: event.clone(),
+            seen,
+            elapsed,
+        };
+        let seq = self.append(act)?;
+        self.ledger.apply(seq, item, &digest, event).expect("an undo was checked before it was written");
+        Ok(())
+    }
+
+    /// Ends the work for good: nothing after it counts. Refused while an item is neither answered nor skipped.
+    pub fn seal(&mut self) -> Result<(), DataError> {
+        let refuse = |place: &str, message: String, remedy: &str| {
+            Err(DataError::invalid(&self.path, place, message, remedy))
+        };
+        if self.sealed {
+            return refuse("seal", "the ballot is sealed already".to_owned(), "nothing to do");
+        }
+        let open = self.open_count();
+        if open > 0 {
+            let message = format!("{open} item{} not answered", if open == 1 { " is" } else { "s are" });
+            return refuse("seal", message, "answer or skip every item first");
+        }
+        let bytes =
+            self.journal.read(self.length).map_err(|source| DataError::io(&self.path, "read", source))?;
+        let again = replay(&self.path, &bytes, &self.round, &self.annotator);
+        if again.last != self.last || again.lines != self.lines || again.edited.is_some() {
+            return refuse(
+                "seal",
+                "the file is not what was written".to_owned(),
+                "start again, and look at it",
+            );
+        }
+        self.append(Act::Seal { lines: self.lines, sha256: sha256_hex(&bytes) })?;
+        self.sealed = true;
+        Ok(())
+    }
+
+    /// Whether the ballot is sealed.
+    pub fn is_sealed(&self) -> bool {
+        self.sealed
+    }
+
+    /// Whose ballot it is.
+    pub fn annotator(&self) -> &Name {
+        &self.annotator
+    }
+
+    /// All items in the order in which this annotator is asked.
+    pub fn order(&self) -> &[ItemId] {
+        &self.order
+    }
+
+    /// The standing answer to an item.
+    pub fn answer(&self, item: &ItemId) -> Option<&Answer> {
+        self.ledger.answer(item, self.digest(item)?)
+    }
+
+    /// Whether the item stands as skipped.
+    pub fn is_skipped(&self, item: &ItemId) -> bool {
+        self.digest(item).is_some_and(|digest| self.ledger.is_skipped(item, digest))
+    }
+
+    /// Whether the item is neither answered nor skipped.
+    pub fn is_open(&self, item: &ItemId) -> bool {
+        self.answer(item).is_none() && !self.is_skipped(item)
+    }
+
+    /// Items that stand as skipped, in asking order.
+    pub fn skipped(&self) -> Vec<&ItemId> {
+        self.order.iter().filter(|item| self.is_skipped(item)).collect()
+    }
+
+    /// Standing comments on an item, oldest first.
+    pub fn comments(&self, item: &ItemId) -> Vec<&str> {
+        self.digest(item).map(|digest| self.ledger.comments(item, digest)).unwrap_or_default()
+    }
+
+    /// The first item, in asking order, that is neither answered nor skipped.
+    pub fn next_open(&self) -> Option<&ItemId> {
+        self.order.iter().find(|item| self.is_open(item))
+    }
+
+    /// How many items are neither answered nor skipped.
+    pub fn open_count(&self) -> usize {
+        self.order.iter().filter(|item| self.is_open(item)).count()
+    }
+
+    /// The item whose latest event is the latest of all that an undo could take back.
+    pub fn undoable(&self) -> Option<&ItemId> {
+        let latest = |item: &&ItemId| self.ledger.undoable(item, self.digest(item)?);
+        self.order.iter().filter(|item| latest(item).is_some()).max_by_key(latest)
+    }
+
+    /// What a verdict would read of one item now.
+    pub fn standing(&self, item: &ItemId) -> Option<Standing> {
+        Some(standing(&self.ledger, self.round.item(item)?))
+    }
+
+    fn digest(&self, item: &ItemId) -> Option<&str> {
+        self.round.item(item).map(|item| item.digest.as_str())
+    }
+
+    /// Puts a line on the disk and tells its number.
+    fn append(&mut self, act: Act) -> Result<u64, DataError> {
+        if self.torn {
+            return Err(DataError::invalid(
+                &self.path,
+                "end of file",
+                "an earlier event could neither be written nor cut off again",
+                "make room on the disk and start again: what was acknowledged is safe",
+            ));
+        }
+        if !self.journal.is_intact(self.length) {
+            return Err(DataError::invalid(
+                &self.path,
+                "file",
+                "was changed, replaced or removed by another program",
+                "look at the file, restore it from a copy if needed, and start again",
+            ));
+        }
+        let seq = self.lines;
+        let place = Place {
+            round: self.round.name.clone(),
+            annotator: self.annotator.clone(),
+            seq,
+            at: (self.clock)(),
+            prev: self.last.clone(),
+        };
+        let bytes = Line::new(place, act).to_bytes();
+        if self.length + bytes.len() as u64 > MAX_BYTES {
+            return Err(DataError::invalid(&self.path, "size", "is full", "vote in a further round"));
+        }
+        if let Err(source) = self.journal.append(self.length, &bytes) {
+            self.torn = self.journal.cut(self.length).is_err();
+            return Err(DataError::io(&self.path, "write the event, so it does not count", source));
+        }
+        self.length += bytes.len() as u64;
+        self.lines += 1;
+        self.last = digest_of(&bytes);
+        Ok(seq)
+    }
+}
+
+fn open_locked(path: &Path, annotator: &Name) -> Result<File, DataError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    make_folder(folder)?;
+    if fs::symlink_metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        return Err(DataError::invalid(path, "file", "is not a regular file", "move it away"));
+    }
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    let file = options.open(path).map_err(|source| DataError::io(path, "open", source))?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            return Err(DataError::invalid(
+                path,
+                "lock",
+                format!("another window is open in which {annotator} votes in this round"),
+                "go on there, or end it first",
+            ));
+        }
+        Err(TryLockError::Error(source)) => return Err(DataError::io(path, "lock", source)),
+    }
+    // The entry of a new file must survive a power cut as well; a filesystem that cannot sync folders is no error.
+    if let Ok(folder) = File::open(folder) {
+        folder.sync_all().ok();
+    }
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,352 @@
+//! Whatever annotators, editors and power cuts do in whatever order, the verdict is that of a slow, obvious
+//! reference which knows nothing of files, stacks or digests.
+
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::time::Duration;
+
+use l4d_data::{Interval, Temporal};
+use l4d_votes::verdict::{Outcome, judge, require_sealed};
+use l4d_votes::{Ballot, Choice, Event, ItemId, Round, RoundDir, Seen, sheet};
+use proptest::prelude::*;
+
+use crate::support::{self, Asked, interval, meaning, objects, whole};
+
+const ANNOTATORS: [&str; 3] = ["ada", "ben", "cho"];
+const ITEMS: usize = 2;
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Deed {
+    /// One of the answers of [`answer`].
+    Choose(usize),
+    Skip,
+    Comment(u8),
+    Undo,
+}
+
+#[derive(Debug, Clone)]
+enum Step {
+    Do {
+        who: usize,
+        item: usize,
+        deed: Deed,
+    },
+    /// Skips what is open and seals.
+    Finish {
+        who: usize,
+    },
+    Seal {
+        who: usize,
+    },
+    /// The query is reworded in the benchmark.
+    Edit {
+        item: usize,
+        version: usize,
+    },
+    /// The round is written again with the benchmark's wording of today.
+    Reissue,
+    /// The process is killed in the middle of a line.
+    Kill {
+        who: usize,
+        bytes: usize,
+    },
+    Look,
+}
+
+fn answer(which: usize) -> l4d_votes::Answer {
+    match which {
+        0..=3 => whole(objects(&["a"])),
+        4 => l4d_votes::Answer { frames: interval(0, 12), ..whole(objects(&["a"])) },
+        5 => whole(objects(&["b"])),
+        6 => whole(objects(&["a", "b"])),
+        7 => whole(Choice::None),
+        _ => whole(Choice::Ambiguous { reason: "two of them".to_owned() }),
+    }
+}
+
+/// How [`answer`] stands to item 0, which always means `a`, and to item 1, which means `a` at frames 40 to 60.
+fn letter(which: usize, item: usize) -> char {
+    match which {
+        0..=3 => '+',
+        4 => ['+', 't'][item],
+        5 | 6 => 'x',
+        7 => '0',
+        _ => '?',
+    }
+}
+
+fn asked(versions: &[usize; ITEMS]) -> Vec<Asked> {
+    let always = meaning(&["a"], Temporal::Whole, Interval::WHOLE);
+    let while_ = meaning(&["a"], Temporal::While, interval(40, 60));
+    let item = |(index, meaning): (usize, _)| Asked {
+        scene: "room".to_owned(),
+        text: format!("The cat {index} in words {}", versions[index]),
+        category: "action",
+        meaning,
+    };
+    [always, while_].into_iter().enumerate().map(item).collect()
+}
+
+/// What was acknowledged, in order, and nothing else.
+#[derive(Debug, Default)]
+struct Reference {
+    deeds: Vec<(usize, usize, usize, Deed)>,
+    sealed: [bool; ANNOTATORS.len()],
+    /// Wording in the benchmark.
+    bench: [usize; ITEMS],
+    /// Wording in the round.
+    round: [usize; ITEMS],
+}
+
+impl Reference {
+    /// What of somebody's deeds on a wording was not taken back, by walking through all of them.
+    fn left(&self, who: usize, item: usize, version: usize) -> Vec<(usize, Deed)> {
+        let mut left = Vec::new();
+        for (time, (by, on, words, deed)) in self.deeds.iter().enumerate() {
+            if (*by, *on, *words) == (who, item, version) {
+                if *deed == Deed::Undo {
+                    left.remove(left.len() - 1);
+                } else {
+                    left.push((time, deed.clone()));
+                }
+            }
+        }
+        left
+    }
+
+    fn last_decision(&self, who: usize, item: usize, version: usize) -> Option<(usize, Deed)> {
+        let mut left = self.left(who, item, version);
+        left.retain(|(_, deed)| !matches!(deed, Deed::Comment(_)));
+        left.pop()
+    }
+
+    fn comments(&self, who: usize, item: usize) -> Vec<String> {
+        let left = self.left(who, item, self.round[item]).into_iter();
+        left.filter_map(|(_, deed)| match deed {
+            Deed::Comment(number) => Some(format!("remark {number}")),
+            _ => None,
+        })
+        .collect()
+    }
+
+    fn is_allowed(&self, who: usize, item: usize, deed: &Deed) -> bool {
+        let has_some = !self.left(who, item, self.round[item]).is_empty();
+        !self.sealed[who] && (*deed != Deed::Undo || has_some)
+    }
+
+    fn may_seal(&self, who: usize) -> bool {
+        let is_done = |item: usize| self.last_decision(who, item, self.round[item]).is_some();
+        !self.sealed[who] && (0..ITEMS).all(is_done)
+    }
+
+    fn mark(&self, who: usize, item: usize) -> char {
+        match self.last_decision(who, item, self.round[item]) {
+            Some((_, Deed::Choose(which))) => letter(which, item),
+            Some(_) => 's',
+            None => {
+                let elsewhere = (0..9).filter(|version| *version != self.round[item]);
+                let latest = elsewhere
+                    .filter_map(|version| self.last_decision(who, item, version))
+                    .max_by_key(|x| x.0);
+                if matches!(latest, Some((_, Deed::Choose(_)))) { '~' } else { '.' }
+            }
+        }
+    }
+
+    fn pattern(&self, item: usize) -> String {
+        (0..ANNOTATORS.len()).map(|who| self.mark(who, item)).collect()
+    }
+
+    fn outcome(&self, item: usize, needed: usize) -> Outcome {
+        let pattern = self.pattern(item);
+        let count = |letters: &str| pattern.chars().filter(|letter| letters.contains(*letter)).count();
+        if self.bench[item] != self.round[item] || count("~") > 0 {
+            Outcome::Stale
+        } else if count("s.") > 0 {
+            Outcome::Incomplete
+        } else if count("+") >= needed {
+            Outcome::Valid
+        } else {
+            Outcome::Rejected
+        }
+    }
+}
+
+/// The real thing beside the reference.
+struct World {
+    _folder: tempfile::TempDir,
+    dir: RoundDir,
+    rule: (&'static str, usize),
+    round: Round,
+    ballots: Vec<Option<Ballot>>,
+    reference: Reference,
+}
+
+fn id(item: usize) -> ItemId {
+    format!("q{:04}", item + 1).parse().unwrap()
+}
+
+impl World {
+    fn new(rule: (&'static str, usize)) -> Self {
+        let folder = support::folder();
+        let dir = RoundDir::new(folder.path().join("r1"));
+        support::write(&dir, &ANNOTATORS, rule.0, "any", &asked(&[0; ITEMS]));
+        let (round, _) = support::open(&dir);
+        let ballots = ANNOTATORS.iter().map(|_| None).collect();
+        Self { _folder: folder, dir, rule, round, ballots, reference: Reference::default() }
+    }
+
+    fn ballot(&mut self, who: usize) -> &mut Ballot {
+        let (dir, round) = (&self.dir, &self.round);
+        self.ballots[who].get_or_insert_with(|| {
+            let (ballot, notices) = Ballot::open(dir, round, &support::name(ANNOTATORS[who])).unwrap();
+            assert!(notices.is_empty(), "{notices:?}");
+            ballot
+        })
+    }
+
+    fn step(&mut self, step: Step) {
+        match step {
+            Step::Do { who, item, deed } => self.act(who, item, deed),
+            Step::Finish { who } => {
+                for item in 0..ITEMS {
+                    if self.ballot(who).is_open(&id(item)) {
+                        self.act(who, item, Deed::Skip);
+                    }
+                }
+                self.seal(who);
+            }
+            Step::Seal { who } => self.seal(who),
+            Step::Edit { item, version } => self.reference.bench[item] = version,
+            Step::Reissue => {
+                self.reference.round = self.reference.bench;
+                support::write(&self.dir, &ANNOTATORS, self.rule.0, "any", &asked(&self.reference.round));
+                self.round = support::open(&self.dir).0;
+                self.ballots.fill_with(|| None);
+            }
+            Step::Kill { who, bytes } => self.kill(who, bytes),
+            Step::Look => self.look(),
+        }
+    }
+
+    fn act(&mut self, who: usize, item: usize, deed: Deed) {
+        let event = match deed {
+            Deed::Choose(which) => Event::Choose(answer(which)),
+            Deed::Skip => Event::Skip,
+            Deed::Comment(number) => Event::Comment(format!("remark {number}")),
+            Deed::Undo => Event::Undo,
+        };
+        let result = self.ballot(who).record(&id(item), event, Seen::default(), Duration::from_millis(5));
+        assert_eq!(result.is_ok(), self.reference.is_allowed(who, item, &deed), "{deed:?}: {result:?}");
+        if result.is_ok() {
+            self.reference.deeds.push((who, item, self.reference.round[item], deed));
+        }
+    }
+
+    fn seal(&mut self, who: usize) {
+        let result = self.ballot(who).seal();
+        assert_eq!(result.is_ok(), self.reference.may_seal(who), "{result:?}");
+        self.reference.sealed[who] |= result.is_ok();
+    }
+
+    fn kill(&mut self, who: usize, bytes: usize) {
+        self.ballot(who);
+        self.ballots[who] = None;
+        let line = br#"{"v":1,"seq":0,"at":"2026-11-21T06:00:00.000Z","round":"r1","annotator":"ada","item":"q0001","order":1,"digest":""}"#;
+        let torn = &line[..bytes.min(line.len())];
+        let annotator = support::name(ANNOTATORS[who]);
+        let path = self.dir.ballot(&annotator);
+        OpenOptions::new().append(true).open(path).unwrap().write_all(torn).unwrap();
+        self.look();
+        let (ballot, notices) = Ballot::open(&self.dir, &self.round, &annotator).unwrap();
+        assert_eq!(notices.len(), usize::from(!torn.is_empty()), "{notices:?}");
+        self.ballots[who] = Some(ballot);
+    }
+
+    /// The verdict against the reference's.
+    fn look(&self) {
+        let (round, key) = support::open(&self.dir);
+        let (sheets, _) = sheet::read_all(&self.dir, &round).unwrap();
+        let today = asked(&self.reference.bench);
+        let current: BTreeMap<ItemId, String> =
+            today.iter().enumerate().map(|(item, asked)| (id(item), asked.digest())).collect();
+        let verdicts = judge(&round, &key, &sheets, &current);
+        for (item, verdict) in verdicts.items.iter().enumerate() {
+            assert_eq!(verdict.item, id(item));
+            assert_eq!(verdict.pattern(), self.reference.pattern(item), "item {item}");
+            assert_eq!(verdict.outcome, self.reference.outcome(item, self.rule.1), "item {item}");
+            for (who, vote) in verdict.votes.iter().enumerate() {
+                assert_eq!(vote.comments, self.reference.comments(who, item));
+            }
+        }
+        assert_eq!(verdicts.items.len(), ITEMS);
+        let all_sealed = self.reference.sealed.iter().all(|sealed| *sealed);
+        assert_eq!(verdicts.is_final, all_sealed);
+        assert_eq!(require_sealed(&self.dir, &round, &sheets).is_ok(), all_sealed);
+    }
+}
+
+fn deeds() -> impl Strategy<Value = Deed> {
+    prop_oneof![
+        6 => (0..9_usize).prop_map(Deed::Choose),
+        1 => Just(Deed::Skip),
+        1 => (0..9_u8).prop_map(Deed::Comment),
+        3 => Just(Deed::Undo),
+    ]
+}
+
+fn steps() -> impl Strategy<Value = Step> {
+    let who = 0..ANNOTATORS.len();
+    prop_oneof![
+        20 => (who.clone(), 0..ITEMS, deeds()).prop_map(|(who, item, deed)| Step::Do { who, item, deed }),
+        1 => who.clone().prop_map(|who| Step::Finish { who }),
+        1 => who.clone().prop_map(|who| Step::Seal { who }),
+        1 => (0..ITEMS, 0..3_usize).prop_map(|(item, version)| Step::Edit { item, version }),
+        1 => Just(Step::Reissue),
+        2 => (who, 0..200_usize).prop_map(|(who, bytes)| Step::Kill { who, bytes }),
+        2 => Just(Step::Look),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_interleaving_gives_the_verdict_of_the_reference(
+        unanimous in any::<bool>(),
+        steps in proptest::collection::vec(steps(), 1..60),
+    ) {
+        let mut world = World::new(if unanimous { ("unanimous:3", 3) } else { ("majority:2/3", 2) });
+        for step in steps {
+            world.step(step);
+        }
+        world.look();
+    }
+}
+
+/// The property above would hold of nothing if its walks never got anywhere.
+#[test]
+fn the_walks_reach_every_outcome() {
+    use proptest::strategy::ValueTree as _;
+    use proptest::test_runner::TestRunner;
+    let mut runner = TestRunner::deterministic();
+    let walks = proptest::collection::vec(steps(), 1..60);
+    let mut outcomes = BTreeMap::new();
+    let mut finals = 0;
+    for _ in 0..400 {
+        let mut world = World::new(("majority:2/3", 2));
+        for step in walks.new_tree(&mut runner).unwrap().current() {
+            world.step(step);
+        }
+        for item in 0..ITEMS {
+            *outcomes.entry(world.reference.outcome(item, 2)).or_insert(0) += 1;
+        }
+        finals += usize::from(world.reference.sealed.iter().all(|sealed| *sealed));
+    }
+    assert!(
+        Outcome::ALL.iter().all(|outcome| outcomes.get(outcome).is_some_and(|&times| times >= 20)),
+        "{outcomes:?}"
+    );
+    assert!(finals >= 5, "{finals} walks ended with all ballots sealed");
+}
