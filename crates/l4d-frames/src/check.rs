@@ -23,6 +23,8 @@ use serde::Serialize;
 use crate::geometry::Summary;
 use crate::truth::TruthBuilder;
 
+pub use gates::visibility_problem;
+
 /// What to check.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {

@@ -11,10 +11,15 @@ pub mod mask;
 pub mod png;
 pub mod quantiles;
 pub mod rle;
+pub mod targets;
 pub mod truth;
 
 #[cfg(feature = "exr")]
 pub mod check;
+#[cfg(feature = "exr")]
+pub mod clip;
+#[cfg(feature = "exr")]
+pub mod closeup;
 #[cfg(feature = "exr")]
 pub mod exr;
 #[cfg(feature = "exr")]

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 /// A rectangle of pixels, both ends inclusive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PixelBox {
     /// Leftmost column.
     pub first_col: u32,

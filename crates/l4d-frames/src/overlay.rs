@@ -42,20 +42,25 @@ pub struct Mark {
     pub faint: bool,
 }
 
+/// Outline colour of the object at a place in an order; repeats after seven.
+pub fn object_colour(place: usize) -> Rgb<u8> {
+    Rgb(OBJECT_COLOURS[place % OBJECT_COLOURS.len()])
+}
+
 /// Marks of instances in their order; colours repeat after seven objects, numbers do not.
 pub fn marks(instances: &[Instance]) -> Vec<Mark> {
     let mut objects = 0;
     let colour_of = |role: Role, objects: &mut usize| match role {
-        Role::Landmark => LANDMARK_COLOUR,
+        Role::Landmark => Rgb(LANDMARK_COLOUR),
         Role::Object => {
             *objects += 1;
-            OBJECT_COLOURS[(*objects - 1) % OBJECT_COLOURS.len()]
+            object_colour(*objects - 1)
         }
     };
     let mark = |(index, instance): (usize, &Instance)| Mark {
         id: instance.id,
         number: index + 1,
-        colour: Rgb(colour_of(instance.role, &mut objects)),
+        colour: colour_of(instance.role, &mut objects),
         faint: instance.role == Role::Landmark,
     };
     instances.iter().enumerate().map(mark).collect()
@@ -99,13 +104,18 @@ pub fn outline(picture: &mut RgbImage, surfaces: &Surfaces, factor: u32, marks: 
 
 /// Writes the number of a mark on a rounded patch of its colour, centred at a place.
 pub fn label(picture: &mut RgbImage, mark: &Mark, x: f32, y: f32) {
+    label_of_size(picture, mark, x, y, LABEL_PX);
+}
+
+/// [`label`] in letters of another height.
+pub fn label_of_size(picture: &mut RgbImage, mark: &Mark, x: f32, y: f32, letter_px: f32) {
     let [red, green, blue] = mark.colour.0.map(f32::from);
     let is_bright = 0.299 * red + 0.587 * green + 0.114 * blue > 110.0;
     let ink = if is_bright { Rgb([0; 3]) } else { Rgb([255; 3]) };
-    let style = Style { weight: Weight::Semibold, size_px: LABEL_PX, colour: ink };
+    let style = Style { weight: Weight::Semibold, size_px: letter_px, colour: ink };
     let text = mark.number.to_string();
     let width = style.width_px(&text);
-    let radius = LABEL_PX / 2.0;
+    let radius = letter_px / 2.0;
     let reach = (width / 2.0 - radius / 2.0).max(0.0);
     let x = x.clamp(
         radius + reach + 1.0,
@@ -114,7 +124,7 @@ pub fn label(picture: &mut RgbImage, mark: &Mark, x: f32, y: f32) {
     let y = y.clamp(radius + 1.0, (picture.height() as f32 - radius - 2.0).max(radius + 1.0));
     patch(picture, (x, y), reach, radius + 1.0, HALO);
     patch(picture, (x, y), reach, radius, mark.colour);
-    style.write(picture, x - width / 2.0, y - LABEL_PX / 2.0 - 0.5, &text);
+    style.write(picture, x - width / 2.0, y - letter_px / 2.0 - 0.5, &text);
 }
 
 /// A capsule: all within `radius` of the horizontal segment of half length `reach`, with soft edges.

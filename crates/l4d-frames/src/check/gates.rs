@@ -3,7 +3,7 @@
 use l4d_data::query::{Query, read_queries};
 use l4d_data::scene::Scene;
 use l4d_data::truth::Truth;
-use l4d_data::{Name, Report, Split};
+use l4d_data::{Name, Report, Split, Status};
 
 use super::Request;
 
@@ -32,7 +32,7 @@ pub(super) fn check(truth: &Truth, scene: &Scene, request: Request, report: &mut
         Err(error) => return report.data_error("L4D119", &error),
     };
     let gate = Gate::new(truth, scene);
-    for query in &queries {
+    for query in queries.iter().filter(|query| query.status != Status::Rejected) {
         for referent in &query.referents {
             if let Some((code, message)) = gate.problem(query, referent) {
                 let hint = "move the cameras or the thing, widen the interval, or drop the query";
@@ -40,6 +40,16 @@ pub(super) fn check(truth: &Truth, scene: &Scene, request: Request, report: &mut
             }
         }
     }
+}
+
+/// Why the gates refuse a referent of a query, as finding code and message. They hold for `small` and `full`.
+pub fn visibility_problem(
+    truth: &Truth,
+    scene: &Scene,
+    query: &Query,
+    referent: &Name,
+) -> Option<(&'static str, String)> {
+    Gate::new(truth, scene).problem(query, referent)
 }
 
 struct Gate<'a> {

@@ -301,6 +301,10 @@ fn gates_ask_for_pixels_where_and_when_a_query_holds() {
         ("L4D116", "query fake_yard/003, referent box_blue"),
     ];
     assert_eq!(found, expected.map(|(code, place)| (code, place.to_owned())));
+    // What people rejected is scored nowhere and needs no pixels.
+    let mut rejected = queries.clone();
+    rejected.iter_mut().for_each(|query| query.status = Status::Rejected);
+    assert_eq!(gate(&scene, &truth, &rejected), []);
     // Two more of them are enough.
     for name in ["cam05", "cam06"] {
         let mut camera = scene.cameras[0].clone();

@@ -1,0 +1,149 @@
+//! The answer in the making: what would be saved if it were saved now.
+
+use std::collections::BTreeSet;
+
+use l4d_data::Interval;
+use l4d_votes::{Answer, Choice};
+
+use crate::scene::SceneCard;
+
+/// What the prompt means, in numbers on the screen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Saying {
+    /// These; nothing said yet if there are none.
+    Objects(BTreeSet<usize>),
+    /// Nothing in the scene.
+    None,
+    /// One cannot tell, because.
+    Ambiguous(String),
+}
+
+/// An answer in the making.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Draft {
+    /// What.
+    pub saying: Saying,
+    /// When.
+    pub frames: Interval,
+    /// The first digits of a number that is not complete.
+    pub typed: String,
+}
+
+/// What became of a digit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Digit {
+    /// It completed a number, which was put in or taken out.
+    Took,
+    /// It may be the start of a longer number.
+    Waits,
+    /// No object has such a number.
+    Unknown,
+}
+
+impl Default for Draft {
+    fn default() -> Self {
+        Self { saying: Saying::Objects(BTreeSet::new()), frames: Interval::WHOLE, typed: String::new() }
+    }
+}
+
+impl Draft {
+    /// Whether nothing is said yet.
+    pub fn is_blank(&self) -> bool {
+        matches!(&self.saying, Saying::Objects(numbers) if numbers.is_empty()) && self.typed.is_empty()
+    }
+
+    /// The chosen numbers, ascending.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        let numbers = match &self.saying {
+            Saying::Objects(numbers) => Some(numbers.iter().copied()),
+            Saying::None | Saying::Ambiguous(_) => None,
+        };
+        numbers.into_iter().flatten()
+    }
+
+    /// Puts a number in, or takes it out; whatever else was said is withdrawn.
+    pub fn toggle(&mut self, number: usize) {
+        self.typed.clear();
+        let mut numbers: BTreeSet<usize> = self.numbers().collect();
+        if !numbers.remove(&number) {
+            numbers.insert(number);
+        }
+        self.saying = Saying::Objects(numbers);
+    }
+
+    /// Reads a number of 1 to `count`, digit by digit; it is complete when no further digit can follow.
+    pub fn digit(&mut self, digit: char, count: usize) -> Digit {
+        let typed = format!("{}{digit}", self.typed);
+        let Some(number) = typed.parse().ok().filter(|number| (1..=count).contains(number)) else {
+            self.typed.clear();
+            return Digit::Unknown;
+        };
+        if number * 10 <= count {
+            self.typed = typed;
+            return Digit::Waits;
+        }
+        self.toggle(number);
+        Digit::Took
+    }
+
+    /// Takes what was typed so far for the whole number.
+    pub fn finish_number(&mut self) {
+        if let Ok(number) = self.typed.parse() {
+            self.toggle(number);
+        }
+    }
+
+    /// What would be saved; none while nothing is said.
+    pub fn answer(&self, scene: &SceneCard) -> Option<Answer> {
+        let choice = match &self.saying {
+            Saying::None => Choice::None,
+            Saying::Ambiguous(reason) => Choice::Ambiguous { reason: reason.clone() },
+            Saying::Objects(numbers) if numbers.is_empty() => return None,
+            Saying::Objects(numbers) => {
+                let name = |number: &usize| scene.object(*number).map(|object| object.name.clone());
+                Choice::Objects(numbers.iter().filter_map(name).collect())
+            }
+        };
+        Some(Answer { choice, frames: self.frames })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(digits: &str, count: usize) -> (Vec<usize>, String, Digit) {
+        let mut draft = Draft::default();
+        let last = digits.chars().map(|digit| draft.digit(digit, count)).last().unwrap();
+        (draft.numbers().collect(), draft.typed, last)
+    }
+
+    #[test]
+    fn up_to_nine_objects_a_digit_is_a_number() {
+        assert_eq!(after("35", 5), (vec![3, 5], String::new(), Digit::Took));
+        assert_eq!(after("353", 5), (vec![5], String::new(), Digit::Took));
+        assert_eq!(after("6", 5), (vec![], String::new(), Digit::Unknown));
+        assert_eq!(after("0", 5), (vec![], String::new(), Digit::Unknown));
+    }
+
+    #[test]
+    fn with_more_objects_a_first_digit_waits_for_the_second() {
+        assert_eq!(after("1", 12), (vec![], "1".to_owned(), Digit::Waits));
+        assert_eq!(after("11", 12), (vec![11], String::new(), Digit::Took));
+        assert_eq!(after("2", 12), (vec![2], String::new(), Digit::Took));
+        assert_eq!(after("13", 12), (vec![], String::new(), Digit::Unknown));
+        let mut draft = Draft::default();
+        draft.digit('1', 12);
+        draft.finish_number();
+        assert_eq!(draft.numbers().collect::<Vec<usize>>(), [1]);
+    }
+
+    #[test]
+    fn a_number_withdraws_what_was_said_before() {
+        for saying in [Saying::None, Saying::Ambiguous("two cats".to_owned())] {
+            let mut draft = Draft { saying, ..Draft::default() };
+            draft.toggle(2);
+            assert_eq!(draft.saying, Saying::Objects([2].into()));
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Why a session cannot start or go on.
+
+use std::io;
+
+use l4d_data::DataError;
+
+/// Why a session cannot start or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum AnnotateError {
+    /// A file of the round, the scenes or the ballot.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// Input or output is no terminal.
+    #[error("this needs a terminal, and {0} is none")]
+    NoTerminal(&'static str),
+    /// The terminal cannot place text.
+    #[error("the terminal says that it is `{0}`, which cannot place text on the screen")]
+    DumbTerminal(String),
+    /// The kitty protocol hangs on characters beyond ASCII.
+    #[error("the pictures of the kitty protocol need a UTF-8 locale")]
+    KittyNeedsUnicode,
+    /// The terminal broke.
+    #[error("the terminal cannot be used")]
+    Terminal(#[source] io::Error),
+    /// A signal ended the session.
+    #[error("ended by {0}; everything that was shown as saved is saved")]
+    Signal(&'static str),
+    /// The thread that paints pictures ended.
+    #[error("the painter of the pictures failed; everything that was shown as saved is saved")]
+    PainterDied,
+}
+
+impl AnnotateError {
+    /// What to do about it, where it does not carry a [`DataError`].
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Data(error) => error.hint(),
+            Self::NoTerminal(_) => {
+                Some("run the command in a terminal window, or over ssh with `ssh -t`".to_owned())
+            }
+            Self::DumbTerminal(_) => {
+                Some("set TERM to what the terminal is, for example xterm-256color".to_owned())
+            }
+            Self::KittyNeedsUnicode => {
+                Some("set LANG to a UTF-8 locale such as C.UTF-8, or choose --picture halfblocks".to_owned())
+            }
+            Self::Terminal(_) | Self::Signal(_) | Self::PainterDied => {
+                Some("run the command again: it goes on where it stopped".to_owned())
+            }
+        }
+    }
+}
+
+/// An error with its causes and its remedy, in one line: what fits on the screen of a session.
+pub(crate) fn in_full(error: &DataError) -> String {
+    let mut text = error.to_string();
+    let mut cause = std::error::Error::source(error);
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    error.hint().map_or(text.clone(), |hint| format!("{text}; {hint}"))
+}

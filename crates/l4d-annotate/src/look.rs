@@ -1,0 +1,248 @@
+//! What the terminal can show: characters, colours, pictures. Read once from the environment, then a value.
+
+use glam::UVec2;
+use ratatui::layout::Size;
+use ratatui_image::FontSize;
+use ratatui_image::picker::cap_parser::QueryStdioOptions;
+use ratatui_image::picker::{Picker, ProtocolType};
+
+use crate::error::AnnotateError;
+
+/// Width and height of a cell where the terminal does not say, pixels.
+const USUAL_CELL: FontSize = FontSize { width: 10, height: 20 };
+
+/// Which colours the terminal takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Colours {
+    /// None, by wish (NO_COLOR) or by nature.
+    None,
+    /// The 256 of xterm.
+    Palette,
+    /// 24 bits.
+    Full,
+}
+
+/// How pictures are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Medium {
+    /// Not at all.
+    Nothing,
+    /// As characters.
+    Characters,
+    /// As pixels, by a protocol of the terminal.
+    Pixels,
+}
+
+/// A wish for a medium, as given on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PictureWish {
+    /// What the terminal can do best.
+    #[default]
+    Auto,
+    /// Block characters.
+    Halfblocks,
+    /// Sixel graphics.
+    Sixel,
+    /// The protocol of kitty.
+    Kitty,
+    /// The protocol of iTerm2.
+    Iterm2,
+    /// No pictures.
+    None,
+}
+
+/// What the terminal can show.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Whether more than ASCII is understood.
+    pub unicode: bool,
+    /// Whether the letters include quarter blocks, and not half blocks alone.
+    pub quarters: bool,
+    /// Colours.
+    pub colours: Colours,
+    /// Pictures.
+    pub medium: Medium,
+    /// Pixels of a cell; only their ratio matters for characters.
+    pub cell: FontSize,
+}
+
+/// The variables that decide, so that tests can set them.
+#[derive(Debug, Clone, Default)]
+pub struct Environment {
+    /// `LC_ALL`, `LC_CTYPE` or `LANG`, whichever is set first.
+    pub locale: String,
+    /// `TERM`.
+    pub term: String,
+    /// `COLORTERM`.
+    pub colorterm: String,
+    /// `NO_COLOR`.
+    pub no_color: String,
+    /// `TMUX`.
+    pub tmux: String,
+}
+
+impl Environment {
+    /// That of the process.
+    pub fn of_process() -> Self {
+        let var = |name: &str| std::env::var(name).unwrap_or_default();
+        let locale = ["LC_ALL", "LC_CTYPE", "LANG"].map(var).into_iter().find(|value| !value.is_empty());
+        Self {
+            locale: locale.unwrap_or_default(),
+            term: var("TERM"),
+            colorterm: var("COLORTERM"),
+            no_color: var("NO_COLOR"),
+            tmux: var("TMUX"),
+        }
+    }
+
+    /// What can be shown without asking the terminal.
+    pub fn look(&self) -> Result<Look, AnnotateError> {
+        if self.term.is_empty() || self.term == "dumb" {
+            return Err(AnnotateError::DumbTerminal(self.term.clone()));
+        }
+        let locale = self.locale.to_lowercase();
+        Ok(Look {
+            unicode: locale.contains("utf-8") || locale.contains("utf8"),
+            // The console of Linux has room for few letters.
+            quarters: self.term != "linux",
+            colours: self.colours(),
+            medium: Medium::Characters,
+            cell: USUAL_CELL,
+        })
+    }
+
+    fn colours(&self) -> Colours {
+        let is_monochrome =
+            self.term.starts_with("vt") || self.term.contains("mono") || self.term.ends_with("-m");
+        let is_full = ["truecolor", "24bit"].contains(&self.colorterm.as_str())
+            || ["direct", "kitty", "ghostty", "foot", "alacritty", "wezterm"]
+                .iter()
+                .any(|name| self.term.contains(name))
+            // tmux takes all colours and translates them for the terminal outside.
+            || !self.tmux.is_empty();
+        match (self.no_color.is_empty(), is_monochrome, is_full) {
+            (false, _, _) | (_, true, _) => Colours::None,
+            (_, _, true) => Colours::Full,
+            (_, _, false) => Colours::Palette,
+        }
+    }
+}
+
+impl Look {
+    /// Whether following a wish means asking the terminal.
+    pub fn wants_to_ask(&self, wish: PictureWish) -> bool {
+        !matches!(wish, PictureWish::None | PictureWish::Halfblocks)
+    }
+
+    /// Follows a wish. Gives the means to encode pixels where pixels are shown.
+    ///
+    /// If `can_ask` the terminal is asked what it can do: it has to be in raw mode, and nobody else may read from
+    /// it meanwhile.
+    pub fn fulfil(
+        mut self,
+        wish: PictureWish,
+        can_ask: bool,
+    ) -> Result<(Self, Option<Picker>), AnnotateError> {
+        let protocol = match wish {
+            PictureWish::None => {
+                self.medium = Medium::Nothing;
+                return Ok((self, None));
+            }
+            PictureWish::Halfblocks => return Ok((self, None)),
+            PictureWish::Auto => None,
+            PictureWish::Sixel => Some(ProtocolType::Sixel),
+            PictureWish::Kitty => Some(ProtocolType::Kitty),
+            PictureWish::Iterm2 => Some(ProtocolType::Iterm2),
+        };
+        // Compressing takes the painter a moment; not compressing takes a slow line many.
+        let questions = QueryStdioOptions { kitty_compression: true, ..QueryStdioOptions::default() };
+        let asked = if can_ask { Picker::from_query_stdio_with_options(questions).ok() } else { None };
+        // A terminal that does not answer shows characters, unless something else was asked for.
+        let mut picker = asked.unwrap_or_else(Picker::halfblocks);
+        if let Some(protocol) = protocol {
+            picker.set_protocol_type(protocol);
+        }
+        let kind = picker.protocol_type();
+        if kind == ProtocolType::Kitty && !self.unicode {
+            // Its pictures stand behind characters that are not ASCII.
+            return if protocol.is_some() { Err(AnnotateError::KittyNeedsUnicode) } else { Ok((self, None)) };
+        }
+        let font = picker.font_size();
+        if font.width > 0 && font.height > 0 {
+            self.cell = font;
+        }
+        if kind == ProtocolType::Halfblocks {
+            return Ok((self, None));
+        }
+        self.medium = Medium::Pixels;
+        Ok((self, Some(picker)))
+    }
+
+    /// Whether there are pictures.
+    pub fn shows_pictures(&self) -> bool {
+        self.medium != Medium::Nothing
+    }
+
+    /// How many times as many cells wide as high a picture of so many pixels is.
+    pub fn aspect(&self, picture: UVec2) -> f64 {
+        let [width, height] = [picture.x, picture.y].map(|side| f64::from(side.max(1)));
+        width / height * f64::from(self.cell.height) / f64::from(self.cell.width)
+    }
+
+    /// The most cells inside an area that have the shape of a picture.
+    pub fn fit(&self, picture: UVec2, area: Size) -> Size {
+        let aspect = self.aspect(picture);
+        let (width, height) = (f64::from(area.width), f64::from(area.height));
+        let fitted = (width.min(height * aspect), height.min(width / aspect));
+        Size::new((fitted.0.round() as u16).max(1), (fitted.1.round() as u16).max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn environment(term: &str, colorterm: &str, locale: &str) -> Environment {
+        let [term, colorterm, locale] = [term, colorterm, locale].map(str::to_owned);
+        Environment { term, colorterm, locale, ..Environment::default() }
+    }
+
+    #[test]
+    fn the_locale_decides_over_characters() {
+        for (locale, unicode) in
+            [("en_GB.UTF-8", true), ("C.utf8", true), ("C", false), ("", false), ("de_DE@euro", false)]
+        {
+            assert_eq!(environment("xterm", "", locale).look().unwrap().unicode, unicode, "{locale}");
+        }
+    }
+
+    #[test]
+    fn colours_follow_what_the_terminal_says() {
+        let colours = |term: &str, colorterm: &str| environment(term, colorterm, "C").look().unwrap().colours;
+        assert_eq!(colours("xterm-256color", "truecolor"), Colours::Full);
+        assert_eq!(colours("xterm-kitty", ""), Colours::Full);
+        assert_eq!(colours("xterm-256color", ""), Colours::Palette);
+        assert_eq!(colours("vt100", ""), Colours::None);
+        let refused = Environment { no_color: "1".to_owned(), ..environment("xterm", "truecolor", "C") };
+        assert_eq!(refused.look().unwrap().colours, Colours::None);
+        let in_tmux = Environment { tmux: "socket".to_owned(), ..environment("screen-256color", "", "C") };
+        assert_eq!(in_tmux.look().unwrap().colours, Colours::Full);
+    }
+
+    #[test]
+    fn a_dumb_terminal_is_refused() {
+        for term in ["", "dumb"] {
+            assert!(matches!(environment(term, "", "C").look(), Err(AnnotateError::DumbTerminal(_))));
+        }
+    }
+
+    #[test]
+    fn pictures_keep_their_shape() {
+        let look = environment("xterm", "", "C").look().unwrap();
+        // 4:3 in cells twice as high as wide is 8:3.
+        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(51, 19)), Size::new(51, 19));
+        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(80, 19)), Size::new(51, 19));
+        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(32, 40)), Size::new(32, 12));
+        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(1, 1)), Size::new(1, 1));
+    }
+}

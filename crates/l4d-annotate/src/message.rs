@@ -1,0 +1,140 @@
+//! What can happen, and what is to be done about it: the only ways into and out of [`crate::update`].
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use l4d_votes::{Event, ItemId, Seen};
+use ratatui::layout::Size;
+
+use crate::field::Edit;
+use crate::model::Standing;
+use crate::picture::{ExportRequest, Picture, PictureRequest};
+
+/// Something happened.
+#[derive(Debug, Clone)]
+pub enum Message {
+    /// A digit of an object's number.
+    Digit(char),
+    /// The prompt means nothing in the scene.
+    None,
+    /// The prompt could mean several things; the reason is asked.
+    Ambiguous,
+    /// Enter: go on with what is on the screen.
+    Accept,
+    /// Escape: one step back.
+    Back,
+    /// Take everything back that was not saved.
+    Clear,
+    /// A key in a line of text.
+    Edit(Edit),
+    /// Text from the clipboard.
+    Paste(String),
+    /// Frames forwards, or backwards if negative.
+    StepFrame(i64),
+    /// The first frame.
+    FirstFrame,
+    /// The last frame.
+    LastFrame,
+    /// Views forwards, or backwards if negative.
+    StepView(i64),
+    /// Play or stop.
+    Play,
+    /// The answer holds from this frame on.
+    HoldsFrom,
+    /// The answer holds up to this frame.
+    HoldsUntil,
+    /// The answer holds in the whole clip.
+    HoldsAlways,
+    /// Zoom in by steps, or out if negative.
+    Zoom(i32),
+    /// Zoom to the chosen objects, or out to the whole picture.
+    ZoomToChosen,
+    /// Move the shown part, in eighths of it, right and down.
+    Pan(i32, i32),
+    /// Show or hide outlines.
+    Outlines,
+    /// Leave the item without an answer.
+    Skip,
+    /// Write a remark.
+    Comment,
+    /// Take the latest act back.
+    Undo,
+    /// Items forwards, or backwards if negative.
+    StepItem(i64),
+    /// Write the picture with outlines to a file and open it.
+    Export,
+    /// The list of what is left, where the ballot is sealed.
+    Summary,
+    /// Seal the ballot, in the summary.
+    Seal,
+    /// Lines down in a list, or up if negative.
+    StepLine(i64),
+    /// The list of keys.
+    Help,
+    /// Leave.
+    Quit,
+    /// The left button went down on a cell.
+    Press(u16, u16),
+    /// The pointer moved with the button down.
+    Drag(u16, u16),
+    /// The button went up.
+    Release(u16, u16),
+    /// The wheel turned over a cell, away from the hand if positive.
+    Wheel(u16, u16, i32),
+    /// The terminal has another size.
+    Resize(Size),
+    /// Time passed.
+    Tick,
+    /// A picture is ready.
+    Painted(Arc<Picture>),
+    /// A picture cannot be shown, and why.
+    NotPainted(PictureRequest, String),
+    /// What the log said to an act.
+    Recorded(Result<Recorded, String>),
+    /// What the log said to the seal.
+    Sealed(Result<(), String>),
+    /// What became of an export, in one sentence.
+    Exported(Result<String, String>),
+}
+
+/// An act that is on disk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recorded {
+    /// The item.
+    pub item: ItemId,
+    /// What the log says about it now.
+    pub standing: Standing,
+    /// The item that an undo would change now.
+    pub undoable: Option<ItemId>,
+}
+
+/// Something is to be done.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Effect {
+    /// Paint a picture; an older wish that is not fulfilled yet is void.
+    Paint {
+        /// The picture.
+        request: PictureRequest,
+        /// Frames that are likely to be asked for next.
+        ahead: Vec<u32>,
+    },
+    /// Write an act to the log and answer with [`Message::Recorded`].
+    Record {
+        /// The item.
+        item: ItemId,
+        /// The act.
+        event: Event,
+        /// What was on the screen before it.
+        seen: Seen,
+        /// How long the item was on the screen.
+        elapsed: Duration,
+    },
+    /// Seal the ballot and answer with [`Message::Sealed`].
+    Seal,
+    /// Write a picture to a file and answer with [`Message::Exported`].
+    Export(ExportRequest),
+    /// Draw every cell again: what was on the screen is not what the terminal shows.
+    Redraw,
+    /// Leave.
+    Quit,
+}

@@ -1,0 +1,348 @@
+//! Everything that the application knows. It changes in [`crate::update`] alone and is drawn by [`crate::view`].
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use std::time::Duration;
+
+use l4d_data::Name;
+use l4d_frames::mask::PixelBox;
+use l4d_votes::{Answer, Choice, ItemId, Round, Seen};
+use ratatui::layout::Size;
+
+use crate::draft::{Draft, Saying};
+use crate::field::Field;
+use crate::layout::{Screen, screen};
+use crate::look::Look;
+use crate::picture::{Picture, PictureRequest};
+use crate::scene::{SceneCard, Scenes};
+use crate::viewport::Viewport;
+
+/// How long a picture stands while playing, if the clip has a frame for each canonical one.
+const FRAME_TIME: Duration = Duration::from_nanos(1_000_000_000 / 24);
+
+/// What the log says about an item.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Standing {
+    /// The answer that counts.
+    pub answer: Option<Answer>,
+    /// Left without an answer on purpose.
+    pub skipped: bool,
+    /// Remarks, oldest first.
+    pub comments: Vec<String>,
+}
+
+impl Standing {
+    /// Neither answered nor skipped.
+    pub fn is_open(&self) -> bool {
+        self.answer.is_none() && !self.skipped
+    }
+}
+
+/// An item with what the log says about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Question {
+    /// Its name in the round.
+    pub id: ItemId,
+    /// What to look for.
+    pub text: String,
+    /// Where to look.
+    pub scene: Name,
+    /// What was said.
+    pub standing: Standing,
+}
+
+/// What the keys do now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Mode {
+    /// Looking, and choosing objects.
+    Choose,
+    /// Looking, and saying when the choice holds.
+    When,
+    /// Typing why the prompt is ambiguous.
+    Reason(Field),
+    /// Typing a remark.
+    Comment(Field),
+    /// The list of what is left.
+    Summary {
+        /// Which of [`Model::unanswered`] is marked.
+        selected: usize,
+        /// Whether the question is asked that seals.
+        sealing: bool,
+    },
+    /// Leaving would drop an answer that was not saved.
+    Leave,
+}
+
+/// What the last act led to, in one sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Notice {
+    /// For the person.
+    pub text: String,
+    /// Something did not work.
+    pub is_error: bool,
+}
+
+/// An act that was sent to the log and not confirmed yet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Pending {
+    /// An answer.
+    Answer,
+    /// A skip.
+    Skip,
+    /// A remark.
+    Comment,
+    /// Taking the latest act back.
+    Undo,
+}
+
+/// The part of a click that lasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grip {
+    /// The button went down on the picture at this cell and did not move since.
+    Press(u16, u16),
+    /// The picture follows the pointer, last seen at this cell.
+    Pan(u16, u16),
+    /// The current frame follows the pointer.
+    Scrub,
+}
+
+/// State of the application.
+#[derive(Debug)]
+pub struct Model {
+    pub(crate) title: String,
+    pub(crate) annotator: Name,
+    pub(crate) questions: Vec<Question>,
+    pub(crate) scenes: Arc<Scenes>,
+    pub(crate) look: Look,
+    pub(crate) size: Size,
+    /// Place in `questions`.
+    pub(crate) at: usize,
+    pub(crate) mode: Mode,
+    pub(crate) help: bool,
+    pub(crate) draft: Draft,
+    /// Drafts of items that were left without saving, by place.
+    pub(crate) drafts: BTreeMap<usize, Draft>,
+    pub(crate) view: usize,
+    /// Place in the frames of the scene.
+    pub(crate) frame: usize,
+    pub(crate) viewport: Viewport,
+    pub(crate) outlines: bool,
+    /// When the next frame is due.
+    pub(crate) playing: Option<Duration>,
+    pub(crate) grip: Option<Grip>,
+    pub(crate) seen: Seen,
+    pub(crate) shown_at: Duration,
+    pub(crate) notice: Option<Notice>,
+    pub(crate) pending: Option<Pending>,
+    /// The item that an undo would change.
+    pub(crate) undoable: Option<ItemId>,
+    pub(crate) sealed: bool,
+    /// What was asked of the painter last.
+    pub(crate) requested: Option<PictureRequest>,
+    /// What it painted last.
+    pub(crate) picture: Option<Arc<Picture>>,
+    pub(crate) picture_error: Option<String>,
+}
+
+/// What a session starts with.
+#[derive(Debug)]
+pub struct Start<'a> {
+    /// The round.
+    pub round: &'a Round,
+    /// Who answers.
+    pub annotator: Name,
+    /// In asking order.
+    pub questions: Vec<Question>,
+    /// Scenes of the questions.
+    pub scenes: Arc<Scenes>,
+    /// What the terminal can do.
+    pub look: Look,
+    /// Columns and rows.
+    pub size: Size,
+    /// The item that an undo would change.
+    pub undoable: Option<ItemId>,
+}
+
+impl Model {
+    /// A session at the first open item, or at the summary if there is none.
+    pub fn new(start: Start<'_>) -> Self {
+        let open = start.questions.iter().position(|question| question.standing.is_open());
+        let mode = if open.is_some() { Mode::Choose } else { Mode::Summary { selected: 0, sealing: false } };
+        let mut model = Self {
+            title: start.round.name.to_string(),
+            annotator: start.annotator,
+            questions: start.questions,
+            scenes: start.scenes,
+            look: start.look,
+            size: start.size,
+            at: open.unwrap_or(0),
+            mode,
+            help: false,
+            draft: Draft::default(),
+            drafts: BTreeMap::new(),
+            view: 0,
+            frame: 0,
+            viewport: Viewport::WHOLE,
+            outlines: true,
+            playing: None,
+            grip: None,
+            seen: Seen::default(),
+            shown_at: Duration::ZERO,
+            notice: None,
+            pending: None,
+            undoable: start.undoable,
+            sealed: false,
+            requested: None,
+            picture: None,
+            picture_error: None,
+        };
+        model.recall_draft();
+        model
+    }
+
+    /// The item on the screen.
+    pub fn question(&self) -> &Question {
+        &self.questions[self.at]
+    }
+
+    /// The scene of the item on the screen.
+    pub fn scene(&self) -> &SceneCard {
+        &self.scenes[&self.question().scene]
+    }
+
+    /// The canonical frame on the screen.
+    pub fn frame_number(&self) -> u32 {
+        self.scene().frames[self.frame]
+    }
+
+    /// Where things are on the screen; none if it is too small.
+    pub fn screen(&self) -> Option<Screen> {
+        screen(self.size, &self.question().text, self.look.aspect(self.scene().size))
+    }
+
+    /// Items that are answered, and items that are skipped.
+    pub fn progress(&self) -> (usize, usize) {
+        let count = |test: fn(&Standing) -> bool| {
+            self.questions.iter().filter(|question| test(&question.standing)).count()
+        };
+        (count(|standing| standing.answer.is_some()), count(|standing| standing.skipped))
+    }
+
+    /// Places of the items without an answer: open ones first, then skipped ones.
+    pub fn unanswered(&self) -> Vec<usize> {
+        let places = |skipped: bool| {
+            let matches = move |(_, question): &(usize, &Question)| {
+                question.standing.answer.is_none() && question.standing.skipped == skipped
+            };
+            self.questions.iter().enumerate().filter(matches).map(|(place, _)| place)
+        };
+        places(false).chain(places(true)).collect()
+    }
+
+    /// Whether the draft says something that the log does not.
+    pub fn is_unsaved(&self) -> bool {
+        !self.draft.is_blank() && self.draft.answer(self.scene()) != self.question().standing.answer
+    }
+
+    /// Whether leaving now would drop something that was entered.
+    pub fn has_unsaved(&self) -> bool {
+        let is_typing =
+            matches!(&self.mode, Mode::Reason(field) | Mode::Comment(field) if !field.text().is_empty());
+        is_typing || self.is_unsaved() || !self.drafts.is_empty()
+    }
+
+    /// The draft that says what an answer of the current item says.
+    pub(crate) fn draft_of(&self, answer: Answer) -> Draft {
+        let saying = match answer.choice {
+            Choice::None => Saying::None,
+            Choice::Ambiguous { reason } => Saying::Ambiguous(reason),
+            Choice::Objects(names) => {
+                let number = |name: &Name| self.scene().number_of(name);
+                Saying::Objects(names.iter().filter_map(number).collect())
+            }
+        };
+        Draft { saying, frames: answer.frames, typed: String::new() }
+    }
+
+    /// Makes the draft what the log says.
+    pub(crate) fn recall_draft(&mut self) {
+        let answer = self.question().standing.answer.clone();
+        self.draft = answer.map_or_else(Draft::default, |answer| self.draft_of(answer));
+    }
+
+    /// Ids of the objects that the draft names.
+    pub fn chosen_ids(&self) -> BTreeSet<u32> {
+        let scene = self.scene();
+        self.draft.numbers().filter_map(|number| scene.object(number)).map(|object| object.id).collect()
+    }
+
+    /// The picture that ought to be on the screen; none where there is no room or no wish for one.
+    pub fn wanted(&self) -> Option<PictureRequest> {
+        let area = self.screen()?.picture;
+        if self.help || !self.look.shows_pictures() || !self.shows_scene() {
+            return None;
+        }
+        let scene = self.scene();
+        let cells = self.look.fit(scene.size, area.as_size());
+        Some(PictureRequest {
+            scene: self.question().scene.clone(),
+            view: scene.views[self.view].clone(),
+            frame: self.frame_number(),
+            region: self.viewport.region(scene.size),
+            cells,
+            chosen: self.chosen_ids(),
+            outlines: self.outlines,
+        })
+    }
+
+    /// Whether the screen is that of an item, and not a page of text.
+    pub fn shows_scene(&self) -> bool {
+        !matches!(self.mode, Mode::Summary { .. })
+    }
+
+    /// The picture on the screen, if it is one of this scene.
+    pub fn picture(&self) -> Option<&Picture> {
+        let picture = self.picture.as_deref()?;
+        (picture.request.scene == self.question().scene).then_some(picture)
+    }
+
+    /// Whether the picture on the screen is not the wanted one yet.
+    pub fn is_loading(&self) -> bool {
+        self.picture_error.is_none()
+            && self.requested.is_some()
+            && self.picture.as_deref().map(|picture| &picture.request) != self.requested.as_ref()
+    }
+
+    /// When something happens without a key.
+    pub fn wakes_at(&self) -> Option<Duration> {
+        // A picture that is still being painted will wake the loop itself.
+        self.playing.filter(|_| !self.is_loading())
+    }
+
+    /// How long each frame stands while playing.
+    pub fn frame_time(&self) -> Duration {
+        let frames = &self.scene().frames;
+        let stride = frames.get(1).map_or(1, |second| second - frames[0]);
+        FRAME_TIME * stride.max(1)
+    }
+
+    /// Frames worth decoding before they are asked for.
+    pub(crate) fn frames_ahead(&self) -> Vec<u32> {
+        let frames = &self.scene().frames;
+        let count = if self.playing.is_some() { 4 } else { 1 };
+        (1..=count).filter_map(|step| frames.get(self.frame + step)).copied().collect()
+    }
+
+    /// Box around objects in the picture on the screen.
+    pub(crate) fn box_around(&self, ids: &BTreeSet<u32>) -> Option<PixelBox> {
+        self.picture()?.source.box_around(ids)
+    }
+
+    pub(crate) fn say(&mut self, text: impl Into<String>) {
+        self.notice = Some(Notice { text: text.into(), is_error: false });
+    }
+
+    pub(crate) fn complain(&mut self, text: impl Into<String>) {
+        self.notice = Some(Notice { text: text.into(), is_error: true });
+    }
+}

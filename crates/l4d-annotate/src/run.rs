@@ -1,0 +1,113 @@
+//! From files to a session on the terminal of the process.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc;
+
+use l4d_data::Name;
+use l4d_votes::{Ballot, Round};
+use ratatui::Terminal;
+use ratatui::backend::CrosstermBackend;
+use ratatui::crossterm::event;
+use ratatui_image::picker::ProtocolType;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+use signal_hook::iterator::Signals;
+
+use crate::error::AnnotateError;
+use crate::look::{Environment, PictureWish};
+use crate::model::{Model, Start};
+use crate::painter::Painter;
+use crate::scene::Scenes;
+use crate::session::{BallotLog, Input, Sender, Session, questions, studio};
+use crate::terminal::Taken;
+
+/// Where things are and what is wished.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Folder of the rendered scenes.
+    pub data: PathBuf,
+    /// Folder that receives pictures which the person opens.
+    pub exports: PathBuf,
+    /// How pictures are shown.
+    pub picture: PictureWish,
+}
+
+/// How far the work is when the person leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Outcome {
+    /// Items of the round.
+    pub items: usize,
+    /// Items with an answer.
+    pub answered: usize,
+    /// Items that were skipped.
+    pub skipped: usize,
+    /// Whether the work is over.
+    pub sealed: bool,
+}
+
+/// Lets a person answer on the terminal of the process until they leave.
+pub fn annotate(
+    round: &Round,
+    ballot: Ballot,
+    annotator: &Name,
+    scenes: Scenes,
+    options: &Options,
+) -> Result<Outcome, AnnotateError> {
+    let environment = Environment::of_process();
+    let look = environment.look()?;
+    let taken = Taken::take()?;
+    let can_ask = !look.wants_to_ask(options.picture) || taken.answers(!environment.tmux.is_empty());
+    let (look, picker) = look.fulfil(options.picture, can_ask)?;
+    if picker.as_ref().is_some_and(|picker| picker.protocol_type() == ProtocolType::Kitty) {
+        taken.keeps_pictures();
+    }
+    let mut terminal =
+        Terminal::new(CrosstermBackend::new(std::io::stdout())).map_err(AnnotateError::Terminal)?;
+    let (send, inputs) = mpsc::channel();
+    listen(&send)?;
+
+    let scenes = Arc::new(scenes);
+    let log = BallotLog(ballot);
+    let model = Model::new(Start {
+        round,
+        annotator: annotator.clone(),
+        questions: questions(round, &log),
+        scenes: Arc::clone(&scenes),
+        look,
+        size: terminal.size().map_err(AnnotateError::Terminal)?,
+        undoable: log.0.undoable().cloned(),
+    });
+    let painter = Painter::new(&options.data, &options.exports, scenes, look, picker);
+    let mut session = Session::new(model, log, studio(painter, &send));
+    session.serve(&mut terminal, &inputs)?;
+    let (answered, skipped) = session.model.progress();
+    Ok(Outcome { items: round.items.len(), answered, skipped, sealed: session.model.sealed })
+}
+
+/// Sends what the terminal and the system say, until the process ends.
+fn listen(send: &Sender) -> Result<(), AnnotateError> {
+    let mut signals = Signals::new([SIGTERM, SIGHUP, SIGINT, SIGQUIT]).map_err(AnnotateError::Terminal)?;
+    let to_loop = send.clone();
+    std::thread::spawn(move || {
+        for signal in &mut signals {
+            let name = match signal {
+                SIGTERM => "SIGTERM",
+                SIGHUP => "SIGHUP",
+                SIGINT => "SIGINT",
+                _ => "SIGQUIT",
+            };
+            drop(to_loop.send(Input::Signal(name)));
+        }
+    });
+    let to_loop = send.clone();
+    std::thread::spawn(move || {
+        loop {
+            let input = event::read();
+            let is_lost = input.is_err();
+            if to_loop.send(input.map_or_else(Input::Lost, Input::Event)).is_err() || is_lost {
+                return;
+            }
+        }
+    });
+    Ok(())
+}

@@ -1,0 +1,152 @@
+//! Taking the terminal and giving it back, whatever happens in between.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use ratatui::crossterm::cursor::{Hide, Show};
+use ratatui::crossterm::event::{
+    DisableBracketedPaste, DisableMouseCapture, EnableBracketedPaste, EnableMouseCapture,
+};
+use ratatui::crossterm::terminal::{
+    EnterAlternateScreen, LeaveAlternateScreen, disable_raw_mode, enable_raw_mode,
+};
+use ratatui::crossterm::{execute, queue};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use crate::error::AnnotateError;
+
+/// Whether the terminal is ours now.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+/// Whether the terminal keeps pictures until it is told to forget them.
+static KEEPS_PICTURES: AtomicBool = AtomicBool::new(false);
+/// Longest wait for a terminal that may not answer.
+const ANSWER_TIME: Duration = Duration::from_millis(500);
+/// Makes kitty forget the pictures that it was given.
+const FORGET_PICTURES: &[u8] = b"\x1b_Ga=d,d=A,q=2\x1b\\";
+
+/// The terminal, taken: raw, on its second screen, with mouse. Dropping it gives it back.
+#[derive(Debug)]
+pub struct Taken(());
+
+impl Taken {
+    /// Takes the terminal of the process. A panic in any thread gives it back before it is reported.
+    pub fn take() -> Result<Self, AnnotateError> {
+        if !io::stdin().is_terminal() {
+            return Err(AnnotateError::NoTerminal("standard input"));
+        }
+        if !io::stdout().is_terminal() {
+            return Err(AnnotateError::NoTerminal("standard output"));
+        }
+        give_back_on_panic();
+        enable_raw_mode().map_err(AnnotateError::Terminal)?;
+        TAKEN.store(true, Ordering::SeqCst);
+        let taken = Self(());
+        enter(&mut io::stdout()).map_err(AnnotateError::Terminal)?;
+        Ok(taken)
+    }
+
+    /// Notes that pictures are left with the terminal, as kitty's protocol does.
+    pub fn keeps_pictures(&self) {
+        KEEPS_PICTURES.store(true, Ordering::SeqCst);
+    }
+
+    /// Whether the terminal answers questions: one that does not must not be asked any others, since whoever
+    /// waits for the answer would take the person's keys for it.
+    pub fn answers(&self, in_tmux: bool) -> bool {
+        const ANSWER: &[u8] = b"\x1b[0n";
+        let question = if in_tmux { "\x1bPtmux;\x1b\x1b[5n\x1b\\" } else { "\x1b[5n" };
+        let mut stdout = io::stdout();
+        if stdout.write_all(question.as_bytes()).and_then(|()| stdout.flush()).is_err() {
+            return false;
+        }
+        let deadline = Instant::now() + ANSWER_TIME;
+        let mut heard = Vec::new();
+        while let Some(byte) = next_byte(deadline) {
+            heard.push(byte);
+            if heard.ends_with(ANSWER) {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+impl Drop for Taken {
+    fn drop(&mut self) {
+        give_back();
+    }
+}
+
+fn next_byte(deadline: Instant) -> Option<u8> {
+    let stdin = io::stdin();
+    let left = deadline.checked_duration_since(Instant::now())?;
+    let timeout = Timespec::try_from(left).ok()?;
+    let mut waiting = [PollFd::new(&stdin, PollFlags::IN)];
+    let ready = poll(&mut waiting, Some(&timeout)).ok()?;
+    let mut byte = [0];
+    // Past the buffer of the standard library, which would keep what comes after the answer.
+    (ready > 0 && rustix::io::read(&stdin, &mut byte).ok()? == 1).then_some(byte[0])
+}
+
+/// Gives the terminal back if it is taken.
+fn give_back() {
+    if TAKEN.swap(false, Ordering::SeqCst) {
+        // Nobody is left to tell if this fails.
+        leave(&mut io::stdout()).ok();
+        disable_raw_mode().ok();
+    }
+}
+
+fn give_back_on_panic() {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let report = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            give_back();
+            report(panic);
+        }));
+    });
+}
+
+fn enter(out: &mut impl io::Write) -> io::Result<()> {
+    execute!(out, EnterAlternateScreen, EnableMouseCapture, EnableBracketedPaste, Hide)
+}
+
+fn leave(out: &mut impl io::Write) -> io::Result<()> {
+    queue!(out, DisableBracketedPaste, DisableMouseCapture)?;
+    if KEEPS_PICTURES.load(Ordering::SeqCst) {
+        out.write_all(FORGET_PICTURES)?;
+    }
+    execute!(out, LeaveAlternateScreen, Show)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_switched_on_is_switched_off_again() {
+        let (mut on, mut off) = (Vec::new(), Vec::new());
+        enter(&mut on).unwrap();
+        leave(&mut off).unwrap();
+        let [on, off] = [on, off].map(|bytes| String::from_utf8(bytes).unwrap());
+        let modes = |text: &str, end: char| -> Vec<String> {
+            let codes = text.split("\x1b[?").skip(1);
+            let mut modes: Vec<String> = codes
+                .filter_map(|code| code.split_once(end))
+                .filter(|(n, _)| n.parse::<u32>().is_ok())
+                .map(|(n, _)| n.to_owned())
+                .collect();
+            modes.sort();
+            modes
+        };
+        // The cursor (25) is hidden on entering and shown on leaving; everything else the other way round.
+        let others =
+            |modes: Vec<String>| modes.into_iter().filter(|mode| mode != "25").collect::<Vec<String>>();
+        assert_eq!(others(modes(&on, 'h')), others(modes(&off, 'l')));
+        assert!(others(modes(&on, 'h')).contains(&"1049".to_owned()));
+        assert!(on.contains("\x1b[?25l") && off.contains("\x1b[?25h"));
+    }
+}

@@ -1,0 +1,417 @@
+//! What the tests share: a round over a made-up scene on disk, and a session without a terminal.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use glam::{DMat4, UVec2};
+use half::f16;
+use l4d_data::layout::SceneDir;
+use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
+use l4d_data::{Camera, Name, Profile, Split, json};
+use l4d_frames::exr::write_frame;
+use l4d_frames::{Frame, Surfaces};
+use l4d_votes::{Answer, Event, ItemId, Round, RoundDir, Seen};
+use ratatui::buffer::Buffer;
+use ratatui::crossterm::event::{Event as TerminalEvent, KeyCode, KeyEvent, KeyModifiers};
+use ratatui::layout::{Rect, Size};
+
+use crate::keys;
+use crate::look::{Colours, Environment, Look, Medium};
+use crate::message::{Effect, Message, Recorded};
+use crate::model::{Model, Question, Standing, Start};
+use crate::painter::Painter;
+use crate::scene::{Scenes, load};
+use crate::session::Log;
+use crate::update::{start, update};
+use crate::view;
+
+pub(crate) const PROMPTS: [&str; 4] =
+    ["The disc that rolls", "The ball behind the red disc", "A thing that is not there", "The disc"];
+
+/// A folder with one rendered scene and a round of [`PROMPTS`].
+pub(crate) struct Fixture {
+    folder: Arc<tempfile::TempDir>,
+    pub(crate) round: Round,
+    pub(crate) scenes: Arc<Scenes>,
+}
+
+pub(crate) fn name(text: &str) -> Name {
+    Name::new(text).unwrap()
+}
+
+impl Fixture {
+    pub(crate) fn new() -> Self {
+        let folder = Arc::new(tempfile::tempdir().unwrap());
+        let data = folder.path().join("data");
+        write_scene(&data);
+        let dir = RoundDir::new(folder.path().join("r1"));
+        std::fs::create_dir_all(dir.root()).unwrap();
+        std::fs::write(
+            dir.settings(),
+            "schema = \"l4d/round/1\"\nname = \"r1\"\ntitle = \"A round\"\nprofile = \"tiny\"\nseed = 3\n\
+             annotators = [\"ada\", \"ben\"]\nrule = \"unanimous:2\"\nviews = 2\n",
+        )
+        .unwrap();
+        let lines: Vec<String> = (1..)
+            .zip(PROMPTS)
+            .map(|(number, text)| {
+                let digest = format!("{number:064x}");
+                format!("{{\"item\":\"q{number:04}\",\"scene\":\"yard\",\"text\":\"{text}\",\"digest\":\"{digest}\"}}\n")
+            })
+            .collect();
+        std::fs::write(dir.items(), lines.concat()).unwrap();
+        let round = Round::open(&dir).unwrap();
+        let scenes = Arc::new(load(&data, &round, &name("ada")).unwrap());
+        Self { folder, round, scenes }
+    }
+
+    pub(crate) fn data(&self) -> PathBuf {
+        self.folder.path().join("data")
+    }
+
+    pub(crate) fn exports(&self) -> PathBuf {
+        self.folder.path().join("exports")
+    }
+
+    pub(crate) fn dir(&self) -> RoundDir {
+        RoundDir::new(self.folder.path().join("r1"))
+    }
+
+    pub(crate) fn questions(&self) -> Vec<Question> {
+        let question = |item: &l4d_votes::Item| Question {
+            id: item.id.clone(),
+            text: item.text.clone(),
+            scene: item.scene.clone(),
+            standing: Standing::default(),
+        };
+        self.round.items.iter().map(question).collect()
+    }
+
+    pub(crate) fn painter(&self, look: Look) -> Painter {
+        Painter::new(&self.data(), &self.exports(), Arc::clone(&self.scenes), look, None)
+    }
+
+    pub(crate) fn model(&self, look: Look, size: Size, questions: Vec<Question>) -> Model {
+        let scenes = Arc::clone(&self.scenes);
+        Model::new(Start {
+            round: &self.round,
+            annotator: name("ada"),
+            questions,
+            scenes,
+            look,
+            size,
+            undoable: None,
+        })
+    }
+
+    /// A session of 80x24 in colour.
+    pub(crate) fn drive(&self) -> Driver {
+        self.drive_with(look(true, Colours::Full), Size::new(80, 24))
+    }
+
+    pub(crate) fn drive_with(&self, look: Look, size: Size) -> Driver {
+        Driver::new(self.model(look, size, self.questions()), self.painter(look), Arc::clone(&self.folder))
+    }
+}
+
+pub(crate) fn look(unicode: bool, colours: Colours) -> Look {
+    let environment = Environment { term: "xterm".to_owned(), ..Environment::default() };
+    Look { unicode, colours, medium: Medium::Characters, ..environment.look().unwrap() }
+}
+
+/// A log in memory that can be told to fail.
+#[derive(Default)]
+pub(crate) struct FakeLog {
+    pub(crate) events: Vec<(ItemId, Event, Seen, Duration)>,
+    pub(crate) is_sealed: bool,
+    pub(crate) fails: bool,
+}
+
+impl FakeLog {
+    fn acts(&self) -> Vec<(&ItemId, &Event)> {
+        let mut acts: Vec<(&ItemId, &Event)> = Vec::new();
+        for (item, event, _, _) in &self.events {
+            if *event == Event::Undo {
+                let latest = acts.iter().rposition(|(other, _)| *other == item);
+                latest.map(|latest| acts.remove(latest));
+            } else {
+                acts.push((item, event));
+            }
+        }
+        acts
+    }
+
+    pub(crate) fn standing(&self, item: &ItemId) -> Standing {
+        let mut standing = Standing::default();
+        for (_, event) in self.acts().into_iter().filter(|(other, _)| *other == item) {
+            match event {
+                Event::Choose(answer) => (standing.answer, standing.skipped) = (Some(answer.clone()), false),
+                Event::Skip => (standing.answer, standing.skipped) = (None, true),
+                Event::Comment(text) => standing.comments.push(text.clone()),
+                Event::Undo => {}
+            }
+        }
+        standing
+    }
+}
+
+impl Log for FakeLog {
+    fn record(
+        &mut self,
+        item: &ItemId,
+        event: Event,
+        seen: Seen,
+        elapsed: Duration,
+    ) -> Result<Recorded, String> {
+        if self.fails {
+            return Err("no space left on device".to_owned());
+        }
+        self.events.push((item.clone(), event, seen, elapsed));
+        let undoable = self.acts().last().map(|(item, _)| (*item).clone());
+        Ok(Recorded { item: item.clone(), standing: self.standing(item), undoable })
+    }
+
+    fn seal(&mut self) -> Result<(), String> {
+        if self.fails {
+            return Err("no space left on device".to_owned());
+        }
+        self.is_sealed = true;
+        Ok(())
+    }
+}
+
+/// A session whose clock stands still unless it is moved, and whose painter is there at once unless it is told to wait.
+pub(crate) struct Driver {
+    pub(crate) model: Model,
+    pub(crate) log: FakeLog,
+    pub(crate) now: Duration,
+    pub(crate) paints: bool,
+    pub(crate) wishes: Vec<crate::picture::PictureRequest>,
+    pub(crate) exported: Vec<crate::picture::ExportRequest>,
+    pub(crate) is_over: bool,
+    painter: Painter,
+    /// The painter reads from it.
+    _folder: Arc<tempfile::TempDir>,
+}
+
+impl Driver {
+    fn new(mut model: Model, painter: Painter, folder: Arc<tempfile::TempDir>) -> Self {
+        let effects = start(&mut model);
+        let mut driver = Self {
+            model,
+            log: FakeLog::default(),
+            now: Duration::ZERO,
+            paints: true,
+            wishes: Vec::new(),
+            exported: Vec::new(),
+            is_over: false,
+            painter,
+            _folder: folder,
+        };
+        driver.carry_out(effects);
+        driver
+    }
+
+    pub(crate) fn tell(&mut self, message: Message) {
+        let effects = update(&mut self.model, message, self.now);
+        self.carry_out(effects);
+    }
+
+    fn carry_out(&mut self, effects: Vec<Effect>) {
+        for effect in effects {
+            match effect {
+                Effect::Paint { request, .. } => {
+                    self.wishes.push(request);
+                    if self.paints {
+                        self.paint();
+                    }
+                }
+                Effect::Record { item, event, seen, elapsed } => {
+                    let result = self.log.record(&item, event, seen, elapsed);
+                    self.tell(Message::Recorded(result));
+                }
+                Effect::Seal => {
+                    let result = self.log.seal();
+                    self.tell(Message::Sealed(result));
+                }
+                Effect::Export(request) => self.exported.push(request),
+                Effect::Redraw => {}
+                Effect::Quit => self.is_over = true,
+            }
+        }
+    }
+
+    /// Fulfils the latest wish.
+    pub(crate) fn paint(&mut self) {
+        let request = self.wishes.last().unwrap().clone();
+        let key = (request.scene.clone(), request.view.clone(), request.frame);
+        let shown = self.painter.frame(&key).unwrap();
+        let picture = self.painter.paint(&request, &shown).unwrap();
+        self.tell(Message::Painted(picture));
+    }
+
+    /// Presses keys: letters as they are, others by name in angle brackets, as in `3<Enter>`.
+    pub(crate) fn keys(&mut self, text: &str) {
+        let mut rest = text;
+        while let Some(first) = rest.chars().next() {
+            let named = rest
+                .strip_prefix('<')
+                .and_then(|inner| inner.split_once('>'))
+                .and_then(|(name, after)| Some((key_code(name)?, after)));
+            let (code, after) = named.unwrap_or((KeyCode::Char(first), &rest[first.len_utf8()..]));
+            rest = after;
+            self.event(TerminalEvent::Key(KeyEvent::new(code, KeyModifiers::NONE)));
+        }
+    }
+
+    pub(crate) fn event(&mut self, event: TerminalEvent) {
+        if let Some(message) = keys::message(&self.model.mode, event) {
+            self.tell(message);
+        }
+    }
+
+    /// The screen.
+    pub(crate) fn buffer(&self) -> Buffer {
+        let area = Rect::new(0, 0, self.model.size.width, self.model.size.height);
+        let mut buffer = Buffer::empty(area);
+        view::draw(&self.model, area, &mut buffer);
+        buffer
+    }
+
+    /// The screen as text.
+    pub(crate) fn text(&self) -> String {
+        let buffer = self.buffer();
+        let rows = buffer.content.chunks(usize::from(buffer.area.width).max(1));
+        let line = |row: &[ratatui::buffer::Cell]| {
+            let symbols: String = row.iter().map(ratatui::buffer::Cell::symbol).collect();
+            symbols.trim_end().to_owned() + "\n"
+        };
+        rows.map(line).collect()
+    }
+
+    /// Numbers of objects by name, as this annotator sees them.
+    pub(crate) fn number(&self, object: &str) -> usize {
+        self.model.scene().number_of(&name(object)).unwrap()
+    }
+
+    pub(crate) fn notice(&self) -> &str {
+        self.model.notice.as_ref().map_or("", |notice| &notice.text)
+    }
+
+    pub(crate) fn last_answer(&self) -> Option<&Answer> {
+        self.log.events.iter().rev().find_map(|(_, event, _, _)| match event {
+            Event::Choose(answer) => Some(answer),
+            _ => None,
+        })
+    }
+}
+
+fn key_code(name: &str) -> Option<KeyCode> {
+    Some(match name {
+        "Enter" => KeyCode::Enter,
+        "Esc" => KeyCode::Esc,
+        "Backspace" => KeyCode::Backspace,
+        "Left" => KeyCode::Left,
+        "Right" => KeyCode::Right,
+        "Up" => KeyCode::Up,
+        "Down" => KeyCode::Down,
+        "Home" => KeyCode::Home,
+        "End" => KeyCode::End,
+        _ => return None,
+    })
+}
+
+/// Centre and radius of an object, pixels; discs 1 to 3 stand still, ball 4 rolls to the right.
+pub(crate) fn disc(id: u32, frame: u32) -> (i64, i64, i64) {
+    match id {
+        1 => (20, 30, 10),
+        2 => (60, 25, 12),
+        3 => (100, 40, 14),
+        _ => (15 + i64::from(frame), 75, 6),
+    }
+}
+
+fn write_scene(data: &std::path::Path) {
+    let profile = Profile::Tiny;
+    let dir = SceneDir::new(data, "yard");
+    let camera = |view: &str, split: Split, x: f64| Camera {
+        name: name(view),
+        split,
+        fx: 128.0,
+        fy: 128.0,
+        cx: 64.0,
+        cy: 48.0,
+        world_from_camera: vec![DMat4::from_translation(glam::DVec3::X * x).transpose().to_cols_array()],
+    };
+    let instance = |id: u32, label: &str, role: Role| Instance {
+        id,
+        name: name(label),
+        role,
+        category: "disc".to_owned(),
+        attributes: BTreeMap::new(),
+        front: None,
+    };
+    let scene = Scene {
+        schema: SCHEMA.to_owned(),
+        name: name("yard"),
+        scale: Scale::Room,
+        variant: 0,
+        seed: 0,
+        profile,
+        stride: profile.stride(),
+        width: profile.width(),
+        height: profile.height(),
+        exposure: 1.0,
+        generator: Generator { bpy: "none".to_owned(), scripts_sha256: "0".repeat(64) },
+        cameras: vec![
+            camera("cam00", Split::Train, 0.0),
+            camera("cam01", Split::Test, 1.0),
+            camera("cam02", Split::Train, 5.0),
+        ],
+        instances: vec![
+            instance(1, "disc_a", Role::Object),
+            instance(2, "disc_b", Role::Object),
+            instance(3, "disc_c", Role::Object),
+            instance(4, "ball_d", Role::Object),
+            instance(1001, "floor", Role::Landmark),
+        ],
+        events: Vec::new(),
+        digests: BTreeMap::new(),
+    };
+    json::write(&dir.scene(), &scene).unwrap();
+    for view in ["cam01", "cam02"] {
+        for frame in profile.frames() {
+            write_frame(&dir.frame(view, frame), &picture(UVec2::new(128, 96), frame)).unwrap();
+        }
+    }
+}
+
+fn picture(size: UVec2, frame: u32) -> Frame {
+    let mut surfaces = Surfaces::empty(size.x, size.y);
+    let mut rgb = Vec::new();
+    for row in 0..size.y {
+        for column in 0..size.x {
+            let inside = |id: &u32| {
+                let (x, y, radius) = disc(*id, frame);
+                let (dx, dy) = (i64::from(column) - x, i64::from(row) - y);
+                dx * dx + dy * dy < radius * radius
+            };
+            let id = (1..=4).find(inside).unwrap_or(if row > 60 { 1001 } else { 0 });
+            let index = surfaces.index(column, row);
+            surfaces.depth_m[index] = 1.0;
+            surfaces.id[index] = id;
+            let colour = match id {
+                1 => [0.8, 0.1, 0.1],
+                2 => [0.1, 0.1, 0.8],
+                3 => [0.1, 0.6, 0.1],
+                4 => [0.9, 0.9, 0.9],
+                1001 => [0.3, 0.25, 0.2],
+                _ => [0.2, 0.3, 0.5],
+            };
+            rgb.push(colour.map(f16::from_f32));
+        }
+    }
+    Frame { surfaces, rgb }
+}

@@ -1,0 +1,473 @@
+use std::time::Duration;
+
+use l4d_data::Interval;
+use l4d_votes::{Answer, Choice, Event};
+use ratatui::crossterm::event::{
+    Event as TerminalEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
+};
+use ratatui::layout::Size;
+
+use crate::look::{Colours, Medium};
+use crate::message::Message;
+use crate::model::Mode;
+use crate::testing::{Driver, Fixture, look, name};
+
+fn objects(names: &[&str]) -> Choice {
+    Choice::Objects(names.iter().map(|text| name(text)).collect())
+}
+
+fn kinds(driver: &Driver) -> Vec<&'static str> {
+    let kind = |event: &Event| match event {
+        Event::Choose(_) => "choose",
+        Event::Undo => "undo",
+        Event::Skip => "skip",
+        Event::Comment(_) => "comment",
+    };
+    driver.log.events.iter().map(|(_, event, _, _)| kind(event)).collect()
+}
+
+#[test]
+fn numbers_then_time_then_the_next_item() {
+    let mut driver = Fixture::new().drive();
+    let (a, d) = (driver.number("disc_a"), driver.number("ball_d"));
+    driver.keys(&format!("{a}{d}<Enter>"));
+    assert_eq!((&driver.model.mode, driver.log.events.len()), (&Mode::When, 0));
+    driver.keys("<Enter>");
+    let expected = Answer { choice: objects(&["ball_d", "disc_a"]), frames: Interval::WHOLE };
+    assert_eq!(driver.last_answer(), Some(&expected));
+    assert_eq!((driver.model.at, driver.notice()), (1, "Saved q0001"));
+    assert_eq!(driver.model.questions[0].standing.answer, Some(expected));
+    assert!(driver.model.draft.is_blank());
+}
+
+#[test]
+fn numbers_are_drawn_by_lot_and_stay() {
+    let fixture = Fixture::new();
+    let again = crate::scene::load(&fixture.data(), &fixture.round, &name("ada")).unwrap();
+    assert_eq!(again, *fixture.scenes);
+    let order = |annotator: &str| {
+        let scenes = crate::scene::load(&fixture.data(), &fixture.round, &name(annotator)).unwrap();
+        scenes[&name("yard")].objects.iter().map(|object| object.id).collect::<Vec<u32>>()
+    };
+    let orders: std::collections::BTreeSet<Vec<u32>> =
+        ["ada", "ben", "cyd", "dan", "eve"].into_iter().map(order).collect();
+    assert!(orders.len() > 2, "{orders:?}");
+}
+
+#[test]
+fn views_are_the_held_out_one_and_those_far_from_it() {
+    let fixture = Fixture::new();
+    // Cameras stand at 0, 1 (held out) and 5 metres.
+    assert_eq!(fixture.scenes[&name("yard")].views, [name("cam01"), name("cam02")]);
+}
+
+#[test]
+fn the_time_is_that_of_the_frames_where_the_keys_were_pressed() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("1<Enter><Right><Right>[<End><Left>]<Enter>");
+    let frames = driver.last_answer().unwrap().frames;
+    assert_eq!((frames.first(), frames.last()), (24, 84));
+    // An end before the start moves the start, and the other way round.
+    driver.keys("1<Enter><End>[<Home>]<Enter>");
+    let frames = driver.last_answer().unwrap().frames;
+    assert_eq!((frames.first(), frames.last()), (0, 0));
+    driver.keys("1<Enter><Right>]w<Enter>");
+    assert_eq!(driver.last_answer().unwrap().frames, Interval::WHOLE);
+}
+
+#[test]
+fn none_and_ambiguous_are_asked_for_no_time() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("12<Right>]n<Enter>");
+    assert_eq!(driver.last_answer(), Some(&Answer { choice: Choice::None, frames: Interval::WHOLE }));
+    driver.keys("a<Enter>");
+    assert!(driver.notice().contains("Say what makes it ambiguous"), "{}", driver.notice());
+    driver.keys("  two q of 3 <Enter>");
+    let reason = "two q of 3".to_owned();
+    assert_eq!(driver.last_answer().unwrap().choice, Choice::Ambiguous { reason });
+    assert_eq!(kinds(&driver), ["choose", "choose"]);
+    assert_eq!(driver.model.at, 2);
+}
+
+#[test]
+fn enter_without_an_answer_saves_nothing() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("<Enter>");
+    assert!(driver.notice().starts_with("Choose objects"), "{}", driver.notice());
+    driver.keys("1<Enter><Backspace><Enter>nn<Enter>9");
+    assert!(driver.notice().contains("from 1 to 4"), "{}", driver.notice());
+    driver.keys("<Enter>");
+    assert!(driver.log.events.is_empty());
+}
+
+#[test]
+fn what_the_log_refuses_is_not_taken_and_stays_in_the_editor() {
+    let mut driver = Fixture::new().drive();
+    driver.log.fails = true;
+    driver.keys("2<Enter><Right>[<Enter>");
+    assert_eq!(driver.notice(), "NOT SAVED: no space left on device");
+    assert_eq!((driver.model.at, driver.model.progress()), (0, (0, 0)));
+    assert!(driver.text().contains("2 (not saved yet)") && driver.text().contains("NOT SAVED"));
+    driver.keys("s");
+    assert_eq!((driver.model.at, driver.model.progress()), (0, (0, 0)));
+    driver.keys("c");
+    driver.keys("some words<Enter>");
+    assert!(matches!(&driver.model.mode, Mode::Comment(field) if field.text() == "some words"));
+    driver.keys("<Esc>a");
+    driver.keys("several<Enter>");
+    assert!(matches!(&driver.model.mode, Mode::Reason(field) if field.text() == "several"));
+    // Once there is room again the same answer can be saved.
+    driver.log.fails = false;
+    driver.keys("<Enter>");
+    assert_eq!((driver.model.at, driver.model.progress()), (1, (1, 0)));
+}
+
+#[test]
+fn a_seal_needs_nothing_open_and_a_yes() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("1<Enter><Enter>s1<Enter><Enter>SS");
+    assert!(driver.notice().contains("1 item is open"), "{}", driver.notice());
+    driver.keys("<Esc>1<Enter><Enter>");
+    assert!(matches!(driver.model.mode, Mode::Summary { .. }));
+    assert_eq!(driver.model.progress(), (3, 1));
+    driver.keys("S<Enter>");
+    assert!(!driver.log.is_sealed);
+    driver.log.fails = true;
+    driver.keys("Sy");
+    assert!(driver.notice().starts_with("NOT SEALED") && !driver.model.sealed);
+    driver.log.fails = false;
+    driver.keys("Sy");
+    assert!(driver.log.is_sealed && driver.model.sealed);
+    // Nothing can be opened any more.
+    driver.keys("<Enter><Esc>u");
+    assert!(matches!(driver.model.mode, Mode::Summary { .. }) && !driver.is_over);
+    driver.keys("q");
+    assert!(driver.is_over);
+}
+
+#[test]
+fn undo_takes_back_what_was_not_saved_then_this_item_then_the_latest() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("1<Enter><Enter>2<Enter><Enter>");
+    assert_eq!(driver.model.at, 2);
+    driver.keys("3u");
+    assert_eq!((driver.model.at, driver.log.events.len()), (2, 2));
+    assert!(driver.model.draft.is_blank());
+    // Nothing was said here: the answer before is taken back, and its item opened with it.
+    driver.keys("u");
+    assert_eq!((driver.model.at, driver.notice()), (1, "Took back the answer of q0002"));
+    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [2]);
+    assert_eq!(driver.model.progress(), (1, 0));
+    driver.keys("4<Enter><Enter>");
+    assert_eq!(driver.last_answer().map(|answer| answer.choice != objects(&[])), Some(true));
+    assert_eq!(kinds(&driver), ["choose", "choose", "undo", "choose"]);
+    // On an item with an answer, that one is meant.
+    driver.keys("<<uu");
+    driver.keys("<Backspace>");
+    assert_eq!(driver.model.progress().0, 1);
+}
+
+#[test]
+fn undo_of_a_skip_and_a_comment_say_so() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("su");
+    assert_eq!((driver.notice(), driver.model.progress()), ("Took back the skip of q0001", (0, 0)));
+    driver.keys("chello<Enter>");
+    assert_eq!(driver.model.question().standing.comments, ["hello"]);
+    driver.keys("u");
+    assert_eq!(driver.notice(), "Took back the comment of q0001");
+    driver.keys("u");
+    assert_eq!(driver.notice(), "There is nothing to take back");
+}
+
+#[test]
+fn drafts_wait_where_they_were_left_and_leaving_asks() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("13>2<");
+    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [1, 3]);
+    driver.keys(">");
+    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [2]);
+    driver.keys("qx");
+    assert!(!driver.is_over && driver.model.mode == Mode::Choose);
+    driver.keys("qq");
+    assert!(driver.is_over && driver.log.events.is_empty());
+}
+
+#[test]
+fn leaving_without_a_draft_asks_nothing() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("1<Enter><Enter>q");
+    assert!(driver.is_over);
+}
+
+#[test]
+fn items_end_where_they_end() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("<");
+    assert!(driver.notice().starts_with("This is the first item"), "{}", driver.notice());
+    driver.keys(">>>>");
+    assert!(driver.notice().starts_with("This is the last item"), "{}", driver.notice());
+    assert_eq!(driver.model.at, 3);
+}
+
+#[test]
+fn a_session_goes_on_at_the_first_open_item() {
+    let fixture = Fixture::new();
+    let mut questions = fixture.questions();
+    questions[0].standing.answer = Some(Answer { choice: Choice::None, frames: Interval::WHOLE });
+    questions[1].standing.skipped = true;
+    let look = look(true, Colours::Full);
+    let model = fixture.model(look, Size::new(80, 24), questions.clone());
+    assert_eq!((model.at, &model.mode), (2, &Mode::Choose));
+    for question in &mut questions {
+        question.standing.skipped = true;
+    }
+    assert!(matches!(fixture.model(look, Size::new(80, 24), questions).mode, Mode::Summary { .. }));
+}
+
+#[test]
+fn after_the_last_item_come_the_open_ones_before_it() {
+    let mut driver = Fixture::new().drive();
+    driver.keys(">>>n<Enter>");
+    assert_eq!(driver.model.at, 0);
+}
+
+#[test]
+fn changing_an_answer_replaces_it_and_saving_it_again_writes_nothing() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("n<Enter><<Enter>");
+    assert_eq!((driver.log.events.len(), driver.notice()), (1, "This is the saved answer already"));
+    driver.keys("<n1<Enter><Enter>");
+    assert_eq!(kinds(&driver), ["choose", "choose"]);
+    assert!(matches!(
+        driver.model.questions[0].standing.answer,
+        Some(Answer { choice: Choice::Objects(_), .. })
+    ));
+}
+
+#[test]
+fn only_painted_pictures_count_as_seen() {
+    let mut driver = Fixture::new().drive();
+    driver.paints = false;
+    driver.keys("<Right><Right>");
+    driver.paint();
+    driver.keys("<Down>");
+    driver.paint();
+    driver.now = Duration::from_secs(5);
+    driver.keys("n<Enter>");
+    let (_, _, seen, elapsed) = &driver.log.events[0];
+    assert_eq!(seen.frames, [0, 24].into());
+    assert_eq!(seen.views, [name("cam01"), name("cam02")].into());
+    assert_eq!(*elapsed, Duration::from_secs(5));
+    // The next item starts anew.
+    assert!(driver.model.seen.frames.is_empty() && driver.model.frame == 0 && driver.model.view == 0);
+}
+
+#[test]
+fn wishes_follow_what_is_looked_at_and_are_not_repeated() {
+    let mut driver = Fixture::new().drive();
+    assert_eq!(driver.wishes.len(), 1);
+    driver.keys("<Left>w[<Esc>");
+    assert_eq!(driver.wishes.len(), 1);
+    driver.keys("<Right>x+");
+    assert_eq!(driver.wishes.len(), 4);
+    let last = driver.wishes.last().unwrap();
+    assert!(last.frame == 12 && !last.outlines && last.region.last_col - last.region.first_col < 100);
+}
+
+#[test]
+fn a_picture_that_cannot_be_shown_says_why_and_the_next_one_is_tried() {
+    let mut driver = Fixture::new().drive();
+    driver.paints = false;
+    driver.keys("<Right>");
+    let wish = driver.wishes.last().unwrap().clone();
+    driver.tell(Message::NotPainted(wish, "it is torn".to_owned()));
+    assert!(driver.text().contains("it is torn"));
+    assert!(!driver.model.is_loading());
+    driver.paints = true;
+    driver.keys("<Right>");
+    assert!(!driver.text().contains("torn"));
+}
+
+#[test]
+fn playing_waits_for_pictures_and_starts_over_at_the_end() {
+    let mut driver = Fixture::new().drive();
+    let step = driver.model.frame_time();
+    // Every twelfth of 24 frames a second.
+    assert_eq!(step.as_millis(), 499);
+    driver.keys(" ");
+    driver.tell(Message::Tick);
+    assert_eq!(driver.model.frame_number(), 0);
+    driver.paints = false;
+    driver.now += step;
+    driver.tell(Message::Tick);
+    assert_eq!((driver.model.frame_number(), driver.model.wakes_at()), (12, None));
+    driver.now += step;
+    driver.tell(Message::Tick);
+    assert_eq!(driver.model.frame_number(), 12);
+    driver.paint();
+    driver.paints = true;
+    let mut passed = Vec::new();
+    for _ in 0..9 {
+        driver.now += step;
+        driver.tell(Message::Tick);
+        passed.push(driver.model.frame_number());
+    }
+    assert_eq!(passed, [24, 36, 48, 60, 72, 84, 96, 0, 12]);
+    driver.keys(" ");
+    assert_eq!(driver.model.wakes_at(), None);
+}
+
+#[test]
+fn while_the_time_is_asked_for_only_that_time_plays() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("1<Enter><Right>[<Right><Right>] ");
+    let mut passed = Vec::new();
+    for _ in 0..4 {
+        driver.now += driver.model.frame_time();
+        driver.tell(Message::Tick);
+        passed.push(driver.model.frame_number());
+    }
+    assert_eq!(passed, [12, 24, 36, 12]);
+}
+
+#[test]
+fn zoom_goes_to_what_is_chosen_and_back() {
+    let mut driver = Fixture::new().drive();
+    let c = driver.number("disc_c");
+    driver.keys(&format!("{c}z"));
+    let region = driver.wishes.last().unwrap().region;
+    // Disc c spans columns 87 to 113 and rows 27 to 53, 27 of 96: 1.4 times as large it fills two fifths.
+    assert!((30..87).contains(&region.first_col) && region.last_col > 113, "{region:?}");
+    assert!((1..27).contains(&region.first_row) && (54..80).contains(&region.last_row), "{region:?}");
+    driver.keys("z");
+    assert!(driver.model.viewport.is_whole());
+}
+
+fn mouse(driver: &mut Driver, kind: MouseEventKind, column: u16, row: u16) {
+    let modifiers = KeyModifiers::NONE;
+    driver.event(TerminalEvent::Mouse(MouseEvent { kind, column, row, modifiers }));
+}
+
+fn click(driver: &mut Driver, column: u16, row: u16) {
+    mouse(driver, MouseEventKind::Down(MouseButton::Left), column, row);
+    mouse(driver, MouseEventKind::Up(MouseButton::Left), column, row);
+}
+
+/// The cell that shows a pixel of the whole picture.
+fn cell_of(driver: &Driver, x: i64, y: i64) -> (u16, u16) {
+    let screen = driver.model.screen().unwrap().picture;
+    let cells = driver.model.requested.as_ref().unwrap().cells;
+    let along = |pixel: i64, count: u16, extent: i64| (pixel * i64::from(count) / extent) as u16;
+    (screen.x + along(x, cells.width, 128), screen.y + along(y, cells.height, 96))
+}
+
+#[test]
+fn a_click_on_an_object_chooses_it_and_beside_everything_none() {
+    let mut driver = Fixture::new().drive();
+    let (column, row) = cell_of(&driver, 105, 48);
+    click(&mut driver, column, row);
+    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [driver.number("disc_c")]);
+    click(&mut driver, column, row);
+    assert!(driver.model.draft.is_blank());
+    let (column, row) = cell_of(&driver, 5, 5);
+    click(&mut driver, column, row);
+    assert_eq!(driver.notice(), "There is no numbered object");
+    // The floor is a landmark, which nobody asks for.
+    let (column, row) = cell_of(&driver, 100, 90);
+    click(&mut driver, column, row);
+    assert!(driver.model.draft.is_blank());
+}
+
+#[test]
+fn a_click_just_beside_a_small_object_still_means_it() {
+    let mut driver = Fixture::new().drive();
+    // The ball's right edge is at column 20; a cell is 2.5 pixels wide.
+    let (column, row) = cell_of(&driver, 22, 75);
+    click(&mut driver, column, row);
+    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [driver.number("ball_d")]);
+}
+
+#[test]
+fn the_timeline_follows_the_pointer() {
+    let mut driver = Fixture::new().drive();
+    let bar = crate::layout::timeline_bar(driver.model.screen().unwrap().timeline);
+    click(&mut driver, bar.right() - 1, bar.y);
+    assert_eq!(driver.model.frame_number(), 96);
+    mouse(&mut driver, MouseEventKind::Down(MouseButton::Left), bar.x, bar.y);
+    assert_eq!(driver.model.frame_number(), 0);
+    mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), bar.x + bar.width / 2, 0);
+    assert_eq!(driver.model.frame_number(), 48);
+    mouse(&mut driver, MouseEventKind::Up(MouseButton::Left), 0, 0);
+    mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), bar.x, bar.y);
+    assert_eq!(driver.model.frame_number(), 48);
+}
+
+#[test]
+fn the_wheel_zooms_and_dragging_moves_without_choosing() {
+    let mut driver = Fixture::new().drive();
+    let (column, row) = cell_of(&driver, 105, 48);
+    for _ in 0..3 {
+        mouse(&mut driver, MouseEventKind::ScrollUp, column, row);
+    }
+    let before = driver.wishes.last().unwrap().region;
+    mouse(&mut driver, MouseEventKind::Down(MouseButton::Left), column, row);
+    mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), column + 6, row);
+    mouse(&mut driver, MouseEventKind::Up(MouseButton::Left), column + 6, row);
+    let after = driver.wishes.last().unwrap().region;
+    assert!(after.first_col < before.first_col && after.first_row == before.first_row);
+    assert!(driver.model.draft.is_blank());
+}
+
+#[test]
+fn a_screen_that_is_too_small_says_so_and_growing_heals_it() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("1");
+    driver.event(TerminalEvent::Resize(40, 10));
+    let text = driver.text();
+    assert!(text.contains("40 columns and 10 rows") && text.contains("80 and 20"), "{text}");
+    assert_eq!(driver.model.requested, None);
+    driver.event(TerminalEvent::Resize(100, 30));
+    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [1]);
+    assert!(driver.model.picture().is_some() && !driver.model.is_loading());
+}
+
+#[test]
+fn any_key_closes_the_help_page_and_does_nothing_else() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("?");
+    assert!(driver.model.help && driver.model.requested.is_none());
+    driver.keys("s");
+    assert!(!driver.model.help && driver.log.events.is_empty());
+    assert!(driver.model.picture().is_some() && !driver.model.is_loading());
+}
+
+#[test]
+fn an_export_names_item_view_and_frame_only() {
+    let mut driver = Fixture::new().drive();
+    driver.keys("<Down><Right>o");
+    assert_eq!(driver.exported[0].file_name, "q0001-view2-frame0012.png");
+    driver.tell(Message::Exported(Ok("Wrote here".to_owned())));
+    assert_eq!(driver.notice(), "Wrote here");
+}
+
+#[test]
+fn without_pictures_everything_else_works() {
+    let fixture = Fixture::new();
+    let look = crate::look::Look { medium: Medium::Nothing, ..look(true, Colours::Full) };
+    let mut driver = fixture.drive_with(look, Size::new(80, 24));
+    assert!(driver.wishes.is_empty() && driver.text().contains("Pictures are off"));
+    driver.keys("1<Right><Enter>[<Enter>");
+    assert_eq!(driver.last_answer().unwrap().frames.first(), 12);
+}
+
+#[test]
+fn pictures_of_another_scene_or_of_before_are_not_shown_as_new() {
+    let mut driver = Fixture::new().drive();
+    driver.paints = false;
+    driver.keys("<Right>");
+    assert!(driver.model.is_loading() && driver.model.picture().is_some());
+    driver.keys(">");
+    assert!(driver.model.picture().is_none());
+    assert!(driver.text().contains("loading ..."));
+}

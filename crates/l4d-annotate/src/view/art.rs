@@ -1,0 +1,73 @@
+//! The picture, with the numbers over it where it is made of characters.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Color;
+use ratatui::text::Line;
+use ratatui::widgets::Widget as _;
+use ratatui_image::Image;
+
+use super::theme;
+use crate::layout::{width, wrap};
+use crate::look::Medium;
+use crate::model::Model;
+use crate::picture::{Art, ArtCell, Label, Picture};
+
+pub(super) fn draw(model: &Model, pane: Rect, buffer: &mut Buffer) {
+    if let Some(why) = &model.picture_error {
+        return text(&format!("This picture cannot be shown: {why}"), pane, buffer);
+    }
+    if model.look.medium == Medium::Nothing {
+        return text("Pictures are off. Press o to write this one to a file.", pane, buffer);
+    }
+    let Some(picture) = model.picture() else {
+        return text("loading ...", pane, buffer);
+    };
+    let cells = picture.request.cells;
+    let area = Rect::new(pane.x, pane.y, cells.width.min(pane.width), cells.height.min(pane.height));
+    match &picture.art {
+        Art::Pixels(protocol) => Image::new(protocol).render(pane, buffer),
+        Art::Cells { cells: art, labels } => {
+            characters(art, cells.width, area, buffer);
+            for label in labels {
+                number(model, picture, label, area, buffer);
+            }
+        }
+    }
+}
+
+fn characters(art: &[ArtCell], columns: u16, area: Rect, buffer: &mut Buffer) {
+    let colour =
+        |rgb: Option<[u8; 3]>| rgb.map_or(Color::Reset, |[red, green, blue]| Color::Rgb(red, green, blue));
+    for (y, row) in art.chunks_exact(usize::from(columns.max(1))).take(usize::from(area.height)).enumerate() {
+        for (x, source) in row.iter().take(usize::from(area.width)).enumerate() {
+            let Some(cell) = buffer.cell_mut((area.x + x as u16, area.y + y as u16)) else { continue };
+            cell.set_char(source.symbol).set_fg(colour(source.ink)).set_bg(colour(source.paper));
+        }
+    }
+}
+
+fn number(model: &Model, picture: &Picture, label: &Label, area: Rect, buffer: &mut Buffer) {
+    let marks = model.scene().marks();
+    let Some(mark) = marks.iter().find(|mark| mark.id == label.id) else { return };
+    // What is chosen is known before the picture is painted anew.
+    let chosen = model.chosen_ids().contains(&label.id);
+    let text = if chosen { format!("[{}]", label.number) } else { label.number.to_string() };
+    let columns = width(&text) as u16;
+    let last = picture.request.cells.width.min(area.width).saturating_sub(columns);
+    let x = label.at.x.saturating_sub(columns / 2).min(last);
+    if label.at.y >= area.height {
+        return;
+    }
+    let style = theme::number(mark.colour.0, chosen, model.look.colours);
+    buffer.set_string(area.x + x, area.y + label.at.y, text, style);
+}
+
+fn text(text: &str, pane: Rect, buffer: &mut Buffer) {
+    let lines = wrap(text, pane.width.saturating_sub(4));
+    let top = pane.height.saturating_sub(lines.len() as u16) / 2;
+    for (row, line) in (top..pane.height).zip(lines) {
+        let place = Rect { y: pane.y + row, height: 1, ..pane };
+        Line::from(line).centered().render(place, buffer);
+    }
+}

@@ -1,0 +1,120 @@
+//! Which part of a picture is on the screen.
+
+use glam::{DVec2, UVec2};
+use l4d_frames::mask::PixelBox;
+
+/// Largest enlargement: beyond it single pixels fill the screen.
+const MAX_ZOOM: f64 = 12.0;
+/// One press of a zoom key.
+const ZOOM_STEP: f64 = 1.5;
+/// Share of the shown part that stays empty around what was zoomed to, on each side.
+const AIR: f64 = 0.3;
+
+/// A centre, as fractions of the picture's sides, and how much larger than the whole picture things appear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewport {
+    centre: DVec2,
+    zoom: f64,
+}
+
+impl Viewport {
+    /// The whole picture.
+    pub const WHOLE: Self = Self { centre: DVec2::splat(0.5), zoom: 1.0 };
+
+    /// Whether everything is shown.
+    pub fn is_whole(self) -> bool {
+        self.zoom == 1.0
+    }
+
+    /// Enlargement over the whole picture.
+    pub fn zoom(self) -> f64 {
+        self.zoom
+    }
+
+    /// The shown pixels of a picture.
+    pub fn region(self, picture: UVec2) -> PixelBox {
+        let extent = (picture.as_dvec2() / self.zoom).round().max(DVec2::ONE).as_uvec2();
+        let corner = (self.centre * picture.as_dvec2() - extent.as_dvec2() / 2.0).round();
+        let first = corner.clamp(DVec2::ZERO, (picture - extent).as_dvec2()).as_uvec2();
+        let last = first + extent - 1;
+        PixelBox { first_col: first.x, first_row: first.y, last_col: last.x, last_row: last.y }
+    }
+
+    /// Zooms by steps, in when positive; the point at `hold` (fractions of the shown part) stays in its place.
+    #[must_use]
+    pub fn zoomed(self, steps: i32, hold: DVec2) -> Self {
+        let zoom = (self.zoom * ZOOM_STEP.powi(steps)).clamp(1.0, MAX_ZOOM);
+        let offset = hold - 0.5;
+        Self { centre: self.centre + offset / self.zoom - offset / zoom, zoom }.settled()
+    }
+
+    /// Moves by fractions of the shown part.
+    #[must_use]
+    pub fn panned(self, by: DVec2) -> Self {
+        Self { centre: self.centre + by / self.zoom, ..self }.settled()
+    }
+
+    /// Shows a box of pixels with some air around it.
+    pub fn onto(found: PixelBox, picture: UVec2) -> Self {
+        let first = UVec2::new(found.first_col, found.first_row).as_dvec2();
+        let last = UVec2::new(found.last_col, found.last_row).as_dvec2() + 1.0;
+        let share = (last - first) / picture.as_dvec2();
+        let zoom = (1.0 - 2.0 * AIR).max(0.1) / share.max_element().max(1e-3);
+        let centre = (first + last) / 2.0 / picture.as_dvec2();
+        Self { centre, zoom: zoom.clamp(1.0, MAX_ZOOM) }.settled()
+    }
+
+    /// Keeps the shown part inside the picture.
+    fn settled(self) -> Self {
+        let zoom = if self.zoom < 1.01 { 1.0 } else { self.zoom };
+        let reach = DVec2::splat(0.5 / zoom);
+        Self { centre: self.centre.clamp(reach, 1.0 - reach), zoom }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PICTURE: UVec2 = UVec2::new(256, 192);
+
+    fn corners(view: Viewport) -> [u32; 4] {
+        let region = view.region(PICTURE);
+        [region.first_col, region.first_row, region.last_col, region.last_row]
+    }
+
+    #[test]
+    fn the_whole_picture_is_the_whole_picture() {
+        assert_eq!(corners(Viewport::WHOLE), [0, 0, 255, 191]);
+    }
+
+    #[test]
+    fn zooming_at_a_corner_keeps_the_corner_and_out_again_is_whole() {
+        let corner = Viewport::WHOLE.zoomed(2, DVec2::ZERO);
+        // 256 / 2.25 = 113.8, 192 / 2.25 = 85.3
+        assert_eq!(corners(corner), [0, 0, 113, 84]);
+        assert_eq!(corner.zoomed(-9, DVec2::ONE), Viewport::WHOLE);
+        assert_eq!(Viewport::WHOLE.zoomed(99, DVec2::ONE).zoom(), MAX_ZOOM);
+    }
+
+    #[test]
+    fn panning_stops_at_the_edge() {
+        let view = Viewport::WHOLE.zoomed(1, DVec2::splat(0.5)).panned(DVec2::new(9.0, -9.0));
+        // 256 / 1.5 = 170.7, 192 / 1.5 = 128
+        assert_eq!(corners(view), [85, 0, 255, 127]);
+        assert_eq!(Viewport::WHOLE.panned(DVec2::ONE), Viewport::WHOLE);
+    }
+
+    #[test]
+    fn zooming_onto_a_box_centres_it() {
+        let found = PixelBox { first_col: 118, first_row: 86, last_col: 137, last_row: 105 };
+        let region = Viewport::onto(found, PICTURE).region(PICTURE);
+        assert!(
+            region.first_col < 118 && region.last_col > 137 && region.first_row < 86 && region.last_row > 105
+        );
+        // The box is centred between columns 127 and 128; so is the region, give or take the rounding.
+        assert!((region.first_col + region.last_col).abs_diff(118 + 137) <= 1, "{region:?}");
+        let all = PixelBox { first_col: 0, first_row: 0, last_col: 255, last_row: 191 };
+        assert_eq!(Viewport::onto(all, PICTURE), Viewport::WHOLE);
+    }
+}
