@@ -1,0 +1,340 @@
+//! How models write down boxes: conventions as data, and the pixels that each of them means.
+
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::error::EndpointError;
+
+/// A box in pixels of the picture as it was sent; `x0 < x1`, `y0 < y1`, inside the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoxPx {
+    /// Left edge.
+    pub x0: f64,
+    /// Upper edge.
+    pub y0: f64,
+    /// Right edge.
+    pub x1: f64,
+    /// Lower edge.
+    pub y1: f64,
+}
+
+impl BoxPx {
+    /// Intersection over union, 0 to 1.
+    pub fn iou(&self, other: &Self) -> f64 {
+        let overlap = |low: f64, high: f64| (high - low).max(0.0);
+        let intersection = overlap(self.x0.max(other.x0), self.x1.min(other.x1))
+            * overlap(self.y0.max(other.y0), self.y1.min(other.y1));
+        intersection / (self.area() + other.area() - intersection)
+    }
+
+    fn area(&self) -> f64 {
+        (self.x1 - self.x0) * (self.y1 - self.y0)
+    }
+}
+
+/// In which order the four numbers stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Order {
+    /// Left, upper, right, lower.
+    Xyxy,
+    /// Upper, left, lower, right.
+    Yxyx,
+}
+
+/// What the numbers count.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    /// This much is a whole side of the picture.
+    Relative(f64),
+    /// Pixels of the picture as it was sent.
+    Pixels,
+    /// Pixels of the picture as the model's processor resizes it.
+    Resized(Resize),
+}
+
+/// How a processor resizes: sides become multiples of `factor`, their product stays between two bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Resize {
+    /// Side of a token, pixels.
+    pub factor: u32,
+    /// Fewest pixels.
+    pub min_pixels: u32,
+    /// Most pixels.
+    pub max_pixels: u32,
+}
+
+impl Resize {
+    /// The size that a picture of `width` x `height` gets, pixels.
+    pub fn size(&self, width: u32, height: u32) -> (u32, u32) {
+        let factor = f64::from(self.factor);
+        let (width, height) = (f64::from(width), f64::from(height));
+        // Python's `round`, with which the models were trained, rounds halves to even.
+        let nearest = |side: f64| (side / factor).round_ties_even().max(1.0) * factor;
+        let (mut resized_width, mut resized_height) = (nearest(width), nearest(height));
+        let (fewest, most) = (f64::from(self.min_pixels), f64::from(self.max_pixels));
+        if resized_width * resized_height > most {
+            let shrink = (width * height / most).sqrt();
+            let fitted = |side: f64| (side / shrink / factor).floor().max(1.0) * factor;
+            (resized_width, resized_height) = (fitted(width), fitted(height));
+        } else if resized_width * resized_height < fewest {
+            let grow = (fewest / (width * height)).sqrt();
+            let fitted = |side: f64| (side * grow / factor).ceil() * factor;
+            (resized_width, resized_height) = (fitted(width), fitted(height));
+        }
+        (resized_width as u32, resized_height as u32)
+    }
+}
+
+/// A convention.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Convention {
+    /// As in the configuration.
+    pub name: String,
+    /// The field name that models of this kind were trained with: ask with it.
+    pub key: String,
+    /// Order of the numbers.
+    pub order: Order,
+    /// What they count.
+    pub scale: Scale,
+    /// Who was seen to use it.
+    pub note: String,
+}
+
+#[derive(Deserialize)]
+struct File {
+    convention: Vec<Convention>,
+}
+
+static CONVENTIONS: LazyLock<Vec<Convention>> = LazyLock::new(|| {
+    let file: File = toml::from_str(include_str!("coordinates.toml")).expect("the embedded table is valid");
+    file.convention
+});
+
+impl Convention {
+    /// All that are known.
+    pub fn all() -> &'static [Convention] {
+        &CONVENTIONS
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Result<&'static Convention, EndpointError> {
+        Self::all().iter().find(|convention| convention.name == name).ok_or_else(|| {
+            let names: Vec<&str> = Self::all().iter().map(|convention| convention.name.as_str()).collect();
+            EndpointError::Config {
+                place: "coordinates".to_owned(),
+                message: format!("`{}` is no convention that l4d knows", name.escape_debug()),
+                remedy: format!("use one of {}, or let `l4d endpoint calibrate` find it", names.join(", ")),
+            }
+        })
+    }
+
+    /// Where a box lies in a picture of `width` x `height`. Corners may come in any order; what sticks out is cut
+    /// off; `None` if nothing is left, or if a number is none.
+    pub fn pixels(&self, numbers: [f64; 4], (width, height): (u32, u32)) -> Option<BoxPx> {
+        let [a, b, c, d] = numbers;
+        let [x0, y0, x1, y1] = match self.order {
+            Order::Xyxy => [a, b, c, d],
+            Order::Yxyx => [b, a, d, c],
+        };
+        let (full_width, full_height) = match self.scale {
+            Scale::Relative(range) => (range, range),
+            Scale::Pixels => (f64::from(width), f64::from(height)),
+            Scale::Resized(resize) => {
+                let (width, height) = resize.size(width, height);
+                (f64::from(width), f64::from(height))
+            }
+        };
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return None;
+        }
+        let x = |number: f64| (number / full_width).clamp(0.0, 1.0) * f64::from(width);
+        let y = |number: f64| (number / full_height).clamp(0.0, 1.0) * f64::from(height);
+        let cut = BoxPx { x0: x(x0.min(x1)), y0: y(y0.min(y1)), x1: x(x0.max(x1)), y1: y(y0.max(y1)) };
+        (cut.x0 < cut.x1 && cut.y0 < cut.y1).then_some(cut)
+    }
+
+    /// What a model of this convention writes for a box; the inverse of [`Convention::pixels`].
+    pub fn numbers(&self, place: BoxPx, (width, height): (u32, u32)) -> [f64; 4] {
+        let (full_width, full_height) = match self.scale {
+            Scale::Relative(range) => (range, range),
+            Scale::Pixels => (f64::from(width), f64::from(height)),
+            Scale::Resized(resize) => {
+                let (width, height) = resize.size(width, height);
+                (f64::from(width), f64::from(height))
+            }
+        };
+        let x = |pixels: f64| pixels / f64::from(width) * full_width;
+        let y = |pixels: f64| pixels / f64::from(height) * full_height;
+        let [x0, y0, x1, y1] = [x(place.x0), y(place.y0), x(place.x1), y(place.y1)];
+        match self.order {
+            Order::Xyxy => [x0, y0, x1, y1],
+            Order::Yxyx => [y0, x0, y1, x1],
+        }
+    }
+}
+
+/// A box as a model wrote it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrittenBox {
+    /// What the model says is in it.
+    pub label: Option<String>,
+    /// Its four numbers, in an order and scale that only the model's convention tells.
+    pub numbers: [f64; 4],
+}
+
+/// All boxes in a document, in reading order, however they are wrapped: lists of objects with a field of four
+/// numbers (or the same as two corners, or as four named fields).
+pub fn written_boxes(document: &Value) -> Vec<WrittenBox> {
+    let mut boxes = Vec::new();
+    gather(document, &mut boxes);
+    boxes
+}
+
+fn gather(value: &Value, boxes: &mut Vec<WrittenBox>) {
+    const KEYS: [&str; 5] = ["bbox_2d", "box_2d", "bbox", "box", "bounding_box"];
+    const LABELS: [&str; 5] = ["label", "name", "color", "colour", "object"];
+    match value {
+        Value::Array(items) => items.iter().for_each(|item| gather(item, boxes)),
+        Value::Object(fields) => {
+            let numbers = KEYS.iter().find_map(|key| four_numbers(fields.get(*key)?));
+            if let Some(numbers) = numbers.or_else(|| named_sides(value)) {
+                let label = LABELS.iter().find_map(|key| fields.get(*key)?.as_str());
+                boxes.push(WrittenBox { label: label.map(str::to_owned), numbers });
+                return;
+            }
+            fields.values().for_each(|field| gather(field, boxes));
+        }
+        _ => {}
+    }
+}
+
+fn four_numbers(value: &Value) -> Option<[f64; 4]> {
+    let numbers: Vec<f64> = match value {
+        Value::Array(items) => {
+            let flat = items
+                .iter()
+                .flat_map(|item| item.as_array().map_or(std::slice::from_ref(item), Vec::as_slice));
+            flat.map(Value::as_f64).collect::<Option<_>>()?
+        }
+        _ => return named_sides(value),
+    };
+    numbers.try_into().ok()
+}
+
+fn named_sides(value: &Value) -> Option<[f64; 4]> {
+    const NAMES: [[&str; 4]; 4] = [
+        ["x_min", "y_min", "x_max", "y_max"],
+        ["xmin", "ymin", "xmax", "ymax"],
+        ["x1", "y1", "x2", "y2"],
+        ["x0", "y0", "x1", "y1"],
+    ];
+    NAMES.iter().find_map(|names| {
+        let numbers: Option<Vec<f64>> = names.iter().map(|name| value.get(*name)?.as_f64()).collect();
+        numbers?.try_into().ok()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use serde_json::json;
+
+    use super::*;
+
+    fn resized(factor: u32, min_pixels: u32, max_pixels: u32, width: u32, height: u32) -> (u32, u32) {
+        Resize { factor, min_pixels, max_pixels }.size(width, height)
+    }
+
+    #[test]
+    fn sizes_are_those_of_the_models_own_processor() {
+        // transformers 5.23.0, smart_resize of qwen2_vl; tests/endpoint_server/resize.py prints them.
+        let small = |width, height| resized(28, 3_136, 12_845_056, width, height);
+        assert_eq!(small(714, 490), (728, 504));
+        assert_eq!(small(640, 480), (644, 476));
+        assert_eq!(small(630, 518), (616, 504));
+        assert_eq!(small(10, 10), (56, 56));
+        assert_eq!(small(8000, 6000), (4116, 3080));
+        let large = |width, height| resized(32, 65_536, 16_777_216, width, height);
+        assert_eq!(large(714, 490), (704, 480));
+        assert_eq!(large(200, 120), (352, 224));
+        assert_eq!(large(16_384, 2_048), (11_584, 1_440));
+    }
+
+    #[test]
+    fn each_convention_puts_its_numbers_where_they_belong() {
+        let pixels =
+            |name: &str, numbers| Convention::named(name).unwrap().pixels(numbers, (714, 490)).unwrap();
+        let expected = BoxPx { x0: 71.4, y0: 98.0, x1: 357.0, y1: 245.0 };
+        let close = |place: BoxPx| place.iou(&expected) > 1.0 - 1e-9;
+        assert!(close(pixels("rel1000_xyxy", [100.0, 200.0, 500.0, 500.0])));
+        assert!(close(pixels("rel1000_yxyx", [200.0, 100.0, 500.0, 500.0])));
+        assert!(close(pixels("abs_px_xyxy", [71.4, 98.0, 357.0, 245.0])));
+        assert!(close(pixels("abs_px_resized28_xyxy", [72.8, 100.8, 364.0, 252.0])));
+        assert!(close(pixels("abs_px_resized32_xyxy", [70.4, 96.0, 352.0, 240.0])));
+        assert!(close(pixels("rel1_xyxy", [0.1, 0.2, 0.5, 0.5])));
+    }
+
+    #[test]
+    fn corners_are_sorted_and_what_sticks_out_is_cut() {
+        let convention = Convention::named("abs_px_xyxy").unwrap();
+        let place = convention.pixels([50.0, 90.0, -10.0, 20.0], (100, 60)).unwrap();
+        assert_eq!(place, BoxPx { x0: 0.0, y0: 20.0, x1: 50.0, y1: 60.0 });
+        for nothing in [
+            [5.0, 5.0, 5.0, 9.0],
+            [200.0, 0.0, 300.0, 9.0],
+            [f64::NAN, 0.0, 1.0, 1.0],
+            [0.0, 0.0, f64::INFINITY, 1.0],
+        ] {
+            assert_eq!(convention.pixels(nothing, (100, 60)), None);
+        }
+    }
+
+    #[test]
+    fn overlap_is_intersection_over_union() {
+        let square = |x: f64| BoxPx { x0: x, y0: 0.0, x1: x + 2.0, y1: 2.0 };
+        assert!((square(0.0).iou(&square(1.0)) - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!(square(0.0).iou(&square(5.0)), 0.0);
+    }
+
+    #[test]
+    fn boxes_are_found_in_every_wrapping() {
+        let document = json!({"detections": [
+            {"bbox_2d": [1, 2, 3, 4], "label": "red"},
+            {"box": {"x_min": 5, "y_min": 6, "x_max": 7, "y_max": 8}, "color": "blue"},
+            {"bbox": [[9, 10], [11, 12]]},
+            {"x1": 1, "y1": 1, "x2": 2, "y2": 2, "name": "green"},
+            {"bbox_2d": [1, 2, 3]}, {"bbox_2d": ["a", 2, 3, 4]}, 7
+        ]});
+        let boxes = written_boxes(&document);
+        let labels: Vec<Option<&str>> = boxes.iter().map(|found| found.label.as_deref()).collect();
+        assert_eq!(labels, [Some("red"), Some("blue"), None, Some("green")]);
+        assert_eq!(boxes[2].numbers, [9.0, 10.0, 11.0, 12.0]);
+    }
+
+    proptest! {
+        #[test]
+        fn any_numbers_give_a_box_inside_the_picture_or_none(numbers in prop::array::uniform4(any::<f64>()), width in 1..5000_u32, height in 1..5000_u32) {
+            for convention in Convention::all() {
+                if let Some(place) = convention.pixels(numbers, (width, height)) {
+                    prop_assert!(place.x0 >= 0.0 && place.x0 < place.x1 && place.x1 <= f64::from(width));
+                    prop_assert!(place.y0 >= 0.0 && place.y0 < place.y1 && place.y1 <= f64::from(height));
+                }
+            }
+        }
+
+        #[test]
+        fn numbers_are_the_inverse_of_pixels(x in 0.0..500.0, y in 0.0..300.0, w in 1.0..200.0, h in 1.0..200.0) {
+            let place = BoxPx { x0: x, y0: y, x1: x + w, y1: y + h };
+            for convention in Convention::all() {
+                let back = convention.pixels(convention.numbers(place, (714, 510)), (714, 510)).unwrap();
+                prop_assert!(back.iou(&place) > 1.0 - 1e-9);
+            }
+        }
+    }
+}

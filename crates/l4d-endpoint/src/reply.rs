@@ -1,0 +1,79 @@
+//! A model's answer, free of any server's spelling.
+
+use serde::de::DeserializeOwned;
+
+use crate::error::{EndpointError, excerpt, tail};
+use crate::extract::first_json;
+
+/// An answer that arrived: whole, cut off or refused.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reply {
+    /// What the model said, without its thinking.
+    pub text: String,
+    /// Why it stopped.
+    pub finish: Finish,
+    /// What it cost.
+    pub usage: Usage,
+    /// The model that the server says it used.
+    pub model: Option<String>,
+    /// The server's own mark of its configuration.
+    pub fingerprint: Option<String>,
+    /// Where the answer came from.
+    pub origin: Origin,
+    /// Digest of the question as it was sent: the name of the exchange in a cache or recording.
+    pub digest: String,
+    /// What a person who relies on the answer should know (a field that the server did not take, ...).
+    pub notes: Vec<String>,
+}
+
+/// Why a model stopped.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Finish {
+    /// It was done.
+    Stop,
+    /// It ran into the limit of tokens.
+    Length,
+    /// It or its server declined, with the words given.
+    Refused(String),
+    /// A reason that this crate does not know.
+    Other(String),
+}
+
+/// Where an answer came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// The server, just now.
+    Server,
+    /// The cache.
+    Cache,
+    /// A recording.
+    Recording,
+}
+
+/// Tokens, as the server counts them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Of the question; `None` when the server does not say.
+    pub prompt_tokens: Option<u64>,
+    /// Of the answer, thinking included.
+    pub completion_tokens: Option<u64>,
+    /// Of the thinking alone.
+    pub reasoning_tokens: Option<u64>,
+}
+
+impl Reply {
+    /// The text of a whole answer; an error if it was cut off, refused or empty.
+    pub fn whole(&self) -> Result<&str, EndpointError> {
+        match &self.finish {
+            Finish::Length => Err(EndpointError::Truncated { excerpt: tail(&self.text) }),
+            Finish::Refused(words) => Err(EndpointError::Refused { message: excerpt(words) }),
+            Finish::Stop | Finish::Other(_) if self.text.is_empty() => Err(EndpointError::Empty),
+            Finish::Stop | Finish::Other(_) => Ok(&self.text),
+        }
+    }
+
+    /// The first JSON object or array in a whole answer that is a `T`; prose and code fences are passed over.
+    pub fn json<T: DeserializeOwned>(&self) -> Result<T, EndpointError> {
+        first_json(self.whole()?)
+    }
+}
