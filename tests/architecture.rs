@@ -13,8 +13,46 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     ),
     ("l4d-frames", &["l4d-query", "l4d-score", "l4d-board", "polars", "plotters"]),
     ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
-    ("l4d-score", &["l4d-query", "l4d-board", "exr", "polars", "plotters"]),
-    ("l4d-board", &["l4d-query", "exr"]),
+    ("l4d-score", &["l4d-query", "l4d-votes", "l4d-board", "exr", "polars", "plotters", "ratatui", "ureq"]),
+    ("l4d-board", &["l4d-query", "l4d-votes", "exr", "ratatui", "ureq"]),
+    (
+        "l4d-votes",
+        &[
+            "l4d-annotate",
+            "l4d-frames",
+            "l4d-query",
+            "l4d-score",
+            "l4d-board",
+            "exr",
+            "image",
+            "polars",
+            "plotters",
+            "ratatui",
+            "ureq",
+        ],
+    ),
+    (
+        "l4d-annotate",
+        &["l4d-query", "l4d-score", "l4d-board", "l4d-endpoint", "l4d-propose", "polars", "plotters", "ureq"],
+    ),
+    (
+        "l4d-endpoint",
+        &[
+            "l4d-frames",
+            "l4d-query",
+            "l4d-votes",
+            "l4d-score",
+            "exr",
+            "image",
+            "polars",
+            "plotters",
+            "ratatui",
+        ],
+    ),
+    (
+        "l4d-propose",
+        &["l4d-votes", "l4d-annotate", "l4d-score", "l4d-board", "polars", "plotters", "ratatui"],
+    ),
 ];
 
 /// (heavy dependency, the crates that may name it)
@@ -23,6 +61,9 @@ const QUARANTINE: &[(&str, &[&str])] = &[
     ("image", &["l4d-frames", "l4d-board"]),
     ("polars", &["l4d-board"]),
     ("plotters", &["l4d-board"]),
+    ("ratatui", &["l4d-annotate"]),
+    ("ratatui-image", &["l4d-annotate"]),
+    ("ureq", &["l4d-endpoint"]),
 ];
 
 #[test]

@@ -33,8 +33,9 @@ fn scores_become_tables_and_figures() {
     let dir = scored();
     let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
     assert!(
-        run.stdout
-            .starts_with("Discs 0.1.0 · protocol l4d · profile tiny · 8 queries, 2 verified by people\n"),
+        run.stdout.starts_with(
+            "Discs 0.1.0 · protocol l4d · profile tiny · 8 queries, 2 verified by people, 2 rejected\n"
+        ),
         "{}",
         run.stdout
     );
@@ -81,6 +82,7 @@ fn json_says_who_is_ranked_and_why_others_are_not() {
     assert_eq!(board["ranked"][0]["name"], "contestant");
     assert_eq!(board["ranked"][0]["rank"], 1);
     assert_eq!((&board["queries"], &board["verified_queries"]), (&8.into(), &2.into()));
+    assert_eq!(board["rejected_queries"], 2);
     let oracle =
         board["unranked"].as_array().unwrap().iter().find(|method| method["name"] == "oracle").unwrap();
     assert_eq!(oracle["unranked_because"][0], "used ground truth");

@@ -1,9 +1,13 @@
 //! End-to-end tests: the binary, run as its users run it.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
+mod annotation;
+mod annotation_tui;
 mod architecture;
 mod blender;
+mod endpoint;
 mod leaderboard;
+mod proposing;
 mod queries;
 mod results;
 mod scenes;

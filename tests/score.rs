@@ -80,6 +80,7 @@ fn the_json_has_the_documented_shape() {
     let oracle = method(&scores, "oracle");
     assert_eq!(oracle["partial"], false);
     assert_eq!((&oracle["asked_queries"], &oracle["verified_queries"]), (&8.into(), &2.into()));
+    assert_eq!(oracle["rejected_queries"], 2);
     assert_eq!(oracle["categories"]["attribute"]["queries"], 2);
     assert_eq!(oracle["scales"]["room"]["queries"], 4);
     let names: Vec<&str> =
@@ -92,6 +93,7 @@ fn the_table_fits_100_columns() {
     let (dir, _) = scored_baselines();
     let run = dir.succeed(&[&["score"], &TINY[..]].concat());
     assert!(run.stdout.contains("mIoU") && run.stdout.contains("2 of 8 scored prompts are verified"));
+    assert!(run.stdout.contains("Left out: 2 prompts that people rejected."), "{}", run.stdout);
     let oracle = run.stdout.lines().find(|line| line.starts_with("oracle")).unwrap();
     assert_eq!(oracle.matches("100.00").count(), 6, "{oracle}");
     assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{}", run.stdout);

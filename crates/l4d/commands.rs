@@ -7,11 +7,17 @@ mod check_results;
 mod check_scenes;
 mod doctor;
 mod draw_variant;
+mod endpoint;
 mod leaderboard;
+mod open_round;
+mod propose_prompts;
+mod propose_scenes;
 mod quickstart;
 mod score;
 mod sheet;
 mod stats;
+mod verdict;
+mod verify_prompts;
 
 use anyhow::Result;
 
@@ -28,6 +34,12 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::DrawVariant(args) => draw_variant::run(args, out),
         Command::CheckQueries(args) => check_queries::run(args, out),
         Command::Stats(args) => stats::run(args, out),
+        Command::Endpoint(command) => endpoint::run(command, out),
+        Command::ProposePrompts(args) => propose_prompts::run(args, out),
+        Command::ProposeScenes(args) => propose_scenes::run(args, out),
+        Command::OpenRound(args) => open_round::run(args, out),
+        Command::VerifyPrompts(args) => verify_prompts::run(args, out),
+        Command::Verdict(args) => verdict::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),

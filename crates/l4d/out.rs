@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use l4d_data::{DataError, Report};
+use l4d_endpoint::EndpointError;
 use serde::Serialize;
 use serde_json::json;
 
@@ -142,6 +143,7 @@ pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
 fn hint_of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
         let refusal = cause.downcast_ref::<Refusal>().map(|refusal| refusal.hint.clone());
-        refusal.or_else(|| cause.downcast_ref::<DataError>().and_then(DataError::hint))
+        let endpoint = || cause.downcast_ref::<EndpointError>().map(EndpointError::hint);
+        refusal.or_else(|| cause.downcast_ref::<DataError>().and_then(DataError::hint)).or_else(endpoint)
     })
 }

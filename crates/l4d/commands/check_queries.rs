@@ -37,6 +37,7 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
     }
     out.data(format!("{:<14}{:>8}", "absent", summary.absent))?;
     out.data(format!("{:<14}{:>8}", "verified", summary.verified))?;
+    out.data(format!("{:<14}{:>8}", "rejected", summary.rejected))?;
     print_rules(&summary.rules, out)?;
     print_probes(&summary.probes, out)?;
     out.findings(report, false)
@@ -49,7 +50,11 @@ fn print_rules(rules: &[Rule], out: &Printer) -> Result<()> {
     out.data("")?;
     out.data(format!("{:<48}{:>6}  demanded", "the complete set", "found"))?;
     for rule in rules {
-        let mark = if rule.is_met() { "" } else { "  not yet" };
+        let mark = match rule.rejected {
+            _ if rule.is_met() => String::new(),
+            0 => "  not yet".to_owned(),
+            rejected => format!("  {rejected} rejected"),
+        };
         out.data(format!("  {:<46}{:>6}  {}{mark}", rule.name, rule.found, rule.demand()))?;
     }
     Ok(())

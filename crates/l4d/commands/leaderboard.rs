@@ -69,6 +69,7 @@ fn as_json(board: &Board) -> Value {
         "profile": heading.profile,
         "queries": heading.queries,
         "verified_queries": heading.verified,
+        "rejected_queries": heading.rejected,
         "ranked": ranked.collect::<Vec<_>>(),
         "unranked": unranked.collect::<Vec<_>>(),
     })

@@ -71,6 +71,13 @@ fn footer(summaries: &[Summary], exam: &Exam) -> String {
         first.verified_queries,
         first.asked_queries,
     );
+    if first.options.verified_only {
+        text.push_str("\nOnly verified prompts are scored.");
+    }
+    if first.rejected_queries > 0 {
+        let noun = if first.rejected_queries == 1 { "prompt" } else { "prompts" };
+        text.push_str(&format!("\nLeft out: {} {noun} that people rejected.", first.rejected_queries));
+    }
     if first.options.hit_iou > 0.0 {
         text.push_str(&format!("\nmAcc counts frames whose IoU is above {}.", first.options.hit_iou));
     }

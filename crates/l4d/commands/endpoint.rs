@@ -1,0 +1,160 @@
+//! `l4d endpoint`: what a model server supports, and how its model writes boxes.
+
+use anyhow::Result;
+use l4d_endpoint::address::Invalid;
+use l4d_endpoint::calibration::{Calibration, Sample, calibrate};
+use l4d_endpoint::probe::{State, probe};
+use l4d_endpoint::{BoxPx, Calibrations, Client, Endpoint, Image, Link};
+use l4d_frames::targets::Targets;
+use serde_json::json;
+
+use crate::cli::{EndpointArgs, EndpointCalibrateArgs, EndpointCheckArgs, EndpointCommand};
+use crate::out::{ExitStatus, Printer, refusal};
+
+const PROBES: u64 = 7;
+/// Side of the picture whose colour is asked for, pixels: small for a server, not too small for any model.
+const PLAIN_SIDE: u32 = 224;
+
+pub(crate) fn run(command: &EndpointCommand, out: &Printer) -> Result<ExitStatus> {
+    match command {
+        EndpointCommand::Check(args) => check(args, out),
+        EndpointCommand::Calibrate(args) => run_calibrate(args, out),
+    }
+}
+
+impl EndpointArgs {
+    /// The endpoint that file and flags name, or the one that a recording was made of.
+    pub(crate) fn resolve(&self) -> Result<Endpoint> {
+        let mut endpoint = match (&self.endpoint, &self.link, &self.base_url, &self.model) {
+            (Some(path), ..) => Endpoint::read(path)?,
+            (None, Link::Replay(folder), ..) => Endpoint::recorded(folder)?,
+            (None, _, Some(base_url), Some(model)) => Endpoint::new(base_url, model)?,
+            _ => {
+                let hint = "name a file with --endpoint, or give --base-url and --model, for example \
+                            --base-url http://localhost:8000/v1 --model Qwen/Qwen3-VL-8B-Instruct";
+                return Err(refusal("no endpoint is named", hint));
+            }
+        };
+        if let Some(base_url) = &self.base_url {
+            endpoint.base_url = base_url.parse().map_err(|invalid: Invalid| invalid.at("--base-url"))?;
+        }
+        if let Some(model) = &self.model {
+            endpoint.model.clone_from(model);
+        }
+        if let Some(variable) = &self.api_key_env {
+            endpoint.api_key_env =
+                Some(variable.parse().map_err(|invalid: Invalid| invalid.at("--api-key-env"))?);
+        }
+        if let Some(server) = &self.server {
+            endpoint.server.clone_from(server);
+        }
+        endpoint.check("endpoint")?;
+        Ok(endpoint)
+    }
+}
+
+fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
+    let mut endpoint = args.endpoint.resolve()?;
+    // Whoever asks how a server is wants to hear that it is down.
+    endpoint.retry.tries = 1;
+    let client = Client::open(endpoint, &args.endpoint.link)?;
+    let (bytes, colour) = Targets::plain(PLAIN_SIDE, PLAIN_SIDE);
+    let image = Image::new(bytes)?;
+    let bar = out.bar(PROBES, "asking");
+    let lines = probe(&client, (&image, colour), |name| {
+        bar.set_message(name);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    let endpoint = client.endpoint();
+    if args.json {
+        let about =
+            json!({ "base_url": endpoint.base_url, "model": endpoint.model, "server": endpoint.server });
+        out.json(&json!({ "endpoint": about, "check": lines }))?;
+    } else {
+        out.note(format!("{} at {} ({})", endpoint.model, endpoint.base_url, endpoint.kind().note));
+        for line in &lines {
+            let mark = match line.state {
+                State::Ok => "ok",
+                State::Lacking => "--",
+                State::Unclear => "?",
+                State::Failed => "FAILED",
+            };
+            let remedy = if line.remedy.is_empty() { String::new() } else { format!(" -> {}", line.remedy) };
+            out.data(format!("{mark:<8}{:<10}{}{remedy}", line.name, line.found))?;
+        }
+    }
+    let failed = lines.iter().any(|line| line.state == State::Failed);
+    Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success })
+}
+
+fn run_calibrate(args: &EndpointCalibrateArgs, out: &Printer) -> Result<ExitStatus> {
+    let client = Client::open(args.endpoint.resolve()?, &args.endpoint.link)?;
+    let path = args.work.join("endpoints.json");
+    let mut calibrations = Calibrations::read(&path)?;
+    let size = (args.size.width, args.size.height);
+    let samples: Result<Vec<Sample>> = (0..args.pictures).map(|number| sample(size, number)).collect();
+    out.note(format!("asking {} about {} pictures", client.endpoint().model, args.pictures));
+    let found = calibrate(&client, &samples?, args.answer_tokens)?;
+    let winner = found.winner();
+    calibrations.note(client.endpoint(), winner, size);
+    calibrations.write(&path)?;
+    if args.json {
+        out.json(&document(&client, &found, size))?;
+    } else {
+        for score in &found.scores {
+            let percent = 100.0 * score.mean_iou;
+            out.data(format!("{:<24}{:<10}{percent:>6.1} % overlap", score.convention, score.key))?;
+        }
+        tell(&found, out);
+    }
+    if winner.is_none() {
+        return Ok(ExitStatus::Findings);
+    }
+    out.note(format!("remembered in {}", path.display()));
+    Ok(ExitStatus::Success)
+}
+
+fn sample(size: (u32, u32), number: u32) -> Result<Sample> {
+    let targets = Targets::arrange(size.0, size.1, number);
+    let squares = targets.squares().iter().map(|square| {
+        let [x, y, side] = [square.x, square.y, square.side_px].map(f64::from);
+        (square.colour.to_owned(), BoxPx { x0: x, y0: y, x1: x + side, y1: y + side })
+    });
+    Ok(Sample { image: Image::new(targets.png())?, squares: squares.collect() })
+}
+
+fn document(client: &Client, found: &Calibration, (width, height): (u32, u32)) -> serde_json::Value {
+    let endpoint = client.endpoint();
+    json!({
+        "endpoint": { "base_url": endpoint.base_url, "model": endpoint.model, "server": endpoint.server },
+        "size": [width, height],
+        "squares": found.squares,
+        "scores": found.scores,
+        "winner": found.winner(),
+        "failures": found.failures,
+    })
+}
+
+fn tell(found: &Calibration, out: &Printer) {
+    for failure in &found.failures {
+        out.warn(failure);
+    }
+    match (found.fit(), found.rival()) {
+        (Some(fit), None) => {
+            out.note(format!("{} fits; ask for boxes under the field name `{}`", fit.convention, fit.key));
+        }
+        (Some(fit), Some(rival)) => {
+            out.warn(format!("{} and {} fit about as well", fit.convention, rival.convention));
+            out.note(
+                "hint: use a larger --size or more --pictures, or set `coordinates` in the endpoint file",
+            );
+        }
+        (None, _) => {
+            out.warn(
+                "no convention fits: the model does not find the squares, or writes boxes in another way",
+            );
+            out.note("hint: check that it can see (`l4d endpoint check`), give it more --answer-tokens, or use a larger model");
+        }
+    }
+}

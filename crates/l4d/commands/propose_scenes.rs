@@ -1,0 +1,80 @@
+//! `l4d propose-scenes`: a language model proposes scenarios; those that keep the rules become files for people.
+
+use std::collections::BTreeSet;
+
+use anyhow::Result;
+use l4d_data::{Benchmark, Report, Scale};
+use l4d_endpoint::Plan;
+use l4d_propose::printable;
+use l4d_propose::scenarios::{Inventing, Known, ScaleOutcome};
+use serde_json::json;
+
+use super::propose_prompts::{about, manner, note_spent, open_client, print_plan};
+use crate::cli::ProposeScenesArgs;
+use crate::out::{ExitStatus, Printer};
+
+pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus> {
+    let known = Known::of(&Benchmark::open(&args.bench)?);
+    let client = open_client(&args.ask)?;
+    let is_wanted = |scale: &Scale| args.scales.is_empty() || args.scales.contains(scale);
+    let scales: Vec<Scale> = Scale::ALL.into_iter().filter(is_wanted).collect();
+    let inventing = Inventing {
+        known: &known,
+        out: &args.out,
+        per_scale: args.per_scale,
+        manner: manner(&args.ask),
+        force: args.force,
+    };
+    if args.ask.dry_run {
+        let plan = |scale: Scale| -> Result<(String, Plan)> {
+            Ok((scale.as_str().to_owned(), client.plan([&inventing.request(scale)])?))
+        };
+        let plans: Vec<_> = scales.into_iter().map(plan).collect::<Result<_>>()?;
+        return print_plan("scale", &plans, &client, args.json, Report::default(), out);
+    }
+    let mut report = Report::default();
+    let mut taken = BTreeSet::new();
+    let bar = out.bar(scales.len() as u64, "asking");
+    let mut outcomes = Vec::new();
+    for scale in scales {
+        outcomes.push(inventing.invent(scale, &client, &mut taken, &mut report));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if args.json {
+        let failed = report.has_errors();
+        out.json(&json!({
+            "out": args.out,
+            "endpoint": about(client.endpoint()),
+            "scales": outcomes,
+            "spent": client.spent(),
+            "findings": report.into_sorted(),
+        }))?;
+        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
+    }
+    print(&outcomes, out)?;
+    note_spent(&client.spent(), out);
+    if outcomes.iter().any(|outcome| !outcome.scenarios.is_empty()) {
+        out.note(format!("scenarios stand in {}; people build scenes from them", args.out.display()));
+    }
+    match report.is_empty() {
+        true => Ok(ExitStatus::Success),
+        false => out.findings(report, false),
+    }
+}
+
+fn print(outcomes: &[ScaleOutcome], out: &Printer) -> Result<()> {
+    out.data(format!("{:<10}{:<10}{:>10}{:>8}{:>8}", "scale", "answer", "proposed", "taken", "failed"))?;
+    for outcome in outcomes {
+        let ScaleOutcome { scale, answer, proposed, scenarios, failed, notes } = outcome;
+        let (scale, answer, taken) = (scale.as_str(), answer.unwrap_or("none"), scenarios.len());
+        out.data(format!("{scale:<10}{answer:<10}{proposed:>10}{taken:>8}{failed:>8}"))?;
+        for name in scenarios {
+            out.data(format!("    {name}"))?;
+        }
+        for note in notes {
+            out.warn(format!("{scale}: {}", printable(note)));
+        }
+    }
+    Ok(())
+}

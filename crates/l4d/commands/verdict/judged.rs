@@ -1,0 +1,51 @@
+//! A round with everything that follows from its files: the same for the verdict, its check and the next round.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Result;
+use l4d_data::{Benchmark, Finding, Name};
+use l4d_votes::key::current_digests;
+use l4d_votes::record::{Change, remembered};
+use l4d_votes::verdict::{Verdicts, judge, require_sealed};
+use l4d_votes::{ItemId, Key, Round, RoundDir, Sheet, sheet};
+
+/// A judged round.
+pub(crate) struct Judged {
+    pub(crate) dir: RoundDir,
+    pub(crate) round: Round,
+    pub(crate) key: Key,
+    pub(crate) sheets: Vec<Sheet>,
+    /// What has changed until now.
+    pub(crate) changes_now: BTreeMap<ItemId, Change>,
+    /// What had changed when the verdict was pronounced; if it was not yet, what has changed now.
+    pub(crate) changes: BTreeMap<ItemId, Change>,
+    /// The verdict that was or would be pronounced.
+    pub(crate) verdicts: Verdicts,
+    /// What the votes say of the benchmark as it is now: the same, unless something was edited since.
+    pub(crate) now: Verdicts,
+    /// What reading the ballots found.
+    pub(crate) notices: Vec<Finding>,
+}
+
+impl Judged {
+    /// Reads and judges a round.
+    pub(crate) fn read(rounds: &Path, name: &str, bench: &Benchmark) -> Result<Self> {
+        let name = Name::new(name)?;
+        let dir = RoundDir::new(rounds.join(name.as_str()));
+        let round = Round::open(&dir)?;
+        let key = Key::read(&dir, &round)?;
+        let (sheets, notices) = sheet::read_all(&dir, &round)?;
+        let current = current_digests(&round, &key, bench)?;
+        let changes_now = Change::of_items(&round, &current);
+        let changes = remembered(&dir.verdicts())?.unwrap_or_else(|| changes_now.clone());
+        let verdicts = judge(&round, &key, &sheets, &Change::as_digests(&round, &changes));
+        let now = judge(&round, &key, &sheets, &current);
+        Ok(Self { dir, round, key, sheets, changes_now, changes, verdicts, now, notices })
+    }
+
+    /// Refuses a round in which somebody may still vote.
+    pub(crate) fn require_sealed(&self) -> Result<()> {
+        Ok(require_sealed(&self.dir, &self.round, &self.sheets)?)
+    }
+}

@@ -1,0 +1,66 @@
+//! `l4d verify-prompts`: an annotator reads prompts and finds what they mean, in a terminal.
+
+use std::path::Path;
+
+use anyhow::Result;
+use l4d_annotate::{AnnotateError, Options, Outcome, PictureWish, annotate, scene};
+use l4d_data::Name;
+use l4d_votes::{Ballot, Round, RoundDir};
+
+use crate::cli::{PictureArg, VerifyPromptsArgs};
+use crate::out::{ExitStatus, Printer, refusal};
+
+pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus> {
+    let annotator = Name::new(args.annotator.as_str())?;
+    let name = Name::new(args.round.as_str())?;
+    let dir = RoundDir::new(args.rounds.join(name.as_str()));
+    let round = Round::open(&dir)?;
+    round.require_annotator(&annotator)?;
+    let data = args.data.clone().unwrap_or_else(|| Path::new("data").join(round.profile.as_str()));
+    let scenes = scene::load(&data, &round, &annotator)?;
+    let (ballot, notices) = Ballot::open(&dir, &round, &annotator)?;
+    for notice in notices {
+        out.warn(format!("{}: {}: {}", notice.path, notice.location, notice.message));
+    }
+    if ballot.is_sealed() {
+        out.note(format!("the ballot of {annotator} in round {name} is sealed: there is nothing left to do"));
+        return Ok(ExitStatus::Success);
+    }
+    let exports = args.work.join("overlays").join(name.as_str()).join(annotator.as_str());
+    let options = Options { data, exports, picture: wish(args.picture) };
+    let outcome = annotate(&round, ballot, &annotator, scenes, &options).map_err(explained)?;
+    out.note(farewell(outcome));
+    Ok(ExitStatus::Success)
+}
+
+fn wish(picture: PictureArg) -> PictureWish {
+    match picture {
+        PictureArg::Auto => PictureWish::Auto,
+        PictureArg::Halfblocks => PictureWish::Halfblocks,
+        PictureArg::Sixel => PictureWish::Sixel,
+        PictureArg::Kitty => PictureWish::Kitty,
+        PictureArg::Iterm2 => PictureWish::Iterm2,
+        PictureArg::None => PictureWish::None,
+    }
+}
+
+fn explained(error: AnnotateError) -> anyhow::Error {
+    match (error.hint(), error) {
+        (_, AnnotateError::Data(error)) => error.into(),
+        (None, error) => error.into(),
+        (Some(hint), error) => refusal(format!("{:#}", anyhow::Error::from(error)), hint),
+    }
+}
+
+fn farewell(Outcome { items, answered, skipped, sealed }: Outcome) -> String {
+    if sealed {
+        return format!("sealed: {answered} of {items} items answered, {skipped} skipped");
+    }
+    let open = items - answered - skipped;
+    let next = if open == 0 {
+        "S in the application seals the ballot"
+    } else {
+        "the same command goes on from here"
+    };
+    format!("{answered} of {items} items answered, {skipped} skipped, {open} open; {next}")
+}

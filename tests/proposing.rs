@@ -1,0 +1,57 @@
+//! `l4d propose-prompts` and `l4d propose-scenes`: against a scripted server, and (`L4D_SLOW=1`) against a real one with
+//! a tiny random model.
+
+#[path = "../crates/l4d-endpoint/tests/scripted/mod.rs"]
+pub(crate) mod scripted;
+
+mod answers;
+mod running;
+mod scenarios;
+mod stage;
+
+use serde_json::{Value, json};
+
+use self::stage::{CATS, CUPS, document, files, prompts, stage};
+use crate::endpoint::{Process, environment, free_port, python};
+use crate::support::{is_slow, root};
+
+/// Random weights answer garbage: all of it is kept with its reasons, and nothing breaks.
+#[test]
+fn a_real_server_with_random_weights() {
+    if !is_slow() {
+        return;
+    }
+    let folder = environment();
+    let port = free_port();
+    let mut command = python(folder, "python");
+    command.arg(root().join("tests/endpoint_server/serve.py")).arg(folder.join("tiny")).arg(port.to_string());
+    let server = Process::start(command, port);
+    let (dir, _) = stage(&[CUPS, CATS]);
+    let before = files(&dir.path("benchmark"));
+    dir.write("endpoint.toml", format!("base_url = \"{}\"\nmodel = \"tiny\"\n", server.base_url));
+    for repeat in ["0", "1", "2", "3", "4"] {
+        let out = format!("proposals-{repeat}");
+        let arguments =
+            ["--json", "--repeat", repeat, "--answer-tokens", "1500", "--out", &out, "--jobs", "2"];
+        let run = prompts(&dir, &arguments);
+        let told = document(&run);
+        for scene in told["scenes"].as_array().unwrap() {
+            assert_eq!(scene["answer"], "server", "{told}");
+            let [proposed, candidates, unproved, failed] =
+                ["proposed", "candidates", "unproved", "failed"].map(|count| scene[count].as_u64().unwrap());
+            assert_eq!(proposed, candidates + unproved + failed);
+            let name = scene["scene"].as_str().unwrap();
+            let lines = |ending: &str| dir.read(&format!("{out}/{name}{ending}")).lines().count() as u64;
+            assert_eq!((lines(".jsonl"), lines(".unproved.jsonl")), (candidates, unproved));
+            let unread = told["findings"].as_array().unwrap().iter().filter(|finding| {
+                finding["code"] == "L4D560" && finding["where"].as_str().unwrap().contains(name)
+            });
+            assert_eq!(lines(".failed.jsonl"), failed + unread.count() as u64, "{told}");
+            for line in dir.read(&format!("{out}/{name}.failed.jsonl")).lines() {
+                let failed: Value = serde_json::from_str(line).unwrap();
+                assert_ne!(failed["reasons"], json!([]));
+            }
+        }
+    }
+    assert_eq!(files(&dir.path("benchmark")), before);
+}
