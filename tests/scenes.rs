@@ -35,7 +35,7 @@ fn scenes_build_as_shipped_and_pass_their_checks() {
         command
     };
     // Without --update-benchmark any difference from the committed tracks and truth is a finding.
-    succeed(&mut at("build-scenes"));
+    succeed(at("build-scenes").args(["--jobs", "2"]));
     succeed(&mut at("check-scenes"));
 }
 

@@ -55,7 +55,7 @@ pub(crate) fn run(args: &DrawVariantArgs, out: &Printer) -> Result<ExitStatus> {
     for name in &scenes {
         out.note(format!("planning {name}, variant {}", draw.variant));
         let plan = plan(&env, &SceneDir::new(&data, name), name, draw, &args.python.work, out)?;
-        l4d_data::json::write(&target.tracks(name), &plan.tracks)?;
+        l4d_data::json::write_compact(&target.tracks(name), &plan.tracks)?;
         outcomes.push(carry_over(&source, &target, name, &plan.tracks)?);
     }
     let manifest = manifest(&source, args.split, draw, scenes);
