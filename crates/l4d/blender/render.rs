@@ -173,16 +173,10 @@ pub(crate) fn render(
     out: &Printer,
 ) -> Result<u64> {
     let jobs = jobs.max(1);
-    let mut total = 0;
-    let mut pieces = VecDeque::new();
-    for scene in scenes {
-        let images = of_shard(scene.missing(), shard, scene.settings.profile);
-        total += images.len() as u64;
-        let length = images.len().div_ceil(jobs).max(1);
-        for (number, images) in images.chunks(length).enumerate() {
-            pieces.push_back(Piece { scene, number, images: images.to_vec() });
-        }
-    }
+    let missing = scenes.iter().map(|scene| of_shard(scene.missing(), shard, scene.settings.profile));
+    let open: Vec<(&PlannedScene, Vec<Image>)> =
+        scenes.iter().zip(missing).filter(|(_, images)| !images.is_empty()).collect();
+    let total = open.iter().map(|(_, images)| images.len() as u64).sum();
     if total == 0 {
         return Ok(0);
     }
@@ -192,7 +186,7 @@ pub(crate) fn render(
         out,
         bar: out.bar(total, "rendering"),
         threads: (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(LEAST_THREADS),
-        queue: Mutex::new(pieces),
+        queue: Mutex::new(pieces(open, jobs)),
         stop: AtomicBool::new(false),
     };
     let ends: Vec<Result<()>> = thread::scope(|scope| {
@@ -205,6 +199,21 @@ pub(crate) fn render(
     crew.bar.finish_and_clear();
     ends.into_iter().collect::<Result<()>>()?;
     Ok(total)
+}
+
+/// Whole scenes, since every worker has to build the scene that it renders; only those that are left over when all
+/// workers got equally many are cut up.
+fn pieces(open: Vec<(&PlannedScene, Vec<Image>)>, jobs: usize) -> VecDeque<Piece<'_>> {
+    let whole = open.len() - open.len() % jobs;
+    let mut pieces = VecDeque::new();
+    for (place, (scene, images)) in open.into_iter().enumerate() {
+        let workers = if place < whole { 1 } else { jobs };
+        let length = images.len().div_ceil(workers);
+        for (number, images) in images.chunks(length).enumerate() {
+            pieces.push_back(Piece { scene, number, images: images.to_vec() });
+        }
+    }
+    pieces
 }
 
 /// Shard i of n renders every n-th frame of the profile, so that the views of a frame stay together.

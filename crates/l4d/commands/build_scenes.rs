@@ -94,8 +94,7 @@ fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
 
 fn samples(args: &BuildScenesArgs) -> u32 {
     args.samples.unwrap_or(match args.bench.profile {
-        Profile::Tiny => 8,
-        Profile::Small => 4,
+        Profile::Tiny | Profile::Small => 4,
         Profile::Full => 16,
     })
 }
