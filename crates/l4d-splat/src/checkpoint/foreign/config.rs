@@ -1,0 +1,243 @@
+//! Sizes and switches of a field: those that shapes show, those that only `cfg_args` knows, and whether they agree.
+
+use std::collections::BTreeMap;
+
+use super::keys;
+use crate::checkpoint::REMEDY_PAIR;
+use crate::checkpoint::cfg_args::{CfgArgs, Literal};
+use crate::checkpoint::fault::{Fault, quoted};
+use crate::deform::{DeformConfig, TimeAxis};
+use crate::tensor::Tensor;
+
+/// Levels of planes, and how much finer one may be than the first: four and 8 in the original.
+const MOST_LEVELS: usize = 16;
+const LARGEST_MULTIPLIER: u32 = 1024;
+
+const REMEDY_UNSUPPORTED: &str = "train without this option: no configuration of the original uses it";
+
+/// The configuration of the field whose parameters are `tensors`.
+///
+/// Sizes come from the shapes of the parameters, multipliers and switches from the options; an option that repeats a
+/// size must agree with it.
+pub(super) fn derive(args: &CfgArgs, tensors: &BTreeMap<String, Tensor>) -> Result<DeformConfig, Fault> {
+    let options = Options(args);
+    for unsupported in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation"] {
+        if options.switch(unsupported, false)? {
+            return Err(options.fault(
+                unsupported,
+                "is on, and this field computes something else",
+                REMEDY_UNSUPPORTED,
+            ));
+        }
+    }
+    for (option, most) in [("grid_pe", 0), ("defor_depth", 1)] {
+        if options.count(option)?.is_some_and(|value| value > most) {
+            return Err(options.fault(
+                option,
+                format!("is above {most}, and such a field computes something else"),
+                REMEDY_UNSUPPORTED,
+            ));
+        }
+    }
+
+    let multires = options.multires()?;
+    let levels = (0..).take_while(|&level| tensors.contains_key(&keys::plane(level, 0))).count();
+    if levels != multires.len() {
+        let message = format!("has {} levels, but the parameters have {levels}", multires.len());
+        return Err(options.fault("multires", message, REMEDY_PAIR));
+    }
+    let coarsest = multires[0] as usize;
+    let [xy, xz, xt] = [0, 1, 2].map(|pair| axes(tensors, &keys::plane(0, pair), 4));
+    let ([_, channels, y, x], [_, _, z, _], [_, _, time_resolution, _]) = (four(xy?), four(xz?), four(xt?));
+    let hidden = axes(tensors, &format!("{}feature_out.0.weight", keys::PREFIX), 2)?;
+    let harmonics = axes(tensors, &format!("{}shs_deform.3.bias", keys::PREFIX), 1)?;
+    let config = DeformConfig {
+        channels,
+        spatial_resolution: [x, y, z].map(|samples| samples / coarsest),
+        time_resolution,
+        multires,
+        width: hidden[0],
+        no_dx: options.switch("no_dx", false)?,
+        no_ds: options.switch("no_ds", false)?,
+        no_dr: options.switch("no_dr", false)?,
+        no_do: options.switch("no_do", true)?,
+        no_dshs: options.switch("no_dshs", true)?,
+        sh_coefficients: harmonics[0] / 3,
+        time_axis: TimeAxis::Half,
+    };
+    options.compare(&config)?;
+    Ok(config)
+}
+
+/// Writes a configuration into the options, next to what stands there.
+pub(super) fn describe(config: &DeformConfig, args: &mut CfgArgs) {
+    let mut planes = match args.get("kplanes_config") {
+        Some(Literal::Dict(known)) => known.clone(),
+        _ => {
+            vec![(text("grid_dimensions"), Literal::Int(2)), (text("input_coordinate_dim"), Literal::Int(4))]
+        }
+    };
+    for (name, value) in [("output_coordinate_dim", int(config.channels)), ("resolution", resolution(config))]
+    {
+        match planes.iter_mut().find(|(key, _)| *key == text(name)) {
+            Some((_, old)) => *old = value,
+            None => planes.push((text(name), value)),
+        }
+    }
+    args.set("net_width", int(config.width));
+    args.set("kplanes_config", Literal::Dict(planes));
+    args.set(
+        "multires",
+        Literal::List(config.multires.iter().map(|&factor| Literal::Int(factor.into())).collect()),
+    );
+    for (name, value) in [
+        ("no_dx", config.no_dx),
+        ("no_ds", config.no_ds),
+        ("no_dr", config.no_dr),
+        ("no_do", config.no_do),
+        ("no_dshs", config.no_dshs),
+    ] {
+        args.set(name, Literal::Bool(value));
+    }
+}
+
+/// The options that the original's renderer looks up, for a model that it did not train.
+pub(super) fn fresh_args(sh_degree: u8) -> CfgArgs {
+    let mut args = CfgArgs::default();
+    args.set("sh_degree", Literal::Int(sh_degree.into()));
+    for (name, value) in
+        [("source_path", ""), ("model_path", ""), ("images", "images"), ("data_device", "cuda")]
+    {
+        args.set(name, text(value));
+    }
+    args.set("resolution", Literal::Int(-1));
+    args.set("white_background", Literal::Bool(false));
+    args.set("eval", Literal::Bool(true));
+    for (name, value) in
+        [("timebase_pe", 4), ("defor_depth", 0), ("posebase_pe", 10), ("scale_rotation_pe", 2)]
+    {
+        args.set(name, Literal::Int(value));
+    }
+    for (name, value) in [("opacity_pe", 2), ("timenet_width", 64), ("timenet_output", 32), ("grid_pe", 0)] {
+        args.set(name, Literal::Int(value));
+    }
+    for name in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation"] {
+        args.set(name, Literal::Bool(false));
+    }
+    args
+}
+
+fn int(value: usize) -> Literal {
+    Literal::Int(i64::try_from(value).unwrap_or(i64::MAX))
+}
+
+/// Samples along x, y, z and t.
+fn resolution(config: &DeformConfig) -> Literal {
+    Literal::List(config.spatial_resolution.into_iter().chain([config.time_resolution]).map(int).collect())
+}
+
+fn text(value: &str) -> Literal {
+    Literal::Text(value.to_owned())
+}
+
+fn find<'a>(tensors: &'a BTreeMap<String, Tensor>, name: &str) -> Result<&'a Tensor, Fault> {
+    tensors.get(name).ok_or_else(|| Fault::new(format!("parameter `{name}`"), "is missing", REMEDY_PAIR))
+}
+
+/// The shape of a parameter that must have `count` axes, none of them empty.
+fn axes<'a>(tensors: &'a BTreeMap<String, Tensor>, name: &str, count: usize) -> Result<&'a [usize], Fault> {
+    let shape = &find(tensors, name)?.shape;
+    if shape.len() != count || shape.contains(&0) {
+        return Err(Fault::new(
+            format!("parameter `{name}`"),
+            format!("has the shape {shape:?}, but {count} axes with numbers belong there"),
+            REMEDY_PAIR,
+        ));
+    }
+    Ok(shape)
+}
+
+fn four(shape: &[usize]) -> [usize; 4] {
+    std::array::from_fn(|axis| shape.get(axis).copied().unwrap_or(0))
+}
+
+struct Options<'a>(&'a CfgArgs);
+
+impl Options<'_> {
+    fn fault(&self, option: &str, message: impl Into<String>, remedy: &'static str) -> Fault {
+        Fault::new(format!("cfg_args, option `{option}`"), message, remedy)
+    }
+
+    fn kind(&self, option: &str, value: &Literal, kind: &str) -> Fault {
+        self.fault(
+            option,
+            format!("is {}, but {kind} belongs there", quoted(&value.to_string())),
+            REMEDY_PAIR,
+        )
+    }
+
+    /// An option that older runs do not have stands at the original's default.
+    fn switch(&self, option: &str, default: bool) -> Result<bool, Fault> {
+        match self.0.get(option) {
+            None => Ok(default),
+            Some(Literal::Bool(value)) => Ok(*value),
+            Some(other) => Err(self.kind(option, other, "True or False")),
+        }
+    }
+
+    fn count(&self, option: &str) -> Result<Option<usize>, Fault> {
+        let Some(value) = self.0.get(option) else { return Ok(None) };
+        match value {
+            Literal::Int(count) => usize::try_from(*count).ok().map(Some),
+            _ => None,
+        }
+        .ok_or_else(|| self.kind(option, value, "a count"))
+    }
+
+    fn multires(&self) -> Result<Vec<u32>, Fault> {
+        const NAME: &str = "multires";
+        let value = self.0.get(NAME).ok_or_else(|| self.fault(NAME, "is missing", REMEDY_PAIR))?;
+        let Literal::List(items) = value else {
+            return Err(self.kind(NAME, value, "a list"));
+        };
+        let factors: Option<Vec<u32>> = items.iter().map(multiplier).collect();
+        factors
+            .filter(|factors| (1..=MOST_LEVELS).contains(&factors.len()))
+            .ok_or_else(|| self.kind(NAME, value, "a list of 1 to 16 factors from 1 to 1024"))
+    }
+
+    /// Holds what the options say of sizes against what the shapes say.
+    fn compare(&self, config: &DeformConfig) -> Result<(), Fault> {
+        self.agree("net_width", self.0.get("net_width"), &int(config.width))?;
+        let Some(planes) = self.0.get("kplanes_config") else { return Ok(()) };
+        let Literal::Dict(entries) = planes else {
+            return Err(self.kind("kplanes_config", planes, "a dict"));
+        };
+        let entry = |name: &str| entries.iter().find(|(key, _)| *key == text(name)).map(|(_, value)| value);
+        self.agree(
+            "kplanes_config.output_coordinate_dim",
+            entry("output_coordinate_dim"),
+            &int(config.channels),
+        )?;
+        self.agree("kplanes_config.resolution", entry("resolution"), &resolution(config))
+    }
+
+    fn agree(&self, option: &str, said: Option<&Literal>, seen: &Literal) -> Result<(), Fault> {
+        match said {
+            Some(said) if said != seen => {
+                let said = quoted(&said.to_string());
+                Err(self.fault(option, format!("is {said}, but the parameters have {seen}"), REMEDY_PAIR))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn multiplier(value: &Literal) -> Option<u32> {
+    match value {
+        Literal::Int(factor) => {
+            u32::try_from(*factor).ok().filter(|factor| (1..=LARGEST_MULTIPLIER).contains(factor))
+        }
+        _ => None,
+    }
+}

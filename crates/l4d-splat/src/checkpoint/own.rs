@@ -1,0 +1,170 @@
+//! Our own checkpoint: numbers as safetensors, everything else as JSON.
+//!
+//! ```text
+//! <folder>/checkpoint.json
+//! <folder>/splats-<digest>.safetensors
+//! ```
+//!
+//! The JSON names the tensors by their digest and is written last, so that a kill at any moment leaves a folder whose
+//! JSON and tensors belong together.
+
+mod card;
+mod tensors;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use l4d_data::digest::sha256_hex;
+use l4d_data::store::{list_folder, read_bounded, write_atomic};
+use l4d_data::{DataError, Name, Profile, json};
+
+use super::fault::quoted;
+use super::{Fault, MAX_BYTES, build_field, check_gaussians, pickle};
+use crate::deform::DeformationField;
+use crate::gaussians::{Gaussians, ShDegree};
+use crate::tensor::Tensor;
+use card::{Card, TensorsFile};
+
+pub use card::SCHEMA;
+
+/// The file that makes a folder a checkpoint.
+pub const CARD: &str = "checkpoint.json";
+
+/// No `checkpoint.json` is longer, bytes: the state of training takes a few thousand.
+const MAX_CARD_BYTES: u64 = 4 << 20;
+
+const REMEDY: &str = "copy the whole checkpoint folder again, or train again";
+
+/// A model, where it comes from, and how far its training got.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Checkpoint {
+    /// The canonical Gaussians.
+    pub gaussians: Gaussians,
+    /// The Gaussians that go through the field, ascending.
+    pub dynamic: Vec<u32>,
+    /// The deformation field; none for a scene that stands still.
+    pub field: Option<DeformationField>,
+    /// Steps of training so far.
+    pub iteration: u64,
+    /// Scene of the benchmark, where there is one.
+    pub scene: Option<Name>,
+    /// Profile of the training pictures, where there is one.
+    pub profile: Option<Profile>,
+    /// SHA-256 of what the model was made from, by name.
+    pub inputs: BTreeMap<String, String>,
+    /// What training needs to go on.
+    pub training: Training,
+}
+
+/// State of training under names that training chooses.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Training {
+    /// Moments and the like, to the last bit.
+    pub tensors: BTreeMap<String, Tensor>,
+    /// Counters, seeds and settings. Decimal text may cost a fraction its last bit: exact numbers belong into `tensors`.
+    pub values: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Writes a checkpoint into a folder, in place of the one that stands there.
+pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
+    let card_path = folder.join(CARD);
+    let bytes =
+        check(checkpoint).and_then(|()| tensors::encode(checkpoint)).map_err(|fault| fault.at(&card_path))?;
+    let sha256 = sha256_hex(&bytes);
+    let file = format!("splats-{}.safetensors", sha256.get(..16).unwrap_or(&sha256));
+    let card = Card {
+        schema: SCHEMA.to_owned(),
+        scene: checkpoint.scene.clone(),
+        profile: checkpoint.profile,
+        iteration: checkpoint.iteration,
+        gaussians: checkpoint.gaussians.len(),
+        dynamic: checkpoint.dynamic.len(),
+        sh_degree: checkpoint.gaussians.sh_degree.get(),
+        deformation: checkpoint.field.as_ref().map(|field| field.config().clone()),
+        tensors: TensorsFile { file: file.clone(), bytes: bytes.len() as u64, sha256 },
+        inputs: checkpoint.inputs.clone(),
+        training: checkpoint.training.values.clone(),
+    };
+    write_atomic(&folder.join(&file), &bytes)?;
+    json::write(&card_path, &card)?;
+    for name in list_folder(folder)? {
+        if is_tensors_name(&name) && name != file {
+            // A leftover costs room and nothing else.
+            fs::remove_file(folder.join(name)).ok();
+        }
+    }
+    Ok(())
+}
+
+/// Reads the checkpoint in a folder.
+pub fn read(folder: &Path) -> Result<Checkpoint, DataError> {
+    let card_path = folder.join(CARD);
+    let card: Card = json::parse(&card_path, None, &read_bounded(&card_path, MAX_CARD_BYTES)?)?;
+    let degree = card.check().map_err(|fault| fault.at(&card_path))?;
+    let path = folder.join(&card.tensors.file);
+    let bytes = read_bounded(&path, MAX_BYTES)?;
+    if bytes.len() as u64 != card.tensors.bytes || sha256_hex(&bytes) != card.tensors.sha256 {
+        let message = "is not the file that checkpoint.json was written with";
+        return Err(DataError::invalid(&path, "digest", message, REMEDY));
+    }
+    decode(card, degree, &bytes).map_err(|fault| fault.at(&path))
+}
+
+fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Fault> {
+    let mut found = tensors::decode(bytes)?;
+    let gaussians = found.gaussians(card.gaussians, degree)?;
+    let dynamic = found.dynamic(card.dynamic)?;
+    let (field_tensors, training_tensors) = found.rest()?;
+    let field = match card.deformation {
+        Some(config) => Some(build_field(config, &field_tensors)?),
+        None if field_tensors.is_empty() => None,
+        None => {
+            return Err(Fault::new("field `deformation`", "is null, but the tensors hold a field", REMEDY));
+        }
+    };
+    let checkpoint = Checkpoint {
+        gaussians,
+        dynamic,
+        field,
+        iteration: card.iteration,
+        scene: card.scene,
+        profile: card.profile,
+        inputs: card.inputs,
+        training: Training { tensors: training_tensors, values: card.training },
+    };
+    check(&checkpoint)?;
+    Ok(checkpoint)
+}
+
+/// What holds for every checkpoint, read or written. A field checks itself when it is built.
+fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
+    check_gaussians(&checkpoint.gaussians)?;
+    let count = checkpoint.gaussians.len();
+    let fault = |message: String| Fault::new("field `dynamic`", message, REMEDY);
+    if let Some(pair) = checkpoint.dynamic.windows(2).find(|pair| pair[0] >= pair[1]) {
+        return Err(fault(format!("has {} before {}, but the list ascends", pair[0], pair[1])));
+    }
+    if let Some(beyond) = checkpoint.dynamic.last().filter(|&&last| last as usize >= count) {
+        return Err(fault(format!("names Gaussian {beyond}, but there are {count}")));
+    }
+    if checkpoint.field.is_none() && !checkpoint.dynamic.is_empty() {
+        return Err(fault("says that Gaussians move, but there is no deformation field".to_owned()));
+    }
+    for (name, tensor) in &checkpoint.training.tensors {
+        if crate::tensor::element_count(&tensor.shape) != Some(tensor.data.len()) {
+            let message = format!("has {} numbers for the shape {:?}", tensor.data.len(), tensor.shape);
+            return Err(Fault::new(quoted(name), message, REMEDY));
+        }
+        pickle::check_finite(&quoted(name), tensor)?;
+    }
+    Ok(())
+}
+
+/// `splats-<16 hex digits>.safetensors`
+fn is_tensors_name(name: &str) -> bool {
+    let digest = name.strip_prefix("splats-").and_then(|rest| rest.strip_suffix(".safetensors"));
+    digest.is_some_and(|digest| {
+        digest.len() == 16 && digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
+    })
+}

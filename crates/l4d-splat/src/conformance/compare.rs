@@ -1,0 +1,326 @@
+//! A rasterizer against the reference: pictures, weights, gradients, refusals.
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::scenes::{Case, cases};
+use crate::raster::{
+    DepthQuantiles, Drawing, DrawingGradient, Projected, RasterError, Rasterizer, Reference, ReferenceScene,
+};
+use crate::splats::SplatGradients;
+use crate::view::View;
+
+/// How far a rasterizer may be from the reference in f64.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Colour, alpha and blended features: absolute, or relative to the largest value where that is above 1.
+    pub colour: f64,
+    /// Summed depth, relative to the largest one of the picture.
+    pub depth: f64,
+    /// Gradients, relative to the largest one of the same field.
+    pub gradient: f64,
+    /// Size of a flip, as colour and depth are measured.
+    pub flip: f64,
+    /// Share of the pixels that may flip.
+    pub flips: f64,
+    /// What a flip may do to a gradient, relative to the largest one of the same field.
+    pub flipped_gradient: f64,
+}
+
+impl Bounds {
+    /// What [`crate::raster::Cpu`] keeps.
+    pub const CPU: Self =
+        Self { colour: 1e-5, depth: 1e-5, gradient: 1e-4, flip: 0.02, flips: 1e-3, flipped_gradient: 2e-2 };
+}
+
+/// One quantity of one scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Name of the scene.
+    pub case: &'static str,
+    /// What was compared.
+    pub quantity: &'static str,
+    /// Largest error, flips excepted.
+    pub error: f64,
+    /// Largest error that is allowed.
+    pub bound: f64,
+    /// Entries that a threshold may explain.
+    pub flips: usize,
+    /// How many there may be.
+    pub flips_allowed: usize,
+}
+
+impl Finding {
+    /// Whether error and flips are within their bounds.
+    pub fn passes(&self) -> bool {
+        self.error <= self.bound && self.flips <= self.flips_allowed
+    }
+}
+
+/// Compares a rasterizer with the reference on all scenes.
+pub fn check(rasterizer: &dyn Rasterizer, bounds: &Bounds) -> Result<Vec<Finding>, RasterError> {
+    let mut findings = Vec::new();
+    for case in cases() {
+        findings.extend(check_case(rasterizer, &case, bounds)?);
+    }
+    Ok(findings)
+}
+
+/// Compares a rasterizer with the reference on one scene.
+pub fn check_case(
+    rasterizer: &dyn Rasterizer,
+    case: &Case,
+    bounds: &Bounds,
+) -> Result<Vec<Finding>, RasterError> {
+    let reference = Reference::<f64>::new().scene(&case.splats.cast(), &case.view, &case.settings)?;
+    let projected = rasterizer.prepare(&case.splats, &case.view, &case.settings)?;
+    let mut findings = Vec::new();
+    let mut judge = Judge { case, bounds, findings: &mut findings };
+    judge.pictures(projected.as_ref(), &reference)?;
+    judge.weights(projected.as_ref(), &reference)?;
+    judge.contributors(projected.as_ref(), &reference)?;
+    judge.gradients(projected.as_ref(), &reference)?;
+    Ok(findings)
+}
+
+/// Names what a rasterizer should have refused and did not.
+pub fn refusals(rasterizer: &dyn Rasterizer) -> Result<Vec<&'static str>, RasterError> {
+    let Some(case) = cases().into_iter().find(|case| case.name == "cloud") else { return Ok(Vec::new()) };
+    let projected = rasterizer.prepare(&case.splats, &case.view, &case.settings)?;
+    let drawing = projected.draw()?;
+    let (width, height) = (case.view.width(), case.view.height());
+    let gradient = DrawingGradient::zeros(&case.view);
+    let short = DrawingGradient { alpha: vec![0.0; 3], ..gradient.clone() };
+    let mut alien = drawing.clone();
+    alien.transmittance.pop();
+    let mut settings = case.settings;
+    settings.alpha_max = 1.0;
+    let answers = [
+        ("features that are too few", projected.spread(&[1.0; 7], 3).is_err()),
+        ("pixels that are too few", projected.gather(&[1.0; 7], 1).is_err()),
+        ("an absurd number of channels", projected.spread(&[1.0; 7], usize::MAX).is_err()),
+        ("a column outside", projected.contributors(width, 0).is_err()),
+        ("a row outside", projected.contributors(0, height).is_err()),
+        ("a gradient of another size", projected.backward(&drawing, &short).is_err()),
+        ("a drawing of another size", projected.backward(&alien, &gradient).is_err()),
+        ("an alpha of 1", rasterizer.prepare(&case.splats, &case.view, &settings).is_err()),
+    ];
+    Ok(answers.into_iter().filter(|(_, refused)| !refused).map(|(what, _)| what).collect())
+}
+
+/// A gradient by every pixel of a picture, from a seed.
+pub(super) fn random_gradient(view: &View, seed: u64) -> DrawingGradient {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut gradient = DrawingGradient::zeros(view);
+    for pixel in 0..view.pixel_count() {
+        gradient.colour[pixel] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
+        gradient.alpha[pixel] = random.random_range(-1.0..1.0);
+        gradient.depth_sum_m[pixel] = random.random_range(-0.3..0.3);
+    }
+    gradient
+}
+
+fn random_numbers(count: usize, seed: u64) -> Vec<f32> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    (0..count).map(|_| random.random_range(-1.0..1.0)).collect()
+}
+
+struct Judge<'a> {
+    case: &'a Case,
+    bounds: &'a Bounds,
+    findings: &'a mut Vec<Finding>,
+}
+
+impl Judge<'_> {
+    fn report(&mut self, quantity: &'static str, error: f64, bound: f64, flips: usize, flips_allowed: usize) {
+        let case = self.case.name;
+        self.findings.push(Finding { case, quantity, error, bound, flips, flips_allowed });
+    }
+
+    /// Compares lists with `width` numbers a pixel. Where a pixel is off by more than the bound, but by no more than
+    /// a flip, it counts as flipped.
+    fn per_pixel(&mut self, quantity: &'static str, ours: &[f32], theirs: &[f64], width: usize, bound: f64) {
+        let scale = theirs.iter().fold(1.0_f64, |most, value| most.max(value.abs()));
+        let (mut worst, mut flips) = (0.0_f64, 0);
+        for (ours, theirs) in ours.chunks(width).zip(theirs.chunks(width)) {
+            let error = std::iter::zip(ours, theirs)
+                // NaN is as wrong as can be.
+                .map(|(&ours, theirs)| {
+                    let error = (f64::from(ours) - theirs).abs() / scale;
+                    if error.is_nan() { f64::INFINITY } else { error }
+                })
+                .fold(0.0, f64::max);
+            if error > bound && error <= self.bounds.flip {
+                flips += 1;
+            } else {
+                worst = worst.max(error);
+            }
+        }
+        if ours.len() != theirs.len() {
+            worst = f64::INFINITY;
+        }
+        let allowed = self.flips_allowed(theirs.len() / width);
+        self.report(quantity, worst, bound, flips, allowed);
+    }
+
+    fn flips_allowed(&self, entries: usize) -> usize {
+        (self.bounds.flips * entries as f64).ceil() as usize
+    }
+
+    fn pictures(
+        &mut self,
+        projected: &dyn Projected,
+        reference: &ReferenceScene<f64>,
+    ) -> Result<(), RasterError> {
+        let (ours, theirs) = (projected.draw()?, reference.draw());
+        self.per_pixel(
+            "colour",
+            ours.colour.as_flattened(),
+            theirs.colour.as_flattened(),
+            3,
+            self.bounds.colour,
+        );
+        self.per_pixel("alpha", &ours.alpha, &theirs.alpha, 1, self.bounds.colour);
+        self.per_pixel("transmittance", &ours.transmittance, &theirs.transmittance, 1, self.bounds.colour);
+        self.per_pixel("depth sum", &ours.depth_sum_m, &theirs.depth_sum_m, 1, self.bounds.depth);
+        self.quantiles(&ours, reference);
+        let again = projected.draw()?;
+        self.report("drawn again", f64::from(u8::from(again != ours)), 0.0, 0, 0);
+        Ok(())
+    }
+
+    /// A depth quantile is right if some transmittance within the bound of the level explains it.
+    fn quantiles(&mut self, drawing: &Drawing, reference: &ReferenceScene<f64>) {
+        let Some(ours) = &drawing.quantiles else {
+            return self.report("depth quantiles", f64::INFINITY, 0.0, 0, 0);
+        };
+        let depths = reference.depths_m();
+        let width = self.case.view.width() as usize;
+        let mut wrong = 0;
+        for pixel in 0..self.case.view.pixel_count() {
+            let list = reference.contributors(pixel % width, pixel / width);
+            let found = [ours.near_m[pixel], ours.median_m[pixel], ours.far_m[pixel]];
+            for (found, level) in found.into_iter().zip(DepthQuantiles::LEVELS) {
+                let level = f64::from(level);
+                let fits = [1.0 - self.bounds.colour, 1.0 + self.bounds.colour]
+                    .map(|factor| crossing(&list, &depths, level * factor));
+                let fits = fits.iter().any(|&depth| {
+                    let found = f64::from(found);
+                    depth == found || (depth - found).abs() <= self.bounds.depth * depth.abs()
+                });
+                wrong += usize::from(!fits);
+            }
+        }
+        let allowed = self.flips_allowed(3 * self.case.view.pixel_count());
+        self.report("depth quantiles", 0.0, 0.0, wrong, allowed);
+    }
+
+    fn weights(
+        &mut self,
+        projected: &dyn Projected,
+        reference: &ReferenceScene<f64>,
+    ) -> Result<(), RasterError> {
+        // More than the channels of one pass.
+        let channels = 19;
+        let features = random_numbers(self.case.splats.len() * channels, 21);
+        let pixels = random_numbers(self.case.view.pixel_count() * channels, 22);
+        let wide = |list: &[f32]| list.iter().copied().map(f64::from).collect::<Vec<_>>();
+        let spread = projected.spread(&features, channels)?;
+        let expected = reference.spread(&wide(&features), channels);
+        self.per_pixel("spread", &spread, &expected, channels, self.bounds.colour);
+        let gathered = projected.gather(&pixels, channels)?;
+        let expected = reference.gather(&wide(&pixels), channels);
+        self.per_field("gather", &gathered, &expected, channels);
+        let dot = |a: &[f32], b: &[f32]| -> (f64, f64) {
+            std::iter::zip(a, b)
+                .map(|(&a, &b)| f64::from(a) * f64::from(b))
+                .fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()))
+        };
+        let ((there, size), (back, _)) = (dot(&spread, &pixels), dot(&features, &gathered));
+        let error = if size > 0.0 { (there - back).abs() / size } else { (there - back).abs() };
+        self.report("gather is transposed", error, 1e-6, 0, 0);
+        Ok(())
+    }
+
+    fn contributors(
+        &mut self,
+        projected: &dyn Projected,
+        reference: &ReferenceScene<f64>,
+    ) -> Result<(), RasterError> {
+        let (width, height) = (self.case.view.width(), self.case.view.height());
+        let pixels = [(0, 0), (width / 2, height / 2), (width - 1, height - 1), (width / 3, 2 * height / 3)];
+        let (mut worst, mut flips) = (0.0_f64, 0);
+        for (column, row) in pixels {
+            let ours = projected.contributors(column, row)?;
+            let theirs = reference.contributors(column as usize, row as usize);
+            let same = ours.len() == theirs.len()
+                && std::iter::zip(&ours, &theirs).all(|(ours, theirs)| ours.index as usize == theirs.0);
+            if !same {
+                flips += 1;
+                continue;
+            }
+            for (ours, theirs) in ours.iter().zip(&theirs) {
+                worst = worst.max((f64::from(ours.weight) - theirs.1).abs());
+            }
+        }
+        self.report("contributors", worst, self.bounds.colour, flips, 1);
+        Ok(())
+    }
+
+    fn gradients(
+        &mut self,
+        projected: &dyn Projected,
+        reference: &ReferenceScene<f64>,
+    ) -> Result<(), RasterError> {
+        let gradient = random_gradient(&self.case.view, 23);
+        let ours: SplatGradients = projected.backward(&projected.draw()?, &gradient)?;
+        let theirs = reference.backward(&gradient.cast())?;
+        self.per_field("by means", ours.means.as_flattened(), theirs.means.as_flattened(), 3);
+        self.per_field("by scales", ours.scales.as_flattened(), theirs.scales.as_flattened(), 3);
+        self.per_field("by rotations", ours.rotations.as_flattened(), theirs.rotations.as_flattened(), 4);
+        self.per_field("by opacities", &ours.opacities, &theirs.opacities, 1);
+        self.per_field("by sh", ours.sh.as_flattened(), theirs.sh.as_flattened(), 3);
+        self.per_field("by means (ndc)", ours.means_ndc.as_flattened(), theirs.means_ndc.as_flattened(), 2);
+        let differ = std::iter::zip(&ours.visible, &theirs.visible).filter(|(a, b)| a != b).count();
+        self.report("visible", 0.0, 0.0, differ, self.flips_allowed(ours.visible.len()));
+        Ok(())
+    }
+
+    /// Compares lists with `width` numbers a Gaussian, relative to the largest of them.
+    fn per_field(&mut self, quantity: &'static str, ours: &[f32], theirs: &[f64], width: usize) {
+        let largest = theirs.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let scale = if largest > 0.0 { largest } else { 1.0 };
+        let (mut worst, mut flips) = (0.0_f64, 0);
+        for (ours, theirs) in ours.chunks(width).zip(theirs.chunks(width)) {
+            let error = std::iter::zip(ours, theirs)
+                .map(|(&ours, theirs)| {
+                    let error = (f64::from(ours) - theirs).abs() / scale;
+                    if error.is_nan() { f64::INFINITY } else { error }
+                })
+                .fold(0.0, f64::max);
+            if error > self.bounds.gradient && error <= self.bounds.flipped_gradient {
+                flips += 1;
+            } else {
+                worst = worst.max(error);
+            }
+        }
+        if ours.len() != theirs.len() {
+            worst = f64::INFINITY;
+        }
+        // A flipped pixel touches all Gaussians that show in it; how many that are depends on the scene.
+        let allowed = self.flips_allowed(20 * theirs.len() / width);
+        self.report(quantity, worst, self.bounds.gradient, flips, allowed);
+    }
+}
+
+/// Depth of the first contributor behind which the transmittance is below a level.
+fn crossing(list: &[(usize, f64)], depths: &[f64], level: f64) -> f64 {
+    let mut left = 1.0;
+    for &(index, weight) in list {
+        left -= weight;
+        if left < level {
+            return depths[index];
+        }
+    }
+    f64::INFINITY
+}

@@ -1,0 +1,273 @@
+//! The field itself: built, asked, and derived.
+
+use rayon::prelude::*;
+
+use crate::gaussians::Gaussians;
+
+use super::bounds::Bounds;
+use super::config::DeformConfig;
+use super::error::DeformError;
+use super::grid::{Grid, GridAt, Plane};
+use super::init::Init;
+use super::network::{Activations, Network, Scratch, SlicesMut};
+use super::offsets::Offsets;
+
+/// Rows of a block: enough for the matrix products to run at full speed, few enough for its intermediate results to
+/// stay in a cache of 1 MiB.
+const BLOCK_ROWS: usize = 256;
+
+/// Most lists of partial sums that a gradient is collected in. A constant, not the number of threads: sums would
+/// come out differently with other cuts.
+const MOST_LANES: usize = 16;
+
+/// How the parameters of Gaussians change with time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeformationField {
+    config: DeformConfig,
+    bounds: Bounds,
+    pub(super) grid: Grid,
+    pub(super) network: Network,
+}
+
+/// Derivatives of a loss by all parameters of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldGradients {
+    pub(super) grid: Grid,
+    pub(super) network: Network,
+}
+
+/// Every parameter once, as lists in a fixed order; planes and layers apart, since they learn at different rates.
+#[derive(Debug)]
+pub struct Parameters<List> {
+    /// Planes: level after level, six each.
+    pub planes: Vec<List>,
+    /// Weights and biases: of the first layer, then head after head.
+    pub layers: Vec<List>,
+}
+
+/// What [`DeformationField::backward`] needs to know of an answer: 4 kB a row with the sizes of
+/// [`DeformConfig::dynerf`]. Used for one answer after another it keeps its memory.
+#[derive(Debug, Default)]
+pub struct Trace {
+    time: f32,
+    positions: Vec<[f32; 3]>,
+    blocks: Vec<Activations>,
+    /// Room for the gradients of the samples.
+    samples: Vec<f32>,
+}
+
+impl DeformationField {
+    /// An untrained field.
+    ///
+    /// # Errors
+    /// A configuration that cannot be ([`DeformConfig::validate`]).
+    pub fn new(config: DeformConfig, bounds: Bounds, init: Init, seed: u64) -> Result<Self, DeformError> {
+        let mut field = Self::zeros(config, bounds)?;
+        init.fill(&mut field.grid, &mut field.network, seed);
+        Ok(field)
+    }
+
+    pub(super) fn zeros(config: DeformConfig, bounds: Bounds) -> Result<Self, DeformError> {
+        config.validate()?;
+        Ok(Self { grid: Grid::zeros(&config), network: Network::zeros(&config), config, bounds })
+    }
+
+    /// Sizes and switches.
+    pub fn config(&self) -> &DeformConfig {
+        &self.config
+    }
+
+    /// The box that the planes resolve.
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    /// Offsets of Gaussians with these canonical centres (metres) at a time from 0 to 1.
+    ///
+    /// # Errors
+    /// A position that is not finite and a time outside the clip; an offset that is not finite, which says that the
+    /// parameters have diverged.
+    pub fn offsets(&self, positions: &[[f32; 3]], time: f32) -> Result<Offsets, DeformError> {
+        self.check(positions, time)?;
+        let mut offsets = Offsets::zeros(&self.config, positions.len());
+        let grid = self.grid_at(time);
+        let outputs = offsets.blocks_mut(&self.config, BLOCK_ROWS, positions.len().div_ceil(BLOCK_ROWS));
+        positions.par_chunks(BLOCK_ROWS).zip(outputs).for_each_init(
+            Activations::default,
+            |block, (positions, outputs)| {
+                self.answer(&grid, positions, block, outputs);
+            },
+        );
+        self.checked(offsets)
+    }
+
+    /// As [`Self::offsets`], and `trace` then holds what the derivative needs.
+    ///
+    /// # Errors
+    /// As [`Self::offsets`]; the trace is then one of no rows.
+    pub fn trace(
+        &self,
+        positions: &[[f32; 3]],
+        time: f32,
+        trace: &mut Trace,
+    ) -> Result<Offsets, DeformError> {
+        trace.positions.clear();
+        self.check(positions, time)?;
+        let mut offsets = Offsets::zeros(&self.config, positions.len());
+        let grid = self.grid_at(time);
+        let count = positions.len().div_ceil(BLOCK_ROWS);
+        trace.blocks.resize_with(count, Activations::default);
+        let outputs = offsets.blocks_mut(&self.config, BLOCK_ROWS, count);
+        let blocks = positions.par_chunks(BLOCK_ROWS).zip(outputs).zip(&mut trace.blocks);
+        blocks.for_each(|((positions, outputs), block)| self.answer(&grid, positions, block, outputs));
+        let offsets = self.checked(offsets)?;
+        trace.positions.extend_from_slice(positions);
+        trace.time = time;
+        Ok(offsets)
+    }
+
+    /// The Gaussians at a time: those that `dynamic` names are changed by their offsets, the others stay.
+    ///
+    /// # Errors
+    /// As [`Self::offsets`] and [`Offsets::add_to`].
+    pub fn deformed(
+        &self,
+        canonical: &Gaussians,
+        dynamic: &[u32],
+        time: f32,
+    ) -> Result<Gaussians, DeformError> {
+        let count = canonical.len();
+        let position = |(row, &index): (usize, &u32)| {
+            canonical.means.get(index as usize).copied().ok_or(DeformError::Row { row, index, count })
+        };
+        let positions: Vec<_> = dynamic.iter().enumerate().map(position).collect::<Result<_, _>>()?;
+        let mut gaussians = canonical.clone();
+        self.offsets(&positions, time)?.add_to(&mut gaussians, dynamic)?;
+        Ok(gaussians)
+    }
+
+    /// Gradients of zero.
+    pub fn zero_gradients(&self) -> FieldGradients {
+        FieldGradients { grid: Grid::zeros(&self.config), network: self.network.zeros_like() }
+    }
+
+    /// From the gradient of the offsets to those of the field's parameters, which are added to `gradients`, and those
+    /// of the positions, which are returned (without the share that the Gaussians' centres have by themselves).
+    ///
+    /// # Errors
+    /// Lists that do not fit the rows of the trace, and a gradient that is not finite; `gradients` is then unchanged.
+    pub fn backward(
+        &self,
+        trace: &mut Trace,
+        upstream: &Offsets,
+        gradients: &mut FieldGradients,
+    ) -> Result<Vec<[f32; 3]>, DeformError> {
+        upstream.check_lengths(&self.config, trace.positions.len())?;
+        if let Some((field, row, value)) = upstream.bad_value(&self.config) {
+            return Err(DeformError::Gradient { field, row, value });
+        }
+        let Trace { time, positions: at, blocks, samples } = trace;
+        let grid = self.grid_at(*time);
+        let mut positions = vec![[0.0; 3]; at.len()];
+        samples.resize(at.len() * grid.sample_gradients(), 0.0);
+
+        let blocks = &blocks[..at.len().div_ceil(BLOCK_ROWS)];
+        let upstream = upstream.blocks(&self.config, BLOCK_ROWS, blocks.len());
+        let lane_blocks = blocks.len().div_ceil(MOST_LANES).max(1);
+        let lane_rows = lane_blocks * BLOCK_ROWS;
+        let lanes: Vec<Network> = (blocks.par_chunks(lane_blocks), upstream.par_chunks(lane_blocks))
+            .into_par_iter()
+            .zip(at.par_chunks(lane_rows))
+            .zip(positions.par_chunks_mut(lane_rows))
+            .zip(samples.par_chunks_mut(lane_rows * grid.sample_gradients()))
+            .map(|((((blocks, upstream), at), slopes), samples)| {
+                let mut sums = self.network.zeros_like();
+                let (mut scratch, mut features) = (Scratch::default(), Vec::new());
+                let rows = at.chunks(BLOCK_ROWS).zip(slopes.chunks_mut(BLOCK_ROWS));
+                let samples = samples.chunks_mut(BLOCK_ROWS * grid.sample_gradients());
+                let blocks = blocks.iter().zip(upstream).zip(rows).zip(samples);
+                for (((block, &upstream), (at, slopes)), samples) in blocks {
+                    features.resize(block.features.len(), 0.0);
+                    self.network.backward(block, upstream, &mut sums, &mut scratch, &mut features);
+                    grid.backward(&self.bounds, at, &features, slopes, samples);
+                }
+                sums
+            })
+            .collect();
+        for lane in &lanes {
+            gradients.network.add(lane);
+        }
+        grid.spread(&self.bounds, at, samples, &mut gradients.grid);
+        Ok(positions)
+    }
+
+    /// All parameters, to be changed; lists stand in the order of [`FieldGradients::lists`].
+    pub fn parameters_mut(&mut self) -> Parameters<&mut [f32]> {
+        Parameters {
+            planes: self.grid.planes_mut().map(|plane| plane.texels.as_mut_slice()).collect(),
+            layers: self.network.layers_mut().flat_map(|layer| layer.lists_mut()).collect(),
+        }
+    }
+
+    pub(crate) fn planes(&self) -> impl Iterator<Item = &Plane> {
+        self.grid.planes()
+    }
+
+    fn grid_at(&self, time: f32) -> GridAt<'_> {
+        self.grid.at(self.config.time_axis.coordinate(time))
+    }
+
+    fn answer(
+        &self,
+        grid: &GridAt<'_>,
+        positions: &[[f32; 3]],
+        block: &mut Activations,
+        outputs: SlicesMut<'_>,
+    ) {
+        block.features.resize(positions.len() * grid.features(), 0.0);
+        grid.features_of(&self.bounds, positions, &mut block.features);
+        self.network.forward(block, outputs);
+    }
+
+    fn check(&self, positions: &[[f32; 3]], time: f32) -> Result<(), DeformError> {
+        if !(0.0..=1.0).contains(&time) {
+            return Err(DeformError::Time { time });
+        }
+        let is_finite = |position: &[f32; 3]| position.iter().all(|value| value.is_finite());
+        match positions.iter().position(|position| !is_finite(position)) {
+            Some(row) => Err(DeformError::Position { row, position: positions[row] }),
+            None => Ok(()),
+        }
+    }
+
+    fn checked(&self, offsets: Offsets) -> Result<Offsets, DeformError> {
+        match offsets.bad_value(&self.config) {
+            Some((field, row, value)) => Err(DeformError::Diverged { field, row, value }),
+            None => Ok(offsets),
+        }
+    }
+}
+
+impl FieldGradients {
+    /// All derivatives; lists stand in the order of [`DeformationField::parameters_mut`].
+    pub fn lists(&self) -> Parameters<&[f32]> {
+        Parameters {
+            planes: self.grid.planes().map(|plane| plane.texels.as_slice()).collect(),
+            layers: self.network.layers().flat_map(|layer| layer.lists()).collect(),
+        }
+    }
+
+    pub(crate) fn planes_mut(&mut self) -> impl Iterator<Item = &mut Plane> {
+        self.grid.planes_mut()
+    }
+
+    /// Sets all derivatives to zero, for the next step.
+    pub fn clear(&mut self) {
+        for plane in self.grid.planes_mut() {
+            plane.texels.fill(0.0);
+        }
+        for list in self.network.layers_mut().flat_map(|layer| layer.lists_mut()) {
+            list.fill(0.0);
+        }
+    }
+}

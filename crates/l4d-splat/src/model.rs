@@ -1,0 +1,152 @@
+//! A whole 4D scene: Gaussians in a canonical state, the field that moves some of them, and which ones it moves.
+//!
+//! Owns how a model becomes what a rasterizer draws at a moment, and its way from and to the folders that hold one.
+//! Refuses to know how it was trained and what is drawn with it.
+
+use std::path::Path;
+
+use l4d_data::DataError;
+use l4d_data::timeline::LAST_FRAME;
+
+use crate::checkpoint::foreign::ForeignModel;
+use crate::checkpoint::own::{self, Checkpoint};
+use crate::deform::{DeformError, DeformationField};
+use crate::gaussians::Gaussians;
+use crate::splats::{SplatError, Splats};
+
+/// What can be drawn at any time of a clip.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Model {
+    /// Canonical Gaussians.
+    pub gaussians: Gaussians,
+    /// Those that go through the field, ascending; the others stand still.
+    pub dynamic: Vec<u32>,
+    /// How the dynamic ones change; none for a scene that stands still.
+    pub field: Option<DeformationField>,
+}
+
+/// Why a model has no state at a time.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// The field has no answer.
+    #[error("the deformation field has no answer")]
+    Deform(#[from] DeformError),
+    /// The answer cannot be drawn.
+    #[error("the model cannot be drawn")]
+    Splat(#[from] SplatError),
+}
+
+impl Model {
+    /// The Gaussians at a time from 0 to 1, ready for any number of views of that moment.
+    ///
+    /// # Errors
+    /// A time outside the clip; a dynamic row that names no Gaussian; parameters that are not finite.
+    pub fn at(&self, time: f32) -> Result<Splats, ModelError> {
+        Ok(self.raw_at(time)?.activate()?)
+    }
+
+    /// The parameters at a time from 0 to 1, before activation.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn raw_at(&self, time: f32) -> Result<Gaussians, ModelError> {
+        match &self.field {
+            Some(field) => Ok(field.deformed(&self.gaussians, &self.dynamic, time)?),
+            None => Ok(self.gaussians.clone()),
+        }
+    }
+
+    /// The model in a folder of [`crate::checkpoint::own`], without what training needs to go on.
+    ///
+    /// # Errors
+    /// A folder or file that is missing, damaged or of another kind.
+    pub fn read(folder: &Path) -> Result<Self, DataError> {
+        Ok(own::read(folder)?.into())
+    }
+
+    /// Writes the model alone into a folder, in place of the checkpoint that stands there.
+    ///
+    /// # Errors
+    /// Values that no checkpoint holds, and what the disk refuses.
+    pub fn write(&self, folder: &Path) -> Result<(), DataError> {
+        own::write(folder, &self.clone().into())
+    }
+}
+
+impl From<Checkpoint> for Model {
+    fn from(checkpoint: Checkpoint) -> Self {
+        Self { gaussians: checkpoint.gaussians, dynamic: checkpoint.dynamic, field: checkpoint.field }
+    }
+}
+
+impl From<Model> for Checkpoint {
+    fn from(model: Model) -> Self {
+        Self { gaussians: model.gaussians, dynamic: model.dynamic, field: model.field, ..Self::default() }
+    }
+}
+
+/// As its original draws it: every Gaussian goes through the field, whatever the table says.
+impl From<ForeignModel> for Model {
+    fn from(foreign: ForeignModel) -> Self {
+        let field = foreign.drawn_field().cloned();
+        let moving = if field.is_some() { foreign.gaussians.len() as u32 } else { 0 };
+        Self { gaussians: foreign.gaussians, dynamic: (0..moving).collect(), field }
+    }
+}
+
+/// The time of a canonical frame, 0 to 1 over the clip; frames beyond the clip count as its end.
+pub fn time_of_frame(frame: u32) -> f32 {
+    (f64::from(frame.min(LAST_FRAME)) / f64::from(LAST_FRAME)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deform::{Bounds, DeformConfig, Init};
+    use crate::gaussians::ShDegree;
+
+    fn model() -> Model {
+        let gaussians = Gaussians {
+            sh_degree: ShDegree::ZERO,
+            means: vec![[0.1, 0.2, 0.3], [-0.4, 0.5, 0.6]],
+            log_scales: vec![[-2.0; 3]; 2],
+            rotations: vec![[2.0, 0.0, 0.0, 0.0]; 2],
+            opacity_logits: vec![1.0; 2],
+            sh: vec![[0.1; 3]; 2],
+        };
+        let config = DeformConfig {
+            spatial_resolution: [4; 3],
+            time_resolution: 4,
+            sh_coefficients: 1,
+            ..DeformConfig::dynerf()
+        };
+        let bounds = Bounds::around(&gaussians.means, 1.0).unwrap();
+        let field = DeformationField::new(config, bounds, Init::Foreign, 7).unwrap();
+        Model { gaussians, dynamic: vec![1], field: Some(field) }
+    }
+
+    #[test]
+    fn only_dynamic_gaussians_change_with_time() {
+        let model = model();
+        let [first, last] = [0.0, 1.0].map(|time| model.at(time).unwrap());
+        assert_eq!(first.means()[0], [0.1, 0.2, 0.3]);
+        assert_eq!(first.means()[0], last.means()[0]);
+        assert_eq!(first.rotations()[0], [1.0, 0.0, 0.0, 0.0]);
+        assert_ne!(first.means()[1], [-0.4, 0.5, 0.6]);
+        assert!(model.at(1.5).is_err());
+        let still = Model { field: None, dynamic: Vec::new(), ..model };
+        assert_eq!(still.at(0.5).unwrap(), still.gaussians.activate().unwrap());
+    }
+
+    #[test]
+    fn a_model_comes_back_from_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        model().write(folder.path()).unwrap();
+        assert_eq!(Model::read(folder.path()).unwrap(), model());
+    }
+
+    #[test]
+    fn the_clip_spans_the_canonical_timeline() {
+        assert_eq!([0, 48, 96, 500].map(time_of_frame), [0.0, 0.5, 1.0, 1.0]);
+    }
+}

@@ -1,0 +1,145 @@
+//! What keeps the planes of a deformation field smooth where no Gaussian says what they should be.
+//!
+//! The three terms of 4DGaussians. Second differences are taken along the slower axis of a plane alone: time, where
+//! the plane has it, and y, z, z of the planes (x,y), (x,z), (y,z).
+
+use rayon::prelude::*;
+
+use crate::deform::{DeformationField, FieldGradients, Plane};
+
+use super::error::OptimiseError;
+use super::finite::{check, check_weight};
+
+/// How much each term counts. Values of 4DGaussians for multi-camera video are the default.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneWeights {
+    /// Second differences of planes in space ("total variation").
+    pub space: f32,
+    /// Second differences along time.
+    pub time: f32,
+    /// Distance of planes in time from 1, where they change nothing.
+    pub stillness: f32,
+}
+
+impl Default for PlaneWeights {
+    fn default() -> Self {
+        Self { space: 2.0e-4, time: 1.0e-3, stillness: 1.0e-4 }
+    }
+}
+
+/// The terms before they are weighted: sums over planes of means over texels and channels.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlanePenalty {
+    /// Mean squared second difference of planes in space.
+    pub space: f64,
+    /// Mean squared second difference along time.
+    pub time: f64,
+    /// Mean absolute difference from 1 of planes in time.
+    pub stillness: f64,
+}
+
+impl PlanePenalty {
+    /// What is added to the loss.
+    pub fn weighted(&self, weights: &PlaneWeights) -> f64 {
+        let PlaneWeights { space, time, stillness } = *weights;
+        f64::from(space) * self.space + f64::from(time) * self.time + f64::from(stillness) * self.stillness
+    }
+}
+
+/// The penalty on a field's planes; its weighted gradient is added to `gradients`.
+///
+/// # Errors
+/// Weights and texels that are not finite; gradients of another field.
+pub fn plane_penalty(
+    field: &DeformationField,
+    weights: &PlaneWeights,
+    gradients: &mut FieldGradients,
+) -> Result<PlanePenalty, OptimiseError> {
+    for (setting, weight) in [
+        ("weight of planes in space", weights.space),
+        ("weight of planes in time", weights.time),
+        ("weight of stillness", weights.stillness),
+    ] {
+        check_weight(setting, weight)?;
+    }
+    let planes: Vec<&Plane> = field.planes().collect();
+    let mut into: Vec<&mut Plane> = gradients.planes_mut().collect();
+    if planes.len() != into.len() || planes.iter().zip(&into).any(|(a, b)| a.texels.len() != b.texels.len()) {
+        let count = |lengths: &mut dyn Iterator<Item = usize>| lengths.sum::<usize>();
+        let found = count(&mut into.iter().map(|plane| plane.texels.len()));
+        let expected = count(&mut planes.iter().map(|plane| plane.texels.len()));
+        return Err(OptimiseError::Length { list: "gradient of the planes".to_owned(), found, expected });
+    }
+    for (index, plane) in planes.iter().enumerate() {
+        check(&plane.texels, || format!("plane {} of level {}", index % 6, index / 6))?;
+    }
+    let terms: Vec<(bool, f64, f64)> = planes
+        .par_iter()
+        .zip(&mut into)
+        .map(|(plane, gradient)| {
+            let weight = if plane.has_time { weights.time } else { weights.space };
+            let bend = bend(plane, weight, &mut gradient.texels);
+            let unrest =
+                if plane.has_time { unrest(plane, weights.stillness, &mut gradient.texels) } else { 0.0 };
+            (plane.has_time, bend, unrest)
+        })
+        .collect();
+    let mut penalty = PlanePenalty::default();
+    for (has_time, bend, unrest) in terms {
+        *if has_time { &mut penalty.time } else { &mut penalty.space } += bend;
+        penalty.stillness += unrest;
+    }
+    Ok(penalty)
+}
+
+/// Mean squared second difference along the rows of texels; 0 where there are fewer than three.
+fn bend(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
+    let row = plane.columns * plane.channels;
+    let count = (row * plane.rows.saturating_sub(2)).max(1) as f64;
+    let step = (2.0 * f64::from(weight) / count) as f32;
+    let mut second = vec![0.0; row];
+    let mut sum = 0.0;
+    for start in (0..plane.texels.len().saturating_sub(2 * row)).step_by(row) {
+        let three: [&[f32]; 3] = std::array::from_fn(|line| &plane.texels[start + line * row..][..row]);
+        for (((second, a), b), c) in second.iter_mut().zip(three[0]).zip(three[1]).zip(three[2]) {
+            *second = a - 2.0 * b + c;
+        }
+        sum += sum_of(&second, |value| value * value);
+        for (line, share) in [1.0, -2.0, 1.0].into_iter().enumerate() {
+            for (gradient, second) in gradient[start + line * row..][..row].iter_mut().zip(&second) {
+                *gradient += share * step * second;
+            }
+        }
+    }
+    sum / count
+}
+
+/// Mean absolute difference from 1.
+fn unrest(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
+    let count = plane.texels.len().max(1) as f64;
+    let step = (f64::from(weight) / count) as f32;
+    for (gradient, &texel) in gradient.iter_mut().zip(&plane.texels) {
+        *gradient += match texel - 1.0 {
+            0.0 => 0.0,
+            above if above > 0.0 => step,
+            _ => -step,
+        };
+    }
+    sum_of(&plane.texels, |texel| (texel - 1.0).abs()) / count
+}
+
+/// A sum in an order that vector code can take, and that never changes.
+fn sum_of(values: &[f32], of: impl Fn(f32) -> f32) -> f64 {
+    values
+        .chunks(1024)
+        .map(|chunk| {
+            let mut lanes = [0.0_f32; 8];
+            for values in chunk.chunks(lanes.len()) {
+                for (lane, &value) in lanes.iter_mut().zip(values) {
+                    *lane += of(value);
+                }
+            }
+            lanes.iter().copied().map(f64::from).sum::<f64>()
+        })
+        .sum()
+}

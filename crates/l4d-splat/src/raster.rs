@@ -1,0 +1,162 @@
+//! How splats become a picture, and how a picture's error becomes their gradient.
+//!
+//! Owns the contract that every rasterizer keeps ([`Rasterizer`], [`Projected`]) and two that keep it on the CPU:
+//! [`Reference`] is the equations written out, [`Cpu`] is fast. Anisotropic Gaussians are projected with the local
+//! affine approximation (EWA), ordered by depth and blended front to back: C = sum over i of c_i a_i T_i with
+//! T_i the product of (1 - a_j) over all j in front (paper, section 4, equation of C(v,t)).
+
+mod cpu;
+mod drawing;
+mod reference;
+mod settings;
+mod sh;
+
+pub use cpu::Cpu;
+pub use drawing::{DepthQuantiles, Drawing, DrawingGradient};
+pub use reference::{Reference, ReferenceScene};
+pub use settings::RasterSettings;
+
+use crate::gaussians::BadValue;
+use crate::splats::{SplatGradients, Splats};
+use crate::view::View;
+
+/// Side of the square tiles to which Gaussians are assigned, pixels.
+pub const TILE: usize = 16;
+
+/// Colours and depths beyond this are refused as overflowing: f32 could not hold the products that a gradient is
+/// made of.
+pub const LARGEST: f32 = 1e30;
+
+/// Something that draws splats.
+pub trait Rasterizer: Send + Sync {
+    /// What it is and on what it runs, for manifests and tables.
+    fn name(&self) -> String;
+
+    /// Projects and orders the splats once, for everything that is then asked about one picture.
+    fn prepare<'a>(
+        &'a self,
+        splats: &'a Splats,
+        view: &View,
+        settings: &RasterSettings,
+    ) -> Result<Box<dyn Projected + 'a>, RasterError>;
+}
+
+/// Splats as one view sees them. Pixels are row-major; per-Gaussian results are in the order of the splats.
+pub trait Projected: Send + Sync {
+    /// Colour, accumulated alpha and depths.
+    fn draw(&self) -> Result<Drawing, RasterError>;
+
+    /// Blends any numbers that the Gaussians carry, as colours are blended, without a background: A s.
+    /// `features` holds `channels` numbers a Gaussian; the result holds as many a pixel.
+    fn spread(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
+
+    /// The transpose of [`Self::spread`]: A^T m, for each Gaussian the sum over pixels of its blend weight times
+    /// what `pixels` holds there, `channels` numbers each.
+    fn gather(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
+
+    /// Which Gaussians a pixel shows, front to back, with the weights a_i T_i of their colours.
+    fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError>;
+
+    /// Radii of the squares in which the Gaussians are drawn, whole pixels; 0 for those that are not visible.
+    fn radii_px(&self) -> Result<Vec<f32>, RasterError>;
+
+    /// Derivatives of a loss by the splats, given those by the picture. `drawing` is what [`Self::draw`] gave.
+    fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError>;
+}
+
+/// The share of one Gaussian in one pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contribution {
+    /// Which Gaussian.
+    pub index: u32,
+    /// a_i T_i, above 0 and at most 1.
+    pub weight: f32,
+}
+
+/// Why nothing was drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum RasterError {
+    /// A setting with which no picture can be drawn.
+    #[error("raster setting `{field}` is {value}: {remedy}")]
+    Setting {
+        /// Name of the field.
+        field: &'static str,
+        /// What stands there.
+        value: f32,
+        /// What may stand there.
+        remedy: &'static str,
+    },
+    /// A list that does not fit the splats or the picture.
+    #[error("{what}: {found} numbers where {expected} are needed")]
+    Shape {
+        /// Which list.
+        what: &'static str,
+        /// Numbers needed.
+        expected: usize,
+        /// Numbers found.
+        found: usize,
+    },
+    /// A pixel outside the picture.
+    #[error("pixel ({column}, {row}) lies outside the picture of {width} x {height}")]
+    Pixel {
+        /// Column asked for.
+        column: u32,
+        /// Row asked for.
+        row: u32,
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// A Gaussian whose projection overflows.
+    #[error("{0}, which overflows in this view: mend the value or remove the Gaussian")]
+    Overflow(BadValue),
+    /// More work than any picture is worth.
+    #[error(
+        "the splats touch {pairs} tiles in all, at most {most} can be drawn: draw a smaller picture or remove Gaussians \
+         that fill it"
+    )]
+    Crowded {
+        /// Pairs of a tile and a Gaussian that touches it.
+        pairs: u64,
+        /// Pairs that can be drawn.
+        most: u64,
+    },
+    /// The machinery underneath failed.
+    #[error("rasterizer {rasterizer} failed")]
+    Backend {
+        /// Name of the rasterizer.
+        rasterizer: String,
+        /// What it met.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+/// Channels that can be carried at once.
+const MOST_CHANNELS: usize = 1 << 12;
+
+/// Whether so many channels can be carried: without splats, a list of any number of channels has the right length.
+pub fn check_channels(channels: usize) -> Result<(), RasterError> {
+    if channels <= MOST_CHANNELS {
+        Ok(())
+    } else {
+        Err(RasterError::Shape { what: "channels, at most", expected: MOST_CHANNELS, found: channels })
+    }
+}
+
+/// Whether a list has the length that was asked for.
+pub fn check_length(what: &'static str, found: usize, expected: Option<usize>) -> Result<(), RasterError> {
+    // An expectation that overflows is met by no list.
+    let expected = expected.unwrap_or(usize::MAX);
+    if found == expected { Ok(()) } else { Err(RasterError::Shape { what, expected, found }) }
+}
+
+/// Whether a pixel lies in the picture.
+pub fn check_pixel(view: &View, column: u32, row: u32) -> Result<(), RasterError> {
+    let (width, height) = (view.width(), view.height());
+    if column < width && row < height {
+        Ok(())
+    } else {
+        Err(RasterError::Pixel { column, row, width, height })
+    }
+}

@@ -1,0 +1,179 @@
+//! The fast rasterizer for processors: tiles over threads, eight pixels at a time.
+//!
+//! Geometry is computed in f64 (so that the decisions which Gaussian covers which tile, in which order, are those of
+//! the reference), pixels in f32. Owns the choice of instructions at run time: AVX2 and FMA where the machine has
+//! them, whatever the build was told, and the baseline of the target elsewhere. The bytes of a result depend on that
+//! choice, but never on the number of threads: tiles are independent, and sums over tiles are taken in tile order.
+
+mod blame;
+mod carry;
+mod decay;
+mod lens;
+mod moments;
+mod order;
+mod paint;
+mod project;
+mod walk;
+
+use fearless_simd::{Level, Simd};
+
+use super::{
+    Contribution, Drawing, DrawingGradient, Projected, RasterError, RasterSettings, Rasterizer, TILE,
+    check_channels, check_length, check_pixel,
+};
+use crate::splats::{SplatGradients, Splats};
+use crate::view::View;
+use lens::{Footprint, Lens};
+use order::Bins;
+use walk::{Limits, Tile};
+
+/// Draws on the processor.
+#[derive(Debug, Clone, Copy)]
+pub struct Cpu {
+    level: Level,
+}
+
+/// Work that is compiled once for each set of instructions. `run` must be inlined to profit.
+trait Kernel {
+    type Output;
+
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+impl Cpu {
+    /// With the best instructions that this machine has and this crate knows.
+    pub fn new() -> Self {
+        Self { level: Level::new() }
+    }
+
+    /// With the instructions that every machine of this target has.
+    pub fn portable() -> Self {
+        Self { level: Level::baseline() }
+    }
+
+    /// Whether AVX2 and FMA are used.
+    pub fn uses_avx2(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        return self.level.as_avx2().is_some();
+        #[cfg(not(target_arch = "x86_64"))]
+        return false;
+    }
+
+    // Not the macro that dispatches over all levels: it would compile each kernel four times on x86-64.
+    #[cfg(target_arch = "x86_64")]
+    fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match (self.level.as_avx2(), self.level.as_sse2()) {
+            (Some(avx2), _) => avx2.vectorize(
+                #[inline(always)]
+                || kernel.run(avx2),
+            ),
+            (None, Some(sse2)) => sse2.vectorize(
+                #[inline(always)]
+                || kernel.run(sse2),
+            ),
+            (None, None) => unreachable!("SSE2 is part of x86-64"),
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        fearless_simd::dispatch!(self.level, simd => kernel.run(simd))
+    }
+}
+
+impl Default for Cpu {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Rasterizer for Cpu {
+    fn name(&self) -> String {
+        let instructions = if self.uses_avx2() { "AVX2 and FMA" } else { "baseline instructions" };
+        format!("CPU, {instructions}")
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        splats: &'a Splats,
+        view: &View,
+        settings: &RasterSettings,
+    ) -> Result<Box<dyn Projected + 'a>, RasterError> {
+        settings.check()?;
+        let lens = Lens::new(view, settings);
+        let footprints = order::front_to_back(*self, &lens, splats)?;
+        let limits = Limits::new(settings);
+        let bins = Bins::new(&footprints, &limits, view)?;
+        Ok(Box::new(Scene {
+            cpu: *self,
+            splats,
+            view: *view,
+            settings: *settings,
+            lens,
+            limits,
+            footprints,
+            bins,
+        }))
+    }
+}
+
+/// Splats as one view sees them.
+struct Scene<'a> {
+    cpu: Cpu,
+    splats: &'a Splats,
+    view: View,
+    settings: RasterSettings,
+    lens: Lens,
+    limits: Limits,
+    /// Visible Gaussians, front to back.
+    footprints: Vec<Footprint>,
+    /// Which of them touch which tile.
+    bins: Bins,
+}
+
+impl Scene<'_> {
+    fn tile(&self, index: usize) -> Tile<'_> {
+        let origin = self.bins.origin(index);
+        let picture = [self.view.width() as usize, self.view.height() as usize];
+        let size = [0, 1].map(|axis| TILE.min(picture[axis] - origin[axis]));
+        Tile { footprints: &self.footprints, ranks: self.bins.of(index), origin, size }
+    }
+}
+
+impl Projected for Scene<'_> {
+    fn draw(&self) -> Result<Drawing, RasterError> {
+        Ok(paint::draw(self))
+    }
+
+    fn spread(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+        check_channels(channels)?;
+        check_length("features", features.len(), self.splats.len().checked_mul(channels))?;
+        Ok(carry::spread(self, features, channels))
+    }
+
+    fn gather(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+        check_channels(channels)?;
+        check_length("pixels", pixels.len(), self.view.pixel_count().checked_mul(channels))?;
+        Ok(carry::gather(self, pixels, channels))
+    }
+
+    fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError> {
+        check_pixel(&self.view, column, row)?;
+        Ok(carry::contributors(self, column as usize, row as usize))
+    }
+
+    fn radii_px(&self) -> Result<Vec<f32>, RasterError> {
+        let mut radii = vec![0.0; self.splats.len()];
+        for footprint in &self.footprints {
+            radii[footprint.index as usize] = footprint.radius;
+        }
+        Ok(radii)
+    }
+
+    fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
+        drawing.check(&self.view)?;
+        gradient.check(&self.view)?;
+        let moments = blame::moments(self, drawing, gradient);
+        Ok(moments::gradients(self, &moments))
+    }
+}

@@ -1,0 +1,102 @@
+//! The slow rasterizer: the equations written out, one pixel and one Gaussian at a time, in f32 or f64.
+//!
+//! It is the specification that other rasterizers are measured against, so it owns the order of all tests and takes
+//! the shortest way to every number, never the fastest. Two forms differ from the textbook, for digits alone: the
+//! determinant of a projected covariance is a sum of squares (no difference of two large products), and the exponent
+//! has its square completed (so that it cannot come out positive).
+
+mod blend;
+mod flatten;
+mod matrix;
+mod projected;
+
+use std::marker::PhantomData;
+
+use super::{Projected, RasterError, RasterSettings, Rasterizer, TILE};
+use crate::real::Real;
+use crate::splats::Splats;
+use crate::view::View;
+use flatten::{Flat, Lens};
+
+/// Draws by the book, computing in `F`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Reference<F> {
+    width: PhantomData<F>,
+}
+
+impl<F: Real> Reference<F> {
+    /// A reference rasterizer.
+    pub fn new() -> Self {
+        Self { width: PhantomData }
+    }
+
+    /// Projects splats, keeping the width of their numbers: for central differences and exact comparisons.
+    pub fn scene(
+        &self,
+        splats: &Splats<F>,
+        view: &View,
+        settings: &RasterSettings,
+    ) -> Result<ReferenceScene<F>, RasterError> {
+        settings.check()?;
+        let lens = Lens::new(view, settings);
+        let mut flats = Vec::new();
+        for index in 0..splats.len() {
+            flats.extend(lens.flatten(splats, index).map_err(RasterError::Overflow)?);
+        }
+        // Stable: equal depths keep the order of their indices. The key is an f32 at any width, so that widths agree
+        // on the order.
+        flats.sort_by(|a, b| a.depth.narrow().total_cmp(&b.depth.narrow()));
+        let columns = (view.width() as usize).div_ceil(TILE);
+        let rows = (view.height() as usize).div_ceil(TILE);
+        let mut tiles = vec![Vec::new(); columns * rows];
+        for (rank, flat) in flats.iter().enumerate() {
+            for row in flat.tiles.rows.clone() {
+                for column in flat.tiles.columns.clone() {
+                    tiles[row * columns + column].push(rank);
+                }
+            }
+        }
+        Ok(ReferenceScene {
+            splats: splats.clone(),
+            view: *view,
+            settings: *settings,
+            lens,
+            flats,
+            tiles,
+            columns,
+        })
+    }
+}
+
+/// Splats as the reference sees them from one view.
+#[derive(Debug, Clone)]
+pub struct ReferenceScene<F> {
+    splats: Splats<F>,
+    view: View,
+    settings: RasterSettings,
+    lens: Lens<F>,
+    /// Visible Gaussians, front to back.
+    flats: Vec<Flat<F>>,
+    /// Positions in `flats` of the Gaussians of each tile, front to back; tiles row-major.
+    tiles: Vec<Vec<usize>>,
+    /// Tiles in a row.
+    columns: usize,
+}
+
+impl<F: Real> Rasterizer for Reference<F> {
+    fn name(&self) -> String {
+        format!("reference in f{}", 8 * size_of::<F>())
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        splats: &'a Splats,
+        view: &View,
+        settings: &RasterSettings,
+    ) -> Result<Box<dyn Projected + 'a>, RasterError> {
+        Ok(Box::new(self.scene(&splats.cast(), view, settings)?))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,239 @@
+//! Gaussians at one moment as a rasterizer draws them, and the way of gradients back to what is optimised.
+//!
+//! Owns the activations (exponential, sigmoid, unit quaternion) and the promise that whatever is a [`Splats`] can be
+//! drawn. Knows no camera.
+
+use crate::gaussians::{BadValue, Gaussians, ShDegree};
+use crate::real::Real;
+
+mod gradients;
+
+pub use gradients::{GaussianGradients, SplatGradients};
+
+/// Quaternions shorter than this have no direction; they count as no rotation.
+const SHORTEST_QUATERNION: f64 = 1e-12;
+/// How far the length of a quaternion may be from 1.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// Gaussians that can be drawn: every value is finite and lies where its meaning allows it.
+///
+/// `F` is the width of the numbers: rasterizers take `f32`, the reference and its finite differences also compute
+/// in `f64`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Splats<F = f32> {
+    pub(crate) parts: SplatParts<F>,
+}
+
+/// The values of [`Splats`], not yet checked.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SplatParts<F = f32> {
+    /// Degree of `sh`.
+    pub sh_degree: ShDegree,
+    /// Centres in world axes, metres.
+    pub means: Vec<[F; 3]>,
+    /// Standard deviations along the own axes, metres; 0 makes a Gaussian flat.
+    pub scales: Vec<[F; 3]>,
+    /// Rotations from own to world axes, unit quaternions (w, x, y, z).
+    pub rotations: Vec<[F; 4]>,
+    /// Opacities, 0 to 1.
+    pub opacities: Vec<F>,
+    /// Spherical harmonics as in [`Gaussians::sh`].
+    pub sh: Vec<[F; 3]>,
+}
+
+/// Why something cannot be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SplatError {
+    /// A field has more or fewer entries than there are Gaussians.
+    #[error("field `{field}` has {found} entries where {expected} are needed")]
+    Length {
+        /// Name of the field.
+        field: &'static str,
+        /// Entries needed.
+        expected: usize,
+        /// Entries found.
+        found: usize,
+    },
+    /// A value that no picture can show.
+    #[error("{0}, which cannot be drawn: mend the value or remove the Gaussian")]
+    Value(BadValue),
+}
+
+impl Splats {
+    /// Splats of these values, unless one of them cannot be drawn. The first offender is named, field by field.
+    pub fn new(parts: SplatParts) -> Result<Self, SplatError> {
+        parts.check_lengths()?;
+        parts.check_values()?;
+        Ok(Self { parts })
+    }
+
+    /// The same values at another width.
+    pub fn cast<F: Real>(&self) -> Splats<F> {
+        let parts = &self.parts;
+        Splats {
+            parts: SplatParts {
+                sh_degree: parts.sh_degree,
+                means: rows(&parts.means),
+                scales: rows(&parts.scales),
+                rotations: rows(&parts.rotations),
+                opacities: parts.opacities.iter().map(|&value| F::of(value.into())).collect(),
+                sh: rows(&parts.sh),
+            },
+        }
+    }
+}
+
+impl<F> Splats<F> {
+    /// Number of Gaussians.
+    pub fn len(&self) -> usize {
+        self.parts.means.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.parts.means.is_empty()
+    }
+
+    /// Degree of the spherical harmonics.
+    pub fn sh_degree(&self) -> ShDegree {
+        self.parts.sh_degree
+    }
+
+    /// Centres in world axes, metres.
+    pub fn means(&self) -> &[[F; 3]] {
+        &self.parts.means
+    }
+
+    /// Standard deviations along the own axes, metres.
+    pub fn scales(&self) -> &[[F; 3]] {
+        &self.parts.scales
+    }
+
+    /// Unit quaternions (w, x, y, z) from own to world axes.
+    pub fn rotations(&self) -> &[[F; 4]] {
+        &self.parts.rotations
+    }
+
+    /// Opacities, 0 to 1.
+    pub fn opacities(&self) -> &[F] {
+        &self.parts.opacities
+    }
+
+    /// Spherical harmonics of all Gaussians, [`ShDegree::coefficients`] a Gaussian.
+    pub fn sh(&self) -> &[[F; 3]] {
+        &self.parts.sh
+    }
+
+    /// Spherical harmonics of one Gaussian.
+    pub fn sh_of(&self, index: usize) -> &[[F; 3]] {
+        let count = self.parts.sh_degree.coefficients();
+        &self.parts.sh[index * count..(index + 1) * count]
+    }
+
+    /// The values, to be changed and checked again.
+    pub fn into_parts(self) -> SplatParts<F> {
+        self.parts
+    }
+}
+
+fn rows<F: Real, const N: usize>(list: &[[f32; N]]) -> Vec<[F; N]> {
+    list.iter().map(|row| row.map(|value| F::of(value.into()))).collect()
+}
+
+impl SplatParts {
+    fn check_lengths(&self) -> Result<(), SplatError> {
+        let count = self.means.len();
+        let fields = [
+            ("scales", self.scales.len(), count),
+            ("rotations", self.rotations.len(), count),
+            ("opacities", self.opacities.len(), count),
+            ("sh", self.sh.len(), count.saturating_mul(self.sh_degree.coefficients())),
+        ];
+        match fields.into_iter().find(|(_, found, expected)| found != expected) {
+            Some((field, found, expected)) => Err(SplatError::Length { field, expected, found }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_values(&self) -> Result<(), SplatError> {
+        let bad = first("means", &self.means, |mean| not_finite(mean))
+            .or_else(|| first("scales", &self.scales, |scale| not_finite(scale).or_else(|| negative(scale))))
+            .or_else(|| first("rotations", &self.rotations, |q| not_finite(q).or_else(|| not_unit(q))))
+            .or_else(|| {
+                first("opacities", &self.opacities, |opacity| {
+                    (!(0.0..=1.0).contains(opacity)).then_some(*opacity)
+                })
+            })
+            .or_else(|| {
+                let bad = first("sh", &self.sh, |coefficient| not_finite(coefficient))?;
+                Some(BadValue { index: bad.index / self.sh_degree.coefficients(), ..bad })
+            });
+        bad.map_or(Ok(()), |bad| Err(SplatError::Value(bad)))
+    }
+}
+
+fn first<T>(field: &'static str, list: &[T], offence: impl Fn(&T) -> Option<f32>) -> Option<BadValue> {
+    list.iter().enumerate().find_map(|(index, entry)| Some(BadValue { field, index, value: offence(entry)? }))
+}
+
+fn not_finite(values: &[f32]) -> Option<f32> {
+    values.iter().copied().find(|value| !value.is_finite())
+}
+
+fn negative(values: &[f32]) -> Option<f32> {
+    values.iter().copied().find(|value| *value < 0.0)
+}
+
+fn not_unit(quaternion: &[f32; 4]) -> Option<f32> {
+    let length = quaternion_length(quaternion);
+    ((length - 1.0).abs() > UNIT_TOLERANCE).then_some(length as f32)
+}
+
+/// In f64, where no square of an f32 overflows or vanishes.
+fn quaternion_length(quaternion: &[f32; 4]) -> f64 {
+    quaternion.iter().map(|&value| f64::from(value).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Length to divide by, and the unit quaternion; none if the quaternion has no direction.
+fn unit(quaternion: &[f32; 4]) -> Option<(f64, [f64; 4])> {
+    let length = quaternion_length(quaternion);
+    (length >= SHORTEST_QUATERNION).then(|| (length, quaternion.map(|value| f64::from(value) / length)))
+}
+
+fn sigmoid(logit: f32) -> f32 {
+    1.0 / (1.0 + (-logit).exp())
+}
+
+impl Gaussians {
+    /// What a rasterizer draws: exponential of `log_scales`, sigmoid of `opacity_logits`, unit quaternions.
+    ///
+    /// A quaternion shorter than 1e-12 counts as no rotation. Values that are not finite, and scales that overflow,
+    /// are refused with the raw field and the index.
+    pub fn activate(&self) -> Result<Splats, SplatError> {
+        if let Some(bad) = self.bad_value() {
+            return Err(SplatError::Value(bad));
+        }
+        let scales = self.log_scales.iter().map(|row| row.map(f32::exp)).collect();
+        let parts = SplatParts {
+            sh_degree: self.sh_degree,
+            means: self.means.clone(),
+            scales,
+            rotations: self.rotations.iter().map(unit_or_identity).collect(),
+            opacities: self.opacity_logits.iter().copied().map(sigmoid).collect(),
+            sh: self.sh.clone(),
+        };
+        parts.check_lengths()?;
+        if let Some(bad) = first("log_scales", &parts.scales, |scale| not_finite(scale)) {
+            let value = self.log_scales[bad.index].iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            return Err(SplatError::Value(BadValue { value, ..bad }));
+        }
+        Ok(Splats { parts })
+    }
+}
+
+fn unit_or_identity(quaternion: &[f32; 4]) -> [f32; 4] {
+    unit(quaternion).map_or([1.0, 0.0, 0.0, 0.0], |(_, unit)| unit.map(|value| value as f32))
+}
+
+#[cfg(test)]
+mod tests;

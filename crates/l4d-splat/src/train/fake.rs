@@ -1,0 +1,67 @@
+//! A world for tests: a wall at z = 4 m, before it a card at z = 3 m that moves along x, seen by three cameras.
+
+use half::f16;
+use l4d_data::{Camera, Name, Split};
+
+use super::footage::{Footage, Picture};
+
+pub(super) const SIZE: [u32; 2] = [48, 32];
+
+/// What happens.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct World {
+    /// Left edge of the card at a moment of so many, metres; none if it is not there.
+    pub(super) card: fn(moment: usize, moments: usize) -> Option<f64>,
+    /// Light on the lower half of the wall at a moment.
+    pub(super) light: fn(moment: usize, moments: usize) -> f64,
+}
+
+impl World {
+    /// Nothing happens.
+    pub(super) const EMPTY: Self = Self { card: |_, _| None, light: |_, _| 1.0 };
+
+    pub(super) fn footage(&self, moments: usize) -> Footage {
+        let frames =
+            (0..moments).map(|moment| (moment * 96 / moments.max(2).saturating_sub(1)) as u32).collect();
+        let mut footage = Footage::new(SIZE, frames).unwrap();
+        for (index, x) in [-0.5, 0.0, 0.5].into_iter().enumerate() {
+            let camera = camera(index, x);
+            let pictures = (0..moments).map(|moment| self.picture(&camera, moment, moments)).collect();
+            footage.add(&camera, SIZE, pictures).unwrap();
+        }
+        footage
+    }
+
+    fn picture(&self, camera: &Camera, moment: usize, moments: usize) -> Picture {
+        let card = (self.card)(moment, moments);
+        let mut picture = Picture::default();
+        for row in 0..SIZE[1] {
+            for column in 0..SIZE[0] {
+                let at = glam::DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+                let near = camera.unproject(0, at, 3.0);
+                let far = camera.unproject(0, at, 4.0);
+                let on_card =
+                    card.is_some_and(|left| (left..left + 0.6).contains(&near.x) && near.y.abs() < 0.4);
+                let light = if far.y > 0.0 { (self.light)(moment, moments) } else { 1.0 };
+                let stripes = if (far.x * 2.0).floor().rem_euclid(2.0) == 0.0 { 60.0 } else { 160.0 };
+                let wall = (light * stripes) as u8;
+                picture.depth_m.push(if on_card { f16::from_f32(3.0) } else { f16::from_f32(4.0) });
+                picture.colour.push(if on_card { [220, 30, 20] } else { [wall, wall, 90] });
+            }
+        }
+        picture
+    }
+}
+
+fn camera(index: usize, x: f64) -> Camera {
+    let pose = [1., 0., 0., x, 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+    Camera {
+        name: Name::new(format!("cam{index:02}")).unwrap(),
+        split: Split::Train,
+        fx: 40.0,
+        fy: 40.0,
+        cx: 24.0,
+        cy: 16.0,
+        world_from_camera: vec![pose],
+    }
+}

@@ -1,0 +1,246 @@
+//! From where a picture is drawn, and how many pixels it has.
+//!
+//! OpenCV axes (x right, y down, z forward); the centre of pixel (column, row) is (column + 0.5, row + 0.5).
+
+use l4d_data::Camera;
+
+/// Longest side of a picture, pixels.
+const LONGEST_SIDE: u32 = 1 << 15;
+/// Most pixels of a picture: what one can be asked to allocate for.
+const MOST_PIXELS: u64 = 1 << 26;
+/// How far rows of a rotation may be from orthonormal.
+const ORTHONORMAL_TOLERANCE: f64 = 1e-4;
+
+/// A pinhole camera at one moment. Kept in f64: rasterizers subtract its centre before they round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    size: [u32; 2],
+    focal: [f64; 2],
+    principal: [f64; 2],
+    camera_from_world: [[f64; 4]; 3],
+}
+
+/// Why a view cannot be drawn from.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ViewError {
+    /// No pixels, or too many.
+    #[error(
+        "a picture of {width} x {height} pixels: sides are 1 to {LONGEST_SIDE}, pixels at most {MOST_PIXELS}"
+    )]
+    Size {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// A number that no camera has.
+    #[error("field `{field}` of the view is {value}: {remedy}")]
+    Value {
+        /// Name of the field.
+        field: &'static str,
+        /// What stands there.
+        value: f64,
+        /// What may stand there.
+        remedy: &'static str,
+    },
+    /// The pose stretches, mirrors or is not finite.
+    #[error("field `camera_from_world` of the view is not a rigid motion (rotation and translation)")]
+    Pose,
+    /// A moving camera that was not recorded then.
+    #[error("camera `{camera}` has {poses} poses, none for frame {frame}")]
+    Frame {
+        /// Name of the camera.
+        camera: String,
+        /// Canonical frame.
+        frame: u32,
+        /// Poses that there are.
+        poses: usize,
+    },
+}
+
+impl View {
+    /// A view of `size` (width, height) pixels; `focal` and `principal` are (x, y) in pixels, `camera_from_world`
+    /// the upper three rows of a rigid motion in metres.
+    pub fn new(
+        size: [u32; 2],
+        focal: [f64; 2],
+        principal: [f64; 2],
+        camera_from_world: [[f64; 4]; 3],
+    ) -> Result<Self, ViewError> {
+        let [width, height] = size;
+        let sides_fit = size.iter().all(|side| (1..=LONGEST_SIDE).contains(side));
+        if !sides_fit || u64::from(width) * u64::from(height) > MOST_PIXELS {
+            return Err(ViewError::Size { width, height });
+        }
+        for (field, value) in [("fx", focal[0]), ("fy", focal[1])] {
+            if !(value.is_finite() && (1e-3..=1e9).contains(&value)) {
+                return Err(ViewError::Value {
+                    field,
+                    value,
+                    remedy: "a focal length is 0.001 to 1e9 pixels",
+                });
+            }
+        }
+        for (field, value) in [("cx", principal[0]), ("cy", principal[1])] {
+            if !(value.is_finite() && value.abs() <= 1e9) {
+                return Err(ViewError::Value {
+                    field,
+                    value,
+                    remedy: "a principal point is finite, below 1e9",
+                });
+            }
+        }
+        if !is_rigid(&camera_from_world) {
+            return Err(ViewError::Pose);
+        }
+        Ok(Self { size, focal, principal, camera_from_world })
+    }
+
+    /// What `camera` sees at a canonical frame, in a picture of `size` pixels; its intrinsics are those of pictures
+    /// of `camera_size` (the size in its `scene.json`).
+    pub fn of_camera(
+        camera: &Camera,
+        frame: u32,
+        camera_size: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Self, ViewError> {
+        let poses = camera.world_from_camera.len();
+        if poses == 0 || (poses > 1 && frame as usize >= poses) {
+            return Err(ViewError::Frame { camera: camera.name.to_string(), frame, poses });
+        }
+        let [width, height] = camera_size;
+        if width == 0 || height == 0 {
+            return Err(ViewError::Size { width, height });
+        }
+        let scale: [f64; 2] =
+            std::array::from_fn(|axis| f64::from(size[axis]) / f64::from(camera_size[axis]));
+        let columns = camera.camera_from_world(frame).to_cols_array_2d();
+        let camera_from_world = std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]));
+        Self::new(
+            size,
+            [camera.fx * scale[0], camera.fy * scale[1]],
+            [camera.cx * scale[0], camera.cy * scale[1]],
+            camera_from_world,
+        )
+    }
+
+    /// Pixels.
+    pub fn width(&self) -> u32 {
+        self.size[0]
+    }
+
+    /// Pixels.
+    pub fn height(&self) -> u32 {
+        self.size[1]
+    }
+
+    /// Number of pixels.
+    pub fn pixel_count(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// Focal lengths (x, y), pixels.
+    pub fn focal(&self) -> [f64; 2] {
+        self.focal
+    }
+
+    /// Principal point (x, y), pixels.
+    pub fn principal(&self) -> [f64; 2] {
+        self.principal
+    }
+
+    /// Upper three rows of the pose, metres.
+    pub fn camera_from_world(&self) -> [[f64; 4]; 3] {
+        self.camera_from_world
+    }
+
+    /// Rows of the rotation from world to camera axes.
+    pub fn rotation(&self) -> [[f64; 3]; 3] {
+        self.camera_from_world.map(|[x, y, z, _]| [x, y, z])
+    }
+
+    /// Where the camera stands in world axes, metres.
+    pub fn centre(&self) -> [f64; 3] {
+        let pose = &self.camera_from_world;
+        std::array::from_fn(|axis| -pose.iter().map(|row| row[axis] * row[3]).sum::<f64>())
+    }
+}
+
+fn is_rigid(pose: &[[f64; 4]; 3]) -> bool {
+    let dot = |i: usize, j: usize| (0..3).map(|axis| pose[i][axis] * pose[j][axis]).sum::<f64>();
+    let orthonormal = (0..3)
+        .all(|i| (0..3).all(|j| (dot(i, j) - f64::from(u8::from(i == j))).abs() < ORTHONORMAL_TOLERANCE));
+    let cross = |axis: usize| {
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        pose[0][a] * pose[1][b] - pose[0][b] * pose[1][a]
+    };
+    let right_handed = (0..3).map(|axis| cross(axis) * pose[2][axis]).sum::<f64>() > 0.0;
+    // Comparisons with NaN are false, so a pose that passes has a finite rotation.
+    orthonormal && right_handed && pose.iter().all(|row| row[3].is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::{Name, Split};
+
+    use super::*;
+
+    const AHEAD: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+    fn camera() -> Camera {
+        // Looks along world +X from (1, 2, 3): camera x = world -Y, camera y = world -Z.
+        let pose = [0., 0., 1., 1., -1., 0., 0., 2., 0., -1., 0., 3., 0., 0., 0., 1.];
+        Camera {
+            name: Name::new("cam00").unwrap(),
+            split: Split::Train,
+            fx: 200.0,
+            fy: 100.0,
+            cx: 64.0,
+            cy: 48.0,
+            world_from_camera: vec![pose],
+        }
+    }
+
+    #[test]
+    fn a_camera_is_scaled_to_the_size_of_the_picture() {
+        let view = View::of_camera(&camera(), 7, [128, 96], [256, 192]).unwrap();
+        assert_eq!((view.focal(), view.principal()), ([400.0, 200.0], [128.0, 96.0]));
+        assert_eq!((view.width(), view.height(), view.pixel_count()), (256, 192, 256 * 192));
+        for (axis, expected) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+            assert!((view.centre()[axis] - expected).abs() < 1e-12);
+        }
+        assert_eq!(view.rotation()[2], [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_moving_camera_has_no_frames_that_were_not_recorded() {
+        let mut moving = camera();
+        moving.world_from_camera.push(moving.world_from_camera[0]);
+        assert!(View::of_camera(&moving, 1, [128, 96], [128, 96]).is_ok());
+        let error = View::of_camera(&moving, 2, [128, 96], [128, 96]).unwrap_err();
+        assert_eq!(error.to_string(), "camera `cam00` has 2 poses, none for frame 2");
+        moving.world_from_camera.clear();
+        assert!(View::of_camera(&moving, 0, [128, 96], [128, 96]).is_err());
+    }
+
+    #[test]
+    fn views_that_cannot_be_are_refused() {
+        let with = |size, focal, pose| View::new(size, focal, [0.0, 0.0], pose);
+        assert!(with([1, 1], [1.0, 1.0], AHEAD).is_ok());
+        for size in [[0, 4], [4, 0], [1 << 16, 1], [1 << 15, 1 << 15]] {
+            assert!(matches!(with(size, [1.0, 1.0], AHEAD), Err(ViewError::Size { .. })), "{size:?}");
+        }
+        for focal in [0.0, -3.0, f64::NAN, f64::INFINITY] {
+            let error = with([4, 4], [1.0, focal], AHEAD).unwrap_err().to_string();
+            assert!(error.contains("`fy`"), "{error}");
+        }
+        let mut mirrored = AHEAD;
+        mirrored[0][0] = -1.0;
+        let mut lost = AHEAD;
+        lost[1][3] = f64::NAN;
+        for pose in [mirrored, lost, [[0.0; 4]; 3]] {
+            assert_eq!(with([4, 4], [1.0, 1.0], pose), Err(ViewError::Pose));
+        }
+        assert!(View::of_camera(&camera(), 0, [0, 96], [128, 96]).is_err());
+    }
+}

@@ -1,0 +1,218 @@
+//! Random fields against the slow reference: offsets, and gradients against central differences of the reference.
+
+use std::collections::BTreeSet;
+
+use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, Init, Offsets, TimeAxis, Trace};
+use proptest::prelude::*;
+
+use crate::fixtures::{flat, largest_difference, positions, relative_difference, small_config, small_field};
+use crate::reference::{self, Doubles, doubles};
+
+fn configs() -> impl Strategy<Value = DeformConfig> {
+    let sizes =
+        (1..6_usize, prop::array::uniform3(1..5_usize), 1..6_usize, prop::collection::vec(1..4_u32, 1..3));
+    let rest = (1..9_usize, any::<[bool; 5]>(), prop::sample::select(vec![1, 4]), any::<bool>());
+    (sizes, rest).prop_map(
+        |(
+            (channels, spatial_resolution, time_resolution, multires),
+            (width, off, sh_coefficients, whole),
+        )| {
+            let [no_dx, no_ds, no_dr, no_do, no_dshs] = off;
+            DeformConfig {
+                channels,
+                spatial_resolution,
+                time_resolution,
+                multires,
+                width,
+                no_dx,
+                no_ds,
+                no_dr,
+                no_do,
+                no_dshs,
+                sh_coefficients,
+                time_axis: if whole { TimeAxis::Whole } else { TimeAxis::Half },
+            }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn offsets_are_those_of_the_reference(
+        config in configs(),
+        seed in any::<u64>(),
+        rows in 0..4_usize,
+        place in any::<u32>(),
+        time in 0.0..=1.0_f32,
+    ) {
+        let corners = [[2.0, 0.5, 1.5], [-1.0, -0.75, -1.25]];
+        let field =
+            DeformationField::new(config.clone(), Bounds::new(corners).unwrap(), Init::Foreign, seed).unwrap();
+        let positions = positions(rows, place);
+        let offsets = field.offsets(&positions, time).unwrap();
+        let tensors = doubles(&field.tensors());
+        let mut expected: [Vec<f64>; 5] = Default::default();
+        for position in positions {
+            let row = reference::offsets(&config, &tensors, position.map(f64::from), time.into());
+            for (all, row) in expected.iter_mut().zip(row) {
+                all.extend(row);
+            }
+        }
+        for (found, expected) in flat(&offsets).into_iter().zip(&expected) {
+            prop_assert!(largest_difference(found, expected) < 1.0e-5, "{found:?} instead of {expected:?}");
+        }
+    }
+}
+
+/// What the gradients are checked on: more rows than a block has, so that sums over blocks are part of it.
+struct Problem {
+    field: DeformationField,
+    positions: Vec<[f32; 3]>,
+    time: f32,
+    upstream: Offsets,
+}
+
+impl Problem {
+    fn small() -> Self {
+        Self::new(small_config(), 600)
+    }
+
+    fn new(config: DeformConfig, rows: usize) -> Self {
+        let field = small_field(config, 11);
+        let positions = positions(rows, 5);
+        let mut upstream = Offsets::zeros(field.config(), positions.len());
+        let mut place = 0_u32;
+        let mut fill = |list: &mut [f32]| {
+            for value in list {
+                place += 1;
+                *value = (place as f32 * 0.7).sin();
+            }
+        };
+        fill(upstream.means.as_flattened_mut());
+        fill(upstream.log_scales.as_flattened_mut());
+        fill(upstream.rotations.as_flattened_mut());
+        fill(&mut upstream.opacity_logits);
+        fill(upstream.sh.as_flattened_mut());
+        Self { field, positions, time: 0.3, upstream }
+    }
+
+    /// Sum over rows of upstream gradient times offset: what the gradients are derivatives of.
+    fn loss(&self, tensors: &Doubles, positions: impl Iterator<Item = (usize, [f64; 3])>) -> f64 {
+        let upstream = flat(&self.upstream);
+        let row = |(row, position): (usize, [f64; 3])| {
+            let offsets = reference::offsets(self.field.config(), tensors, position, self.time.into());
+            let head = |(upstream, offsets): (&&[f32], &Vec<f64>)| {
+                let upstream = &upstream[row * offsets.len()..][..offsets.len()];
+                upstream.iter().zip(offsets).map(|(slope, offset)| f64::from(*slope) * offset).sum::<f64>()
+            };
+            upstream.iter().zip(&offsets).map(head).sum::<f64>()
+        };
+        positions.map(row).sum()
+    }
+
+    fn wide_positions(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
+        self.positions.iter().map(|position| position.map(f64::from)).enumerate()
+    }
+}
+
+#[test]
+fn gradients_of_parameters_are_central_differences_of_the_reference() {
+    check_parameter_gradients(&Problem::small());
+}
+
+/// The sizes that 4DGaussians trains with, where sums are long and products of planes small.
+#[test]
+fn a_field_of_full_size_is_as_exact() {
+    let mut problem = Problem::new(DeformConfig::dynerf(), 24);
+    // Planes of time begin at 1 everywhere; these differ from place to place.
+    for (place, texel) in problem.field.parameters_mut().planes.into_iter().flatten().enumerate() {
+        *texel += 0.2 * (place as f32 * 0.7).sin();
+    }
+    let offsets = problem.field.offsets(&problem.positions, problem.time).unwrap();
+    let tensors = doubles(&problem.field.tensors());
+    for (row, position) in problem.wide_positions() {
+        let expected = reference::offsets(problem.field.config(), &tensors, position, problem.time.into());
+        for (found, expected) in flat(&offsets).into_iter().zip(expected) {
+            let found = &found[row * expected.len()..][..expected.len()];
+            let difference = largest_difference(found, &expected);
+            assert!(difference < 1.0e-5, "row {row}: {difference:e}");
+        }
+    }
+    check_parameter_gradients(&problem);
+}
+
+fn check_parameter_gradients(problem: &Problem) {
+    let mut trace = Trace::default();
+    problem.field.trace(&problem.positions, problem.time, &mut trace).unwrap();
+    let mut gradients = problem.field.zero_gradients();
+    problem.field.backward(&mut trace, &problem.upstream, &mut gradients).unwrap();
+    let mut tensors = doubles(&problem.field.tensors());
+    for (name, gradient) in gradients.tensors() {
+        // A few numbers of each tensor, spread over it, and the steepest, since most texels are met by no row.
+        let count = gradient.data.len();
+        let size = |place: &usize| gradient.data[*place].abs();
+        let steepest = (0..count).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap();
+        let scale = f64::from(size(&steepest));
+        assert!(scale > 0.0, "`{name}` has no gradient");
+        for place in BTreeSet::from([0, count / 3, count / 2, count - 1, steepest]) {
+            // Steps so small that hardly any ReLU changes its side.
+            let mut side = |step: f64| {
+                let number = &mut tensors.get_mut(&name).unwrap().1[place];
+                let before = *number;
+                *number += step;
+                let loss = problem.loss(&tensors, problem.wide_positions());
+                tensors.get_mut(&name).unwrap().1[place] = before;
+                loss
+            };
+            let expected = (side(1.0e-6) - side(-1.0e-6)) / 2.0e-6;
+            let found = f64::from(gradient.data[place]);
+            let error = (found - expected).abs() / scale;
+            assert!(error < 1.0e-3, "`{name}`[{place}]: {found} instead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn gradients_of_positions_are_central_differences_of_the_reference() {
+    let problem = Problem::small();
+    let mut trace = Trace::default();
+    problem.field.trace(&problem.positions, problem.time, &mut trace).unwrap();
+    let mut gradients = problem.field.zero_gradients();
+    let found = problem.field.backward(&mut trace, &problem.upstream, &mut gradients).unwrap();
+    let tensors = doubles(&problem.field.tensors());
+    let rows: Vec<usize> = (0..600).step_by(23).collect();
+    let mut expected = Vec::new();
+    for &row in &rows {
+        for axis in 0..3 {
+            let side = |step: f64| {
+                let mut position = problem.positions[row].map(f64::from);
+                position[axis] += step;
+                problem.loss(&tensors, std::iter::once((row, position)))
+            };
+            expected.push((side(1.0e-7) - side(-1.0e-7)) / 2.0e-7);
+        }
+    }
+    let found: Vec<f32> = rows.iter().flat_map(|&row| found[row]).collect();
+    assert!(expected.iter().filter(|slope| **slope == 0.0).count() > 3, "no row lies outside the box");
+    let difference = relative_difference(&found, &expected);
+    assert!(difference < 1.0e-3, "{difference:e}");
+}
+
+#[test]
+fn gradients_add_up_over_calls_until_they_are_cleared() {
+    let problem = Problem::small();
+    let mut trace = Trace::default();
+    problem.field.trace(&problem.positions, problem.time, &mut trace).unwrap();
+    let mut once = problem.field.zero_gradients();
+    problem.field.backward(&mut trace, &problem.upstream, &mut once).unwrap();
+    let mut twice = once.clone();
+    problem.field.backward(&mut trace, &problem.upstream, &mut twice).unwrap();
+    for (name, once) in once.tensors() {
+        let doubled: Vec<f64> = once.data.iter().map(|value| 2.0 * f64::from(*value)).collect();
+        assert!(relative_difference(&twice.tensors()[&name].data, &doubled) < 1.0e-5, "`{name}`");
+    }
+    twice.clear();
+    assert_eq!(twice, problem.field.zero_gradients());
+}

@@ -1,0 +1,73 @@
+//! The same bytes on one, two and eight threads.
+
+use l4d_splat::deform::{DeformConfig, Offsets, Trace};
+use l4d_splat::optimise::{
+    Adam, AdamSettings, Group, LearningRate, PlaneWeights, Share, dssim, plane_penalty,
+};
+
+use crate::fixtures::{positions, small_field};
+
+/// Everything that a step computes, as bits.
+fn step() -> Vec<u32> {
+    let config = DeformConfig {
+        channels: 8,
+        spatial_resolution: [9, 7, 8],
+        time_resolution: 12,
+        width: 32,
+        ..DeformConfig::dynerf()
+    };
+    let mut field = small_field(config, 1);
+    // Not a whole number of blocks, and more blocks than lists of partial sums.
+    let positions = positions(17 * 256 + 33, 4);
+    let mut trace = Trace::default();
+    let offsets = field.trace(&positions, 0.61, &mut trace).unwrap();
+    let mut gradients = field.zero_gradients();
+    let slopes = field.backward(&mut trace, &offsets, &mut gradients).unwrap();
+    let penalty = plane_penalty(&field, &PlaneWeights::default(), &mut gradients).unwrap();
+    let rate = LearningRate::constant(1.0e-2).unwrap();
+    let lists = gradients.lists();
+    let lengths = |lists: &[&[f32]]| lists.iter().map(|list| list.len()).collect::<Vec<_>>();
+    let groups = vec![
+        Group::new("planes", rate, &lengths(&lists.planes)),
+        Group::new("layers", rate, &lengths(&lists.layers)),
+    ];
+    let mut adam = Adam { settings: AdamSettings::default(), groups };
+    let parameters = field.parameters_mut();
+    let shares = vec![
+        Share { parameters: parameters.planes, gradients: lists.planes },
+        Share { parameters: parameters.layers, gradients: lists.layers },
+    ];
+    adam.step(1, shares).unwrap();
+    let picture: Vec<f32> = slopes.as_flattened().iter().take(3 * 60 * 40).copied().collect();
+    let target = vec![0.5; picture.len()];
+    let mut picture_gradient = vec![0.0; picture.len()];
+    let similarity = dssim(&picture, &target, 60, 3, 1.0, &mut picture_gradient).unwrap();
+
+    let bits = |list: &[f32]| list.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    let Offsets { means, log_scales, rotations, opacity_logits, sh } = &offsets;
+    let mut all = bits(means.as_flattened());
+    all.extend(bits(log_scales.as_flattened()));
+    all.extend(bits(rotations.as_flattened()));
+    all.extend(bits(opacity_logits));
+    all.extend(bits(sh.as_flattened()));
+    all.extend(bits(slopes.as_flattened()));
+    all.extend(bits(&picture_gradient));
+    for value in [similarity, penalty.space, penalty.time, penalty.stillness] {
+        all.extend([value.to_bits() as u32, (value.to_bits() >> 32) as u32]);
+    }
+    for tensor in gradients.tensors().values().chain(field.tensors().values()) {
+        all.extend(bits(&tensor.data));
+    }
+    all
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let [one, two, eight] = [1, 2, 8].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(step)
+    });
+    assert!(one.len() > 300_000);
+    assert_eq!(one, two);
+    assert_eq!(one, eight);
+}
