@@ -13,7 +13,10 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     ),
     ("l4d-frames", &["l4d-query", "l4d-score", "l4d-board", "polars", "plotters"]),
     ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
-    ("l4d-score", &["l4d-query", "l4d-votes", "l4d-board", "exr", "polars", "plotters", "ratatui", "ureq"]),
+    (
+        "l4d-score",
+        &["l4d-query", "l4d-votes", "l4d-board", "l4d-gpu", "exr", "polars", "plotters", "ratatui", "ureq"],
+    ),
     ("l4d-board", &["l4d-query", "l4d-votes", "exr", "ratatui", "ureq"]),
     (
         "l4d-votes",
@@ -53,6 +56,22 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
         "l4d-propose",
         &["l4d-votes", "l4d-annotate", "l4d-score", "l4d-board", "polars", "plotters", "ratatui"],
     ),
+    ("l4d-splat", &["l4d-gpu", "wgpu"]),
+    (
+        "l4d-gpu",
+        &[
+            "l4d-query",
+            "l4d-votes",
+            "l4d-annotate",
+            "l4d-endpoint",
+            "l4d-score",
+            "l4d-board",
+            "polars",
+            "plotters",
+            "ratatui",
+            "ureq",
+        ],
+    ),
 ];
 
 /// (heavy dependency, the crates that may name it)
@@ -64,6 +83,7 @@ const QUARANTINE: &[(&str, &[&str])] = &[
     ("ratatui", &["l4d-annotate"]),
     ("ratatui-image", &["l4d-annotate"]),
     ("ureq", &["l4d-endpoint"]),
+    ("wgpu", &["l4d-gpu"]),
 ];
 
 #[test]

@@ -1,0 +1,132 @@
+// Gaussians through the lens: where each lies on the picture plane, which tiles it covers, its key of depth.
+struct Part {
+    // Gaussians of this dispatch; `sh` starts with the first of them.
+    first: u32,
+    end: u32,
+}
+
+@group(0) @binding(0) var<uniform> part: Part;
+@group(0) @binding(1) var<uniform> scene: Scene;
+@group(0) @binding(2) var<storage, read> bodies: array<Body>;
+@group(0) @binding(3) var<storage, read> sh: array<f32>;
+// Along the optical axis, metres; 0 for what is not in front of the near plane. They come from outside, rounded
+// from f64, so that the order is the same everywhere.
+@group(0) @binding(4) var<storage, read> depths: array<f32>;
+@group(0) @binding(5) var<storage, read_write> footprints: array<Footprint>;
+// Tiles: first and end column, first and end row, 16 bits each.
+@group(0) @binding(6) var<storage, read_write> rects: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> keys: array<u32>;
+@group(0) @binding(8) var<storage, read_write> order: array<u32>;
+// The first Gaussian that overflows, times 4, plus what overflows.
+@group(0) @binding(9) var<storage, read_write> complaint: atomic<u32>;
+
+const MEANS: u32 = 0u;
+const SCALES: u32 = 1u;
+const SH: u32 = 2u;
+
+// By bits: a compiler may assume that no number is infinite.
+fn finite(value: f32) -> bool {
+    return (bitcast<u32>(value) & 0x7f800000u) != 0x7f800000u;
+}
+
+fn complain(index: u32, about: u32) {
+    atomicMin(&complaint, index * 4u + about);
+}
+
+// Display colour in the direction from the camera, not clamped.
+fn shade(index: u32, offset: vec3<f32>) -> vec3<f32> {
+    let values = basis(direction_of(offset).xyz);
+    let count = coefficients();
+    let first = (index - part.first) * count * 3u;
+    var sum = vec3(0.5);
+    for (var k = 0u; k < count; k++) {
+        let at = first + k * 3u;
+        sum += values[k] * vec3(sh[at], sh[at + 1u], sh[at + 2u]);
+    }
+    return sum;
+}
+
+// Tile in which a coordinate lies, along x and y; held to the picture.
+fn tile_at(edge: vec2<f32>) -> vec2<u32> {
+    return vec2<u32>(clamp(floor(edge / f32(TILE)), vec2(0.0), vec2<f32>(scene.tiles)));
+}
+
+@compute @workgroup_size(LANES)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let index = part.first + index_of(group, groups) * LANES + lane;
+    if (index >= part.end) {
+        return;
+    }
+    order[index] = index;
+    keys[index] = scene.hidden_key;
+    rects[index] = vec2(0u);
+    footprints[index] = Footprint(vec2(0.0), vec2(0.0), 0.0, 0.0, 0.0, 0.0, vec3(0.0));
+
+    let body = bodies[index];
+    let depth = depths[index];
+    if (depth <= 0.0 || body.opacity < scene.alpha_min) {
+        return;
+    }
+    let sight = see(body, depth);
+    let mean = scene.focal * sight.point.xy / depth + scene.principal;
+    if (!(finite(mean.x) && finite(mean.y))) {
+        complain(index, MEANS);
+        return;
+    }
+
+    // Covariance in square units. Its determinant is a sum of squares, where xx yy - xy^2 would cancel.
+    let xx = dot(sight.first_scaled, sight.first_scaled);
+    let xy = dot(sight.first_scaled, sight.second_scaled);
+    let yy = dot(sight.second_scaled, sight.second_scaled);
+    let variance = vec2(xx, yy) + sight.blur;
+    let area = cross(sight.first_scaled, sight.second_scaled);
+    let determinant = dot(area, area) + sight.blur * (xx + yy) + sight.blur * sight.blur;
+    let across = sqrt(WHITE * (variance.y / determinant)) / sight.unit;
+    let down = sqrt(WHITE / variance.y) / sight.unit;
+
+    let middle = 0.5 * (variance.x + variance.y);
+    let difference = 0.5 * (variance.x - variance.y);
+    let roundest = 0.1 / sight.unit / sight.unit / sight.unit / sight.unit;
+    let spread = sqrt(max(difference * difference + xy * xy, roundest));
+    let radius = ceil(scene.sigmas * sqrt(middle + spread) * sight.unit);
+    if (!(finite(across) && finite(down) && finite(radius)) || determinant <= 0.0) {
+        complain(index, SCALES);
+        return;
+    }
+
+    let least = tile_at(mean - radius);
+    let most = tile_at(mean + radius + f32(TILE - 1u));
+    if (least.x >= most.x || least.y >= most.y) {
+        return;
+    }
+    let raw = shade(index, sight.offset);
+    if (!(finite(raw.x) && finite(raw.y) && finite(raw.z))) {
+        complain(index, SH);
+        return;
+    }
+    footprints[index] = Footprint(
+        mean,
+        vec2(across, -xy / variance.y * across),
+        down,
+        body.opacity,
+        depth,
+        radius,
+        max(raw, vec3(0.0)),
+    );
+    keys[index] = bitcast<u32>(depth) - scene.depth_base;
+
+    // Of the tiles of that square only those matter that touch the box around the ellipse outside of which alpha is
+    // too small; a little more, for rounding.
+    let reach = max(log2(body.opacity) + scene.span, 0.0);
+    let half = sqrt(variance * (reach / WHITE)) * sight.unit;
+    let margin = 0.01 + 1e-5 * (abs(mean) + half);
+    let first = max(least, tile_at(mean - half - margin));
+    let end = min(most, tile_at(mean + half + margin + f32(TILE)));
+    if (first.x < end.x && first.y < end.y) {
+        rects[index] = first | (end << vec2(16u));
+    }
+}
