@@ -12,4 +12,6 @@ mod queries;
 mod results;
 mod scenes;
 mod score;
+mod splats;
+mod splats_render;
 mod support;

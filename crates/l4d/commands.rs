@@ -1,6 +1,7 @@
 //! One file per verb; each is a function from its arguments to an exit status.
 
 mod baseline;
+mod bench;
 mod build_scenes;
 mod check_queries;
 mod check_results;
@@ -13,9 +14,11 @@ mod open_round;
 mod propose_prompts;
 mod propose_scenes;
 mod quickstart;
+mod render_splats;
 mod score;
 mod sheet;
 mod stats;
+mod train_splats;
 mod verdict;
 mod verify_prompts;
 
@@ -40,9 +43,12 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::OpenRound(args) => open_round::run(args, out),
         Command::VerifyPrompts(args) => verify_prompts::run(args, out),
         Command::Verdict(args) => verdict::run(args, out),
+        Command::TrainSplats(args) => train_splats::run(args, out),
+        Command::RenderSplats(args) => render_splats::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),
         Command::Leaderboard(args) => leaderboard::run(args, out),
+        Command::Bench(command) => bench::run(command, out),
     }
 }

@@ -4,6 +4,7 @@ mod blender;
 mod cli;
 mod commands;
 mod out;
+mod rasterizer;
 
 use std::process::ExitCode;
 

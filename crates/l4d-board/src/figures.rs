@@ -8,12 +8,14 @@ mod lettering;
 mod metrics;
 mod multiples;
 mod paint;
+mod pareto;
 mod place;
 mod time;
 
 pub(crate) use drawing::Drawing;
 pub(crate) use multiples::draw as chart;
 pub(crate) use paint::{png, svg};
+pub(crate) use pareto::draw as tradeoff;
 
 use crate::rank::Board;
 use crate::row::BoardRow;

@@ -16,6 +16,7 @@ mod rank;
 mod row;
 mod table;
 mod terminal;
+mod tradeoff;
 
 #[cfg(test)]
 mod sample;
@@ -27,3 +28,4 @@ pub use publish::publish;
 pub use rank::{Board, OtherBoard, Ranked, Unranked};
 pub use row::{BoardRow, Heading, Metric};
 pub use terminal::text_table;
+pub use tradeoff::{TradePoint, Tradeoff, front, publish_tradeoff};

@@ -3,6 +3,8 @@
 //! Nothing else is read: a file that any other layout would describe better was not written by l4d, and
 //! guessing would hide that. Sizes are checked against the expected ones before anything is allocated.
 
+mod depth;
+
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -20,6 +22,8 @@ use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
 
 use crate::frame::{Frame, Surfaces};
+
+pub use depth::{decode_depth, encode_depth};
 
 /// Name and sample type of the channels, in file order (the format sorts them by name).
 const CHANNELS: [(&str, SampleType); 5] = [

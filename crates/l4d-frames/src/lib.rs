@@ -6,6 +6,7 @@
 //! feature `exr`, so that the judge can use the masks without linking a decoder of renders.
 
 pub mod display;
+pub mod drawn;
 pub mod frame;
 pub mod mask;
 pub mod png;
@@ -29,6 +30,8 @@ mod fake;
 pub mod geometry;
 #[cfg(feature = "exr")]
 pub mod overlay;
+#[cfg(feature = "exr")]
+pub mod preview;
 #[cfg(feature = "exr")]
 pub mod sheet;
 #[cfg(feature = "exr")]

@@ -1,6 +1,6 @@
 //! `l4d doctor`: one line for each thing that a stage needs, with the remedy where it lacks.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::Benchmark;
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let mut lines = python_lines(args);
     lines.push(benchmark_line());
-    lines.push(vulkan_line());
+    lines.push(adapter_line());
     lines.push(terminal_line());
     lines.push(cores_line());
     lines.push(disk_line(&args.python.work));
@@ -130,32 +130,15 @@ fn benchmark_line() -> Line {
     }
 }
 
-/// Looks for the loader and a driver; which adapter answers is only known once something is drawn with it.
-fn vulkan_line() -> Line {
-    let drivers: Vec<String> =
-        ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"]
-            .into_iter()
-            .filter_map(|folder| l4d_data::store::list_folder(Path::new(folder)).ok())
-            .flatten()
-            .filter_map(|name| name.strip_suffix(".json").map(str::to_owned))
-            .collect();
-    let remedy = "not needed yet; for the GPU rasterizer install a driver (software: apt-get install mesa-vulkan-drivers libvulkan1)";
-    match (vulkan_loader(), drivers.is_empty()) {
-        (Some(_), false) => Line::ok("vulkan", format!("drivers: {}", drivers.join(", "))),
-        (None, false) => Line::lacking("vulkan", State::Optional, "drivers, but no loader", remedy),
-        (_, true) => Line::lacking("vulkan", State::Optional, "no driver", remedy),
+/// What the GPU rasterizer can draw with, under the numbers that `--adapter` takes; the best first.
+fn adapter_line() -> Line {
+    let found = l4d_gpu::adapters();
+    if found.is_empty() {
+        let remedy = "the processor draws instead; to use graphics hardware install its Vulkan driver (in software: apt-get install mesa-vulkan-drivers)";
+        return Line::lacking("gpu", State::Optional, "no Vulkan adapter", remedy);
     }
-}
-
-fn vulkan_loader() -> Option<PathBuf> {
-    let folders = [
-        "/usr/lib/x86_64-linux-gnu",
-        "/usr/lib/aarch64-linux-gnu",
-        "/usr/lib64",
-        "/usr/lib",
-        "/usr/local/lib",
-    ];
-    folders.into_iter().map(|folder| Path::new(folder).join("libvulkan.so.1")).find(|path| path.exists())
+    let numbered = |(place, adapter): (usize, &l4d_gpu::AdapterReport)| format!("{place}: {adapter}");
+    Line::ok("gpu", found.iter().enumerate().map(numbered).collect::<Vec<_>>().join("; "))
 }
 
 fn terminal_line() -> Line {

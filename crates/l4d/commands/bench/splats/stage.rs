@@ -1,0 +1,184 @@
+//! What is looked at: a trained scene with its held-out pictures, or a made-up room.
+
+use std::path::Path;
+
+use anyhow::Result;
+use glam::UVec2;
+use l4d_data::layout::SceneDir;
+use l4d_data::scene::Scene;
+use l4d_data::{Camera, Name, Split};
+use l4d_frames::Display;
+use l4d_frames::exr::read_frame;
+use l4d_splat::Model;
+use l4d_splat::clip::Moment;
+use l4d_splat::model::time_of_frame;
+use l4d_splat::source::Source;
+use l4d_splat::synthetic::Room;
+use l4d_splat::view::View;
+
+use crate::cli::BenchSplatsArgs;
+
+/// Frames of the made-up room.
+const ROOM_FRAMES: u32 = 25;
+/// Times at which it is asked how much each Gaussian shows.
+const RANKING_TIMES: usize = 7;
+
+/// Which picture is meant: camera and time by index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Key {
+    pub(super) camera: usize,
+    pub(super) time: usize,
+}
+
+#[derive(Debug)]
+pub(super) struct Stage {
+    /// One line about what is drawn.
+    pub(super) about: String,
+    pub(super) model: Model,
+    /// The held-out one first.
+    cameras: Vec<Camera>,
+    /// All those that a model may know.
+    training: Vec<Camera>,
+    camera_size: [u32; 2],
+    /// Of the pictures, pixels.
+    pub(super) size: [u32; 2],
+    /// Canonical frames at which it is looked at.
+    frames: Vec<u32>,
+    /// Canonical frames at which motion is followed.
+    all_frames: Vec<u32>,
+    /// What the held-out camera saw, display bytes, one a frame; none for a made-up room.
+    pub(super) seen: Option<Vec<Vec<u8>>>,
+}
+
+impl Stage {
+    pub(super) fn set(args: &BenchSplatsArgs) -> Result<Self> {
+        match &args.scene {
+            Some(scene) => Self::of_scene(args, &Name::new(scene)?),
+            None => Self::of_room(args),
+        }
+    }
+
+    fn of_scene(args: &BenchSplatsArgs, name: &Name) -> Result<Self> {
+        let profile = args.profile;
+        let data = args.data.clone().unwrap_or_else(|| Path::new("data").join(profile.as_str()));
+        let dir = SceneDir::new(&data, name);
+        let scene = Scene::read(&dir.scene())?;
+        let default = || args.work.join(profile.as_str()).join(name.as_str()).join("splats");
+        let source = Source::open(&args.model.clone().unwrap_or_else(default))?;
+        let all_frames: Vec<u32> = profile.frames().collect();
+        let frames = evenly(&all_frames, args.times as usize);
+        let held_out = scene.cameras.iter().filter(|camera| camera.split == Split::Test);
+        let training: Vec<Camera> =
+            scene.cameras.iter().filter(|camera| camera.split == Split::Train).cloned().collect();
+        let cameras: Vec<Camera> =
+            held_out.cloned().chain(evenly(&training, args.views as usize - 1)).collect();
+        let size = [scene.width, scene.height];
+        let display = Display::new(scene.exposure);
+        let seen = |frame: &u32| {
+            let held_out = &cameras.first().map_or("", |camera| camera.name.as_str());
+            let picture = read_frame(&dir.frame(held_out, *frame), UVec2::from_array(size))?;
+            Ok(display.picture(&picture).into_raw())
+        };
+        Ok(Self {
+            about: about(
+                &format!("{name}, profile {profile}"),
+                &source.model,
+                size,
+                cameras.len() * frames.len(),
+            ),
+            seen: Some(frames.iter().map(seen).collect::<Result<_>>()?),
+            model: source.model,
+            camera_size: size,
+            size,
+            all_frames,
+            frames,
+            cameras,
+            training,
+        })
+    }
+
+    fn of_room(args: &BenchSplatsArgs) -> Result<Self> {
+        let room = Room { gaussians: args.gaussians as usize, ..Room::ordinary(args.seed) };
+        let model = room.model()?;
+        let all_cameras = room.cameras()?;
+        // The held-out one is the last.
+        let all_cameras: Vec<Camera> = all_cameras.into_iter().rev().collect();
+        let cameras = evenly(&all_cameras, args.views as usize);
+        let size = args.size.map_or(room.camera_size(), |size| size.0);
+        let all_frames: Vec<u32> = (0..ROOM_FRAMES).map(|index| index * 96 / (ROOM_FRAMES - 1)).collect();
+        let frames = evenly(&all_frames, args.times as usize);
+        let pictures = cameras.len() * frames.len();
+        Ok(Self {
+            about: about(&format!("a made-up room, seed {}", args.seed), &model, size, pictures),
+            model,
+            camera_size: room.camera_size(),
+            size,
+            all_frames,
+            frames,
+            training: all_cameras.into_iter().skip(1).collect(),
+            cameras,
+            seen: None,
+        })
+    }
+
+    /// All pictures, in a size.
+    pub(super) fn moments(&self, size: [u32; 2]) -> Result<Vec<Moment<Key>>> {
+        self.moments_of(&self.cameras, &self.frames, size)
+    }
+
+    /// Small pictures from all training cameras at some times, in which it shows who matters.
+    pub(super) fn training_moments(&self) -> Result<Vec<Moment<Key>>> {
+        let size = self.size.map(|side| side.div_ceil(2));
+        self.moments_of(&self.training, &evenly(&self.all_frames, RANKING_TIMES), size)
+    }
+
+    fn moments_of(&self, cameras: &[Camera], frames: &[u32], size: [u32; 2]) -> Result<Vec<Moment<Key>>> {
+        let moment = |(time, &frame): (usize, &u32)| {
+            let view = |(camera, from): (usize, &Camera)| {
+                Ok((Key { camera, time }, View::of_camera(from, frame, self.camera_size, size)?))
+            };
+            let views = cameras.iter().enumerate().map(view).collect::<Result<_>>()?;
+            Ok(Moment { time: time_of_frame(frame), views })
+        };
+        frames.iter().enumerate().map(moment).collect()
+    }
+
+    /// All times of the clip, from 0 to 1.
+    pub(super) fn all_times(&self) -> Vec<f32> {
+        self.all_frames.iter().copied().map(time_of_frame).collect()
+    }
+
+    /// Place of a picture in a list of all.
+    pub(super) fn place(&self, key: Key) -> usize {
+        key.time * self.cameras.len() + key.camera
+    }
+}
+
+fn about(what: &str, model: &Model, [width, height]: [u32; 2], pictures: usize) -> String {
+    format!(
+        "{what}: {} Gaussians, {} of them dynamic, degree {}; {pictures} pictures of {width} x {height}",
+        model.gaussians.len(),
+        model.dynamic.len(),
+        model.gaussians.sh_degree.get()
+    )
+}
+
+/// So many of a list, from its first to its last.
+fn evenly<T: Clone>(list: &[T], count: usize) -> Vec<T> {
+    let count = count.min(list.len());
+    let steps = count.saturating_sub(1).max(1);
+    (0..count).filter_map(|index| list.get(index * list.len().saturating_sub(1) / steps).cloned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_list_reaches_from_end_to_end() {
+        assert_eq!(evenly(&[0, 1, 2, 3, 4, 5, 6, 7, 8], 3), [0, 4, 8]);
+        assert_eq!(evenly(&[5, 6], 4), [5, 6]);
+        assert_eq!(evenly(&[5, 6], 1), [5]);
+        assert!(evenly::<u8>(&[], 3).is_empty() && evenly(&[1], 0).is_empty());
+    }
+}

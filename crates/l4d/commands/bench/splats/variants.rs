@@ -1,0 +1,247 @@
+//! The ways of drawing that are compared. Each changes one thing of the model as it is, those of the last sweep several.
+
+use anyhow::Result;
+use l4d_gpu::{AdapterChoice, Gpu};
+use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer};
+use l4d_splat::reduce::{
+    HalfPart, Motion, keep, stored_bytes, strongest, through_f16, weights, with_sh_degree,
+};
+use l4d_splat::{Model, ShDegree};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::stage::Stage;
+use crate::cli::SweepArg;
+
+/// Shares of the Gaussians that are kept, percent.
+const COUNTS: [usize; 6] = [90, 75, 60, 45, 30, 15];
+/// Thresholds of alpha, as parts of 255.
+const ALPHAS: [f32; 6] = [0.25, 2.0, 4.0, 8.0, 16.0, 32.0];
+const TRANSMITTANCES: [f32; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
+/// Motion below which a Gaussian is frozen, metres.
+const STILL_M: [f32; 6] = [0.001, 0.003, 0.01, 0.03, 0.1, f32::INFINITY];
+/// Sides of drawn pictures, percent.
+const SIDES: [u32; 4] = [75, 50, 35, 25];
+
+/// Everything that draws.
+pub(super) struct Machines {
+    list: Vec<Machine>,
+}
+
+struct Machine {
+    /// In figures.
+    label: String,
+    /// In full.
+    name: String,
+    rasterizer: Box<dyn Rasterizer>,
+    /// Threads that it may use; none for all.
+    pool: Option<ThreadPool>,
+}
+
+impl Machines {
+    /// The processor at its best, with what every machine of its kind can do, on one thread; then the adapters.
+    pub(super) fn open(adapters: &[String]) -> Result<Self> {
+        let processor = |cpu: Cpu, pool: Option<ThreadPool>| {
+            let threads =
+                pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
+            let name = format!("{}, {threads} thread{}", cpu.name(), if threads == 1 { "" } else { "s" });
+            Machine { label: name.clone(), name, rasterizer: Box::new(cpu), pool }
+        };
+        let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
+        let mut list = vec![
+            processor(Cpu::new(), None),
+            processor(Cpu::portable(), None),
+            processor(Cpu::new(), Some(alone)),
+        ];
+        for adapter in adapters {
+            let choice: AdapterChoice = adapter.parse()?;
+            let gpu = Gpu::open(&choice)?;
+            let label = format!("wgpu, {}", gpu.adapter().name.split(" (").next().unwrap_or_default());
+            list.push(Machine { label, name: gpu.name(), rasterizer: Box::new(gpu), pool: None });
+        }
+        Ok(Self { list })
+    }
+
+    pub(super) fn rasterizer(&self, machine: usize) -> &dyn Rasterizer {
+        self.list[machine].rasterizer.as_ref()
+    }
+
+    pub(super) fn pool(&self, machine: usize) -> Option<&ThreadPool> {
+        self.list[machine].pool.as_ref()
+    }
+
+    /// What it is, for people.
+    pub(super) fn name(&self, machine: usize) -> String {
+        self.list[machine].name.clone()
+    }
+
+    fn others(&self) -> std::ops::Range<usize> {
+        1..self.list.len()
+    }
+}
+
+/// One way of drawing.
+pub(super) struct Variant {
+    pub(super) sweep: &'static str,
+    pub(super) setting: String,
+    pub(super) model: Model,
+    pub(super) settings: RasterSettings,
+    /// Motion below which Gaussians were frozen, metres.
+    pub(super) still_below_m: f32,
+    /// Of the drawn pictures, pixels.
+    pub(super) size: [u32; 2],
+    pub(super) stored: &'static str,
+    pub(super) bytes: u64,
+    pub(super) machine: usize,
+}
+
+/// Name of the first row, against which the others stand.
+pub(super) const BASE: &str = "as it is";
+
+/// All variants of the chosen sweeps (all if none are named), the model as it is first.
+pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], machines: &Machines) -> Result<Vec<Variant>> {
+    let wants = |sweep: SweepArg| sweeps.is_empty() || sweeps.contains(&sweep);
+    let mut list = vec![plain(stage, BASE, BASE.to_owned())];
+    let ranked = Ranked::of(stage, machines)?;
+    if wants(SweepArg::Count) {
+        list.extend(COUNTS.map(|percent| {
+            let name = format!("{percent} % of the Gaussians");
+            with_model(plain(stage, "fewer Gaussians", name), ranked.kept(&stage.model, percent))
+        }));
+    }
+    if wants(SweepArg::Degree) {
+        for degree in (0..stage.model.gaussians.sh_degree.get()).rev() {
+            let model = with_sh_degree(&stage.model, ShDegree::new(degree).unwrap_or_default())?;
+            list.push(with_model(plain(stage, "lower degree", format!("degree {degree}")), model));
+        }
+    }
+    if wants(SweepArg::Cutoffs) {
+        list.extend(ALPHAS.map(|parts| {
+            let name = format!("alpha from {parts}/255");
+            with_cutoffs(plain(stage, "alpha cutoff", name), parts / 255.0, None)
+        }));
+        list.extend(TRANSMITTANCES.map(|least| {
+            let variant = plain(stage, "transmittance stop", format!("stop at {least}"));
+            with_cutoffs(variant, RasterSettings::default().alpha_min, Some(least))
+        }));
+    }
+    let motion = Motion::of(&stage.model, &stage.all_times())?;
+    if wants(SweepArg::Static) && !stage.model.dynamic.is_empty() {
+        for below_m in STILL_M {
+            let name = if below_m.is_finite() {
+                format!("still below {} mm", (below_m * 1000.0).round())
+            } else {
+                "nothing moves".to_owned()
+            };
+            let model = motion.freeze(&stage.model, below_m)?;
+            let variant = with_model(plain(stage, "frozen motion", name), model);
+            list.push(Variant { still_below_m: below_m, ..variant });
+        }
+    }
+    if wants(SweepArg::Resolution) {
+        list.extend(SIDES.map(|percent| {
+            let size = scaled(stage.size, percent);
+            Variant { size, ..plain(stage, "smaller pictures", format!("{percent} % of the side")) }
+        }));
+    }
+    if wants(SweepArg::F16) {
+        let parts = [
+            (HalfPart::Harmonics, "f16: harmonics"),
+            (HalfPart::AllButCentres, "f16: all but centres"),
+            (HalfPart::Everything, "f16: everything"),
+        ];
+        list.extend(parts.map(|(part, stored)| {
+            let model = through_f16(&stage.model, part);
+            let bytes = stored_bytes(&model, Some(part));
+            let variant = with_model(plain(stage, "f16 storage", stored.to_owned()), model);
+            Variant { stored, bytes, ..variant }
+        }));
+    }
+    if wants(SweepArg::Rasterizer) {
+        list.extend(machines.others().map(|machine| Variant {
+            machine,
+            ..plain(stage, "other machinery", machines.list[machine].label.clone())
+        }));
+    }
+    if wants(SweepArg::Together) {
+        list.extend(together(stage, &ranked, &motion)?);
+    }
+    Ok(list)
+}
+
+/// Several reductions at once, from careful to rough.
+fn together(stage: &Stage, ranked: &Ranked, motion: &Motion) -> Result<Vec<Variant>> {
+    let step = |percent, below_m, parts, least, side| Step { percent, below_m, parts, least, side };
+    let steps = [
+        step(100, 0.003, 4.0_f32, 1e-3_f32, 100_u32),
+        step(100, 0.01, 8.0, 1e-3, 75),
+        step(95, 0.01, 8.0, 1e-3, 50),
+        step(90, 0.03, 16.0, 1e-2, 35),
+    ];
+    let variant = |step: Step| {
+        let model = ranked.kept(&motion.freeze(&stage.model, step.below_m)?, step.percent);
+        let Step { percent, below_m, parts, least, side } = step;
+        let name = format!("{percent} %, {} mm, {parts}/255, side {side} %", (below_m * 1000.0).round());
+        let variant = with_model(plain(stage, "several at once", name), model);
+        let size = scaled(stage.size, side);
+        Ok(Variant { still_below_m: below_m, size, ..with_cutoffs(variant, parts / 255.0, Some(least)) })
+    };
+    steps.into_iter().map(variant).collect()
+}
+
+/// How far each reduction goes in a row of several.
+struct Step {
+    /// Of the Gaussians.
+    percent: usize,
+    /// Motion that is frozen, metres.
+    below_m: f32,
+    /// Smallest alpha, parts of 255.
+    parts: f32,
+    /// Transmittance at which a pixel is finished.
+    least: f32,
+    /// Of the pictures, percent.
+    side: u32,
+}
+
+fn scaled(size: [u32; 2], percent: u32) -> [u32; 2] {
+    size.map(|side| (side * percent / 100).max(1))
+}
+
+fn plain(stage: &Stage, sweep: &'static str, setting: String) -> Variant {
+    Variant {
+        sweep,
+        setting,
+        model: stage.model.clone(),
+        settings: RasterSettings::default(),
+        still_below_m: 0.0,
+        size: stage.size,
+        stored: "f32",
+        bytes: stored_bytes(&stage.model, None),
+        machine: 0,
+    }
+}
+
+fn with_model(variant: Variant, model: Model) -> Variant {
+    Variant { bytes: stored_bytes(&model, None), model, ..variant }
+}
+
+fn with_cutoffs(variant: Variant, alpha_min: f32, transmittance_min: Option<f32>) -> Variant {
+    let transmittance_min = transmittance_min.unwrap_or(variant.settings.transmittance_min);
+    Variant { settings: RasterSettings { alpha_min, transmittance_min, ..variant.settings }, ..variant }
+}
+
+/// How much each Gaussian shows from where training looks.
+struct Ranked {
+    weights: Vec<f64>,
+}
+
+impl Ranked {
+    fn of(stage: &Stage, machines: &Machines) -> Result<Self> {
+        let moments = stage.training_moments()?;
+        let weights = weights(&stage.model, machines.rasterizer(0), &RasterSettings::default(), &moments)?;
+        Ok(Self { weights })
+    }
+
+    fn kept(&self, model: &Model, percent: usize) -> Model {
+        keep(model, &strongest(&self.weights, self.weights.len() * percent / 100))
+    }
+}

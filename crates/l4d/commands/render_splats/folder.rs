@@ -1,0 +1,313 @@
+//! The folder of clips: one file a picture, and a manifest that says of what they are.
+//!
+//! The manifest comes first and says how everything in the folder was drawn; a file that stands there under its final
+//! name is whole, so that a run that was killed goes on where it stopped.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use glam::UVec2;
+use l4d_data::digest::sha256_hex;
+use l4d_data::error::inert;
+use l4d_data::store::{list_folder, read_bounded};
+use l4d_data::{Camera, DataError, Name, json};
+use l4d_frames::drawn::{self, DepthMap, decode_colour, decode_depth_png, encode_colour, picture_of};
+use l4d_frames::exr::{decode_depth, encode_depth};
+use l4d_frames::preview::Cell;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::plan::{Instant, Plan, Shot};
+use super::writers::Sheet;
+use crate::cli::{DepthArg, DepthFormatArg};
+use crate::out::refusal;
+
+const SCHEMA: &str = "l4d/clips/1";
+/// No file of a picture is larger, bytes.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// What every picture of the folder has in common.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Look {
+    pub(super) model: ModelEntry,
+    pub(super) rasterizer: String,
+    /// Graphics adapter; null for the processor.
+    pub(super) adapter: Option<Value>,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) background: [f32; 3],
+    pub(super) depth: DepthEntry,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModelEntry {
+    pub(super) family: String,
+    /// Scene that it was trained on, where it says so.
+    pub(super) scene: Option<Name>,
+    pub(super) gaussians: usize,
+    pub(super) dynamic: usize,
+    /// SHA-256 of the files of the model.
+    pub(super) inputs: BTreeMap<String, String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DepthEntry {
+    kind: String,
+    format: String,
+    /// Metres of a unit of the file.
+    unit_m: f64,
+}
+
+impl DepthEntry {
+    pub(super) fn new(kind: DepthArg, format: DepthFormatArg) -> Self {
+        let kind = match kind {
+            DepthArg::Median => "median",
+            DepthArg::Expected => "expected",
+            DepthArg::Sum => "sum",
+        };
+        let (format, unit_m) = match format {
+            DepthFormatArg::Exr => ("exr", 1.0),
+            DepthFormatArg::Png => ("png", 0.001),
+        };
+        Self { kind: kind.to_owned(), format: format.to_owned(), unit_m }
+    }
+
+    fn is_exr(&self) -> bool {
+        self.format == "exr"
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    schema: String,
+    /// How all of it was drawn.
+    drawn: Look,
+    views: BTreeMap<Name, ViewEntry>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ViewEntry {
+    /// Its numbers belong to pictures of the drawn size.
+    camera: Camera,
+    /// File stem -> what was drawn.
+    pictures: BTreeMap<String, FrameEntry>,
+}
+
+/// One picture: its time and the SHA-256 of its files.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrameEntry {
+    time: f32,
+    colour: String,
+    depth: String,
+}
+
+#[derive(Debug)]
+pub(super) struct ClipsFolder {
+    root: PathBuf,
+    manifest: Manifest,
+    /// Whether pictures that stand there were drawn as these are to be.
+    is_continued: bool,
+}
+
+impl ClipsFolder {
+    /// Takes the folder for clips of this look: goes on with what stands there, or begins.
+    pub(super) fn claim(root: PathBuf, look: Look, plan: &Plan, overwrite: bool) -> Result<Self> {
+        let path = root.join("manifest.json");
+        let before = if path.exists() { Some(read_manifest(&path)?) } else { None };
+        let mut views = BTreeMap::new();
+        let mut differs = before.as_ref().and_then(|before| difference(&before.drawn, &look));
+        for view in 0..plan.cameras.len() {
+            let camera = plan.drawn_camera(view);
+            let known = before.as_ref().and_then(|before| before.views.get(&camera.name));
+            if known.is_some_and(|known| known.camera != camera) {
+                differs = differs.or(Some(format!("camera {}", camera.name)));
+            }
+            views.insert(camera.name.clone(), ViewEntry { camera, pictures: BTreeMap::new() });
+        }
+        if let Some(what) = differs.filter(|_| !overwrite) {
+            return Err(refusal(
+                format!("{}: holds clips with another {what}", root.display()),
+                "choose another --out, or replace them with --overwrite",
+            ));
+        }
+        let is_continued = before.is_some() && !overwrite;
+        if is_continued {
+            for (name, view) in before.into_iter().flat_map(|before| before.views) {
+                // The cameras of views that both have are the same.
+                views.insert(name, view);
+            }
+        } else {
+            sweep(&root, before.into_iter().flat_map(|before| before.views.into_keys()))?;
+        }
+        let folder =
+            Self { root, manifest: Manifest { schema: SCHEMA.to_owned(), drawn: look, views }, is_continued };
+        folder.refuse_strangers(plan, overwrite)?;
+        json::write(&path, &folder.manifest)?;
+        Ok(folder)
+    }
+
+    /// Files under our names that no manifest speaks of were made by somebody else.
+    fn refuse_strangers(&self, plan: &Plan, overwrite: bool) -> Result<()> {
+        if self.is_continued || overwrite {
+            return Ok(());
+        }
+        let files = plan.shots().flat_map(|shot| {
+            let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
+            [self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant)]
+        });
+        match files.into_iter().find(|path| path.exists()) {
+            Some(path) => Err(refusal(
+                format!("{} stands there, and no manifest says what it is", path.display()),
+                "choose another --out, or replace such files with --overwrite",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// `<view>/<instant>.png`
+    fn colour_path(&self, view: &str, instant: &Instant) -> PathBuf {
+        self.root.join(view).join(format!("{}.png", instant.key))
+    }
+
+    /// `<view>/<instant>.exr` or `<view>/<instant>.depth.png`
+    fn depth_path(&self, view: &str, instant: &Instant) -> PathBuf {
+        let kind = if self.manifest.drawn.depth.is_exr() { "exr" } else { "depth.png" };
+        self.root.join(view).join(format!("{}.{kind}", instant.key))
+    }
+
+    /// The pictures that are whole already.
+    pub(super) fn finished(&self, plan: &Plan) -> BTreeMap<Shot, FrameEntry> {
+        if !self.is_continued {
+            return BTreeMap::new();
+        }
+        let shots: Vec<Shot> = plan.shots().collect();
+        let entry = |shot: &Shot| Some((*shot, self.read_entry(plan, *shot)?));
+        shots.par_iter().filter_map(entry).collect()
+    }
+
+    fn read_entry(&self, plan: &Plan, shot: Shot) -> Option<FrameEntry> {
+        let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
+        let (colour_path, depth_path) =
+            (self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant));
+        let colour = read_bounded(&colour_path, MAX_BYTES).ok()?;
+        let depth = read_bounded(&depth_path, MAX_BYTES).ok()?;
+        let [width, height] = plan.size;
+        decode_colour(&colour, width, height).ok()?;
+        self.decode_depth(&depth_path, &depth, plan.size).ok()?;
+        Some(FrameEntry { time: instant.time, colour: sha256_hex(&colour), depth: sha256_hex(&depth) })
+    }
+
+    fn decode_depth(&self, path: &Path, bytes: &[u8], [width, height]: [u32; 2]) -> Result<Vec<f32>> {
+        if self.manifest.drawn.depth.is_exr() {
+            return Ok(decode_depth(path, bytes, UVec2::new(width, height))?.depth_m);
+        }
+        decode_depth_png(bytes, width, height).map_err(|error| unreadable(path, error))
+    }
+
+    /// The files of a picture: depth first, so that a picture whose colour is there is whole.
+    pub(super) fn sheet(
+        &self,
+        plan: &Plan,
+        shot: Shot,
+        colour: &[[f32; 3]],
+        depth: &DepthMap,
+    ) -> Result<Sheet> {
+        let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
+        let (colour_path, depth_path) =
+            (self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant));
+        let colour = encode_colour(&picture_of(depth.width, depth.height, colour));
+        let depth =
+            if self.manifest.drawn.depth.is_exr() { encode_depth(&depth_path, depth)? } else { depth.png() };
+        let entry = FrameEntry { time: instant.time, colour: sha256_hex(&colour), depth: sha256_hex(&depth) };
+        Ok(Sheet { shot, entry, files: [(depth_path, depth), (colour_path, colour)] })
+    }
+
+    /// Reads a picture back.
+    pub(super) fn read(&self, plan: &Plan, shot: Shot) -> Result<Cell> {
+        let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
+        let path = self.colour_path(&camera.name, instant);
+        let [width, height] = plan.size;
+        let colour = decode_colour(&read_bounded(&path, MAX_BYTES)?, width, height)
+            .map_err(|error| unreadable(&path, error))?;
+        let path = self.depth_path(&camera.name, instant);
+        let depth_m = self.decode_depth(&path, &read_bounded(&path, MAX_BYTES)?, plan.size)?;
+        Ok(Cell { colour, depth_m })
+    }
+
+    /// Writes the manifest with the digests of all pictures; gives its path.
+    pub(super) fn settle(&self, plan: &Plan, entries: BTreeMap<Shot, FrameEntry>) -> Result<PathBuf> {
+        let mut manifest = self.manifest.clone();
+        for (shot, entry) in entries {
+            let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
+            if let Some(view) = manifest.views.get_mut(&camera.name) {
+                view.pictures.insert(instant.key.clone(), entry);
+            }
+        }
+        let path = self.root.join("manifest.json");
+        json::write(&path, &manifest)?;
+        Ok(path)
+    }
+}
+
+fn read_manifest(path: &Path) -> Result<Manifest, DataError> {
+    let manifest: Manifest = json::read(path)?;
+    if manifest.schema == SCHEMA {
+        return Ok(manifest);
+    }
+    let message = format!("is `{}`, but this l4d writes `{SCHEMA}`", inert(&manifest.schema));
+    Err(DataError::invalid(path, "field `schema`", message, "choose another --out, or delete the folder"))
+}
+
+/// What of two looks differs, for people.
+fn difference(before: &Look, now: &Look) -> Option<String> {
+    let pairs = [
+        ("model", before.model != now.model),
+        ("rasterizer", (&before.rasterizer, &before.adapter) != (&now.rasterizer, &now.adapter)),
+        ("size", (before.width, before.height) != (now.width, now.height)),
+        ("background", before.background != now.background),
+        ("depth", before.depth != now.depth),
+    ];
+    pairs.into_iter().find(|(_, differs)| *differs).map(|(what, _)| what.to_owned())
+}
+
+/// Removes the pictures of earlier clips: under a new manifest they would count as finished.
+fn sweep(root: &Path, views: impl Iterator<Item = Name>) -> Result<(), DataError> {
+    for view in views {
+        let folder = root.join(view.as_str());
+        if !folder.is_dir() {
+            continue;
+        }
+        for name in list_folder(&folder)?.iter().filter(|name| is_picture(name)) {
+            let path = folder.join(name);
+            fs::remove_file(&path).map_err(|source| DataError::io(&path, "remove", source))?;
+        }
+    }
+    Ok(())
+}
+
+/// `0048.png`, `0048.exr`, `t0.500000.depth.png`
+fn is_picture(name: &str) -> bool {
+    let stem = [".depth.png", ".png", ".exr"].iter().find_map(|ending| name.strip_suffix(ending));
+    stem.is_some_and(|stem| {
+        let number = stem.strip_prefix('t').unwrap_or(stem);
+        !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.')
+    })
+}
+
+fn unreadable(path: &Path, error: drawn::DrawnError) -> anyhow::Error {
+    let remedy = "delete the file and run the command again";
+    DataError::invalid(path, "picture", error.to_string(), remedy).into()
+}

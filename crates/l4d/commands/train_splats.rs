@@ -1,0 +1,217 @@
+//! `l4d train-splats`: a 4D model of a scene, learned from its training cameras.
+
+mod folder;
+mod input;
+mod report;
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use l4d_data::layout::SceneDir;
+use l4d_data::scene::Scene;
+use l4d_data::{Benchmark, Name};
+use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_points};
+
+use self::folder::{Claim, Origin, SplatsFolder};
+use self::input::{HeldOut, Input};
+use self::report::Report;
+use super::build_scenes::data_folder;
+use crate::cli::{InitArg, TrainSplatsArgs};
+use crate::out::{ExitStatus, Printer, refusal};
+use crate::rasterizer;
+
+/// Held-out pictures that the progress shows the error of.
+const GLANCES: usize = 5;
+
+pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
+    let begin = Instant::now();
+    let name = Name::new(&args.scene)?;
+    let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
+    let data = data_folder(args.data.as_deref(), args.profile, draw);
+    let dir = SceneDir::new(&data, &name);
+    let scene = read_scene(args, &dir)?;
+    let settings = settings(args);
+    let opened = rasterizer::open(&args.adapter.adapter)?;
+    let start = start(&args.init)?;
+    let work = args
+        .out
+        .clone()
+        .unwrap_or_else(|| args.work.join(args.profile.as_str()).join(name.as_str()).join("splats"));
+
+    let bar = out.bar(input::picture_count(&scene), "reading");
+    let input = Input::read(&dir, &scene, &|| bar.inc(1))?;
+    let held_out = HeldOut::read(&dir, &scene, &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    let read_seconds = begin.elapsed().as_secs_f64();
+
+    let origin = Origin {
+        scene: name,
+        profile: args.profile,
+        settings: serde_json::to_value(&settings)?,
+        init: args.init.to_string(),
+        rasterizer: opened.rasterizer.name(),
+        adapter: opened.adapter.map(serde_json::to_value).transpose()?,
+        trained_on: input.digests,
+        compared_with: held_out.digests.clone(),
+    };
+    let folder = SplatsFolder::new(work);
+    let claim = folder.claim(&origin, args.overwrite)?;
+    if let Claim::Done(document) = claim {
+        out.note(format!("{} holds this model already", folder.root().display()));
+        return report::print(&document, args.json, out);
+    }
+
+    let begin = Instant::now();
+    let mut trainer = Trainer::new(&input.footage, settings, &start, opened.rasterizer.as_ref())
+        .with_context(|| dir.scene().display().to_string())?;
+    let prepare_seconds = begin.elapsed().as_secs_f64();
+    let mut before_seconds = 0.0;
+    if let Claim::Resume(checkpoint) = claim {
+        before_seconds = folder::seconds_of(&checkpoint);
+        out.note(format!("{}: going on after iteration {}", folder.root().display(), checkpoint.iteration));
+        trainer.resume(*checkpoint).with_context(|| folder.root().display().to_string())?;
+    }
+    let train_seconds = train(&mut trainer, &held_out, args, &folder, &origin, before_seconds, out)
+        .with_context(|| format!("iteration {}", trainer.iteration()))?;
+
+    let begin = Instant::now();
+    let report = Report {
+        train: trainer.measure(&all_pictures(trainer_pictures(&input.footage)))?,
+        test: quality_of(&trainer, &held_out, usize::MAX)?,
+        iterations: trainer.iteration(),
+        settled: trainer.settled(),
+        gaussians: trainer.model().gaussians.len(),
+        dynamic: trainer.model().dynamic.len(),
+        pictures_bytes: input.footage.bytes(),
+        peak_memory_bytes: report::peak_memory_bytes(),
+        read_seconds,
+        prepare_seconds,
+        train_seconds,
+        measure_seconds: begin.elapsed().as_secs_f64(),
+    };
+    let document = folder.settle(trainer.model(), &trainer, &origin, &report)?;
+    report::print(&document, args.json, out)
+}
+
+/// Iterates to the end, saving now and then; gives the seconds since training began, those of earlier runs included.
+fn train(
+    trainer: &mut Trainer<'_>,
+    held_out: &HeldOut,
+    args: &TrainSplatsArgs,
+    folder: &SplatsFolder,
+    origin: &Origin,
+    before_seconds: f64,
+    out: &Printer,
+) -> Result<f64> {
+    let bar = out.bar(trainer.iterations(), "training");
+    bar.set_position(trainer.iteration());
+    let begin = Instant::now();
+    let every = Duration::from_secs_f64(args.checkpoint_seconds.clamp(0.0, 1e6));
+    let (mut saved, mut looked, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
+    let seconds = || before_seconds + begin.elapsed().as_secs_f64();
+    let mut test = None;
+    while trainer.stage() != Stage::Done {
+        let report = trainer.step()?;
+        bar.inc(1);
+        if let Some(look) = report.look {
+            let ms = looked.elapsed().as_secs_f64() * 1e3 / (trainer.iteration() - at).max(1) as f64;
+            test = quality_of(trainer, held_out, GLANCES)?.or(test);
+            let line = progress(trainer, report.stage, &look, test.as_ref(), ms);
+            bar.set_message(line.clone());
+            if bar.is_hidden() {
+                out.note(format!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
+            }
+            (looked, at) = (Instant::now(), trainer.iteration());
+        }
+        if saved.elapsed() >= every {
+            folder.save(trainer, origin, seconds())?;
+            saved = Instant::now();
+        }
+    }
+    bar.finish_and_clear();
+    Ok(seconds())
+}
+
+fn progress(trainer: &Trainer<'_>, stage: Stage, look: &Quality, test: Option<&Quality>, ms: f64) -> String {
+    let stage = match stage {
+        Stage::Coarse => "coarse",
+        Stage::Unfold { .. } => "unfolding",
+        Stage::Fine | Stage::Done => "fine",
+    };
+    let test = test.map_or_else(String::new, |test| format!(", test {:.2}", test.psnr_db));
+    let count = trainer.model().gaussians.len();
+    format!("{stage}, {count} Gaussians, PSNR train {:.2}{test} dB, {ms:.0} ms", look.psnr_db)
+}
+
+/// Errors on so many held-out pictures, spread over the clip; none without a held-out camera.
+fn quality_of(trainer: &Trainer<'_>, held_out: &HeldOut, most: usize) -> Result<Option<Quality>> {
+    if held_out.footage.shots().is_empty() {
+        return Ok(None);
+    }
+    let moments = held_out.footage.moments();
+    let count = most.min(moments).max(1);
+    let picks: Vec<(usize, usize)> =
+        (0..count).map(|pick| (0, pick * (moments - 1) / (count - 1).max(1))).collect();
+    let region = |_, moment| held_out.region(moment);
+    Ok(Some(measure(trainer.model(), trainer.rasterizer(), &held_out.footage, &picks, &region)?))
+}
+
+fn trainer_pictures(footage: &l4d_splat::train::Footage) -> (usize, usize) {
+    (footage.shots().len(), footage.moments())
+}
+
+fn all_pictures((shots, moments): (usize, usize)) -> Vec<(usize, usize)> {
+    (0..shots).flat_map(|shot| (0..moments).map(move |moment| (shot, moment))).collect()
+}
+
+fn read_scene(args: &TrainSplatsArgs, dir: &SceneDir) -> Result<Scene> {
+    let path = dir.scene();
+    if !path.exists() {
+        return Err(refusal(
+            format!("{}: no scene stands there", dir.root().display()),
+            format!(
+                "run `l4d build-scenes --profile {} --scenes {}` first, or choose another --data",
+                args.profile, args.scene
+            ),
+        ));
+    }
+    let scene = Scene::read(&path)?;
+    if scene.profile != args.profile {
+        return Err(refusal(
+            format!(
+                "{}: field `profile` is {}, but {} was asked for",
+                path.display(),
+                scene.profile,
+                args.profile
+            ),
+            format!("say --profile {}, or choose another --data", scene.profile),
+        ));
+    }
+    Ok(scene)
+}
+
+fn settings(args: &TrainSplatsArgs) -> Settings {
+    let default = Settings::of_profile(args.profile);
+    Settings {
+        seed: args.seed,
+        gaussians: args.gaussians.unwrap_or(default.gaussians),
+        sh_degree: args.sh_degree.unwrap_or(default.sh_degree),
+        dynamic_threshold: args.dynamic_threshold.unwrap_or(default.dynamic_threshold),
+        coarse: args.coarse.unwrap_or(default.coarse),
+        unfold: args.unfold.unwrap_or(default.unfold),
+        fine: args.fine.unwrap_or(default.fine),
+        views: args.views_per_iteration.unwrap_or(default.views),
+        depth_weight: args.depth_weight.unwrap_or(default.depth_weight),
+        dssim_weight: args.dssim_weight.unwrap_or(default.dssim_weight),
+        patience: args.patience.unwrap_or(default.patience),
+        ..default
+    }
+}
+
+fn start(init: &InitArg) -> Result<Start> {
+    Ok(match init {
+        InitArg::Depth => Start::Depth,
+        InitArg::Random => Start::Random,
+        InitArg::Points(path) => Start::Points(read_points(path)?),
+    })
+}

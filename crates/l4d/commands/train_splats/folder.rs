@@ -1,0 +1,180 @@
+//! The folder of a model: a checkpoint while training is under way, then the model and what it came from.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use l4d_data::{Name, Profile, json};
+use l4d_splat::Model;
+use l4d_splat::checkpoint::own::{self, Checkpoint};
+use l4d_splat::train::Trainer;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::input::Digests;
+use super::report::Report;
+use crate::out::refusal;
+
+/// Schema tag of `manifest.json`.
+const SCHEMA: &str = "l4d/train-splats/1";
+const MANIFEST: &str = "manifest.json";
+
+/// Everything that a model follows from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Origin {
+    pub(super) scene: Name,
+    pub(super) profile: Profile,
+    pub(super) settings: Value,
+    /// Where the first Gaussians came from.
+    pub(super) init: String,
+    pub(super) rasterizer: String,
+    pub(super) adapter: Option<Value>,
+    /// Files that were trained on.
+    pub(super) trained_on: Digests,
+    /// Files that were only compared with.
+    pub(super) compared_with: Digests,
+}
+
+#[derive(Serialize)]
+struct Manifest<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    origin: &'a Origin,
+    report: &'a Report,
+}
+
+/// What a folder holds for a training.
+pub(super) enum Claim {
+    /// Nothing of use.
+    Begin,
+    /// A part of this training.
+    Resume(Box<Checkpoint>),
+    /// Its end: the manifest.
+    Done(Value),
+}
+
+/// `<work>/<profile>/<scene>/splats`.
+pub(super) struct SplatsFolder(PathBuf);
+
+impl SplatsFolder {
+    pub(super) fn new(root: PathBuf) -> Self {
+        Self(root)
+    }
+
+    pub(super) fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// Looks whether this training has been here. What belongs to another one is refused, unless it may go.
+    pub(super) fn claim(&self, origin: &Origin, overwrite: bool) -> Result<Claim> {
+        if overwrite || !self.0.join(own::CARD).exists() {
+            self.forget_manifest()?;
+            return Ok(Claim::Begin);
+        }
+        let checkpoint = own::read(&self.0)?;
+        let before = checkpoint.training.values.get("origin").cloned().unwrap_or_default();
+        if let Some(difference) = difference(&before, &checkpoint.inputs, origin)? {
+            return Err(refusal(
+                format!("{}: holds another model: {difference}", self.0.display()),
+                "say --overwrite to replace it, or choose another --out",
+            ));
+        }
+        let is_done = checkpoint.training.values.get("done") == Some(&Value::Bool(true));
+        let manifest = self.0.join(MANIFEST);
+        if is_done && manifest.exists() {
+            return Ok(Claim::Done(json::read(&manifest)?));
+        }
+        if is_done {
+            // Killed between the two: the last steps are gone, but nothing else is.
+            return Ok(Claim::Begin);
+        }
+        Ok(Claim::Resume(Box::new(checkpoint)))
+    }
+
+    /// Writes what training needs to go on.
+    pub(super) fn save(&self, trainer: &Trainer<'_>, origin: &Origin, seconds: f64) -> Result<()> {
+        let mut checkpoint = trainer.checkpoint();
+        name(&mut checkpoint, origin, false)?;
+        checkpoint.training.values.insert("train_seconds".to_owned(), json!(seconds));
+        Ok(own::write(&self.0, &checkpoint)?)
+    }
+
+    /// Writes the finished model and its manifest, which is returned.
+    pub(super) fn settle(
+        &self,
+        model: &Model,
+        trainer: &Trainer<'_>,
+        origin: &Origin,
+        report: &Report,
+    ) -> Result<Value> {
+        let manifest = Manifest { schema: SCHEMA, origin, report };
+        json::write(&self.0.join(MANIFEST), &manifest)?;
+        let mut checkpoint = Checkpoint { iteration: trainer.iteration(), ..Checkpoint::from(model.clone()) };
+        name(&mut checkpoint, origin, true)?;
+        own::write(&self.0, &checkpoint)?;
+        Ok(serde_json::to_value(manifest)?)
+    }
+
+    fn forget_manifest(&self) -> Result<()> {
+        let path = self.0.join(MANIFEST);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(l4d_data::DataError::io(&path, "remove", source).into())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Seconds of training that a checkpoint stands for.
+pub(super) fn seconds_of(checkpoint: &Checkpoint) -> f64 {
+    checkpoint.training.values.get("train_seconds").and_then(Value::as_f64).unwrap_or_default()
+}
+
+fn name(checkpoint: &mut Checkpoint, origin: &Origin, done: bool) -> Result<()> {
+    checkpoint.scene = Some(origin.scene.clone());
+    checkpoint.profile = Some(origin.profile);
+    checkpoint.inputs.clone_from(&origin.trained_on);
+    let values = &mut checkpoint.training.values;
+    values.insert("origin".to_owned(), short(origin)?);
+    values.insert("done".to_owned(), done.into());
+    Ok(())
+}
+
+/// The origin without its files, which stand elsewhere in a checkpoint.
+fn short(origin: &Origin) -> Result<Value> {
+    let mut value = serde_json::to_value(origin)?;
+    if let Some(fields) = value.as_object_mut() {
+        fields.remove("trained_on");
+        fields.remove("compared_with");
+    }
+    Ok(value)
+}
+
+/// In what a checkpoint's origin is another one, in words.
+fn difference(before: &Value, inputs: &Digests, origin: &Origin) -> Result<Option<String>> {
+    let now = short(origin)?;
+    let flat = |value: &Value| {
+        let mut flat: Vec<(String, Value)> = Vec::new();
+        for (key, value) in value.as_object().into_iter().flatten() {
+            match value {
+                Value::Object(inner) if key == "settings" => {
+                    flat.extend(inner.iter().map(|(key, value)| (key.clone(), value.clone())));
+                }
+                _ => flat.push((key.clone(), value.clone())),
+            }
+        }
+        flat
+    };
+    let before = flat(before);
+    for (key, value) in flat(&now) {
+        let was = before.iter().find(|(known, _)| *known == key).map(|(_, value)| value);
+        if was != Some(&value) {
+            let was = was.map_or_else(|| "unknown".to_owned(), Value::to_string);
+            return Ok(Some(format!("`{key}` was {was} and is {value} now")));
+        }
+    }
+    let changed = origin.trained_on.iter().find(|(path, digest)| inputs.get(*path) != Some(*digest));
+    Ok(changed
+        .map(|(path, _)| format!("{path} has changed since"))
+        .or_else(|| (inputs.len() != origin.trained_on.len()).then(|| "it had other pictures".to_owned())))
+}

@@ -1,0 +1,68 @@
+//! How good a model is and what it took.
+
+use anyhow::Result;
+use l4d_splat::train::Quality;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::out::{ExitStatus, Printer};
+
+/// What is said of a finished training.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Report {
+    /// On all training pictures; depth where something moves.
+    pub(super) train: Quality,
+    /// On the held-out camera, which was not trained on; depth inside objects.
+    pub(super) test: Option<Quality>,
+    pub(super) iterations: u64,
+    /// Whether it stopped before its last iteration because nothing was left to gain.
+    pub(super) settled: bool,
+    pub(super) gaussians: usize,
+    pub(super) dynamic: usize,
+    pub(super) pictures_bytes: u64,
+    /// Of the whole process; none where the system does not say.
+    pub(super) peak_memory_bytes: Option<u64>,
+    pub(super) read_seconds: f64,
+    pub(super) prepare_seconds: f64,
+    pub(super) train_seconds: f64,
+    pub(super) measure_seconds: f64,
+}
+
+/// Prints a manifest, or the table of its report.
+pub(super) fn print(manifest: &Value, as_json: bool, out: &Printer) -> Result<ExitStatus> {
+    if as_json {
+        out.json(manifest)?;
+        return Ok(ExitStatus::Success);
+    }
+    let number = |path: &str| manifest.pointer(path).and_then(Value::as_f64);
+    let show = |path: &str, factor: f64, digits: usize| {
+        number(path).map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", value * factor))
+    };
+    out.data("views     pictures  PSNR dB  moving dB  depth error mm")?;
+    for (name, path) in [("training", "/report/train"), ("held out", "/report/test")] {
+        out.data(format!(
+            "{name:8}  {:>8}  {:>7}  {:>9}  {:>14}",
+            show(&format!("{path}/pictures"), 1.0, 0),
+            show(&format!("{path}/psnr_db"), 1.0, 2),
+            show(&format!("{path}/psnr_moving_db"), 1.0, 2),
+            show(&format!("{path}/depth_error_m"), 1e3, 1),
+        ))?;
+    }
+    out.data(format!(
+        "{} Gaussians, {} of them dynamic; {} iterations in {} s; peak memory {} MB",
+        show("/report/gaussians", 1.0, 0),
+        show("/report/dynamic", 1.0, 0),
+        show("/report/iterations", 1.0, 0),
+        show("/report/train_seconds", 1.0, 0),
+        show("/report/peak_memory_bytes", 1e-6, 0),
+    ))?;
+    Ok(ExitStatus::Success)
+}
+
+/// The most memory that this process has had, where the system tells.
+pub(super) fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.split_ascii_whitespace().next()?.parse().ok()?;
+    Some(kilobytes * 1024)
+}
