@@ -68,6 +68,12 @@ impl Camera {
         (position, point.z)
     }
 
+    /// The same camera for pictures of another size; the numbers here belong to pictures of `from` (width, height).
+    pub fn resized(&self, from: [u32; 2], to: [u32; 2]) -> Self {
+        let [x, y] = [0, 1].map(|axis| f64::from(to[axis]) / f64::from(from[axis]));
+        Self { fx: self.fx * x, fy: self.fy * y, cx: self.cx * x, cy: self.cy * y, ..self.clone() }
+    }
+
     /// What makes this camera unusable, if anything.
     pub fn problem(&self) -> Option<String> {
         for (field, value) in [("fx", self.fx), ("fy", self.fy)] {
@@ -116,6 +122,13 @@ mod tests {
             cy: 48.0,
             world_from_camera: vec![pose],
         }
+    }
+
+    #[test]
+    fn intrinsics_follow_the_size_of_the_picture() {
+        let resized = camera().resized([128, 96], [256, 48]);
+        assert_eq!([resized.fx, resized.fy, resized.cx, resized.cy], [400.0, 50.0, 128.0, 24.0]);
+        assert_eq!(resized.world_from_camera, camera().world_from_camera);
     }
 
     #[test]

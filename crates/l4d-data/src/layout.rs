@@ -62,6 +62,27 @@ impl SceneDir {
     }
 }
 
+/// What can be remade of a scene: `<work>/<profile>/<scene>`.
+#[derive(Debug, Clone)]
+pub struct WorkDir(PathBuf);
+
+impl WorkDir {
+    /// `<work>/<profile>/<scene>`.
+    pub fn new(work: &Path, profile: Profile, scene: &str) -> Self {
+        Self(work.join(profile.as_str()).join(scene))
+    }
+
+    /// `splats`: the model of the scene.
+    pub fn splats(&self) -> PathBuf {
+        self.0.join("splats")
+    }
+
+    /// `clips`: what the model shows cameras.
+    pub fn clips(&self) -> PathBuf {
+        self.0.join("clips")
+    }
+}
+
 /// A benchmark folder.
 #[derive(Debug, Clone)]
 pub struct BenchDir(PathBuf);

@@ -112,16 +112,10 @@ impl View {
         if width == 0 || height == 0 {
             return Err(ViewError::Size { width, height });
         }
-        let scale: [f64; 2] =
-            std::array::from_fn(|axis| f64::from(size[axis]) / f64::from(camera_size[axis]));
+        let camera = camera.resized(camera_size, size);
         let columns = camera.camera_from_world(frame).to_cols_array_2d();
         let camera_from_world = std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]));
-        Self::new(
-            size,
-            [camera.fx * scale[0], camera.fy * scale[1]],
-            [camera.cx * scale[0], camera.cy * scale[1]],
-            camera_from_world,
-        )
+        Self::new(size, [camera.fx, camera.fy], [camera.cx, camera.cy], camera_from_world)
     }
 
     /// Pixels.

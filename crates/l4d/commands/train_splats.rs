@@ -7,7 +7,7 @@ mod report;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
-use l4d_data::layout::SceneDir;
+use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::scene::Scene;
 use l4d_data::{Benchmark, Name};
 use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_points};
@@ -33,10 +33,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let settings = settings(args);
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let start = start(&args.init)?;
-    let work = args
-        .out
-        .clone()
-        .unwrap_or_else(|| args.work.join(args.profile.as_str()).join(name.as_str()).join("splats"));
+    let work = args.out.clone().unwrap_or_else(|| WorkDir::new(&args.work, args.profile, &name).splats());
 
     let bar = out.bar(input::picture_count(&scene), "reading");
     let input = Input::read(&dir, &scene, &|| bar.inc(1))?;

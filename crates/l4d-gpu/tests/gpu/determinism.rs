@@ -1,40 +1,12 @@
 //! The same bytes each time, and whatever the adapter has room for.
 
 use l4d_gpu::Gpu;
-use l4d_splat::conformance::{Case, cases};
-use l4d_splat::raster::{Drawing, DrawingGradient, Rasterizer};
-use l4d_splat::splats::SplatGradients;
+use l4d_splat::conformance::{Answers, Case, cases};
 
 use crate::{gpu, open};
 
-/// Everything that a rasterizer computes of one scene.
-#[derive(PartialEq)]
-struct Answers {
-    drawing: Drawing,
-    gradients: SplatGradients,
-    spread: Vec<u32>,
-    gathered: Vec<u32>,
-    radii: Vec<u32>,
-}
-
 fn answers(gpu: &Gpu, case: &Case) -> Answers {
-    let projected = gpu.prepare(&case.splats, &case.view, &case.settings).unwrap();
-    let drawing = projected.draw().unwrap();
-    let mut gradient = DrawingGradient::zeros(&case.view);
-    for (pixel, slope) in gradient.colour.iter_mut().enumerate() {
-        *slope = [(pixel as f32).sin(), (pixel as f32).cos(), 0.3];
-    }
-    let gradients = projected.backward(&drawing, &gradient).unwrap();
-    let features: Vec<f32> = (0..case.splats.len() * 11).map(|i| (i as f32).sin()).collect();
-    let pixels: Vec<f32> = (0..case.view.pixel_count() * 11).map(|i| (i as f32).cos()).collect();
-    let bits = |list: Vec<f32>| list.into_iter().map(f32::to_bits).collect();
-    Answers {
-        drawing,
-        gradients,
-        spread: bits(projected.spread(&features, 11).unwrap()),
-        gathered: bits(projected.gather(&pixels, 11).unwrap()),
-        radii: bits(projected.radii_px().unwrap()),
-    }
+    Answers::of(gpu, case).unwrap()
 }
 
 fn some_cases() -> impl Iterator<Item = Case> {

@@ -4,16 +4,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_data::layout::SceneDir;
+use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::scene::Scene;
 use l4d_data::timeline::LAST_FRAME;
 use l4d_data::truth::frame_key;
-use l4d_data::{Camera, DataError, Name, Split, json};
+use l4d_data::{Camera, DataError, Draw, Name, Split, json};
 use l4d_splat::model::time_of_frame;
 use l4d_splat::view::View;
 use serde::Deserialize;
 
 use crate::cli::RenderSplatsArgs;
+use crate::commands::build_scenes::data_folder;
 use crate::out::refusal;
 
 /// Index of a camera and of a time.
@@ -56,11 +57,11 @@ struct CameraFile {
 impl Plan {
     pub(super) fn of(args: &RenderSplatsArgs) -> Result<Self> {
         let scene = args.scene.as_deref().map(Name::new).transpose()?;
-        let place = |folder: &str, given: &Option<PathBuf>| {
-            let default = || Some(args.work.join(args.profile.as_str()).join(scene.as_deref()?).join(folder));
+        let work = scene.as_ref().map(|scene| WorkDir::new(&args.work, args.profile, scene));
+        let place = |given: &Option<PathBuf>, default: fn(&WorkDir) -> PathBuf| {
             given
                 .clone()
-                .or_else(default)
+                .or_else(|| work.as_ref().map(default))
                 .ok_or_else(|| refusal("there is no scene", "name a scene, or --model, --cameras and --out"))
         };
         let file = match &args.cameras {
@@ -68,8 +69,8 @@ impl Plan {
             None => scene_cameras(args, scene.as_ref())?,
         };
         let plan = Self {
-            model: place("splats", &args.model)?,
-            out: place("clips", &args.out)?,
+            model: place(&args.model, WorkDir::splats)?,
+            out: place(&args.out, WorkDir::clips)?,
             camera_size: [file.width, file.height],
             size: args.size.map_or([file.width, file.height], |size| size.0),
             cameras: chosen(file.cameras, args)?,
@@ -110,15 +111,7 @@ impl Plan {
 
     /// A camera with the numbers that belong to the pictures that are drawn.
     pub(super) fn drawn_camera(&self, view: usize) -> Camera {
-        let camera = &self.cameras[view];
-        let [x, y] = [0, 1].map(|axis| f64::from(self.size[axis]) / f64::from(self.camera_size[axis]));
-        Camera {
-            fx: camera.fx * x,
-            fy: camera.fy * y,
-            cx: camera.cx * x,
-            cy: camera.cy * y,
-            ..camera.clone()
-        }
+        self.cameras[view].resized(self.camera_size, self.size)
     }
 }
 
@@ -126,7 +119,7 @@ fn scene_cameras(args: &RenderSplatsArgs, scene: Option<&Name>) -> Result<Camera
     let Some(name) = scene else {
         return Err(refusal("there are no cameras", "name a scene, or a file with --cameras"));
     };
-    let data = args.data.clone().unwrap_or_else(|| Path::new("data").join(args.profile.as_str()));
+    let data = data_folder(args.data.as_deref(), args.profile, Draw::default());
     let scene = Scene::read(&SceneDir::new(&data, name).scene())?;
     Ok(CameraFile { width: scene.width, height: scene.height, cameras: scene.cameras })
 }

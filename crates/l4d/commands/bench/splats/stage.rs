@@ -1,12 +1,10 @@
 //! What is looked at: a trained scene with its held-out pictures, or a made-up room.
 
-use std::path::Path;
-
 use anyhow::Result;
 use glam::UVec2;
-use l4d_data::layout::SceneDir;
+use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::scene::Scene;
-use l4d_data::{Camera, Name, Split};
+use l4d_data::{Camera, Draw, Name, Split};
 use l4d_frames::Display;
 use l4d_frames::exr::read_frame;
 use l4d_splat::Model;
@@ -17,6 +15,7 @@ use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
 
 use crate::cli::BenchSplatsArgs;
+use crate::commands::build_scenes::data_folder;
 
 /// Frames of the made-up room.
 const ROOM_FRAMES: u32 = 25;
@@ -60,10 +59,10 @@ impl Stage {
 
     fn of_scene(args: &BenchSplatsArgs, name: &Name) -> Result<Self> {
         let profile = args.profile;
-        let data = args.data.clone().unwrap_or_else(|| Path::new("data").join(profile.as_str()));
+        let data = data_folder(args.data.as_deref(), profile, Draw::default());
         let dir = SceneDir::new(&data, name);
         let scene = Scene::read(&dir.scene())?;
-        let default = || args.work.join(profile.as_str()).join(name.as_str()).join("splats");
+        let default = || WorkDir::new(&args.work, profile, name).splats();
         let source = Source::open(&args.model.clone().unwrap_or_else(default))?;
         let all_frames: Vec<u32> = profile.frames().collect();
         let frames = evenly(&all_frames, args.times as usize);
