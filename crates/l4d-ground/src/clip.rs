@@ -1,0 +1,57 @@
+//! What one camera shows over a clip: colour and depth, and from where.
+//!
+//! Refuses to know what drew it, and whatever only the truth knows.
+
+use glam::{DMat4, DVec2, DVec3};
+use l4d_data::Camera;
+use l4d_frames::drawn::{DepthMap, RgbImage};
+
+/// A view over a clip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewClip {
+    /// From where; its numbers belong to pictures of `width` x `height`.
+    pub camera: Camera,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// What is seen, by ascending frame.
+    pub frames: Vec<ClipFrame>,
+}
+
+/// A view at a moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClipFrame {
+    /// Canonical frame.
+    pub frame: u32,
+    /// Display colour.
+    pub colour: RgbImage,
+    /// Planar depth, metres, with how sure it is.
+    pub depth: DepthMap,
+}
+
+impl ViewClip {
+    /// The frames, ascending.
+    pub fn frame_numbers(&self) -> impl ExactSizeIterator<Item = u32> {
+        self.frames.iter().map(|frame| frame.frame)
+    }
+
+    /// What is seen at a frame.
+    pub fn at(&self, frame: u32) -> Option<&ClipFrame> {
+        let index = self.frames.binary_search_by_key(&frame, |seen| seen.frame).ok()?;
+        self.frames.get(index)
+    }
+
+    /// World point (metres) that the centre of a pixel shows; none where there is no depth or it is not finite.
+    pub fn point_world(&self, seen: &ClipFrame, column: u32, row: u32) -> Option<DVec3> {
+        let depth_m = *seen.depth.depth_m.get(row as usize * self.width as usize + column as usize)?;
+        let position = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let has_depth = depth_m.is_finite() && depth_m > 0.0;
+        has_depth.then(|| self.camera.unproject(seen.frame, position, f64::from(depth_m)))
+    }
+
+    /// Pose at a frame, metres.
+    pub fn world_from_camera(&self, frame: u32) -> DMat4 {
+        self.camera.world_from_camera(frame)
+    }
+}

@@ -1,0 +1,108 @@
+//! The contract of a grounder: what it is asked, and what it may answer.
+
+use std::collections::BTreeMap;
+
+use l4d_data::{Interval, Name};
+use l4d_frames::Mask;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::clip::ViewClip;
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Question {
+    /// Scene of the clip.
+    pub scene: Name,
+    /// Number of the query within the benchmark; none for a sentence of the user's own.
+    pub number: Option<Name>,
+    /// The sentence.
+    pub text: String,
+    /// Frames that the user asks about; none for the whole clip.
+    pub range: Option<Interval>,
+}
+
+/// What came of a question to one view. Only [`Outcome::Found`] and [`Outcome::Absent`] are answers: the others may
+/// neither vote nor be remembered.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind", content = "why")]
+pub enum Outcome {
+    /// It is there, in at least one frame.
+    Found,
+    /// It looked, and says that this view never shows it.
+    Absent,
+    /// There is a reply, and no sense in it.
+    Unparsed(String),
+    /// The reply was cut off.
+    Truncated,
+    /// The model would not say.
+    Refused(String),
+    /// The sentence says more than the grounder understands: these words.
+    Unsupported(Vec<String>),
+    /// No reply: the connection, the process, the file.
+    Error(String),
+}
+
+impl Outcome {
+    /// Whether it may vote and be remembered.
+    pub fn is_answer(&self) -> bool {
+        matches!(self, Self::Found | Self::Absent)
+    }
+
+    /// One word, as tables show it.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Found => "found",
+            Self::Absent => "absent",
+            Self::Unparsed(_) => "unparsed",
+            Self::Truncated => "truncated",
+            Self::Refused(_) => "refused",
+            Self::Unsupported(_) => "unsupported",
+            Self::Error(_) => "error",
+        }
+    }
+}
+
+/// What one view says: a proposal (the paper's M_v).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grounding {
+    /// What came of it.
+    pub outcome: Outcome,
+    /// Canonical frame -> what is meant there, at the size of the clip; an empty mask says that it is not seen there.
+    /// One for each frame of the clip if the outcome is an answer (absent: all empty), none otherwise.
+    pub masks: BTreeMap<u32, Mask>,
+    /// How it came about, for people to read; a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Grounding {
+    /// No answer.
+    pub fn without_answer(outcome: Outcome) -> Self {
+        Self { outcome, masks: BTreeMap::new(), notes: Vec::new() }
+    }
+
+    /// An answer: found if any mask has a pixel. Frames of the clip without a mask are taken as empty.
+    pub fn of_masks(clip: &ViewClip, mut masks: BTreeMap<u32, Mask>, notes: Vec<String>) -> Self {
+        for frame in clip.frame_numbers() {
+            masks.entry(frame).or_insert_with(|| Mask::empty(clip.width, clip.height));
+        }
+        let is_found = masks.values().any(|mask| !mask.is_empty());
+        let outcome = if is_found { Outcome::Found } else { Outcome::Absent };
+        Self { outcome, masks, notes }
+    }
+}
+
+/// Something that finds what a sentence means in what one camera shows.
+pub trait Grounder: Sync {
+    /// Everything that its answers depend on beside clip and question: kind, version, model, settings, seeds. Answers
+    /// are kept under its digest.
+    fn identity(&self) -> Value;
+
+    /// Whether it looks at the truth. Such answers are marked, and never ranked.
+    fn uses_truth(&self) -> bool {
+        false
+    }
+
+    /// Asks about one view. Whatever goes wrong is an outcome.
+    fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding;
+}

@@ -1,0 +1,12 @@
+//! Grounders: a sentence and what one camera shows in, one mask a frame out (paper, section 4, "Multi-View Semantic
+//! Grounder").
+//!
+//! This crate owns the contract ([`Grounder`]) and everything that keeps it. A grounder sees one view at a time and
+//! knows nothing of the others: whether views agree is for `l4d-solve` to say. It refuses to know how clips were
+//! drawn, what becomes of masks, and how they are judged.
+
+pub mod clip;
+pub mod grounder;
+
+pub use clip::{ClipFrame, ViewClip};
+pub use grounder::{Grounder, Grounding, Outcome, Question};

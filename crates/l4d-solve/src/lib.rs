@@ -1,0 +1,5 @@
+//! PanopticQuery (paper, section 4): a sentence in, a 4D grounding out, masks from cameras that nobody trained on.
+//!
+//! This crate owns the stages between a trained model and an answer: clips, grounding of each view, multi-view
+//! semantic consensus, 4D lifting, masks. It refuses to know how a grounder finds anything, how splats are trained and
+//! drawn, and how masks are judged.
