@@ -81,6 +81,53 @@ impl WorkDir {
     pub fn clips(&self) -> PathBuf {
         self.0.join("clips")
     }
+
+    /// `clips-sum`: the same with depth as 4DGaussians has it.
+    pub fn clips_of_summed_depth(&self) -> PathBuf {
+        self.0.join("clips-sum")
+    }
+
+    /// `answers/<method>/<what>`: how a method came to an answer; `what` is the number of a query, or a name that the
+    /// caller makes for a sentence of the user's own.
+    pub fn answer(&self, method: &str, what: &str) -> AnswerDir {
+        AnswerDir(self.0.join("answers").join(method).join(what))
+    }
+}
+
+/// How a method came to one answer.
+#[derive(Debug, Clone)]
+pub struct AnswerDir(PathBuf);
+
+impl AnswerDir {
+    /// Any folder.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self(root.into())
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// `grounded`: what each view says, `<view>.json`.
+    pub fn grounded(&self) -> PathBuf {
+        self.0.join("grounded")
+    }
+
+    /// `consensus.json`: which views are believed, and why.
+    pub fn consensus(&self) -> PathBuf {
+        self.0.join("consensus.json")
+    }
+
+    /// `lift`: the answer as a 4D object.
+    pub fn lift(&self) -> PathBuf {
+        self.0.join("lift")
+    }
+
+    /// `manifest.json`: what the answer was made from, and what its stages took.
+    pub fn manifest(&self) -> PathBuf {
+        self.0.join("manifest.json")
+    }
 }
 
 /// A benchmark folder.
