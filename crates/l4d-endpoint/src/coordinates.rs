@@ -136,39 +136,53 @@ impl Convention {
 
     /// Where a box lies in a picture of `width` x `height`. Corners may come in any order; what sticks out is cut
     /// off; `None` if nothing is left, or if a number is none.
-    pub fn pixels(&self, numbers: [f64; 4], (width, height): (u32, u32)) -> Option<BoxPx> {
+    pub fn pixels(&self, numbers: [f64; 4], size: (u32, u32)) -> Option<BoxPx> {
         let [a, b, c, d] = numbers;
-        let [x0, y0, x1, y1] = match self.order {
-            Order::Xyxy => [a, b, c, d],
-            Order::Yxyx => [b, a, d, c],
+        let [x0, y0] = self.point([a, b], size)?;
+        let [x1, y1] = self.point([c, d], size)?;
+        let cut = BoxPx { x0: x0.min(x1), y0: y0.min(y1), x1: x0.max(x1), y1: y0.max(y1) };
+        (cut.x0 < cut.x1 && cut.y0 < cut.y1).then_some(cut)
+    }
+
+    /// Where a point lies in a picture of `width` x `height`: column and row, pixels. One that sticks out is moved to
+    /// the border; `None` if a number is none.
+    pub fn point(&self, numbers: [f64; 2], (width, height): (u32, u32)) -> Option<[f64; 2]> {
+        let [a, b] = numbers;
+        let [x, y] = match self.order {
+            Order::Xyxy => [a, b],
+            Order::Yxyx => [b, a],
         };
-        let (full_width, full_height) = match self.scale {
-            Scale::Relative(range) => (range, range),
-            Scale::Pixels => (f64::from(width), f64::from(height)),
+        let [full_width, full_height] = self.full((width, height));
+        let place = |number: f64, full: f64, side: u32| (number / full).clamp(0.0, 1.0) * f64::from(side);
+        let is_finite = a.is_finite() && b.is_finite();
+        is_finite.then(|| [place(x, full_width, width), place(y, full_height, height)])
+    }
+
+    /// Whether all of the numbers lie in the range that the convention has for a picture of this size.
+    pub fn holds(&self, numbers: [f64; 4], size: (u32, u32)) -> bool {
+        let [full_width, full_height] = self.full(size);
+        let limits = match self.order {
+            Order::Xyxy => [full_width, full_height, full_width, full_height],
+            Order::Yxyx => [full_height, full_width, full_height, full_width],
+        };
+        numbers.iter().zip(limits).all(|(number, limit)| (0.0..=limit).contains(number))
+    }
+
+    /// What the far corner of a picture of `width` x `height` is written as.
+    fn full(&self, (width, height): (u32, u32)) -> [f64; 2] {
+        match self.scale {
+            Scale::Relative(range) => [range, range],
+            Scale::Pixels => [f64::from(width), f64::from(height)],
             Scale::Resized(resize) => {
                 let (width, height) = resize.size(width, height);
-                (f64::from(width), f64::from(height))
+                [f64::from(width), f64::from(height)]
             }
-        };
-        if !numbers.iter().all(|number| number.is_finite()) {
-            return None;
         }
-        let x = |number: f64| (number / full_width).clamp(0.0, 1.0) * f64::from(width);
-        let y = |number: f64| (number / full_height).clamp(0.0, 1.0) * f64::from(height);
-        let cut = BoxPx { x0: x(x0.min(x1)), y0: y(y0.min(y1)), x1: x(x0.max(x1)), y1: y(y0.max(y1)) };
-        (cut.x0 < cut.x1 && cut.y0 < cut.y1).then_some(cut)
     }
 
     /// What a model of this convention writes for a box; the inverse of [`Convention::pixels`].
     pub fn numbers(&self, place: BoxPx, (width, height): (u32, u32)) -> [f64; 4] {
-        let (full_width, full_height) = match self.scale {
-            Scale::Relative(range) => (range, range),
-            Scale::Pixels => (f64::from(width), f64::from(height)),
-            Scale::Resized(resize) => {
-                let (width, height) = resize.size(width, height);
-                (f64::from(width), f64::from(height))
-            }
-        };
+        let [full_width, full_height] = self.full((width, height));
         let x = |pixels: f64| pixels / f64::from(width) * full_width;
         let y = |pixels: f64| pixels / f64::from(height) * full_height;
         let [x0, y0, x1, y1] = [x(place.x0), y(place.y0), x(place.x1), y(place.y1)];
@@ -197,20 +211,27 @@ pub fn written_boxes(document: &Value) -> Vec<WrittenBox> {
 }
 
 fn gather(value: &Value, boxes: &mut Vec<WrittenBox>) {
-    const KEYS: [&str; 5] = ["bbox_2d", "box_2d", "bbox", "box", "bounding_box"];
-    const LABELS: [&str; 5] = ["label", "name", "color", "colour", "object"];
+    if let Some(found) = WrittenBox::of(value) {
+        boxes.push(found);
+        return;
+    }
     match value {
         Value::Array(items) => items.iter().for_each(|item| gather(item, boxes)),
-        Value::Object(fields) => {
-            let numbers = KEYS.iter().find_map(|key| four_numbers(fields.get(*key)?));
-            if let Some(numbers) = numbers.or_else(|| named_sides(value)) {
-                let label = LABELS.iter().find_map(|key| fields.get(*key)?.as_str());
-                boxes.push(WrittenBox { label: label.map(str::to_owned), numbers });
-                return;
-            }
-            fields.values().for_each(|field| gather(field, boxes));
-        }
+        Value::Object(fields) => fields.values().for_each(|field| gather(field, boxes)),
         _ => {}
+    }
+}
+
+impl WrittenBox {
+    /// The box that an object is, if it is one: by a field of four numbers, two corners or four named sides.
+    pub fn of(value: &Value) -> Option<Self> {
+        const KEYS: [&str; 5] = ["bbox_2d", "box_2d", "bbox", "box", "bounding_box"];
+        const LABELS: [&str; 5] = ["label", "name", "color", "colour", "object"];
+        let fields = value.as_object()?;
+        let numbers = KEYS.iter().find_map(|key| four_numbers(fields.get(*key)?));
+        let numbers = numbers.or_else(|| named_sides(value))?;
+        let label = LABELS.iter().find_map(|key| fields.get(*key)?.as_str());
+        Some(Self { label: label.map(str::to_owned), numbers })
     }
 }
 
@@ -293,6 +314,20 @@ mod tests {
         ] {
             assert_eq!(convention.pixels(nothing, (100, 60)), None);
         }
+    }
+
+    #[test]
+    fn points_follow_the_order_and_numbers_beyond_the_range_are_told() {
+        let named = |name| Convention::named(name).unwrap();
+        assert_eq!(named("rel1000_xyxy").point([500.0, 250.0], (200, 100)), Some([100.0, 25.0]));
+        assert_eq!(named("rel1000_yxyx").point([500.0, 250.0], (200, 100)), Some([50.0, 50.0]));
+        assert_eq!(named("rel1_xyxy").point([7.0, -1.0], (200, 100)), Some([200.0, 0.0]));
+        assert_eq!(named("rel1_xyxy").point([f64::NAN, 0.0], (200, 100)), None);
+        assert!(named("rel1000_xyxy").holds([0.0, 0.0, 1000.0, 1000.0], (20, 10)));
+        assert!(!named("rel1000_xyxy").holds([0.0, 0.0, 1000.5, 10.0], (20, 10)));
+        assert!(named("abs_px_xyxy").holds([0.0, 0.0, 20.0, 10.0], (20, 10)));
+        assert!(!named("abs_px_xyxy").holds([0.0, 0.0, 10.0, 20.0], (20, 10)));
+        assert!(!named("abs_px_xyxy").holds([-1.0, 0.0, 10.0, 5.0], (20, 10)));
     }
 
     #[test]

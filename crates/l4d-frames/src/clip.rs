@@ -3,7 +3,6 @@
 //! The same frame always gives the same bytes, since caches and digests hang on them.
 
 use glam::UVec2;
-use image::codecs::jpeg::JpegEncoder;
 use image::imageops::replace;
 use image::{Rgb, RgbImage};
 use l4d_data::layout::SceneDir;
@@ -13,11 +12,9 @@ use l4d_data::{Camera, DataError};
 
 use crate::display::Display;
 use crate::exr::{FrameError, read_frame};
-use crate::overlay::{Mark, enlarge, marks, outline};
+use crate::overlay::{Mark, encode_jpeg, enlarge, marks, outline};
 use crate::text::{Style, Weight};
 
-/// Fine outlines survive this quality; a picture of 512x408 has about 50 kB.
-const JPEG_QUALITY: u8 = 90;
 const CAPTION_HEIGHT_PX: u32 = 24;
 const CAPTION_PAPER: Rgb<u8> = Rgb([20, 20, 20]);
 const CAPTION_INK: Rgb<u8> = Rgb([255; 3]);
@@ -78,14 +75,6 @@ impl<'a> Clip<'a> {
 /// What a picture says of itself: `cam08, frame 48, 2.00 s`.
 pub fn caption(camera: &Camera, frame: u32) -> String {
     format!("{}, frame {frame}, {:.2} s", camera.name, f64::from(frame) / FPS)
-}
-
-fn encode_jpeg(picture: &RgbImage) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
-        .encode_image(picture)
-        .expect("a picture of a profile is no wider than JPEG allows, and memory takes every byte");
-    bytes
 }
 
 #[cfg(test)]

@@ -5,8 +5,7 @@
 use std::io::Cursor;
 
 use half::f16;
-use image::Rgb;
-pub use image::RgbImage;
+pub use image::{Rgb, RgbImage};
 
 /// Millimetres in a metre: the unit of depth PNGs.
 const PNG_UNITS_PER_METRE: f32 = 1000.0;

@@ -9,6 +9,7 @@ pub mod display;
 pub mod drawn;
 pub mod frame;
 pub mod mask;
+pub mod morphology;
 pub mod png;
 pub mod quantiles;
 pub mod rle;
@@ -28,13 +29,13 @@ pub mod exr;
 mod fake;
 #[cfg(feature = "exr")]
 pub mod geometry;
-#[cfg(feature = "exr")]
+#[cfg(feature = "draw")]
 pub mod overlay;
 #[cfg(feature = "exr")]
 pub mod preview;
 #[cfg(feature = "exr")]
 pub mod sheet;
-#[cfg(feature = "exr")]
+#[cfg(feature = "draw")]
 pub mod text;
 
 pub use display::Display;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::{Interval, Name};
+use l4d_data::{DataError, Interval, Name};
 use l4d_frames::Mask;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -20,6 +20,13 @@ pub struct Question {
     pub text: String,
     /// Frames that the user asks about; none for the whole clip.
     pub range: Option<Interval>,
+}
+
+impl Question {
+    /// Whether the user asks about a frame.
+    pub fn asks_about(&self, frame: u32) -> bool {
+        self.range.is_none_or(|range| range.contains(frame))
+    }
 }
 
 /// What came of a question to one view. Only [`Outcome::Found`] and [`Outcome::Absent`] are answers: the others may
@@ -47,6 +54,22 @@ impl Outcome {
     /// Whether it may vote and be remembered.
     pub fn is_answer(&self) -> bool {
         matches!(self, Self::Found | Self::Absent)
+    }
+
+    /// A file that failed, in full: where, what, why, and what to do about it.
+    pub fn of_data_error(error: &DataError) -> Self {
+        let cause = std::error::Error::source(error).map(|cause| format!(": {cause}")).unwrap_or_default();
+        let hint = error.hint().map(|hint| format!("; {hint}")).unwrap_or_default();
+        Self::Error(format!("{error}{cause}{hint}"))
+    }
+
+    /// What it says beside its word.
+    pub fn why(&self) -> Option<String> {
+        match self {
+            Self::Found | Self::Absent | Self::Truncated => None,
+            Self::Unparsed(why) | Self::Refused(why) | Self::Error(why) => Some(why.clone()),
+            Self::Unsupported(words) => Some(words.join(", ")),
+        }
     }
 
     /// One word, as tables show it.

@@ -5,8 +5,17 @@
 //! knows nothing of the others: whether views agree is for `l4d-solve` to say. It refuses to know how clips were
 //! drawn, what becomes of masks, and how they are judged.
 
+mod asked;
 pub mod clip;
+pub mod files;
+pub mod geometric;
 pub mod grounder;
+pub mod oracle;
+pub mod plan;
+#[cfg(test)]
+mod testing;
+pub mod vlm;
+pub mod worker;
 
 pub use clip::{ClipFrame, ViewClip};
 pub use grounder::{Grounder, Grounding, Outcome, Question};

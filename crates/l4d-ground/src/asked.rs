@@ -1,0 +1,48 @@
+//! What a question must be before a model is troubled with it.
+
+use l4d_data::Interval;
+use l4d_frames::Mask;
+
+use crate::clip::ViewClip;
+use crate::grounder::{Outcome, Question};
+
+/// Longer texts are no sentence about a clip, characters.
+const LONGEST_SENTENCE: usize = 2000;
+
+/// A question that can be asked of a clip.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Asked<'a> {
+    /// The sentence without blanks around it.
+    pub(crate) sentence: &'a str,
+    /// The frames of the clip that are asked about, ascending; at least one.
+    pub(crate) frames: Vec<u32>,
+    /// What is asked about, in canonical frames.
+    pub(crate) range: Interval,
+}
+
+impl<'a> Asked<'a> {
+    /// Checks question and clip; the outcome says why there is nothing to ask.
+    pub(crate) fn new(clip: &ViewClip, question: &'a Question) -> Result<Self, Outcome> {
+        let sentence = question.text.trim();
+        if sentence.is_empty() {
+            return Err(Outcome::Unsupported(vec!["an empty sentence".to_owned()]));
+        }
+        let length = sentence.chars().count();
+        if length > LONGEST_SENTENCE {
+            let words = format!("a sentence of {length} characters, where {LONGEST_SENTENCE} are the most");
+            return Err(Outcome::Unsupported(vec![words]));
+        }
+        if !Mask::is_sane_size(clip.width, clip.height) {
+            let size = format!("{}x{}", clip.width, clip.height);
+            return Err(Outcome::Error(format!(
+                "the clip has pictures of {size} pixels, which cannot be sent"
+            )));
+        }
+        let frames: Vec<u32> = clip.frame_numbers().filter(|frame| question.asks_about(*frame)).collect();
+        let ends = frames.first().zip(frames.last()).map(|(first, last)| Interval::new(*first, *last));
+        let Some(Ok(whole)) = ends else {
+            return Err(Outcome::Error("the clip has no frame that is asked about".to_owned()));
+        };
+        Ok(Self { sentence, frames, range: question.range.unwrap_or(whole) })
+    }
+}

@@ -1,0 +1,113 @@
+//! Perception without learning: depth, colour and motion, and nothing that anybody was taught.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use l4d_data::Scale;
+use l4d_data::timeline::FPS;
+use serde_json::{Value, json};
+
+use super::lab::LabTable;
+use super::link::{Chain, link};
+use super::perceive::{Perception, Seen, Track, median};
+use super::segment::{Level, segments};
+use super::settings::PerceptionSettings;
+use super::surface::{Backdrop, Surface};
+use crate::clip::ViewClip;
+
+/// Segments from depth, colour and motion, linked over time within one view.
+#[derive(Debug, Default)]
+pub struct Classical {
+    settings: PerceptionSettings,
+    table: LabTable,
+}
+
+impl Classical {
+    /// With other thresholds than those tuned on the dev split.
+    pub fn new(settings: PerceptionSettings) -> Self {
+        Self { settings, table: LabTable::new() }
+    }
+}
+
+impl Perception for Classical {
+    fn identity(&self) -> Value {
+        json!({ "perception": "classical", "version": 1, "settings": self.settings })
+    }
+
+    fn perceive(&self, clip: &ViewClip) -> Seen {
+        let settings = &self.settings;
+        let frames: Vec<u32> = clip.frame_numbers().collect();
+        let surfaces: Vec<Surface> =
+            clip.frames.iter().map(|seen| Surface::new(clip, seen, &self.table, settings)).collect();
+        let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
+        let median_depth_m =
+            median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect());
+        let footprint = 1.0 / clip.camera.fx.max(1e-9) as f32;
+        let backdrop = Backdrop::new(clip, &surfaces, median_depth_m, settings);
+        let seconds: Vec<f64> = frames.iter().map(|&frame| f64::from(frame) / FPS).collect();
+        let mut chains = Vec::new();
+        for level in Level::ALL {
+            let found =
+                surfaces.iter().map(|surface| segments(surface, &backdrop, level, settings, footprint));
+            chains.extend(link(found.collect(), &seconds, settings));
+        }
+        let spacing_m = median_depth_m * f64::from(footprint);
+        let levels_m = backdrop.levels_m.iter().map(|&level| f64::from(level)).collect();
+        let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
+        let eye = clip.camera.unproject(middle, DVec2::ZERO, 0.0);
+        Seen {
+            tracks: distinct(chains, settings),
+            frames,
+            scale: scale_of(median_depth_m, settings),
+            spacing_m,
+            eye,
+            focus: backdrop.focus(&surfaces, settings),
+            levels_m,
+        }
+    }
+}
+
+fn scale_of(median_depth_m: f64, settings: &PerceptionSettings) -> Scale {
+    let [table, room] = settings.scale_depth_m;
+    if median_depth_m <= table {
+        Scale::Tabletop
+    } else if median_depth_m <= room {
+        Scale::Room
+    } else {
+        Scale::Outdoor
+    }
+}
+
+/// Chains that last, the same pixels not twice, those with most pixels.
+fn distinct(chains: Vec<Chain>, settings: &PerceptionSettings) -> Vec<Track> {
+    let count = chains.first().map_or(0, Vec::len);
+    let least = (count / 12).clamp(1, 4);
+    let pixels = |chain: &Chain| chain.iter().flatten().map(|glimpse| glimpse.area_px).sum::<u64>();
+    let mut chains: Vec<(u64, Chain)> = chains
+        .into_iter()
+        .filter(|chain| chain.iter().flatten().count() >= least)
+        .map(|chain| (pixels(&chain), chain))
+        .collect();
+    // The sort is stable: among equals the coarser level comes first.
+    chains.sort_by_key(|(pixels, _)| std::cmp::Reverse(*pixels));
+    let mut kept: Vec<(u64, Chain)> = Vec::new();
+    for (area, chain) in chains {
+        let mut rivals =
+            kept.iter().rev().take_while(|(other, _)| area as f64 >= settings.same_iou * *other as f64);
+        let is_known = rivals.any(|(other, kept)| iou(&chain, kept, area + other) >= settings.same_iou);
+        if !is_known {
+            kept.push((area, chain));
+        }
+        if kept.len() == settings.most_tracks {
+            break;
+        }
+    }
+    kept.into_iter().map(|(_, glimpses)| Track { glimpses, kinds: BTreeMap::new() }).collect()
+}
+
+/// Intersection over union of all pixels of all frames.
+fn iou(a: &Chain, b: &Chain, both: u64) -> f64 {
+    let pairs = a.iter().zip(b).filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?)));
+    let shared: u64 = pairs.map(|(a, b)| a.shared_px(b)).sum();
+    shared as f64 / (both - shared).max(1) as f64
+}

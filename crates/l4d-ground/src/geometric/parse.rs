@@ -1,0 +1,330 @@
+//! A sentence in English -> the predicate that it means, by a small grammar.
+//!
+//! Owns words, backtracking and limits; `parse/phrase` reads descriptions, `parse/appearance` what somebody wears or has, `parse/verbs` what is done, `parse/places`
+//! relations and times. Refuses to guess: where a word is left over, the answer is that word.
+
+mod appearance;
+mod phrase;
+mod places;
+mod verbs;
+
+use l4d_data::{Name, Temporal};
+use l4d_query::{Clause, Party, Predicate};
+
+use super::lexicon::Lexicon;
+
+/// Longest sentence that is read, words: nobody describes one thing in more.
+const MAX_WORDS: usize = 60;
+/// Longest sentence that is looked at, bytes.
+const MAX_BYTES: usize = 600;
+/// Steps after which reading is given up: backtracking is exponential in hostile sentences.
+const MAX_STEPS: u32 = 20_000;
+/// Deepest description within a description.
+const MAX_NESTING: u32 = 4;
+/// Most words that a refusal names.
+const MAX_NAMED: usize = 8;
+/// Longest word that a refusal repeats, characters.
+const MAX_NAMED_LENGTH: usize = 32;
+
+/// The noun of somebody who is not described: "somebody", "nobody".
+pub const ANYBODY: &str = "somebody";
+
+/// What a sentence means.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parsed {
+    /// Whom or what it describes.
+    pub predicate: Predicate,
+    /// Whether it names an identity or a while.
+    pub temporal: Temporal,
+    /// Whether it speaks of several ("the hens").
+    pub is_plural: bool,
+}
+
+/// Reads a sentence; otherwise the words that it does not understand.
+pub fn parse(lexicon: &Lexicon, text: &str) -> Result<Parsed, Vec<String>> {
+    if text.len() > MAX_BYTES {
+        let message = format!("({} bytes; at most {MAX_BYTES} are read)", text.len());
+        return Err(vec![message]);
+    }
+    let words = words_of(text);
+    if words.is_empty() || words.len() > MAX_WORDS {
+        return Err(vec![format!("({} words; 1 to {MAX_WORDS} are read)", words.len())]);
+    }
+    let mut reader = Reader::new(lexicon, words);
+    let unknown = reader.unknown_words();
+    if !unknown.is_empty() {
+        return Err(unknown);
+    }
+    match reader.sentence() {
+        Some(parsed) if Predicate::from_json(&json_of(&parsed.predicate)).is_ok() => Ok(parsed),
+        Some(_) => Err(named(&reader.words)),
+        None => {
+            let from = reader.furthest.min(reader.words.len() - 1);
+            Err(named(&reader.words[from..]))
+        }
+    }
+}
+
+fn json_of(predicate: &Predicate) -> serde_json::Value {
+    serde_json::to_value(predicate).unwrap_or_default()
+}
+
+/// Lower-case words without punctuation; a comma is a word.
+fn words_of(text: &str) -> Vec<String> {
+    let text = text.to_lowercase().replace('\u{2019}', "'").replace(',', " , ");
+    let words = text.split_whitespace();
+    let bare = words
+        .map(|word| if word == "," { word } else { word.trim_matches(|c: char| ".!?;:\"()".contains(c)) });
+    bare.filter(|word| !word.is_empty()).map(str::to_owned).collect()
+}
+
+fn named(words: &[String]) -> Vec<String> {
+    let cut = |word: &String| word.chars().take(MAX_NAMED_LENGTH).collect();
+    words.iter().take(MAX_NAMED).map(cut).collect()
+}
+
+/// A place in a sentence, and what has been learned on the way.
+struct Reader<'l> {
+    lexicon: &'l Lexicon,
+    words: Vec<String>,
+    at: usize,
+    furthest: usize,
+    steps: u32,
+    nesting: u32,
+    /// Noun of the description that is being read: what "one" and "others" stand for.
+    nouns: Vec<String>,
+}
+
+/// A description as far as it has been read.
+#[derive(Debug, Clone)]
+struct Phrase {
+    noun: String,
+    is_definite: bool,
+    is_plural: bool,
+    clauses: Vec<Clause>,
+    temporal: Temporal,
+    order: Option<Order>,
+}
+
+/// "The first ...", "the last ...", whose event follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Order {
+    First,
+    Last,
+}
+
+impl Order {
+    fn of(self, clause: Clause) -> Clause {
+        match self {
+            Self::First => Clause::First(Box::new(clause)),
+            Self::Last => Clause::Last(Box::new(clause)),
+        }
+    }
+}
+
+impl<'l> Reader<'l> {
+    fn new(lexicon: &'l Lexicon, words: Vec<String>) -> Self {
+        Self { lexicon, words, at: 0, furthest: 0, steps: 0, nesting: 0, nouns: Vec::new() }
+    }
+
+    /// Words that stand nowhere in grammar or lexicon.
+    fn unknown_words(&self) -> Vec<String> {
+        let known = |index: usize| {
+            let word = self.words[index].as_str();
+            self.lexicon.is_grammar(word)
+                || self.lexicon.attribute(word).is_some()
+                || self.lexicon.part(word).is_some()
+                || self.lexicon.is_quality(word)
+                || self.lexicon.is_material(word)
+                || self.lexicon.colour(word).is_some()
+                || !self.lexicon.verbs_at(word).is_empty()
+                || self.part_compound(word).is_some()
+                || self.is_possessive(index)
+                || (index.saturating_sub(3)..=index).any(|from| {
+                    self.lexicon
+                        .noun_at(&self.words[from..])
+                        .is_some_and(|(_, _, length)| from + length > index)
+                })
+        };
+        let unknown: Vec<String> = (0..self.words.len())
+            .filter(|&index| !known(index))
+            .map(|index| self.words[index].clone())
+            .collect();
+        named(&unknown)
+    }
+
+    /// "chef's": whose kind of hat it is says nothing of how it looks.
+    fn is_possessive(&self, index: usize) -> bool {
+        let owner = self.words.get(index).and_then(|word| word.strip_suffix("'s"));
+        owner.is_some_and(|owner| self.lexicon.noun_at(&[owner.to_owned()]).is_some())
+    }
+
+    fn sentence(&mut self) -> Option<Parsed> {
+        let phrase = self.description(true)?;
+        if self.at < self.words.len() || phrase.order.is_some() {
+            self.furthest = self.furthest.max(self.at);
+            return None;
+        }
+        let Phrase { noun, clauses, temporal, is_plural, .. } = phrase;
+        let mut all = vec![Clause::Category(noun)];
+        all.extend(clauses);
+        Some(Parsed { predicate: Predicate(all), temporal, is_plural })
+    }
+
+    fn word(&self) -> &str {
+        self.ahead(0)
+    }
+
+    fn ahead(&self, by: usize) -> &str {
+        self.words.get(self.at + by).map_or("", String::as_str)
+    }
+
+    fn rest(&self) -> &[String] {
+        self.words.get(self.at..).unwrap_or_default()
+    }
+
+    fn advance(&mut self, by: usize) {
+        self.at = (self.at + by).min(self.words.len());
+        self.furthest = self.furthest.max(self.at);
+    }
+
+    /// Reads these words if they are the next.
+    fn take(&mut self, phrase: &str) -> bool {
+        let wanted: Vec<&str> = phrase.split(' ').collect();
+        let is_next = wanted.iter().enumerate().all(|(by, word)| self.ahead(by) == *word);
+        if is_next {
+            self.advance(wanted.len());
+        }
+        is_next
+    }
+
+    /// Reads one of these, the first that fits.
+    fn take_any<'p>(&mut self, phrases: &[&'p str]) -> Option<&'p str> {
+        phrases.iter().copied().find(|phrase| self.take(phrase))
+    }
+
+    /// Reads all of these that come next.
+    fn skip(&mut self, phrases: &[&str]) {
+        while self.take_any(phrases).is_some() {}
+    }
+
+    /// Reads something or stays where it was.
+    fn attempt<T>(&mut self, read: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
+        self.steps += 1;
+        if self.steps > MAX_STEPS {
+            return None;
+        }
+        let (at, nouns) = (self.at, self.nouns.len());
+        let found = read(self);
+        self.nouns.truncate(nouns);
+        if found.is_none() {
+            self.at = at;
+        }
+        found
+    }
+
+    /// Another one, as a party of a relation or an interaction.
+    fn party(&mut self) -> Option<Party> {
+        if self.take_any(&["somebody", "someone", "anybody", "anyone", "everybody", "everyone"]).is_some() {
+            return Some(Party::Category(ANYBODY.to_owned()));
+        }
+        let phrase = self.attempt(|reader| reader.description(false))?;
+        if !phrase.clauses.is_empty() {
+            let mut all = vec![Clause::Category(phrase.noun)];
+            all.extend(phrase.clauses);
+            return Some(Party::Such(Predicate(all)));
+        }
+        let is_own_kind = self.nouns.first() == Some(&phrase.noun);
+        let is_live = self.lexicon.noun(&phrase.noun).is_some_and(|noun| noun.live);
+        if phrase.is_definite && !phrase.is_plural && !is_own_kind && !is_live {
+            return Name::new(phrase.noun).ok().map(Party::Name);
+        }
+        Some(Party::Category(phrase.noun))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<(String, Temporal), Vec<String>> {
+        let parsed = parse(Lexicon::shipped().unwrap(), text)?;
+        Ok((parsed.predicate.to_string(), parsed.temporal))
+    }
+
+    fn whole(text: &str) -> String {
+        read(text).unwrap_or_else(|words| panic!("{text}: {words:?}")).0
+    }
+
+    #[test]
+    fn sentences_of_every_kind() {
+        let cases = [
+            ("The red bucket", "bucket(x) and colour(x) = red"),
+            ("the biggest of the melons", "melon(x) and largest(x)"),
+            ("The goat that never jumps", "goat(x) and not jump(x)"),
+            ("The pigeon on the statue", "pigeon(x) and on(x, statue)"),
+            ("The crate that ends up under the bench", "crate(x) and at the end under(x, bench)"),
+            ("The last sheep to start running", "sheep(x) and last run(x)"),
+            ("A lemon a girl throws", "lemon(x) and throw(any girl, x)"),
+            (
+                "The lemon thrown by the girl in the green coat",
+                "lemon(x) and throw(the y: girl(y) and coat(y) = green, x)",
+            ),
+            ("The boy who puts the crate down", "boy(x) and put_down(x, crate)"),
+            (
+                "The horse that stands still at first and then starts to gallop",
+                "horse(x) and stand(x) then run(x)",
+            ),
+            ("The vase between the lamp and the clock tower", ""),
+            (
+                "The kite farthest from the tree at the beginning",
+                "kite(x) and at the start farthest_from(x, tree)",
+            ),
+            ("The goat that is not on the ramp", "goat(x) and not on(x, ramp)"),
+            ("The box nobody lifts", "box(x) and not lift(any somebody, x)"),
+        ];
+        for (text, meaning) in cases {
+            if meaning.is_empty() {
+                assert_eq!(read(text), Err(vec!["clock".to_owned()]), "{text}");
+            } else {
+                assert_eq!(whole(text), meaning, "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn whiles_gate() {
+        for text in ["The goose while it swims", "The goose while swimming", "The goose when it is swimming"]
+        {
+            assert_eq!(read(text), Ok(("goose(x) and swim(x)".into(), Temporal::While)), "{text}");
+        }
+        let held = Ok(("crate(x) and carry(any somebody, x)".into(), Temporal::While));
+        assert_eq!(read("The crate while somebody carries it"), held);
+        assert_eq!(read("The crate while it is being carried"), held);
+        assert_eq!(read("The dog that sleeps while the cat plays"), Err(vec!["plays".into()]));
+        assert_eq!(read("The crate that somebody carries").map(|read| read.1), Ok(Temporal::Whole));
+    }
+
+    #[test]
+    fn what_it_cannot_read_is_named_in_bounded_time() {
+        assert_eq!(read("The flurb that walks"), Err(vec!["flurb".to_owned()]));
+        assert_eq!(read("Der rote Eimer"), Err(vec!["der".into(), "rote".into(), "eimer".into()]));
+        assert_eq!(read("\u{8d64}\u{3044}\u{30d0}\u{30b1}\u{30c4}").unwrap_err().len(), 1);
+        assert_eq!(read("the \u{1f431}"), Err(vec!["\u{1f431}".to_owned()]));
+        for empty in ["", "  \n\t ", "...", "?!"] {
+            assert_eq!(read(empty), Err(vec!["(0 words; 1 to 60 are read)".to_owned()]), "{empty:?}");
+        }
+        assert!(read("the bucket").is_err(), "nothing discriminates");
+        assert!(read(&"the dog that chases ".repeat(2500)).is_err());
+        for hostile in [
+            "the dog that a dog that a dog that ",
+            "with a and a and a and ",
+            "while it is while ",
+            "not not ",
+        ] {
+            for count in 1..15 {
+                assert!(read(&format!("the dog {}", hostile.repeat(count))).is_err(), "{hostile}");
+            }
+        }
+    }
+}

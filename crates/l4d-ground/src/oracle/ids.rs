@@ -1,0 +1,96 @@
+//! Which pixels of the training views show which instance.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::UVec2;
+use l4d_data::digest::sha256_file;
+use l4d_data::layout::SceneDir;
+use l4d_data::scene::Scene;
+use l4d_data::{DataError, Name, Split};
+use l4d_frames::exr::read_surfaces;
+use l4d_frames::truth::Observation;
+use l4d_frames::{Mask, rle};
+use serde_json::{Value, json};
+
+/// Where the oracle looks up what is where.
+pub trait IdSource: Sync {
+    /// What the ids depend on.
+    fn identity(&self) -> Value;
+
+    /// The pixels of a picture that show any of these instances.
+    fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError>;
+}
+
+/// The id channel of the rendered training views of one scene. Pictures are read once and kept as run lengths.
+#[derive(Debug)]
+pub struct RenderedIds {
+    dir: SceneDir,
+    scene: Scene,
+    scene_sha256: String,
+    seen: Mutex<BTreeMap<(Name, u32), Arc<Observation>>>,
+}
+
+impl RenderedIds {
+    /// Opens a rendered scene.
+    pub fn open(dir: SceneDir) -> Result<Self, DataError> {
+        let path = dir.scene();
+        let scene = Scene::read(&path)?;
+        let scene_sha256 = sha256_file(&path)?;
+        Ok(Self { dir, scene, scene_sha256, seen: Mutex::default() })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    fn observed(&self, view: &Name, frame: u32) -> Result<Arc<Observation>, DataError> {
+        let key = (view.clone(), frame);
+        if let Some(known) = self.lock().get(&key) {
+            return Ok(Arc::clone(known));
+        }
+        // Not under the lock: views are asked side by side. Whoever reads a picture twice gets the same.
+        let size = UVec2::new(self.scene.width, self.scene.height);
+        let surfaces = read_surfaces(&self.dir.frame(view, frame), size)?;
+        let observation = Arc::new(Observation::of(&surfaces, true));
+        self.lock().insert(key, Arc::clone(&observation));
+        Ok(observation)
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<(Name, u32), Arc<Observation>>> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl IdSource for RenderedIds {
+    /// The digest of `scene.json`, which holds those of all id channels.
+    fn identity(&self) -> Value {
+        json!({ "scene_json_sha256": self.scene_sha256 })
+    }
+
+    fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
+        let refuse = |message: String, remedy: &str| {
+            Err(DataError::invalid(&self.dir.scene(), "field `cameras`", message, remedy))
+        };
+        match self.scene.camera(view).map(|camera| camera.split) {
+            Some(Split::Train) => {}
+            Some(Split::Test) => {
+                let remedy = "ask about training views: the held-out one is for the judge alone";
+                return refuse(format!("holds view `{view}` out"), remedy);
+            }
+            None => return refuse(format!("has no view `{view}`"), "ask about a view that was rendered"),
+        }
+        let observation = self.observed(view, frame)?;
+        let (width, height) = (self.scene.width, self.scene.height);
+        let mut pixels = Mask::empty(width, height);
+        for (_, counts) in observation.masks.iter().filter(|(id, _)| ids.contains(id)) {
+            let mask = rle::decode(counts, width, height).map_err(|error| {
+                let path = self.dir.frame(view, frame);
+                DataError::invalid(&path, "channel `id`", error.to_string(), "read the picture again")
+            })?;
+            pixels.union_with(&mask);
+        }
+        Ok(pixels)
+    }
+}

@@ -1,0 +1,264 @@
+//! How wrong the oracle is: shares, lengths in pixels, and how errors of different views hang together.
+//!
+//! Knows nothing of pictures and draws nothing; [`super::draws`] does.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use l4d_data::store::read_bounded;
+use l4d_data::{Category, DataError};
+use serde::{Deserialize, Serialize};
+
+/// Correlations of the ablation of consensus.
+pub const CORRELATIONS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
+/// Widest edge error and blob, pixels: beyond any profile's objects.
+const MAX_PX: u32 = 512;
+
+/// The errors of the oracle. Applied in this order: a dropped view says nothing else; a swap decides what is shown;
+/// then each frame flickers, has its edges moved, and gains blobs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NoiseModel {
+    /// Views that mean another object.
+    pub swap: Swap,
+    /// Share of views that say absent, 0 to 1; each view for itself.
+    pub dropped_views: f64,
+    /// Share of frames in which nothing is shown, 0 to 1; each frame for itself.
+    pub flicker: f64,
+    /// Pixels by which outlines move, from the first to the second number, uniformly and anew in each frame: below 0
+    /// inwards, above 0 outwards. Small objects may vanish.
+    pub edge_px: [i32; 2],
+    /// Spots that nothing in the scene explains.
+    pub blobs: Blobs,
+}
+
+/// Views that show a look-alike in place of the referent.
+///
+/// The views of a query share a chance of being swapped, which is drawn from Beta(a, b) with
+/// a = p (1 / rho - 1), b = (1 - p) (1 / rho - 1); given that, views are independent. The number of swapped views
+/// among n is then beta-binomial: mean n p, variance n p (1 - p) (1 + (n - 1) rho), and rho is the correlation of any
+/// two views. At rho = 0 all queries have the chance p; at rho = 1 all views are swapped or none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Swap {
+    /// Share of views that are swapped (p), 0 to 1.
+    pub probability: f64,
+    /// Correlation of any two views of a query (rho), 0 to 1.
+    pub correlation: f64,
+    /// Share of the swapped views that show the same look-alike, the query's, 0 to 1; the others draw their own,
+    /// which may happen to be that one.
+    pub agreement: f64,
+}
+
+/// Round spots added to masks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Blobs {
+    /// Share of frames, or of views, that have one, 0 to 1.
+    pub probability: f64,
+    /// Smallest and largest radius, pixels; centres lie anywhere in the picture.
+    pub radius_px: [u32; 2],
+    /// How long one stays.
+    pub span: Span,
+}
+
+/// How long an error lasts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Span {
+    /// A frame.
+    #[default]
+    Frame,
+    /// The whole clip of a view, at the same place.
+    Clip,
+}
+
+/// A number that is no share, or no length.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("`{field}` is {found}, but {allowed}")]
+pub struct NoiseError {
+    /// Field, as in the file.
+    pub field: String,
+    /// What stands there.
+    pub found: String,
+    /// What may.
+    pub allowed: String,
+}
+
+impl NoiseModel {
+    /// No error at all: what the training views show, pixel for pixel.
+    pub const fn none() -> Self {
+        Self {
+            swap: Swap { probability: 0.0, correlation: 0.0, agreement: 1.0 },
+            dropped_views: 0.0,
+            flicker: 0.0,
+            edge_px: [0, 0],
+            blobs: Blobs { probability: 0.0, radius_px: [0, 0], span: Span::Frame },
+        }
+    }
+
+    /// Swaps alone, all to the same look-alike: what the ablation of consensus varies.
+    pub const fn swaps(probability: f64, correlation: f64) -> Self {
+        Self { swap: Swap { probability, correlation, agreement: 1.0 }, ..Self::none() }
+    }
+
+    /// Whether every number is one that can be.
+    pub fn check(&self) -> Result<(), NoiseError> {
+        for (field, share) in [
+            ("swap.probability", self.swap.probability),
+            ("swap.correlation", self.swap.correlation),
+            ("swap.agreement", self.swap.agreement),
+            ("dropped_views", self.dropped_views),
+            ("flicker", self.flicker),
+            ("blobs.probability", self.blobs.probability),
+        ] {
+            check_share(field, share)?;
+        }
+        let [inwards, outwards] = self.edge_px;
+        let is_far = |pixels: i32| pixels.unsigned_abs() > MAX_PX;
+        if inwards > outwards || is_far(inwards) || is_far(outwards) {
+            return Err(range_error("edge_px", &self.edge_px, &format!("-{MAX_PX}")));
+        }
+        let [smallest, largest] = self.blobs.radius_px;
+        if smallest > largest || largest > MAX_PX {
+            return Err(range_error("blobs.radius_px", &self.blobs.radius_px, "0"));
+        }
+        Ok(())
+    }
+}
+
+impl Default for NoiseModel {
+    fn default() -> Self {
+        Self::none()
+    }
+}
+
+impl Default for Swap {
+    fn default() -> Self {
+        NoiseModel::none().swap
+    }
+}
+
+impl Default for Blobs {
+    fn default() -> Self {
+        NoiseModel::none().blobs
+    }
+}
+
+/// A noise model for a whole benchmark, as a TOML file holds it: one for all queries, but for the share of swaps,
+/// which may depend on the category.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoisePreset {
+    /// Seed of every draw.
+    pub seed: u64,
+    /// What holds for all queries.
+    #[serde(default)]
+    pub noise: NoiseModel,
+    /// Category -> share of swapped views, in place of that of `noise`. A query of two categories takes the larger.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub swap_probability: BTreeMap<Category, f64>,
+}
+
+impl NoisePreset {
+    /// The truth itself.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Reads a preset.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let bytes = read_bounded(path, 1 << 20)?;
+        let format = |message: String| DataError::Format {
+            path: path.to_owned(),
+            location: "noise preset".to_owned(),
+            message,
+        };
+        let text = std::str::from_utf8(&bytes).map_err(|error| format(error.to_string()))?;
+        let preset: Self = toml::from_str(text).map_err(|error| format(error.to_string()))?;
+        preset.check().map_err(|error| {
+            let location = format!("field `{}`", error.field);
+            DataError::invalid(path, location, error.to_string(), "write a number of that range")
+        })?;
+        Ok(preset)
+    }
+
+    /// Whether every number is one that can be.
+    pub fn check(&self) -> Result<(), NoiseError> {
+        self.noise.check()?;
+        self.swap_probability.iter().try_for_each(|(category, &share)| {
+            check_share(&format!("swap_probability.{}", category.as_str()), share)
+        })
+    }
+
+    /// The errors of a query of these categories.
+    pub fn of_categories(&self, categories: &[Category]) -> NoiseModel {
+        let stated = categories.iter().filter_map(|category| self.swap_probability.get(category));
+        let probability = stated.copied().reduce(f64::max).unwrap_or(self.noise.swap.probability);
+        NoiseModel { swap: Swap { probability, ..self.noise.swap }, ..self.noise }
+    }
+}
+
+fn check_share(field: &str, share: f64) -> Result<(), NoiseError> {
+    if (0.0..=1.0).contains(&share) {
+        return Ok(());
+    }
+    let allowed = "a share lies between 0 and 1".to_owned();
+    Err(NoiseError { field: field.to_owned(), found: share.to_string(), allowed })
+}
+
+fn range_error(field: &str, found: &impl std::fmt::Debug, least: &str) -> NoiseError {
+    let allowed = format!("it is [smallest, largest] in pixels, from {least} to {MAX_PX}");
+    NoiseError { field: field.to_owned(), found: format!("{found:?}"), allowed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_preset_is_read_with_its_defaults_and_its_categories() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("noise.toml");
+        let text = "seed = 7\n\
+            [noise]\ndropped_views = 0.1\nedge_px = [-2, 1]\n\
+            [noise.swap]\ncorrelation = 0.6\nprobability = 0.05\n\
+            [noise.blobs]\nspan = \"clip\"\n\
+            [swap_probability]\naction = 0.2\nspatial = 0.3\n";
+        std::fs::write(&path, text).unwrap();
+        let preset = NoisePreset::read(&path).unwrap();
+        assert_eq!((preset.seed, preset.noise.dropped_views, preset.noise.flicker), (7, 0.1, 0.0));
+        assert_eq!((preset.noise.edge_px, preset.noise.blobs.span), ([-2, 1], Span::Clip));
+        assert_eq!(preset.noise.swap, Swap { probability: 0.05, correlation: 0.6, agreement: 1.0 });
+        let share = |categories: &[Category]| preset.of_categories(categories).swap.probability;
+        assert_eq!(share(&[Category::Attribute]), 0.05);
+        assert_eq!(share(&[Category::Action]), 0.2);
+        assert_eq!(share(&[Category::Spatial, Category::Action]), 0.3);
+        assert_eq!(preset.of_categories(&[Category::Action]).swap.correlation, 0.6);
+        let again: NoisePreset = toml::from_str(&toml::to_string(&preset).unwrap()).unwrap();
+        assert_eq!(again, preset);
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("noise.toml");
+        for (text, words) in [
+            ("seed = 0\n[noise.swap]\nprobability = 1.5", "`swap.probability` is 1.5"),
+            ("seed = 0\n[noise.swap]\ncorrelation = nan", "`swap.correlation` is NaN"),
+            ("seed = 0\n[noise.swap]\nagreement = -0.1", "`swap.agreement` is -0.1"),
+            ("seed = 0\n[noise]\nedge_px = [1, 0]", "`edge_px` is [1, 0]"),
+            ("seed = 0\n[noise]\nedge_px = [-2147483648, 0]", "`edge_px`"),
+            ("seed = 0\n[noise.blobs]\nradius_px = [1, 100000]", "`blobs.radius_px`"),
+            ("seed = 0\n[swap_probability]\naction = 2.0", "`swap_probability.action` is 2"),
+            ("seed = 0\n[noise]\nflickr = 0.1", "flickr"),
+            ("seed = 0\n[swap_probability]\ncolour = 0.1", "colour"),
+            ("[noise]", "seed"),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let error = NoisePreset::read(&path).unwrap_err().to_string();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+        assert_eq!(NoiseModel::none().check(), Ok(()));
+    }
+}

@@ -1,0 +1,42 @@
+//! Clips and questions for tests.
+
+use l4d_data::{Camera, Interval, Name, Split};
+use l4d_frames::drawn::{DepthMap, RgbImage};
+
+use crate::clip::{ClipFrame, ViewClip};
+use crate::grounder::Question;
+
+/// A clip that shows nothing.
+pub(crate) fn blank_clip(view: &str, width: u32, height: u32, frames: &[u32]) -> ViewClip {
+    let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let camera = Camera {
+        name: Name::new(view).unwrap(),
+        split: Split::Train,
+        fx: f64::from(width),
+        fy: f64::from(width),
+        cx: f64::from(width) / 2.0,
+        cy: f64::from(height) / 2.0,
+        world_from_camera: vec![identity],
+    };
+    let frame = |&frame: &u32| ClipFrame {
+        frame,
+        colour: RgbImage::new(width, height),
+        depth: DepthMap::empty(width, height),
+    };
+    ViewClip { camera, width, height, frames: frames.iter().map(frame).collect() }
+}
+
+/// A query of the benchmark.
+pub(crate) fn question(scene: &str, number: &str) -> Question {
+    Question {
+        scene: Name::new(scene).unwrap(),
+        number: Some(Name::new(number).unwrap()),
+        text: "the cup".to_owned(),
+        range: None,
+    }
+}
+
+/// The same, asked about some frames alone.
+pub(crate) fn asked_from(question: Question, first: u32, last: u32) -> Question {
+    Question { range: Some(Interval::new(first, last).unwrap()), ..question }
+}

@@ -1,0 +1,203 @@
+//! Grounding by models that are asked (paper, section 4, "Multi-View Semantic Grounder"): a vision-language model says
+//! what is meant, a segmenter outlines it.
+//!
+//! This module owns the couplings of the two, which the paper leaves open. It refuses to know how a question travels
+//! (`l4d-endpoint`) and how masks are made ([`crate::worker`]). One view at a time, one question each (`pick`: two).
+
+mod account;
+mod coupling;
+mod ground;
+mod pick;
+mod pictures;
+mod question;
+
+use std::sync::Arc;
+
+use l4d_data::digest::sha256_hex;
+use l4d_endpoint::{Calibrations, Client, Convention, EndpointError, Plan};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+pub use account::Account;
+pub use coupling::Coupling;
+
+use self::account::Books;
+use self::ground::Stop;
+use self::question::Watching;
+use crate::asked::Asked;
+use crate::clip::ViewClip;
+use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::worker::{Segmenter, WorkerError};
+
+/// How a model is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Settings {
+    /// Pictures of a view that are sent, spread over the clip.
+    pub keyframes: usize,
+    /// Pixels that a sent picture has about: clips are enlarged by a whole factor. Models see small pictures badly;
+    /// a megapixel is about a thousand tokens.
+    pub picture_pixels: u32,
+    /// Longest answer, tokens, thinking included.
+    pub answer_tokens: u32,
+    /// 0 for the likeliest answer; none leaves it to the server.
+    pub temperature: Option<f64>,
+    /// Seed of the sampling, where the server knows one.
+    pub seed: Option<u32>,
+    /// Which asking this is, from 0: others are asked anew instead of being taken from the cache.
+    pub repeat: u32,
+    /// Whether masks are emptied where the model says that the query does not hold.
+    pub gate: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            keyframes: 16,
+            picture_pixels: 1 << 20,
+            answer_tokens: 2048,
+            temperature: Some(0.0),
+            seed: Some(0),
+            repeat: 0,
+            gate: false,
+        }
+    }
+}
+
+/// Why a grounder cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum VlmError {
+    /// The endpoint, or how its model writes boxes.
+    #[error(transparent)]
+    Endpoint(#[from] EndpointError),
+    /// The segmenter does not take what the coupling gives.
+    #[error(transparent)]
+    Worker(#[from] WorkerError),
+    /// A setting that cannot be.
+    #[error("{field}: {message}")]
+    Settings {
+        /// Which one.
+        field: &'static str,
+        /// What is wrong with it.
+        message: &'static str,
+    },
+}
+
+impl VlmError {
+    /// What to do about it.
+    pub fn hint(&self) -> String {
+        match self {
+            Self::Endpoint(error) => error.hint(),
+            Self::Worker(error) => error.hint(),
+            Self::Settings { .. } => "leave it out for its default".to_owned(),
+        }
+    }
+}
+
+/// A vision-language model and a segmenter.
+#[derive(Debug)]
+pub struct Vlm {
+    client: Client,
+    convention: &'static Convention,
+    segmenter: Arc<Segmenter>,
+    coupling: Coupling,
+    settings: Settings,
+    books: Books,
+}
+
+impl Vlm {
+    /// A coupling of a model and a segmenter. Boxes need a convention of coordinates, configured or calibrated.
+    pub fn new(
+        client: Client,
+        calibrations: &Calibrations,
+        segmenter: Arc<Segmenter>,
+        coupling: Coupling,
+        settings: Settings,
+    ) -> Result<Self, VlmError> {
+        let refuse = |field, message| Err(VlmError::Settings { field, message });
+        if !(1..=256).contains(&settings.keyframes) {
+            return refuse("keyframes", "must be 1 to 256");
+        }
+        if !(1 << 12..=1 << 24).contains(&settings.picture_pixels) {
+            return refuse("picture_pixels", "must be 4096 to 16777216");
+        }
+        if settings.answer_tokens == 0 {
+            return refuse("answer_tokens", "must be at least 1");
+        }
+        segmenter.takes(coupling.prompt_kind())?;
+        let convention = match coupling {
+            Coupling::Box => client.endpoint().convention(calibrations)?,
+            // No coordinates are asked for.
+            Coupling::Text | Coupling::Pick => Convention::named("rel1000_xyxy")?,
+        };
+        Ok(Self { client, convention, segmenter, coupling, settings, books: Books::default() })
+    }
+
+    /// What was asked and spent so far.
+    pub fn account(&self) -> Account {
+        self.books.account()
+    }
+
+    /// What asking these questions would mean; nothing is sent. For `pick`, the second question stands with unmarked
+    /// pictures, since its candidates are not known yet.
+    pub fn estimate<'a>(
+        &self,
+        questions: impl IntoIterator<Item = (&'a ViewClip, &'a Question)>,
+    ) -> Result<Plan, EndpointError> {
+        let mut total = Plan::default();
+        for (clip, question) in questions {
+            // What cannot be asked costs nothing.
+            let Ok(asked) = Asked::new(clip, question) else { continue };
+            let watching = Watching::choose(clip, &asked, &self.settings);
+            let mut requests = Vec::new();
+            if self.coupling == Coupling::Pick {
+                requests.push(self.noun_request(&asked));
+            }
+            let pictures = pictures::plain(&watching)?;
+            requests.push(match self.coupling {
+                Coupling::Pick => pick::request(&asked, &watching, pictures, 1, &self.settings),
+                Coupling::Text | Coupling::Box => self.plan_request(&asked, &watching, pictures),
+            });
+            let plan = self.client.plan(&requests)?;
+            total.questions += plan.questions;
+            total.kept += plan.kept;
+            total.images += plan.images;
+            total.bytes += plan.bytes;
+            total.tokens.prompt += plan.tokens.prompt;
+            total.tokens.completion += plan.tokens.completion;
+            total.cost = plan.cost.map(|cost| total.cost.unwrap_or(0.0) + cost).or(total.cost);
+        }
+        Ok(total)
+    }
+}
+
+impl Grounder for Vlm {
+    fn identity(&self) -> Value {
+        let endpoint = self.client.endpoint();
+        let prompts: Vec<Value> =
+            self.coupling.templates().iter().map(|template| template.identity()).collect();
+        json!({
+            "grounder": "vlm",
+            "version": 1,
+            "coupling": self.coupling,
+            "prompts": prompts,
+            "model": endpoint.model,
+            // Where it runs may change what it says; the address itself is nobody's business.
+            "endpoint": sha256_hex(endpoint.id().as_bytes())[..12],
+            "server": endpoint.server,
+            "body": endpoint.body,
+            "coordinates": (self.coupling == Coupling::Box).then_some(&self.convention.name),
+            "settings": self.settings,
+            "segmenter": self.segmenter.identity(),
+        })
+    }
+
+    fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
+        match self.try_ground(clip, question) {
+            Ok(grounding) => grounding,
+            Err(Stop { outcome: Outcome::Absent, notes }) => {
+                Grounding::of_masks(clip, Default::default(), notes)
+            }
+            Err(Stop { outcome, notes }) => Grounding { notes, ..Grounding::without_answer(outcome) },
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! From question to masks, with workers of the package that need nothing but Python.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use l4d_endpoint::{CacheUse, Calibrations, Client, Endpoint, Link};
+use l4d_frames::Mask;
+use l4d_ground::vlm::{Coupling, Settings, Vlm, VlmError};
+use l4d_ground::worker::{FrameStore, Launch, Patience, Segmenter, Worker};
+use l4d_ground::{Grounder, Grounding, Outcome, Question, ViewClip};
+use serde_json::{Value, json};
+
+use super::clips::{clip, frames_of, question};
+use super::server::{Server, says, words};
+
+const FRAMES: [u32; 5] = [0, 24, 48, 72, 96];
+
+fn endpoint(url: &str) -> Endpoint {
+    let mut endpoint = Endpoint::new(url, "tiny-vl").unwrap();
+    endpoint.coordinates = Some("rel1000_xyxy".to_owned());
+    endpoint.retry.tries = 1;
+    endpoint.retry.failures_in_a_row = 100;
+    endpoint
+}
+
+/// A worker of the package, or the scripted one, which finds two seen objects for the phrase `things`.
+fn segmenter(name: &str, folder: &Path) -> Arc<Segmenter> {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let arguments = match name {
+        "scripted" => vec![here.join("tests/worker/scripted.py").into_os_string(), "plain".into()],
+        name => vec!["-m".into(), "l4d_workers".into(), name.into()],
+    };
+    let environment = vec![
+        ("PYTHONPATH".to_owned(), here.join("workers").into_os_string()),
+        ("PYTHONDONTWRITEBYTECODE".to_owned(), "1".into()),
+    ];
+    let launch = Launch { program: "python3".into(), arguments, environment };
+    let patience = Patience { answer: Duration::from_secs(60), ..Patience::default() };
+    let worker = Worker::start(launch, patience).unwrap();
+    Arc::new(Segmenter::new(worker, FrameStore::new(folder.join("frames")), 0.0))
+}
+
+fn small() -> Settings {
+    Settings { keyframes: 3, picture_pixels: 1 << 12, ..Settings::default() }
+}
+
+fn vlm(client: Client, worker: &str, coupling: Coupling, settings: Settings, folder: &Path) -> Vlm {
+    Vlm::new(client, &Calibrations::default(), segmenter(worker, folder), coupling, settings).unwrap()
+}
+
+fn live(server: &Server) -> Client {
+    Client::open(endpoint(&server.url()), &Link::Live).unwrap()
+}
+
+fn view() -> ViewClip {
+    clip(32, 24, &FRAMES)
+}
+
+/// The picture of frame 48 shows the target in its left half.
+const PLAN: &str = r#"{"visible":true,"expression":"the cup that tips over","noun_phrase":"cup","boxes":[{"time":1.0,"bbox_2d":[0,0,500,1000]}]}"#;
+
+fn left_half() -> Mask {
+    Mask::from_fn(32, 24, |column, _| column < 16)
+}
+
+#[test]
+fn boxes_of_a_reply_become_masks() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|_| says(PLAN));
+    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
+    let grounding = vlm.ground(&view(), &question("the cup that \"tips\" 🥤"));
+    assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
+    assert_eq!(frames_of(&grounding), FRAMES);
+    assert!(grounding.masks.values().all(|mask| *mask == left_half()));
+    let notes = grounding.notes.join("\n");
+    for words in
+        ["tiny-vl", "box_v1", "3 pictures, 4000 tokens, and 50", "tips over", "places in 1 of 3 pictures"]
+    {
+        assert!(notes.contains(words), "{words}: {notes}");
+    }
+
+    let [asked] = &server.seen()[..] else { panic!("one question a view") };
+    let parts = asked["messages"][0]["content"].as_array().unwrap();
+    let labels: Vec<&Value> = parts[..6].iter().step_by(2).map(|part| &part["text"]).collect();
+    assert_eq!(labels, ["<0.0 seconds>", "<1.0 seconds>", "<2.0 seconds>"]);
+    let is_picture =
+        |part: &Value| part["image_url"]["url"].as_str().unwrap().starts_with("data:image/jpeg;base64,");
+    assert!(parts[1..6].iter().step_by(2).all(is_picture));
+    let text = parts[6]["text"].as_str().unwrap();
+    assert_eq!(parts.len(), 7, "the words come last");
+    assert!(text.contains(r#"the query "the cup that \"tips\" 🥤""#), "{text}");
+    assert!(
+        text.contains("3 moments") && text.contains("4.0 seconds") && !text.contains("intervals"),
+        "{text}"
+    );
+    assert!(
+        !text.contains("{count}") && text.contains(r#""boxes":[{"time":0.0,"bbox_2d":[400,400,600,600]}]"#)
+    );
+    let schema = &asked["response_format"]["json_schema"]["schema"];
+    assert_eq!(schema["required"], json!(["visible", "expression", "noun_phrase", "boxes"]));
+    let account = vlm.account();
+    assert_eq!((account.replies, account.kept, account.prompt_tokens, account.segmented), (1, 0, 4000, 1));
+}
+
+#[test]
+fn only_what_is_asked_about_is_shown_and_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|_| says(PLAN));
+    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
+    let mut ranged = question("the cup");
+    ranged.range = Some(l4d_data::Interval::new(20, 80).unwrap());
+    let grounding = vlm.ground(&view(), &ranged);
+    let seen: Vec<u32> =
+        grounding.masks.iter().filter(|(_, mask)| !mask.is_empty()).map(|(frame, _)| *frame).collect();
+    assert_eq!((seen, frames_of(&grounding).len()), (vec![24, 48, 72], 5));
+}
+
+#[test]
+fn outcomes_without_masks_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|question| {
+        let text = words(question);
+        let reply = |word: &str| text.contains(&format!("\"{word}\""));
+        if reply("absent") {
+            says(r#"{"visible":false,"expression":"","noun_phrase":"","boxes":[]}"#)
+        } else if reply("prose") {
+            says("It is on the left.")
+        } else if reply("points") {
+            says(r#"[{"time":1,"point_2d":[500,500]}]"#)
+        } else if reply("cut") {
+            says(&PLAN[..PLAN.len() - 9])
+        } else if reply("refused") {
+            says("I'm sorry, I cannot do that.")
+        } else {
+            (500, json!({ "error": { "message": "no memory" } }))
+        }
+    });
+    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
+    let ask = |text: &str| vlm.ground(&view(), &question(text));
+    let absent = ask("absent");
+    assert_eq!((absent.outcome, absent.masks.len()), (Outcome::Absent, 5));
+    for (text, word) in [
+        ("prose", "unparsed"),
+        ("cut", "truncated"),
+        ("refused", "refused"),
+        ("points", "error"),
+        ("down", "error"),
+    ] {
+        let Grounding { outcome, masks, notes } = ask(text);
+        assert_eq!((outcome.word(), masks.len()), (word, 0), "{text}: {outcome:?}");
+        assert!(!notes.is_empty());
+    }
+    let Outcome::Error(message) = ask("down").outcome else { panic!("no error") };
+    assert!(message.contains("no memory") && message.contains("log"), "{message}");
+    assert!(matches!(ask("").outcome, Outcome::Unsupported(_)));
+}
+
+#[test]
+fn views_whose_question_fails_do_not_stop_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = AtomicUsize::new(0);
+    let server = Server::start(move |_| match count.fetch_add(1, Ordering::SeqCst) % 2 {
+        0 => says(PLAN),
+        _ => (503, json!({ "error": { "message": "overloaded" } })),
+    });
+    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
+    let outcomes: Vec<&str> = std::thread::scope(|scope| {
+        let views: Vec<_> = (0..8)
+            .map(|_| scope.spawn(|| vlm.ground(&view(), &question("the cup")).outcome.word()))
+            .collect();
+        views.into_iter().map(|view| view.join().unwrap()).collect()
+    });
+    let count = |word| outcomes.iter().filter(|outcome| **outcome == word).count();
+    assert_eq!((count("found"), count("error")), (4, 4), "{outcomes:?}");
+    assert_eq!((vlm.account().replies, vlm.account().failed), (4, 4));
+}
+
+#[test]
+fn answers_are_kept_and_replies_without_sense_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|question| match words(question).contains("\"prose\"") {
+        true => says("Nothing but prose."),
+        false => says(PLAN),
+    });
+    let client = live(&server).with_cache(&folder.path().join("cache"), CacheUse::Take).unwrap();
+    let vlm = vlm(client, "box", Coupling::Box, small(), folder.path());
+    let first = vlm.ground(&view(), &question("the cup"));
+    assert_eq!(vlm.ground(&view(), &question("the cup")), first, "the cache leaves no trace in an answer");
+    assert_eq!((vlm.account().replies, vlm.account().kept), (1, 1));
+    for _ in 0..2 {
+        assert_eq!(vlm.ground(&view(), &question("prose")).outcome.word(), "unparsed");
+    }
+    assert_eq!(server.seen().len(), 3, "a reply without sense is asked for again");
+}
+
+#[test]
+fn a_recording_stands_in_for_the_server() {
+    let folder = tempfile::tempdir().unwrap();
+    let tape = folder.path().join("tape");
+    let recorded = {
+        let server = Server::start(|_| says(PLAN));
+        let client = Client::open(endpoint(&server.url()), &Link::Record(tape.clone())).unwrap();
+        vlm(client, "box", Coupling::Box, small(), folder.path()).ground(&view(), &question("the cup"))
+    };
+    let replay = || Client::open(Endpoint::recorded(&tape).unwrap(), &Link::Replay(tape.clone())).unwrap();
+    let vlm = vlm(replay(), "box", Coupling::Box, small(), folder.path());
+    assert_eq!(vlm.ground(&view(), &question("the cup")), recorded);
+    let other = vlm.ground(&view(), &question("the plate"));
+    assert!(matches!(&other.outcome, Outcome::Error(why) if why.contains("holds no answer")), "{other:?}");
+}
+
+#[test]
+fn words_go_to_a_segmenter_of_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let server =
+        Server::start(|_| says(r#"{"visible":true,"expression":"two cups","noun_phrase":"things"}"#));
+    let vlm = vlm(live(&server), "scripted", Coupling::Text, small(), folder.path());
+    let grounding = vlm.ground(&view(), &question("the cups that touch"));
+    assert_eq!(grounding.outcome, Outcome::Found);
+    let expected = Mask::from_fn(32, 24, |column, _| column < 4 || (10..20).contains(&column));
+    assert!(grounding.masks.values().all(|mask| *mask == expected));
+    let notes = grounding.notes.join("\n");
+    assert!(notes.contains("was given: things") && notes.contains("left out: hole filling"), "{notes}");
+}
+
+/// Answers both questions of `pick`: the phrase, then the choice.
+fn chooses(phrase: &'static str, choice: &'static str) -> Server {
+    Server::start(move |question| match words(question).contains("candidates") {
+        true => says(choice),
+        false => says(&json!({ "visible": true, "expression": "x", "noun_phrase": phrase }).to_string()),
+    })
+}
+
+#[test]
+fn a_choice_among_numbered_candidates_becomes_masks() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = chooses("things", r#"{"numbers":[2],"intervals":[{"start":1.0,"end":2.0}]}"#);
+    let settings = Settings { gate: true, ..small() };
+    let vlm = vlm(live(&server), "scripted", Coupling::Pick, settings, folder.path());
+    let grounding = vlm.ground(&view(), &question("the cup that is pushed"));
+    assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
+    // Half way from picture 0 (frame 0) to picture 1 (frame 48) the query begins to hold.
+    let expected = Mask::from_fn(32, 24, |column, _| (10..20).contains(&column));
+    for (frame, mask) in &grounding.masks {
+        let expected = if *frame >= 24 { expected.clone() } else { Mask::empty(32, 24) };
+        assert_eq!(*mask, expected, "frame {frame}");
+    }
+    let seen = server.seen();
+    assert_eq!(seen.len(), 2);
+    assert!(seen[0]["messages"][0]["content"].is_string(), "words alone");
+    assert!(words(&seen[1]).contains("2 candidates are outlined and numbered 1 to 2"));
+    let schema = &seen[1]["response_format"]["json_schema"]["schema"]["properties"]["numbers"];
+    assert_eq!(schema["items"]["maximum"], 2, "what is never seen is no candidate");
+}
+
+#[test]
+fn a_choice_of_nothing_is_absent_and_one_of_others_has_no_sense() {
+    for (phrase, choice, word, questions) in [
+        ("things", r#"{"numbers":[]}"#, "absent", 2),
+        ("things", r#"{"numbers":[7]}"#, "unparsed", 2),
+        ("nothing", "", "absent", 1),
+        ("refuse", "", "unsupported", 1),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let server = chooses(phrase, choice);
+        let vlm = vlm(live(&server), "scripted", Coupling::Pick, small(), folder.path());
+        let grounding = vlm.ground(&view(), &question("the cup"));
+        assert_eq!(
+            (grounding.outcome.word(), server.seen().len()),
+            (word, questions),
+            "{phrase}: {grounding:?}"
+        );
+    }
+}
+
+#[test]
+fn an_estimate_sends_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|_| says(PLAN));
+    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
+    let (view, questions) = (view(), [question("the cup"), question(""), question("the plate")]);
+    let plan = vlm.estimate(questions.iter().map(|question| (&view, question))).unwrap();
+    assert_eq!((plan.questions, plan.kept, plan.images), (2, 0, 6));
+    assert_eq!(plan.tokens.completion, 2 * 2048);
+    // 32x24 is enlarged twice, to about 4096 pixels: 4 tokens of 784 pixels and 8 a part.
+    assert!(plan.tokens.prompt > 6 * 12 && plan.bytes > 6 * 500, "{plan:?}");
+    assert!(server.seen().is_empty());
+}
+
+#[test]
+fn an_identity_names_everything_that_answers_depend_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|_| says(PLAN));
+    let open =
+        |coupling, worker, settings| vlm(live(&server), worker, coupling, settings, folder.path()).identity();
+    let identity = open(Coupling::Box, "box", small());
+    assert_eq!(identity["model"], "tiny-vl");
+    assert_eq!(identity["prompts"][0]["name"], "box_v1");
+    assert_eq!(identity["coordinates"], "rel1000_xyxy");
+    assert_eq!(identity["segmenter"]["worker"]["name"], "box");
+    assert!(!identity.to_string().contains("127.0.0.1"), "{identity}");
+    for other in [
+        open(Coupling::Box, "box", Settings { seed: Some(1), ..small() }),
+        open(Coupling::Box, "box", Settings { gate: true, ..small() }),
+        open(Coupling::Box, "null", small()),
+        open(Coupling::Pick, "null", small()),
+    ] {
+        assert_ne!(other, identity);
+    }
+}
+
+#[test]
+fn what_cannot_work_is_told_before_anything_is_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(|_| says(PLAN));
+    let open = |client: Client, worker, coupling, settings| {
+        Vlm::new(client, &Calibrations::default(), segmenter(worker, folder.path()), coupling, settings)
+            .unwrap_err()
+    };
+    let error = open(live(&server), "box", Coupling::Text, small());
+    assert!(matches!(error, VlmError::Worker(_)) && error.to_string().contains("not text"), "{error}");
+    let mut unknown = endpoint(&server.url());
+    unknown.coordinates = None;
+    let error = open(Client::open(unknown, &Link::Live).unwrap(), "box", Coupling::Box, small());
+    assert!(error.to_string().contains("tiny-vl") && error.hint().contains("calibrate"), "{error}");
+    let error = open(live(&server), "box", Coupling::Box, Settings { keyframes: 0, ..small() });
+    assert!(error.to_string().starts_with("keyframes"), "{error}");
+    assert!("boxes".parse::<Coupling>().unwrap_err().contains("text, box or pick"));
+}
+
+/// A real server with a tiny random model: `L4D_VLM_URL=http://127.0.0.1:8801/v1` of `tests/endpoint_server/serve.py`.
+#[test]
+fn a_real_model_of_random_weights_gets_an_outcome() {
+    let Ok(url) = std::env::var("L4D_VLM_URL") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut endpoint = Endpoint::new(&url, "tiny").unwrap();
+    endpoint.coordinates = Some("rel1000_xyxy".to_owned());
+    let client = Client::open(endpoint, &Link::Live).unwrap();
+    let settings = Settings { answer_tokens: 400, ..small() };
+    let vlm = vlm(client, "box", Coupling::Box, settings, folder.path());
+    let ask = |text: &str| -> Grounding {
+        let asked: Question = question(text);
+        vlm.ground(&view(), &asked)
+    };
+    let grounding = ask("the cup that tips over");
+    assert!(!matches!(grounding.outcome, Outcome::Error(_)), "{grounding:?}");
+    assert!(grounding.notes.iter().any(|note| note.starts_with("question ")), "{grounding:?}");
+    assert_eq!(ask("the cup that tips over"), grounding, "the same question, another answer");
+}

@@ -1,0 +1,297 @@
+//! Workers in processes of their own: the ones that ship, and one that misbehaves. Those with networks run with
+//! `L4D_WORKERS_PYTHON=<python of their environment> cargo test -p l4d-ground --test worker`.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+
+mod clips;
+#[path = "worker/torch.rs"]
+mod torch;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use clips::{clip, frames_of, question};
+use l4d_data::Interval;
+use l4d_frames::Mask;
+use l4d_ground::worker::{
+    ClipPrompt, FrameStore, Launch, Patience, Prompt, Segmenter, TextGrounder, What, Worker, WorkerError,
+};
+use l4d_ground::{Grounder, Grounding, Outcome};
+
+fn here() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A worker of the package.
+fn shipped(python: &Path, arguments: &[&str]) -> Launch {
+    let environment = vec![
+        ("PYTHONPATH".to_owned(), here().join("workers").into()),
+        ("PYTHONDONTWRITEBYTECODE".to_owned(), "1".into()),
+    ];
+    let module = ["-m", "l4d_workers"].iter().chain(arguments);
+    Launch { program: python.to_owned(), arguments: module.map(Into::into).collect(), environment }
+}
+
+fn scripted(arguments: &[&str]) -> Launch {
+    let script = here().join("tests/worker/scripted.py");
+    let arguments = [script.into_os_string()].into_iter().chain(arguments.iter().map(Into::into));
+    Launch { program: "python3".into(), arguments: arguments.collect(), environment: Vec::new() }
+}
+
+fn brief() -> Patience {
+    Patience {
+        hello: Duration::from_secs(30),
+        silence: Duration::from_secs(20),
+        answer: Duration::from_secs(20),
+        farewell: Duration::from_millis(500),
+    }
+}
+
+fn hasty() -> Patience {
+    Patience { silence: Duration::from_millis(400), answer: Duration::from_millis(800), ..brief() }
+}
+
+struct Setting {
+    folder: tempfile::TempDir,
+}
+
+impl Setting {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn file(&self) -> String {
+        self.folder.path().join("count").display().to_string()
+    }
+
+    fn segmenter(&self, launch: Launch, patience: Patience) -> Arc<Segmenter> {
+        let worker = Worker::start(launch, patience).unwrap();
+        Arc::new(Segmenter::new(worker, FrameStore::new(self.folder.path().join("frames")), 0.0))
+    }
+
+    fn ask(&self, mode: &[&str], patience: Patience, text: &str) -> Grounding {
+        let grounder = TextGrounder::new(self.segmenter(scripted(mode), patience)).unwrap();
+        grounder.ground(&clip(8, 6, &[0, 12]), &question(text))
+    }
+}
+
+fn columns(width: u32, height: u32, first: u32, last: u32) -> Mask {
+    Mask::from_fn(width, height, |column, _| (first..last).contains(&column))
+}
+
+fn error_of(grounding: &Grounding) -> &str {
+    assert!(grounding.masks.is_empty());
+    match &grounding.outcome {
+        Outcome::Error(message) => message,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_box_worker_goes_straight_between_boxes() {
+    let setting = Setting::new();
+    let segmenter = setting.segmenter(shipped(Path::new("python3"), &["box"]), brief());
+    assert_eq!((segmenter.hello().name.as_str(), segmenter.hello().text), ("box", None));
+    let clip = clip(64, 48, &[0, 12, 24, 36, 48]);
+    let place = |frame, box_px| ClipPrompt::Box { object: 1, frame, box_px };
+    let prompts = [place(12, [10.0, 10.0, 20.0, 20.0]), place(36, [30.0, 10.0, 40.0, 20.0])];
+    let found = segmenter.segment(&clip, &prompts, Some(Interval::new(5, 40).unwrap())).unwrap();
+    let masks = found.union();
+    assert_eq!(masks.keys().copied().collect::<Vec<_>>(), [12, 24, 36]);
+    let expected = Mask::from_fn(64, 48, |column, row| (20..30).contains(&column) && (10..20).contains(&row));
+    assert_eq!(masks[&24], expected);
+    let text = TextGrounder::new(segmenter).unwrap_err();
+    assert!(
+        matches!(text, WorkerError::Unfit { .. }) && text.to_string().contains("it takes box, not text"),
+        "{text}"
+    );
+}
+
+#[test]
+fn the_null_worker_says_absent_in_every_frame() {
+    let setting = Setting::new();
+    let grounder =
+        TextGrounder::new(setting.segmenter(shipped(Path::new("python3"), &["null"]), brief())).unwrap();
+    let grounding = grounder.ground(&clip(8, 6, &[0, 12, 24]), &question("the 猫 that 🎾"));
+    assert_eq!((grounding.outcome, grounding.masks.len()), (Outcome::Absent, 3));
+    let identity = grounder.identity();
+    assert_eq!(identity["segmenter"]["worker"]["name"], "null", "{identity}");
+}
+
+#[test]
+fn masks_come_back_at_their_frames() {
+    let grounding = Setting::new().ask(&["plain"], brief(), "cup");
+    assert_eq!(grounding.outcome, Outcome::Found);
+    assert_eq!(frames_of(&grounding), [0, 12]);
+    assert_eq!(grounding.masks[&12], columns(8, 6, 0, 4));
+    let asked = Setting::new().segmenter(scripted(&["plain"]), brief());
+    let grounder = TextGrounder::new(asked).unwrap();
+    let mut ranged = question("cup");
+    ranged.range = Some(Interval::new(6, 20).unwrap());
+    let grounding = grounder.ground(&clip(8, 6, &[0, 12]), &ranged);
+    assert!(grounding.masks[&0].is_empty() && !grounding.masks[&12].is_empty());
+}
+
+#[test]
+fn sentences_that_cannot_be_asked_never_reach_the_worker() {
+    let setting = Setting::new();
+    let grounder = TextGrounder::new(setting.segmenter(scripted(&["dies"]), brief())).unwrap();
+    for text in ["", "  \n\t ", &"word ".repeat(10_000)] {
+        let outcome = grounder.ground(&clip(8, 6, &[0]), &question(text)).outcome;
+        assert!(matches!(outcome, Outcome::Unsupported(_)), "{outcome:?}");
+    }
+    let outcome = grounder.ground(&clip(8, 6, &[]), &question("cup")).outcome;
+    assert!(matches!(outcome, Outcome::Error(_)), "{outcome:?}");
+}
+
+#[test]
+fn refusals_are_told_apart() {
+    let setting = Setting::new();
+    let grounding = setting.ask(&["plain"], brief(), "refuse");
+    assert_eq!(grounding.outcome, Outcome::Unsupported(vec!["too long[0m".to_owned()]));
+    assert!(error_of(&setting.ask(&["plain"], brief(), "memory")).contains("says `oom`: no memory"));
+}
+
+#[test]
+fn a_worker_that_dies_is_started_again_once() {
+    let setting = Setting::new();
+    let grounding = setting.ask(&["dies-once", &setting.file()], brief(), "cup");
+    assert_eq!(grounding.outcome, Outcome::Found);
+    assert_eq!(std::fs::read_to_string(setting.file()).unwrap(), "xx");
+}
+
+#[test]
+fn one_that_dies_again_and_again_is_given_up() {
+    let setting = Setting::new();
+    let grounder =
+        TextGrounder::new(setting.segmenter(scripted(&["dies", &setting.file()]), brief())).unwrap();
+    let ask = || grounder.ground(&clip(8, 6, &[0]), &question("cup"));
+    assert!(error_of(&ask()).contains("ended early (exit status: 7)"));
+    assert!(error_of(&ask()).contains("ended early"));
+    assert!(error_of(&ask()).contains("given up after 4 failures in a row"));
+    assert_eq!(std::fs::read_to_string(setting.file()).unwrap(), "xxxx");
+}
+
+#[test]
+fn one_that_is_another_after_its_restart_is_not_believed() {
+    let setting = Setting::new();
+    let grounding = setting.ask(&["changes", &setting.file()], brief(), "cup");
+    assert!(error_of(&grounding).contains("another hello"), "{grounding:?}");
+}
+
+#[test]
+fn one_that_hangs_is_killed_after_its_time() {
+    let started = Instant::now();
+    assert!(
+        error_of(&Setting::new().ask(&["hangs"], hasty(), "cup")).contains("said nothing for 0.4 seconds")
+    );
+    assert!(
+        error_of(&Setting::new().ask(&["busy"], hasty(), "cup"))
+            .contains("worked on one answer for 0.8 seconds")
+    );
+    assert!(started.elapsed() < Duration::from_secs(15));
+}
+
+#[test]
+fn answers_in_any_order_find_their_requests() {
+    let worker = Worker::start(scripted(&["backwards"]), brief()).unwrap();
+    let setting = Setting::new();
+    let frames = FrameStore::new(setting.folder.path()).frames(&clip(8, 6, &[0, 12])).unwrap();
+    let ask = |text: &str| {
+        let prompt = Prompt { obj: 1, what: What::Text { text: text.to_owned() } };
+        worker.segment(&frames, &[prompt], [0, 1], 0.0).unwrap()
+    };
+    let (one, three) = std::thread::scope(|scope| {
+        let threads = (scope.spawn(|| ask("a")), scope.spawn(|| ask("abc")));
+        (threads.0.join().unwrap(), threads.1.join().unwrap())
+    });
+    for (answer, width) in [(one, 1), (three, 3)] {
+        assert_eq!(answer.objects[&1].masks[&0], columns(8, 6, 0, width));
+        assert_eq!(answer.objects[&1].masks[&1], columns(8, 6, 0, width));
+    }
+}
+
+#[test]
+fn a_useless_answer_costs_one_view_and_not_the_worker() {
+    for (mode, words) in [
+        ("wrong-size", "4x4 pixels, the frames have 8x6"),
+        ("torn-mask", "cannot be read"),
+        ("wrong-frame", "a mask of frame 7"),
+        ("twice", "two masks of object 1"),
+        ("crowd", "more than 64 objects"),
+        ("late", "a mask of frame 7"),
+    ] {
+        let setting = Setting::new();
+        let launch = scripted(&[mode, &setting.file()]);
+        let grounder = TextGrounder::new(setting.segmenter(launch, brief())).unwrap();
+        let ask = |text: &str| grounder.ground(&clip(8, 6, &[0, 12]), &question(text));
+        let bad = ask("bad");
+        assert!(error_of(&bad).contains(words), "{mode}: {bad:?}");
+        assert_eq!(ask("good").outcome, Outcome::Found, "{mode}");
+        assert_eq!(std::fs::read_to_string(setting.file()).unwrap(), "x", "{mode} was started again");
+    }
+}
+
+#[test]
+fn one_that_breaks_the_protocol_is_not_believed() {
+    for (mode, words) in [
+        ("wrong-id", "which nobody asked"),
+        ("garbage", "{'id': 1, 'done': True}"),
+        ("flood", "a line without end"),
+    ] {
+        let grounding = Setting::new().ask(&[mode], brief(), "cup");
+        assert!(error_of(&grounding).contains(words), "{mode}: {grounding:?}");
+    }
+}
+
+#[test]
+fn talk_is_no_answer_and_no_danger() {
+    assert_eq!(Setting::new().ask(&["talks"], brief(), "cup").outcome, Outcome::Found);
+}
+
+#[test]
+fn a_worker_that_never_gets_ready_says_why() {
+    let start = |mode: &str, patience| Worker::start(scripted(&[mode]), patience).unwrap_err();
+    let quick = Patience { hello: Duration::from_millis(500), ..brief() };
+    assert!(start("mute", quick).to_string().contains("was not ready for 0.5 seconds"));
+    assert!(start("chatty", brief()).to_string().contains("Loading weights"));
+    assert!(start("old", brief()).to_string().contains("version 7"));
+    let dead = start("early-death", brief()).to_string();
+    assert!(dead.contains("exit status: 3") && dead.contains("no such model"), "{dead}");
+    let none = Launch { program: "/nowhere/python".into(), arguments: Vec::new(), environment: Vec::new() };
+    let error = Worker::start(none, brief()).unwrap_err();
+    assert!(matches!(error, WorkerError::Start { .. }) && error.to_string().contains("/nowhere/python"));
+}
+
+#[test]
+fn nothing_outlives_a_worker_that_is_dropped() {
+    let setting = Setting::new();
+    let worker = Worker::start(scripted(&["grandchild", &setting.file()]), brief()).unwrap();
+    let grandchild = std::fs::read_to_string(setting.file()).unwrap();
+    let status = PathBuf::from(format!("/proc/{grandchild}/stat"));
+    let is_running = || std::fs::read_to_string(&status).is_ok_and(|text| !text.contains(") Z "));
+    assert!(is_running());
+    drop(worker);
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while is_running() {
+        assert!(Instant::now() < deadline, "process {grandchild} still runs");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn frames_are_written_once_for_the_same_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = FrameStore::new(folder.path());
+    let first = store.frames(&clip(8, 6, &[0, 12])).unwrap();
+    let time = |frames: &l4d_ground::worker::Frames| {
+        std::fs::metadata(frames.dir.join("0012.png")).unwrap().modified().unwrap()
+    };
+    let (written, second) = (time(&first), store.frames(&clip(8, 6, &[0, 12])).unwrap());
+    assert_eq!((&first, written), (&second, time(&second)));
+    assert!(first.dir.is_absolute() && first.files == ["0000.png", "0012.png"]);
+    std::fs::remove_file(first.dir.join("0000.png")).unwrap();
+    store.frames(&clip(8, 6, &[0, 12])).unwrap();
+    assert!(first.dir.join("0000.png").exists(), "a missing frame is written again");
+    assert_ne!(store.frames(&clip(8, 6, &[0, 24])).unwrap().dir, first.dir);
+}
