@@ -3,3 +3,13 @@
 //! This crate owns the stages between a trained model and an answer: clips, grounding of each view, multi-view
 //! semantic consensus, 4D lifting, masks. It refuses to know how a grounder finds anything, how splats are trained and
 //! drawn, and how masks are judged.
+
+pub mod account;
+pub mod clips;
+pub mod consensus;
+pub mod grounded;
+pub mod lift;
+pub mod results;
+pub mod scene;
+pub mod show;
+pub mod solve;

@@ -7,23 +7,22 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
 use glam::UVec2;
 use l4d_data::digest::sha256_hex;
 use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::{Camera, DataError, Name, json};
-use l4d_frames::drawn::{self, DepthMap, decode_colour, decode_depth_png, encode_colour, picture_of};
+use l4d_frames::drawn::{
+    self, DepthMap, RgbImage, decode_colour, decode_depth_png, encode_colour, picture_of,
+};
 use l4d_frames::exr::{decode_depth, encode_depth};
-use l4d_frames::preview::Cell;
+use l4d_splat::source::Source;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::plan::{Instant, Plan, Shot};
 use super::writers::Sheet;
-use crate::cli::{DepthArg, DepthFormatArg};
-use crate::out::refusal;
 
 const SCHEMA: &str = "l4d/clips/1";
 /// No file of a picture is larger, bytes.
@@ -32,54 +31,93 @@ const MAX_BYTES: u64 = 1 << 30;
 /// What every picture of the folder has in common.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Look {
-    pub(super) model: ModelEntry,
-    pub(super) rasterizer: String,
+pub struct Look {
+    /// What is shown.
+    pub model: ModelEntry,
+    /// What drew it.
+    pub rasterizer: String,
     /// Graphics adapter; null for the processor.
-    pub(super) adapter: Option<Value>,
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) background: [f32; 3],
-    pub(super) depth: DepthEntry,
+    pub adapter: Option<Value>,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Display colour where nothing is.
+    pub background: [f32; 3],
+    /// Which depth, and how it is stored.
+    pub depth: DepthEntry,
 }
 
+/// Which model was drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ModelEntry {
-    pub(super) family: String,
+pub struct ModelEntry {
+    /// Who wrote it.
+    pub family: String,
     /// Scene that it was trained on, where it says so.
-    pub(super) scene: Option<Name>,
-    pub(super) gaussians: usize,
-    pub(super) dynamic: usize,
+    pub scene: Option<Name>,
+    /// How many there are.
+    pub gaussians: usize,
+    /// How many of them move.
+    pub dynamic: usize,
     /// SHA-256 of the files of the model.
-    pub(super) inputs: BTreeMap<String, String>,
+    pub inputs: BTreeMap<String, String>,
 }
 
+impl From<&Source> for ModelEntry {
+    fn from(source: &Source) -> Self {
+        Self {
+            family: source.family.to_string(),
+            scene: source.scene.clone(),
+            gaussians: source.model.gaussians.len(),
+            dynamic: source.model.dynamic.len(),
+            inputs: source.inputs.clone(),
+        }
+    }
+}
+
+/// Which depth is drawn, and how it is stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct DepthEntry {
-    kind: String,
-    format: String,
+pub struct DepthEntry {
+    /// Which number it is.
+    pub kind: DepthKind,
+    /// How it is stored.
+    pub format: DepthFormat,
     /// Metres of a unit of the file.
     unit_m: f64,
 }
 
-impl DepthEntry {
-    pub(super) fn new(kind: DepthArg, format: DepthFormatArg) -> Self {
-        let kind = match kind {
-            DepthArg::Median => "median",
-            DepthArg::Expected => "expected",
-            DepthArg::Sum => "sum",
-        };
-        let (format, unit_m) = match format {
-            DepthFormatArg::Exr => ("exr", 1.0),
-            DepthFormatArg::Png => ("png", 0.001),
-        };
-        Self { kind: kind.to_owned(), format: format.to_owned(), unit_m }
-    }
+/// Which depth a pixel has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DepthKind {
+    /// Where transmittance crosses a half.
+    Median,
+    /// sum z a T / sum a T.
+    Expected,
+    /// sum z a T, as 4DGaussians has it: too near wherever the pixel is not filled.
+    Sum,
+}
 
-    fn is_exr(&self) -> bool {
-        self.format == "exr"
+/// How depth is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DepthFormat {
+    /// Metres as 32-bit floats, with alpha, near and far.
+    Exr,
+    /// Millimetres in 16 bits, and nothing else.
+    Png,
+}
+
+impl DepthEntry {
+    /// Depth of this kind, stored like this.
+    pub fn new(kind: DepthKind, format: DepthFormat) -> Self {
+        let unit_m = match format {
+            DepthFormat::Exr => 1.0,
+            DepthFormat::Png => 0.001,
+        };
+        Self { kind, format, unit_m }
     }
 }
 
@@ -110,8 +148,20 @@ pub(super) struct FrameEntry {
     depth: String,
 }
 
+/// What becomes of clips that stand where others are to go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overwrite {
+    /// Other clips, and files that no manifest speaks of, are an error.
+    Never,
+    /// Clips of another model or look give way; the same ones are kept.
+    Stale,
+    /// Everything is drawn again.
+    Always,
+}
+
+/// A folder that keeps clips of one model, drawn one way.
 #[derive(Debug)]
-pub(super) struct ClipsFolder {
+pub struct ClipsFolder {
     root: PathBuf,
     manifest: Manifest,
     /// Whether pictures that stand there were drawn as these are to be.
@@ -120,7 +170,10 @@ pub(super) struct ClipsFolder {
 
 impl ClipsFolder {
     /// Takes the folder for clips of this look: goes on with what stands there, or begins.
-    pub(super) fn claim(root: PathBuf, look: Look, plan: &Plan, overwrite: bool) -> Result<Self> {
+    ///
+    /// # Errors
+    /// Clips of another look, or files that no manifest speaks of, unless they may be replaced.
+    pub fn claim(root: PathBuf, look: Look, plan: &Plan, overwrite: Overwrite) -> Result<Self, DataError> {
         let path = root.join("manifest.json");
         let before = if path.exists() { Some(read_manifest(&path)?) } else { None };
         let mut views = BTreeMap::new();
@@ -133,13 +186,16 @@ impl ClipsFolder {
             }
             views.insert(camera.name.clone(), ViewEntry { camera, pictures: BTreeMap::new() });
         }
-        if let Some(what) = differs.filter(|_| !overwrite) {
-            return Err(refusal(
-                format!("{}: holds clips with another {what}", root.display()),
+        if let Some(what) = differs.as_ref().filter(|_| overwrite == Overwrite::Never) {
+            return Err(DataError::invalid(
+                &root,
+                "clips",
+                format!("were drawn with another {what}"),
                 "choose another --out, or replace them with --overwrite",
             ));
         }
-        let is_continued = before.is_some() && !overwrite;
+        let is_stale = overwrite == Overwrite::Always || differs.is_some();
+        let is_continued = before.is_some() && !is_stale;
         if is_continued {
             for (name, view) in before.into_iter().flat_map(|before| before.views) {
                 // The cameras of views that both have are the same.
@@ -150,14 +206,16 @@ impl ClipsFolder {
         }
         let folder =
             Self { root, manifest: Manifest { schema: SCHEMA.to_owned(), drawn: look, views }, is_continued };
-        folder.refuse_strangers(plan, overwrite)?;
+        if overwrite == Overwrite::Never {
+            folder.refuse_strangers(plan)?;
+        }
         json::write(&path, &folder.manifest)?;
         Ok(folder)
     }
 
     /// Files under our names that no manifest speaks of were made by somebody else.
-    fn refuse_strangers(&self, plan: &Plan, overwrite: bool) -> Result<()> {
-        if self.is_continued || overwrite {
+    fn refuse_strangers(&self, plan: &Plan) -> Result<(), DataError> {
+        if self.is_continued {
             return Ok(());
         }
         let files = plan.shots().flat_map(|shot| {
@@ -165,15 +223,35 @@ impl ClipsFolder {
             [self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant)]
         });
         match files.into_iter().find(|path| path.exists()) {
-            Some(path) => Err(refusal(
-                format!("{} stands there, and no manifest says what it is", path.display()),
+            Some(path) => Err(DataError::invalid(
+                &path,
+                "file",
+                "stands there, and no manifest says what it is",
                 "choose another --out, or replace such files with --overwrite",
             )),
             None => Ok(()),
         }
     }
 
-    pub(super) fn root(&self) -> &Path {
+    /// How everything in it is drawn.
+    pub fn look(&self) -> &Look {
+        &self.manifest.drawn
+    }
+
+    /// SHA-256 over everything that decides how the pictures of a view look.
+    pub fn view_digest(&self, plan: &Plan, view: usize) -> String {
+        let keys: Vec<&str> = plan.instants.iter().map(|instant| instant.key.as_str()).collect();
+        let decides = serde_json::json!([self.manifest.drawn, plan.drawn_camera(view), keys]);
+        sha256_hex(json::canonical(&decides).as_bytes())
+    }
+
+    /// Where its manifest stands.
+    pub fn manifest_path(&self) -> PathBuf {
+        self.root.join("manifest.json")
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
         &self.root
     }
 
@@ -184,8 +262,11 @@ impl ClipsFolder {
 
     /// `<view>/<instant>.exr` or `<view>/<instant>.depth.png`
     fn depth_path(&self, view: &str, instant: &Instant) -> PathBuf {
-        let kind = if self.manifest.drawn.depth.is_exr() { "exr" } else { "depth.png" };
-        self.root.join(view).join(format!("{}.{kind}", instant.key))
+        let ending = match self.manifest.drawn.depth.format {
+            DepthFormat::Exr => "exr",
+            DepthFormat::Png => "depth.png",
+        };
+        self.root.join(view).join(format!("{}.{ending}", instant.key))
     }
 
     /// The pictures that are whole already.
@@ -210,11 +291,20 @@ impl ClipsFolder {
         Some(FrameEntry { time: instant.time, colour: sha256_hex(&colour), depth: sha256_hex(&depth) })
     }
 
-    fn decode_depth(&self, path: &Path, bytes: &[u8], [width, height]: [u32; 2]) -> Result<Vec<f32>> {
-        if self.manifest.drawn.depth.is_exr() {
-            return Ok(decode_depth(path, bytes, UVec2::new(width, height))?.depth_m);
+    fn decode_depth(
+        &self,
+        path: &Path,
+        bytes: &[u8],
+        [width, height]: [u32; 2],
+    ) -> Result<DepthMap, DataError> {
+        match self.manifest.drawn.depth.format {
+            DepthFormat::Exr => decode_depth(path, bytes, UVec2::new(width, height)),
+            DepthFormat::Png => {
+                let depth_m =
+                    decode_depth_png(bytes, width, height).map_err(|error| unreadable(path, error))?;
+                Ok(DepthMap { depth_m, ..DepthMap::empty(width, height) })
+            }
         }
-        decode_depth_png(bytes, width, height).map_err(|error| unreadable(path, error))
     }
 
     /// The files of a picture: depth first, so that a picture whose colour is there is whole.
@@ -224,31 +314,36 @@ impl ClipsFolder {
         shot: Shot,
         colour: &[[f32; 3]],
         depth: &DepthMap,
-    ) -> Result<Sheet> {
+    ) -> Result<Sheet, DataError> {
         let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
         let (colour_path, depth_path) =
             (self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant));
         let colour = encode_colour(&picture_of(depth.width, depth.height, colour));
-        let depth =
-            if self.manifest.drawn.depth.is_exr() { encode_depth(&depth_path, depth)? } else { depth.png() };
+        let depth = match self.manifest.drawn.depth.format {
+            DepthFormat::Exr => encode_depth(&depth_path, depth)?,
+            DepthFormat::Png => depth.png(),
+        };
         let entry = FrameEntry { time: instant.time, colour: sha256_hex(&colour), depth: sha256_hex(&depth) };
         Ok(Sheet { shot, entry, files: [(depth_path, depth), (colour_path, colour)] })
     }
 
-    /// Reads a picture back.
-    pub(super) fn read(&self, plan: &Plan, shot: Shot) -> Result<Cell> {
+    /// Reads a picture back. Depth that was stored as PNG comes without alpha, near and far.
+    ///
+    /// # Errors
+    /// A picture that is not there, or not as it was written.
+    pub fn read(&self, plan: &Plan, shot: Shot) -> Result<(RgbImage, DepthMap), DataError> {
         let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
         let path = self.colour_path(&camera.name, instant);
         let [width, height] = plan.size;
         let colour = decode_colour(&read_bounded(&path, MAX_BYTES)?, width, height)
             .map_err(|error| unreadable(&path, error))?;
         let path = self.depth_path(&camera.name, instant);
-        let depth_m = self.decode_depth(&path, &read_bounded(&path, MAX_BYTES)?, plan.size)?;
-        Ok(Cell { colour, depth_m })
+        let depth = self.decode_depth(&path, &read_bounded(&path, MAX_BYTES)?, plan.size)?;
+        Ok((colour, depth))
     }
 
     /// Writes the manifest with the digests of all pictures; gives its path.
-    pub(super) fn settle(&self, plan: &Plan, entries: BTreeMap<Shot, FrameEntry>) -> Result<PathBuf> {
+    pub(super) fn settle(&self, plan: &Plan, entries: BTreeMap<Shot, FrameEntry>) -> Result<(), DataError> {
         let mut manifest = self.manifest.clone();
         for (shot, entry) in entries {
             let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
@@ -256,9 +351,7 @@ impl ClipsFolder {
                 view.pictures.insert(instant.key.clone(), entry);
             }
         }
-        let path = self.root.join("manifest.json");
-        json::write(&path, &manifest)?;
-        Ok(path)
+        json::write(&self.manifest_path(), &manifest)
     }
 }
 
@@ -307,7 +400,7 @@ fn is_picture(name: &str) -> bool {
     })
 }
 
-fn unreadable(path: &Path, error: drawn::DrawnError) -> anyhow::Error {
+fn unreadable(path: &Path, error: drawn::DrawnError) -> DataError {
     let remedy = "delete the file and run the command again";
-    DataError::invalid(path, "picture", error.to_string(), remedy).into()
+    DataError::invalid(path, "picture", error.to_string(), remedy)
 }

@@ -6,13 +6,12 @@ use std::sync::Mutex;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
-use anyhow::Result;
 use l4d_data::DataError;
 use l4d_data::store::write_atomic;
 
+use super::ClipsError;
 use super::folder::FrameEntry;
 use super::plan::Shot;
-use crate::out::refusal;
 
 const WRITERS: usize = 8;
 /// Pictures that wait to be written: bounds memory where the disk is slow.
@@ -31,8 +30,8 @@ pub(super) struct Sheet {
 /// file that cannot be written ends it.
 pub(super) fn writing(
     written: impl Fn(Shot, FrameEntry) + Sync,
-    work: impl FnOnce(&(dyn Fn(Sheet) -> Result<()> + Sync)) -> Result<()>,
-) -> Result<()> {
+    work: impl FnOnce(&(dyn Fn(Sheet) -> Result<(), ClipsError> + Sync)) -> Result<(), ClipsError>,
+) -> Result<(), ClipsError> {
     let (sender, receiver) = sync_channel::<Sheet>(WAITING);
     let receiver = Mutex::new(receiver);
     let failure: Mutex<Option<DataError>> = Mutex::new(None);
@@ -53,9 +52,11 @@ pub(super) fn writing(
                 }
             });
         }
-        let stopped = || refusal("a file could not be written", "see above");
         let hand_over = |sheet: Sheet| {
-            if has_failed() { Err(stopped()) } else { sender.send(sheet).map_err(|_closed| stopped()) }
+            if has_failed() {
+                return Err(ClipsError::Stopped);
+            }
+            sender.send(sheet).map_err(|_closed| ClipsError::Stopped)
         };
         let result = work(&hand_over);
         drop(sender);

@@ -1,0 +1,36 @@
+//! Multi-view semantic consensus (paper, section 4): which views' masks agree with the others' and go on as evidence.
+//!
+//! Every mask is carried into every other view by depth and compared with what that view marks. Frames agree or
+//! disagree, pairs of views vote, votes make a view reliable. Both presets, `paper` and `robust`, and the ablation
+//! without consensus are settings of this one mechanism.
+//!
+//! The module owns the votes and the record of them. It refuses to know how masks came about and what they are for.
+
+mod camps;
+mod candidate;
+mod decide;
+mod explain;
+mod judge;
+mod picture;
+mod record;
+pub mod reproject;
+pub mod settings;
+mod sight;
+
+pub use candidate::Proposal;
+pub use picture::picture;
+pub use record::{
+    Camp, Consensus, Decision, FrameCounts, FrameRecord, FrameVerdict, MarkedFrame, PairRecord, PairVerdict,
+    Reason, Standing, ViewRecord,
+};
+pub use settings::{ConsensusSettings, Preset};
+pub use sight::Sight;
+
+/// Decides which proposals go on. The same proposals give the same record, however many threads work.
+///
+/// Outcomes that are no answers, and clips that contradict themselves, take no part; the record names them.
+pub fn consensus(proposals: &[Proposal<'_>], settings: &ConsensusSettings) -> Consensus {
+    let parts: Vec<_> = proposals.iter().map(Proposal::part).collect();
+    let pairs = if settings.is_on { judge::judge_all(proposals, &parts, settings) } else { Vec::new() };
+    decide::decide(proposals, &parts, pairs, settings)
+}

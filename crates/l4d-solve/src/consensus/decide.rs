@@ -1,0 +1,155 @@
+//! Global reliability (paper, section 4): from votes to the views that go on.
+
+use super::camps::{Fate, Relations};
+use super::candidate::{Part, Proposal};
+use super::record::{Camp, Consensus, Decision, PairRecord, PairVerdict, Standing, ViewRecord};
+use super::settings::{Camps, ConsensusSettings, Judges, NoneReliable};
+
+/// What follows from the pairs.
+pub(super) fn decide(
+    proposals: &[Proposal<'_>],
+    parts: &[Part],
+    pairs: Vec<PairRecord>,
+    settings: &ConsensusSettings,
+) -> Consensus {
+    let found: Vec<usize> = views_with(parts, |part| *part == Part::Found);
+    let answers = views_with(parts, |part| matches!(part, Part::Found | Part::Absent)).len();
+    let relations = Relations::of(&pairs);
+    let groups = relations.groups(&found);
+    let fates = relations.fates(&groups);
+    let fate_of = |view: usize| {
+        let own = std::iter::zip(&groups, &fates).find(|(group, _)| group.contains(&view));
+        own.map_or(Fate::Stands, |(_, fate)| *fate)
+    };
+
+    let mut views: Vec<ViewRecord> = std::iter::zip(proposals, parts)
+        .enumerate()
+        .map(|(view, (proposal, part))| view_record(view, proposal, part, &pairs, settings))
+        .collect();
+    let is_vote = settings.is_on && answers > 1;
+    for (view, record) in views.iter_mut().enumerate() {
+        if parts.get(view) == Some(&Part::Found) {
+            record.standing =
+                if is_vote { standing(record, fate_of(view), settings) } else { Standing::Reliable };
+        }
+    }
+
+    let mut decision = if answers == 0 {
+        Decision::NoAnswer
+    } else if found.is_empty() {
+        Decision::Absent
+    } else if !settings.is_on {
+        Decision::Off
+    } else if answers == 1 {
+        Decision::Bypassed
+    } else if views.iter().any(|view| view.standing == Standing::Reliable) {
+        Decision::Reliable
+    } else if views.iter().any(|view| view.standing == Standing::Tied) {
+        Decision::Tied
+    } else {
+        Decision::NoneReliable
+    };
+    if decision == Decision::NoneReliable
+        && settings.none_reliable == NoneReliable::BestView
+        && let Some(record) = best(&mut views, &pairs)
+    {
+        record.standing = Standing::Best;
+        decision = Decision::BestView;
+    }
+
+    let goes_on = |record: &ViewRecord| matches!(record.standing, Standing::Reliable | Standing::Best);
+    Consensus {
+        preset: settings.preset(),
+        settings: *settings,
+        decision,
+        evidence: (0..views.len()).filter(|&view| views.get(view).is_some_and(goes_on)).collect(),
+        camps: camps(&relations, groups),
+        views,
+        pairs,
+    }
+}
+
+fn views_with(parts: &[Part], test: impl Fn(&Part) -> bool) -> Vec<usize> {
+    parts.iter().enumerate().filter(|(_, part)| test(part)).map(|(view, _)| view).collect()
+}
+
+fn view_record(
+    view: usize,
+    proposal: &Proposal<'_>,
+    part: &Part,
+    pairs: &[PairRecord],
+    settings: &ConsensusSettings,
+) -> ViewRecord {
+    let (standing, problem) = match part {
+        // Not the last word on what was found: that takes the votes.
+        Part::Found => (Standing::NoJudge, None),
+        Part::Absent => (Standing::Absent, None),
+        Part::NoAnswer => (Standing::NoAnswer, None),
+        Part::Unusable(problem) => (Standing::Unusable, Some(problem.clone())),
+    };
+    let frames = match part {
+        Part::Found | Part::Absent => proposal.marked(),
+        Part::NoAnswer | Part::Unusable(_) => Vec::new(),
+    };
+    let about = || pairs.iter().filter(|pair| pair.of == view);
+    let is_judge = |pair: &&PairRecord| match settings.judges {
+        Judges::AllOthers => true,
+        Judges::CouldSee => pair.verdict != PairVerdict::CannotSee,
+    };
+    ViewRecord {
+        view: proposal.clip.camera.name.clone(),
+        outcome: proposal.grounding.outcome.word().to_owned(),
+        marked_frames: frames.iter().filter(|marked| marked.pixels > 0).count() as u32,
+        votes: about().filter(|pair| pair.verdict == PairVerdict::Vote).count() as u32,
+        judges: about().filter(is_judge).count() as u32,
+        standing,
+        problem,
+        frames,
+    }
+}
+
+fn standing(record: &ViewRecord, fate: Fate, settings: &ConsensusSettings) -> Standing {
+    let Some(score) = record.score() else { return Standing::NoJudge };
+    match (settings.camps, fate) {
+        (Camps::LargestWins, Fate::Outvoted) => return Standing::Outvoted,
+        (Camps::LargestWins, Fate::Tied) => return Standing::Tied,
+        (Camps::LargestWins, Fate::Stands) | (Camps::Shown, _) => {}
+    }
+    if record.votes < settings.min_votes {
+        Standing::FewVotes
+    } else if score > settings.tau {
+        Standing::Reliable
+    } else {
+        Standing::LowScore
+    }
+}
+
+/// The view with the largest share of votes, then the most votes, then the most frames that agree, then the first; of
+/// those that have a vote and that no camp has put out.
+fn best<'a>(views: &'a mut [ViewRecord], pairs: &[PairRecord]) -> Option<&'a mut ViewRecord> {
+    let agreeing = |view: usize| -> u64 {
+        pairs.iter().filter(|pair| pair.of == view).map(|pair| u64::from(pair.agreeing)).sum()
+    };
+    let may = |record: &ViewRecord| {
+        record.votes > 0 && matches!(record.standing, Standing::FewVotes | Standing::LowScore)
+    };
+    let candidates = views.iter_mut().enumerate().filter(|(_, record)| may(record));
+    let rank = |view: usize, record: &ViewRecord| {
+        let score = record.score().unwrap_or(0.0);
+        (score, record.votes, agreeing(view))
+    };
+    candidates
+        .map(|(view, record)| (rank(view, record), record))
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
+        .map(|(_, record)| record)
+}
+
+/// Groups of two and more, and which of them contradict each other.
+fn camps(relations: &Relations, groups: Vec<Vec<usize>>) -> Vec<Camp> {
+    let groups: Vec<Vec<usize>> = groups.into_iter().filter(|group| group.len() > 1).collect();
+    let against = |group: &[usize]| {
+        let others = groups.iter().enumerate();
+        others.filter(|(_, other)| relations.contradict(group, other)).map(|(place, _)| place).collect()
+    };
+    groups.iter().map(|group| Camp { views: group.clone(), against: against(group) }).collect()
+}

@@ -1,0 +1,211 @@
+//! Consensus as text for people: who goes on and why, who votes for whom, and every frame.
+
+use super::record::{Consensus, Decision, FrameRecord, FrameVerdict, PairVerdict, Standing, ViewRecord};
+use super::settings::Camps;
+
+impl Consensus {
+    /// Everything below, one after the other.
+    pub fn explain(&self) -> String {
+        [self.summary(), self.vote_table(), self.frame_table()].join("\n")
+    }
+
+    /// What goes on and why: a line for each view, and the camps.
+    pub fn summary(&self) -> String {
+        let preset = self.preset.map_or("settings of your own", |preset| preset.word());
+        let mut text = format!(
+            "consensus ({preset}): {} of {} views go on: {}\n{}\n\n",
+            self.evidence.len(),
+            self.views.len(),
+            self.decision.sentence(),
+            self.rules(),
+        );
+        let heading = ["view", "outcome", "frames", "votes", "score", "camp", "goes on", "why"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        rows.extend(self.views.iter().enumerate().map(|(place, view)| self.view_row(place, view)));
+        text.push_str(&table(&rows));
+        for (place, camp) in self.camps.iter().enumerate() {
+            let names: Vec<String> = camp.views.iter().map(|&view| self.name(view)).collect();
+            let against: Vec<String> = camp.against.iter().map(|&other| camp_letter(other)).collect();
+            let conflict = match against.is_empty() {
+                true => String::new(),
+                false => format!("; contradicts {}", against.join(", ")),
+            };
+            let letter = camp_letter(place);
+            text.push_str(&format!("camp {letter}, {} views: {}{conflict}\n", names.len(), names.join(" ")));
+        }
+        text
+    }
+
+    /// Who votes for whom: a row for each proposal, a column for each judge.
+    pub fn vote_table(&self) -> String {
+        let mut rows = vec![
+            std::iter::once("votes for".to_owned())
+                .chain((0..self.views.len()).map(|judge| self.name(judge)))
+                .collect::<Vec<_>>(),
+        ];
+        rows.extend((0..self.views.len()).map(|of| {
+            let cell = |judge: usize| match self.pair(of, judge) {
+                None => "-".to_owned(),
+                Some(pair) => {
+                    let word = match pair.verdict {
+                        PairVerdict::Vote => "vote",
+                        PairVerdict::NoVote => "no",
+                        PairVerdict::CannotSee => "blind",
+                    };
+                    format!("{word} {}/{}", pair.agreeing, pair.counted)
+                }
+            };
+            std::iter::once(self.name(of)).chain((0..self.views.len()).map(cell)).collect()
+        }));
+        format!("{}each cell: the judge's verdict, frames that agree / that count\n", table(&rows))
+    }
+
+    /// Every frame: a row for each, a column for each view.
+    pub fn frame_table(&self) -> String {
+        let mut frames: Vec<u32> =
+            self.views.iter().flat_map(|view| view.frames.iter().map(|marked| marked.frame)).collect();
+        frames.sort_unstable();
+        frames.dedup();
+        let mut rows = vec![
+            std::iter::once("frame".to_owned())
+                .chain((0..self.views.len()).map(|view| self.name(view)))
+                .collect::<Vec<_>>(),
+        ];
+        for frame in frames {
+            let cells =
+                self.views.iter().enumerate().map(|(place, view)| self.frame_cell(place, view, frame));
+            rows.push(std::iter::once(frame.to_string()).chain(cells).collect());
+        }
+        format!(
+            "{}each cell: pixels marked, judges that agree + disagree, frames without a word (.) not counted\n",
+            table(&rows)
+        )
+    }
+
+    /// How many judges agree, disagree, and say nothing about a view's proposal at a frame.
+    pub fn tally(&self, of: usize, frame: u32) -> [u32; 3] {
+        let about = self.pairs.iter().filter(|pair| pair.of == of);
+        let at = |frames: &[FrameRecord]| {
+            let place = frames.binary_search_by_key(&frame, |record| record.frame).ok()?;
+            frames.get(place).map(|record| record.verdict)
+        };
+        let mut tally = [0; 3];
+        for verdict in about.filter_map(|pair| at(&pair.frames)) {
+            let [agree, disagree, neutral] = &mut tally;
+            *match verdict {
+                FrameVerdict::Agrees => agree,
+                FrameVerdict::Disagrees => disagree,
+                FrameVerdict::Neutral => neutral,
+            } += 1;
+        }
+        tally
+    }
+
+    fn rules(&self) -> String {
+        let settings = &self.settings;
+        if !settings.is_on {
+            return "views do not vote".to_owned();
+        }
+        let camps = match settings.camps {
+            Camps::Shown => "camps are shown and decide nothing",
+            Camps::LargestWins => "of camps in conflict the largest wins",
+        };
+        format!(
+            "a frame agrees above IoU {}, a view votes above {} of its frames, a view is reliable above {} of its \
+             judges and with {} or more votes; {camps}",
+            settings.delta, settings.epsilon, settings.tau, settings.min_votes,
+        )
+    }
+
+    fn view_row(&self, place: usize, view: &ViewRecord) -> Vec<String> {
+        let goes_on = if self.evidence.contains(&place) { "yes" } else { "no" };
+        vec![
+            view.view.to_string(),
+            view.outcome.clone(),
+            view.marked_frames.to_string(),
+            format!("{}/{}", view.votes, view.judges),
+            view.score().map_or("-".to_owned(), |score| format!("{score:.2}")),
+            self.camp_of(place).map_or("-".to_owned(), camp_letter),
+            goes_on.to_owned(),
+            match &view.problem {
+                Some(problem) => format!("{}: {problem}", view.standing.sentence()),
+                None => view.standing.sentence().to_owned(),
+            },
+        ]
+    }
+
+    fn frame_cell(&self, place: usize, view: &ViewRecord, frame: u32) -> String {
+        match view.frames.iter().find(|marked| marked.frame == frame) {
+            None => "-".to_owned(),
+            Some(marked) if marked.pixels == 0 => match self.tally(place, frame) {
+                [0, 0, _] => ".".to_owned(),
+                [agree, disagree, _] => format!(". +{agree} -{disagree}"),
+            },
+            Some(marked) => match self.tally(place, frame) {
+                [0, 0, _] => format!("{} .", marked.pixels),
+                [agree, disagree, _] => format!("{} +{agree} -{disagree}", marked.pixels),
+            },
+        }
+    }
+
+    fn name(&self, view: usize) -> String {
+        self.views.get(view).map(|record| record.view.to_string()).unwrap_or_default()
+    }
+}
+
+impl Decision {
+    /// For people.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Off => "consensus is off, all that found something",
+            Self::Bypassed => "one view alone answered, and nobody can vote on it",
+            Self::Reliable => "enough others vote for them",
+            Self::BestView => "no view is reliable, this is the best that has a vote",
+            Self::NoneReliable => "no view is reliable, so there is no answer",
+            Self::Tied => "camps of equal size contradict each other, so there is no answer",
+            Self::Absent => "all views that answered say that it is not there",
+            Self::NoAnswer => "no view answered",
+        }
+    }
+}
+
+impl Standing {
+    /// For people.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Reliable => "reliable",
+            Self::Best => "not reliable, but the best",
+            Self::Absent => "says that it is not there",
+            Self::NoAnswer => "did not answer",
+            Self::Unusable => "unusable",
+            Self::NoJudge => "no other view could see it",
+            Self::FewVotes => "too few votes",
+            Self::LowScore => "too small a share of votes",
+            Self::Outvoted => "a larger camp contradicts it",
+            Self::Tied => "a camp of the same size contradicts it",
+        }
+    }
+}
+
+/// A, B, ... Z, then by number.
+pub(super) fn camp_letter(camp: usize) -> String {
+    match u8::try_from(camp) {
+        Ok(place @ 0..26) => char::from(b'A' + place).to_string(),
+        _ => (camp + 1).to_string(),
+    }
+}
+
+/// Rows with columns as wide as their widest cell; the first row is the heading.
+fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells: Vec<String> =
+            std::iter::zip(row, &widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
+        format!("{}\n", cells.join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}

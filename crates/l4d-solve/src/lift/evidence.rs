@@ -1,0 +1,118 @@
+//! What lifting learns from: the masks of the views that consensus let through.
+//!
+//! Owns the shape of evidence and its checks. Refuses to know how masks were found and which views were left out.
+
+use std::collections::BTreeMap;
+
+use l4d_data::timeline::LAST_FRAME;
+use l4d_frames::Mask;
+use l4d_ground::ViewClip;
+use l4d_splat::model::time_of_frame;
+use l4d_splat::view::View;
+
+use super::error::LiftError;
+
+/// Masks of several views over a clip; views may have different sizes and different frames.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Evidence {
+    /// The reliable views.
+    pub views: Vec<EvidenceView>,
+}
+
+/// One view's masks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvidenceView {
+    /// Name of the camera, for messages.
+    pub name: String,
+    /// What it says, by ascending frame.
+    pub frames: Vec<EvidenceFrame>,
+}
+
+/// One view's mask at a moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvidenceFrame {
+    /// Canonical frame.
+    pub frame: u32,
+    /// From where.
+    pub view: View,
+    /// What is meant; empty says that it is not seen.
+    pub mask: Mask,
+}
+
+impl EvidenceView {
+    /// The masks of a clip, by canonical frame. Frames of the clip without a mask say nothing.
+    ///
+    /// # Errors
+    /// A camera without a pose at a frame, a mask of another size, a mask for a frame that the clip lacks.
+    pub fn of_clip(clip: &ViewClip, masks: &BTreeMap<u32, Mask>) -> Result<Self, LiftError> {
+        let name = clip.camera.name.to_string();
+        let size = [clip.width, clip.height];
+        let frames = masks.iter().map(|(&frame, mask)| {
+            let fault = |message| LiftError::Evidence { view: name.clone(), frame, message };
+            if clip.at(frame).is_none() {
+                return Err(fault("there is a mask, but the clip has no such frame".to_owned()));
+            }
+            let view = View::of_camera(&clip.camera, frame, size, size)
+                .map_err(|source| LiftError::View { view: name.clone(), source })?;
+            Ok(EvidenceFrame { frame, view, mask: mask.clone() })
+        });
+        Ok(Self { frames: frames.collect::<Result<_, _>>()?, name: name.clone() })
+    }
+}
+
+/// One picture that has a mask.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Picture<'a> {
+    pub(super) view: &'a View,
+    pub(super) mask: &'a Mask,
+}
+
+/// All pictures of one time.
+#[derive(Debug, Clone)]
+pub(super) struct Instant<'a> {
+    /// From 0 to 1.
+    pub(super) time: f32,
+    /// In the order of the views.
+    pub(super) pictures: Vec<Picture<'a>>,
+}
+
+impl Evidence {
+    /// The pictures by time, ascending.
+    ///
+    /// # Errors
+    /// No picture at all; a mask that does not have the size of its view.
+    pub(super) fn instants(&self) -> Result<Vec<Instant<'_>>, LiftError> {
+        let mut by_frame: BTreeMap<u32, Vec<Picture<'_>>> = BTreeMap::new();
+        for view in &self.views {
+            for seen in &view.frames {
+                let (size, drawn) = (seen.mask.size(), (seen.view.width(), seen.view.height()));
+                if size != drawn {
+                    let message = format!(
+                        "the mask is {}x{}, but the view has {}x{} pixels",
+                        size.0, size.1, drawn.0, drawn.1
+                    );
+                    return Err(LiftError::Evidence { view: view.name.clone(), frame: seen.frame, message });
+                }
+                let picture = Picture { view: &seen.view, mask: &seen.mask };
+                // Frames beyond the clip count as its end, as times do.
+                by_frame.entry(seen.frame.min(LAST_FRAME)).or_default().push(picture);
+            }
+        }
+        if by_frame.is_empty() {
+            return Err(LiftError::NoEvidence);
+        }
+        Ok(by_frame
+            .into_iter()
+            .map(|(frame, pictures)| Instant { time: time_of_frame(frame), pictures })
+            .collect())
+    }
+}
+
+/// One number a pixel, row-major: 1 inside, 0 outside.
+pub(super) fn numbers(mask: &Mask) -> Vec<f32> {
+    let mut numbers = vec![0.0; mask.width() as usize * mask.height() as usize];
+    for (column, row) in mask.pixels() {
+        numbers[row as usize * mask.width() as usize + column as usize] = 1.0;
+    }
+    numbers
+}

@@ -1,0 +1,182 @@
+//! What all answers in one scene share: the model, its clips, and from where masks are wanted.
+//!
+//! Of a rendered scene only the cameras are read. Refuses to know instances, events, and every picture of the
+//! held-out camera.
+
+use std::path::PathBuf;
+
+use l4d_data::digest::sha256_hex;
+use l4d_data::layout::{SceneDir, WorkDir};
+use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, json};
+use l4d_ground::ViewClip;
+use l4d_splat::raster::{RasterSettings, Rasterizer};
+use l4d_splat::source::Source;
+use serde_json::{Value, json};
+
+use crate::clips::{
+    self, ClipsError, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite, Plan, read_views,
+    spread_views,
+};
+
+/// Which clips are looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClipSettings {
+    /// Views at most: the paper's V, 8.
+    pub views: usize,
+    /// Seed of the first of them.
+    pub seed: u64,
+    /// Which depth goes with colour.
+    pub depth: DepthKind,
+    /// Frames that are asked about; none for the whole clip.
+    pub range: Option<Interval>,
+}
+
+/// Where a scene stands.
+#[derive(Debug, Clone)]
+pub struct Places {
+    /// Its rendered pictures, of which only the cameras are read.
+    pub data: SceneDir,
+    /// What can be remade.
+    pub work: WorkDir,
+    /// The model, if not the one among the work.
+    pub model: Option<PathBuf>,
+}
+
+/// A scene that can be asked about.
+#[derive(Debug)]
+pub struct SolveScene {
+    /// Its name.
+    pub name: Name,
+    /// How much is rendered.
+    pub profile: Profile,
+    /// Its cameras.
+    pub rig: Rig,
+    /// Its model.
+    pub source: Source,
+    /// What the chosen views show.
+    pub clips: Vec<ViewClip>,
+    /// SHA-256 of what decides each of `clips`.
+    pub clip_digests: Vec<String>,
+    /// Where the pictures of the clips stand: `<view>/<frame:04>.png`.
+    pub clips_root: PathBuf,
+    /// How pictures and masks are drawn.
+    pub raster: RasterSettings,
+}
+
+impl SolveScene {
+    /// Reads the model, chooses views, and draws what of their clips does not stand there. `drawn` hears of each
+    /// picture that is drawn.
+    ///
+    /// # Errors
+    /// A scene or model that is not there, or a model of another scene or profile; what drawing meets.
+    pub fn open(
+        name: &Name,
+        profile: Profile,
+        places: &Places,
+        settings: &ClipSettings,
+        (rasterizer, adapter): (&dyn Rasterizer, Option<Value>),
+        drawn: &(dyn Fn() + Sync),
+    ) -> Result<Self, ClipsError> {
+        let rig = read_rig(name, profile, places)?;
+        let source = read_model(name, profile, places)?;
+        let training = rig.training();
+        let chosen = spread_views(&training, settings.views, settings.seed);
+        let cameras: Vec<Camera> = chosen.iter().map(|&index| training[index].clone()).collect();
+        let mut plan = Plan::of_profile(cameras, rig.size(), profile);
+        if let Some(range) = settings.range {
+            plan.instants.retain(|instant| instant.frame.is_some_and(|frame| range.contains(frame)));
+        }
+        let background = source.background.unwrap_or_default();
+        let look = Look {
+            model: (&source).into(),
+            rasterizer: rasterizer.name(),
+            adapter,
+            width: plan.size[0],
+            height: plan.size[1],
+            background,
+            depth: DepthEntry::new(settings.depth, DepthFormat::Exr),
+        };
+        let root = match settings.depth {
+            DepthKind::Sum => places.work.clips_of_summed_depth(),
+            DepthKind::Median | DepthKind::Expected => places.work.clips(),
+        };
+        let folder = ClipsFolder::claim(root, look, &plan, Overwrite::Stale)?;
+        clips::complete(&folder, &plan, &source.model, rasterizer, drawn)?;
+        Ok(Self {
+            name: name.clone(),
+            profile,
+            clips: read_views(&folder, &plan)?,
+            clip_digests: (0..plan.cameras.len()).map(|view| folder.view_digest(&plan, view)).collect(),
+            clips_root: folder.root().to_owned(),
+            raster: RasterSettings { background, ..RasterSettings::default() },
+            rig,
+            source,
+        })
+    }
+
+    /// SHA-256 of everything that its answers depend on: model and clips.
+    pub fn digest(&self) -> String {
+        let decides = json!([self.name, self.profile.as_str(), self.source.inputs, self.clip_digests]);
+        sha256_hex(json::canonical(&decides).as_bytes())
+    }
+
+    /// From where and when the judge wants masks: the held-out camera at the frames of the clip.
+    ///
+    /// # Errors
+    /// A scene without a held-out camera.
+    pub fn judged(&self, places: &Places) -> Result<Plan, DataError> {
+        let camera = self.rig.held_out().cloned().ok_or_else(|| {
+            let path = places.data.scene();
+            DataError::invalid(
+                &path,
+                "field `cameras`",
+                "has no camera of split `test`",
+                "build the scene again",
+            )
+        })?;
+        Ok(Plan::of_profile(vec![camera], self.rig.size(), self.profile))
+    }
+}
+
+fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataError> {
+    let path = places.data.scene();
+    if !path.exists() {
+        let remedy = format!(
+            "run `l4d build-scenes --profile {profile} --scenes {name}` first, or choose another --data"
+        );
+        return Err(DataError::invalid(places.data.root(), "scene", "no scene stands there", remedy));
+    }
+    let rig = Rig::read(&path)?;
+    if rig.size() != [profile.width(), profile.height()] {
+        let message = format!("pictures of {}x{} are not of profile {profile}", rig.width, rig.height);
+        return Err(DataError::invalid(
+            &path,
+            "field `width`",
+            message,
+            "choose another --profile or --data",
+        ));
+    }
+    if rig.training().is_empty() {
+        let message = "has no camera of split `train`";
+        return Err(DataError::invalid(&path, "field `cameras`", message, "build the scene again"));
+    }
+    Ok(rig)
+}
+
+fn read_model(name: &Name, profile: Profile, places: &Places) -> Result<Source, DataError> {
+    let path = places.model.clone().unwrap_or_else(|| places.work.splats());
+    let train = format!("run `l4d train-splats {name} --profile {profile}` first");
+    if !path.exists() {
+        return Err(DataError::invalid(&path, "model", "no splats stand there", train));
+    }
+    let source = Source::open(&path)?;
+    let other = |what: &str, found: &dyn std::fmt::Display| {
+        let message = format!("was trained on {what} {found}");
+        DataError::invalid(&path, "model", message, format!("{train}, or give the right --model"))
+    };
+    match (&source.scene, source.profile) {
+        (Some(scene), _) if scene != name => Err(other("scene", scene)),
+        (_, Some(trained)) if trained != profile => Err(other("profile", &trained)),
+        _ => Ok(source),
+    }
+}

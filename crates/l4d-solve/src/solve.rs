@@ -1,0 +1,272 @@
+//! One question, from the sentence to an answer in four dimensions: grounding, consensus, lifting, masks.
+//!
+//! Owns the order of the stages and what of each is kept on disk. Refuses to know how any of them works.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use l4d_data::digest::sha256_hex;
+use l4d_data::layout::AnswerDir;
+use l4d_data::{DataError, json};
+use l4d_frames::Mask;
+use l4d_ground::{Grounder, Grounding, Question};
+use l4d_splat::raster::Rasterizer;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::account::{Account, Stage};
+use crate::clips::{ClipsError, DepthKind, Plan, Shot};
+use crate::consensus::{Consensus, ConsensusSettings, Decision, Preset, Proposal, consensus};
+use crate::grounded::ground_all;
+use crate::lift::{
+    Canvas, ClosedSettings, Evidence, EvidenceView, FieldSettings, LiftError, LiftSettings, Lifted, lift,
+};
+use crate::scene::{ClipSettings, SolveScene};
+
+const SCHEMA: &str = "l4d/answer/1";
+
+/// Everything about a method but its grounder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SolveSettings {
+    /// Which views are believed.
+    pub consensus: ConsensusSettings,
+    /// How masks become an answer.
+    pub lift: LiftSettings,
+}
+
+/// A method: what finds, what draws, and how.
+#[derive(Clone, Copy)]
+pub struct Method<'a> {
+    /// What finds in one view what a sentence means.
+    pub grounder: &'a dyn Grounder,
+    /// What draws.
+    pub rasterizer: &'a dyn Rasterizer,
+    /// The rest.
+    pub settings: &'a SolveSettings,
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// A file.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// Lifting.
+    #[error("lifting")]
+    Lift(#[from] LiftError),
+    /// A camera that masks were wanted from.
+    #[error(transparent)]
+    Clips(#[from] ClipsError),
+}
+
+impl SolveError {
+    /// What the user can do, where more can be said than the message does.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Data(error) | Self::Lift(LiftError::Data(error)) => error.hint(),
+            Self::Clips(error) => error.hint(),
+            Self::Lift(_) => None,
+        }
+    }
+}
+
+/// An answer, with all that led to it.
+#[derive(Debug)]
+pub struct Solved {
+    /// What each view says, in the order of the clips.
+    pub groundings: Vec<Grounding>,
+    /// Which of them are believed.
+    pub consensus: Consensus,
+    /// The answer as a part of the scene; none where there is no evidence.
+    pub lifted: Option<Lifted>,
+    /// What it took so far.
+    pub account: Account,
+}
+
+/// `manifest.json` of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    schema: String,
+    /// What was asked.
+    pub question: Question,
+    /// SHA-256 of everything that the answer depends on.
+    pub made_from: String,
+    /// Model, clips, grounder and settings, for people.
+    inputs: Value,
+    /// What consensus decided.
+    pub decision: Decision,
+    /// View -> outcome, one word.
+    pub outcomes: BTreeMap<String, String>,
+    /// Whether every view answered; if not, the next run asks the others again.
+    pub is_complete: bool,
+    /// What its stages took.
+    pub account: Account,
+}
+
+impl Preset {
+    /// All settings of the preset.
+    pub fn solve_settings(self) -> SolveSettings {
+        let lift = match self {
+            Self::Paper => LiftSettings::Field(FieldSettings::paper()),
+            Self::Robust | Self::Off => LiftSettings::Closed(ClosedSettings::robust()),
+        };
+        SolveSettings { consensus: self.settings(), lift }
+    }
+
+    /// The clips of the preset: `views` at most.
+    pub fn clip_settings(self, views: usize, seed: u64) -> ClipSettings {
+        let depth = match self {
+            Self::Paper => DepthKind::Sum,
+            Self::Robust | Self::Off => DepthKind::Median,
+        };
+        ClipSettings { views, seed, depth, range: None }
+    }
+}
+
+impl Method<'_> {
+    /// SHA-256 of everything that an answer depends on.
+    pub fn made_from(&self, scene: &SolveScene, question: &Question) -> String {
+        sha256_hex(json::canonical(&self.inputs(scene, question)).as_bytes())
+    }
+
+    fn inputs(&self, scene: &SolveScene, question: &Question) -> Value {
+        json!({
+            "question": question,
+            "scene": scene.digest(),
+            "grounder": self.grounder.identity(),
+            "settings": self.settings,
+        })
+    }
+
+    /// Answers a question. Everything but masks goes to `dir`: what each view says, what consensus makes of it, the
+    /// lifted answer. `heard` is told of each view that has answered.
+    ///
+    /// # Errors
+    /// What lifting meets, and what the disk refuses. Whatever a grounder meets is an outcome.
+    pub fn solve(
+        &self,
+        scene: &SolveScene,
+        question: &Question,
+        dir: &AnswerDir,
+        heard: &(dyn Fn() + Sync),
+    ) -> Result<Solved, SolveError> {
+        let mut account = Account::default();
+        let groundings = account.of(Stage::Grounding, || {
+            let (clips, digests) = (&scene.clips, &scene.clip_digests);
+            ground_all(self.grounder, question, clips, digests, &dir.grounded(), heard)
+        })?;
+        let agreed = account.of(Stage::Consensus, || {
+            let pairs = scene.clips.iter().zip(&groundings);
+            let proposals: Vec<Proposal<'_>> =
+                pairs.map(|(clip, grounding)| Proposal { clip, grounding }).collect();
+            consensus(&proposals, &self.settings.consensus)
+        });
+        json::write(&dir.consensus(), &agreed)?;
+        let lifted = account.of(Stage::Lifting, || self.lift(scene, &groundings, &agreed))?;
+        if let Some(lifted) = &lifted {
+            lifted.write(&dir.lift())?;
+        }
+        Ok(Solved { groundings, consensus: agreed, lifted, account })
+    }
+
+    fn lift(
+        &self,
+        scene: &SolveScene,
+        groundings: &[Grounding],
+        agreed: &Consensus,
+    ) -> Result<Option<Lifted>, LiftError> {
+        let believed =
+            agreed.evidence.iter().filter_map(|&view| Some((scene.clips.get(view)?, groundings.get(view)?)));
+        let views = believed
+            .map(|(clip, grounding)| EvidenceView::of_clip(clip, &grounding.masks))
+            .collect::<Result<Vec<_>, _>>()?;
+        if views.is_empty() {
+            return Ok(None);
+        }
+        let listener = &mut |_| ControlFlow::Continue(());
+        lift(&self.canvas(scene), &Evidence { views }, &self.settings.lift, listener).map(Some)
+    }
+
+    fn canvas<'s>(&'s self, scene: &'s SolveScene) -> Canvas<'s> {
+        Canvas { model: &scene.source.model, rasterizer: self.rasterizer, raster: &scene.raster }
+    }
+
+    /// The pixels of an answer in every picture of a plan; all empty where nothing was lifted. The model is deformed
+    /// once a time, for all cameras.
+    ///
+    /// # Errors
+    /// A camera or a time that cannot be drawn.
+    pub fn masks(
+        &self,
+        scene: &SolveScene,
+        lifted: Option<&Lifted>,
+        plan: &Plan,
+    ) -> Result<BTreeMap<Shot, Mask>, SolveError> {
+        let [width, height] = plan.size;
+        let Some(lifted) = lifted else {
+            return Ok(plan.shots().map(|shot| (shot, Mask::empty(width, height))).collect());
+        };
+        let canvas = self.canvas(scene);
+        let at = |instant: usize| -> Result<Vec<(Shot, Mask)>, SolveError> {
+            let time = plan.instants[instant].time;
+            let layer = lifted.layer_at(canvas.model, time)?;
+            let splats = canvas.at(time)?;
+            let of_view = |view: usize| {
+                let shot = Shot { view, instant };
+                let from = plan.view(shot)?;
+                let projected =
+                    canvas.rasterizer.prepare(&splats, &from, canvas.raster).map_err(LiftError::from)?;
+                Ok((shot, layer.mask(projected.as_ref(), &from)?))
+            };
+            (0..plan.cameras.len()).map(of_view).collect()
+        };
+        let by_time: Vec<Vec<_>> =
+            (0..plan.instants.len()).into_par_iter().map(at).collect::<Result<_, _>>()?;
+        Ok(by_time.into_iter().flatten().collect())
+    }
+
+    /// Notes beside an answer what it was made from and what it took: the last file of it.
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn record(
+        &self,
+        scene: &SolveScene,
+        question: &Question,
+        solved: &Solved,
+        dir: &AnswerDir,
+    ) -> Result<Record, DataError> {
+        let named = scene.clips.iter().zip(&solved.groundings);
+        let record = Record {
+            schema: SCHEMA.to_owned(),
+            question: question.clone(),
+            made_from: self.made_from(scene, question),
+            inputs: self.inputs(scene, question),
+            decision: solved.consensus.decision,
+            outcomes: named
+                .map(|(clip, grounding)| (clip.camera.name.to_string(), grounding.outcome.word().to_owned()))
+                .collect(),
+            is_complete: solved.groundings.iter().all(|grounding| grounding.outcome.is_answer()),
+            account: solved.account.clone(),
+        };
+        json::write(&dir.manifest(), &record)?;
+        Ok(record)
+    }
+}
+
+impl Record {
+    /// The record in a folder, of whatever it was made.
+    pub fn read(dir: &AnswerDir) -> Option<Self> {
+        let record: Self = json::read(&dir.manifest()).ok()?;
+        (record.schema == SCHEMA).then_some(record)
+    }
+
+    /// The record of an answer that was made from just this, and by all views; none where the question has to be
+    /// asked (again).
+    pub fn of_finished(dir: &AnswerDir, made_from: &str) -> Option<Self> {
+        Self::read(dir).filter(|record| record.made_from == made_from && record.is_complete)
+    }
+}
