@@ -9,7 +9,7 @@ use l4d_data::{DataError, Query, Report, Status};
 use l4d_score::Exam;
 use l4d_score::counts::{self, FrameCount, State};
 use l4d_score::score::{counts_path, summary_path, tallies_of_counts};
-use l4d_score::{Breakdown, Missing, Options, Summary};
+use l4d_score::{Breakdown, Missing, Options, QuerySet, Summary};
 
 use crate::codes;
 use crate::error::BoardError;
@@ -80,7 +80,8 @@ fn read_summaries(scores: &Path, report: &mut Report) -> Result<Vec<Summary>, Da
 }
 
 fn is_of_exam(summary: &Summary, exam: &Exam) -> bool {
-    summary.profile == exam.profile
+    summary.set == exam.set
+        && summary.profile == exam.profile
         && summary.benchmark_version == exam.bench.manifest.version
         && summary.truth_digest == exam.truth_digest
 }
@@ -118,6 +119,9 @@ fn protocol(summary: &Summary) -> String {
     let mut label = summary.protocol.clone();
     if summary.options.hit_iou != 0.0 {
         label.push_str(&format!(" with hits above IoU {}", summary.options.hit_iou));
+    }
+    if summary.set != QuerySet::default() {
+        label.push_str(&format!(" on {}", summary.set.as_str()));
     }
     if summary.options.verified_only {
         label.push_str(" on verified queries only");

@@ -25,7 +25,7 @@ pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<us
 }
 
 fn check_scene(dir: &ResultsDir, exam: &Exam, scene: &SceneExam, report: &mut Report) {
-    let forms = scan_scene(dir, &scene.name, &scene.queries, report);
+    let forms = scan_scene(dir, scene, report);
     let reader = Reader { dir, clip: &exam.clip, size: exam.size(), resize: false };
     let check = |query: &Query| {
         let mut found = Report::default();

@@ -3,9 +3,45 @@
 use std::path::PathBuf;
 
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Status};
+use serde::{Deserialize, Serialize};
 
 use crate::codes;
 use crate::truth::SceneTruth;
+
+/// Which sentences are asked. Those that nothing satisfies are none of them: they have no truth to hit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum QuerySet {
+    /// The queries that count: the only headline.
+    #[default]
+    Queries,
+    /// Queries of two categories, for a table of their own.
+    Composites,
+}
+
+impl QuerySet {
+    /// Name as written in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Queries => "queries",
+            Self::Composites => "composites",
+        }
+    }
+
+    fn of_scene(self, bench: &Benchmark, scene: &Name) -> Result<Vec<Query>, DataError> {
+        match self {
+            Self::Queries => bench.queries(scene),
+            Self::Composites => bench.composites(scene),
+        }
+    }
+
+    fn path(self, bench: &Benchmark, scene: &Name) -> PathBuf {
+        match self {
+            Self::Queries => bench.dir.queries(scene),
+            Self::Composites => bench.dir.composites(scene),
+        }
+    }
+}
 
 /// The benchmark as seen by the judge, for one profile.
 #[derive(Debug, Clone)]
@@ -14,6 +50,8 @@ pub struct Exam {
     pub bench: Benchmark,
     /// The profile whose truth counts.
     pub profile: Profile,
+    /// Which sentences are asked.
+    pub set: QuerySet,
     /// [`Benchmark::truth_digest`] of the profile.
     pub truth_digest: String,
     /// Canonical frames of the clip, ascending.
@@ -31,6 +69,8 @@ pub struct SceneExam {
     pub queries: Vec<Query>,
     /// The file that they come from.
     pub queries_path: PathBuf,
+    /// Numbers of the queries of the other sets: a method may answer them, and they are not judged here.
+    pub not_asked: Vec<Name>,
 }
 
 impl Exam {
@@ -39,13 +79,14 @@ impl Exam {
     pub fn open(
         bench: Benchmark,
         profile: Profile,
+        set: QuerySet,
         wanted: &[String],
         report: &mut Report,
     ) -> Result<Self, DataError> {
         let truth_digest = bench.truth_digest(profile)?;
         let mut scenes = Vec::new();
         for name in bench.select(wanted)? {
-            let files = [bench.dir.truth(profile, &name), bench.dir.queries(&name)];
+            let files = [bench.dir.truth(profile, &name), set.path(&bench, &name)];
             let lacking = files.iter().find(|path| !path.exists());
             if let (Some(path), true) = (lacking, wanted.is_empty()) {
                 let message = format!("is not there, so scene {name} is left out");
@@ -55,15 +96,16 @@ impl Exam {
                 report.warning(codes::SCENE_LEFT_OUT, path, "", message, hint);
                 continue;
             }
-            let queries = bench.queries(&name)?;
-            scenes.push(SceneExam { queries, queries_path: bench.dir.queries(&name), name });
+            let queries = set.of_scene(&bench, &name)?;
+            let not_asked = not_asked(&bench, &name, &queries)?;
+            scenes.push(SceneExam { queries, queries_path: set.path(&bench, &name), not_asked, name });
         }
         if scenes.is_empty() {
-            let message = format!("no scene has both queries and truth of profile {profile}");
+            let message = format!("no scene has both {} and truth of profile {profile}", set.as_str());
             let remedy = "choose another --profile or build the scenes";
             return Err(DataError::invalid(bench.root(), "folder", message, remedy));
         }
-        Ok(Self { truth_digest, clip: profile.frames().collect(), bench, profile, scenes })
+        Ok(Self { truth_digest, clip: profile.frames().collect(), bench, profile, set, scenes })
     }
 
     /// Reads and decodes the truth of a scene.
@@ -81,4 +123,16 @@ impl Exam {
     pub fn size(&self) -> (u32, u32) {
         (self.profile.width(), self.profile.height())
     }
+}
+
+fn not_asked(bench: &Benchmark, scene: &Name, asked: &[Query]) -> Result<Vec<Name>, DataError> {
+    let mut numbers = Vec::new();
+    for query in
+        [bench.queries(scene)?, bench.composites(scene)?, bench.absents(scene)?].into_iter().flatten()
+    {
+        if asked.iter().all(|other| other.id != query.id) {
+            numbers.push(query.id.number);
+        }
+    }
+    Ok(numbers)
 }

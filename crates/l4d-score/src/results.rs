@@ -11,11 +11,11 @@ use std::path::Path;
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
 use l4d_data::store::{list_folder, read_bounded};
-use l4d_data::{DataError, Name, Query, Report};
+use l4d_data::{DataError, Name, Report};
 
 use crate::answers::{Forms, frame_list};
 use crate::codes;
-use crate::exam::Exam;
+use crate::exam::{Exam, SceneExam};
 use crate::folder::{Kind, entries, kind_of, report_link};
 
 /// The protocol that this judge applies.
@@ -161,13 +161,8 @@ pub fn check_scenes(dir: &ResultsDir, known: &[Name], report: &mut Report) {
 }
 
 /// Looks through the masks of a scene: which queries are answered in which form, and what is out of place.
-pub fn scan_scene(
-    dir: &ResultsDir,
-    scene: &Name,
-    queries: &[Query],
-    report: &mut Report,
-) -> BTreeMap<String, Forms> {
-    let folder = dir.masks().join(scene.as_str());
+pub fn scan_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) -> BTreeMap<String, Forms> {
+    let folder = dir.masks().join(scene.name.as_str());
     let mut found: BTreeMap<String, Forms> = BTreeMap::new();
     for (name, kind) in entries(&folder, report) {
         let path = folder.join(&name);
@@ -183,9 +178,13 @@ pub fn scan_scene(
             report_unknown(&path, report);
             continue;
         };
-        if !queries.iter().any(|query| query.id.number.as_str() == number) {
+        if scene.not_asked.iter().any(|other| other.as_str() == number) {
+            continue;
+        }
+        if !scene.queries.iter().any(|query| query.id.number.as_str() == number) {
             let hint = "rename or remove it; the queries stand in the benchmark's folder `queries`";
-            report.error(codes::UNKNOWN_QUERY, &path, "name", format!("is no query of scene {scene}"), hint);
+            let message = format!("is no query of scene {}", scene.name);
+            report.error(codes::UNKNOWN_QUERY, &path, "name", message, hint);
             continue;
         }
         let forms = found.entry(number.to_owned()).or_default();

@@ -51,7 +51,7 @@ pub fn score_results(
     let asked =
         exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
     if asked == 0 {
-        let remedy = "drop --verified-only, or have queries verified";
+        let remedy = "drop --verified-only, have queries verified, or choose another --set";
         return Err(DataError::invalid(
             exam.bench.root(),
             "folder `queries`",
@@ -122,7 +122,7 @@ fn judge_scene(
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
     let truth = exam.truth(&scene.name)?;
-    let forms = scan_scene(dir, &scene.name, &scene.queries, &mut report);
+    let forms = scan_scene(dir, scene, &mut report);
     let reader = Reader { dir, clip: &exam.clip, size: exam.size(), resize: options.resize };
     let judge = |query: &&Query| {
         let mut found = Report::default();

@@ -8,11 +8,15 @@ use l4d_data::{DataError, Name, Profile, QueryId, json};
 use serde::{Deserialize, Serialize};
 
 use crate::averages::Breakdown;
-use crate::exam::Exam;
+use crate::exam::{Exam, QuerySet};
 use crate::metrics::{Missing, Options, QueryTally};
 
 /// Schema tag of a summary.
 pub const SCHEMA: &str = "l4d/score/1";
+
+fn is_headline(set: &QuerySet) -> bool {
+    *set == QuerySet::default()
+}
 
 /// Scores of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,6 +41,9 @@ pub struct Summary {
     pub benchmark_version: String,
     /// [`l4d_data::Benchmark::truth_digest`].
     pub truth_digest: String,
+    /// Which sentences were asked.
+    #[serde(default, skip_serializing_if = "is_headline")]
+    pub set: QuerySet,
     /// Choices that change numbers.
     pub options: Options,
     /// Whether frames without an answer were left out, which makes the scores incomparable.
@@ -72,6 +79,7 @@ impl Summary {
             profile: exam.profile,
             benchmark_version: card.benchmark_version,
             truth_digest: card.truth_digest,
+            set: exam.set,
             options: *options,
             partial: options.missing == Missing::Skip && missing_frames > 0,
             missing_frames,
