@@ -15,7 +15,37 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
     (
         "l4d-score",
-        &["l4d-query", "l4d-votes", "l4d-board", "l4d-gpu", "exr", "polars", "plotters", "ratatui", "ureq"],
+        &[
+            "l4d-query",
+            "l4d-votes",
+            "l4d-board",
+            "l4d-gpu",
+            "l4d-ground",
+            "l4d-solve",
+            "exr",
+            "polars",
+            "plotters",
+            "ratatui",
+            "ureq",
+        ],
+    ),
+    (
+        "l4d-ground",
+        &[
+            "l4d-splat",
+            "l4d-gpu",
+            "l4d-solve",
+            "l4d-votes",
+            "l4d-score",
+            "l4d-board",
+            "polars",
+            "plotters",
+            "ratatui",
+        ],
+    ),
+    (
+        "l4d-solve",
+        &["l4d-gpu", "l4d-votes", "l4d-score", "l4d-board", "wgpu", "polars", "plotters", "ratatui"],
     ),
     ("l4d-board", &["l4d-query", "l4d-votes", "exr", "ratatui", "ureq"]),
     (

@@ -1,6 +1,7 @@
 //! End-to-end tests: the binary, run as its users run it.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
+mod ablating;
 mod annotation;
 mod annotation_tui;
 mod architecture;
@@ -12,6 +13,8 @@ mod queries;
 mod results;
 mod scenes;
 mod score;
+mod solving;
 mod splats;
 mod splats_render;
 mod support;
+mod world;

@@ -7,7 +7,7 @@ use l4d_data::{Benchmark, Profile, Report};
 use l4d_frames::{Mask, png, rle};
 use l4d_score::averages::Breakdown;
 use l4d_score::score::tallies_of_counts;
-use l4d_score::{Exam, Options, Summary};
+use l4d_score::{Exam, Options, QuerySet, Summary};
 use serde_json::Value;
 
 use crate::support::{Dir, Noise, QUERIES, Run, SCENES, blender_python};
@@ -103,7 +103,7 @@ fn the_table_fits_100_columns() {
 fn scores_follow_from_counts_alone() {
     let (dir, _) = scored_baselines();
     let bench = Benchmark::open(dir.path("benchmark")).unwrap();
-    let exam = Exam::open(bench, Profile::Tiny, &[], &mut Report::default()).unwrap();
+    let exam = Exam::open(bench, Profile::Tiny, QuerySet::Queries, &[], &mut Report::default()).unwrap();
     for name in ["oracle", "random-look-alike", "all", "none", "time-agnostic", "look-alike-union"] {
         let counts = l4d_score::counts::read(&dir.path(format!("scores/{name}/counts.csv"))).unwrap();
         assert_eq!(counts.len(), 8 * 9, "{name}");

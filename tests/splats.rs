@@ -1,15 +1,13 @@
 //! `train-splats` as its users run it, on a made-up scene: a checkered floor, a wall, and a ball that rolls.
 
-mod world;
-
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use self::world::{SCENE, write_scene};
 use crate::support::{Dir, Run};
+use crate::world::{self, SCENE, write_scene};
 
 const SPLATS: &str = "work/tiny/ball/splats";
 

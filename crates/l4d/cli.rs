@@ -1,5 +1,7 @@
 //! The grammar of the command line, and nothing else.
 
+pub(crate) mod solver;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -63,6 +65,12 @@ pub(crate) enum Command {
     TrainSplats(TrainSplatsArgs),
     /// Draw clips of a model: colour and depth from any cameras at any times
     RenderSplats(RenderSplatsArgs),
+    /// Answer queries with PanopticQuery: clips, grounding, consensus, lifting, masks of the held-out view
+    Solve(solver::SolveArgs),
+    /// Ask one sentence about one scene: what each stage decides, masks, pictures
+    Query(solver::QueryArgs),
+    /// Run the ablations of the paper: consensus, views, models, composites, scales
+    Ablate(solver::AblateArgs),
     /// Write the results of baselines that bracket the scale
     Baseline(BaselineArgs),
     /// List every problem of a results folder
@@ -332,9 +340,9 @@ impl std::str::FromStr for PictureSize {
     }
 }
 
-/// Which model is asked, and what becomes of its answers.
+/// Which model is asked, what may be spent, and what becomes of its answers.
 #[derive(Debug, Clone, Args)]
-pub(crate) struct AskArgs {
+pub(crate) struct ServerArgs {
     #[command(flatten)]
     pub(crate) endpoint: EndpointArgs,
     /// Folder that keeps every answer, so that nothing is asked twice
@@ -343,15 +351,22 @@ pub(crate) struct AskArgs {
     /// Ask again and replace kept answers
     #[arg(long)]
     pub(crate) refresh: bool,
-    /// Ask once more for other answers: 1, 2, ...
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) repeat: u32,
     /// Stop before questions and answers cost more than this (needs prices in the endpoint's file)
     #[arg(long, value_name = "COST")]
     pub(crate) max_cost: Option<f64>,
     /// Stop before questions and answers have more tokens than this
     #[arg(long, value_name = "TOKENS")]
     pub(crate) max_tokens_total: Option<u64>,
+}
+
+/// How a model is asked for proposals.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct AskArgs {
+    #[command(flatten)]
+    pub(crate) server: ServerArgs,
+    /// Ask once more for other answers: 1, 2, ...
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) repeat: u32,
     /// Longest single answer, tokens; default: what the number of proposals needs
     #[arg(long, value_name = "TOKENS", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) answer_tokens: Option<u32>,
@@ -742,6 +757,8 @@ pub(crate) struct AdapterArgs {
 pub(crate) enum BenchCommand {
     /// Drawing a model: how much faster it gets by what, and what that costs
     Splats(BenchSplatsArgs),
+    /// Lifting masks into a scene: seconds, mIoU and flicker of every lift
+    Lift(solver::BenchLiftArgs),
 }
 
 /// What a benchmark of drawing changes.
@@ -894,9 +911,21 @@ pub(crate) struct CheckResultsArgs {
     pub(crate) results: PathBuf,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
+    /// Which sentences are judged
+    #[arg(long, value_enum, default_value = "queries")]
+    pub(crate) set: JudgedSetArg,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Which sentences are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum JudgedSetArg {
+    /// The queries that count: the headline
+    Queries,
+    /// Queries of two categories
+    Composites,
 }
 
 /// What a missing mask means.
@@ -917,9 +946,12 @@ pub(crate) struct ScoreArgs {
     pub(crate) results: PathBuf,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
-    /// Folder that receives <method>/counts.csv
-    #[arg(long, value_name = "DIR", default_value = "scores")]
-    pub(crate) scores: PathBuf,
+    /// Which sentences are judged
+    #[arg(long, value_enum, default_value = "queries")]
+    pub(crate) set: JudgedSetArg,
+    /// Folder that receives <method>/counts.csv; default: scores, or scores-composites
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scores: Option<PathBuf>,
     /// What a missing mask means
     #[arg(long, value_enum, default_value = "error")]
     pub(crate) missing: MissingArg,

@@ -1,5 +1,6 @@
 //! One file per verb; each is a function from its arguments to an exit status.
 
+mod ablate;
 mod baseline;
 mod bench;
 mod build_scenes;
@@ -11,12 +12,14 @@ mod draw_variant;
 mod endpoint;
 mod leaderboard;
 mod open_round;
-mod propose_prompts;
+pub(crate) mod propose_prompts;
 mod propose_scenes;
+mod query;
 mod quickstart;
 mod render_splats;
 mod score;
 mod sheet;
+mod solve;
 mod stats;
 mod train_splats;
 mod verdict;
@@ -45,6 +48,9 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Verdict(args) => verdict::run(args, out),
         Command::TrainSplats(args) => train_splats::run(args, out),
         Command::RenderSplats(args) => render_splats::run(args, out),
+        Command::Query(args) => query::run(args, out),
+        Command::Solve(args) => solve::run(args, out),
+        Command::Ablate(args) => ablate::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),

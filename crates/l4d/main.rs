@@ -3,8 +3,10 @@
 mod blender;
 mod cli;
 mod commands;
+mod moving_picture;
 mod out;
 mod rasterizer;
+mod solver;
 
 use std::process::ExitCode;
 

@@ -8,6 +8,8 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use l4d_data::{DataError, Report};
 use l4d_endpoint::EndpointError;
+use l4d_solve::clips::ClipsError;
+use l4d_solve::solve::SolveError;
 use serde::Serialize;
 use serde_json::json;
 
@@ -143,7 +145,10 @@ pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
 fn hint_of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
         let refusal = cause.downcast_ref::<Refusal>().map(|refusal| refusal.hint.clone());
+        let data = || cause.downcast_ref::<DataError>().and_then(DataError::hint);
         let endpoint = || cause.downcast_ref::<EndpointError>().map(EndpointError::hint);
-        refusal.or_else(|| cause.downcast_ref::<DataError>().and_then(DataError::hint)).or_else(endpoint)
+        let clips = || cause.downcast_ref::<ClipsError>().and_then(ClipsError::hint);
+        let solve = || cause.downcast_ref::<SolveError>().and_then(SolveError::hint);
+        refusal.or_else(data).or_else(endpoint).or_else(clips).or_else(solve)
     })
 }

@@ -3,15 +3,15 @@
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_score::baseline::{Written, write_baseline};
-use l4d_score::{Baseline, Exam};
+use l4d_score::{Baseline, Exam, QuerySet};
 
 use crate::cli::{BaselineArgs, BaselineName};
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &BaselineArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
-    let exam =
-        Exam::open(Benchmark::open(&args.bench.bench)?, args.bench.profile, &args.bench.scenes, &mut report)?;
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let exam = Exam::open(bench, args.bench.profile, QuerySet::Queries, &args.bench.scenes, &mut report)?;
     for finding in report.into_sorted() {
         out.warn(format!("{} {}", finding.path, finding.message));
     }

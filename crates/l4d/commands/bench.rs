@@ -1,5 +1,6 @@
 //! `l4d bench`: speed against error, in one table and one figure a topic.
 
+mod lift;
 mod splats;
 
 use anyhow::Result;
@@ -10,5 +11,6 @@ use crate::out::{ExitStatus, Printer};
 pub(crate) fn run(command: &BenchCommand, out: &Printer) -> Result<ExitStatus> {
     match command {
         BenchCommand::Splats(args) => splats::run(args, out),
+        BenchCommand::Lift(args) => lift::run(args, out),
     }
 }

@@ -9,8 +9,8 @@ use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
-    let exam =
-        Exam::open(Benchmark::open(&args.bench.bench)?, args.bench.profile, &args.bench.scenes, &mut report)?;
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
     let methods = check_results(&args.results, &exam, &mut report)?;
     out.note(format!("checked {methods} method{}", if methods == 1 { "" } else { "s" }));
     out.findings(report, args.json)

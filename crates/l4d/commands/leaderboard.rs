@@ -3,7 +3,7 @@
 use anyhow::Result;
 use l4d_board::{Board, BoardError, Gathered, gather, publish, text_table};
 use l4d_data::{Benchmark, Report};
-use l4d_score::Exam;
+use l4d_score::{Exam, QuerySet};
 use serde_json::{Value, json};
 
 use crate::cli::LeaderboardArgs;
@@ -11,8 +11,8 @@ use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
-    let exam =
-        Exam::open(Benchmark::open(&args.bench.bench)?, args.bench.profile, &args.bench.scenes, &mut report)?;
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let exam = Exam::open(bench, args.bench.profile, QuerySet::Queries, &args.bench.scenes, &mut report)?;
     let Gathered { board, report: found } =
         gather(&args.scores, &exam).map_err(|error| with_hint(error, args))?;
     report.extend(found);

@@ -15,7 +15,7 @@ use l4d_query::prove::Vocabulary;
 use serde_json::json;
 
 use super::build_scenes::data_folder;
-use crate::cli::{AskArgs, ProposePromptsArgs, Shard};
+use crate::cli::{AskArgs, ProposePromptsArgs, ServerArgs, Shard};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus> {
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     let data = data_folder(args.data.as_deref(), profile, bench.manifest.draw());
     let scenes = chosen_scenes(args, &bench, &data, out)?;
     let vocabulary = Vocabulary::read(&bench.dir.vocabulary())?;
-    let client = open_client(&args.ask)?;
+    let client = open_client(&args.ask.server)?;
     let folder: PathBuf =
         args.out.clone().unwrap_or_else(|| Path::new("work").join(profile.as_str()).join("proposals"));
     let asking = Asking {
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
 }
 
 /// A client for the endpoint, with cache and budget as asked for.
-pub(super) fn open_client(args: &AskArgs) -> Result<Client> {
+pub(crate) fn open_client(args: &ServerArgs) -> Result<Client> {
     let endpoint = args.endpoint.resolve()?;
     let cache = if args.refresh { CacheUse::Refresh } else { CacheUse::Take };
     let budget = Budget { max_tokens_total: args.max_tokens_total, max_cost: args.max_cost };

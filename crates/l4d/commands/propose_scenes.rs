@@ -15,7 +15,7 @@ use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let known = Known::of(&Benchmark::open(&args.bench)?);
-    let client = open_client(&args.ask)?;
+    let client = open_client(&args.ask.server)?;
     let is_wanted = |scale: &Scale| args.scales.is_empty() || args.scales.contains(scale);
     let scales: Vec<Scale> = Scale::ALL.into_iter().filter(is_wanted).collect();
     let inventing = Inventing {

@@ -34,6 +34,9 @@ pub(crate) fn run(args: &QuickstartArgs, out: &Printer) -> Result<ExitStatus> {
         "  {out_dir}/data/{scene}/sheet.png       what the cameras saw, with outlines and queries"
     ));
     out.note(format!(
+        "  {out_dir}/work/tiny/{scene}/           the model, its clips, and what led to each answer"
+    ));
+    out.note(format!(
         "  {out_dir}/leaderboard/                 tables (CSV, Markdown) and figures (SVG, PNG)"
     ));
     out.note(format!("  {out_dir}/scores/<method>/counts.csv   the counts behind every number"));
@@ -52,6 +55,7 @@ fn steps(args: &QuickstartArgs, scene: &Name, bench: &Path) -> Vec<(&'static str
         let tail = ["--bench".to_owned(), text(bench), "--profile".to_owned(), "tiny".to_owned()];
         head.chain(tail).collect()
     };
+    let out_work = text(&args.out.join("work"));
     let scripts = text(&args.python.blender_scripts);
     let work = text(&args.python.work);
     let mut build = common(
@@ -63,11 +67,16 @@ fn steps(args: &QuickstartArgs, scene: &Name, bench: &Path) -> Vec<(&'static str
     if let Some(python) = &args.python.python {
         build.extend(["--python".to_owned(), text(python)]);
     }
+    let train = common("train-splats", &[scene, "--data", &data, "--work", &out_work]);
+    let solve =
+        common("solve", &["--data", &data, "--work", &out_work, "--results", &results, "--overwrite"]);
     vec![
         ("Blender renders RGB, depth and instance ids from five cameras; one is held out", build),
         ("Cameras, depth and ids agree across views", common("check-scenes", &["--data", &data])),
         ("Each query has exactly one referent among look-alikes", common("check-queries", &[])),
         ("A picture of it all", common("sheet", &[scene, "--data", &data])),
+        ("The training cameras become 4D Gaussians", train),
+        ("PanopticQuery answers every sentence, without a model and without the truth", solve),
         ("Baselines that bracket the scale", common("baseline", &["--results", &results, "--force"])),
         ("Counts, then ratios", common("score", &[&results, "--scores", &scores])),
         ("Tables and figures", common("leaderboard", &[&scores, "--output", &board])),

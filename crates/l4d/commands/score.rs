@@ -1,12 +1,14 @@
 //! `l4d score`: masks of methods in, counts and tables out.
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_score::results::PROTOCOL;
-use l4d_score::{Exam, Missing, Options, Scored, Summary, score_results, table};
+use l4d_score::{Exam, Missing, Options, QuerySet, Scored, Summary, score_results, table};
 use serde_json::json;
 
-use crate::cli::{MissingArg, ScoreArgs};
+use crate::cli::{JudgedSetArg, MissingArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
@@ -27,10 +29,11 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         resize: args.resize,
     };
     let mut report = Report::default();
-    let exam =
-        Exam::open(Benchmark::open(&args.bench.bench)?, args.bench.profile, &args.bench.scenes, &mut report)?;
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set));
     let Scored { summaries, report: found } =
-        score_results(&args.results, &exam, &options, &args.scores, |name| out.note(format!("read {name}")))?;
+        score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
     report.extend(found);
     let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
     if args.json {
@@ -38,6 +41,7 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         out.json(&json!({
             "protocol": PROTOCOL,
             "profile": exam.profile,
+            "set": exam.set,
             "benchmark_version": exam.bench.manifest.version,
             "truth_digest": exam.truth_digest,
             "scenes": scenes,
@@ -54,9 +58,26 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         out.findings(report, false)?;
     }
     if !summaries.is_empty() {
-        out.note(format!("counts and summaries stand in {}/<method>/", args.scores.display()));
+        out.note(format!("counts and summaries stand in {}/<method>/", scores.display()));
     }
     Ok(status)
+}
+
+impl From<JudgedSetArg> for QuerySet {
+    fn from(set: JudgedSetArg) -> Self {
+        match set {
+            JudgedSetArg::Queries => Self::Queries,
+            JudgedSetArg::Composites => Self::Composites,
+        }
+    }
+}
+
+/// Sets never share a folder: scores of one would replace those of the other.
+fn default_scores(set: QuerySet) -> PathBuf {
+    match set {
+        QuerySet::Queries => "scores".into(),
+        QuerySet::Composites => "scores-composites".into(),
+    }
 }
 
 /// What the numbers rest on.
@@ -71,6 +92,9 @@ fn footer(summaries: &[Summary], exam: &Exam) -> String {
         first.verified_queries,
         first.asked_queries,
     );
+    if first.set != QuerySet::default() {
+        text.push_str(&format!("\nOf the set `{}`, which is no part of the headline.", first.set.as_str()));
+    }
     if first.options.verified_only {
         text.push_str("\nOnly verified prompts are scored.");
     }

@@ -10,6 +10,7 @@ use anyhow::{Context as _, Result};
 use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::scene::Scene;
 use l4d_data::{Benchmark, Name};
+use l4d_solve::account::peak_memory_bytes;
 use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_points};
 
 use self::folder::{Claim, Origin, SplatsFolder};
@@ -80,7 +81,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         gaussians: trainer.model().gaussians.len(),
         dynamic: trainer.model().dynamic.len(),
         pictures_bytes: input.footage.bytes(),
-        peak_memory_bytes: report::peak_memory_bytes(),
+        peak_memory_bytes: peak_memory_bytes(),
         read_seconds,
         prepare_seconds,
         train_seconds,

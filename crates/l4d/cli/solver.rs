@@ -1,0 +1,290 @@
+//! Grammar of the verbs around the reference solver: solve, query, ablate, bench lift.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use l4d_data::Profile;
+
+use super::{AdapterArgs, BenchArgs, PixelSize, ServerArgs, Shard};
+
+/// Who finds in one view what a sentence means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GrounderArg {
+    /// Geometry and colour of the clips: no model, no truth
+    Geometric,
+    /// The truth of the training views, with the errors of --noise; never ranked
+    Oracle,
+    /// Masks that were made elsewhere, in --masks
+    Files,
+    /// What --grounder-file says: a vision-language model, a segmenter, or both
+    Model,
+}
+
+impl GrounderArg {
+    pub(crate) fn as_str(self) -> &'static str {
+        match self {
+            Self::Geometric => "geometric",
+            Self::Oracle => "oracle",
+            Self::Files => "files",
+            Self::Model => "model",
+        }
+    }
+}
+
+/// Rules and constants that belong together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PresetArg {
+    /// What holds up where the paper is silent
+    Robust,
+    /// As the paper writes it: summed depth, an identity field of 2000 iterations
+    Paper,
+}
+
+/// How masks become an answer in four dimensions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LiftArg {
+    /// The closed form of the preset `robust`: SIRT, a graph, time
+    Closed,
+    /// Sums of blend weights and a threshold
+    Vote,
+    /// SIRT without graph
+    Sirt,
+    /// The identity field of the paper
+    Field,
+    /// The closed form, learned by an identity field
+    Distil,
+}
+
+/// A method of the reference solver.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct MethodArgs {
+    /// Who finds in one view what a sentence means
+    #[arg(long, value_enum, default_value = "geometric")]
+    pub(crate) grounder: GrounderArg,
+    /// Errors of the oracle; default: none
+    #[arg(long, value_name = "TOML")]
+    pub(crate) noise: Option<PathBuf>,
+    /// Folder of masks made elsewhere: <scene>/<nnn>/<view>.json or <scene>/<nnn>/<view>/<frame>.png
+    #[arg(long, value_name = "DIR", required_if_eq("grounder", "files"))]
+    pub(crate) masks: Option<PathBuf>,
+    /// Which segmenter, and how it is coupled with a vision-language model (docs/workers.md)
+    #[arg(long, value_name = "TOML", required_if_eq("grounder", "model"))]
+    pub(crate) grounder_file: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) server: ServerArgs,
+    /// Rules and constants that belong together
+    #[arg(long, value_enum, default_value = "robust")]
+    pub(crate) preset: PresetArg,
+    /// Views that are looked at, at most (the paper's V)
+    #[arg(long, value_name = "V", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) views: u32,
+    /// Seed of the first view; the others are the farthest from those before
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    pub(crate) view_seed: u64,
+    /// Believe every view that found something, without consensus
+    #[arg(long)]
+    pub(crate) no_consensus: bool,
+    /// How masks become an answer; default: what the preset says
+    #[arg(long, value_enum)]
+    pub(crate) lift: Option<LiftArg>,
+    #[command(flatten)]
+    pub(crate) adapter: AdapterArgs,
+}
+
+/// Where scenes and models stand.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct WorkArgs {
+    /// Folder of the rendered scenes, of which only the cameras are read; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder for what can be remade: models, clips, what led to answers
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+}
+
+/// Which sentences.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum QuerySetArg {
+    /// The queries that count
+    Queries,
+    /// Queries of two categories
+    Composites,
+    /// Sentences that nothing satisfies
+    Absents,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SolveArgs {
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Which sentences
+    #[arg(long, value_enum, default_value = "queries")]
+    pub(crate) set: QuerySetArg,
+    /// Only these queries, e.g. room_living_cats/003 (comma-separated or repeated)
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    pub(crate) queries: Vec<String>,
+    /// Name of the method; default: panopticquery-<grounder>, and what differs from the preset robust
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// Folder that receives one folder a method
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    pub(crate) results: PathBuf,
+    /// Folder that receives how each answer came about, <scene>/<nnn>; default: <work>/<profile>/<scene>/answers/<method>/<nnn>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) answers: Option<PathBuf>,
+    /// Queries at once
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) jobs: u32,
+    /// Answer part i of n of the queries (a deterministic partition for clusters), e.g. 2/8
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Answer again what was answered by another version or with other settings under this name
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct QueryArgs {
+    /// Scene to look at
+    pub(crate) scene: String,
+    /// The sentence
+    pub(crate) text: String,
+    /// First canonical frame that is asked about
+    #[arg(long, value_name = "FRAME", default_value_t = 0)]
+    pub(crate) from: u32,
+    /// Last canonical frame that is asked about
+    #[arg(long, value_name = "FRAME", default_value_t = l4d_data::timeline::LAST_FRAME)]
+    pub(crate) to: u32,
+    /// tiny, small or full
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Folder of the benchmark, for --grounder oracle and files, which know queries by their sentence alone
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// A checkpoint of train-splats, a model folder of 4DGaussians, or a PLY of 3DGS; default: <work>/<profile>/<scene>/splats
+    #[arg(long, value_name = "PATH")]
+    pub(crate) splats: Option<PathBuf>,
+    /// Cameras from which masks are drawn (comma-separated or repeated); default: the held-out one
+    #[arg(long, value_name = "VIEW", value_delimiter = ',')]
+    pub(crate) camera: Vec<String>,
+    /// Other cameras: JSON with width, height and cameras as in scene.json
+    #[arg(long, value_name = "JSON")]
+    pub(crate) cameras: Option<PathBuf>,
+    /// Times at which masks are drawn, 0 (start of the clip) to 1 (its end); default: the frames of the profile
+    #[arg(long, value_name = "TIME", value_delimiter = ',')]
+    pub(crate) time: Vec<f32>,
+    /// Width and height of the masks, pixels; default: those of the cameras
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<PixelSize>,
+    /// Also say what every view said of every other one, frame by frame
+    #[arg(long)]
+    pub(crate) explain: bool,
+    /// Folder that receives masks and pictures; default: <work>/<profile>/<scene>/asked/<digest of the question>
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A grid of the paper's ablations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GridArg {
+    /// With and without consensus; with the oracle once for each correlation of its errors
+    Mvsc,
+    /// Numbers of views, as far as there are so many training views
+    Views,
+    /// Models and couplings, a row for each of --grounder-files
+    Vlm,
+    /// Queries of two categories
+    Composites,
+    /// Outdoor, room, tabletop
+    Scales,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct AblateArgs {
+    /// Which table
+    #[arg(value_enum)]
+    pub(crate) grid: GridArg,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Correlations between the errors of views, 0 to 1 (grid mvsc with the oracle); default there: 0,0.3,0.6,0.9
+    #[arg(long, value_name = "RHO", value_delimiter = ',')]
+    pub(crate) correlations: Vec<f64>,
+    /// Search the share of swapped views at which the row without consensus has the paper's mIoU, for each correlation and
+    /// category (grid mvsc with the oracle); other errors are those of --noise
+    #[arg(long)]
+    pub(crate) calibrate: bool,
+    /// Numbers of views (grid views), in place of --views
+    #[arg(long, value_name = "V", value_delimiter = ',', default_values_t = [1, 4, 6, 8, 10, 12], value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) view_counts: Vec<u32>,
+    /// Files as for --grounder-file, a row each, called as the file (grid vlm)
+    #[arg(long, value_name = "TOML", value_delimiter = ',')]
+    pub(crate) grounder_files: Vec<PathBuf>,
+    /// Folder that receives tables, results, scores and answers; default: <work>/<profile>/ablations/<grid>
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Seed of the intervals
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Queries at once
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) jobs: u32,
+    /// Answer again what was answered with other settings
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchLiftArgs {
+    /// Scenes whose answers are lifted
+    #[arg(required = true)]
+    pub(crate) scenes: Vec<String>,
+    /// tiny, small or full
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    /// Folder of the benchmark
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Errors of the oracle that says what training views show; default: none
+    #[arg(long, value_name = "TOML")]
+    pub(crate) noise: Option<PathBuf>,
+    /// Views that are looked at, at most
+    #[arg(long, value_name = "V", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) views: u32,
+    /// Queries of each scene, evenly from its list
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) queries: u32,
+    /// Few ways and short learning: says whether it works, and little else
+    #[arg(long)]
+    pub(crate) quick: bool,
+    #[command(flatten)]
+    pub(crate) adapter: AdapterArgs,
+    /// Folder that receives table and figure; default: <work>/bench/lift
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

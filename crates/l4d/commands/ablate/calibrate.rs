@@ -1,0 +1,331 @@
+//! How often views must be swapped until lifting without consensus is as bad as in the paper's table.
+//!
+//! For each correlation and category the share of swapped views is searched by bisection, so that the mean mIoU of the
+//! row without consensus comes as close to the paper's as it can. Draws are those that the run will meet, so what is
+//! found here is what the row will show. Answers are lifted and judged in memory, each set of masks once.
+
+mod search;
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use indicatif::ProgressBar;
+use l4d_data::digest::sha256_hex;
+use l4d_data::published::{self, Published};
+use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::{Category, DataError, Name, Query, json};
+use l4d_frames::{Mask, drawn::DepthMap, rle};
+use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, RenderedIds, Target};
+use l4d_ground::{Grounder as _, Grounding, Outcome};
+use l4d_score::Exam;
+use l4d_solve::lift::{Canvas, Evidence, EvidenceView, lift};
+use l4d_solve::solve::{Method, SolveSettings};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use self::search::{HALVINGS, Search};
+use super::grid::{Noise, WITHOUT};
+use crate::cli::solver::{AblateArgs, MethodArgs};
+use crate::commands::build_scenes::data_folder;
+use crate::commands::solve::question_of;
+use crate::out::Printer;
+use crate::rasterizer;
+use crate::solver::{self, Stage};
+
+/// First words of a file that was found here.
+const HEADING: &str =
+    "# Swaps at which the row without consensus comes closest to the paper's mIoU. Made from ";
+
+/// Where the noise with a correlation stands.
+fn noise_path(folder: &Path, correlation: f64) -> PathBuf {
+    folder.join("noise").join(format!("rho-{correlation}.toml"))
+}
+
+fn with_correlation(preset: &NoisePreset, correlation: f64) -> NoisePreset {
+    let mut preset = preset.clone();
+    preset.noise.swap.correlation = correlation;
+    preset
+}
+
+/// Writes the given noise with each correlation.
+pub(super) fn noises_as_given(
+    preset: &NoisePreset,
+    correlations: &[f64],
+    folder: &Path,
+) -> Result<Vec<Noise>> {
+    let one = |&correlation: &f64| {
+        let path = noise_path(folder, correlation);
+        write_atomic(&path, toml::to_string(&with_correlation(preset, correlation))?.as_bytes())?;
+        Ok(Noise { correlation, path })
+    };
+    correlations.iter().map(one).collect()
+}
+
+/// Finds the noise for each correlation, unless it was found before, and writes it. `calibration.csv` holds all that was
+/// tried.
+pub(super) fn noises_as_in_paper(
+    args: &AblateArgs,
+    preset: &NoisePreset,
+    correlations: &[f64],
+    exam: &Exam,
+    published: &Published,
+    folder: &Path,
+    out: &Printer,
+) -> Result<Vec<Noise>> {
+    let opened = rasterizer::open(&args.method.adapter.adapter)?;
+    let method = MethodArgs { no_consensus: true, ..args.method.clone() };
+    let (settings, clips) = (solver::settings(&method), solver::clip_settings(&method, None));
+    let data = data_folder(args.work.data.as_deref(), exam.profile, exam.bench.manifest.draw());
+    let scenes = exam.scenes.iter().map(|scene| {
+        let stage = Stage::open(exam, scene, &data, &args.work.work, &clips, &opened);
+        Subject::new(stage.with_context(|| scene.name.to_string())?)
+    });
+    let subjects: Vec<Subject<'_>> = scenes.collect::<Result<_>>()?;
+    let targets = targets(published);
+    let made_from = made_from(&subjects, preset, &settings, correlations, &targets, exam);
+    let paths: Vec<PathBuf> = correlations.iter().map(|&rho| noise_path(folder, rho)).collect();
+    let noise = |(&correlation, path): (&f64, &PathBuf)| Noise { correlation, path: path.clone() };
+    let noises: Vec<Noise> = correlations.iter().zip(&paths).map(noise).collect();
+    if paths.iter().all(|path| was_made_from(path, &made_from)) {
+        out.note(format!("the noise in {} was found before", folder.join("noise").display()));
+        return Ok(noises);
+    }
+
+    let queries: usize = subjects.iter().map(|subject| subject.stage.queries().count()).sum();
+    let bar = out.bar((queries * correlations.len() * (HALVINGS + 1)) as u64, "calibrating");
+    let mut trials = Trials { opened: &opened, settings: &settings, known: BTreeMap::new(), bar: &bar };
+    let mut rows = Vec::new();
+    for (&correlation, path) in correlations.iter().zip(&paths) {
+        bar.set_message(format!("rho {correlation}"));
+        let mut searches: BTreeMap<Category, Search> =
+            targets.iter().map(|(&category, &target)| (category, Search::new(target))).collect();
+        for _ in 0..=HALVINGS {
+            let swaps = searches.iter().map(|(&category, search)| (category, search.next)).collect();
+            let tried = NoisePreset { swap_probability: swaps, ..with_correlation(preset, correlation) };
+            let reached = trials.miou_by_category(&subjects, &tried)?;
+            for (category, search) in &mut searches {
+                if let Some(&miou) = reached.get(category).filter(|_| !search.is_settled()) {
+                    rows.push(Tried {
+                        correlation,
+                        category: *category,
+                        swap: search.next,
+                        miou,
+                        paper: search.target,
+                    });
+                    search.hear(miou);
+                }
+            }
+        }
+        let swaps =
+            searches.iter().filter_map(|(&category, search)| Some((category, search.best()?))).collect();
+        let found = NoisePreset { swap_probability: swaps, ..with_correlation(preset, correlation) };
+        write_atomic(path, format!("{HEADING}{made_from}\n{}", toml::to_string(&found)?).as_bytes())?;
+        out.note(format!("rho {correlation}: {}", said(&searches)));
+    }
+    bar.finish_and_clear();
+    write_atomic(&folder.join("calibration.csv"), &csv_of(&rows)?)?;
+    Ok(noises)
+}
+
+/// The paper's mIoU without consensus, percent.
+fn targets(published: &Published) -> BTreeMap<Category, f64> {
+    let value = |category: Category| {
+        let value = published.value(WITHOUT, category.as_str(), published::Metric::Miou)?;
+        Some((category, value))
+    };
+    Category::ALL.into_iter().filter_map(value).collect()
+}
+
+fn made_from(
+    subjects: &[Subject<'_>],
+    preset: &NoisePreset,
+    settings: &SolveSettings,
+    correlations: &[f64],
+    targets: &BTreeMap<Category, f64>,
+    exam: &Exam,
+) -> String {
+    let scene = |subject: &Subject<'_>| {
+        let queries: Vec<Value> =
+            subject.stage.queries().map(|query| json!([query.id, query.text_digest])).collect();
+        json!([subject.stage.scene.digest(), subject.ids.identity(), queries])
+    };
+    let decides = json!([
+        "l4d/calibration/1",
+        exam.truth_digest,
+        subjects.iter().map(scene).collect::<Vec<_>>(),
+        preset,
+        settings,
+        correlations,
+        targets,
+        HALVINGS,
+    ]);
+    sha256_hex(json::canonical(&decides).as_bytes())
+}
+
+fn was_made_from(path: &Path, made_from: &str) -> bool {
+    let heading = format!("{HEADING}{made_from}\n");
+    let is_same = read_bounded(path, 1 << 20).is_ok_and(|bytes| bytes.starts_with(heading.as_bytes()));
+    is_same && NoisePreset::read(path).is_ok()
+}
+
+/// A line of `calibration.csv`.
+#[derive(Debug, Serialize)]
+struct Tried {
+    correlation: f64,
+    category: Category,
+    /// Share of swapped views.
+    swap: f64,
+    /// Without consensus, percent.
+    miou: f64,
+    paper: f64,
+}
+
+fn csv_of(rows: &[Tried]) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row))?;
+    Ok(writer.into_inner()?)
+}
+
+fn said(searches: &BTreeMap<Category, Search>) -> String {
+    let one = |(category, search): (&Category, &Search)| {
+        let (swap, miou) = search.closest()?;
+        Some(format!("{} {swap} ({miou:.2}, paper {:.2})", category.as_str(), search.target))
+    };
+    let parts: Vec<String> = searches.iter().filter_map(one).collect();
+    parts.join(", ")
+}
+
+/// A scene with what the oracle knows of it.
+struct Subject<'a> {
+    stage: Stage<'a>,
+    ids: RenderedIds,
+    targets: BTreeMap<Name, Target>,
+}
+
+impl<'a> Subject<'a> {
+    fn new(mut stage: Stage<'a>) -> Result<Self> {
+        // The oracle looks at no pixel, and clips of many scenes at once would fill the memory.
+        for frame in stage.scene.clips.iter_mut().flat_map(|clip| &mut clip.frames) {
+            frame.colour = Default::default();
+            frame.depth = DepthMap::empty(0, 0);
+        }
+        let ids = RenderedIds::open(stage.places.data.clone())?;
+        let instances = &ids.scene().instances;
+        let target = |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query)?));
+        let targets = stage.queries().map(target).collect::<Result<_>>()?;
+        Ok(Self { targets, ids, stage })
+    }
+
+    fn oracle(&self, preset: &NoisePreset) -> Result<Oracle<Shared<'_>>> {
+        let scene = self.stage.scene.name.clone();
+        Oracle::new(scene, Shared(&self.ids), self.targets.clone(), preset.clone()).context("--noise")
+    }
+}
+
+/// Pictures of ids that many oracles share, so that they are read once.
+struct Shared<'a>(&'a RenderedIds);
+
+impl IdSource for Shared<'_> {
+    fn identity(&self) -> Value {
+        self.0.identity()
+    }
+
+    fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
+        self.0.pixels_of(view, frame, ids)
+    }
+}
+
+/// Answers without consensus, each set of masks lifted once.
+struct Trials<'a> {
+    opened: &'a rasterizer::Opened,
+    settings: &'a SolveSettings,
+    /// Digest of query and masks -> mIoU, 0 to 1; none where the target is never present.
+    known: BTreeMap<String, Option<f64>>,
+    bar: &'a ProgressBar,
+}
+
+impl Trials<'_> {
+    /// Mean over queries, percent.
+    fn miou_by_category(
+        &mut self,
+        subjects: &[Subject<'_>],
+        preset: &NoisePreset,
+    ) -> Result<BTreeMap<Category, f64>> {
+        let mut sums: BTreeMap<Category, (f64, usize)> = BTreeMap::new();
+        for subject in subjects {
+            let oracle = subject.oracle(preset)?;
+            for query in subject.stage.queries() {
+                let miou = self.miou(subject, &oracle, query).with_context(|| query.id.to_string())?;
+                self.bar.inc(1);
+                for &category in miou.iter().flat_map(|_| &query.categories) {
+                    let (sum, count) = sums.entry(category).or_default();
+                    *sum += 100.0 * miou.unwrap_or_default();
+                    *count += 1;
+                }
+            }
+        }
+        Ok(sums.into_iter().map(|(category, (sum, count))| (category, sum / count as f64)).collect())
+    }
+
+    fn miou(
+        &mut self,
+        subject: &Subject<'_>,
+        oracle: &Oracle<Shared<'_>>,
+        query: &Query,
+    ) -> Result<Option<f64>> {
+        let question = question_of(query);
+        let clips = &subject.stage.scene.clips;
+        let groundings: Vec<Grounding> = clips.iter().map(|clip| oracle.ground(clip, &question)).collect();
+        let key = digest(query, &groundings);
+        if let Some(&miou) = self.known.get(&key) {
+            return Ok(miou);
+        }
+        let views =
+            clips.iter().zip(&groundings).filter(|(_, grounding)| grounding.outcome == Outcome::Found);
+        let views = views
+            .map(|(clip, grounding)| EvidenceView::of_clip(clip, &grounding.masks))
+            .collect::<Result<Vec<_>, _>>()?;
+        let scene = &subject.stage.scene;
+        let rasterizer = self.opened.rasterizer.as_ref();
+        let canvas = Canvas { model: &scene.source.model, rasterizer, raster: &scene.raster };
+        let lifted = if views.is_empty() {
+            None
+        } else {
+            Some(lift(&canvas, &Evidence { views }, &self.settings.lift, &mut |_| ControlFlow::Continue(()))?)
+        };
+        let method = Method { grounder: oracle, rasterizer, settings: self.settings };
+        let masks = method.masks(scene, lifted.as_ref(), &subject.stage.judged)?;
+        let miou = subject.stage.tally(query, &masks)?.ratios().miou;
+        self.known.insert(key, miou);
+        Ok(miou)
+    }
+}
+
+fn digest(query: &Query, groundings: &[Grounding]) -> String {
+    let view = |grounding: &Grounding| {
+        let masks: Vec<String> = grounding.masks.values().map(rle::encode).collect();
+        json!([grounding.outcome, masks])
+    };
+    let views: Vec<Value> = groundings.iter().map(view).collect();
+    sha256_hex(json::canonical(&json!([query.id, views])).as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_keeps_all_but_its_correlation() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut preset = NoisePreset { seed: 3, ..NoisePreset::none() };
+        preset.noise.flicker = 0.2;
+        let noises = noises_as_given(&preset, &[0.0, 0.6], folder.path()).unwrap();
+        let read: Vec<NoisePreset> =
+            noises.iter().map(|noise| NoisePreset::read(&noise.path).unwrap()).collect();
+        assert_eq!(read[0], with_correlation(&preset, 0.0));
+        assert_eq!((read[1].seed, read[1].noise.flicker, read[1].noise.swap.correlation), (3, 0.2, 0.6));
+        assert!(!was_made_from(&noises[0].path, "abc"));
+    }
+}

@@ -1,0 +1,110 @@
+//! The lifts that are compared.
+
+use l4d_solve::lift::{ClosedSettings, DistilSettings, FieldSettings, LiftSettings, ReadOut};
+
+/// The row against which the others stand.
+pub(super) const BASE: &str = "closed form, as users get it";
+
+/// Share of a picture's blend weight that the active set may leave out, and the sample of the divergence that goes with it
+/// (docs/panopticquery.md).
+const ACTIVE: (f64, u32) = (0.02, 250);
+
+/// Steps of the field that are compared.
+const ITERATIONS: [u32; 4] = [250, 500, 1000, 2000];
+/// The same for a short look.
+const QUICK_ITERATIONS: u32 = 20;
+
+/// One lift; a field is read in both ways, and learned once.
+#[derive(Debug, Clone)]
+pub(super) struct Way {
+    pub(super) series: &'static str,
+    pub(super) setting: String,
+    pub(super) lift: LiftSettings,
+    /// How it is read; none for lifts that know one way alone.
+    pub(super) read_outs: Vec<ReadOut>,
+}
+
+impl Way {
+    /// Names of its rows.
+    pub(super) fn rows(&self) -> Vec<String> {
+        if self.read_outs.is_empty() {
+            return vec![self.setting.clone()];
+        }
+        self.read_outs.iter().map(|&read_out| format!("{}, {}", self.setting, word(read_out))).collect()
+    }
+}
+
+fn word(read_out: ReadOut) -> &'static str {
+    match read_out {
+        ReadOut::Decode2d => "read in 2D",
+        ReadOut::Hard3d => "read in 3D",
+    }
+}
+
+pub(super) fn ways(is_quick: bool) -> Vec<Way> {
+    let robust = ClosedSettings::robust();
+    let closed = |series, setting: &str, settings| Way {
+        series,
+        setting: setting.to_owned(),
+        lift: LiftSettings::Closed(settings),
+        read_outs: Vec::new(),
+    };
+    let sirt = |steps: u32, smoothness: f32| ClosedSettings { steps, smoothness, ..ClosedSettings::sirt() };
+    let mut ways = vec![
+        closed("closed form", BASE, robust),
+        closed("vote", "vote", ClosedSettings::vote()),
+        closed("SIRT", "SIRT, 1 step", sirt(1, 0.0)),
+    ];
+    if !is_quick {
+        let vote_and_graph = ClosedSettings { smoothness: robust.smoothness, ..ClosedSettings::vote() };
+        ways.extend([
+            closed("vote", "vote, graph", vote_and_graph),
+            closed("SIRT", "SIRT, 3 steps", sirt(3, 0.0)),
+            closed("SIRT and graph", "SIRT, 1 step, graph", sirt(1, robust.smoothness)),
+            closed("SIRT and graph", "SIRT, 3 steps, graph", sirt(3, robust.smoothness)),
+        ]);
+    }
+    let lengths = if is_quick { vec![QUICK_ITERATIONS] } else { ITERATIONS.to_vec() };
+    for &iterations in &lengths {
+        let exact = FieldSettings { iterations, ..FieldSettings::paper() };
+        ways.push(field("field", format!("field, {iterations}"), exact));
+    }
+    for &iterations in lengths.iter().filter(|_| !is_quick) {
+        let (left_out, sampled) = ACTIVE;
+        let active = FieldSettings { iterations, left_out, sampled, ..FieldSettings::paper() };
+        ways.push(field("field, active set", format!("field, {iterations}, active set"), active));
+    }
+    let mut distil = DistilSettings::usual();
+    if is_quick {
+        distil.field.iterations = QUICK_ITERATIONS;
+    }
+    ways.push(Way {
+        series: "distillation",
+        setting: "closed form, learned by a field".to_owned(),
+        lift: LiftSettings::Distil(distil),
+        read_outs: Vec::new(),
+    });
+    ways
+}
+
+fn field(series: &'static str, setting: String, settings: FieldSettings) -> Way {
+    let lift = LiftSettings::Field(settings);
+    Way { series, setting, lift, read_outs: vec![ReadOut::Decode2d, ReadOut::Hard3d] }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn rows_have_names_of_their_own() {
+        for (is_quick, count) in [(true, 6), (false, 24)] {
+            let names: Vec<String> = ways(is_quick).iter().flat_map(Way::rows).collect();
+            let distinct: BTreeSet<&String> = names.iter().collect();
+            assert_eq!((names.len(), distinct.len()), (count, count), "{names:?}");
+            assert_eq!(names[0], BASE);
+        }
+    }
+}

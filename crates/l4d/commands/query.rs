@@ -1,0 +1,202 @@
+//! `l4d query`: one sentence about one scene, now.
+
+mod overlay;
+mod written;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Result;
+use l4d_data::digest::sha256_hex;
+use l4d_data::layout::{AnswerDir, SceneDir, WorkDir};
+use l4d_data::store::write_atomic;
+use l4d_data::timeline::LAST_FRAME;
+use l4d_data::{Benchmark, Draw, Interval, Name, Query, Rig};
+use l4d_frames::drawn::encode_colour;
+use l4d_ground::Question;
+use l4d_solve::account::{Account, Stage};
+use l4d_solve::clips::{self, Plan};
+use l4d_solve::consensus::{Proposal, picture};
+use l4d_solve::scene::{Places, SolveScene};
+use l4d_solve::solve::{Method, Solved};
+use serde_json::json;
+
+use self::overlay::Overlay;
+use super::build_scenes::data_folder;
+use crate::cli::solver::QueryArgs;
+use crate::out::{ExitStatus, Printer, refusal};
+use crate::solver::{self, Grounders};
+use crate::{moving_picture, rasterizer};
+
+/// Frames of a view that the picture of consensus shows.
+const CONSENSUS_COLUMNS: usize = 6;
+
+pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
+    let name = Name::new(&args.scene)?;
+    let question = question(args, &name)?;
+    let data = data_folder(args.work.data.as_deref(), args.profile, Draw::default());
+    let work = WorkDir::new(&args.work.work, args.profile, &name);
+    let places = Places { data: SceneDir::new(&data, &name), work: work.clone(), model: args.splats.clone() };
+    let known = known_queries(args, &name);
+    let question = Question { number: number_of(&known, &question.text), ..question };
+    let grounders = Grounders::open(&args.method, &args.work.work)?;
+    let settings = solver::settings(&args.method);
+    let opened = rasterizer::open(&args.method.adapter.adapter)?;
+
+    let begin = Instant::now();
+    let mut account = Account::default();
+    let adapter = opened.adapter.as_ref().map(serde_json::to_value).transpose()?;
+    let clip_settings = solver::clip_settings(&args.method, question.range);
+    let bar = out.bar(0, "drawing");
+    let scene = account.of(Stage::Clips, || {
+        let drawn = || bar.inc(1);
+        let draws = (opened.rasterizer.as_ref(), adapter);
+        SolveScene::open(&name, args.profile, &places, &clip_settings, draws, &drawn)
+    })?;
+    bar.finish_and_clear();
+    let grounder = grounders.of_scene(&name, &places.data, &known)?;
+    let method =
+        Method { grounder: grounder.as_ref(), rasterizer: opened.rasterizer.as_ref(), settings: &settings };
+    let plan = wanted(args, question.range, &scene, &places)?;
+    let folder = out_folder(args, &work, &method.made_from(&scene, &question));
+    let dir = AnswerDir::new(&folder);
+    let bar = out.bar(scene.clips.len() as u64, "grounding");
+    let mut solved = method.solve(&scene, &question, &dir, &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    let lifted = solved.lifted.take();
+    let masks = solved.account.of(Stage::Masks, || method.masks(&scene, lifted.as_ref(), &plan))?;
+    solved.account.0.splice(0..0, account.0);
+    let answer_seconds = begin.elapsed().as_secs_f64();
+
+    written::masks(&folder, &plan, &masks)?;
+    method.record(&scene, &question, &solved, &dir)?;
+    draw_consensus(&folder, &scene, &solved)?;
+    let sheet = overlay::sheet(&method, &scene, lifted.as_ref(), &plan, &masks, &question.text)?;
+    write_atomic(&folder.join("sheet.png"), &encode_colour(&sheet))?;
+    let drawn = Overlay { method: &method, scene: &scene, plan: &plan, masks: &masks };
+    let moving =
+        moving_picture::write(&folder, "overlay", &plan.instants, |widest_px| drawn.pages(widest_px), out)?;
+
+    if args.json {
+        out.json(&json!({
+            "question": question,
+            "decision": solved.consensus.decision,
+            "evidence": solved.consensus.evidence.iter().filter_map(|&view| Some(&solved.consensus.views.get(view)?.view)).collect::<Vec<_>>(),
+            "frames": written::pixels(&plan, &masks),
+            "stages": solved.account,
+            "folder": folder,
+        }))?;
+        return Ok(ExitStatus::Success);
+    }
+    written::tell(args, &scene, &solved, &plan, &masks, out)?;
+    out.note(format!("{answer_seconds:.1} s from the sentence to the masks"));
+    out.data(folder.join("masks").display())?;
+    out.data(folder.join("sheet.png").display())?;
+    out.data(moving.display())?;
+    Ok(ExitStatus::Success)
+}
+
+fn question(args: &QueryArgs, scene: &Name) -> Result<Question> {
+    let text = args.text.trim();
+    if text.is_empty() {
+        return Err(refusal(
+            "the sentence is empty",
+            "say what is meant, for example \"the cat that jumps\"",
+        ));
+    }
+    if args.to > LAST_FRAME {
+        return Err(refusal(
+            format!("--to {} is beyond the clip", args.to),
+            format!("frames are 0 to {LAST_FRAME}"),
+        ));
+    }
+    let range = Interval::new(args.from, args.to).map_err(|error| {
+        refusal(format!("--from, --to: {error}"), "give the first frame to --from, the last to --to")
+    })?;
+    let is_whole = range == Interval::WHOLE;
+    let range = (!is_whole).then_some(range);
+    Ok(Question { scene: scene.clone(), number: None, text: text.to_owned(), range })
+}
+
+/// All sentences that the benchmark has about the scene; none without a benchmark.
+fn known_queries(args: &QueryArgs, scene: &Name) -> Vec<Query> {
+    let Ok(bench) = Benchmark::open(&args.bench) else { return Vec::new() };
+    let sets = [bench.queries(scene), bench.composites(scene), bench.absents(scene)];
+    sets.into_iter().flatten().flatten().collect()
+}
+
+/// The number of the query with this sentence.
+fn number_of(known: &[Query], text: &str) -> Option<Name> {
+    let plain = |text: &str| text.trim().trim_end_matches('.').to_lowercase();
+    known.iter().find(|query| plain(&query.text) == plain(text)).map(|query| query.id.number.clone())
+}
+
+/// From where and when masks are wanted.
+fn wanted(args: &QueryArgs, range: Option<Interval>, scene: &SolveScene, places: &Places) -> Result<Plan> {
+    let file = args.cameras.as_deref().map(Rig::read).transpose()?;
+    let rig = file.as_ref().unwrap_or(&scene.rig);
+    let mut plan = match args.camera.is_empty() {
+        true if file.is_some() => Plan::of_profile(rig.cameras.clone(), rig.size(), args.profile),
+        true => scene.judged(places)?,
+        false => {
+            let camera = |name: &String| {
+                rig.camera(name).cloned().ok_or_else(|| {
+                    let known: Vec<&str> = rig.cameras.iter().map(|camera| camera.name.as_str()).collect();
+                    refusal(
+                        format!("there is no camera `{}`", name.escape_debug()),
+                        format!("choose among {}", known.join(", ")),
+                    )
+                })
+            };
+            let cameras = args.camera.iter().map(camera).collect::<Result<Vec<_>>>()?;
+            Plan::of_profile(cameras, rig.size(), args.profile)
+        }
+    };
+    if !args.time.is_empty() {
+        if let Some(time) = args.time.iter().find(|time| !(0.0..=1.0).contains(*time)) {
+            return Err(refusal(format!("time {time} is outside the clip"), "times are 0 to 1"));
+        }
+        if let Some(camera) = plan.cameras.iter().find(|camera| camera.world_from_camera.len() > 1) {
+            return Err(refusal(
+                format!("camera {} moves, and is known at canonical frames alone", camera.name),
+                "leave out --time",
+            ));
+        }
+        plan.instants = args.time.iter().copied().map(clips::Instant::at_time).collect();
+        plan.instants.sort_by(|a, b| a.time.total_cmp(&b.time));
+        plan.instants.dedup_by(|a, b| a.key == b.key);
+    }
+    if let Some(range) = range {
+        plan.instants.retain(|instant| {
+            let frame = f64::from(instant.time) * f64::from(LAST_FRAME);
+            (f64::from(range.first())..=f64::from(range.last())).contains(&frame)
+        });
+        if plan.instants.is_empty() {
+            return Err(refusal(
+                format!("no moment of the masks lies between frames {} and {}", range.first(), range.last()),
+                format!(
+                    "widen --from and --to, or choose another --time; profile {} has every {}th frame",
+                    args.profile,
+                    args.profile.stride()
+                ),
+            ));
+        }
+    }
+    if let Some(size) = args.size {
+        plan.size = size.0;
+    }
+    Ok(plan)
+}
+
+fn out_folder(args: &QueryArgs, work: &WorkDir, made_from: &str) -> PathBuf {
+    let digest = sha256_hex(made_from.as_bytes());
+    let short: String = digest.chars().take(16).collect();
+    args.out.clone().unwrap_or_else(|| work.answer("asked", &short).root().to_owned())
+}
+
+fn draw_consensus(folder: &std::path::Path, scene: &SolveScene, solved: &Solved) -> Result<()> {
+    let pairs = scene.clips.iter().zip(&solved.groundings);
+    let proposals: Vec<Proposal<'_>> = pairs.map(|(clip, grounding)| Proposal { clip, grounding }).collect();
+    let page = picture(&proposals, &solved.consensus, CONSENSUS_COLUMNS);
+    Ok(write_atomic(&folder.join("consensus.png"), &encode_colour(&page))?)
+}

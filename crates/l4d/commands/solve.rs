@@ -1,0 +1,195 @@
+//! `l4d solve`: PanopticQuery over queries and scenes, into a folder of results.
+
+mod card;
+mod ledger;
+mod pick;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use anyhow::{Context as _, Result};
+use indicatif::ProgressBar;
+use l4d_data::layout::{AnswerDir, ResultsDir, SceneDir, WorkDir};
+use l4d_data::{Benchmark, Name, Query};
+use l4d_ground::Question;
+use l4d_solve::account::{Account, Stage};
+use l4d_solve::results::{mask_file, write_masks};
+use l4d_solve::scene::{Places, SolveScene};
+use l4d_solve::solve::{Method, Record, SolveSettings};
+use l4d_splat::raster::Rasterizer;
+use serde_json::Value;
+
+use self::card::Card;
+use self::ledger::Ledger;
+use self::pick::{SceneQueries, pick};
+use super::build_scenes::data_folder;
+use crate::cli::solver::SolveArgs;
+use crate::out::{ExitStatus, Printer, refusal};
+use crate::rasterizer;
+use crate::solver::{self, Grounders};
+
+pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
+    let (run, ledger) = answer(args, out)?;
+    ledger.print(&run.name, args.json, out)?;
+    ledger.talk(out);
+    out.note(format!("results stand in {}", run.results.root().display()));
+    Ok(ExitStatus::Success)
+}
+
+/// Answers as `run` does, and prints no data: for verbs that go on with the results.
+pub(super) fn answer_quietly(args: &SolveArgs, out: &Printer) -> Result<()> {
+    answer(args, out).map(|(_, ledger)| ledger.talk(out))
+}
+
+fn answer<'a>(args: &'a SolveArgs, out: &Printer) -> Result<(Run<'a>, Ledger)> {
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let name = Name::new(args.name.clone().unwrap_or_else(|| solver::default_name(&args.method)))?;
+    let picked = pick(args, &bench)?;
+    let run = Run {
+        args,
+        results: ResultsDir::new(args.results.join(name.as_str())),
+        data: data_folder(args.work.data.as_deref(), args.bench.profile, bench.manifest.draw()),
+        grounders: Grounders::open(&args.method, &args.work.work)?,
+        settings: solver::settings(&args.method),
+        opened: rasterizer::open(&args.method.adapter.adapter)?,
+        name,
+    };
+    let card = Card::claim(&run, &bench)?;
+    let total = picked.iter().map(|scene| scene.queries.len()).sum::<usize>();
+    let bar = out.bar(total as u64, "solving");
+    let mut ledger = Ledger::default();
+    for scene in &picked {
+        bar.set_message(scene.name.to_string());
+        run.solve_scene(scene, &mut ledger, &bar, out).with_context(|| scene.name.to_string())?;
+    }
+    bar.finish_and_clear();
+    card.write(&run, &bench, &ledger)?;
+    Ok((run, ledger))
+}
+
+/// Everything that all scenes share.
+struct Run<'a> {
+    args: &'a SolveArgs,
+    name: Name,
+    results: ResultsDir,
+    data: std::path::PathBuf,
+    grounders: Grounders,
+    settings: SolveSettings,
+    opened: rasterizer::Opened,
+}
+
+impl Run<'_> {
+    fn solve_scene(
+        &self,
+        wanted: &SceneQueries,
+        ledger: &mut Ledger,
+        bar: &ProgressBar,
+        out: &Printer,
+    ) -> Result<()> {
+        let profile = self.args.bench.profile;
+        let work = WorkDir::new(&self.args.work.work, profile, &wanted.name);
+        let places =
+            Places { data: SceneDir::new(&self.data, &wanted.name), work: work.clone(), model: None };
+        let mut account = Account::default();
+        let scene = account.of(Stage::Clips, || self.open(&wanted.name, &places))?;
+        scene.source.notes.iter().for_each(|note| out.note(format!("{}: {note}", wanted.name)));
+        ledger.add_scene(account);
+        let grounder = self.grounders.of_scene(&wanted.name, &places.data, &wanted.queries)?;
+        let judged = scene.judged(&places)?;
+        let method = Method {
+            grounder: grounder.as_ref(),
+            rasterizer: self.opened.rasterizer.as_ref(),
+            settings: &self.settings,
+        };
+        let one = |query: &Query| -> Result<Record> {
+            let question = question_of(query);
+            let dir = self.answer_dir(&work, query);
+            let made_from = method.made_from(&scene, &question);
+            let stands = self.results.mask_file(&query.id).is_file();
+            if let Some(record) = Record::of_finished(&dir, &made_from).filter(|_| stands) {
+                return Ok(record);
+            }
+            self.refuse_other(&dir, &made_from)?;
+            let mut solved = method.solve(&scene, &question, &dir, &|| {})?;
+            let (lifted, account) = (solved.lifted.take(), &mut solved.account);
+            let masks = account.of(Stage::Masks, || method.masks(&scene, lifted.as_ref(), &judged))?;
+            write_masks(&self.results, &query.id, &mask_file(&judged, &masks))?;
+            Ok(method.record(&scene, &question, &solved, &dir)?)
+        };
+        let records = side_by_side(&wanted.queries, self.args.jobs as usize, |query| {
+            let record = one(query).with_context(|| query.id.to_string());
+            bar.inc(1);
+            record
+        })?;
+        for (query, record) in wanted.queries.iter().zip(records) {
+            ledger.add(query, record);
+        }
+        Ok(())
+    }
+
+    /// Where it stands how the answer came about.
+    fn answer_dir(&self, work: &WorkDir, query: &Query) -> AnswerDir {
+        let number = &query.id.number;
+        match &self.args.answers {
+            Some(root) => AnswerDir::new(root.join(query.id.scene.as_str()).join(number.as_str())),
+            None => work.answer(&self.name, number),
+        }
+    }
+
+    fn open(&self, name: &Name, places: &Places) -> Result<SolveScene> {
+        let settings = solver::clip_settings(&self.args.method, None);
+        let adapter = self.opened.adapter.as_ref().map(serde_json::to_value).transpose()?;
+        let draws: (&dyn Rasterizer, Option<Value>) = (self.opened.rasterizer.as_ref(), adapter);
+        Ok(SolveScene::open(name, self.args.bench.profile, places, &settings, draws, &|| {})?)
+    }
+
+    /// Answers of another version or with other settings are not mixed in under one name.
+    fn refuse_other(&self, dir: &AnswerDir, made_from: &str) -> Result<()> {
+        match Record::read(dir) {
+            Some(record) if record.made_from != made_from && !self.args.overwrite => Err(refusal(
+                format!("{}: was answered from other clips or with other settings", dir.root().display()),
+                "give the method another --name, or replace its answers with --overwrite",
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A query as a question to a grounder.
+pub(super) fn question_of(query: &Query) -> Question {
+    Question {
+        scene: query.id.scene.clone(),
+        number: Some(query.id.number.clone()),
+        text: query.text.clone(),
+        range: None,
+    }
+}
+
+/// Does work for each item, `jobs` at once; results in the order of the items, or the first error in that order.
+fn side_by_side<T: Sync, R: Send>(
+    items: &[T],
+    jobs: usize,
+    work: impl Fn(&T) -> Result<R> + Sync,
+) -> Result<Vec<R>> {
+    let next = AtomicUsize::new(0);
+    let has_failed = std::sync::atomic::AtomicBool::new(false);
+    let done: Vec<Mutex<Option<Result<R>>>> = items.iter().map(|_| Mutex::new(None)).collect();
+    thread::scope(|scope| {
+        for _ in 0..jobs.min(items.len()) {
+            scope.spawn(|| {
+                while !has_failed.load(Ordering::Relaxed) {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some((item, slot)) = items.get(index).zip(done.get(index)) else { return };
+                    let result = work(item);
+                    has_failed.fetch_or(result.is_err(), Ordering::Relaxed);
+                    if let Ok(mut slot) = slot.lock() {
+                        *slot = Some(result);
+                    }
+                }
+            });
+        }
+    });
+    let taken = done.into_iter().filter_map(|slot| slot.into_inner().ok().flatten());
+    taken.collect()
+}

@@ -1,0 +1,62 @@
+//! `method.json` of the solver's results.
+
+use anyhow::Result;
+use l4d_data::Benchmark;
+use l4d_data::json;
+use l4d_data::results::{MethodCard, Used};
+
+use super::Run;
+use super::ledger::Ledger;
+use crate::cli::solver::GrounderArg;
+use crate::out::refusal;
+
+/// Where the method comes from.
+const LINK: &str = "https://arxiv.org/abs/2604.05638";
+/// Protocol that the masks are made for.
+const PROTOCOL: &str = "l4d";
+
+/// A card that may stand in the folder.
+pub(super) struct Card(MethodCard);
+
+impl Card {
+    /// Takes the folder for results of this method.
+    pub(super) fn claim(run: &Run<'_>, bench: &Benchmark) -> Result<Self> {
+        let profile = run.args.bench.profile;
+        let card = MethodCard {
+            name: run.name.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            link: LINK.to_owned(),
+            benchmark_version: bench.manifest.version.clone(),
+            truth_digest: bench.truth_digest(profile)?,
+            profile,
+            width: profile.width(),
+            height: profile.height(),
+            frames: profile.frames().collect(),
+            protocol: PROTOCOL.to_owned(),
+            used: Used {
+                ground_truth: run.args.method.grounder == GrounderArg::Oracle,
+                test_view: false,
+                endpoints: run.grounders.endpoints(),
+            },
+            seconds: None,
+        };
+        let path = run.results.card();
+        if path.exists() && !run.args.overwrite {
+            let before = MethodCard::read(&path)?;
+            let (before, now) = (MethodCard { seconds: None, ..before }, &card);
+            if before != *now {
+                return Err(refusal(
+                    format!("{}: holds results of another profile, version or benchmark", path.display()),
+                    "give the method another --name or --results, or replace its answers with --overwrite",
+                ));
+            }
+        }
+        Ok(Self(card))
+    }
+
+    /// Writes it, with what the queries took that this run answered or found answered.
+    pub(super) fn write(self, run: &Run<'_>, _bench: &Benchmark, ledger: &Ledger) -> Result<()> {
+        let card = MethodCard { seconds: Some(ledger.seconds()), ..self.0 };
+        Ok(json::write(&run.results.card(), &card)?)
+    }
+}

@@ -1,0 +1,80 @@
+//! What the flags of a solver mean: settings, grounders, and the name that a method has by default.
+
+mod grounders;
+mod model;
+mod stage;
+
+use l4d_data::Interval;
+use l4d_solve::consensus::Preset;
+use l4d_solve::lift::{ClosedSettings, DistilSettings, FieldSettings, LiftSettings};
+use l4d_solve::scene::ClipSettings;
+use l4d_solve::solve::SolveSettings;
+
+pub(crate) use self::grounders::Grounders;
+pub(crate) use self::stage::Stage;
+use crate::cli::solver::{LiftArg, MethodArgs, PresetArg};
+
+/// Views that the presets look at (paper, section 5).
+const USUAL_VIEWS: u32 = 8;
+
+impl From<PresetArg> for Preset {
+    fn from(preset: PresetArg) -> Self {
+        match preset {
+            PresetArg::Robust => Self::Robust,
+            PresetArg::Paper => Self::Paper,
+        }
+    }
+}
+
+/// Consensus and lifting.
+pub(crate) fn settings(args: &MethodArgs) -> SolveSettings {
+    let preset = Preset::from(args.preset).solve_settings();
+    let consensus = if args.no_consensus { Preset::Off.settings() } else { preset.consensus };
+    SolveSettings { consensus, lift: args.lift.map_or(preset.lift, lift) }
+}
+
+fn lift(lift: LiftArg) -> LiftSettings {
+    match lift {
+        LiftArg::Closed => LiftSettings::Closed(ClosedSettings::robust()),
+        LiftArg::Vote => LiftSettings::Closed(ClosedSettings::vote()),
+        LiftArg::Sirt => LiftSettings::Closed(ClosedSettings::sirt()),
+        LiftArg::Field => LiftSettings::Field(FieldSettings::paper()),
+        LiftArg::Distil => LiftSettings::Distil(DistilSettings::usual()),
+    }
+}
+
+/// Which clips are looked at.
+pub(crate) fn clip_settings(args: &MethodArgs, range: Option<Interval>) -> ClipSettings {
+    let usual = Preset::from(args.preset).clip_settings(args.views as usize, args.view_seed);
+    ClipSettings { range, ..usual }
+}
+
+/// `panopticquery-<grounder>`, and what differs from the preset robust.
+pub(crate) fn default_name(args: &MethodArgs) -> String {
+    let mut name = format!("panopticquery-{}", args.grounder.as_str());
+    let mut add = |part: &str| {
+        name.push('-');
+        name.push_str(part);
+    };
+    if args.noise.is_some() {
+        add("noise");
+    }
+    if args.preset == PresetArg::Paper {
+        add("paper");
+    }
+    if args.views != USUAL_VIEWS {
+        add(&format!("v{}", args.views));
+    }
+    if args.no_consensus {
+        add("no-mvsc");
+    }
+    match args.lift {
+        Some(LiftArg::Closed) => add("closed"),
+        Some(LiftArg::Vote) => add("vote"),
+        Some(LiftArg::Sirt) => add("sirt"),
+        Some(LiftArg::Field) => add("field"),
+        Some(LiftArg::Distil) => add("distil"),
+        None => {}
+    }
+    name
+}

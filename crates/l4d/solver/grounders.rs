@@ -1,0 +1,92 @@
+//! From `--grounder` to something that can be asked about a scene.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use l4d_data::layout::SceneDir;
+use l4d_data::{Name, Query};
+use l4d_ground::Grounder;
+use l4d_ground::files::Files;
+use l4d_ground::geometric::Geometric;
+use l4d_ground::geometric::classical::Classical;
+use l4d_ground::oracle::{NoisePreset, Oracle, RenderedIds, Target};
+
+use super::model;
+use crate::cli::solver::{GrounderArg, MethodArgs};
+use crate::out::refusal;
+
+/// What finds things, before it is known where.
+pub(crate) enum Grounders {
+    /// One for all scenes.
+    Shared { grounder: Arc<dyn Grounder + Send + Sync>, endpoints: Vec<String> },
+    /// The truth of a scene, with these errors.
+    Oracle(NoisePreset),
+    /// Masks in this folder.
+    Files(PathBuf),
+}
+
+impl Grounders {
+    /// `work` is the folder for what can be remade.
+    pub(crate) fn open(args: &MethodArgs, work: &Path) -> Result<Self> {
+        let strays = [
+            ("--noise", args.noise.is_some(), GrounderArg::Oracle),
+            ("--masks", args.masks.is_some(), GrounderArg::Files),
+            ("--grounder-file", args.grounder_file.is_some(), GrounderArg::Model),
+        ];
+        for (flag, is_given, grounder) in strays {
+            if is_given && args.grounder != grounder {
+                return Err(refusal(
+                    format!("{flag} says nothing to grounder {}", args.grounder.as_str()),
+                    format!("add --grounder {}, or leave it out", grounder.as_str()),
+                ));
+            }
+        }
+        let lacking =
+            |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
+        Ok(match args.grounder {
+            GrounderArg::Geometric => {
+                Self::Shared { grounder: Arc::new(Geometric::<Classical>::default()), endpoints: Vec::new() }
+            }
+            GrounderArg::Oracle => {
+                let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
+                Self::Oracle(noise.unwrap_or_else(NoisePreset::none))
+            }
+            GrounderArg::Files => Self::Files(args.masks.clone().ok_or_else(|| lacking("--masks"))?),
+            GrounderArg::Model => {
+                let path = args.grounder_file.as_deref().ok_or_else(|| lacking("--grounder-file"))?;
+                let model::Opened { grounder, endpoints } = model::open(path, &args.server, work)?;
+                Self::Shared { grounder, endpoints }
+            }
+        })
+    }
+
+    /// The one for a scene. Queries are what the oracle knows the meaning of; the others don't look at them.
+    pub(crate) fn of_scene(
+        &self,
+        scene: &Name,
+        place: &SceneDir,
+        queries: &[Query],
+    ) -> Result<Arc<dyn Grounder + Send + Sync>> {
+        Ok(match self {
+            Self::Shared { grounder, .. } => Arc::clone(grounder),
+            Self::Files(root) => Arc::new(Files::open(root, scene.clone())?),
+            Self::Oracle(noise) => {
+                let ids = RenderedIds::open(place.clone())?;
+                let instances = &ids.scene().instances;
+                let target = |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query)?));
+                let targets = queries.iter().map(target).collect::<Result<BTreeMap<_, _>>>()?;
+                Arc::new(Oracle::new(scene.clone(), ids, targets, noise.clone()).context("--noise")?)
+            }
+        })
+    }
+
+    /// Model servers that are asked.
+    pub(crate) fn endpoints(&self) -> Vec<String> {
+        match self {
+            Self::Shared { endpoints, .. } => endpoints.clone(),
+            Self::Oracle(_) | Self::Files(_) => Vec::new(),
+        }
+    }
+}

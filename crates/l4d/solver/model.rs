@@ -1,0 +1,134 @@
+//! `--grounder model`: a segmenter in a process of its own, and a vision-language model that tells it what to look for.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use l4d_data::DataError;
+use l4d_data::store::read_bounded;
+use l4d_endpoint::Calibrations;
+use l4d_ground::Grounder;
+use l4d_ground::vlm::{Coupling, Settings, Vlm};
+use l4d_ground::worker::{FrameStore, Launch, Patience, Segmenter, TextGrounder, Worker, WorkerError};
+use serde::Deserialize;
+
+use crate::cli::ServerArgs;
+use crate::commands::propose_prompts::open_client;
+use crate::out::refusal;
+
+/// What `coupling` says where no model is asked.
+const NO_VLM: &str = "no-vlm";
+
+/// `--grounder-file`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    coupling: String,
+    segmenter: SegmenterEntry,
+    #[serde(default)]
+    model: ModelEntry,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SegmenterEntry {
+    program: PathBuf,
+    #[serde(default)]
+    arguments: Vec<String>,
+    #[serde(default)]
+    environment: BTreeMap<String, String>,
+    #[serde(default)]
+    threshold: f64,
+}
+
+/// How the model is asked; what is left out has its default.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelEntry {
+    keyframes: Option<usize>,
+    picture_pixels: Option<u32>,
+    answer_tokens: Option<u32>,
+    temperature: Option<f64>,
+    seed: Option<u32>,
+    gate: Option<bool>,
+    repeat: Option<u32>,
+}
+
+impl ModelEntry {
+    fn settings(&self) -> Settings {
+        let usual = Settings::default();
+        Settings {
+            keyframes: self.keyframes.unwrap_or(usual.keyframes),
+            picture_pixels: self.picture_pixels.unwrap_or(usual.picture_pixels),
+            answer_tokens: self.answer_tokens.unwrap_or(usual.answer_tokens),
+            temperature: self.temperature.or(usual.temperature),
+            seed: self.seed.or(usual.seed),
+            gate: self.gate.unwrap_or(usual.gate),
+            repeat: self.repeat.unwrap_or(usual.repeat),
+        }
+    }
+}
+
+/// A grounder of models, and the servers that it asks.
+pub(super) struct Opened {
+    pub(super) grounder: Arc<dyn Grounder + Send + Sync>,
+    pub(super) endpoints: Vec<String>,
+}
+
+/// Starts the segmenter, and opens the way to the model if one is asked. What workers are shown stands in a folder
+/// below `work`.
+pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path) -> Result<Opened> {
+    let file = read(path)?;
+    let SegmenterEntry { program, arguments, environment, threshold } = file.segmenter;
+    let launch = Launch {
+        program,
+        arguments: arguments.into_iter().map(OsString::from).collect(),
+        environment: environment.into_iter().map(|(name, value)| (name, OsString::from(value))).collect(),
+    };
+    let worker = Worker::start(launch, Patience::default()).map_err(of_worker)?;
+    let segmenter = Arc::new(Segmenter::new(worker, FrameStore::new(work.join("frames")), threshold));
+    if file.coupling == NO_VLM {
+        let grounder = Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?);
+        return Ok(Opened { grounder, endpoints: Vec::new() });
+    }
+    let coupling = Coupling::ALL.into_iter().find(|coupling| coupling.as_str() == file.coupling);
+    let coupling = coupling.ok_or_else(|| unknown_coupling(path, &file.coupling))?;
+    let client = open_client(server)?;
+    let endpoints = vec![client.endpoint().base_url.as_str().to_owned()];
+    let calibrations = Calibrations::read(&work.join("endpoints.json"))?;
+    let settings = file.model.settings();
+    let grounder = Vlm::new(client, &calibrations, segmenter, coupling, settings).map_err(|error| {
+        let hint = error.hint();
+        refusal(format!("{}: {error}", path.display()), hint)
+    })?;
+    Ok(Opened { grounder: Arc::new(grounder), endpoints })
+}
+
+fn read(path: &Path) -> Result<File> {
+    let bytes = read_bounded(path, 1 << 20)?;
+    let format = |message: String| DataError::Format {
+        path: path.to_owned(),
+        location: "grounder".to_owned(),
+        message,
+    };
+    let text = std::str::from_utf8(&bytes).map_err(|error| format(error.to_string()))?;
+    toml::from_str(text).map_err(|error| format(error.to_string())).context("--grounder-file")
+}
+
+fn unknown_coupling(path: &Path, found: &str) -> anyhow::Error {
+    let known: Vec<&str> = Coupling::ALL.iter().map(|coupling| coupling.as_str()).chain([NO_VLM]).collect();
+    DataError::invalid(
+        path,
+        "field `coupling`",
+        format!("is `{}`", found.escape_debug()),
+        format!("choose among {}", known.join(", ")),
+    )
+    .into()
+}
+
+fn of_worker(error: WorkerError) -> anyhow::Error {
+    let hint = error.hint();
+    refusal(format!("segmenter: {error}"), hint)
+}
