@@ -16,7 +16,7 @@ mod field;
 mod grid;
 mod init;
 mod lanes;
-mod matmul;
+pub mod matmul;
 mod network;
 mod offsets;
 mod sample;

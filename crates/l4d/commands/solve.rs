@@ -64,7 +64,7 @@ fn answer<'a>(args: &'a SolveArgs, out: &Printer) -> Result<(Run<'a>, Ledger)> {
         run.solve_scene(scene, &mut ledger, &bar, out).with_context(|| scene.name.to_string())?;
     }
     bar.finish_and_clear();
-    card.write(&run, &bench, &ledger)?;
+    card.write(&run, &ledger)?;
     Ok((run, ledger))
 }
 

@@ -16,7 +16,6 @@ mod init;
 mod learn;
 #[cfg(test)]
 mod literal;
-mod matmul;
 mod network;
 mod objective;
 mod settings;

@@ -1,4 +1,4 @@
-//! The three matrix products of a linear layer, on row-major slices.
+//! The three matrix products of a linear layer, on row-major slices; sizes that do not belong together panic.
 //!
 //! The kernels are `matrixmultiply`'s, chosen at run time for the vector unit, on the calling thread alone.
 
@@ -6,7 +6,7 @@ use ndarray::linalg::general_mat_mul;
 use ndarray::{ArrayView2, ArrayViewMut2};
 
 /// `output` \[rows\]\[outputs\] = `input` \[rows\]\[inputs\] times the transpose of `weight` \[outputs\]\[inputs\].
-pub(super) fn forward(input: &[f32], weight: &[f32], output: &mut [f32], outputs: usize) {
+pub fn forward(input: &[f32], weight: &[f32], output: &mut [f32], outputs: usize) {
     let rows = output.len() / outputs;
     let inputs = weight.len() / outputs;
     let weight = matrix(weight, outputs, inputs);
@@ -20,7 +20,7 @@ pub(super) fn forward(input: &[f32], weight: &[f32], output: &mut [f32], outputs
 }
 
 /// `input` \[rows\]\[inputs\] = `output` \[rows\]\[outputs\] times `weight`; with `add`, added to what `input` holds.
-pub(super) fn backward_input(output: &[f32], weight: &[f32], input: &mut [f32], outputs: usize, add: bool) {
+pub fn backward_input(output: &[f32], weight: &[f32], input: &mut [f32], outputs: usize, add: bool) {
     let rows = output.len() / outputs;
     let inputs = weight.len() / outputs;
     let kept = if add { 1.0 } else { 0.0 };
@@ -35,7 +35,7 @@ pub(super) fn backward_input(output: &[f32], weight: &[f32], input: &mut [f32], 
 }
 
 /// Adds to `weight` \[outputs\]\[inputs\] the transpose of `output` \[rows\]\[outputs\] times `input` \[rows\]\[inputs\].
-pub(super) fn backward_weight(output: &[f32], input: &[f32], weight: &mut [f32], outputs: usize) {
+pub fn backward_weight(output: &[f32], input: &[f32], weight: &mut [f32], outputs: usize) {
     let rows = output.len() / outputs;
     let inputs = weight.len() / outputs;
     let output = matrix(output, rows, outputs);

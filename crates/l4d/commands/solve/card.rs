@@ -55,7 +55,7 @@ impl Card {
     }
 
     /// Writes it, with what the queries took that this run answered or found answered.
-    pub(super) fn write(self, run: &Run<'_>, _bench: &Benchmark, ledger: &Ledger) -> Result<()> {
+    pub(super) fn write(self, run: &Run<'_>, ledger: &Ledger) -> Result<()> {
         let card = MethodCard { seconds: Some(ledger.seconds()), ..self.0 };
         Ok(json::write(&run.results.card(), &card)?)
     }

@@ -7,7 +7,7 @@
 use l4d_splat::tensor::Tensor;
 
 use super::encoding::{self, PLACE, Places, TIME};
-use super::matmul;
+use l4d_splat::deform::matmul;
 
 /// Names of the parameters, in the order of [`Network::lists`].
 pub(super) const NAMES: [&str; 11] = [
@@ -252,7 +252,7 @@ impl Collapsed {
             let (weight, bias) = &mut gradient.hidden[layer];
             matmul::backward_weight(later, input, weight, width);
             add_rows(bias, later);
-            matmul::backward_input(later, &network.hidden[layer].0, earlier, width);
+            matmul::backward_input(later, &network.hidden[layer].0, earlier, width, false);
             for (value, &input) in earlier.iter_mut().zip(input) {
                 if input <= 0.0 {
                     *value = 0.0;
