@@ -1,7 +1,9 @@
 //! Masks that were made elsewhere, by any program, for views and frames of queries.
 //!
-//!     <root>/<scene>/<nnn>/<view>.json               all frames of a view, as in the mask files of results
-//!     <root>/<scene>/<nnn>/<view>/<frame:04>.png     or one picture a frame
+//! ```text
+//! <root>/<scene>/<nnn>/<view>.json               all frames of a view, as in the mask files of results
+//! <root>/<scene>/<nnn>/<view>/<frame:04>.png     or one picture a frame
+//! ```
 //!
 //! Every frame of the clip needs an answer: null, or an empty mask, says that nothing is to be seen there. Files are
 //! taken as hostile: sizes are checked before room is made, and nothing but regular files is opened. The module
