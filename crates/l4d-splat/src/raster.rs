@@ -39,6 +39,23 @@ pub trait Rasterizer: Send + Sync {
         view: &View,
         settings: &RasterSettings,
     ) -> Result<Box<dyn Projected + 'a>, RasterError>;
+
+    /// As [`Self::prepare`], for a caller that looks at some pixels alone, marked row-major. A rasterizer may leave
+    /// the others empty (as if there were no splats) and count Gaussians that show in none of the marked as not
+    /// visible; the marked pixels, and what their gradients say, are the same.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`], and a list of another length than the picture.
+    fn prepare_marked<'a>(
+        &'a self,
+        splats: &'a Splats,
+        view: &View,
+        settings: &RasterSettings,
+        marked: &[bool],
+    ) -> Result<Box<dyn Projected + 'a>, RasterError> {
+        check_length("marked pixels", marked.len(), Some(view.pixel_count()))?;
+        self.prepare(splats, view, settings)
+    }
 }
 
 /// Splats as one view sees them. Pixels are row-major; per-Gaussian results are in the order of the splats.
@@ -62,6 +79,22 @@ pub trait Projected: Send + Sync {
 
     /// Derivatives of a loss by the splats, given those by the picture. `drawing` is what [`Self::draw`] gave.
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError>;
+
+    /// As [`Self::backward`] for those Gaussians that `learning` marks; the derivatives by all others are left at zero.
+    ///
+    /// # Errors
+    /// As [`Self::backward`], and a list of another length than the splats.
+    fn backward_of(
+        &self,
+        drawing: &Drawing,
+        gradient: &DrawingGradient,
+        learning: &[bool],
+    ) -> Result<SplatGradients, RasterError> {
+        let mut gradients = self.backward(drawing, gradient)?;
+        check_length("learning Gaussians", learning.len(), Some(gradients.means.len()))?;
+        gradients.clear_all_but(learning);
+        Ok(gradients)
+    }
 }
 
 /// The share of one Gaussian in one pixel.

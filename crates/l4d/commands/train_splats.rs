@@ -15,7 +15,7 @@ use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_p
 
 use self::folder::{Claim, Origin, SplatsFolder};
 use self::input::{HeldOut, Input};
-use self::report::Report;
+use self::report::{Effort, Report};
 use super::build_scenes::data_folder;
 use crate::cli::{InitArg, TrainSplatsArgs};
 use crate::out::{ExitStatus, Printer, refusal};
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(format!("{}: going on after iteration {}", folder.root().display(), checkpoint.iteration));
         trainer.resume(*checkpoint).with_context(|| folder.root().display().to_string())?;
     }
-    let train_seconds = train(&mut trainer, &held_out, args, &folder, &origin, before_seconds, out)
+    let (train_seconds, fine) = train(&mut trainer, &held_out, args, &folder, &origin, before_seconds, out)
         .with_context(|| format!("iteration {}", trainer.iteration()))?;
 
     let begin = Instant::now();
@@ -86,12 +86,14 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         prepare_seconds,
         train_seconds,
         measure_seconds: begin.elapsed().as_secs_f64(),
+        fine,
     };
     let document = folder.settle(trainer.model(), &trainer, &origin, &report)?;
     report::print(&document, args.json, out)
 }
 
-/// Iterates to the end, saving now and then; gives the seconds since training began, those of earlier runs included.
+/// Iterates to the end, saving now and then; gives the seconds since training began, those of earlier runs included,
+/// and what the iterations on the whole clip took.
 fn train(
     trainer: &mut Trainer<'_>,
     held_out: &HeldOut,
@@ -100,7 +102,7 @@ fn train(
     origin: &Origin,
     before_seconds: f64,
     out: &Printer,
-) -> Result<f64> {
+) -> Result<(f64, Effort)> {
     let bar = out.bar(trainer.iterations(), "training");
     bar.set_position(trainer.iteration());
     let begin = Instant::now();
@@ -108,8 +110,10 @@ fn train(
     let (mut saved, mut looked, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
     let seconds = || before_seconds + begin.elapsed().as_secs_f64();
     let mut test = None;
+    let mut fine = Effort::default();
     while trainer.stage() != Stage::Done {
-        let report = trainer.step()?;
+        let report =
+            if trainer.stage() == Stage::Fine { fine.spend(|| trainer.step()) } else { trainer.step() }?;
         bar.inc(1);
         if let Some(look) = report.look {
             let ms = looked.elapsed().as_secs_f64() * 1e3 / (trainer.iteration() - at).max(1) as f64;
@@ -127,7 +131,7 @@ fn train(
         }
     }
     bar.finish_and_clear();
-    Ok(seconds())
+    Ok((seconds(), fine))
 }
 
 fn progress(trainer: &Trainer<'_>, stage: Stage, look: &Quality, test: Option<&Quality>, ms: f64) -> String {

@@ -166,29 +166,33 @@ impl DeformationField {
         if let Some((field, row, value)) = upstream.bad_value(&self.config) {
             return Err(DeformError::Gradient { field, row, value });
         }
-        let Trace { time, positions: at, blocks, samples } = trace;
+        let Trace { time, positions, blocks, samples } = trace;
         let grid = self.grid_at(*time);
-        let mut positions = vec![[0.0; 3]; at.len()];
-        samples.resize(at.len() * grid.sample_gradients(), 0.0);
+        // What nobody saw says nothing; most Gaussians are outside of a picture or behind others.
+        let rows = upstream.rows_that_say_something(&self.config, positions.len());
+        let at: Vec<[f32; 3]> = rows.iter().map(|&row| positions[row as usize]).collect();
+        let mut slopes = vec![[0.0; 3]; rows.len()];
+        samples.resize(rows.len() * grid.sample_gradients(), 0.0);
 
-        let blocks = &blocks[..at.len().div_ceil(BLOCK_ROWS)];
-        let upstream = upstream.blocks(&self.config, BLOCK_ROWS, blocks.len());
-        let lane_blocks = blocks.len().div_ceil(MOST_LANES).max(1);
-        let lane_rows = lane_blocks * BLOCK_ROWS;
-        let lanes: Vec<Network> = (blocks.par_chunks(lane_blocks), upstream.par_chunks(lane_blocks))
+        let blocks = blocks.as_slice();
+        let lane_rows = rows.len().div_ceil(BLOCK_ROWS).div_ceil(MOST_LANES).max(1) * BLOCK_ROWS;
+        let lanes: Vec<Network> = (rows.par_chunks(lane_rows), at.par_chunks(lane_rows))
             .into_par_iter()
-            .zip(at.par_chunks(lane_rows))
-            .zip(positions.par_chunks_mut(lane_rows))
+            .zip(slopes.par_chunks_mut(lane_rows))
             .zip(samples.par_chunks_mut(lane_rows * grid.sample_gradients()))
-            .map(|((((blocks, upstream), at), slopes), samples)| {
+            .map(|(((rows, at), slopes), samples)| {
                 let mut sums = self.network.zeros_like();
+                let (mut block, mut outputs) = (Activations::default(), Offsets::default());
                 let (mut scratch, mut features) = (Scratch::default(), Vec::new());
-                let rows = at.chunks(BLOCK_ROWS).zip(slopes.chunks_mut(BLOCK_ROWS));
-                let samples = samples.chunks_mut(BLOCK_ROWS * grid.sample_gradients());
-                let blocks = blocks.iter().zip(upstream).zip(rows).zip(samples);
-                for (((block, &upstream), (at, slopes)), samples) in blocks {
+                let parts = rows.chunks(BLOCK_ROWS).zip(at.chunks(BLOCK_ROWS));
+                let parts = parts.zip(slopes.chunks_mut(BLOCK_ROWS));
+                for (((rows, at), slopes), samples) in
+                    parts.zip(samples.chunks_mut(BLOCK_ROWS * grid.sample_gradients()))
+                {
+                    self.network.gather(blocks, BLOCK_ROWS, rows, &mut block);
+                    upstream.gather(&self.config, rows, &mut outputs);
                     features.resize(block.features.len(), 0.0);
-                    self.network.backward(block, upstream, &mut sums, &mut scratch, &mut features);
+                    self.network.backward(&block, outputs.flat(), &mut sums, &mut scratch, &mut features);
                     grid.backward(&self.bounds, at, &features, slopes, samples);
                 }
                 sums
@@ -197,8 +201,12 @@ impl DeformationField {
         for lane in &lanes {
             gradients.network.add(lane);
         }
-        grid.spread(&self.bounds, at, samples, &mut gradients.grid);
-        Ok(positions)
+        grid.spread(&self.bounds, &at, samples, &mut gradients.grid);
+        let mut all = vec![[0.0; 3]; positions.len()];
+        for (&row, slope) in rows.iter().zip(slopes) {
+            all[row as usize] = slope;
+        }
+        Ok(all)
     }
 
     /// All parameters, to be changed; lists stand in the order of [`FieldGradients::lists`].

@@ -145,6 +145,28 @@ impl Network {
         }
     }
 
+    /// What some rows of many blocks were on their way, as one block. All blocks but the last have `block_rows` rows.
+    pub(super) fn gather(
+        &self,
+        blocks: &[Activations],
+        block_rows: usize,
+        rows: &[u32],
+        into: &mut Activations,
+    ) {
+        let gather = |list: &dyn Fn(&Activations) -> &[f32], width: usize, into: &mut Vec<f32>| {
+            into.clear();
+            for row in rows.iter().map(|&row| row as usize) {
+                let start = row % block_rows * width;
+                into.extend_from_slice(&list(&blocks[row / block_rows])[start..start + width]);
+            }
+        };
+        gather(&|block| &block.features, self.trunk.inputs(), &mut into.features);
+        gather(&|block| &block.trunk, self.trunk.outputs(), &mut into.trunk);
+        for (head, hidden) in into.hidden.iter_mut().enumerate().filter(|&(head, _)| self.is_on[head]) {
+            gather(&|block| &block.hidden[head], self.trunk.outputs(), hidden);
+        }
+    }
+
     /// Adds to `gradient` what the outputs' gradients mean for the layers, and writes what they mean for the
     /// features.
     pub(super) fn backward(
@@ -188,8 +210,7 @@ fn rectified(value: f32) -> f32 {
 /// The derivative of the ReLU whose result was `activation`: nothing passes where it cut off.
 fn block_where_rectified(gradient: &mut [f32], activation: &[f32]) {
     for (gradient, &activation) in gradient.iter_mut().zip(activation) {
-        if activation <= 0.0 {
-            *gradient = 0.0;
-        }
+        // Always written: a store that depends on a test is no vector code.
+        *gradient = if activation <= 0.0 { 0.0 } else { *gradient };
     }
 }

@@ -67,7 +67,35 @@ impl Offsets {
         Ok(())
     }
 
-    fn flat(&self) -> Slices<'_> {
+    /// Rows of a gradient that are not zero, ascending.
+    pub(super) fn rows_that_say_something(&self, config: &DeformConfig, rows: usize) -> Vec<u32> {
+        let mut says = vec![false; rows];
+        for (head, list) in Head::ALL.into_iter().zip(self.flat()) {
+            for (says, values) in says.iter_mut().zip(list.chunks_exact(head.outputs(config))) {
+                *says |= values.iter().any(|&value| value != 0.0);
+            }
+        }
+        (0..rows as u32).filter(|&row| says[row as usize]).collect()
+    }
+
+    /// Some of the rows, in place of what `into` held.
+    pub(super) fn gather(&self, config: &DeformConfig, rows: &[u32], into: &mut Self) {
+        fn picked<T: Copy>(from: &[T], into: &mut Vec<T>, rows: &[u32], numbers: usize) {
+            into.clear();
+            if !from.is_empty() {
+                let row = |&row: &u32| from[row as usize * numbers..][..numbers].iter().copied();
+                into.extend(rows.iter().flat_map(row));
+            }
+        }
+        picked(&self.means, &mut into.means, rows, 1);
+        picked(&self.log_scales, &mut into.log_scales, rows, 1);
+        picked(&self.rotations, &mut into.rotations, rows, 1);
+        picked(&self.opacity_logits, &mut into.opacity_logits, rows, 1);
+        picked(&self.sh, &mut into.sh, rows, config.sh_coefficients);
+    }
+
+    /// All numbers, head after head.
+    pub(super) fn flat(&self) -> Slices<'_> {
         [
             self.means.as_flattened(),
             self.log_scales.as_flattened(),
@@ -98,18 +126,6 @@ impl Offsets {
             list.chunks_mut(rows * outputs[index - 1])
         });
         (0..count).map(|_| blocks.each_mut().map(|blocks| blocks.next().unwrap_or_default())).collect()
-    }
-
-    /// As [`Self::blocks_mut`], to be read.
-    pub(super) fn blocks(&self, config: &DeformConfig, rows: usize, count: usize) -> Vec<Slices<'_>> {
-        let flat = self.flat();
-        let block = |block: usize| {
-            std::array::from_fn(|head| {
-                let size = rows * Head::ALL[head].outputs(config);
-                flat[head].chunks(size).nth(block).unwrap_or_default()
-            })
-        };
-        (0..count).map(block).collect()
     }
 
     /// The first value that is not finite: field, row, value.

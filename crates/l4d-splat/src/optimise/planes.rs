@@ -27,6 +27,14 @@ impl Default for PlaneWeights {
     }
 }
 
+impl PlaneWeights {
+    /// All weights, multiplied.
+    #[must_use]
+    pub fn times(self, factor: f32) -> Self {
+        Self { space: factor * self.space, time: factor * self.time, stillness: factor * self.stillness }
+    }
+}
+
 /// The terms before they are weighted: sums over planes of means over texels and channels.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlanePenalty {

@@ -14,6 +14,7 @@ mod order;
 mod paint;
 mod project;
 mod walk;
+mod wanted;
 
 use fearless_simd::{Level, Simd};
 
@@ -26,6 +27,7 @@ use crate::view::View;
 use lens::{Footprint, Lens};
 use order::Bins;
 use walk::{Limits, Tile};
+use wanted::Wanted;
 
 /// Draws on the processor.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +77,31 @@ impl Cpu {
         }
     }
 
+    fn scene<'a>(
+        self,
+        splats: &'a Splats,
+        view: &View,
+        settings: &RasterSettings,
+        wanted: Wanted,
+    ) -> Result<Scene<'a>, RasterError> {
+        settings.check()?;
+        let lens = Lens::new(view, settings);
+        let footprints = order::front_to_back(self, &lens, splats, &wanted)?;
+        let limits = Limits::new(settings);
+        let bins = Bins::new(&footprints, &limits, &wanted, view)?;
+        Ok(Scene {
+            cpu: self,
+            splats,
+            view: *view,
+            settings: *settings,
+            lens,
+            limits,
+            wanted,
+            footprints,
+            bins,
+        })
+    }
+
     #[cfg(not(target_arch = "x86_64"))]
     fn run<K: Kernel>(self, kernel: K) -> K::Output {
         fearless_simd::dispatch!(self.level, simd => kernel.run(simd))
@@ -99,21 +126,18 @@ impl Rasterizer for Cpu {
         view: &View,
         settings: &RasterSettings,
     ) -> Result<Box<dyn Projected + 'a>, RasterError> {
-        settings.check()?;
-        let lens = Lens::new(view, settings);
-        let footprints = order::front_to_back(*self, &lens, splats)?;
-        let limits = Limits::new(settings);
-        let bins = Bins::new(&footprints, &limits, view)?;
-        Ok(Box::new(Scene {
-            cpu: *self,
-            splats,
-            view: *view,
-            settings: *settings,
-            lens,
-            limits,
-            footprints,
-            bins,
-        }))
+        Ok(Box::new(self.scene(splats, view, settings, Wanted::all(view))?))
+    }
+
+    fn prepare_marked<'a>(
+        &'a self,
+        splats: &'a Splats,
+        view: &View,
+        settings: &RasterSettings,
+        marked: &[bool],
+    ) -> Result<Box<dyn Projected + 'a>, RasterError> {
+        check_length("marked pixels", marked.len(), Some(view.pixel_count()))?;
+        Ok(Box::new(self.scene(splats, view, settings, Wanted::marked(view, settings, marked))?))
     }
 }
 
@@ -125,6 +149,7 @@ struct Scene<'a> {
     settings: RasterSettings,
     lens: Lens,
     limits: Limits,
+    wanted: Wanted,
     /// Visible Gaussians, front to back.
     footprints: Vec<Footprint>,
     /// Which of them touch which tile.
@@ -136,7 +161,13 @@ impl Scene<'_> {
         let origin = self.bins.origin(index);
         let picture = [self.view.width() as usize, self.view.height() as usize];
         let size = [0, 1].map(|axis| TILE.min(picture[axis] - origin[axis]));
-        Tile { footprints: &self.footprints, ranks: self.bins.of(index), origin, size }
+        Tile {
+            footprints: &self.footprints,
+            ranks: self.bins.of(index),
+            origin,
+            size,
+            wanted: self.wanted.mask(index),
+        }
     }
 }
 
@@ -173,7 +204,20 @@ impl Projected for Scene<'_> {
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
         drawing.check(&self.view)?;
         gradient.check(&self.view)?;
-        let moments = blame::moments(self, drawing, gradient);
+        let moments = blame::moments(self, drawing, gradient, None);
+        Ok(moments::gradients(self, &moments))
+    }
+
+    fn backward_of(
+        &self,
+        drawing: &Drawing,
+        gradient: &DrawingGradient,
+        learning: &[bool],
+    ) -> Result<SplatGradients, RasterError> {
+        drawing.check(&self.view)?;
+        gradient.check(&self.view)?;
+        check_length("learning Gaussians", learning.len(), Some(self.splats.len()))?;
+        let moments = blame::moments(self, drawing, gradient, Some(learning));
         Ok(moments::gradients(self, &moments))
     }
 }

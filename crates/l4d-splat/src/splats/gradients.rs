@@ -66,6 +66,19 @@ impl SplatGradients {
         self.visible.iter_mut().zip(&other.visible).for_each(|(any, &seen)| *any |= seen);
     }
 
+    /// Sets the derivatives by all Gaussians but the marked to zero.
+    pub(crate) fn clear_all_but(&mut self, marked: &[bool]) {
+        let coefficients = self.sh.len() / self.means.len().max(1);
+        for row in (0..self.means.len()).filter(|&row| !marked[row]) {
+            self.means[row] = [0.0; 3];
+            self.scales[row] = [0.0; 3];
+            self.rotations[row] = [0.0; 4];
+            self.opacities[row] = 0.0;
+            self.sh[row * coefficients..][..coefficients].fill([0.0; 3]);
+            self.means_ndc[row] = [0.0; 2];
+        }
+    }
+
     /// Length of the gradient by the projected centre of one Gaussian (normalised device coordinates).
     pub fn mean_ndc_norm(&self, index: usize) -> f32 {
         let [x, y] = self.means_ndc[index];

@@ -20,8 +20,8 @@ pub(super) struct Target {
     pub(super) colour: Vec<f32>,
     /// Metres; +inf says nothing.
     pub(super) depth_m: Vec<f32>,
-    /// Pixels that say nothing; empty if all do.
-    pub(super) ignored: Vec<bool>,
+    /// Pixels that say something; empty if all do. The depth of the others is +inf.
+    pub(super) marked: Vec<bool>,
     /// Width and height of the whole picture over those of this part.
     pub(super) zoom: [f32; 2],
 }
@@ -43,54 +43,67 @@ pub(super) struct Lesson {
     /// For each Gaussian the lengths of the gradient by its projected centre in the whole picture, summed over
     /// pictures.
     pub(super) blame: Vec<f32>,
-    /// Pictures in which it was visible.
+    /// Pictures in which it was visible and learned.
     pub(super) seen: Vec<f32>,
     /// Mean of the loss over pictures.
     pub(super) loss: f64,
 }
 
+/// What the targets say to the Gaussians that learn: all, or those that are marked.
 pub(super) fn learn(
     rasterizer: &dyn Rasterizer,
     splats: &Splats,
     targets: &[Target],
+    learning: Option<&[bool]>,
     weights: Weights,
 ) -> Result<Lesson, TrainError> {
     let lessons: Vec<(SplatGradients, f64)> = targets
         .par_iter()
-        .map(|target| look(rasterizer, splats, target, weights, 1.0 / targets.len() as f32))
+        .map(|target| look(rasterizer, splats, target, learning, weights, 1.0 / targets.len() as f32))
         .collect::<Result<_, _>>()?;
-    let mut sum = SplatGradients::zeros(splats);
+    let mut sum: Option<SplatGradients> = None;
     let (mut blame, mut seen) = (vec![0.0; splats.len()], vec![0.0; splats.len()]);
     let mut loss = 0.0;
     for ((gradients, value), target) in lessons.into_iter().zip(targets) {
         for (index, &[x, y]) in gradients.means_ndc.iter().enumerate() {
-            if gradients.visible[index] {
+            if gradients.visible[index] && learning.is_none_or(|learning| learning[index]) {
                 blame[index] += (x * target.zoom[0]).hypot(y * target.zoom[1]);
                 seen[index] += 1.0;
             }
         }
-        sum.add(&gradients);
+        match &mut sum {
+            Some(sum) => sum.add(&gradients),
+            None => sum = Some(gradients),
+        }
         loss += value;
     }
-    Ok(Lesson { gradients: sum, blame, seen, loss: loss / targets.len().max(1) as f64 })
+    let gradients = sum.unwrap_or_else(|| SplatGradients::zeros(splats));
+    Ok(Lesson { gradients, blame, seen, loss: loss / targets.len().max(1) as f64 })
 }
 
 fn look(
     rasterizer: &dyn Rasterizer,
     splats: &Splats,
     target: &Target,
+    learning: Option<&[bool]>,
     weights: Weights,
     share: f32,
 ) -> Result<(SplatGradients, f64), TrainError> {
     let settings = RasterSettings { quantiles: false, ..RasterSettings::default() };
-    let scene = rasterizer.prepare(splats, &target.view, &settings)?;
+    let scene = if target.marked.is_empty() {
+        rasterizer.prepare(splats, &target.view, &settings)?
+    } else {
+        rasterizer.prepare_marked(splats, &target.view, &settings, &target.marked)?
+    };
     let drawing = scene.draw()?;
     // Losses are means over pixels; a part of a picture counts as much as it has pixels.
     let share = share / (target.zoom[0] * target.zoom[1]);
-    let mut colour = target.colour.clone();
     let drawn = drawing.colour.as_flattened();
-    for (pixel, _) in target.ignored.iter().enumerate().filter(|(_, ignored)| **ignored) {
-        colour[3 * pixel..][..3].copy_from_slice(&drawn[3 * pixel..][..3]);
+    let mut colour = target.colour.clone();
+    for ((colour, drawn), marked) in
+        colour.as_chunks_mut::<3>().0.iter_mut().zip(&drawing.colour).zip(&target.marked)
+    {
+        *colour = if *marked { *colour } else { *drawn };
     }
     let mut gradient = DrawingGradient::zeros(&target.view);
     let by_colour = gradient.colour.as_flattened_mut();
@@ -104,9 +117,16 @@ fn look(
     if weights.depth > 0.0 {
         let rendered = RenderedDepth { sum_m: &drawing.depth_sum_m, alpha: &drawing.alpha };
         let into = DepthGradient { sum: &mut gradient.depth_sum_m, alpha: &mut gradient.alpha };
-        let weight = weights.depth / weights.typical_depth_m;
+        // This mean is over pixels that say something.
+        let marked = target.marked.iter().filter(|marked| **marked).count();
+        let said = if target.marked.is_empty() { 1.0 } else { marked as f32 / target.marked.len() as f32 };
+        let weight = said * weights.depth / weights.typical_depth_m;
         let knee_m = KNEE * weights.typical_depth_m;
         loss += depth_l1(rendered, &target.depth_m, knee_m, share * weight, into)? * f64::from(weight);
     }
-    Ok((scene.backward(&drawing, &gradient)?, loss))
+    let gradients = match learning {
+        Some(learning) => scene.backward_of(&drawing, &gradient, learning)?,
+        None => scene.backward(&drawing, &gradient)?,
+    };
+    Ok((gradients, loss))
 }

@@ -2,8 +2,9 @@
 //!
 //! A standing camera sees, through each pixel, a *ground*: the farthest surface that was there at enough moments.
 //! Whatever is nearer at a moment moves, since the ground was seen through the place where it is. A ground moves too
-//! if another camera sees through it, and it *flickers* if its colour leaves its usual value beyond the noise (a
-//! shadow falls on it, a picture on a screen changes). What hides a ground for a while says nothing against it.
+//! if another camera sees through it, and it *flickers* if its colour leaves its usual value beyond the noise, often
+//! and far enough to be worth the effort (a shadow falls on it, a picture on a screen changes). What hides a ground
+//! for a while says nothing against it.
 //! Knows no instances: ids are never looked at.
 
 use rayon::prelude::*;
@@ -18,6 +19,18 @@ const UNUSUAL: f32 = 0.04;
 const NOISES: f32 = 4.0;
 /// Share of calm moments with unusual colour from which on a ground flickers, whatever the threshold says.
 const LEAST_FLICKER: f32 = 0.03;
+/// A ground that stands still although its colour swings costs the square of this, in display units beyond the noise;
+/// the pictures of a rendered scene have noise of that size.
+const LEAST_SWING: f32 = 0.03;
+
+/// How the colour of a ground changes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Unrest {
+    /// Share of calm moments with unusual colour.
+    odd: f32,
+    /// Variance over calm moments beyond that of the noise, mean over channels.
+    variance: f32,
+}
 
 /// What the ground of a pixel does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +59,8 @@ pub struct Ground {
 pub struct Motion {
     /// One a camera; none for a camera that moves.
     grounds: Vec<Option<Ground>>,
+    /// Nothing is known to stand still.
+    everything: bool,
 }
 
 impl Motion {
@@ -54,7 +69,7 @@ impl Motion {
     pub fn of(footage: &Footage, threshold: f32) -> Self {
         let moments = footage.moments();
         let needed = ((threshold * moments as f32).ceil() as usize).clamp(1, moments + 1);
-        let grounds: Vec<Option<(Ground, Vec<f32>)>> = footage
+        let grounds: Vec<Option<(Ground, Vec<Unrest>)>> = footage
             .shots()
             .par_iter()
             .map(|shot| shot.stands().then(|| ground_of(shot, footage.size(), needed)))
@@ -66,10 +81,11 @@ impl Motion {
                 (None, _) => Vec::new(),
             })
             .collect();
-        let judged = |(found, kind): (Option<(Ground, Vec<f32>)>, Vec<Kind>)| {
+        let judged = |(found, kind): (Option<(Ground, Vec<Unrest>)>, Vec<Kind>)| {
             found.map(|(ground, _)| Ground { kind, ..ground })
         };
-        Self { grounds: grounds.into_iter().zip(kinds).map(judged).collect() }
+        let grounds = grounds.into_iter().zip(kinds).map(judged).collect();
+        Self { grounds, everything: threshold <= 0.0 }
     }
 
     /// The ground of a camera; none if it moves.
@@ -85,10 +101,19 @@ impl Motion {
         })
     }
 
-    /// Whether what a pixel shows at a moment moves or changes colour.
+    /// Whether what a pixel shows at a moment moves, or has not the colour that its ground usually has.
     pub fn changes(&self, footage: &Footage, shot: usize, moment: usize, pixel: usize) -> bool {
         self.moves(footage, shot, moment, pixel)
-            || self.ground(shot).is_some_and(|ground| ground.kind[pixel] == Kind::Flickers)
+            || self.everything
+            || self.ground(shot).is_some_and(|ground| {
+                let around = || neighbourhood(pixel, footage.size());
+                let differs = || {
+                    let now = mean_colour(&footage.shots()[shot], moment, around());
+                    let usual = mean(around().map(|pixel| ground.colour[pixel])).unwrap_or_default();
+                    std::iter::zip(now, usual).any(|(now, usual)| (now - usual).abs() > UNUSUAL)
+                };
+                ground.kind[pixel] == Kind::Flickers && differs()
+            })
     }
 }
 
@@ -101,8 +126,8 @@ fn same_depth(a_m: f32, b_m: f32) -> bool {
     a_m == b_m || (a_m - b_m).abs() < tolerance(a_m.min(b_m))
 }
 
-/// The ground of a standing camera with all kinds still open, and the share of moments with unusual colour.
-fn ground_of(shot: &Shot, size: [u32; 2], needed: usize) -> (Ground, Vec<f32>) {
+/// The ground of a standing camera with all kinds still open, and how restless it is.
+fn ground_of(shot: &Shot, size: [u32; 2], needed: usize) -> (Ground, Vec<Unrest>) {
     let pixels = size[0] as usize * size[1] as usize;
     let moments = shot.pictures().len();
     let depth_m: Vec<f32> = (0..pixels)
@@ -135,34 +160,53 @@ fn ground_of(shot: &Shot, size: [u32; 2], needed: usize) -> (Ground, Vec<f32>) {
                 calm.push((moment, mean_colour(shot, moment, around.clone())));
             }
         }
-        let (usual, unusual) = usual_colour(&calm);
+        let Usual { colour: usual, noise } = Usual::of(&calm);
+        let unusual = |colour: &[f32; 3]| {
+            (0..3).any(|channel| (colour[channel] - usual[channel]).abs() > UNUSUAL + NOISES * noise[channel])
+        };
         let steady = calm.iter().filter(|(_, colour)| !unusual(colour)).map(|&(moment, _)| moment);
         let bare_at = (0..moments).filter(|&moment| bare[moment][pixel]);
         let mean = mean_of(shot, pixel, steady).or_else(|| mean_of(shot, pixel, bare_at));
         colour.push(mean.unwrap_or(usual));
         let odd = calm.iter().filter(|(_, colour)| unusual(colour)).count();
-        unrest.push(odd as f32 / calm.len().max(1) as f32);
+        unrest.push(Unrest { odd: odd as f32 / calm.len().max(1) as f32, variance: variance(&calm, &noise) });
     }
     (Ground { depth_m, colour, kind: Vec::new() }, unrest)
 }
 
-/// The median colour, and a test whether another is farther from it than noise explains.
-fn usual_colour(calm: &[(usize, [f32; 3])]) -> ([f32; 3], impl Fn(&[f32; 3]) -> bool + use<>) {
-    let median = |values: &mut Vec<f32>| match values.len() {
-        0 => 0.0,
-        count => *values.select_nth_unstable_by(count / 2, f32::total_cmp).1,
+/// What a pixel mostly shows.
+struct Usual {
+    /// Median.
+    colour: [f32; 3],
+    /// Standard deviation of what has nothing to do with the scene.
+    noise: [f32; 3],
+}
+
+impl Usual {
+    fn of(calm: &[(usize, [f32; 3])]) -> Self {
+        let median = |values: &mut Vec<f32>| match values.len() {
+            0 => 0.0,
+            count => *values.select_nth_unstable_by(count / 2, f32::total_cmp).1,
+        };
+        let colour = |channel: usize| median(&mut calm.iter().map(|(_, colour)| colour[channel]).collect());
+        let noise = |channel: usize| {
+            let steps = calm.windows(2).map(|pair| (pair[1].1[channel] - pair[0].1[channel]).abs());
+            // From the median absolute difference of two to the standard deviation of one.
+            median(&mut steps.collect()) * 1.4826 / std::f32::consts::SQRT_2
+        };
+        Self { colour: std::array::from_fn(colour), noise: std::array::from_fn(noise) }
+    }
+}
+
+/// Variance of colours beyond that of their noise, mean over channels.
+fn variance(calm: &[(usize, [f32; 3])], noise: &[f32; 3]) -> f32 {
+    let count = calm.len().max(1) as f32;
+    let beyond = |channel: usize| {
+        let mean = calm.iter().map(|(_, colour)| colour[channel]).sum::<f32>() / count;
+        let squares = calm.iter().map(|(_, colour)| (colour[channel] - mean).powi(2)).sum::<f32>();
+        (squares / count - noise[channel].powi(2)).max(0.0)
     };
-    let usual: [f32; 3] =
-        std::array::from_fn(|channel| median(&mut calm.iter().map(|(_, colour)| colour[channel]).collect()));
-    let noise: [f32; 3] = std::array::from_fn(|channel| {
-        let steps = calm.windows(2).map(|pair| (pair[1].1[channel] - pair[0].1[channel]).abs());
-        // From the median absolute difference of two to the standard deviation of one.
-        median(&mut steps.collect()) * 1.4826 / std::f32::consts::SQRT_2
-    });
-    let far = move |colour: &[f32; 3]| {
-        (0..3).any(|channel| (colour[channel] - usual[channel]).abs() > UNUSUAL + NOISES * noise[channel])
-    };
-    (usual, far)
+    (0..3).map(beyond).sum::<f32>() / 3.0
 }
 
 fn mean_colour(shot: &Shot, moment: usize, around: impl Iterator<Item = usize>) -> [f32; 3] {
@@ -178,9 +222,13 @@ fn mean_colour(shot: &Shot, moment: usize, around: impl Iterator<Item = usize>) 
 }
 
 fn mean_of(shot: &Shot, pixel: usize, moments: impl Iterator<Item = usize>) -> Option<[f32; 3]> {
+    mean(moments.map(|moment| shot.picture(moment).colour_of(pixel)))
+}
+
+fn mean(colours: impl Iterator<Item = [f32; 3]>) -> Option<[f32; 3]> {
     let (mut sum, mut count) = ([0.0; 3], 0_u32);
-    for moment in moments {
-        for (sum, value) in sum.iter_mut().zip(shot.picture(moment).colour_of(pixel)) {
+    for colour in colours {
+        for (sum, value) in sum.iter_mut().zip(colour) {
             *sum += value;
         }
         count += 1;
@@ -200,7 +248,7 @@ fn neighbourhood(pixel: usize, size: [u32; 2]) -> impl Iterator<Item = usize> + 
 /// Asks all standing cameras about the ground of one of them.
 fn judge(
     footage: &Footage,
-    grounds: &[Option<(Ground, Vec<f32>)>],
+    grounds: &[Option<(Ground, Vec<Unrest>)>],
     index: usize,
     ground: &Ground,
     threshold: f32,
@@ -218,14 +266,15 @@ fn judge(
         .with_min_len(1 << 12)
         .map(|pixel| {
             let depth_m = ground.depth_m[pixel];
-            let (mut unrest, mut witnesses) = (0.0, 0_u32);
+            let (mut sum, mut witnesses) = (Unrest::default(), 0_u32);
             if !depth_m.is_finite() {
                 // What is infinitely far cannot be seen through.
-                return kind_of(grounds[index].as_ref().map_or(0.0, |(_, unrest)| unrest[pixel]), threshold);
+                let unrest = grounds[index].as_ref().map(|(_, unrest)| unrest[pixel]);
+                return kind_of(unrest.unwrap_or_default(), threshold);
             }
             let point = own.world(own.centre_of(pixel), depth_m);
             for (placer, found) in placers.iter().zip(grounds) {
-                let (Some(placer), Some((other, odd))) = (placer, found) else { continue };
+                let (Some(placer), Some((other, unrest))) = (placer, found) else { continue };
                 let Some((seen, z_m)) = placer.pixel(point) else { continue };
                 let nearest =
                     neighbourhood(seen, size).map(|pixel| other.depth_m[pixel]).fold(f32::INFINITY, f32::min);
@@ -233,17 +282,20 @@ fn judge(
                     return Kind::Moves;
                 }
                 if (other.depth_m[seen] - z_m).abs() < 2.0 * tolerance(z_m) {
-                    unrest += odd[seen];
+                    sum.odd += unrest[seen].odd;
+                    sum.variance += unrest[seen].variance;
                     witnesses += 1;
                 }
             }
-            kind_of(unrest / witnesses.max(1) as f32, threshold)
+            let share = 1.0 / witnesses.max(1) as f32;
+            kind_of(Unrest { odd: share * sum.odd, variance: share * sum.variance }, threshold)
         })
         .collect()
 }
 
-fn kind_of(unrest: f32, threshold: f32) -> Kind {
-    if unrest >= threshold.max(LEAST_FLICKER) { Kind::Flickers } else { Kind::Still }
+fn kind_of(unrest: Unrest, threshold: f32) -> Kind {
+    let often = unrest.odd >= threshold.max(LEAST_FLICKER);
+    if often && unrest.variance >= LEAST_SWING * LEAST_SWING { Kind::Flickers } else { Kind::Still }
 }
 
 #[cfg(test)]
@@ -300,6 +352,32 @@ mod tests {
         assert!((0.4..0.6).contains(&lower), "{lower}");
         let grain = |moment: usize, _| 1.0 + 0.02 * ((moment * 7 % 5) as f64 - 2.0);
         let footage = World { light: grain, ..World::EMPTY }.footage(12);
+        assert_eq!(share(&Motion::of(&footage, 0.1), Kind::Flickers), 0.0);
+    }
+
+    #[test]
+    fn a_ground_that_flickers_changes_only_while_it_does() {
+        let dusk = |moment: usize, _| if moment < 4 { 0.4 } else { 1.0 };
+        let footage = World { light: dusk, ..World::EMPTY }.footage(12);
+        let motion = Motion::of(&footage, 0.1);
+        let changing = |moment| {
+            let changes =
+                (0..footage.pixel_count()).filter(|&pixel| motion.changes(&footage, 1, moment, pixel));
+            changes.count() as f64 / footage.pixel_count() as f64
+        };
+        assert!((0.4..0.6).contains(&changing(2)), "{}", changing(2));
+        assert_eq!(changing(8), 0.0);
+        assert!(
+            (0..footage.pixel_count())
+                .all(|pixel| { Motion::of(&World::EMPTY.footage(2), 0.0).changes(&footage, 1, 0, pixel) })
+        );
+    }
+
+    #[test]
+    fn a_faint_swing_is_not_worth_a_field() {
+        // Half of the time 0.05 darker at most: a standard deviation of 0.025.
+        let faint = |moment: usize, _| if moment.is_multiple_of(4) { 0.92 } else { 1.0 };
+        let footage = World { light: faint, ..World::EMPTY }.footage(12);
         assert_eq!(share(&Motion::of(&footage, 0.1), Kind::Flickers), 0.0);
     }
 

@@ -9,7 +9,7 @@ use super::nearest::Tree;
 use super::points::{Point, of_grounds, of_movers, thinned};
 
 /// Movers are given points so many times closer than grounds of the same detail.
-const MOVERS_CLOSER: f32 = 0.7;
+const MOVERS_CLOSER: f32 = 0.85;
 /// Surface points that random and given points are compared with.
 const SURFACE_POINTS: usize = 20_000;
 

@@ -1,33 +1,33 @@
 //! The loop: one iteration after the other, each a function of the state before it.
 
 mod control;
+mod lessons;
 mod targets;
 
-use rand::{RngExt as _, SeedableRng as _};
+use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use crate::checkpoint::own::Checkpoint;
-use crate::deform::{DeformationField, FieldGradients, Init, Offsets, Trace};
-use crate::gaussians::Gaussians;
+use crate::deform::{DeformationField, FieldGradients, Init, Trace};
 use crate::model::Model;
-use crate::optimise::{Rates, Share, plane_penalty};
+use crate::optimise::Rates;
 use crate::raster::Rasterizer;
-use crate::splats::GaussianGradients;
 
 use super::TrainError;
 use super::density::append;
 use super::footage::{Footage, FootageError};
 use super::holes::holes;
-use super::learn::{Target, Weights, learn};
+use super::learn::Weights;
 use super::motion::{Kind, Motion};
 use super::points::{Point, gaussians};
 use super::quality::{Quality, Region, measure};
 use super::settings::{Schedule, Settings, Stage};
 use super::start::Start;
 use super::state::State;
-use super::survey::{bounds, busiest, chosen, typical_depth_m};
+use super::survey::{bounds, busiest, typical_depth_m};
 use super::unfold::{Span, repeat_ends};
-use super::window::Window;
+use super::window::Part;
 
 /// Iterations between looks at the training pictures.
 const LOOK: u64 = 500;
@@ -37,10 +37,6 @@ const LOOK_PICTURES: usize = 12;
 const PROGRESS_DB: f32 = 0.03;
 /// Share of the budget with which training begins; density control has the rest.
 const BEGINNING: f32 = 0.75;
-/// Every so many fine iterations look at whole pictures, the others at what changes.
-const WHOLE: u64 = 4;
-/// Moments of the outer part of the span are looked at this often while the clip unfolds.
-const FRONTIER: f64 = 0.6;
 
 /// What came of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,12 +58,14 @@ pub struct Trainer<'a> {
     settings: Settings,
     motion: Motion,
     /// What changes, by shot and moment.
-    windows: Vec<Option<Window>>,
+    parts: Vec<Option<Part>>,
     /// The moment from which the clip is unfolded.
     anchor: usize,
     /// What is added when the fine stage begins.
     movers: Vec<Point>,
-    /// Gaussians that are so far from the middle of the cameras stay as they are, metres.
+    /// Between the cameras, world axes, metres.
+    middle: [f64; 3],
+    /// Gaussians that are so far from there stay as they are, metres.
     backdrop_m: f32,
     schedule: Schedule,
     rates: [Rates; 2],
@@ -109,9 +107,10 @@ impl<'a> Trainer<'a> {
         ];
         let model = Model { gaussians: gaussians(&grounds, settings.degree()), ..Model::default() };
         let moves = grounds.iter().map(|point| point.kind == Kind::Flickers).collect();
-        let windows = (0..footage.shots().len() * footage.moments())
+        let parts = (0..footage.shots().len() * footage.moments())
+            .into_par_iter()
             .map(|index| (index / footage.moments(), index % footage.moments()))
-            .map(|(shot, moment)| Window::of_change(footage, &motion, shot, moment))
+            .map(|(shot, moment)| Part::of_change(footage, &motion, shot, moment))
             .collect();
         Ok(Self {
             weights: Weights {
@@ -126,9 +125,10 @@ impl<'a> Trainer<'a> {
             rasterizer,
             settings,
             motion,
-            windows,
+            parts,
             anchor,
             movers,
+            middle: footage.middle(),
             // Less, for rounding; nothing else is nearly as far.
             backdrop_m: 0.99 * backdrop_m,
             schedule,
@@ -263,78 +263,6 @@ impl<'a> Trainer<'a> {
         self.state.follow_more(count)
     }
 
-    fn learn_grounds(&mut self, random: &mut ChaCha8Rng) -> Result<f64, TrainError> {
-        let standing: Vec<usize> =
-            (0..self.footage.shots().len()).filter(|&shot| self.motion.ground(shot).is_some()).collect();
-        if standing.is_empty() || self.state.model.gaussians.is_empty() {
-            return Ok(0.0);
-        }
-        let targets: Vec<Target> = chosen(&standing, self.settings.views, random)
-            .into_iter()
-            .filter_map(|shot| self.ground_target(shot))
-            .collect();
-        let splats = self.state.model.gaussians.activate()?;
-        let lesson = learn(self.rasterizer, &splats, &targets, self.weights)?;
-        self.note(&lesson, splats.opacities());
-        let mut by_gaussians = lesson.gradients.through_activation(&self.state.model.gaussians);
-        self.spare_backdrop(&mut by_gaussians);
-        self.state.learn_gaussians(self.state.iteration, &by_gaussians)?;
-        Ok(lesson.loss)
-    }
-
-    fn learn_clip(
-        &mut self,
-        span: Span,
-        unfolding: bool,
-        random: &mut ChaCha8Rng,
-    ) -> Result<f64, TrainError> {
-        let moment = if unfolding && random.random_bool(FRONTIER) {
-            if random.random_bool(0.5) { span.first } else { span.last }
-        } else {
-            random.random_range(span.first..=span.last)
-        };
-        let whole = self.state.iteration.is_multiple_of(WHOLE) && !unfolding;
-        let targets = self.clip_targets(moment, whole, random)?;
-        if targets.is_empty() {
-            return Ok(0.0);
-        }
-        let time = self.footage.time(moment);
-        let model = &self.state.model;
-        let mut raw = model.gaussians.clone();
-        if let Some(field) = &model.field {
-            let positions: Vec<[f32; 3]> =
-                model.dynamic.iter().map(|&row| model.gaussians.means[row as usize]).collect();
-            field.trace(&positions, time, &mut self.trace)?.add_to(&mut raw, &model.dynamic)?;
-        }
-        let splats = raw.activate()?;
-        let lesson = learn(self.rasterizer, &splats, &targets, self.weights)?;
-        self.note(&lesson, splats.opacities());
-        let mut by_gaussians = lesson.gradients.through_activation(&raw);
-        self.spare_backdrop(&mut by_gaussians);
-        let step = self.state.iteration - self.schedule.fine_start();
-        let model = &mut self.state.model;
-        if let Some(field) = &mut model.field {
-            let by_field = self.by_field.get_or_insert_with(|| field.zero_gradients());
-            by_field.clear();
-            let upstream = of_rows(&by_gaussians, &model.dynamic, model.gaussians.sh_degree.coefficients());
-            let by_positions = field.backward(&mut self.trace, &upstream, by_field)?;
-            for (&row, slope) in model.dynamic.iter().zip(by_positions) {
-                for (sum, slope) in by_gaussians.means[row as usize].iter_mut().zip(slope) {
-                    *sum += slope;
-                }
-            }
-            plane_penalty(field, &self.settings.planes(), by_field)?;
-            let (parameters, gradients) = (field.parameters_mut(), by_field.lists());
-            let shares = vec![
-                Share { parameters: parameters.planes, gradients: gradients.planes },
-                Share { parameters: parameters.layers, gradients: gradients.layers },
-            ];
-            self.state.field.step(step, shares)?;
-        }
-        self.state.learn_gaussians(step, &by_gaussians)?;
-        Ok(lesson.loss)
-    }
-
     /// Looks at training pictures spread over cameras and clip.
     fn look(&mut self, stage: Stage) -> Result<Quality, TrainError> {
         let (shots, moments) = (self.footage.shots().len(), self.footage.moments());
@@ -369,24 +297,6 @@ impl<'a> Trainer<'a> {
     }
 }
 
-impl State {
-    fn learn_gaussians(&mut self, step: u64, by: &GaussianGradients) -> Result<(), TrainError> {
-        let Gaussians { means, log_scales, rotations, opacity_logits, sh, .. } = &mut self.model.gaussians;
-        let shares = vec![
-            share(means.as_flattened_mut(), by.means.as_flattened()),
-            share(log_scales.as_flattened_mut(), by.log_scales.as_flattened()),
-            share(rotations.as_flattened_mut(), by.rotations.as_flattened()),
-            share(opacity_logits, &by.opacity_logits),
-            share(sh.as_flattened_mut(), by.sh.as_flattened()),
-        ];
-        Ok(self.splats.step(step, shares)?)
-    }
-}
-
-fn share<'a>(parameters: &'a mut [f32], gradients: &'a [f32]) -> Share<'a> {
-    Share { parameters: vec![parameters], gradients: vec![gradients] }
-}
-
 fn check(footage: &Footage, settings: &Settings) -> Result<(), TrainError> {
     if footage.shots().is_empty() {
         let remedy = "train on at least one";
@@ -403,18 +313,6 @@ fn check(footage: &Footage, settings: &Settings) -> Result<(), TrainError> {
     match ranges.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
         Some((setting, value, _, range)) => Err(TrainError::Setting { setting, value, range }),
         None => Ok(()),
-    }
-}
-
-/// The gradients of some Gaussians, as those of the offsets that were added to them.
-fn of_rows(by: &GaussianGradients, rows: &[u32], coefficients: usize) -> Offsets {
-    let rows = || rows.iter().map(|&row| row as usize);
-    Offsets {
-        means: rows().map(|row| by.means[row]).collect(),
-        log_scales: rows().map(|row| by.log_scales[row]).collect(),
-        rotations: rows().map(|row| by.rotations[row]).collect(),
-        opacity_logits: rows().map(|row| by.opacity_logits[row]).collect(),
-        sh: rows().flat_map(|row| by.sh[row * coefficients..][..coefficients].iter().copied()).collect(),
     }
 }
 

@@ -1,13 +1,23 @@
 //! Parts of pictures: where something changes is where a dynamic scene has to be learned.
 
+use std::ops::Range;
+
 use crate::raster::TILE;
 use crate::view::{View, ViewError};
 
 use super::footage::Footage;
 use super::motion::Motion;
 
-/// Pixels left around what changes.
-const MARGIN_PX: usize = 6;
+/// Pixels looked at around what changes.
+const MARGIN_PX: usize = 3;
+
+/// Pixels of a picture, within a rectangle.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Part {
+    pub(super) window: Window,
+    /// A bit for each pixel of the window, row-major.
+    bits: Vec<u64>,
+}
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,25 +34,22 @@ impl Window {
         Self { left: 0, top: 0, width: width as usize, height: height as usize }
     }
 
-    /// What changes in a picture, with a margin, in whole tiles; none if nothing does.
-    pub(super) fn of_change(footage: &Footage, motion: &Motion, shot: usize, moment: usize) -> Option<Self> {
-        let [width, height] = footage.size().map(|side| side as usize);
+    /// Whole tiles around all marked pixels; none if there are none.
+    fn around(marks: &[bool], width: usize) -> Option<Self> {
+        let height = marks.len() / width;
         let (mut first, mut last) = ([usize::MAX; 2], [0; 2]);
-        for pixel in 0..footage.pixel_count() {
-            if motion.changes(footage, shot, moment, pixel) {
-                let at = [pixel % width, pixel / width];
-                for axis in 0..2 {
-                    first[axis] = first[axis].min(at[axis]);
-                    last[axis] = last[axis].max(at[axis]);
-                }
+        for (pixel, _) in marks.iter().enumerate().filter(|(_, marked)| **marked) {
+            let at = [pixel % width, pixel / width];
+            for axis in 0..2 {
+                first[axis] = first[axis].min(at[axis]);
+                last[axis] = last[axis].max(at[axis]);
             }
         }
         if first[0] == usize::MAX {
             return None;
         }
-        let from = first.map(|side| side.saturating_sub(MARGIN_PX) / TILE * TILE);
-        let to =
-            [0, 1].map(|axis| (last[axis] + 1 + MARGIN_PX).next_multiple_of(TILE).min([width, height][axis]));
+        let from = first.map(|side| side / TILE * TILE);
+        let to = [0, 1].map(|axis| (last[axis] + 1).next_multiple_of(TILE).min([width, height][axis]));
         Some(Self { left: from[0], top: from[1], width: to[0] - from[0], height: to[1] - from[1] })
     }
 
@@ -57,11 +64,54 @@ impl Window {
         )
     }
 
-    /// Row-major indices of its pixels in a picture that is `width` wide.
-    pub(super) fn pixels(self, width: usize) -> impl Iterator<Item = usize> {
+    /// Row-major indices of the pixels of each of its rows in a picture that is `width` wide.
+    pub(super) fn rows(self, width: usize) -> impl Iterator<Item = Range<usize>> {
         (self.top..self.top + self.height)
-            .flat_map(move |row| (self.left..self.left + self.width).map(move |column| row * width + column))
+            .map(move |row| row * width + self.left..row * width + self.left + self.width)
     }
+}
+
+impl Part {
+    /// What changes in a picture, with a margin; none if nothing does.
+    pub(super) fn of_change(footage: &Footage, motion: &Motion, shot: usize, moment: usize) -> Option<Self> {
+        let width = footage.size()[0] as usize;
+        let changes: Vec<bool> =
+            (0..footage.pixel_count()).map(|pixel| motion.changes(footage, shot, moment, pixel)).collect();
+        let marks = widened(&changes, width, MARGIN_PX);
+        let window = Window::around(&marks, width)?;
+        let mut bits = vec![0; (window.width * window.height).div_ceil(64)];
+        for (place, pixel) in window.rows(width).flatten().enumerate() {
+            bits[place / 64] |= u64::from(marks[pixel]) << (place % 64);
+        }
+        Some(Self { window, bits })
+    }
+
+    /// Which pixels of the window belong to it, row-major.
+    pub(super) fn marks(&self) -> Vec<bool> {
+        let marks = self.bits.iter().flat_map(|bits| (0..64).map(move |place| bits >> place & 1 == 1));
+        marks.take(self.window.width * self.window.height).collect()
+    }
+}
+
+/// Marks everything within a square around what is marked.
+fn widened(marks: &[bool], width: usize, margin: usize) -> Vec<bool> {
+    let height = marks.len() / width;
+    let mut along = vec![false; marks.len()];
+    for (pixel, _) in marks.iter().enumerate().filter(|(_, marked)| **marked) {
+        let (row, column) = (pixel / width, pixel % width);
+        let columns = column.saturating_sub(margin)..(column + margin + 1).min(width);
+        along[row * width..][columns].fill(true);
+    }
+    let mut wide = vec![false; marks.len()];
+    for row in 0..height {
+        for other in row.saturating_sub(margin)..(row + margin + 1).min(height) {
+            let from = &along[other * width..][..width];
+            for (to, from) in wide[row * width..][..width].iter_mut().zip(from) {
+                *to |= from;
+            }
+        }
+    }
+    wide
 }
 
 #[cfg(test)]
@@ -75,7 +125,19 @@ mod tests {
         let window = Window { left: 16, top: 32, width: 32, height: 16 };
         let part = window.of(&view).unwrap();
         assert_eq!((part.width(), part.height(), part.principal()), (32, 16, [16.0, -8.0]));
-        let pixels: Vec<usize> = window.pixels(64).collect();
-        assert_eq!((pixels.len(), pixels[0], pixels[32]), (32 * 16, 32 * 64 + 16, 33 * 64 + 16));
+        let rows: Vec<Range<usize>> = window.rows(64).collect();
+        assert_eq!((rows.len(), &rows[0], &rows[1]), (16, &(2064..2096), &(2128..2160)));
+    }
+
+    #[test]
+    fn a_margin_stays_in_the_picture_and_the_window_is_made_of_tiles() {
+        let mut marks = vec![false; 40 * 20];
+        marks[3 * 40 + 39] = true;
+        let wide = widened(&marks, 40, 2);
+        let expected = |pixel: usize| (1..6).contains(&(pixel / 40)) && pixel % 40 >= 37;
+        assert_eq!(wide, (0..40 * 20).map(expected).collect::<Vec<bool>>());
+        let window = Window::around(&wide, 40).unwrap();
+        assert_eq!(window, Window { left: 32, top: 0, width: 8, height: 16 });
+        assert_eq!(Window::around(&[false; 40], 40), None);
     }
 }

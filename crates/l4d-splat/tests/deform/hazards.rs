@@ -3,7 +3,7 @@
 use l4d_splat::deform::{Bounds, DeformConfig, DeformError, DeformationField, Init, Offsets, Trace};
 use l4d_splat::{Gaussians, ShDegree};
 
-use crate::fixtures::{flat, positions, small_config, small_field};
+use crate::fixtures::{flat, positions, relative_difference, small_config, small_field, wide};
 
 #[test]
 fn no_rows_give_no_offsets_and_no_gradients() {
@@ -28,6 +28,43 @@ fn a_row_is_answered_alike_alone_and_among_others() {
             let near = alone.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1.0e-6);
             assert!(near, "row {row}: {alone:?} instead of {expected:?}");
         }
+    }
+}
+
+#[test]
+fn rows_without_gradient_say_nothing_and_change_nothing() {
+    let field = small_field(small_config(), 1);
+    let positions = positions(1000, 3);
+    // Groups and gaps of many lengths, across the edges of blocks.
+    let says = |row: usize| row % 7 < 2 || (250..262).contains(&row);
+    let rows: Vec<usize> = (0..1000).filter(|&row| says(row)).collect();
+    let mut trace = Trace::default();
+    let mut upstream = field.trace(&positions, 0.4, &mut trace).unwrap();
+    let coefficients = field.config().sh_coefficients;
+    for row in (0..1000).filter(|&row| !says(row)) {
+        upstream.means[row] = [0.0; 3];
+        upstream.log_scales[row] = [-0.0; 3];
+        upstream.rotations[row] = [0.0; 4];
+        upstream.opacity_logits[row] = 0.0;
+        upstream.sh[row * coefficients..][..coefficients].fill([0.0; 3]);
+    }
+    let mut among = field.zero_gradients();
+    let slopes = field.backward(&mut trace, &upstream, &mut among).unwrap();
+
+    let alone_at: Vec<[f32; 3]> = rows.iter().map(|&row| positions[row]).collect();
+    let alone_upstream = field.trace(&alone_at, 0.4, &mut trace).unwrap();
+    let mut alone = field.zero_gradients();
+    let alone_slopes = field.backward(&mut trace, &alone_upstream, &mut alone).unwrap();
+    let (among, alone) = (among.lists(), alone.lists());
+    for (among, alone) in
+        among.planes.iter().chain(&among.layers).zip(alone.planes.iter().chain(&alone.layers))
+    {
+        assert!(relative_difference(among, &wide(alone)) < 1.0e-5);
+    }
+    assert!(slopes.iter().enumerate().all(|(row, slope)| says(row) || *slope == [0.0; 3]));
+    for (row, alone) in rows.into_iter().zip(alone_slopes) {
+        let near = slopes[row].iter().zip(alone).all(|(a, b)| (a - b).abs() < 1.0e-5 * (1.0 + b.abs()));
+        assert!(near, "row {row}: {:?} instead of {alone:?}", slopes[row]);
     }
 }
 

@@ -5,5 +5,6 @@
 mod conformance;
 mod determinism;
 mod hostile;
+mod marked;
 mod parity;
 mod stability;

@@ -1,5 +1,7 @@
 //! How good a model is and what it took.
 
+use std::time::Instant;
+
 use anyhow::Result;
 use l4d_splat::train::Quality;
 use serde::Serialize;
@@ -26,6 +28,36 @@ pub(super) struct Report {
     pub(super) prepare_seconds: f64,
     pub(super) train_seconds: f64,
     pub(super) measure_seconds: f64,
+    /// Of the iterations on the whole clip.
+    pub(super) fine: Effort,
+}
+
+/// What some iterations took, nothing but the iterations counted.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub(super) struct Effort {
+    /// Those of the run that ended; those before it was put down are not known any more.
+    pub(super) iterations: u64,
+    pub(super) seconds: f64,
+    /// Of all threads together.
+    pub(super) cpu_seconds: f64,
+}
+
+impl Effort {
+    /// Does something that is an iteration.
+    pub(super) fn spend<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let (begin, cpu) = (Instant::now(), cpu_seconds());
+        let result = work();
+        self.iterations += 1;
+        self.seconds += begin.elapsed().as_secs_f64();
+        self.cpu_seconds += cpu_seconds() - cpu;
+        result
+    }
+}
+
+/// Processor time of the process so far.
+fn cpu_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
 /// Prints a manifest, or the table of its report.

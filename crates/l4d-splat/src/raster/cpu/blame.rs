@@ -17,10 +17,18 @@ pub(super) const MOMENTS: usize = 10;
 /// the natural logarithm of alpha: 1, u, v, u^2, uv, v^2 (see [`Footprint::axes`]).
 pub(super) type Moments = [f64; MOMENTS];
 
-/// The moments of the visible Gaussians, front to back.
-pub(super) fn moments(scene: &Scene<'_>, drawing: &Drawing, gradient: &DrawingGradient) -> Vec<Moments> {
+/// The moments of the visible Gaussians, front to back; zero for those that do not learn.
+pub(super) fn moments(
+    scene: &Scene<'_>,
+    drawing: &Drawing,
+    gradient: &DrawingGradient,
+    learning: Option<&[bool]>,
+) -> Vec<Moments> {
     let totals = scene.bins.sums(MOMENTS, scene.footprints.len(), |index, sums| {
-        scene.cpu.run(Blame { scene, tile: scene.tile(index), drawing, gradient, sums });
+        if sums.is_empty() {
+            return;
+        }
+        scene.cpu.run(Blame { scene, tile: scene.tile(index), drawing, gradient, learning, sums });
     });
     totals.as_chunks().0.to_vec()
 }
@@ -71,6 +79,8 @@ struct Blame<'a> {
     tile: Tile<'a>,
     drawing: &'a Drawing,
     gradient: &'a DrawingGradient,
+    /// By index of a Gaussian; all do without it.
+    learning: Option<&'a [bool]>,
     /// [`MOMENTS`] for each Gaussian of the tile.
     sums: &'a mut [f32],
 }
@@ -87,6 +97,8 @@ impl Kernel for Blame<'_> {
             rest: &mut rest,
             alpha_max: self.scene.limits.alpha_max,
             left_edge: self.tile.origin[0],
+            learning: self.learning,
+            learns: true,
             turn: None,
             shown: [zero; 4],
             running: [zero; MOMENTS],
@@ -141,6 +153,10 @@ struct Judge<'a, S: Simd> {
     alpha_max: f32,
     /// First column of the tile.
     left_edge: usize,
+    /// See [`Blame`].
+    learning: Option<&'a [bool]>,
+    /// Whether the current Gaussian does.
+    learns: bool,
     turn: Option<Turn<S>>,
     /// Red, green, blue, depth of the current Gaussian.
     shown: [f32x8<S>; 4],
@@ -158,6 +174,7 @@ impl<S: Simd> Visitor<S> for Judge<'_, S> {
             f32x8::splat(simd, blue),
             f32x8::splat(simd, footprint.depth),
         ];
+        self.learns = self.learning.is_none_or(|learning| learning[footprint.index as usize]);
         self.turn = Turn::new(simd, footprint, self.left_edge);
         self.running = [f32x8::splat(simd, 0.0); MOMENTS];
     }
@@ -167,13 +184,18 @@ impl<S: Simd> Visitor<S> for Judge<'_, S> {
         // What a unit of this Gaussian's light is worth.
         let mut worth = self.slopes[4].load(simd, group);
         for channel in 0..4 {
-            let slope = self.slopes[channel].load(simd, group);
-            worth = slope.mul_add(self.shown[channel], worth);
-            self.running[channel] = step.weight.mul_add(slope, self.running[channel]);
+            worth = self.slopes[channel].load(simd, group).mul_add(self.shown[channel], worth);
         }
         let shown = step.weight * worth;
         let behind = self.rest.load(simd, group) - shown;
         self.rest.store(group, behind);
+        if !self.learns {
+            return;
+        }
+        for channel in 0..4 {
+            let slope = self.slopes[channel].load(simd, group);
+            self.running[channel] = step.weight.mul_add(slope, self.running[channel]);
+        }
         let alpha = step.alpha;
         let lost = behind * (alpha / (f32x8::splat(simd, 1.0) - alpha));
         let open = step.open & alpha.simd_lt(self.alpha_max);

@@ -8,6 +8,7 @@ use super::Cpu;
 use super::lens::{Footprint, Lens};
 use super::project::Project;
 use super::walk::Limits;
+use super::wanted::Wanted;
 use crate::gaussians::BadValue;
 use crate::raster::{RasterError, TILE};
 use crate::splats::Splats;
@@ -25,13 +26,20 @@ const MOST_PAIRS: u64 = 1 << 29;
 const BATCH: usize = 1 << 20;
 
 /// The visible Gaussians by depth; equal depths in the order of their indices.
-pub(super) fn front_to_back(cpu: Cpu, lens: &Lens, splats: &Splats) -> Result<Vec<Footprint>, RasterError> {
+pub(super) fn front_to_back(
+    cpu: Cpu,
+    lens: &Lens,
+    splats: &Splats,
+    wanted: &Wanted,
+) -> Result<Vec<Footprint>, RasterError> {
     let chunks: Vec<Result<Vec<Footprint>, BadValue>> = (0..splats.len().div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let first = chunk * CHUNK;
             let count = CHUNK.min(splats.len() - first);
-            cpu.run(Project { lens, splats, first, count })
+            let mut footprints = cpu.run(Project { lens, splats, first, count })?;
+            footprints.retain(|footprint| wanted.meets(footprint));
+            Ok(footprints)
         })
         .collect();
     // Chunks come in order, so the first error is that of the lowest index, whatever thread met it.
@@ -92,7 +100,12 @@ struct Span {
 }
 
 impl Bins {
-    pub(super) fn new(footprints: &[Footprint], limits: &Limits, view: &View) -> Result<Self, RasterError> {
+    pub(super) fn new(
+        footprints: &[Footprint],
+        limits: &Limits,
+        wanted: &Wanted,
+        view: &View,
+    ) -> Result<Self, RasterError> {
         let columns = (view.width() as usize).div_ceil(TILE);
         let rows = (view.height() as usize).div_ceil(TILE);
         let spans: Vec<Vec<Span>> = footprints
@@ -114,7 +127,8 @@ impl Bins {
         for span in spans.iter().flatten() {
             let first = usize::from(span.row) * columns;
             for column in span.columns[0]..span.columns[1] {
-                offsets[first + usize::from(column) + 1] += 1;
+                let tile = first + usize::from(column);
+                offsets[tile + 1] += u32::from(wanted.has(tile));
             }
         }
         for tile in 1..offsets.len() {
@@ -124,8 +138,9 @@ impl Bins {
         let mut ranks = vec![0_u32; offsets[columns * rows] as usize];
         for span in spans.iter().flatten() {
             let first = usize::from(span.row) * columns;
-            for column in span.columns[0]..span.columns[1] {
-                let place = &mut next[first + usize::from(column)];
+            let tiles = span.columns.map(|column| first + usize::from(column));
+            for tile in (tiles[0]..tiles[1]).filter(|&tile| wanted.has(tile)) {
+                let place = &mut next[tile];
                 ranks[*place as usize] = span.rank;
                 *place += 1;
             }

@@ -9,6 +9,7 @@
 use fearless_simd::{Select as _, f32x8, mask32x8, prelude::*};
 
 use super::lens::Footprint;
+use super::wanted::Mask;
 use crate::raster::{RasterSettings, TILE};
 
 /// Pixels that are computed at once.
@@ -86,24 +87,28 @@ pub(super) struct Tile<'a> {
     pub(super) origin: [usize; 2],
     /// Pixels of the tile that lie in the picture: columns, rows.
     pub(super) size: [usize; 2],
+    /// Those that anybody looks at.
+    pub(super) wanted: &'a Mask,
 }
 
 impl Tile<'_> {
-    /// Transmittance before anything is blended; pixels outside the picture are finished from the start.
+    /// Transmittance before anything is blended; pixels that nobody looks at are finished from the start.
     pub(super) fn transmittance(&self) -> Plane {
         let mut plane = Plane([[-1.0; LANES]; GROUPS]);
-        for row in 0..self.size[1] {
-            for column in 0..self.size[0] {
+        for (row, mask) in self.wanted.iter().enumerate() {
+            for column in (0..TILE).filter(|column| mask >> column & 1 == 1) {
                 *plane.at_mut(column, row) = 1.0;
             }
         }
         plane
     }
 
-    /// A bit for each group with a pixel in the picture.
+    /// A bit for each group with a pixel that somebody looks at.
     pub(super) fn groups(&self) -> u32 {
-        let rows = (1_u32 << self.size[1]) - 1;
-        if self.size[0] > LANES { rows | rows << TILE } else { rows }
+        self.wanted.iter().enumerate().fold(0, |groups, (row, mask)| {
+            let [left, right] = [mask & 0xff, mask >> LANES].map(|half| u32::from(half != 0));
+            groups | left << row | right << (TILE + row)
+        })
     }
 }
 

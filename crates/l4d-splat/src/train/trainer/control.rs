@@ -45,7 +45,7 @@ impl Trainer<'_> {
     }
 
     fn is_backdrop(&self, mean: &[f32; 3]) -> bool {
-        nearest_m(mean, &[self.footage.middle()]) > self.backdrop_m
+        nearest_m(mean, &[self.middle]) > self.backdrop_m
     }
 
     /// Gaussians that are kept for what moves while what stands still is learned.
@@ -56,7 +56,7 @@ impl Trainer<'_> {
 
     /// Most Gaussians that fill holes.
     pub(super) fn most_filled(&self) -> usize {
-        self.movers.len().max(self.settings.gaussians / 10).min(self.settings.gaussians / 5)
+        (self.movers.len() / 2).max(self.settings.gaussians / 20).min(self.settings.gaussians / 5)
     }
 
     /// Changes the number of Gaussians where the schedule has it.

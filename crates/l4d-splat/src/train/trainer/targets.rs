@@ -1,12 +1,14 @@
 //! What the model is compared with at an iteration.
 
+use half::slice::HalfFloatSliceExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::TrainError;
+use super::super::footage::unit;
 use super::super::learn::Target;
 use super::super::motion::Kind;
 use super::super::survey::chosen;
-use super::super::window::Window;
+use super::super::window::{Part, Window};
 use super::Trainer;
 
 impl Trainer<'_> {
@@ -18,7 +20,7 @@ impl Trainer<'_> {
             view: *self.footage.shots()[shot].view(0),
             colour: ground.colour.as_flattened().to_vec(),
             depth_m: ground.depth_m.iter().enumerate().map(depth).collect(),
-            ignored: (0..ground.kind.len()).map(|pixel| !stays(pixel)).collect(),
+            marked: (0..ground.kind.len()).map(stays).collect(),
             zoom: [1.0; 2],
         })
     }
@@ -30,29 +32,33 @@ impl Trainer<'_> {
         random: &mut ChaCha8Rng,
     ) -> Result<Vec<Target>, TrainError> {
         let moments = self.footage.moments();
-        let window = |shot: usize| self.windows[shot * moments + moment];
+        let part = |shot: usize| self.parts[shot * moments + moment].as_ref();
         let busy: Vec<usize> =
-            (0..self.footage.shots().len()).filter(|&shot| whole || window(shot).is_some()).collect();
-        chosen(&busy, self.settings.views, random)
-            .into_iter()
-            .map(|shot| {
-                let all = Window::whole(self.footage.size());
-                let part = if whole { all } else { window(shot).unwrap_or(all) };
-                self.clip_target(shot, moment, part)
-            })
-            .collect()
+            (0..self.footage.shots().len()).filter(|&shot| whole || part(shot).is_some()).collect();
+        let target = |shot| self.clip_target(shot, moment, part(shot).filter(|_| !whole));
+        chosen(&busy, self.settings.views, random).into_iter().map(target).collect()
     }
 
-    fn clip_target(&self, shot: usize, moment: usize, window: Window) -> Result<Target, TrainError> {
+    /// A part of a picture, or all of it.
+    fn clip_target(&self, shot: usize, moment: usize, part: Option<&Part>) -> Result<Target, TrainError> {
         let [width, height] = self.footage.size();
+        let window = part.map_or(Window::whole(self.footage.size()), |part| part.window);
+        let marked = part.map(Part::marks).unwrap_or_default();
         let shot = &self.footage.shots()[shot];
         let picture = shot.picture(moment);
-        let pixels = || window.pixels(width as usize);
+        let (mut colour, mut depth_m) = (Vec::new(), Vec::new());
+        for pixels in window.rows(width as usize) {
+            colour.extend(picture.colour[pixels.clone()].as_flattened().iter().copied().map(unit));
+            depth_m.extend(picture.depth_m[pixels].to_f32_vec());
+        }
+        for (depth_m, marked) in depth_m.iter_mut().zip(&marked) {
+            *depth_m = if *marked { *depth_m } else { f32::INFINITY };
+        }
         Ok(Target {
             view: window.of(shot.view(moment))?,
-            colour: pixels().flat_map(|pixel| picture.colour_of(pixel)).collect(),
-            depth_m: pixels().map(|pixel| picture.depth_m[pixel].to_f32()).collect(),
-            ignored: Vec::new(),
+            colour,
+            depth_m,
+            marked,
             zoom: [width as f32 / window.width as f32, height as f32 / window.height as f32],
         })
     }
