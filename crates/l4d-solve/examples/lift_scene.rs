@@ -50,7 +50,7 @@ fn main() -> Result<(), Failure> {
     let footage = Footage::read(&folder, number("--views", 8)?, number("--every", 1)?)?;
     let source = Source::open(&splats)?;
     let (cpu, raster) = (Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster };
+    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster, moments: None };
     let methods: Vec<(String, LiftSettings)> =
         option("--method").unwrap_or("robust".into()).split(',').map(method).collect::<Result<_, _>>()?;
     let mut objects = footage.objects.clone();
@@ -136,8 +136,9 @@ fn changed<S: serde::Serialize + serde::de::DeserializeOwned>(settings: S, name:
     Ok(serde_json::from_value(values)?)
 }
 
-/// Canonical centres, and for some pictures the time, the deformed centres, the mask, and the blend weights as rows of
-/// a sparse matrix; little-endian files beside an `index.json`.
+/// Canonical centres, and for some pictures the time, the view, the Gaussians as they are then (centres; scales,
+/// rotation and opacity in rows of eight), the mask, and the blend weights as rows of a sparse matrix; little-endian
+/// files beside an `index.json`.
 fn export(canvas: &Canvas<'_>, footage: &Footage, id: u32, count: usize, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
     let floats = |name: String, numbers: &[f32]| {
@@ -149,7 +150,7 @@ fn export(canvas: &Canvas<'_>, footage: &Footage, id: u32, count: usize, out: &P
         std::fs::write(out.join(name), bytes)
     };
     floats("means.f32".into(), canvas.model.gaussians.means.as_flattened())?;
-    let mut times = Vec::new();
+    let (mut times, mut views) = (Vec::new(), Vec::new());
     for picture in 0..count {
         let seen = &footage.views[picture % footage.views.len()];
         let masks = seen.masks(id);
@@ -179,9 +180,20 @@ fn export(canvas: &Canvas<'_>, footage: &Footage, id: u32, count: usize, out: &P
             format!("{picture}.mask.u32"),
             &mask.to_bools().into_iter().map(u32::from).collect::<Vec<_>>(),
         )?;
+        let rows = (0..splats.len()).flat_map(|row| {
+            let (scale, rotation) = (splats.scales()[row], splats.rotations()[row]);
+            scale.into_iter().chain(rotation).chain([splats.opacities()[row]])
+        });
+        floats(format!("{picture}.shapes.f32"), &rows.collect::<Vec<f32>>())?;
+        let view = &seen.view;
+        views.push(json!({
+            "width": width, "height": height,
+            "fx": view.focal()[0], "fy": view.focal()[1], "cx": view.principal()[0], "cy": view.principal()[1],
+            "camera_from_world": view.camera_from_world(),
+        }));
         times.push(time_of_frame(*frame));
     }
-    std::fs::write(out.join("index.json"), json!({ "times": times }).to_string())?;
+    std::fs::write(out.join("index.json"), json!({ "times": times, "views": views }).to_string())?;
     Ok(())
 }
 

@@ -201,7 +201,7 @@ impl Method<'_> {
     }
 
     fn canvas<'s>(&'s self, scene: &'s SolveScene) -> Canvas<'s> {
-        Canvas { model: &scene.source.model, rasterizer: self.rasterizer, raster: &scene.raster }
+        scene.canvas(self.rasterizer)
     }
 
     /// The pixels of an answer in every picture of a plan; all empty where nothing was lifted. The model is deformed
@@ -223,7 +223,7 @@ impl Method<'_> {
         let at = |instant: usize| -> Result<Vec<(Shot, Mask)>, SolveError> {
             let time = plan.instants[instant].time;
             let layer = lifted.layer_at(canvas.model, time)?;
-            let splats = canvas.at(time)?;
+            let splats = canvas.shapes_at(time)?;
             let of_view = |view: usize| {
                 let shot = Shot { view, instant };
                 let from = plan.view(shot)?;
