@@ -991,6 +991,19 @@ pub(crate) struct Shard {
     pub(crate) count: usize,
 }
 
+impl Shard {
+    /// Takes out of a list what belongs to other shards: shard i of n has every n-th entry.
+    pub(crate) fn keep<T>(self, list: &mut Vec<T>) {
+        let mut places = 0..;
+        list.retain(|_| places.next().is_some_and(|place| self.has(place)));
+    }
+
+    /// Whether the entry at this place of a list, counted from 0, belongs to the shard.
+    pub(crate) fn has(self, place: usize) -> bool {
+        place % self.count == self.index - 1
+    }
+}
+
 impl std::str::FromStr for Shard {
     type Err = String;
 

@@ -10,6 +10,7 @@ mod check_scenes;
 mod doctor;
 mod draw_variant;
 mod endpoint;
+mod estimate;
 mod leaderboard;
 mod open_round;
 pub(crate) mod propose_prompts;
