@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
 
-use crate::cli::PythonArgs;
+use crate::cli::scenes::PythonArgs;
 use crate::out::{Printer, refusal};
 use crate::python::{Environment, PYTHON_VERSION};
 

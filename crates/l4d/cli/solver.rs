@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use l4d_data::Profile;
 
-use super::ServerArgs;
-use super::{AdapterArgs, PixelSize};
+use super::models::ServerArgs;
+use super::splats::{AdapterArgs, PixelSize};
 use super::{BenchArgs, Shard};
 
 /// Who finds in one view what a sentence means.

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::build_scenes::data_folder;
 use crate::cli::BenchArgs;
-use crate::cli::CheckScenesArgs;
+use crate::cli::scenes::CheckScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {

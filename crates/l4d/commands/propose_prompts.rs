@@ -14,7 +14,7 @@ use serde_json::json;
 
 use super::build_scenes::data_folder;
 use super::estimate;
-use crate::cli::{AskArgs, ProposePromptsArgs, ServerArgs};
+use crate::cli::models::{AskArgs, ProposePromptsArgs, ServerArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 use crate::side_by_side::side_by_side;
 

@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::estimate;
 use super::propose_prompts::{about, manner, note_spent, open_client};
-use crate::cli::ProposeScenesArgs;
+use crate::cli::models::ProposeScenesArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus> {

@@ -12,7 +12,7 @@ use l4d_ground::worker::{FrameStore, Patience, Segmenter, TextGrounder, Worker, 
 use serde::Deserialize;
 
 use super::segmenter::SegmenterEntry;
-use crate::cli::ServerArgs;
+use crate::cli::models::ServerArgs;
 use crate::commands::propose_prompts::open_client;
 use crate::out::{Printer, refusal};
 
