@@ -58,8 +58,8 @@ impl Grounders {
             GrounderArg::Model => {
                 let path = args.grounder_file.as_deref().ok_or_else(|| lacking("--grounder-file"))?;
                 match model::open(path, &args.server, work, out)? {
-                    model::Opened::Vlm(vlm) => Self::Vlm(Arc::new(vlm)),
-                    model::Opened::Text(segmenter) => Self::Shared(Arc::new(segmenter)),
+                    model::Opened::Vlm(vlm) => Self::Vlm(vlm),
+                    model::Opened::Text(segmenter) => Self::Shared(segmenter),
                 }
             }
         })

@@ -60,9 +60,9 @@ impl ModelEntry {
 /// A grounder of models.
 pub(super) enum Opened {
     /// A model server tells a segmenter what to look for.
-    Vlm(Vlm),
+    Vlm(Arc<Vlm>),
     /// The segmenter gets the sentence itself.
-    Text(TextGrounder),
+    Text(Arc<TextGrounder>),
 }
 
 /// Starts the segmenter, and opens the way to the model if one is asked. What workers are shown stands in a folder
@@ -74,7 +74,7 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path, out: &Printer)
     let worker = Worker::start(launch, Patience::default()).map_err(of_worker)?;
     let segmenter = Arc::new(Segmenter::new(worker, FrameStore::new(work.join("frames")), threshold));
     if file.coupling == NO_VLM {
-        return Ok(Opened::Text(TextGrounder::new(segmenter).map_err(of_worker)?));
+        return Ok(Opened::Text(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     }
     let coupling = Coupling::ALL.into_iter().find(|coupling| coupling.as_str() == file.coupling);
     let coupling = coupling.ok_or_else(|| unknown_coupling(path, &file.coupling))?;
@@ -85,7 +85,7 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path, out: &Printer)
         let hint = error.hint();
         refusal(format!("{}: {error}", path.display()), hint)
     })?;
-    Ok(Opened::Vlm(vlm))
+    Ok(Opened::Vlm(Arc::new(vlm)))
 }
 
 fn read(path: &Path) -> Result<File> {
