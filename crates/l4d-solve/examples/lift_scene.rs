@@ -8,6 +8,7 @@
 //! stand between commas. `--gate 48` empties all masks after that frame. Uses the truth throughout: it measures
 //! lifting alone.
 //!
+//! With `--render` the answers of all objects are drawn beside the colours of the held-out view, 0 to 100 at once.
 //! With `--export FOLDER --pictures 8` nothing is lifted: the first object's masks and the blend weights of some pictures
 //! are written for `benchmark/perf/lift_field.py`.
 
@@ -25,7 +26,7 @@ use l4d_frames::exr::read_surfaces;
 use l4d_frames::{Mask, Surfaces};
 use l4d_solve::lift::{
     Canvas, ClosedSettings, DistilSettings, Evidence, EvidenceFrame, EvidenceView, FieldSettings,
-    LiftSettings, lift,
+    LiftSettings, lift, masks,
 };
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, RasterSettings};
@@ -55,6 +56,9 @@ fn main() -> Result<(), Failure> {
         option("--method").unwrap_or("robust".into()).split(',').map(method).collect::<Result<_, _>>()?;
     let mut objects = footage.objects.clone();
     objects.truncate(number("--objects", usize::MAX)?);
+    if arguments.iter().any(|argument| argument == "--render") {
+        return render(&canvas, &footage, &objects, &methods);
+    }
     if let (Some(out), Some((id, _))) = (option("--export"), objects.first()) {
         return export(&canvas, &footage, *id, number("--pictures", 8)?, Path::new(&out));
     }
@@ -98,6 +102,45 @@ fn main() -> Result<(), Failure> {
             writeln!(out, "{line}")?;
             out.flush()?;
         }
+    }
+    Ok(())
+}
+
+/// Milliseconds of a colour picture of the held-out view: alone, and with the masks of 1, 10 and 100 answers beside it.
+fn render(
+    canvas: &Canvas<'_>,
+    footage: &Footage,
+    objects: &[(u32, String)],
+    methods: &[(String, LiftSettings)],
+) -> Result<(), Failure> {
+    let (name, settings) = methods.first().ok_or("a method comes first")?;
+    let view = &footage.held_out.view;
+    let mut answers = Vec::new();
+    for (id, _) in objects {
+        let views = footage.views.iter().map(|view| view.evidence(*id, None)).collect();
+        answers.push(lift(canvas, &Evidence { views }, settings, &mut |_| ControlFlow::Continue(()))?);
+    }
+    let mut moments = Vec::new();
+    for (frame, _) in footage.held_out.frames.iter().step_by(footage.held_out.frames.len().div_ceil(8)) {
+        let time = time_of_frame(*frame);
+        let layers: Vec<_> =
+            answers.iter().map(|answer| answer.layer_at(canvas.model, time)).collect::<Result<_, _>>()?;
+        moments.push((canvas.at(time)?, layers));
+    }
+    for count in [0, 1, 10, 100] {
+        let mut best = f64::INFINITY;
+        for _ in 0..5 {
+            let start = Instant::now();
+            for (splats, layers) in &moments {
+                let shown: Vec<_> = layers.iter().cycle().take(count).collect();
+                let projected = canvas.rasterizer.prepare(splats, view, canvas.raster)?;
+                projected.draw()?;
+                masks(projected.as_ref(), view, &shown)?;
+            }
+            best = best.min(start.elapsed().as_secs_f64() / moments.len() as f64);
+        }
+        let line = json!({ "method": name, "answers": count, "picture_ms": 1e3 * best });
+        writeln!(std::io::stdout(), "{line}")?;
     }
     Ok(())
 }
