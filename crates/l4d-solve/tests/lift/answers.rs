@@ -1,11 +1,17 @@
 //! What can be done with an answer.
 
+use std::ops::ControlFlow;
+
+use l4d_frames::Mask;
 use l4d_solve::lift::edit::{extract, highlight, remove};
-use l4d_solve::lift::{ClosedSettings, FieldSettings, Layer, LiftError, LiftSettings, masks};
+use l4d_solve::lift::{
+    Canvas, ClosedSettings, FieldSettings, Layer, LiftError, LiftSettings, Moments, lift, masks,
+};
 use l4d_splat::Model;
+use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::Rasterizer as _;
 
-use crate::fixture::{Scene, as_it_is};
+use crate::fixture::{FRAMES, Scene, as_it_is, empty};
 
 #[test]
 fn many_answers_at_once_are_those_of_one_after_the_other() {
@@ -30,6 +36,19 @@ fn many_answers_at_once_are_those_of_one_after_the_other() {
         for (layer, mask) in layers.iter().zip(&together) {
             assert_eq!(*mask, layer.mask(projected.as_ref(), view).unwrap());
         }
+    }
+}
+
+#[test]
+fn what_answers_share_changes_none_of_them() {
+    let scene = Scene::new();
+    let shared = Moments::at(FRAMES.map(time_of_frame));
+    let together = Canvas { moments: Some(&shared), ..scene.canvas() };
+    let late = |_: usize, frame: u32, mask: Mask| if frame < 48 { empty() } else { mask };
+    let settings = LiftSettings::Closed(ClosedSettings::robust());
+    for evidence in [scene.evidence(8, as_it_is), scene.evidence(8, late), scene.evidence(5, as_it_is)] {
+        let lifted = lift(&together, &evidence, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(lifted, scene.lift(&evidence, &settings).unwrap());
     }
 }
 

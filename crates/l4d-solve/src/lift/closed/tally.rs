@@ -1,5 +1,7 @@
 //! What pixels say about Gaussians, summed time by time: the transpose of drawing.
 
+use std::sync::Arc;
+
 use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 
@@ -18,12 +20,41 @@ pub(super) struct Votes {
 
 /// The votes at one time.
 pub(super) fn votes(canvas: &Canvas<'_>, splats: &Splats, instant: &Instant<'_>) -> Result<Votes, LiftError> {
-    let sums = gather(canvas, splats, instant, |_, picture| {
-        let mask = numbers(picture.mask);
-        Ok((mask.into_iter().flat_map(|inside| [inside, 1.0]).collect(), 2))
-    })?;
-    let (inside, seen) = sums.as_chunks::<2>().0.iter().map(|&[inside, seen]| (inside, seen)).unzip();
-    Ok(Votes { inside, seen })
+    let views = instant.pictures.par_iter().map(|picture| ballot(canvas, splats, instant.time, picture));
+    let (inside, seen): (Vec<Vec<f32>>, Vec<Arc<[f32]>>) =
+        views.collect::<Result<Vec<_>, LiftError>>()?.into_iter().unzip();
+    Ok(Votes { inside: total(&inside), seen: total(&seen) })
+}
+
+/// What one picture says: of each Gaussian, how much is inside its mask and how much it sees of it. The latter is the
+/// same for all masks; where it is known, only pixels inside the mask are looked at.
+fn ballot(
+    canvas: &Canvas<'_>,
+    splats: &Splats,
+    time: f32,
+    picture: &Picture<'_>,
+) -> Result<(Vec<f32>, Arc<[f32]>), LiftError> {
+    let mask = numbers(picture.mask);
+    match canvas.moments.and_then(|moments| moments.seen(time, picture.view)) {
+        Some(seen) if picture.mask.is_empty() => Ok((vec![0.0; splats.len()], seen)),
+        Some(seen) => {
+            let marked: Vec<bool> = mask.iter().map(|&inside| inside > 0.0).collect();
+            let projected = canvas.rasterizer.prepare_marked(splats, picture.view, canvas.raster, &marked)?;
+            Ok((projected.gather(&mask, 1)?, seen))
+        }
+        None => {
+            let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
+            let pixels: Vec<f32> = mask.into_iter().flat_map(|inside| [inside, 1.0]).collect();
+            let sums = projected.gather(&pixels, 2)?;
+            let (inside, seen): (Vec<f32>, Vec<f32>) =
+                sums.as_chunks::<2>().0.iter().map(|&[inside, seen]| (inside, seen)).unzip();
+            let seen = Arc::from(seen);
+            if let Some(moments) = canvas.moments {
+                moments.keep_seen(time, picture.view, &seen);
+            }
+            Ok((inside, seen))
+        }
+    }
 }
 
 /// What masks hold beyond the blend of `labels`, brought back to the Gaussians: A^T (m - A s).
@@ -33,36 +64,27 @@ pub(super) fn residual(
     instant: &Instant<'_>,
     labels: &[f32],
 ) -> Result<Vec<f32>, LiftError> {
-    gather(canvas, splats, instant, |projected, picture| {
+    let views = instant.pictures.par_iter().map(|picture| {
+        let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
         let blend = projected.spread(labels, 1)?;
         let mut rest = numbers(picture.mask);
         for (rest, blend) in rest.iter_mut().zip(blend) {
             *rest -= blend;
         }
-        Ok((rest, 1))
-    })
+        Ok(projected.gather(&rest, 1)?)
+    });
+    let views: Vec<Vec<f32>> = views.collect::<Result<_, LiftError>>()?;
+    Ok(total(&views))
 }
 
 /// Sums over the views, always in their order.
-fn gather(
-    canvas: &Canvas<'_>,
-    splats: &Splats,
-    instant: &Instant<'_>,
-    pixels: impl Fn(&dyn l4d_splat::raster::Projected, &Picture<'_>) -> Result<(Vec<f32>, usize), LiftError>
-    + Sync,
-) -> Result<Vec<f32>, LiftError> {
-    let views = instant.pictures.par_iter().map(|picture| {
-        let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
-        let (pixels, channels) = pixels(projected.as_ref(), picture)?;
-        Ok(projected.gather(&pixels, channels)?)
-    });
-    let views: Vec<Vec<f32>> = views.collect::<Result<_, LiftError>>()?;
-    let mut views = views.into_iter();
-    let mut sums = views.next().unwrap_or_default();
+fn total<L: AsRef<[f32]>>(views: &[L]) -> Vec<f32> {
+    let mut views = views.iter().map(AsRef::as_ref);
+    let mut sums = views.next().map(<[f32]>::to_vec).unwrap_or_default();
     for view in views {
         for (sum, value) in sums.iter_mut().zip(view) {
             *sum += value;
         }
     }
-    Ok(sums)
+    sums
 }
