@@ -18,6 +18,9 @@ use crate::support::{Dir, Run};
 use crate::world::{SCENE, write_twins, write_twins_benchmark};
 
 const SOLVE: [&str; 5] = ["solve", "--profile", "tiny", "--data", "data"];
+/// One sentence about the scene; the rest of the command line follows.
+const QUERY: [&str; 9] =
+    ["query", SCENE, "The ball that rolls", "--profile", "tiny", "--data", "data", "--grounder", "oracle"];
 
 /// Enough iterations for two balls, so that they have an outline.
 const LEARNED: [&str; 8] = ["--gaussians", "2500", "--coarse", "150", "--unfold", "20", "--fine", "400"];
@@ -176,18 +179,7 @@ fn views_that_do_not_answer_are_told_and_asked_again() {
 #[test]
 fn a_sentence_is_answered_from_any_camera_at_any_time() {
     let dir = world();
-    let query = [
-        "query",
-        SCENE,
-        "The ball that rolls",
-        "--profile",
-        "tiny",
-        "--data",
-        "data",
-        "--grounder",
-        "oracle",
-    ];
-    let run = dir.succeed(&[&query[..], &["--explain", "--out", "asked"]].concat());
+    let run = dir.succeed(&[&QUERY[..], &["--explain", "--out", "asked"]].concat());
     for part in ["grounding", "consensus", "masks", "seconds", "4 of 4 views go on"] {
         assert!(run.stdout.contains(part), "no `{part}` in\n{}", run.stdout);
     }
@@ -208,12 +200,12 @@ fn a_sentence_is_answered_from_any_camera_at_any_time() {
     let iou = |a: &Mask, b: &Mask| a.and_count(b) as f64 / a.or_count(b).max(1) as f64;
     assert!(iou(&mask("asked", "cam04", "0048"), &truth("cam04", 48)) > 0.7);
     let elsewhere = ["--camera", "cam01,cam02", "--time", "0.5,0.3", "--out", "elsewhere"];
-    let document = dir.json(&[&query[..], &elsewhere].concat());
+    let document = dir.json(&[&QUERY[..], &elsewhere].concat());
     assert_eq!(document["decision"], "reliable");
     assert_eq!(document["frames"]["cam01"].as_object().unwrap().len(), 2);
     assert!(iou(&mask("elsewhere", "cam01", "t0.500000"), &truth("cam01", 48)) > 0.7);
 
-    let between = dir.json(&[&query[..], &["--from", "36", "--to", "60", "--out", "between"]].concat());
+    let between = dir.json(&[&QUERY[..], &["--from", "36", "--to", "60", "--out", "between"]].concat());
     let frames: Vec<&String> = between["frames"]["cam04"].as_object().unwrap().keys().collect();
     assert_eq!(frames, ["0036", "0048", "0060"]);
 }
@@ -229,20 +221,7 @@ fn what_cannot_be_answered_is_refused() {
     dir.write("noise.toml", "seed = 1\n[noise.swap]\nprobability = 3\n");
     refused(&with(&["--noise", "noise.toml"]), &["noise.toml", "swap.probability", "between 0 and 1"]);
 
-    let query = |more: &[&str]| {
-        let base = [
-            "query",
-            SCENE,
-            "The ball that rolls",
-            "--profile",
-            "tiny",
-            "--data",
-            "data",
-            "--grounder",
-            "oracle",
-        ];
-        dir.run(&[&base[..], more].concat())
-    };
+    let query = |more: &[&str]| dir.run(&[&QUERY[..], more].concat());
     refused(&query(&["--camera", "cam99"]), &["no camera `cam99`", "cam00"]);
     refused(&query(&["--time", "1.5"]), &["time 1.5 is outside the clip"]);
     refused(&query(&["--from", "60", "--to", "20"]), &["--from, --to"]);

@@ -88,6 +88,11 @@ impl Motion {
         Self { grounds, everything: threshold <= 0.0 }
     }
 
+    /// Whether anything is known to stand still.
+    pub fn tells_apart(&self) -> bool {
+        !self.everything
+    }
+
     /// The ground of a camera; none if it moves.
     pub fn ground(&self, shot: usize) -> Option<&Ground> {
         self.grounds.get(shot)?.as_ref()

@@ -192,6 +192,11 @@ impl<'a> Trainer<'a> {
     /// # Errors
     /// Parameters that have diverged; a rasterizer that fails.
     pub fn step(&mut self) -> Result<Report, TrainError> {
+        // Within the pool from the start: each of its many short parallel parts would otherwise wake it anew.
+        rayon::scope(|_| self.iterate())
+    }
+
+    fn iterate(&mut self) -> Result<Report, TrainError> {
         let iteration = self.state.iteration;
         let stage = self.stage();
         if iteration == self.schedule.fine_start() {

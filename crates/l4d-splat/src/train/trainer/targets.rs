@@ -36,7 +36,10 @@ impl Trainer<'_> {
         let busy: Vec<usize> =
             (0..self.footage.shots().len()).filter(|&shot| whole || part(shot).is_some()).collect();
         let target = |shot| self.clip_target(shot, moment, part(shot).filter(|_| !whole));
-        chosen(&busy, self.settings.views, random).into_iter().map(target).collect()
+        // A whole picture costs several times what changes in it does, unless nothing is known to stand still.
+        let is_dear = whole && self.motion.tells_apart();
+        let views = if is_dear { self.settings.views.div_ceil(2) } else { self.settings.views };
+        chosen(&busy, views, random).into_iter().map(target).collect()
     }
 
     /// A part of a picture, or all of it.
