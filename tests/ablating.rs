@@ -1,9 +1,15 @@
 //! `ablate` and `bench lift` as their users run them, on the twins: small grids, resumed, refused.
 
+use std::path::PathBuf;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use l4d_data::json;
 use serde_json::Value;
 
 use crate::solving::{refused, world};
-use crate::support::{Dir, root};
+use crate::support::{Dir, l4d, root};
 
 const COMMON: [&str; 4] = ["--profile", "tiny", "--data", "data"];
 const NOISE: &str = "seed = 5\n[noise.swap]\nprobability = 0.4\n";
@@ -234,6 +240,43 @@ fn lifts_are_measured_on_the_same_evidence() {
     for file in ["lift.csv", "lift.svg", "lift.png"] {
         assert!(dir.path("bench").join(file).exists(), "{file}");
     }
+    assert!(!dir.path("bench/samples").exists(), "another run measures anew");
+}
+
+#[test]
+fn a_killed_measurement_of_lifts_goes_on_where_it_was() {
+    let dir = stage();
+    let bench = [&["bench", "lift", "ball", "--quick", "--queries", "2"], &COMMON[..]].concat();
+    let mut child = l4d(&[&bench[..], &["--out", "bench"]].concat())
+        .current_dir(dir.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let kept = || std::fs::read_dir(dir.path("bench/samples")).map_or(0, Iterator::count);
+    let begin = Instant::now();
+    while kept() < 3 && child.try_wait().unwrap().is_none() && begin.elapsed() < Duration::from_secs(120) {
+        sleep(Duration::from_millis(20));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let samples: Vec<PathBuf> = std::fs::read_dir(dir.path("bench/samples"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .collect();
+    assert!((3..10).contains(&samples.len()), "{samples:?}");
+    // A time that no run would measure shows that what was kept is not measured again.
+    for path in &samples {
+        let mut rows: Vec<Value> = json::read(path).unwrap();
+        rows.iter_mut().for_each(|row| row["lift_seconds"] = 1e6.into());
+        json::write(path, &rows).unwrap();
+    }
+    let document = dir.json(&[&bench[..], &["--out", "bench"]].concat());
+    let long = document["rows"].as_array().unwrap().iter();
+    let long = long.filter(|row| row["lift_seconds"].as_f64().unwrap() > 1e5).count();
+    assert!(long >= 3, "{document}");
+    assert!(!dir.path("bench/samples").exists());
 }
 
 #[test]

@@ -5,10 +5,11 @@
 
 mod flicker;
 mod measure;
+mod samples;
 mod table;
 mod ways;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use l4d_board::publish_tradeoff;
 use l4d_data::store::write_atomic;
 use l4d_data::{Benchmark, Report};
@@ -17,7 +18,7 @@ use l4d_score::{Exam, QuerySet};
 use l4d_solve::consensus::Preset;
 use serde_json::json;
 
-use self::measure::{Sums, measure_scene};
+use self::measure::{Measurement, Sums};
 use self::table::{Row, csv_of, figure, text};
 use self::ways::ways;
 use crate::cli::solver::BenchLiftArgs;
@@ -39,12 +40,20 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
 
     let data = data_folder(args.work.data.as_deref(), args.profile, exam.bench.manifest.draw());
     let clips = Preset::Robust.clip_settings(args.views as usize, 0);
+    let samples = folder.join("samples");
+    let measurement = Measurement {
+        grounders: &grounders,
+        opened: &opened,
+        ways: &ways,
+        queries: args.queries as usize,
+        samples: &samples,
+    };
     let mut sums: Vec<Sums> = ways.iter().flat_map(|way| way.rows()).map(|_| Sums::default()).collect();
     let bar = out.bar((exam.scenes.len() * args.queries as usize * ways.len()) as u64, "lifting");
     for scene in &exam.scenes {
         bar.set_message(scene.name.to_string());
         let stage = Stage::open(&exam, scene, &data, &args.work.work, &clips, &opened)?;
-        measure_scene(&stage, &grounders, &opened, &ways, args.queries as usize, &mut sums, &|| bar.inc(1))?;
+        measurement.add_scene(&stage, &mut sums, &|| bar.inc(1))?;
     }
     bar.finish_and_clear();
     let named = ways.iter().flat_map(|way| way.rows().into_iter().map(move |row| (way, row)));
@@ -62,6 +71,9 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
     );
     let table = folder.join("lift.csv");
     write_atomic(&table, &csv_of(&rows)?)?;
+    if samples.exists() {
+        std::fs::remove_dir_all(&samples).with_context(|| samples.display().to_string())?;
+    }
     let machine = opened.rasterizer.name();
     let figures = publish_tradeoff(&figure(&about, &machine, &rows), &folder)?;
     if args.json {

@@ -1,10 +1,12 @@
 //! Lifts the evidence of queries in every way, one after another, and judges what the held-out view then shows.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, anyhow};
 use l4d_data::Query;
 use l4d_frames::Mask;
 use l4d_ground::{Grounder, Grounding};
@@ -14,6 +16,7 @@ use l4d_solve::lift::{Answer, Canvas, Evidence, EvidenceView, Lifted, lift};
 use l4d_solve::solve::Method;
 
 use super::flicker::flicker;
+use super::samples::{Sample, Samples};
 use super::ways::Way;
 use crate::commands::solve::question_of;
 use crate::rasterizer;
@@ -33,57 +36,96 @@ pub(super) struct Sums {
     pub(super) flicker_queries: usize,
 }
 
-/// Adds some queries of a scene to the sums, which belong to the rows of all ways in their order.
-pub(super) fn measure_scene(
-    stage: &Stage<'_>,
-    grounders: &Grounders,
-    opened: &rasterizer::Opened,
-    ways: &[Way],
-    count: usize,
-    sums: &mut [Sums],
-    progress: &dyn Fn(),
-) -> Result<()> {
-    let all: Vec<Query> = stage.queries().cloned().collect();
-    let grounder = grounders.of_scene(&stage.scene.name, &stage.places.data, &all)?;
-    let bench = Bench { stage, opened, grounder: grounder.as_ref() };
-    for query in evenly(&all, count) {
-        bench.measure_query(query, ways, sums, progress).with_context(|| query.id.to_string())?;
+impl Sums {
+    fn add(&mut self, sample: &Sample) {
+        let (Some(miou), Some(tube_iou)) = (sample.miou, sample.tube_iou) else { return };
+        self.queries += 1;
+        self.lift_seconds += sample.lift_seconds;
+        self.mask_seconds += sample.mask_seconds;
+        self.miou += miou;
+        self.tube_iou += tube_iou;
+        if let Some(flicker) = sample.flicker {
+            self.flicker += flicker;
+            self.flicker_queries += 1;
+        }
     }
-    Ok(())
+}
+
+/// What is measured in every scene.
+pub(super) struct Measurement<'a> {
+    pub(super) grounders: &'a Grounders,
+    pub(super) opened: &'a rasterizer::Opened,
+    pub(super) ways: &'a [Way],
+    /// Queries of a scene.
+    pub(super) queries: usize,
+    /// Folder of what a run that was killed has measured.
+    pub(super) samples: &'a Path,
+}
+
+impl Measurement<'_> {
+    /// Adds some queries of a scene to the sums, which belong to the rows of all ways in their order.
+    pub(super) fn add_scene(&self, stage: &Stage<'_>, sums: &mut [Sums], progress: &dyn Fn()) -> Result<()> {
+        let all: Vec<Query> = stage.queries().cloned().collect();
+        let grounder = self.grounders.of_scene(&stage.scene.name, &stage.places.data, &all)?;
+        let rasterizer = self.opened.rasterizer.as_ref();
+        let kept = Samples::of_scene(self.samples, stage, grounder.as_ref(), rasterizer);
+        let bench = Bench { stage, opened: self.opened, grounder: grounder.as_ref(), kept };
+        for query in evenly(&all, self.queries) {
+            bench.add_query(query, self.ways, sums, progress).with_context(|| query.id.to_string())?;
+        }
+        Ok(())
+    }
 }
 
 struct Bench<'a> {
     stage: &'a Stage<'a>,
     opened: &'a rasterizer::Opened,
     grounder: &'a dyn Grounder,
+    kept: Samples,
+}
+
+/// What a query gives to lift, and what should come of it.
+struct Task<'a> {
+    query: &'a Query,
+    evidence: Evidence,
+    truth: Vec<Mask>,
 }
 
 impl Bench<'_> {
-    fn measure_query(
-        &self,
-        query: &Query,
-        ways: &[Way],
-        sums: &mut [Sums],
-        progress: &dyn Fn(),
-    ) -> Result<()> {
-        let evidence = self.evidence(query)?;
-        let truth = self.truth(query)?;
-        // No lift profits from what the one before it has worked out.
-        let canvas = Canvas { moments: None, ..self.stage.scene.canvas(self.opened.rasterizer.as_ref()) };
+    fn add_query(&self, query: &Query, ways: &[Way], sums: &mut [Sums], progress: &dyn Fn()) -> Result<()> {
+        let task = LazyCell::new(|| self.task(query));
         let mut rows = sums.iter_mut();
         for way in ways {
-            let begin = Instant::now();
-            let lifted = match evidence.views.is_empty() {
-                true => None,
-                false => Some(lift(&canvas, &evidence, &way.lift, &mut |_| ControlFlow::Continue(()))?),
+            let samples = match self.kept.read(query, way)? {
+                Some(samples) => samples,
+                None => {
+                    let task = task.as_ref().map_err(|error| anyhow!("{error:#}"))?;
+                    let samples = self.measure(task, way)?;
+                    self.kept.write(query, way, &samples)?;
+                    samples
+                }
             };
-            let lift_seconds = begin.elapsed().as_secs_f64();
-            for (read, row) in read_outs(way, lifted).into_iter().zip(&mut rows) {
-                self.judge(query, read.as_ref(), &truth, lift_seconds, row)?;
-            }
+            samples.iter().zip(&mut rows).for_each(|(sample, row)| row.add(sample));
             progress();
         }
         Ok(())
+    }
+
+    fn task<'q>(&self, query: &'q Query) -> Result<Task<'q>> {
+        Ok(Task { query, evidence: self.evidence(query)?, truth: self.truth(query)? })
+    }
+
+    fn measure(&self, task: &Task<'_>, way: &Way) -> Result<Vec<Sample>> {
+        // No lift profits from what the one before it has worked out.
+        let canvas = Canvas { moments: None, ..self.stage.scene.canvas(self.opened.rasterizer.as_ref()) };
+        let begin = Instant::now();
+        let lifted = match task.evidence.views.is_empty() {
+            true => None,
+            false => Some(lift(&canvas, &task.evidence, &way.lift, &mut |_| ControlFlow::Continue(()))?),
+        };
+        let lift_seconds = begin.elapsed().as_secs_f64();
+        let read_outs = read_outs(way, lifted);
+        read_outs.iter().map(|read| self.judge(task, read.as_ref(), lift_seconds)).collect()
     }
 
     /// What solve would lift.
@@ -111,14 +153,7 @@ impl Bench<'_> {
         Ok(self.stage.judged.instants.iter().filter_map(|instant| instant.frame).map(at).collect())
     }
 
-    fn judge(
-        &self,
-        query: &Query,
-        lifted: Option<&Lifted>,
-        truth: &[Mask],
-        lift_seconds: f64,
-        row: &mut Sums,
-    ) -> Result<()> {
+    fn judge(&self, task: &Task<'_>, lifted: Option<&Lifted>, lift_seconds: f64) -> Result<Sample> {
         let settings = Preset::Robust.solve_settings();
         let method = Method {
             grounder: self.grounder,
@@ -128,19 +163,15 @@ impl Bench<'_> {
         let begin = Instant::now();
         let masks: BTreeMap<Shot, Mask> = method.masks(&self.stage.scene, lifted, &self.stage.judged)?;
         let mask_seconds = begin.elapsed().as_secs_f64();
-        let ratios = self.stage.tally(query, &masks)?.ratios();
-        let (Some(miou), Some(tube_iou)) = (ratios.miou, ratios.tube_iou) else { return Ok(()) };
-        row.queries += 1;
-        row.lift_seconds += lift_seconds;
-        row.mask_seconds += mask_seconds;
-        row.miou += miou;
-        row.tube_iou += tube_iou;
+        let ratios = self.stage.tally(task.query, &masks)?.ratios();
         let answer: Vec<Mask> = masks.into_values().collect();
-        if let Some(flicker) = flicker(&answer, truth) {
-            row.flicker += flicker;
-            row.flicker_queries += 1;
-        }
-        Ok(())
+        Ok(Sample {
+            lift_seconds,
+            mask_seconds,
+            miou: ratios.miou,
+            tube_iou: ratios.tube_iou,
+            flicker: flicker(&answer, &task.truth),
+        })
     }
 }
 
