@@ -31,7 +31,7 @@ import torch.nn.functional as F
 from reference_splats import Splats, View, project, spread, tile_lists
 
 ROOT = Path(__file__).resolve().parents[2]
-METHODS = {"l4d_exact": "field", "l4d_active": "field:left_out=0.02:sampled=250"}
+METHODS = {"l4d_exact": "field", "l4d_active": "field:left_out=0.05"}
 
 
 class Blend(torch.autograd.Function):

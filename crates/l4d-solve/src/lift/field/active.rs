@@ -1,26 +1,30 @@
-//! Which Gaussians a picture needs.
+//! Which Gaussians a step needs.
 //!
-//! Those with no blend weight in it change neither its loss nor any derivative, so that leaving them out is exact;
-//! leaving out those with the least weight as well is the bounded approximation of [`super::FieldSettings::left_out`].
+//! Those with no blend weight in a picture change neither its loss nor any derivative, so that leaving them out is
+//! exact. Of the others only those learn by whose logits the loss changes: leaving out the rest is the bounded
+//! approximation of [`super::FieldSettings::left_out`].
 
 /// Gaussians that show in a picture, ascending; `weights` holds the sum of each one's blend weights over its pixels.
-/// Those that show least are left out until their weights add up to `left_out` of all.
-pub(super) fn visible(weights: &[f32], left_out: f64) -> Vec<u32> {
-    let mut rows: Vec<u32> = (0..weights.len() as u32).filter(|&row| weights[row as usize] > 0.0).collect();
-    if left_out > 0.0 {
-        let weight = |row: u32| weights[row as usize];
-        rows.sort_unstable_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(a.cmp(&b)));
-        let budget = left_out * rows.iter().map(|&row| f64::from(weight(row))).sum::<f64>();
-        let mut spent = 0.0;
-        let dropped = rows.iter().take_while(|&&row| {
-            spent += f64::from(weight(row));
-            spent <= budget
-        });
-        let dropped = dropped.count();
-        rows.drain(..dropped);
-        rows.sort_unstable();
-    }
-    rows
+pub(super) fn visible(weights: &[f32]) -> Vec<u32> {
+    (0..weights.len() as u32).filter(|&row| weights[row as usize] > 0.0).collect()
+}
+
+/// Places of the derivatives that matter, ascending: the smallest are left out as long as they add up to no more than
+/// the share `left_out` of all, signs aside.
+pub(super) fn steep(slopes: &[f32], left_out: f64) -> Vec<u32> {
+    let size = |place: u32| slopes[place as usize].abs();
+    let mut places: Vec<u32> = (0..slopes.len() as u32).collect();
+    places.sort_unstable_by(|&a, &b| size(a).total_cmp(&size(b)).then(a.cmp(&b)));
+    let budget = left_out * places.iter().map(|&place| f64::from(size(place))).sum::<f64>();
+    let mut spent = 0.0;
+    let dropped = places.iter().take_while(|&&place| {
+        spent += f64::from(size(place));
+        spent <= budget
+    });
+    let dropped = dropped.count();
+    places.drain(..dropped);
+    places.sort_unstable();
+    places
 }
 
 /// Rows of one step without repetition, and where each Gaussian stands among them.
@@ -61,17 +65,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn without_an_allowance_only_the_invisible_are_left_out() {
-        assert_eq!(visible(&[0.0, 3.0, 1e-9, 0.0, 2.0], 0.0), [1, 2, 4]);
+    fn what_has_no_weight_is_not_visible() {
+        assert_eq!(visible(&[0.0, 3.0, 1e-9, 0.0, 2.0]), [1, 2, 4]);
     }
 
     #[test]
-    fn what_is_left_out_weighs_no_more_than_allowed() {
-        let weights = [1.0, 5.0, 2.0, 0.0, 2.0];
-        assert_eq!(visible(&weights, 0.05), [0, 1, 2, 4]);
-        assert_eq!(visible(&weights, 0.1), [1, 2, 4]);
-        assert_eq!(visible(&weights, 0.3), [1, 4]);
-        assert_eq!(visible(&weights, 0.5), [1]);
+    fn what_is_left_out_adds_up_to_no_more_than_allowed() {
+        let slopes = [1.0, -5.0, 2.0, 0.0, -2.0];
+        assert_eq!(steep(&slopes, 0.05), [0, 1, 2, 4]);
+        assert_eq!(steep(&slopes, 0.1), [1, 2, 4]);
+        assert_eq!(steep(&slopes, 0.3), [1, 4]);
+        assert_eq!(steep(&slopes, 0.5), [1]);
+        assert_eq!(steep(&[0.0, 0.0], 0.1), [0; 0]);
     }
 
     #[test]

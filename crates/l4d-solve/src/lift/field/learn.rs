@@ -11,7 +11,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::active::{Rows, visible};
+use super::active::{Rows, steep, visible};
 use super::encoding::Places;
 use super::network::{Collapsed, Ends, Network, Scratch};
 use super::objective::{cross_entropy, divergence};
@@ -185,8 +185,27 @@ impl<'a> Lesson<'a> {
         let picture = self.next_picture();
         let samples = self.samples(settings.sampled as usize);
         let (loss, slopes, bias_slope) = self.slopes(canvas, settings, picture, &samples)?;
-        self.descend(&slopes, bias_slope, iteration)?;
+        if settings.left_out > 0.0 {
+            let slopes = self.keep_steep(&slopes, settings.left_out, picture);
+            self.descend(&slopes, bias_slope, iteration)?;
+        } else {
+            self.descend(&slopes, bias_slope, iteration)?;
+        }
         Ok(loss)
+    }
+
+    /// Keeps the rows to which a picture says most, ready to learn; what it says.
+    pub(super) fn keep_steep(&mut self, slopes: &[f32], left_out: f64, picture: usize) -> Vec<f32> {
+        let time = self.footage.times[self.footage.pictures[picture].time].time;
+        let kept = steep(slopes, left_out);
+        let rows: Vec<u32> = kept.iter().map(|&place| self.rows.list[place as usize]).collect();
+        self.rows.clear();
+        rows.iter().for_each(|&row| {
+            self.rows.place(row);
+        });
+        // What the backward pass goes through is that of the rows of the last evaluation.
+        self.learner.logits(time, &rows);
+        kept.iter().map(|&place| slopes[place as usize]).collect()
     }
 
     /// The gradient that [`Self::slopes`] mean.
@@ -244,7 +263,7 @@ impl<'a> Lesson<'a> {
         let projected = canvas.rasterizer.prepare(&time.splats, view, canvas.raster)?;
         if shot.visible.is_none() {
             let weights = projected.gather(&vec![1.0; view.pixel_count()], 1)?;
-            shot.visible = Some(visible(&weights, settings.left_out));
+            shot.visible = Some(visible(&weights));
         }
         rows.clear();
         for &row in shot.visible.iter().flatten() {

@@ -71,9 +71,9 @@ pub struct FieldSettings {
     pub normalisation: Normalisation,
     /// How masks are read.
     pub read_out: ReadOut,
-    /// Share of the blend weight of a picture whose Gaussians may be left out of a step, those that show least first,
-    /// 0 for none: then every number is that of the objective. With it, the mean over pixels of how much a logit is
-    /// off is at most this share times the largest logit of a Gaussian.
+    /// Share of the derivatives of a step by the logits of Gaussians, signs aside, that may be left out, the smallest
+    /// first; 0 for none: then every number is that of the objective. The loss is that of the objective in any case,
+    /// and the derivative by a parameter is off by at most this share of their sum times the steepest logit.
     pub left_out: f64,
     /// Seed of the parameters, the order of pictures and the samples.
     pub seed: u64,

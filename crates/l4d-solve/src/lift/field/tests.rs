@@ -167,17 +167,29 @@ fn both_learn_alike() {
 fn leaving_out_stays_within_its_bound() {
     let (scene, cpu, raster) = (scene(), Cpu::new(), RasterSettings::default());
     let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, moments: None };
-    let splats = scene.model.at(0.5).unwrap();
-    let view = &scene.views[0];
-    let projected = canvas.rasterizer.prepare(&splats, view, &raster).unwrap();
-    let weights = projected.gather(&vec![1.0; view.pixel_count()], 1).unwrap();
-    let kept = super::active::visible(&weights, 0.05);
-    assert!(kept.len() < super::active::visible(&weights, 0.0).len());
-    let logits: Vec<f32> = (0..120).map(|row| (row as f32 * 0.7).sin() * 3.0).collect();
-    let mut fewer = vec![0.0; 120];
-    kept.iter().for_each(|&row| fewer[row as usize] = logits[row as usize]);
-    let [all, some] = [&logits, &fewer].map(|logits| projected.spread(logits, 1).unwrap());
-    let off = all.iter().zip(&some).map(|(a, b)| (a - b).abs()).sum::<f32>() / all.len() as f32;
-    let most = logits.iter().fold(0.0_f32, |most, logit| most.max(logit.abs()));
-    assert!(off > 0.0 && off <= 0.05 * most, "{off} of {most}");
+    let evidence = evidence(&scene);
+    let settings = settings(Normalisation::Paper);
+    let left_out = 0.05;
+    let mut lesson = Lesson::new(Footage::new(&canvas, &evidence).unwrap(), &settings).unwrap();
+    let samples = lesson.samples(settings.sampled as usize);
+    let (_, slopes, bias) = lesson.slopes(&canvas, &settings, 3, &samples).unwrap();
+    let numbers = |gradient: &super::network::Network| literal::flat(&literal::layers(gradient));
+    let exact = numbers(lesson.gradient(&slopes, bias));
+    let steepest = (0..slopes.len()).fold(0.0_f64, |most, row| {
+        let mut alone = vec![0.0; slopes.len()];
+        alone[row] = 1.0;
+        most.max(largest(&numbers(lesson.gradient(&alone, 0.0))))
+    });
+    let kept = lesson.keep_steep(&slopes, left_out, 3);
+    assert!(
+        kept.len() < slopes.len() && kept.len() > slopes.len() / 10,
+        "{} of {}",
+        kept.len(),
+        slopes.len()
+    );
+    let fewer = numbers(lesson.gradient(&kept, bias));
+    let off: Vec<f64> = exact.iter().zip(&fewer).map(|(a, b)| a - b).collect();
+    let sum: f64 = slopes.iter().map(|slope| f64::from(slope.abs())).sum();
+    let bound = left_out * sum * steepest;
+    assert!(largest(&off) > 0.0 && largest(&off) <= bound, "{} of {bound}", largest(&off));
 }
