@@ -1,0 +1,1 @@
+//! Scenes that others recorded, read into the layout of l4d.

@@ -1,0 +1,1 @@
+//! A rendered scene in the layouts that other trainers read.
