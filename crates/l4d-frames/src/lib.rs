@@ -8,6 +8,7 @@
 pub mod display;
 pub mod drawn;
 pub mod frame;
+pub mod ids;
 pub mod mask;
 pub mod morphology;
 pub mod png;

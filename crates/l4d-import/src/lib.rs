@@ -5,5 +5,9 @@
 
 pub mod annotations;
 pub mod capture;
+pub mod colmap;
 pub mod export;
+pub mod npy;
+pub mod ply;
+pub mod pose;
 pub mod results;
