@@ -52,6 +52,24 @@ pub struct MethodCard {
     pub used: Used,
     /// Wall seconds that the method took for all queries; null where it was not measured.
     pub seconds: Option<f64>,
+    /// How foreign files became these masks; none for results that were written as such.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub import: Option<Import>,
+}
+
+/// What an import read and took for granted, so that two people get the same masks.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Import {
+    /// Preset of `l4d import`.
+    pub format: String,
+    /// Topic -> what was assumed, in words.
+    pub assumptions: BTreeMap<String, String>,
+    /// What was read -> SHA-256.
+    pub inputs: BTreeMap<String, String>,
+    /// Numbers that the method's own evaluation wrote. They are shown and never scored.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub claimed: BTreeMap<String, f64>,
 }
 
 impl MethodCard {

@@ -129,6 +129,7 @@ fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
         protocol: PROTOCOL.to_owned(),
         used: Used { ground_truth: baseline.uses_truth(), test_view: false, endpoints: Vec::new() },
         seconds: None,
+        import: None,
     }
 }
 

@@ -127,6 +127,11 @@ fn best<'a>(engine: &impl Engine, levels: impl Iterator<Item = Latents<'a>>, rul
     chosen
 }
 
+/// The rules upon a map of relevancy that was made elsewhere.
+pub fn of_map(map: Vec<f32>, width: u32, height: u32, rules: &Rules) -> Found {
+    smooth::find(map, width as usize, height as usize, rules)
+}
+
 /// Probability of the sentence beside the phrase that fits best.
 fn relevancy(sentence: f32, best_phrase: f32) -> f32 {
     1.0 / (1.0 + (-SHARPNESS * (sentence - best_phrase)).exp())

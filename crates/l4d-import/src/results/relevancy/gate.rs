@@ -6,6 +6,8 @@
 
 use l4d_frames::Mask;
 
+use super::{Engine, Latents};
+
 /// Weights of a frame's neighbours and of itself.
 const WEIGHTS: [f64; 3] = [0.1, 0.8, 0.1];
 
@@ -34,15 +36,23 @@ pub fn gate(similarities: &[f64], smooth: bool) -> Gate {
     Gate { smoothed, threshold, open }
 }
 
-/// Mean of a picture of cosines over the pixels of a mask; none where there is no pixel.
-pub fn similarity(cosines: &[f32], mask: &Mask) -> Option<f64> {
-    let width = mask.width() as usize;
-    let (mut sum, mut count) = (0.0, 0_u64);
-    for (col, row) in mask.pixels() {
-        sum += f64::from(cosines[row as usize * width + col as usize]);
-        count += 1;
-    }
-    (count > 0).then(|| sum / count as f64)
+/// Mean cosine over the pixels of a mask with each sentence of an engine of time; none where there is no pixel.
+///
+/// Only the pixels of the mask are decoded: a feature of time is thousands wide.
+///
+/// # Panics
+/// If mask and latents have different sizes.
+pub fn similarities(engine: &impl Engine, latents: Latents<'_>, mask: &Mask) -> Option<Vec<f64>> {
+    assert_eq!(mask.size(), (latents.width, latents.height), "mask and latents");
+    let width = latents.width as usize;
+    let pixel = |(col, row): (u32, u32)| {
+        &latents.data[(row as usize * width + col as usize) * latents.channels..][..latents.channels]
+    };
+    let data: Vec<f32> = mask.pixels().flat_map(pixel).copied().collect();
+    let count = (data.len() / latents.channels) as u32;
+    let row = Latents { width: count, height: 1, channels: latents.channels, data: &data };
+    let mean = |cosines: Vec<f32>| cosines.into_iter().map(f64::from).sum::<f64>() / f64::from(count);
+    (count > 0).then(|| engine.cosines(row).into_iter().map(mean).collect())
 }
 
 #[cfg(test)]
@@ -65,12 +75,5 @@ mod tests {
         assert_eq!(gate(&[-0.2], true).open, [true]);
         assert_eq!(gate(&[0.1, 0.3], false).open, [false, true]);
         assert!(gate(&[], true).open.is_empty());
-    }
-
-    #[test]
-    fn similarity_looks_at_the_mask_alone() {
-        let mask = Mask::from_fn(2, 2, |col, _| col == 1);
-        assert_eq!(similarity(&[9.0, 0.25, 9.0, 0.75], &mask), Some(0.5));
-        assert_eq!(similarity(&[9.0; 4], &Mask::empty(2, 2)), None);
     }
 }
