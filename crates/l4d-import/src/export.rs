@@ -13,6 +13,7 @@ mod dnerf;
 mod dynerf;
 mod folder;
 mod footage;
+mod judged;
 mod manifest;
 mod nerfstudio;
 mod panoptic;
@@ -28,6 +29,8 @@ use serde::Serialize;
 
 pub use self::folder::MANIFEST;
 pub use self::manifest::{Called, Exported, Manifest, SCHEMA};
+
+use crate::annotations::Judged;
 
 use self::folder::Folder;
 use self::footage::Footage;
@@ -62,11 +65,15 @@ pub enum Format {
     Coco,
     /// Instances as palette pictures.
     Davis,
+    /// The truth of the held-out camera for 4D LangSplat's evaluator.
+    FourDLangSplatAnnotations,
+    /// The truth of the held-out camera for LangSplat's evaluator.
+    LerfOvs,
 }
 
 impl Format {
     /// All formats, in the order of the documentation.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::FourDGaussians,
         Self::Dynerf,
         Self::Blender,
@@ -79,6 +86,8 @@ impl Format {
         Self::Plain,
         Self::Coco,
         Self::Davis,
+        Self::FourDLangSplatAnnotations,
+        Self::LerfOvs,
     ];
 
     /// Name as written on the command line and in manifests.
@@ -96,7 +105,14 @@ impl Format {
             Self::Plain => "plain",
             Self::Coco => "coco",
             Self::Davis => "davis",
+            Self::FourDLangSplatAnnotations => "4d-langsplat-annotations",
+            Self::LerfOvs => "lerf-ovs",
         }
+    }
+
+    /// Whether it holds truth, so that an order has to bring some.
+    pub fn needs_truth(self) -> bool {
+        matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
     }
 }
 
@@ -145,6 +161,8 @@ pub struct Order<'a> {
     pub held_out: HeldOut,
     /// Most points of a cloud.
     pub points: usize,
+    /// Queries and truth, for the formats that hold them.
+    pub judged: Option<&'a Judged<'a>>,
 }
 
 /// Exports a scene; `tick` is called for each picture that was written.
@@ -162,6 +180,7 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
         Format::Plain => plain::write,
         Format::Coco => coco::write,
         Format::Davis => davis::write,
+        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
     };
     let folder = Folder::claim(&order, &footage)?;
     let manifest = write(&Job { order, footage: &footage, tick }, Manifest::new(&order, &footage)?)?;
