@@ -32,6 +32,8 @@ mod fake;
 pub mod geometry;
 #[cfg(feature = "draw")]
 pub mod overlay;
+#[cfg(feature = "draw")]
+pub mod photo;
 #[cfg(feature = "exr")]
 pub mod preview;
 #[cfg(feature = "exr")]

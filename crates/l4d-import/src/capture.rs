@@ -1,1 +1,188 @@
-//! Scenes that others recorded, read into the layout of l4d.
+//! Scenes that others recorded, as l4d takes them: `capture.json` and a picture a view and moment.
+//!
+//! Owns how captures lie on disk elsewhere and here. A capture has colours and cameras; it has neither depth nor ids,
+//! and says so. Its world is that of its reconstruction: neither metres nor the direction up are known unless the
+//! source states them. Refuses to know what is asked about a capture.
+
+mod colmap;
+mod hypernerf;
+mod interdigital;
+mod lens;
+pub mod masks;
+mod nerfstudio;
+mod neu3d;
+mod plan;
+mod video;
+mod write;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use l4d_data::{Camera, DataError, Name, json};
+use serde::{Deserialize, Serialize};
+
+/// Schema tag of `capture.json`.
+pub const SCHEMA: &str = "l4d/capture/1";
+/// Name of the file.
+pub const CAPTURE: &str = "capture.json";
+
+/// Who recorded, or what reconstructed the cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Neural 3D Video: `poses_bounds.npy` and a video a camera.
+    Neu3d,
+    /// The 4x4 rig of InterDigital (Technicolor).
+    InterDigital,
+    /// Nerfies and HyperNeRF: one or two cameras that move.
+    HyperNerf,
+    /// COLMAP: a model and its images.
+    Colmap,
+    /// nerfstudio: `transforms.json`.
+    Nerfstudio,
+}
+
+impl Source {
+    /// All sources, in the order of the documentation.
+    pub const ALL: [Self; 5] =
+        [Self::Neu3d, Self::InterDigital, Self::HyperNerf, Self::Colmap, Self::Nerfstudio];
+
+    /// Name as written on the command line and in `capture.json`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Neu3d => "neu3d",
+            Self::InterDigital => "interdigital",
+            Self::HyperNerf => "hypernerf",
+            Self::Colmap => "colmap",
+            Self::Nerfstudio => "nerfstudio",
+        }
+    }
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.as_str())
+    }
+}
+
+impl FromStr for Source {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let names = || Self::ALL.map(Self::as_str).join(", ");
+        Self::ALL
+            .into_iter()
+            .find(|source| source.as_str() == text)
+            .ok_or_else(|| format!("unknown source `{text}`: use one of {}", names()))
+    }
+}
+
+/// What is read from where.
+#[derive(Debug, Clone, Copy)]
+pub struct Order<'a> {
+    /// Who recorded it.
+    pub source: Source,
+    /// The folder that they gave away.
+    pub input: &'a Path,
+    /// Name of the scene here.
+    pub name: &'a Name,
+    /// Folder that receives the capture.
+    pub out: &'a Path,
+    /// Views that are held out, as they are called there; default: what the literature holds out.
+    pub held_out: &'a [String],
+    /// First and last moment, numbers as they are there; default: what the literature takes, or all.
+    pub moments: Option<[u32; 2]>,
+    /// The program that opens videos.
+    pub ffmpeg: &'a Path,
+}
+
+/// `capture.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Capture {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Scene name.
+    pub name: Name,
+    /// Who recorded it.
+    pub source: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// All views, sorted by name. A pose for all moments, or one for each number from 0 to the last.
+    pub cameras: Vec<Camera>,
+    /// Numbers of the moments, ascending.
+    pub frames: Vec<u32>,
+    /// Where known.
+    pub frames_per_second: Option<f64>,
+    /// `absent`: whatever needs depth has to do without, or refuses.
+    pub depth: Depth,
+    /// Whether a unit of the world is a metre.
+    pub is_metric: bool,
+    /// Pictures that are missing on purpose: views that did not see a moment.
+    pub unseen: BTreeMap<Name, Vec<u32>>,
+    /// Pictures that were damaged and are those of another moment instead.
+    pub substituted: Vec<Substitution>,
+    /// SHA-256 of the files that cameras were read from, by their path within the input.
+    pub inputs: BTreeMap<String, String>,
+    /// What was assumed or left out, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Whether there is depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Depth {
+    /// None.
+    Absent,
+}
+
+/// A picture that stands in for a damaged one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Substitution {
+    /// The view.
+    pub view: Name,
+    /// The moment whose picture is damaged.
+    pub frame: u32,
+    /// The moment whose picture stands there instead.
+    pub shows: u32,
+    /// What is wrong with the original.
+    pub why: String,
+}
+
+impl Capture {
+    /// Reads the capture in a folder.
+    pub fn read(folder: &Path) -> Result<Self, DataError> {
+        let path = folder.join(CAPTURE);
+        let capture: Self = json::read(&path)?;
+        if capture.schema != SCHEMA {
+            let message = format!("is `{}`, but this l4d reads `{SCHEMA}`", capture.schema);
+            return Err(DataError::invalid(&path, "field `schema`", message, "import the scene again"));
+        }
+        Ok(capture)
+    }
+
+    /// The picture of a view at a moment, relative to the folder of the capture.
+    pub fn picture_path(view: &str, frame: u32) -> PathBuf {
+        Path::new("frames").join(view).join(format!("{}.png", l4d_data::truth::frame_key(frame)))
+    }
+}
+
+/// Reads a capture of somebody else and writes it as ours; `tick` is called for each picture.
+///
+/// # Errors
+/// A folder that lacks what the source should have, cameras that cannot be, pictures of several sizes, and views of
+/// which no picture is whole.
+pub fn import(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Capture, DataError> {
+    let plan = match order.source {
+        Source::Neu3d => neu3d::plan(&order)?,
+        Source::InterDigital => interdigital::plan(&order)?,
+        Source::HyperNerf => hypernerf::plan(&order)?,
+        Source::Colmap => colmap::plan(&order)?,
+        Source::Nerfstudio => nerfstudio::plan(&order)?,
+    };
+    write::write(&order, plan, tick)
+}
