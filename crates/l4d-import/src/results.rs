@@ -12,7 +12,6 @@ pub mod import;
 pub mod inside;
 pub mod latents;
 pub mod picture;
-pub mod polygon;
 pub mod preset;
 pub mod probe;
 pub mod prompts;

@@ -1,21 +1,20 @@
 //! `l4d import`: results of other methods in.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::store::read_bounded;
 use l4d_data::{Benchmark, DataError, Name, Report, json};
 use l4d_import::results::codec::{Axis, Codec, Reading};
 use l4d_import::results::import::{Encoders, Identity, Images, Imported, Order, Request, import, write};
-use l4d_import::results::polygon::Raster;
 use l4d_import::results::preset::Preset;
 use l4d_import::results::probe::probe;
 use l4d_import::results::protocol::Scores;
 use l4d_import::results::relevancy::TextsFile;
 use serde_json::{Value, json};
 
-use crate::cli::interop::{AxisArg, CodecArg, ImportArgs, ImportEncodersArgs, RasterArg};
+use crate::cli::interop::{AxisArg, CodecArg, ImportArgs, ImportEncodersArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 /// No list of sentences or ids is larger.
@@ -93,10 +92,8 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
         key: files.key.clone().or_else(|| preset.key.clone()),
         axes: if axes.is_empty() { preset.axes.clone() } else { Some(axes) },
         prompts: files.prompts.as_deref().map(lines).transpose()?.unwrap_or_default(),
-        raster: files.raster.map_or(preset.raster, Raster::from),
         selections,
     };
-    preset.raster = reading.raster;
     Ok(Request {
         bench,
         profile: args.bench.profile,
@@ -114,7 +111,9 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
 }
 
 fn encoders(args: &ImportEncodersArgs) -> Result<Encoders, DataError> {
-    let read = |path: &std::path::PathBuf| Ok((path.clone(), TextsFile::read(path)?));
+    let read = |path: &PathBuf| -> Result<(PathBuf, TextsFile), DataError> {
+        Ok((path.clone(), TextsFile::read(path)?))
+    };
     Ok(Encoders {
         decoder: args.decoder.clone(),
         texts: args.texts.as_ref().map(read).transpose()?,
@@ -184,15 +183,6 @@ impl From<AxisArg> for Axis {
             AxisArg::Row => Self::Row,
             AxisArg::Col => Self::Col,
             AxisArg::One => Self::One,
-        }
-    }
-}
-
-impl From<RasterArg> for Raster {
-    fn from(raster: RasterArg) -> Self {
-        match raster {
-            RasterArg::FillPoly => Self::FillPoly,
-            RasterArg::Centres => Self::Centres,
         }
     }
 }

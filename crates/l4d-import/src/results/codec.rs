@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 
 use super::codes;
 use super::inside::Inside;
-use super::polygon::Raster;
 
 pub use maps::Axis;
 
@@ -71,8 +70,6 @@ pub struct Reading {
     pub axes: Option<Vec<Axis>>,
     /// Sentences in the order of a prompt axis.
     pub prompts: Vec<String>,
-    /// How outlines are drawn.
-    pub raster: Raster,
     /// Which ids mean which sentence, for [`Inside::Selected`].
     pub selections: Selections,
 }
@@ -145,9 +142,9 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Vec<Piece>, Problem> {
         Codec::Picture => maps::read_picture(path, reading),
         Codec::Array => maps::read_array(path, reading),
         Codec::CocoRle => records::read(path),
-        Codec::Labelme => outlines::read_labelme(path, reading.raster),
-        Codec::Isat => outlines::read_isat(path, reading.raster),
-        Codec::Coco => outlines::read_coco(path, reading.raster),
+        Codec::Labelme => outlines::read_labelme(path),
+        Codec::Isat => outlines::read_isat(path),
+        Codec::Coco => outlines::read_coco(path),
         Codec::Latents => Err(Problem::unreadable(
             "file",
             "holds latents, which are read together with their other levels",

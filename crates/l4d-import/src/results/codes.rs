@@ -38,5 +38,7 @@ pub const COVERS_ALL: &str = "L4D556";
 pub const FRAME_SHIFT: &str = "L4D557";
 /// Masks that hardly touch the truth.
 pub const HARDLY_TOUCHES: &str = "L4D558";
-/// A claimed number that cannot be read, or that our count of the same masks contradicts.
+/// A claimed number that cannot be read.
 pub const CLAIM: &str = "L4D559";
+/// Renders of training cameras.
+pub const TRAINED_ON: &str = "L4D580";

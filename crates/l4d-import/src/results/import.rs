@@ -8,6 +8,7 @@ mod answers;
 mod card;
 mod files;
 mod latents;
+mod notes;
 mod order;
 
 use std::collections::BTreeMap;
@@ -120,16 +121,19 @@ pub fn import(
     report: &mut Report,
 ) -> Result<Imported, DataError> {
     let template = parse(&request.preset.template, &request.root)?;
-    let hits = template.find(&request.root, &request.choices, report)?;
-    let hits: Vec<Hit> =
-        hits.into_iter().filter(|hit| !is_ignored(&hit.path, &request.preset.ignore)).collect();
+    let mut hits = template.find(&request.root, &request.choices, report)?;
+    hits.retain(|hit| !is_ignored(&hit.path, &request.preset.ignore));
+    if let Some(latents) = &request.preset.latents {
+        // Other levels stand beside them: that of time, and the default one that no evaluation reads.
+        hits.retain(|hit| hit.number("level").is_none_or(|level| latents.levels.contains(&level)));
+    }
     if hits.is_empty() {
         let message = format!("holds no file at `{template}`");
         let hint = "give the folder that the template starts from, another --template, or let --probe look for known layouts";
         report.error(codes::NOTHING_FOUND, &request.root, "folder", message, hint);
         return Ok(Imported::default());
     }
-    let mut imported = Imported { assumptions: assumptions(request), ..Imported::default() };
+    let mut imported = Imported { assumptions: notes::assumptions(request), ..Imported::default() };
     read_claims(request, &mut imported, report)?;
     for (scene, hits) in by_scene(request, &template, hits, report) {
         progress(scene.as_str());
@@ -137,6 +141,7 @@ pub fn import(
         if has_choices_left(request, &template, &hits, report) {
             continue;
         }
+        report_trained_on(request, &hits, report);
         let prompts = Prompts::new(&queries.all);
         let mut collector = Collector::new(request, &prompts);
         match &request.preset.latents {
@@ -153,7 +158,9 @@ pub fn import(
             }
         }
         let found = collector.finish(report);
-        imported.inputs.insert(format!("{scene}: {} files", hits.len()), digest(&request.root, &hits)?);
+        imported
+            .inputs
+            .insert(format!("{scene}: {} files", hits.len()), notes::digest(&request.root, &hits)?);
         judge(request, &queries, &found, &mut imported.scores, report)?;
         report_missing(request, &queries, &found, report);
         imported.answers.extend(found);
@@ -248,6 +255,17 @@ fn has_choices_left(request: &Request<'_>, template: &Template, hits: &[Hit], re
     is_ambiguous
 }
 
+/// Reports renders of the split `train`: without `--eval` the originals train on every picture, annotated ones included.
+fn report_trained_on(request: &Request<'_>, hits: &[Hit], report: &mut Report) {
+    if let Some(hit) = hits.iter().find(|hit| hit.text("split") == Some("train")) {
+        let message =
+            "is a render of the split `train`: either of other cameras, or the held-out one was trained on";
+        let hint =
+            "train with --eval on an export of `l4d export`, and import the split `test` (--set split=test)";
+        report.warning(codes::TRAINED_ON, &request.root, hit.path.display().to_string(), message, hint);
+    }
+}
+
 fn read_claims(request: &Request<'_>, imported: &mut Imported, report: &mut Report) -> Result<(), DataError> {
     let mut paths: Vec<(String, PathBuf)> =
         request.claims.iter().map(|path| (String::new(), path.clone())).collect();
@@ -334,57 +352,4 @@ fn report_missing(
             report.warning(codes::MISSING, &request.root, format!("query {query}"), message, hint);
         }
     }
-}
-
-/// One digest of all files of a scene, by their paths below the root.
-fn digest(root: &Path, hits: &[Hit]) -> Result<String, DataError> {
-    let mut digest = l4d_data::digest::RunningDigest::default();
-    for hit in hits {
-        let path = hit.path.strip_prefix(root).unwrap_or(&hit.path).display();
-        digest.add(format!("{}  {path}\n", l4d_data::digest::sha256_file(&hit.path)?).as_bytes());
-    }
-    Ok(digest.hex())
-}
-
-/// What was taken for granted, in words.
-fn assumptions(request: &Request<'_>) -> BTreeMap<String, String> {
-    let mut assumptions = BTreeMap::new();
-    let mut say = |topic: &str, text: String| assumptions.insert(topic.to_owned(), text);
-    say("template", request.preset.template.clone());
-    say("frames", request.order.to_string());
-    say("codec", request.preset.codec.as_str().to_owned());
-    if let Some(latents) = &request.preset.latents {
-        let rules = latents.rules;
-        let name = if rules.smoothing == super::relevancy::Smoothing::Box30 {
-            "box of 30 x 30"
-        } else {
-            "pool of 29 x 29"
-        };
-        say("smoothing", format!("{name}, then the majority of 7 x 7"));
-        say(
-            "threshold",
-            format!("above {} of the range of its own map", f64::from(1.0 + rules.threshold) / 2.0),
-        );
-        say("level", format!("of {:?}, the one with the highest smoothed relevancy", latents.levels));
-        let is_gated = request.encoders.time_texts.is_some();
-        let gate = if is_gated { "queries that hold at some times, by mean similarity" } else { "none" };
-        say("time gate", gate.to_owned());
-    } else {
-        say("inside", request.reading.inside.to_string());
-        say(
-            "raster",
-            if matches!(request.preset.raster, super::polygon::Raster::Centres) {
-                "centres"
-            } else {
-                "fill-poly"
-            }
-            .to_owned(),
-        );
-    }
-    let resize = if request.resize { "nearest, predictions only, proportions within 1 %" } else { "refused" };
-    say("other sizes", resize.to_owned());
-    for (field, value) in &request.choices {
-        say(&format!("field {field}"), value.clone());
-    }
-    assumptions
 }

@@ -64,13 +64,20 @@ pub fn decode(bytes: &[u8]) -> Result<Picture, PictureError> {
     let mut buffer = vec![0; length];
     let frame = reader.next_frame(&mut buffer).map_err(damaged)?;
     let row_bytes = frame.line_size;
+    // White is 255 in every picture of up to 8 bits, as every other program reads it; an index stays an index.
+    let scale = match (colour, depth) {
+        (ColorType::Grayscale, BitDepth::One) => 255,
+        (ColorType::Grayscale, BitDepth::Two) => 85,
+        (ColorType::Grayscale, BitDepth::Four) => 17,
+        _ => 1,
+    };
     let per_pixel = colour.samples();
     let mut values = Vec::with_capacity(width as usize * height as usize);
     for (row, line) in buffer.chunks_exact(row_bytes).take(height as usize).enumerate() {
         let sample = |index: usize| sample(line, index, depth);
         for col in 0..width as usize {
             let at = |channel: usize| sample(col * per_pixel + channel);
-            values.push(f32::from(value(colour, depth, at, col, row)?));
+            values.push(f32::from(scale * value(colour, depth, at, col, row)?));
         }
     }
     Ok(Picture { width, height, values, is_palette: colour == ColorType::Indexed })
@@ -136,7 +143,8 @@ mod tests {
         use ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb, Rgba};
         let read =
             |colour, depth, width, pixels: &[u8]| decode(&png(colour, depth, width, pixels)).unwrap().values;
-        assert_eq!(read(Grayscale, One, 3, &[0b1010_0000]), [1.0, 0.0, 1.0]);
+        assert_eq!(read(Grayscale, One, 3, &[0b1010_0000]), [255.0, 0.0, 255.0]);
+        assert_eq!(read(Grayscale, Two, 3, &[0b0111_0000]), [85.0, 255.0, 0.0]);
         assert_eq!(read(Grayscale, Sixteen, 2, &[1, 0, 0, 7]), [256.0, 7.0]);
         assert_eq!(read(Indexed, Two, 3, &[0b0111_0000]), [1.0, 3.0, 0.0]);
         assert_eq!(read(Indexed, Eight, 2, &[3, 1]), [3.0, 1.0]);

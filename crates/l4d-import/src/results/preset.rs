@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 
 use super::codec::{Axis, Codec};
 use super::inside::Inside;
-use super::polygon::Raster;
 use super::relevancy::Rules;
 use super::template::Template;
 
@@ -45,9 +44,6 @@ pub struct Preset {
     /// What the axes of arrays are.
     #[serde(default)]
     pub axes: Option<Vec<Axis>>,
-    /// How outlines are drawn.
-    #[serde(default)]
-    pub raster: Raster,
     /// Whether masks of another size are brought to ours, as the method's own evaluation does.
     #[serde(default)]
     pub resize: bool,

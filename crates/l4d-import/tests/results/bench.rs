@@ -88,7 +88,6 @@ pub(crate) fn request<'a>(bench: &'a Benchmark, preset: &str, root: &Path) -> Re
             key: preset.key.clone(),
             axes: preset.axes.clone(),
             prompts: Vec::new(),
-            raster: preset.raster,
             selections: Selections::new(),
         },
         resize: preset.resize,

@@ -96,8 +96,8 @@ fn axes(position: usize, strength: f32) -> Vec<f32> {
     let (red, blue) = (cup("cup_red", position), cup("cup_blue", position));
     let rows = (0..96).flat_map(|row| (0..128).map(move |col| (col, row)));
     let pixel = |(col, row): (u32, u32)| match (red.get(col, row), blue.get(col, row)) {
-        (true, _) => [strength, 0.0, -0.1],
-        (_, true) => [0.0, strength, -0.1],
+        (true, _) => [strength, -0.3, 0.3],
+        (_, true) => [-0.3, strength, 0.3],
         _ => [-0.05, -0.05 * strength, 0.9],
     };
     rows.flat_map(pixel).collect()

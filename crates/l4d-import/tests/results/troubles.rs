@@ -119,6 +119,13 @@ fn fewer_pictures_than_frames() {
 }
 
 #[test]
+fn renders_of_training_cameras() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D580"));
+}
+
+#[test]
 fn two_runs_in_one_folder() {
     let bench = Bench::new();
     latents(&bench, wave, 3, 8);
