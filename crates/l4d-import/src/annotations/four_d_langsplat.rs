@@ -130,7 +130,7 @@ pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataErro
     let mut annotations = Vec::new();
     for (category, (_, masks)) in subjects.iter().enumerate() {
         for (moment, frame) in truth.frames.iter().enumerate() {
-            for piece in masks.get(frame).map(|mask| pieces(mask)).unwrap_or_default() {
+            for piece in masks.get(frame).map(pieces).unwrap_or_default() {
                 annotations.push(annotation(annotations.len(), moment, category, &piece));
             }
         }

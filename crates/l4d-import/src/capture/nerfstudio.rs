@@ -83,16 +83,12 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let document: Transforms = json::read(&path)?;
     let wrong =
         |place: &str, message: String, remedy: &str| DataError::invalid(&path, place, message, remedy);
-    if let Some(model) = document.camera_model.as_deref() {
-        if !matches!(model, "PINHOLE" | "SIMPLE_PINHOLE" | "OPENCV" | "SIMPLE_RADIAL" | "RADIAL") {
-            let remedy =
-                "undistort the pictures to a pinhole first (`ns-process-data --camera-type perspective`)";
-            return Err(wrong(
-                "field `camera_model`",
-                format!("`{}` is no perspective lens", inert(model)),
-                remedy,
-            ));
-        }
+    let lenses = ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL"];
+    if let Some(model) = document.camera_model.as_deref().filter(|model| !lenses.contains(model)) {
+        let message = format!("`{}` is no perspective lens", inert(model));
+        let remedy =
+            "undistort the pictures to a pinhole first (`ns-process-data --camera-type perspective`)";
+        return Err(wrong("field `camera_model`", message, remedy));
     }
     let mut plan = Plan::new(vec![path.clone()]);
     let moments = moments(&document.frames);

@@ -5,12 +5,13 @@ use std::path::Path;
 
 use l4d_data::digest::sha256_file;
 use l4d_data::error::inert;
-use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::store::{list_folder, make_folder, read_bounded, write_atomic};
 use l4d_data::{Camera, DataError, json};
 use l4d_frames::drawn::{RgbImage, encode_colour};
 use l4d_frames::photo::{self, PhotoError};
 use rayon::prelude::*;
 
+use super::masks::MASKS;
 use super::plan::{Plan, View};
 use super::{CAPTURE, Capture, Depth, Order, SCHEMA, Substitution};
 
@@ -22,6 +23,7 @@ pub(super) fn write(
     mut plan: Plan,
     tick: &(dyn Fn() + Sync),
 ) -> Result<Capture, DataError> {
+    claim(order)?;
     plan.views.sort_by(|a, b| a.camera.name.cmp(&b.camera.name));
     if let Some(pair) = plan.views.windows(2).find(|pair| pair[0].camera.name == pair[1].camera.name) {
         let message = format!("two views would be called {}", pair[0].camera.name);
@@ -45,10 +47,8 @@ pub(super) fn write(
     }
     let substituted: Vec<Vec<Substitution>> =
         plan.views.par_iter().map(|view| write_view(order, view, size, tick)).collect::<Result<_, _>>()?;
-    if let Some(scratch) = &plan.scratch {
-        if scratch.is_dir() {
-            std::fs::remove_dir_all(scratch).map_err(|source| DataError::io(scratch, "remove", source))?;
-        }
+    if let Some(scratch) = plan.scratch.as_deref().filter(|scratch| scratch.is_dir()) {
+        std::fs::remove_dir_all(scratch).map_err(|source| DataError::io(scratch, "remove", source))?;
     }
     let unseen = |view: &View| {
         let missing: Vec<u32> =
@@ -77,6 +77,28 @@ pub(super) fn write(
     };
     json::write(&order.out.join(CAPTURE), &capture)?;
     Ok(capture)
+}
+
+/// Takes possession of the folder: empty, or of an earlier import of the same scene. What says that it is whole goes first.
+fn claim(order: &Order<'_>) -> Result<(), DataError> {
+    make_folder(order.out)?;
+    let refuse = |message: String| {
+        let remedy = "choose an empty folder with --out, or remove this one";
+        Err(DataError::invalid(order.out, "folder", message, remedy))
+    };
+    let ours = [CAPTURE, MASKS, "frames"];
+    if let Some(entry) = list_folder(order.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
+        return refuse(format!("is not empty: `{}` stands there", inert(&entry)));
+    }
+    let path = order.out.join(CAPTURE);
+    if path.is_file() {
+        let earlier = Capture::read(order.out)?;
+        if (&earlier.name, earlier.source.as_str()) != (order.name, order.source.as_str()) {
+            return refuse(format!("holds {} of {}", earlier.name, inert(&earlier.source)));
+        }
+        std::fs::remove_file(&path).map_err(|source| DataError::io(&path, "remove", source))?;
+    }
+    Ok(())
 }
 
 /// The size of the first picture that is whole.

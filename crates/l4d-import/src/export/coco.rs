@@ -1,6 +1,6 @@
 //! Instances as COCO annotations with run lengths: `instances_<split>.json` and pictures.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use l4d_data::scene::Instance;
 use l4d_data::{Camera, DataError, Role, Split, json};
@@ -90,16 +90,14 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 
 /// Common nouns, objects before landmarks.
 fn categories(instances: &[Instance]) -> Vec<Category> {
-    let mut nouns: BTreeMap<(Role, &str), ()> = BTreeMap::new();
-    for instance in instances {
-        nouns.insert((instance.role, instance.category.as_str()), ());
-    }
+    let nouns: BTreeSet<(Role, &str)> =
+        instances.iter().map(|instance| (instance.role, instance.category.as_str())).collect();
     let category = |(index, (role, noun)): (usize, (Role, &str))| Category {
         id: index + 1,
         name: noun.to_owned(),
         supercategory: if role == Role::Object { "object" } else { "landmark" },
     };
-    nouns.into_keys().enumerate().map(category).collect()
+    nouns.into_iter().enumerate().map(category).collect()
 }
 
 fn category_of(instance: &Instance, categories: &[Category]) -> usize {

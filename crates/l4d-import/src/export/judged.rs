@@ -23,7 +23,6 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         _ => return Err(limit(footage, "name", "the truth is that of another scene or profile")),
     };
     manifest.cameras.push(Called::camera(camera, camera.name.as_str()));
-    manifest.frames = judged.truth().frames.clone();
     match order.format {
         Format::LerfOvs => write_lerf_ovs(job, judged, camera, &mut manifest)?,
         _ => write_4d_langsplat(job, judged, camera, &mut manifest)?,

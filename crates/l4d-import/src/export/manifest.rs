@@ -76,6 +76,8 @@ impl Manifest {
             HeldOut::Pose => "pose",
             HeldOut::Pictures => "pictures",
         };
+        // Evaluators ask about all moments, whichever were chosen for pictures.
+        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| &judged.truth().frames);
         Ok(Self {
             schema: SCHEMA.to_owned(),
             complete: false,
@@ -84,7 +86,7 @@ impl Manifest {
             format: order.format.to_string(),
             held_out: held_out.to_owned(),
             scene_sha256: sha256_file(&footage.scene_path())?,
-            frames: footage.frames().to_vec(),
+            frames: truth.cloned().unwrap_or_else(|| footage.frames().to_vec()),
             cameras: Vec::new(),
             instances: Vec::new(),
             notes: Vec::new(),

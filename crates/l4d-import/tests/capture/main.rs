@@ -1,6 +1,7 @@
 //! Captures of others, written by the tests in the layouts of their data sets, and read.
 
 #[path = "../support/mod.rs"]
+#[expect(dead_code, reason = "tests of exports use all of it")]
 mod support;
 
 mod masks;

@@ -314,3 +314,21 @@ fn pictures_of_several_sizes_are_refused() {
     assert!(error.to_string().contains("64x40, but the first picture is 64x48"), "{error}");
     assert!(Path::new(&bench.out()).join("capture.json").metadata().is_err());
 }
+
+#[test]
+fn a_folder_of_something_else_is_left_alone_and_ours_is_written_again() {
+    let bench = neu3d();
+    for name in ["cam00", "cam04", "cam07"] {
+        bench.put(&format!("{name}/images/0000.png"), png(64, 48, 1));
+    }
+    bench.read(Source::Neu3d).unwrap();
+    let first = crate::support::files(&bench.out());
+    std::fs::remove_file(bench.out().join("frames/cam04/0000.png")).unwrap();
+    bench.read(Source::Neu3d).unwrap();
+    assert!(crate::support::files(&bench.out()) == first);
+    let error = bench.read(Source::Colmap).unwrap_err();
+    assert!(error.to_string().contains("no cameras.bin"), "{error}");
+    std::fs::write(bench.out().join("notes.txt"), "mine").unwrap();
+    let error = bench.read(Source::Neu3d).unwrap_err();
+    assert!(error.to_string().contains("`notes.txt` stands there"), "{error}");
+}

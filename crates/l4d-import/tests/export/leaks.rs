@@ -1,6 +1,7 @@
 //! The held-out camera never leaks: an export that must not show its pictures does not even read them.
 
 use l4d_import::export::{Format, HeldOut};
+use l4d_import::pose::flipped;
 
 use crate::support::{TEST_VIEW, World, files};
 use crate::{export_frames, exported, shown};
@@ -25,7 +26,12 @@ fn nothing_says_not_even_where_it_stands() {
     let pose = world.scene.test_camera().unwrap();
     // Its place, as any of the formats would write it: in the world, or as the world seen from there.
     let from_world = pose.camera_from_world(0);
-    let numbers = [pose.world_from_camera(0).w_axis.x, from_world.w_axis.x, from_world.w_axis.y];
+    // For the reader that mirrors positions they are mirrored beforehand.
+    let mut mirrored = flipped(pose.world_from_camera(0)).inverse();
+    mirrored.w_axis.x = -mirrored.w_axis.x;
+    let mirrored = mirrored.inverse();
+    let numbers =
+        [pose.world_from_camera(0).w_axis.x, from_world.w_axis.x, from_world.w_axis.y, mirrored.w_axis.x];
     let holds = |format: Format, held_out: HeldOut| {
         let out = world.out(&format!("{held_out:?}-{format}"));
         export_frames(&world, format, held_out, &out, &[0]).unwrap();
