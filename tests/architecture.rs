@@ -21,6 +21,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
             "l4d-board",
             "l4d-gpu",
             "l4d-ground",
+            "l4d-import",
             "l4d-solve",
             "exr",
             "polars",
@@ -85,6 +86,25 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     (
         "l4d-propose",
         &["l4d-votes", "l4d-annotate", "l4d-score", "l4d-board", "polars", "plotters", "ratatui"],
+    ),
+    (
+        "l4d-import",
+        &[
+            "l4d-query",
+            "l4d-votes",
+            "l4d-annotate",
+            "l4d-endpoint",
+            "l4d-ground",
+            "l4d-solve",
+            "l4d-score",
+            "l4d-gpu",
+            "l4d-board",
+            "wgpu",
+            "polars",
+            "plotters",
+            "ratatui",
+            "ureq",
+        ],
     ),
     ("l4d-splat", &["l4d-gpu", "wgpu"]),
     (

@@ -1,5 +1,6 @@
 //! The grammar of the command line, and nothing else.
 
+pub(crate) mod interop;
 pub(crate) mod solver;
 
 use std::path::PathBuf;
@@ -71,6 +72,12 @@ pub(crate) enum Command {
     Query(solver::QueryArgs),
     /// Run the ablations of the paper: consensus, views, models, composites, scales
     Ablate(solver::AblateArgs),
+    /// Write a scene in the layout of another tool
+    Export(interop::ExportArgs),
+    /// Read a capture that others recorded
+    ImportScene(interop::ImportSceneArgs),
+    /// Take in results of other methods: masks, relevancy, latents of LangSplat and its kin
+    Import(interop::ImportArgs),
     /// Write the results of baselines that bracket the scale
     Baseline(BaselineArgs),
     /// List every problem of a results folder

@@ -10,6 +10,9 @@ mod check_scenes;
 mod doctor;
 mod draw_variant;
 mod endpoint;
+mod export;
+mod import;
+mod import_scene;
 mod leaderboard;
 mod open_round;
 pub(crate) mod propose_prompts;
@@ -51,6 +54,9 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Query(args) => query::run(args, out),
         Command::Solve(args) => solve::run(args, out),
         Command::Ablate(args) => ablate::run(args, out),
+        Command::Export(args) => export::run(args, out),
+        Command::ImportScene(args) => import_scene::run(args, out),
+        Command::Import(args) => import::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),
