@@ -7,6 +7,7 @@ mod annotation_tui;
 mod architecture;
 mod blender;
 mod endpoint;
+mod interop;
 mod leaderboard;
 mod proposing;
 mod queries;
