@@ -256,6 +256,21 @@ fn what_cannot_be_answered_is_refused() {
 }
 
 #[test]
+fn sentences_of_any_length_and_script_come_to_an_end() {
+    let dir = world();
+    for (text, folder) in
+        [("ball ".repeat(10_000), "long"), ("球 🎾 \u{202e}\u{1b}[2J что".to_owned(), "strange")]
+    {
+        let run =
+            dir.succeed(&["query", SCENE, &text, "--profile", "tiny", "--data", "data", "--out", folder]);
+        assert!(run.stdout.contains("unsupported") && !run.stdout.contains('\u{1b}'), "{}", run.stdout);
+        assert!(run.stdout.contains("seen in 0 of 9 frames"), "{}", run.stdout);
+        let sheet = std::fs::metadata(dir.path(folder).join("sheet.png")).unwrap().len();
+        assert!(sheet < 2_000_000, "{sheet} bytes");
+    }
+}
+
+#[test]
 fn a_model_of_another_scene_is_refused() {
     let dir = world();
     let card = format!("work/tiny/{SCENE}/splats/checkpoint.json");

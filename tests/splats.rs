@@ -60,8 +60,8 @@ fn card(dir: &Dir) -> Value {
 #[test]
 fn a_scene_is_learned_from_its_training_cameras_alone() {
     let dir = scene();
-    let manifest =
-        dir.json(&arguments(&["--gaussians", "2500", "--coarse", "150", "--unfold", "20", "--fine", "400"]));
+    let brief = ["--gaussians", "2500", "--coarse", "150", "--unfold", "20", "--fine", "900"];
+    let manifest = dir.json(&arguments(&brief));
     let report = &manifest["report"];
     let number = |path: &str| report.pointer(path).and_then(Value::as_f64).unwrap();
     assert!(number("/test/psnr_db") > 24.0, "{report}");
@@ -79,17 +79,7 @@ fn a_scene_is_learned_from_its_training_cameras_alone() {
     // What is learned does not change when the held-out pictures do.
     let tensors = card["tensors"]["sha256"].clone();
     world::blacken(&dir.path("data"), "cam04");
-    let again = arguments(&[
-        "--gaussians",
-        "2500",
-        "--coarse",
-        "150",
-        "--unfold",
-        "20",
-        "--fine",
-        "400",
-        "--overwrite",
-    ]);
+    let again = arguments(&[&brief[..], &["--overwrite"]].concat());
     dir.succeed(&again);
     let card: Value = serde_json::from_str(&dir.read(&format!("{SPLATS}/checkpoint.json"))).unwrap();
     assert_eq!(card["tensors"]["sha256"], tensors);

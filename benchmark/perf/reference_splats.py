@@ -50,21 +50,30 @@ def draw(splats: Splats, view: View, background: tuple[float, float, float] = (0
     """Colour [height, width, 3], accumulated alpha and summed depth [height, width]."""
     flat = project(splats, view)
     lists, offsets = tile_lists(flat, view)
+    depth = flat["depth"][:, None]
+    canvas = spread(flat, lists, offsets, torch.cat([flat["colour"], torch.ones_like(depth), depth], 1), view, batch)
+    alpha = canvas[..., 3]
+    colour = canvas[..., :3] + (1.0 - alpha)[..., None] * torch.tensor(background, dtype=alpha.dtype)
+    return {"colour": colour, "alpha": alpha, "depth_sum": canvas[..., 4]}
+
+
+def spread(flat: dict[str, torch.Tensor], lists: torch.Tensor, offsets: torch.Tensor, carried: torch.Tensor, view: View, batch: int = 16) -> torch.Tensor:
+    """What the visible Gaussians carry, blended: [height, width, channels]."""
     columns, rows = math.ceil(view.width / TILE), math.ceil(view.height / TILE)
-    like = flat["mean"]
-    canvas = torch.zeros(columns * rows, TILE * TILE, 5, dtype=like.dtype)
+    channels = carried.shape[1]
+    canvas = torch.zeros(columns * rows, TILE * TILE, channels, dtype=carried.dtype)
     lengths = offsets[1:] - offsets[:-1]
     # Tiles of about the same length together, so that little is padded.
     order = torch.argsort(lengths, descending=True)
     order = order[lengths[order] > 0]
-    painted = [blend(flat, lists, offsets, tiles, columns) for tiles in order.split(batch)]
+    painted = []
+    for tiles in order.split(batch):
+        weight, chosen = weights(flat, lists, offsets, tiles, columns)
+        painted.append(weight.transpose(1, 2) @ carried[chosen])
     if painted:
         canvas = canvas.index_put((order,), torch.cat(painted))
-    canvas = canvas.reshape(rows, columns, TILE, TILE, 5).transpose(1, 2).reshape(rows * TILE, columns * TILE, 5)
-    canvas = canvas[: view.height, : view.width]
-    alpha = canvas[..., 3]
-    colour = canvas[..., :3] + (1.0 - alpha)[..., None] * torch.tensor(background, dtype=like.dtype)
-    return {"colour": colour, "alpha": alpha, "depth_sum": canvas[..., 4]}
+    canvas = canvas.reshape(rows, columns, TILE, TILE, channels).transpose(1, 2)
+    return canvas.reshape(rows * TILE, columns * TILE, channels)[: view.height, : view.width]
 
 
 def project(splats: Splats, view: View) -> dict[str, torch.Tensor]:
@@ -145,8 +154,8 @@ def tile_lists(flat: dict[str, torch.Tensor], view: View) -> tuple[torch.Tensor,
     return gaussian[order], torch.cat([torch.zeros(1, dtype=torch.long), lengths.cumsum(0)])
 
 
-def blend(flat: dict[str, torch.Tensor], lists: torch.Tensor, offsets: torch.Tensor, tiles: torch.Tensor, columns: int) -> torch.Tensor:
-    """Red, green, blue, alpha and summed depth of the pixels of some tiles: [tiles, pixels, 5]."""
+def weights(flat: dict[str, torch.Tensor], lists: torch.Tensor, offsets: torch.Tensor, tiles: torch.Tensor, columns: int) -> tuple[torch.Tensor, torch.Tensor]:
+    """Blend weights in some tiles [tiles, Gaussians, pixels], and which Gaussians they are of [tiles, Gaussians]."""
     lengths = offsets[tiles + 1] - offsets[tiles]
     steps = torch.arange(int(lengths.max()))
     present = steps < lengths[:, None]
@@ -165,6 +174,4 @@ def blend(flat: dict[str, torch.Tensor], lists: torch.Tensor, offsets: torch.Ten
     after = torch.cumprod(1.0 - alpha, 1)
     before = torch.cat([torch.ones_like(after[:, :1]), after[:, :-1]], 1)
     weight = torch.where(after >= TRANSMITTANCE_MIN, alpha * before, torch.zeros((), dtype=alpha.dtype))
-    depth = flat["depth"][chosen]
-    carried = torch.cat([flat["colour"][chosen], torch.ones_like(depth)[..., None], depth[..., None]], 2)
-    return weight.transpose(1, 2) @ carried
+    return weight, chosen

@@ -10,6 +10,7 @@ mod check_scenes;
 mod doctor;
 mod draw_variant;
 mod endpoint;
+mod estimate;
 mod export;
 mod import;
 mod import_scene;

@@ -5,7 +5,9 @@ mod cli;
 mod commands;
 mod moving_picture;
 mod out;
+mod python;
 mod rasterizer;
+mod side_by_side;
 mod solver;
 
 use std::process::ExitCode;

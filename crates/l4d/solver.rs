@@ -2,6 +2,7 @@
 
 mod grounders;
 mod model;
+mod segmenter;
 mod stage;
 
 use l4d_data::Interval;
@@ -12,7 +13,7 @@ use l4d_solve::solve::SolveSettings;
 
 pub(crate) use self::grounders::Grounders;
 pub(crate) use self::stage::Stage;
-use crate::cli::solver::{LiftArg, MethodArgs, PresetArg};
+use crate::cli::solver::{LiftArg, MethodArgs, PresetArg, QuerySetArg};
 
 /// Views that the presets look at (paper, section 5).
 const USUAL_VIEWS: u32 = 8;
@@ -49,8 +50,9 @@ pub(crate) fn clip_settings(args: &MethodArgs, range: Option<Interval>) -> ClipS
     ClipSettings { range, ..usual }
 }
 
-/// `panopticquery-<grounder>`, and what differs from the preset robust.
-pub(crate) fn default_name(args: &MethodArgs) -> String {
+/// `panopticquery-<grounder>`, what differs from the preset robust, and which sentences if not the queries: a folder
+/// of results holds answers to one set.
+pub(crate) fn default_name(args: &MethodArgs, set: QuerySetArg) -> String {
     let mut name = format!("panopticquery-{}", args.grounder.as_str());
     let mut add = |part: &str| {
         name.push('-');
@@ -75,6 +77,11 @@ pub(crate) fn default_name(args: &MethodArgs) -> String {
         Some(LiftArg::Field) => add("field"),
         Some(LiftArg::Distil) => add("distil"),
         None => {}
+    }
+    match set {
+        QuerySetArg::Queries => {}
+        QuerySetArg::Composites => add("composites"),
+        QuerySetArg::Absents => add("absents"),
     }
     name
 }

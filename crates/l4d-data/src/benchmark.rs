@@ -156,6 +156,18 @@ impl Benchmark {
     /// SHA-256 over the names and digests of the truth files of a profile that exist, in table order. Results
     /// carry it, so that masks of another rendering or version are refused.
     pub fn truth_digest(&self, profile: Profile) -> Result<String, DataError> {
+        self.truth_digest_if_any(profile)?.ok_or_else(|| {
+            DataError::invalid(
+                &self.dir.root().join("truth").join(profile.as_str()),
+                "folder",
+                format!("holds no truth of profile {profile}"),
+                format!("choose another --profile, or run `l4d build-scenes --profile {profile}`"),
+            )
+        })
+    }
+
+    /// [`Self::truth_digest`], none where no scene has a truth: methods run without one.
+    pub fn truth_digest_if_any(&self, profile: Profile) -> Result<Option<String>, DataError> {
         let mut lines = String::new();
         for scene in &self.manifest.scenes {
             let path = self.dir.truth(profile, scene);
@@ -163,15 +175,7 @@ impl Benchmark {
                 lines.push_str(&format!("{}  {scene}.json\n", sha256_file(&path)?));
             }
         }
-        if lines.is_empty() {
-            return Err(DataError::invalid(
-                &self.dir.root().join("truth").join(profile.as_str()),
-                "folder",
-                format!("holds no truth of profile {profile}"),
-                format!("choose another --profile, or run `l4d build-scenes --profile {profile}`"),
-            ));
-        }
-        Ok(sha256_hex(lines.as_bytes()))
+        Ok((!lines.is_empty()).then(|| sha256_hex(lines.as_bytes())))
     }
 
     /// The folder.

@@ -1,5 +1,6 @@
 //! What questions may cost: estimates before, counts after, and a limit that no question crosses.
 
+use std::ops::AddAssign;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
@@ -121,6 +122,21 @@ pub struct Plan {
     pub tokens: Tokens,
     /// Their cost, where prices are known.
     pub cost: Option<f64>,
+}
+
+impl AddAssign for Plan {
+    /// Plans for one endpoint: prices are known of both or of neither, unless one of them is empty.
+    fn add_assign(&mut self, other: Self) {
+        self.questions += other.questions;
+        self.kept += other.kept;
+        self.images += other.images;
+        self.bytes += other.bytes;
+        self.tokens = self.tokens.plus(other.tokens);
+        self.cost = match (self.cost, other.cost) {
+            (None, None) => None,
+            (before, more) => Some(before.unwrap_or(0.0) + more.unwrap_or(0.0)),
+        };
+    }
 }
 
 /// Keeps a run within its budget, whatever the number of threads: what a question may need is set aside before it

@@ -1,7 +1,7 @@
 //! The file form of a frame: one part, scan lines, ZIP, channels `B G R` half, `Z` float, `id` uint.
 //!
 //! Nothing else is read: a file that any other layout would describe better was not written by l4d, and
-//! guessing would hide that. Sizes are checked against the expected ones before anything is allocated.
+//! guessing would hide that. Who needs no ids may do without that channel alone. Sizes are checked against the expected ones before anything is allocated.
 
 mod depth;
 
@@ -34,6 +34,8 @@ const CHANNELS: [(&str, SampleType); 5] = [
     ("id", SampleType::U32),
 ];
 const BYTES_PER_PIXEL: usize = 14;
+/// Those of the last channel.
+const ID_BYTES_PER_PIXEL: usize = 4;
 /// Room for the header, the offset table and what ZIP adds to data that it cannot shrink.
 const FILE_OVERHEAD_BYTES: usize = 1 << 20;
 
@@ -108,8 +110,17 @@ pub fn read_bytes(path: &Path, size: UVec2) -> Result<Vec<u8>, FrameError> {
 
 /// [`read_frame`] on bytes that were read from `path`.
 pub fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
+    decode_with_colour(path, bytes, size, Ids::Needed)
+}
+
+/// [`decode_frame`] for a reader that needs no ids: where the file has none, all are 0.
+pub fn decode_seen(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
+    decode_with_colour(path, bytes, size, Ids::Welcome)
+}
+
+fn decode_with_colour(path: &Path, bytes: &[u8], size: UVec2, ids: Ids) -> Result<Frame, FrameError> {
     let mut rgb = vec![[f16::ZERO; 3]; size.x as usize * size.y as usize];
-    let surfaces = decode(path, bytes, size, |first_pixel, blue, green, red| {
+    let surfaces = decode(path, bytes, size, ids, |first_pixel, blue, green, red| {
         let row = &mut rgb[first_pixel..first_pixel + red.len()];
         for (column, pixel) in row.iter_mut().enumerate() {
             *pixel = [red[column], green[column], blue[column]].map(f16::from_bits);
@@ -120,7 +131,7 @@ pub fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, Fra
 
 /// [`read_surfaces`] on bytes that were read from `path`.
 pub fn decode_surfaces(path: &Path, bytes: &[u8], size: UVec2) -> Result<Surfaces, FrameError> {
-    decode(path, bytes, size, |_, _, _, _| {})
+    decode(path, bytes, size, Ids::Needed, |_, _, _, _| {})
 }
 
 /// Writes a frame atomically in the layout that [`read_frame`] reads.
@@ -157,6 +168,13 @@ fn encode_channels(
     Ok(bytes.into_inner())
 }
 
+/// Whether a file must say which instances it shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ids {
+    Needed,
+    Welcome,
+}
+
 /// Receives a row of colour: index of its first pixel, then blue, green, red as half-float bits.
 trait ColourRow: FnMut(usize, &[u16], &[u16], &[u16]) {}
 impl<F: FnMut(usize, &[u16], &[u16], &[u16])> ColourRow for F {}
@@ -165,11 +183,12 @@ fn decode(
     path: &Path,
     bytes: &[u8],
     size: UVec2,
+    ids: Ids,
     mut keep_colour: impl ColourRow,
 ) -> Result<Surfaces, FrameError> {
     // The decoder indexes into bytes that a hostile file controls. It is the one place of the project where a
     // panic is turned into an error; the closure's captures are dropped on failure, so none is seen half-written.
-    let attempt = catch_unwind(AssertUnwindSafe(|| decode_checked(path, bytes, size, &mut keep_colour)));
+    let attempt = catch_unwind(AssertUnwindSafe(|| decode_checked(path, bytes, size, ids, &mut keep_colour)));
     attempt.unwrap_or_else(|_| Err(torn(path, "the pixel data is corrupt")))
 }
 
@@ -177,10 +196,12 @@ fn decode_checked(
     path: &Path,
     bytes: &[u8],
     size: UVec2,
+    ids: Ids,
     keep_colour: &mut impl ColourRow,
 ) -> Result<Surfaces, FrameError> {
     let reader = exr::block::read(Cursor::new(bytes), true).map_err(|error| torn(path, error))?;
-    check_headers(path, reader.headers(), size)?;
+    let has_ids = check_headers(path, reader.headers(), size, ids)?;
+    let bytes_per_pixel = if has_ids { BYTES_PER_PIXEL } else { BYTES_PER_PIXEL - ID_BYTES_PER_PIXEL };
     let mut chunks = reader.all_chunks(true).map_err(|error| torn(path, error))?;
     let meta = chunks.meta_data().clone();
     let width = size.x as usize;
@@ -193,7 +214,7 @@ fn decode_checked(
         let block = exr::block::UncompressedBlock::decompress_chunk(chunk, &meta, true)
             .map_err(|error| torn(path, error))?;
         let first_row = block.index.pixel_position.y();
-        for (offset, line) in block.data.chunks_exact(width * BYTES_PER_PIXEL).enumerate() {
+        for (offset, line) in block.data.chunks_exact(width * bytes_per_pixel).enumerate() {
             let row = first_row + offset;
             if std::mem::replace(&mut seen_rows[row], true) {
                 return Err(torn(path, format!("row {row} is stored twice")));
@@ -201,7 +222,9 @@ fn decode_checked(
             lines.split(line, width);
             let start = row * width;
             surfaces.depth_m[start..start + width].copy_from_slice(&lines.depth_m);
-            surfaces.id[start..start + width].copy_from_slice(&lines.id);
+            if has_ids {
+                surfaces.id[start..start + width].copy_from_slice(&lines.id);
+            }
             colour.look_at(row, [&lines.red, &lines.green, &lines.blue]);
             keep_colour(start, &lines.blue, &lines.green, &lines.red);
         }
@@ -213,7 +236,8 @@ fn decode_checked(
     Ok(surfaces)
 }
 
-fn check_headers(path: &Path, headers: &[Header], size: UVec2) -> Result<(), FrameError> {
+/// Whether the file has ids.
+fn check_headers(path: &Path, headers: &[Header], size: UVec2, ids: Ids) -> Result<bool, FrameError> {
     let layout = |place: &str, message: String| {
         let remedy = "write one part of scan lines with ZIP and the channels B, G, R half, Z float, id uint";
         Err(FrameError::Layout(DataError::invalid(path, place, message, remedy)))
@@ -238,7 +262,9 @@ fn check_headers(path: &Path, headers: &[Header], size: UVec2) -> Result<(), Fra
         .map(|channel| format!("{} {}", channel.name, type_name(channel.sample_type)))
         .collect();
     let expected = CHANNELS.map(|(name, sample_type)| format!("{name} {}", type_name(sample_type)));
-    if found != expected {
+    let has_ids = found == expected;
+    let lacks_ids_alone = found == expected[..expected.len() - 1];
+    if !has_ids && (ids == Ids::Needed || !lacks_ids_alone) {
         return layout(
             "attribute `channels`",
             format!("are {}, but must be {}", found.join(", "), expected.join(", ")),
@@ -267,7 +293,7 @@ fn check_headers(path: &Path, headers: &[Header], size: UVec2) -> Result<(), Fra
             "differs from dataWindow, but a frame shows all it has".to_owned(),
         );
     }
-    Ok(())
+    Ok(has_ids)
 }
 
 fn check_values(path: &Path, surfaces: &Surfaces, colour: &ColourCheck) -> Result<(), FrameError> {

@@ -1,9 +1,11 @@
 //! How good the geometric grounder is on rendered scenes: perception against ids, answers against referents.
 //!
-//!     cargo run --example geometric -- DATA BENCH SCENE[,SCENE] [VIEWS] [--pictures FOLDER] [--queries] [--kinds]
-//!         [--perceive JSON] [--reason JSON]...
+//! ```text
+//! cargo run --example geometric -- DATA BENCH SCENE[,SCENE] [VIEWS] [--pictures FOLDER] [--queries] [--absents] [--kinds]
+//!     [--perceive JSON] [--reason JSON]...
+//! ```
 //!
-//! `--kinds` tells it what things are from the ids: what is left is what reasoning and segments get wrong.
+//! `--absents` asks for what is not there, and counts what is said. `--kinds` tells it what things are from the ids: what is left is what reasoning and segments get wrong.
 //! It shows the grounder rendered colour and depth of training views, and compares with ids, which the grounder never
 //! sees. A development tool: the scores of the benchmark are those of the held-out view.
 
@@ -39,7 +41,7 @@ fn main() -> anyhow::Result<()> {
     let mut flag = |name: &str| {
         arguments.iter().position(|argument| argument == name).map(|at| arguments.remove(at)).is_some()
     };
-    let (asks, is_taught) = (flag("--queries"), flag("--kinds"));
+    let (asks, asks_absents, is_taught) = (flag("--queries"), flag("--absents"), flag("--kinds"));
     let mut values = |name: &str| {
         let mut values = Vec::new();
         while let Some(at) = arguments.iter().position(|argument| argument == name) {
@@ -61,8 +63,9 @@ fn main() -> anyhow::Result<()> {
     for name in scenes.split(',') {
         let directory = SceneDir::new(Path::new(data), name);
         let scene = Scene::read(&directory.scene())?;
-        let queries =
-            if asks { read_queries(&BenchDir::new(bench).queries(name), name)? } else { Vec::new() };
+        let place = BenchDir::new(bench);
+        let queries = if asks { read_queries(&place.queries(name), name)? } else { Vec::new() };
+        let absents = if asks_absents { read_queries(&place.absents(name), name)? } else { Vec::new() };
         for camera in scene.cameras.iter().filter(|camera| camera.split == Split::Train).take(views) {
             let view = load(&scene, &directory, &camera.name)?;
             let mut seen = look(&scene, &view, &perception, pictures.as_deref(), &mut tables[0])?;
@@ -74,6 +77,10 @@ fn main() -> anyhow::Result<()> {
                     Geometric::with_settings(Known(seen.clone()), serde_json::from_str(reasoning)?);
                 let is_talking = reasonings.len() == 1;
                 ask(&scene, &view, &queries, &grounder, is_talking, table);
+                for sentence in &absents {
+                    let grounding = grounder.ground(&view.clip, &question(&scene, sentence));
+                    *table.absents.entry(grounding.outcome.word()).or_default() += 1;
+                }
             }
         }
     }
@@ -131,6 +138,8 @@ struct Tables {
     perception: Vec<(String, f64)>,
     seconds: Vec<f64>,
     answers: Vec<Answer>,
+    /// What is said of sentences that nothing satisfies.
+    absents: BTreeMap<&'static str, usize>,
 }
 
 struct Answer {
@@ -238,6 +247,10 @@ fn teach(seen: &mut Seen, scene: &Scene, view: &View) {
     }
 }
 
+fn question(scene: &Scene, query: &Query) -> Question {
+    Question { scene: scene.name.clone(), number: None, text: query.text.clone(), range: None }
+}
+
 fn ask(
     scene: &Scene,
     view: &View,
@@ -281,8 +294,7 @@ fn ask(
         let chance = alike.iter().map(|masks| mean_iou(masks, &truth)).sum::<f64>() / alike.len() as f64;
         let mut union = vec![Mask::empty(width, height); truth.len()];
         alike.iter().for_each(|masks| union.iter_mut().zip(masks).for_each(|(all, one)| all.union_with(one)));
-        let question =
-            Question { scene: scene.name.clone(), number: None, text: query.text.clone(), range: None };
+        let question = question(scene, query);
         let start = Instant::now();
         let grounding = grounder.ground(&view.clip, &question);
         let seconds = start.elapsed().as_secs_f64();
@@ -354,6 +366,9 @@ impl Tables {
         self.perception.iter().for_each(|(scene, iou)| scenes.entry(scene).or_default().push(*iou));
         for (scene, ious) in scenes {
             println!("best track of an object, {scene}: {:.1}", mean(&mut ious.into_iter()));
+        }
+        if !self.absents.is_empty() {
+            println!("views x sentences that nothing satisfies: {:?}", self.absents);
         }
         println!(
             "best track of an object: {:.1}; perception {:.2} s a view",

@@ -78,7 +78,13 @@ impl<P: Perception> Geometric<P> {
 
 impl<P: Perception> Grounder for Geometric<P> {
     fn identity(&self) -> Value {
-        json!({ "kind": "geometric", "version": 1, "perception": self.perception.identity(), "reasoning": self.settings })
+        json!({
+            "kind": "geometric",
+            "version": 1,
+            "words": Lexicon::shipped_digest(),
+            "perception": self.perception.identity(),
+            "reasoning": self.settings,
+        })
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {

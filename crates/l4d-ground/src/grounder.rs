@@ -29,8 +29,9 @@ impl Question {
     }
 }
 
-/// What came of a question to one view. Only [`Outcome::Found`] and [`Outcome::Absent`] are answers: the others may
-/// neither vote nor be remembered.
+/// What came of a question to one view. Only [`Outcome::Found`] and [`Outcome::Absent`] are answers, and may vote.
+/// [`Outcome::Unsupported`] says nothing about the view, but is the grounder's last word; after all others it is worth
+/// asking again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", content = "why")]
 pub enum Outcome {
@@ -44,16 +45,21 @@ pub enum Outcome {
     Truncated,
     /// The model would not say.
     Refused(String),
-    /// The sentence says more than the grounder understands: these words.
+    /// The sentence says more than the grounder understands, and always will: these words.
     Unsupported(Vec<String>),
     /// No reply: the connection, the process, the file.
     Error(String),
 }
 
 impl Outcome {
-    /// Whether it may vote and be remembered.
+    /// Whether it may vote.
     pub fn is_answer(&self) -> bool {
         matches!(self, Self::Found | Self::Absent)
+    }
+
+    /// Whether the same grounder would say the same again, so that it is remembered and not asked anew.
+    pub fn is_final(&self) -> bool {
+        self.is_answer() || matches!(self, Self::Unsupported(_))
     }
 
     /// A file that failed, in full: where, what, why, and what to do about it.

@@ -14,7 +14,7 @@ mod question;
 use std::sync::Arc;
 
 use l4d_data::digest::sha256_hex;
-use l4d_endpoint::{Calibrations, Client, Convention, EndpointError, Plan};
+use l4d_endpoint::{Calibrations, Client, Convention, Endpoint, EndpointError, Plan};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -132,6 +132,11 @@ impl Vlm {
         Ok(Self { client, convention, segmenter, coupling, settings, books: Books::default() })
     }
 
+    /// Who is asked.
+    pub fn endpoint(&self) -> &Endpoint {
+        self.client.endpoint()
+    }
+
     /// What was asked and spent so far.
     pub fn account(&self) -> Account {
         self.books.account()
@@ -157,14 +162,7 @@ impl Vlm {
                 Coupling::Pick => pick::request(&asked, &watching, pictures, 1, &self.settings),
                 Coupling::Text | Coupling::Box => self.plan_request(&asked, &watching, pictures),
             });
-            let plan = self.client.plan(&requests)?;
-            total.questions += plan.questions;
-            total.kept += plan.kept;
-            total.images += plan.images;
-            total.bytes += plan.bytes;
-            total.tokens.prompt += plan.tokens.prompt;
-            total.tokens.completion += plan.tokens.completion;
-            total.cost = plan.cost.map(|cost| total.cost.unwrap_or(0.0) + cost).or(total.cost);
+            total += self.client.plan(&requests)?;
         }
         Ok(total)
     }

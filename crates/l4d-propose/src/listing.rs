@@ -141,26 +141,12 @@ pub(crate) fn excerpt(text: &str) -> String {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-    use l4d_endpoint::{Origin, Usage};
     use serde_json::json;
 
-    pub(crate) fn reply(text: &str) -> Reply {
-        Reply {
-            text: text.to_owned(),
-            finish: Finish::Stop,
-            usage: Usage::default(),
-            model: None,
-            fingerprint: None,
-            origin: Origin::Server,
-            digest: "d".repeat(64),
-            notes: Vec::new(),
-        }
-    }
-
     fn read(text: &str) -> Listing {
-        listing(&reply(text), "proposals", "text", "L4D560")
+        listing(&Reply::saying(text), "proposals", "text", "L4D560")
     }
 
     #[test]
@@ -184,7 +170,7 @@ pub(crate) mod tests {
         let texts: Vec<&str> = found.items.iter().map(|item| item["text"].as_str().unwrap()).collect();
         assert_eq!(texts, ["a", "b"]);
         assert!(found.problem.unwrap().message.contains("2 whole items"));
-        let cut = Reply { finish: Finish::Length, ..reply(half) };
+        let cut = Reply { finish: Finish::Length, ..Reply::saying(half) };
         let problem = listing(&cut, "proposals", "text", "L4D560").problem.unwrap();
         assert!(problem.message.contains("limit of tokens"), "{problem:?}");
     }
@@ -203,7 +189,7 @@ pub(crate) mod tests {
             let problem = found.problem.unwrap();
             assert!(problem.message.contains(reason), "{text}: {problem:?}");
         }
-        let refused = Reply { finish: Finish::Refused("no people".into()), ..reply("") };
+        let refused = Reply { finish: Finish::Refused("no people".into()), ..Reply::saying("") };
         let problem = listing(&refused, "proposals", "text", "L4D560").problem.unwrap();
         assert_eq!(problem.message, "the model refused: no people");
     }

@@ -54,7 +54,6 @@ pub(crate) fn origin(origin: Origin) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::listing::tests::reply;
 
     #[test]
     fn asking_again_is_another_question() {
@@ -69,7 +68,7 @@ mod tests {
     #[test]
     fn provenance_says_who_and_tames_what_the_server_calls_itself() {
         let endpoint = Endpoint::new("https://host.example:9/v1", "small-vl").unwrap();
-        let mut answer = reply("");
+        let mut answer = Reply::saying("");
         let plain = format!("model small-vl, endpoint host.example:9, question {}", "d".repeat(64));
         assert_eq!(provenance(&endpoint, &answer).note, plain);
         answer.model = Some(format!("big\u{1b}[0m{}", "x".repeat(1000)));

@@ -116,11 +116,14 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
         // Digest, size and frames follow from the profile and would only repeat it.
         return found;
     }
-    let digest = |text: &str| text.chars().take(12).collect::<String>();
+    let digest = |text: &str| match text {
+        "" => "no truth".to_owned(),
+        text => text.chars().take(12).chain("...".chars()).collect::<String>(),
+    };
     check(
         "truth_digest",
         card.truth_digest == exam.truth_digest,
-        format!("is {}..., but the truth is {}...", digest(&card.truth_digest), digest(&exam.truth_digest)),
+        format!("is {}, but the truth is {}", digest(&card.truth_digest), digest(&exam.truth_digest)),
         again.to_owned(),
     );
     let (width, height) = exam.size();

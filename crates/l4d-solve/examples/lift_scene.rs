@@ -8,6 +8,7 @@
 //! stand between commas. `--gate 48` empties all masks after that frame. Uses the truth throughout: it measures
 //! lifting alone.
 //!
+//! With `--render` the answers of all objects are drawn beside the colours of the held-out view, 0 to 100 at once.
 //! With `--export FOLDER --pictures 8` nothing is lifted: the first object's masks and the blend weights of some pictures
 //! are written for `benchmark/perf/lift_field.py`.
 
@@ -25,7 +26,7 @@ use l4d_frames::exr::read_surfaces;
 use l4d_frames::{Mask, Surfaces};
 use l4d_solve::lift::{
     Canvas, ClosedSettings, DistilSettings, Evidence, EvidenceFrame, EvidenceView, FieldSettings,
-    LiftSettings, lift,
+    LiftSettings, lift, masks,
 };
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, RasterSettings};
@@ -50,11 +51,14 @@ fn main() -> Result<(), Failure> {
     let footage = Footage::read(&folder, number("--views", 8)?, number("--every", 1)?)?;
     let source = Source::open(&splats)?;
     let (cpu, raster) = (Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster };
+    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster, moments: None };
     let methods: Vec<(String, LiftSettings)> =
         option("--method").unwrap_or("robust".into()).split(',').map(method).collect::<Result<_, _>>()?;
     let mut objects = footage.objects.clone();
     objects.truncate(number("--objects", usize::MAX)?);
+    if arguments.iter().any(|argument| argument == "--render") {
+        return render(&canvas, &footage, &objects, &methods);
+    }
     if let (Some(out), Some((id, _))) = (option("--export"), objects.first()) {
         return export(&canvas, &footage, *id, number("--pictures", 8)?, Path::new(&out));
     }
@@ -102,6 +106,45 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Milliseconds of a colour picture of the held-out view: alone, and with the masks of 1, 10 and 100 answers beside it.
+fn render(
+    canvas: &Canvas<'_>,
+    footage: &Footage,
+    objects: &[(u32, String)],
+    methods: &[(String, LiftSettings)],
+) -> Result<(), Failure> {
+    let (name, settings) = methods.first().ok_or("a method comes first")?;
+    let view = &footage.held_out.view;
+    let mut answers = Vec::new();
+    for (id, _) in objects {
+        let views = footage.views.iter().map(|view| view.evidence(*id, None)).collect();
+        answers.push(lift(canvas, &Evidence { views }, settings, &mut |_| ControlFlow::Continue(()))?);
+    }
+    let mut moments = Vec::new();
+    for (frame, _) in footage.held_out.frames.iter().step_by(footage.held_out.frames.len().div_ceil(8)) {
+        let time = time_of_frame(*frame);
+        let layers: Vec<_> =
+            answers.iter().map(|answer| answer.layer_at(canvas.model, time)).collect::<Result<_, _>>()?;
+        moments.push((canvas.at(time)?, layers));
+    }
+    for count in [0, 1, 10, 100] {
+        let mut best = f64::INFINITY;
+        for _ in 0..5 {
+            let start = Instant::now();
+            for (splats, layers) in &moments {
+                let shown: Vec<_> = layers.iter().cycle().take(count).collect();
+                let projected = canvas.rasterizer.prepare(splats, view, canvas.raster)?;
+                projected.draw()?;
+                masks(projected.as_ref(), view, &shown)?;
+            }
+            best = best.min(start.elapsed().as_secs_f64() / moments.len() as f64);
+        }
+        let line = json!({ "method": name, "answers": count, "picture_ms": 1e3 * best });
+        writeln!(std::io::stdout(), "{line}")?;
+    }
+    Ok(())
+}
+
 fn gated(frame: u32, mask: Mask, gate: Option<u32>) -> (u32, Mask) {
     let is_off = gate.is_some_and(|last| frame > last);
     (frame, if is_off { Mask::empty(mask.width(), mask.height()) } else { mask })
@@ -136,8 +179,9 @@ fn changed<S: serde::Serialize + serde::de::DeserializeOwned>(settings: S, name:
     Ok(serde_json::from_value(values)?)
 }
 
-/// Canonical centres, and for some pictures the time, the deformed centres, the mask, and the blend weights as rows of
-/// a sparse matrix; little-endian files beside an `index.json`.
+/// Canonical centres, and for some pictures the time, the view, the Gaussians as they are then (centres; scales,
+/// rotation and opacity in rows of eight), the mask, and the blend weights as rows of a sparse matrix; little-endian
+/// files beside an `index.json`.
 fn export(canvas: &Canvas<'_>, footage: &Footage, id: u32, count: usize, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
     let floats = |name: String, numbers: &[f32]| {
@@ -149,7 +193,7 @@ fn export(canvas: &Canvas<'_>, footage: &Footage, id: u32, count: usize, out: &P
         std::fs::write(out.join(name), bytes)
     };
     floats("means.f32".into(), canvas.model.gaussians.means.as_flattened())?;
-    let mut times = Vec::new();
+    let (mut times, mut views) = (Vec::new(), Vec::new());
     for picture in 0..count {
         let seen = &footage.views[picture % footage.views.len()];
         let masks = seen.masks(id);
@@ -179,9 +223,20 @@ fn export(canvas: &Canvas<'_>, footage: &Footage, id: u32, count: usize, out: &P
             format!("{picture}.mask.u32"),
             &mask.to_bools().into_iter().map(u32::from).collect::<Vec<_>>(),
         )?;
+        let rows = (0..splats.len()).flat_map(|row| {
+            let (scale, rotation) = (splats.scales()[row], splats.rotations()[row]);
+            scale.into_iter().chain(rotation).chain([splats.opacities()[row]])
+        });
+        floats(format!("{picture}.shapes.f32"), &rows.collect::<Vec<f32>>())?;
+        let view = &seen.view;
+        views.push(json!({
+            "width": width, "height": height,
+            "fx": view.focal()[0], "fy": view.focal()[1], "cx": view.principal()[0], "cy": view.principal()[1],
+            "camera_from_world": view.camera_from_world(),
+        }));
         times.push(time_of_frame(*frame));
     }
-    std::fs::write(out.join("index.json"), json!({ "times": times }).to_string())?;
+    std::fs::write(out.join("index.json"), json!({ "times": times, "views": views }).to_string())?;
     Ok(())
 }
 

@@ -1,10 +1,10 @@
 //! What each view says, asked once: groundings on disk, under the digest of everything that they depend on.
 //!
-//! Owns the file `grounded/<view>.json` and when it may be believed. Outcomes that are no answers are not remembered:
+//! Owns the file `grounded/<view>.json` and when it may be believed. Outcomes that are not final are not remembered:
 //! the next run asks again. Refuses to know what groundings are good for.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 
 use l4d_data::digest::sha256_hex;
@@ -13,6 +13,7 @@ use l4d_data::{DataError, json};
 use l4d_frames::{Mask, rle};
 use l4d_ground::{Grounder, Grounding, Outcome, Question, ViewClip};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 const SCHEMA: &str = "l4d/grounded/1";
 
@@ -45,8 +46,7 @@ pub fn ground_all(
 ) -> Result<Vec<Grounding>, DataError> {
     let identity = grounder.identity();
     let one = |(clip, digest): (&ViewClip, &String)| {
-        let asked = sha256_hex(json::canonical(&serde_json::json!([identity, question, digest])).as_bytes());
-        let path = folder.join(format!("{}.json", clip.camera.name));
+        let (asked, path) = (asked(&identity, question, digest), path_of(folder, clip));
         let grounding = match read(&path, &asked, clip) {
             Some(grounding) => grounding,
             None => {
@@ -66,6 +66,30 @@ pub fn ground_all(
     })
 }
 
+/// The clips that [`ground_all`] would ask about.
+pub fn unanswered<'a>(
+    grounder: &dyn Grounder,
+    question: &Question,
+    clips: &'a [ViewClip],
+    clip_digests: &[String],
+    folder: &Path,
+) -> Vec<&'a ViewClip> {
+    let identity = grounder.identity();
+    let is_asked = |(clip, digest): &(&ViewClip, &String)| {
+        read(&path_of(folder, clip), &asked(&identity, question, digest), clip).is_none()
+    };
+    clips.iter().zip(clip_digests).filter(is_asked).map(|(clip, _)| clip).collect()
+}
+
+/// SHA-256 of everything that an answer depends on.
+fn asked(identity: &Value, question: &Question, clip_digest: &str) -> String {
+    sha256_hex(json::canonical(&json!([identity, question, clip_digest])).as_bytes())
+}
+
+fn path_of(folder: &Path, clip: &ViewClip) -> PathBuf {
+    folder.join(format!("{}.json", clip.camera.name))
+}
+
 fn died() -> Grounding {
     Grounding::without_answer(Outcome::Error("the grounder panicked".to_owned()))
 }
@@ -73,7 +97,7 @@ fn died() -> Grounding {
 /// The answer in a file, if it is one to this question; whatever is wrong with the file, the view is asked again.
 fn read(path: &Path, asked: &str, clip: &ViewClip) -> Option<Grounding> {
     let file: File = json::read(path).ok()?;
-    let is_meant = file.schema == SCHEMA && file.asked == asked && file.outcome.is_answer();
+    let is_meant = file.schema == SCHEMA && file.asked == asked && file.outcome.is_final();
     if !is_meant || file.size != [clip.height, clip.width] {
         return None;
     }
@@ -85,7 +109,10 @@ fn read(path: &Path, asked: &str, clip: &ViewClip) -> Option<Grounding> {
         };
         Some((frame, mask))
     };
-    let masks = clip.frame_numbers().map(mask).collect::<Option<_>>()?;
+    let masks = match file.outcome.is_answer() {
+        true => clip.frame_numbers().map(mask).collect::<Option<_>>()?,
+        false => BTreeMap::new(),
+    };
     Some(Grounding { outcome: file.outcome, masks, notes: file.notes })
 }
 
@@ -100,4 +127,77 @@ fn write(path: &Path, asked: String, clip: &ViewClip, grounding: &Grounding) -> 
         notes: grounding.notes.clone(),
     };
     json::write(path, &file)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+    use l4d_data::{Camera, Name, Split};
+    use l4d_frames::drawn::{DepthMap, RgbImage};
+    use l4d_ground::ClipFrame;
+
+    /// Says always the same, and counts how often it is asked.
+    struct Stubborn {
+        outcome: Outcome,
+        asked: AtomicUsize,
+    }
+
+    impl Grounder for Stubborn {
+        fn identity(&self) -> Value {
+            Value::from("stubborn")
+        }
+
+        fn ground(&self, clip: &ViewClip, _: &Question) -> Grounding {
+            self.asked.fetch_add(1, Ordering::Relaxed);
+            if self.outcome.is_answer() {
+                let frame = u32::from(self.outcome == Outcome::Found);
+                let masks = BTreeMap::from([(0, Mask::from_fn(4, 3, |column, _| column < frame))]);
+                return Grounding::of_masks(clip, masks, Vec::new());
+            }
+            Grounding::without_answer(self.outcome.clone())
+        }
+    }
+
+    fn clip(view: &str) -> ViewClip {
+        let name = Name::new(view).unwrap();
+        let (fx, fy, cx, cy, world_from_camera) = (4.0, 4.0, 2.0, 1.5, Vec::new());
+        let camera = Camera { name, split: Split::Train, fx, fy, cx, cy, world_from_camera };
+        let frame = |frame| ClipFrame { frame, colour: RgbImage::new(4, 3), depth: DepthMap::empty(4, 3) };
+        ViewClip { camera, width: 4, height: 3, frames: [0, 12].map(frame).to_vec() }
+    }
+
+    /// What two runs say, one after the other, and how often they ask.
+    fn ask_twice(outcome: Outcome) -> (Vec<Grounding>, usize) {
+        let folder = tempfile::tempdir().unwrap();
+        let grounder = Stubborn { outcome, asked: AtomicUsize::new(0) };
+        let scene = Name::new("ball").unwrap();
+        let question = Question { scene, number: None, text: "the ball".to_owned(), range: None };
+        let (clips, digests) = ([clip("cam00"), clip("cam01")], ["a".to_owned(), "b".to_owned()]);
+        let run = || ground_all(&grounder, &question, &clips, &digests, folder.path(), &|| {}).unwrap();
+        let first = run();
+        let second = run();
+        assert_eq!(first, second);
+        (second, grounder.asked.into_inner())
+    }
+
+    #[test]
+    fn what_is_final_is_asked_once_and_everything_else_again() {
+        let words = vec!["zorple".to_owned()];
+        for outcome in [Outcome::Found, Outcome::Absent, Outcome::Unsupported(words)] {
+            let (groundings, asked) = ask_twice(outcome.clone());
+            assert_eq!(asked, 2, "{outcome:?}");
+            for grounding in groundings {
+                assert_eq!(grounding.outcome, outcome);
+                assert_eq!(grounding.masks.len(), if outcome.is_answer() { 2 } else { 0 });
+            }
+        }
+        let why = || "why".to_owned();
+        for outcome in
+            [Outcome::Unparsed(why()), Outcome::Truncated, Outcome::Refused(why()), Outcome::Error(why())]
+        {
+            assert_eq!(ask_twice(outcome.clone()).1, 4, "{outcome:?}");
+        }
+    }
 }

@@ -17,6 +17,7 @@ use crate::clips::{
     self, ClipsError, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite, Plan, read_views,
     spread_views,
 };
+use crate::lift::{Canvas, Moments};
 
 /// Which clips are looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +62,8 @@ pub struct SolveScene {
     pub clips_root: PathBuf,
     /// How pictures and masks are drawn.
     pub raster: RasterSettings,
+    /// The model at the times of the clips.
+    moments: Moments,
 }
 
 impl SolveScene {
@@ -109,9 +112,15 @@ impl SolveScene {
             clip_digests: (0..plan.cameras.len()).map(|view| folder.view_digest(&plan, view)).collect(),
             clips_root: folder.root().to_owned(),
             raster: RasterSettings { background, ..RasterSettings::default() },
+            moments: Moments::at(plan.instants.iter().map(|instant| instant.time)),
             rig,
             source,
         })
+    }
+
+    /// What answers are lifted onto. All of them share the states of the model.
+    pub fn canvas<'a>(&'a self, rasterizer: &'a dyn Rasterizer) -> Canvas<'a> {
+        Canvas { model: &self.source.model, rasterizer, raster: &self.raster, moments: Some(&self.moments) }
     }
 
     /// SHA-256 of everything that its answers depend on: model and clips.

@@ -31,6 +31,8 @@ const TITLE: Style = Style { weight: Weight::Semibold, size_px: 18.0, colour: Rg
 const GAP_PX: u32 = 6;
 const CAPTION_PX: u32 = 20;
 const TITLE_PX: u32 = 28;
+/// A sentence may be as long as somebody likes.
+const MOST_TITLE_LINES: usize = 4;
 
 /// One moment of one camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +118,8 @@ pub fn sheet(title: &str, moments: &[(String, Shown)]) -> RgbImage {
     let (width, height) = first.scene.dimensions();
     let rows = ["outlined", "highlighted", "alone", "taken away"];
     let page_width = GAP_PX + moments.len() as u32 * (width + GAP_PX);
-    let lines = TITLE.wrap(title, (page_width - 2 * GAP_PX) as f32);
+    let mut lines = TITLE.wrap(title, (page_width - 2 * GAP_PX) as f32);
+    lines.truncate(MOST_TITLE_LINES);
     let top = GAP_PX + lines.len() as u32 * TITLE_PX;
     let page_height = top + rows.len() as u32 * (height + CAPTION_PX + GAP_PX);
     let mut page = RgbImage::from_pixel(page_width, page_height, PAPER);

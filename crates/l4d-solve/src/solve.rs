@@ -9,7 +9,7 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::layout::AnswerDir;
 use l4d_data::{DataError, json};
 use l4d_frames::Mask;
-use l4d_ground::{Grounder, Grounding, Question};
+use l4d_ground::{Grounder, Grounding, Question, ViewClip};
 use l4d_splat::raster::Rasterizer;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use crate::account::{Account, Stage};
 use crate::clips::{ClipsError, DepthKind, Plan, Shot};
 use crate::consensus::{Consensus, ConsensusSettings, Decision, Preset, Proposal, consensus};
-use crate::grounded::ground_all;
+use crate::grounded::{ground_all, unanswered};
 use crate::lift::{
     Canvas, ClosedSettings, Evidence, EvidenceView, FieldSettings, LiftError, LiftSettings, Lifted, lift,
 };
@@ -100,7 +100,7 @@ pub struct Record {
     pub decision: Decision,
     /// View -> outcome, one word.
     pub outcomes: BTreeMap<String, String>,
-    /// Whether every view answered; if not, the next run asks the others again.
+    /// Whether asking again would change nothing; if not, the next run asks the views again that did not answer.
     pub is_complete: bool,
     /// What its stages took.
     pub account: Account,
@@ -172,6 +172,16 @@ impl Method<'_> {
         Ok(Solved { groundings, consensus: agreed, lifted, account })
     }
 
+    /// The clips that [`Self::solve`] would ask the grounder about, since no final outcome of theirs stands in `dir`.
+    pub fn unanswered<'s>(
+        &self,
+        scene: &'s SolveScene,
+        question: &Question,
+        dir: &AnswerDir,
+    ) -> Vec<&'s ViewClip> {
+        unanswered(self.grounder, question, &scene.clips, &scene.clip_digests, &dir.grounded())
+    }
+
     fn lift(
         &self,
         scene: &SolveScene,
@@ -191,7 +201,7 @@ impl Method<'_> {
     }
 
     fn canvas<'s>(&'s self, scene: &'s SolveScene) -> Canvas<'s> {
-        Canvas { model: &scene.source.model, rasterizer: self.rasterizer, raster: &scene.raster }
+        scene.canvas(self.rasterizer)
     }
 
     /// The pixels of an answer in every picture of a plan; all empty where nothing was lifted. The model is deformed
@@ -213,7 +223,7 @@ impl Method<'_> {
         let at = |instant: usize| -> Result<Vec<(Shot, Mask)>, SolveError> {
             let time = plan.instants[instant].time;
             let layer = lifted.layer_at(canvas.model, time)?;
-            let splats = canvas.at(time)?;
+            let splats = canvas.shapes_at(time)?;
             let of_view = |view: usize| {
                 let shot = Shot { view, instant };
                 let from = plan.view(shot)?;
@@ -249,7 +259,7 @@ impl Method<'_> {
             outcomes: named
                 .map(|(clip, grounding)| (clip.camera.name.to_string(), grounding.outcome.word().to_owned()))
                 .collect(),
-            is_complete: solved.groundings.iter().all(|grounding| grounding.outcome.is_answer()),
+            is_complete: solved.groundings.iter().all(|grounding| grounding.outcome.is_final()),
             account: solved.account.clone(),
         };
         json::write(&dir.manifest(), &record)?;
@@ -264,7 +274,7 @@ impl Record {
         (record.schema == SCHEMA).then_some(record)
     }
 
-    /// The record of an answer that was made from just this, and by all views; none where the question has to be
+    /// The record of an answer that was made from just this, and to which no view has more to say; none where the question has to be
     /// asked (again).
     pub fn of_finished(dir: &AnswerDir, made_from: &str) -> Option<Self> {
         Self::read(dir).filter(|record| record.made_from == made_from && record.is_complete)

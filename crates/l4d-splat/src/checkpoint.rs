@@ -12,6 +12,7 @@ pub mod foreign;
 pub mod own;
 pub mod pickle;
 pub mod ply;
+pub mod tensor_file;
 
 use std::collections::BTreeMap;
 

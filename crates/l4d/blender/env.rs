@@ -1,22 +1,17 @@
-//! The Python environment that runs Blender: found, or made once and kept.
+//! The Python environment that runs Blender: what it has to hold, and what to do where it does not.
 //!
-//! bpy 4.5 runs on Python 3.11 alone. The environment is named by the digest of the pinned requirements, so a
-//! changed pin makes a new one and an interrupted installation is never taken for a whole one.
+//! bpy 4.5 runs on Python 3.11 alone. How the environment is made is not known here.
 
-use std::ffi::OsStr;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context as _, Result};
-use l4d_data::digest::sha256_file;
-use l4d_data::store::{make_folder, write_atomic};
 use serde::Deserialize;
 
-use crate::cli::PythonArgs;
+use crate::cli::scenes::PythonArgs;
 use crate::out::{Printer, refusal};
+use crate::python::{Environment, PYTHON_VERSION};
 
-const PYTHON_VERSION: &str = "3.11";
 /// Asks an interpreter what it has; import errors are data, not failures.
 const PROBE: &str = r#"
 import importlib, json, sys
@@ -61,7 +56,7 @@ impl BlenderEnv {
         let scripts = scripts_folder(&args.blender_scripts)?;
         let python = match &args.python {
             Some(python) => python.clone(),
-            None => make_environment(&scripts, &args.work, out)?,
+            None => environment(&scripts, &args.work).find_or_make(out)?,
         };
         require_modules(&python)?;
         Ok(Self { python, scripts })
@@ -88,7 +83,7 @@ impl BlenderEnv {
 
 /// Where the project's own environment stands (whether or not it exists).
 pub(crate) fn environment_python(scripts: &Path, work: &Path) -> Result<PathBuf> {
-    Ok(environment_folder(scripts, work)?.join("bin").join("python"))
+    environment(scripts, work).python()
 }
 
 /// Asks an interpreter for its version and modules.
@@ -133,102 +128,14 @@ pub(crate) fn scripts_folder(scripts: &Path) -> Result<PathBuf> {
     std::path::absolute(scripts).with_context(|| format!("cannot resolve {}", scripts.display()))
 }
 
-fn environment_folder(scripts: &Path, work: &Path) -> Result<PathBuf> {
-    let digest = sha256_file(&scripts.join("requirements.txt"))?;
-    let work = std::path::absolute(work).with_context(|| format!("cannot resolve {}", work.display()))?;
-    Ok(work.join("blender-env").join(&digest[..12]))
-}
-
-fn make_environment(scripts: &Path, work: &Path, out: &Printer) -> Result<PathBuf> {
-    let folder = environment_folder(scripts, work)?;
-    let python = folder.join("bin").join("python");
-    let complete = folder.join("complete");
-    if complete.exists() {
-        return Ok(python);
+/// The project's own environment.
+fn environment(scripts: &Path, work: &Path) -> Environment {
+    Environment {
+        requirements: scripts.join("requirements.txt"),
+        kind_folder: work.join("blender-env"),
+        name: "the Blender environment",
+        holds: "bpy, usd-core, OpenEXR; about 1 GB, and 2 GB while it is made",
     }
-    let parent = folder.parent().unwrap_or(work);
-    make_folder(parent)?;
-    let lock_path = parent.join("lock");
-    let lock = File::create(&lock_path).with_context(|| format!("cannot create {}", lock_path.display()))?;
-    lock.lock().with_context(|| format!("cannot lock {}", lock_path.display()))?;
-    if complete.exists() {
-        return Ok(python);
-    }
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).with_context(|| format!("cannot remove {}", folder.display()))?;
-    }
-    out.note(format!(
-        "making the Blender environment in {} (bpy, usd-core, OpenEXR; about 1 GB)",
-        folder.display()
-    ));
-    install(&folder, &scripts.join("requirements.txt"))?;
-    write_atomic(&complete, b"")?;
-    Ok(python)
-}
-
-fn install(folder: &Path, requirements: &Path) -> Result<()> {
-    let python = folder.join("bin").join("python");
-    if runs("uv", ["--version"]) {
-        run_step(
-            "uv",
-            [OsStr::new("venv"), "--python".as_ref(), PYTHON_VERSION.as_ref(), folder.as_os_str()],
-        )?;
-        let install = [
-            OsStr::new("pip"),
-            "install".as_ref(),
-            "--python".as_ref(),
-            python.as_os_str(),
-            "-r".as_ref(),
-            requirements.as_os_str(),
-        ];
-        return run_step("uv", install);
-    }
-    let base = base_python()?;
-    run_step(&base, [OsStr::new("-m"), "venv".as_ref(), folder.as_os_str()])?;
-    let install = ["-m", "pip", "install", "--disable-pip-version-check", "--no-input", "--quiet", "-r"];
-    run_step(&python.to_string_lossy(), install.map(OsStr::new).into_iter().chain([requirements.as_os_str()]))
-}
-
-fn base_python() -> Result<String> {
-    let version = "import sys; sys.exit(sys.version_info[:2] != (3, 11))";
-    let found = ["python3.11", "python3", "python"].into_iter().find(|python| runs(python, ["-c", version]));
-    found.map(str::to_owned).ok_or_else(|| {
-        refusal(
-            format!("no Python {PYTHON_VERSION} on PATH, and bpy 4.5 runs on no other"),
-            "install it (Debian 12: apt-get install python3.11 python3.11-venv), or install uv, which brings its own",
-        )
-    })
-}
-
-fn runs<const N: usize>(program: &str, args: [&str; N]) -> bool {
-    let silent = Command::new(program)
-        .args(args)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
-    silent.is_ok_and(|status| status.success())
-}
-
-fn run_step<'a>(program: &str, args: impl IntoIterator<Item = &'a OsStr>) -> Result<()> {
-    let mut command = Command::new(program);
-    command.args(args).stdin(Stdio::null());
-    let output = command.output().with_context(|| format!("cannot run {program}"))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let talk = [output.stdout, output.stderr].concat();
-    let talk = String::from_utf8_lossy(&talk).into_owned();
-    let tail: Vec<&str> = talk.lines().rev().take(8).collect();
-    let tail: Vec<&str> = tail.into_iter().rev().collect();
-    let hint = if talk.contains("ensurepip") {
-        "install the venv module (Debian, Ubuntu: apt-get install python3.11-venv), or install uv"
-    } else if talk.contains("No space left") {
-        "free about 2 GB of disk, or choose another --work folder"
-    } else {
-        "check the network and the package index, or prepare an environment yourself and name it with --python"
-    };
-    Err(refusal(format!("{program} could not make the Blender environment:\n{}", tail.join("\n")), hint))
 }
 
 fn require_modules(python: &Path) -> Result<()> {

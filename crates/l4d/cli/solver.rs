@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use l4d_data::Profile;
 
-use super::{AdapterArgs, BenchArgs, PixelSize, ServerArgs, Shard};
+use super::models::ServerArgs;
+use super::splats::{AdapterArgs, PixelSize};
+use super::{BenchArgs, Shard};
 
 /// Who finds in one view what a sentence means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -127,7 +129,7 @@ pub(crate) struct SolveArgs {
     /// Only these queries, e.g. room_living_cats/003 (comma-separated or repeated)
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub(crate) queries: Vec<String>,
-    /// Name of the method; default: panopticquery-<grounder>, and what differs from the preset robust
+    /// Name of the method; default: panopticquery-<grounder>, what differs from the preset robust, and --set if not queries
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     /// Folder that receives one folder a method
@@ -145,6 +147,9 @@ pub(crate) struct SolveArgs {
     /// Answer again what was answered by another version or with other settings under this name
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Say what a model server would be asked and what that may cost, and send nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -5,7 +5,7 @@ use l4d_data::{Benchmark, Report};
 use l4d_score::baseline::{Written, write_baseline};
 use l4d_score::{Baseline, Exam, QuerySet};
 
-use crate::cli::{BaselineArgs, BaselineName};
+use crate::cli::judging::{BaselineArgs, BaselineName};
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &BaselineArgs, out: &Printer) -> Result<ExitStatus> {

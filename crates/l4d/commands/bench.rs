@@ -5,7 +5,7 @@ mod splats;
 
 use anyhow::Result;
 
-use crate::cli::BenchCommand;
+use crate::cli::splats::BenchCommand;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(command: &BenchCommand, out: &Printer) -> Result<ExitStatus> {

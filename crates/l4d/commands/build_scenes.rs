@@ -11,7 +11,7 @@ use crate::blender::env::{BlenderEnv, scripts_folder};
 use crate::blender::plan::{Plan, plan};
 use crate::blender::render::{PlannedScene, recipes, render};
 use crate::blender::settle::{commit, join_names, settle};
-use crate::cli::BuildScenesArgs;
+use crate::cli::scenes::BuildScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {

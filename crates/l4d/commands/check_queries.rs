@@ -7,7 +7,7 @@ use l4d_query::probes::Probe;
 use l4d_query::rules::Rule;
 use serde_json::json;
 
-use crate::cli::CheckQueriesArgs;
+use crate::cli::annotation::CheckQueriesArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> {

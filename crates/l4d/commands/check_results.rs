@@ -4,7 +4,7 @@ use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, check_results};
 
-use crate::cli::CheckResultsArgs;
+use crate::cli::judging::CheckResultsArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> {

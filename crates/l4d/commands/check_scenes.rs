@@ -9,7 +9,8 @@ use l4d_frames::check::{Request, SceneStats, check_scene};
 use serde_json::json;
 
 use super::build_scenes::data_folder;
-use crate::cli::{BenchArgs, CheckScenesArgs};
+use crate::cli::BenchArgs;
+use crate::cli::scenes::CheckScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {

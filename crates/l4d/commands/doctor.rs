@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::blender::env::{BlenderEnv, Probe, environment_python, import_remedy, probe};
-use crate::cli::DoctorArgs;
+use crate::cli::scenes::DoctorArgs;
 use crate::out::{ExitStatus, Printer};
 
 /// Free space that a `full` build of the benchmark wants.

@@ -18,7 +18,7 @@ use serde_json::json;
 use super::build_scenes::data_folder;
 use crate::blender::env::BlenderEnv;
 use crate::blender::plan::plan;
-use crate::cli::DrawVariantArgs;
+use crate::cli::scenes::DrawVariantArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 /// What became of the sentences of a scene.

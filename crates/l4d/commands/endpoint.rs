@@ -8,7 +8,7 @@ use l4d_endpoint::{BoxPx, Calibrations, Client, Endpoint, Image, Link};
 use l4d_frames::targets::Targets;
 use serde_json::json;
 
-use crate::cli::{EndpointArgs, EndpointCalibrateArgs, EndpointCheckArgs, EndpointCommand};
+use crate::cli::models::{EndpointArgs, EndpointCalibrateArgs, EndpointCheckArgs, EndpointCommand};
 use crate::out::{ExitStatus, Printer, refusal};
 
 const PROBES: u64 = 7;

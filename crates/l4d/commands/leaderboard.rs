@@ -6,7 +6,7 @@ use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
 use serde_json::{Value, json};
 
-use crate::cli::LeaderboardArgs;
+use crate::cli::judging::LeaderboardArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {

@@ -14,7 +14,7 @@ use l4d_votes::make::{RoundPlan, make_round, write_round};
 use l4d_votes::round::Gold;
 use l4d_votes::{Key, Round, RoundDir};
 
-use crate::cli::{AskedArg, OpenRoundArgs};
+use crate::cli::annotation::{AskedArg, OpenRoundArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {

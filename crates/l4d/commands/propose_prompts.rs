@@ -1,8 +1,6 @@
 //! `l4d propose-prompts`: a vision model looks at clips and proposes queries; what is proved becomes a candidate.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Result;
 use l4d_data::layout::SceneDir;
@@ -15,8 +13,10 @@ use l4d_query::prove::Vocabulary;
 use serde_json::json;
 
 use super::build_scenes::data_folder;
-use crate::cli::{AskArgs, ProposePromptsArgs, ServerArgs, Shard};
+use super::estimate;
+use crate::cli::models::{AskArgs, ProposePromptsArgs, ServerArgs};
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::side_by_side::side_by_side;
 
 pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     if args.ask.dry_run {
         return plan(&asking, &scenes, &client, args, out);
     }
-    let (outcomes, report) = propose_all(&asking, &scenes, &client, args.jobs as usize, out);
+    let (outcomes, report) = propose_all(&asking, &scenes, &client, args.jobs as usize, out)?;
     if args.json {
         let failed = report.has_errors();
         out.json(&json!({
@@ -108,7 +108,10 @@ fn chosen_scenes(
     data: &Path,
     out: &Printer,
 ) -> Result<Vec<Name>> {
-    let chosen = of_shard(bench.select(&args.bench.scenes)?, args.shard);
+    let mut chosen = bench.select(&args.bench.scenes)?;
+    if let Some(shard) = args.shard {
+        shard.keep(&mut chosen);
+    }
     let is_rendered = |name: &Name| SceneDir::new(data, name).scene().is_file();
     let (rendered, missing): (Vec<Name>, Vec<Name>) = chosen.into_iter().partition(is_rendered);
     let hint =
@@ -129,12 +132,6 @@ fn chosen_scenes(
     }
 }
 
-/// Shard i of n has every n-th scene.
-fn of_shard(scenes: Vec<Name>, shard: Option<Shard>) -> Vec<Name> {
-    let Some(Shard { index, count }) = shard else { return scenes };
-    scenes.into_iter().skip(index - 1).step_by(count).collect()
-}
-
 /// Asks about all scenes, `jobs` at once; the order of the outcomes is that of the scenes.
 fn propose_all(
     asking: &Asking<'_>,
@@ -142,33 +139,21 @@ fn propose_all(
     client: &Client,
     jobs: usize,
     out: &Printer,
-) -> (Vec<SceneOutcome>, Report) {
+) -> Result<(Vec<SceneOutcome>, Report)> {
     let bar = out.bar(scenes.len() as u64, "asking");
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::new());
-    let work = || {
-        while let Some(scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let mut report = Report::default();
-            let outcome = asking.propose(scene, client, &mut report);
-            done.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((outcome, report));
-            bar.inc(1);
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..jobs.min(scenes.len()) {
-            scope.spawn(work);
-        }
+    let done = side_by_side(scenes, jobs, |scene| {
+        let mut report = Report::default();
+        let outcome = asking.propose(scene, client, &mut report);
+        bar.inc(1);
+        Ok((outcome, report))
     });
     bar.finish_and_clear();
-    let mut done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let place = |outcome: &SceneOutcome| scenes.iter().position(|scene| *scene == outcome.scene);
-    done.sort_by_key(|(outcome, _)| place(outcome));
     let mut all = Report::default();
-    let outcomes = done.into_iter().map(|(outcome, report)| {
+    let outcomes = done?.into_iter().map(|(outcome, report)| {
         all.extend(report);
         outcome
     });
-    (outcomes.collect(), all)
+    Ok((outcomes.collect(), all))
 }
 
 fn print(outcomes: &[SceneOutcome], out: &Printer) -> Result<()> {
@@ -213,58 +198,5 @@ fn plan(
         .iter()
         .filter_map(|scene| Some((scene.to_string(), asking.plan(scene, client, &mut report)?)))
         .collect();
-    print_plan("scene", &plans, client, args.json, report, out)
-}
-
-/// Prints a plan, one row a question.
-pub(super) fn print_plan(
-    what: &'static str,
-    plans: &[(String, Plan)],
-    client: &Client,
-    as_json: bool,
-    report: Report,
-    out: &Printer,
-) -> Result<ExitStatus> {
-    let mut total = Plan::default();
-    for (_, plan) in plans {
-        total.questions += plan.questions;
-        total.kept += plan.kept;
-        total.images += plan.images;
-        total.bytes += plan.bytes;
-        total.tokens.prompt += plan.tokens.prompt;
-        total.tokens.completion += plan.tokens.completion;
-        total.cost = plan.cost.map(|cost| total.cost.unwrap_or(0.0) + cost);
-    }
-    if as_json {
-        let failed = report.has_errors();
-        let rows: Vec<_> = plans.iter().map(|(name, plan)| json!({ what: name, "plan": plan })).collect();
-        out.json(&json!({
-            "dry_run": true,
-            "endpoint": about(client.endpoint()),
-            "plans": rows,
-            "total": total,
-            "findings": report.into_sorted(),
-        }))?;
-        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
-    }
-    let width = plans.iter().map(|(name, _)| name.len()).max().unwrap_or(0).max(what.len());
-    out.data(format!(
-        "{what:width$}{:>10}{:>10}{:>12}{:>16}{:>16}{:>12}",
-        "kept", "pictures", "bytes", "question tokens", "answer tokens", "cost up to"
-    ))?;
-    let row = |name: &str, plan: &Plan| {
-        let cost = plan.cost.map_or_else(|| "?".to_owned(), |cost| format!("{cost:.4}"));
-        let Plan { kept, images, bytes, tokens, .. } = plan;
-        let (prompt, completion) = (tokens.prompt, tokens.completion);
-        out.data(format!(
-            "{name:width$}{kept:>10}{images:>10}{bytes:>12}{prompt:>16}{completion:>16}{cost:>12}"
-        ))
-    };
-    plans.iter().try_for_each(|(name, plan)| row(name, plan))?;
-    row("all", &total)?;
-    out.note("nothing was sent; tokens are estimates, those of answers the most that they may have");
-    match report.is_empty() {
-        true => Ok(ExitStatus::Success),
-        false => out.findings(report, false),
-    }
+    estimate::print("scene", &plans, client.endpoint(), args.json, report, out)
 }

@@ -9,8 +9,9 @@ use l4d_propose::printable;
 use l4d_propose::scenarios::{Inventing, Known, ScaleOutcome};
 use serde_json::json;
 
-use super::propose_prompts::{about, manner, note_spent, open_client, print_plan};
-use crate::cli::ProposeScenesArgs;
+use super::estimate;
+use super::propose_prompts::{about, manner, note_spent, open_client};
+use crate::cli::models::ProposeScenesArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus> {
@@ -30,7 +31,7 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
             Ok((scale.as_str().to_owned(), client.plan([&inventing.request(scale)])?))
         };
         let plans: Vec<_> = scales.into_iter().map(plan).collect::<Result<_>>()?;
-        return print_plan("scale", &plans, &client, args.json, Report::default(), out);
+        return estimate::print("scale", &plans, client.endpoint(), args.json, Report::default(), out);
     }
     let mut report = Report::default();
     let mut taken = BTreeSet::new();

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let places = Places { data: SceneDir::new(&data, &name), work: work.clone(), model: args.splats.clone() };
     let known = known_queries(args, &name);
     let question = Question { number: number_of(&known, &question.text), ..question };
-    let grounders = Grounders::open(&args.method, &args.work.work)?;
+    let grounders = Grounders::open(&args.method, &args.work.work, out)?;
     let settings = solver::settings(&args.method);
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
 

@@ -11,7 +11,7 @@ use l4d_splat::source::Source;
 
 use self::plan::Order;
 use self::preview::Preview;
-use crate::cli::{DepthArg, DepthFormatArg, RenderSplatsArgs};
+use crate::cli::splats::{DepthArg, DepthFormatArg, RenderSplatsArgs};
 use crate::out::{ExitStatus, Printer};
 use crate::{moving_picture, rasterizer};
 

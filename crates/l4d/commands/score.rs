@@ -8,7 +8,7 @@ use l4d_score::results::PROTOCOL;
 use l4d_score::{Exam, Missing, Options, QuerySet, Scored, Summary, score_results, table};
 use serde_json::json;
 
-use crate::cli::{JudgedSetArg, MissingArg, ScoreArgs};
+use crate::cli::judging::{JudgedSetArg, MissingArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {

@@ -10,7 +10,7 @@ use l4d_data::{Benchmark, Camera, Name};
 use l4d_frames::sheet::{Rendered, Sheet, default_frames, default_views, overview, save};
 
 use super::build_scenes::data_folder;
-use crate::cli::SheetArgs;
+use crate::cli::scenes::SheetArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 /// Moments of the overview: the clip's quarters.

@@ -3,10 +3,7 @@
 mod card;
 mod ledger;
 mod pick;
-
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
+mod plan;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
@@ -27,9 +24,14 @@ use super::build_scenes::data_folder;
 use crate::cli::solver::SolveArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 use crate::rasterizer;
+use crate::side_by_side::side_by_side;
 use crate::solver::{self, Grounders};
 
 pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
+    if args.dry_run {
+        let bench = Benchmark::open(&args.bench.bench)?;
+        return Run::new(args, &bench, out)?.estimate(&pick(args, &bench)?, out);
+    }
     let (run, ledger) = answer(args, out)?;
     ledger.print(&run.name, args.json, out)?;
     ledger.talk(out);
@@ -44,17 +46,8 @@ pub(super) fn answer_quietly(args: &SolveArgs, out: &Printer) -> Result<()> {
 
 fn answer<'a>(args: &'a SolveArgs, out: &Printer) -> Result<(Run<'a>, Ledger)> {
     let bench = Benchmark::open(&args.bench.bench)?;
-    let name = Name::new(args.name.clone().unwrap_or_else(|| solver::default_name(&args.method)))?;
     let picked = pick(args, &bench)?;
-    let run = Run {
-        args,
-        results: ResultsDir::new(args.results.join(name.as_str())),
-        data: data_folder(args.work.data.as_deref(), args.bench.profile, bench.manifest.draw()),
-        grounders: Grounders::open(&args.method, &args.work.work)?,
-        settings: solver::settings(&args.method),
-        opened: rasterizer::open(&args.method.adapter.adapter)?,
-        name,
-    };
+    let run = Run::new(args, &bench, out)?;
     let card = Card::claim(&run, &bench)?;
     let total = picked.iter().map(|scene| scene.queries.len()).sum::<usize>();
     let bar = out.bar(total as u64, "solving");
@@ -79,7 +72,21 @@ struct Run<'a> {
     opened: rasterizer::Opened,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    fn new(args: &'a SolveArgs, bench: &Benchmark, out: &Printer) -> Result<Self> {
+        let name = args.name.clone().unwrap_or_else(|| solver::default_name(&args.method, args.set));
+        let name = Name::new(name)?;
+        Ok(Self {
+            args,
+            results: ResultsDir::new(args.results.join(name.as_str())),
+            data: data_folder(args.work.data.as_deref(), args.bench.profile, bench.manifest.draw()),
+            grounders: Grounders::open(&args.method, &args.work.work, out)?,
+            settings: solver::settings(&args.method),
+            opened: rasterizer::open(&args.method.adapter.adapter)?,
+            name,
+        })
+    }
+
     fn solve_scene(
         &self,
         wanted: &SceneQueries,
@@ -87,10 +94,7 @@ impl Run<'_> {
         bar: &ProgressBar,
         out: &Printer,
     ) -> Result<()> {
-        let profile = self.args.bench.profile;
-        let work = WorkDir::new(&self.args.work.work, profile, &wanted.name);
-        let places =
-            Places { data: SceneDir::new(&self.data, &wanted.name), work: work.clone(), model: None };
+        let places = self.places(&wanted.name);
         let mut account = Account::default();
         let scene = account.of(Stage::Clips, || self.open(&wanted.name, &places))?;
         scene.source.notes.iter().for_each(|note| out.note(format!("{}: {note}", wanted.name)));
@@ -104,10 +108,9 @@ impl Run<'_> {
         };
         let one = |query: &Query| -> Result<Record> {
             let question = question_of(query);
-            let dir = self.answer_dir(&work, query);
+            let dir = self.answer_dir(&places.work, query);
             let made_from = method.made_from(&scene, &question);
-            let stands = self.results.mask_file(&query.id).is_file();
-            if let Some(record) = Record::of_finished(&dir, &made_from).filter(|_| stands) {
+            if let Some(record) = self.finished(query, &dir, &made_from) {
                 return Ok(record);
             }
             self.refuse_other(&dir, &made_from)?;
@@ -126,6 +129,17 @@ impl Run<'_> {
             ledger.add(query, record);
         }
         Ok(())
+    }
+
+    fn places(&self, scene: &Name) -> Places {
+        let work = WorkDir::new(&self.args.work.work, self.args.bench.profile, scene);
+        Places { data: SceneDir::new(&self.data, scene), work, model: None }
+    }
+
+    /// The record of a query whose answer and masks stand there.
+    fn finished(&self, query: &Query, dir: &AnswerDir, made_from: &str) -> Option<Record> {
+        let stands = self.results.mask_file(&query.id).is_file();
+        Record::of_finished(dir, made_from).filter(|_| stands)
     }
 
     /// Where it stands how the answer came about.
@@ -164,32 +178,4 @@ pub(super) fn question_of(query: &Query) -> Question {
         text: query.text.clone(),
         range: None,
     }
-}
-
-/// Does work for each item, `jobs` at once; results in the order of the items, or the first error in that order.
-fn side_by_side<T: Sync, R: Send>(
-    items: &[T],
-    jobs: usize,
-    work: impl Fn(&T) -> Result<R> + Sync,
-) -> Result<Vec<R>> {
-    let next = AtomicUsize::new(0);
-    let has_failed = std::sync::atomic::AtomicBool::new(false);
-    let done: Vec<Mutex<Option<Result<R>>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    thread::scope(|scope| {
-        for _ in 0..jobs.min(items.len()) {
-            scope.spawn(|| {
-                while !has_failed.load(Ordering::Relaxed) {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some((item, slot)) = items.get(index).zip(done.get(index)) else { return };
-                    let result = work(item);
-                    has_failed.fetch_or(result.is_err(), Ordering::Relaxed);
-                    if let Ok(mut slot) = slot.lock() {
-                        *slot = Some(result);
-                    }
-                }
-            });
-        }
-    });
-    let taken = done.into_iter().filter_map(|slot| slot.into_inner().ok().flatten());
-    taken.collect()
 }

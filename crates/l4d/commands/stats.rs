@@ -10,7 +10,7 @@ use l4d_data::store::write_atomic;
 use l4d_data::{Benchmark, Report};
 use l4d_query::stats::{DatasetRow, SetStats, csv_of, measure};
 
-use crate::cli::StatsArgs;
+use crate::cli::annotation::StatsArgs;
 use crate::out::{ExitStatus, Printer};
 
 /// Words of a kind that the terminal shows.

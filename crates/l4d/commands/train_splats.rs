@@ -17,7 +17,7 @@ use self::folder::{Claim, Origin, SplatsFolder};
 use self::input::{HeldOut, Input};
 use self::report::{Effort, Report};
 use super::build_scenes::data_folder;
-use crate::cli::{InitArg, TrainSplatsArgs};
+use crate::cli::splats::{InitArg, TrainSplatsArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 use crate::rasterizer;
 

@@ -17,7 +17,7 @@ use l4d_votes::record::{Refine, agreement_json, verdicts_csv};
 use l4d_votes::verdict::{ItemVerdict, Outcome};
 use serde_json::{Value, json};
 
-use crate::cli::VerdictArgs;
+use crate::cli::annotation::VerdictArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) use evidence::Evidence;

@@ -7,7 +7,7 @@ use l4d_annotate::{AnnotateError, Options, Outcome, PictureWish, annotate, scene
 use l4d_data::Name;
 use l4d_votes::{Ballot, Round, RoundDir};
 
-use crate::cli::{PictureArg, VerifyPromptsArgs};
+use crate::cli::annotation::{PictureArg, VerifyPromptsArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus> {

@@ -12,15 +12,18 @@ use l4d_ground::files::Files;
 use l4d_ground::geometric::Geometric;
 use l4d_ground::geometric::classical::Classical;
 use l4d_ground::oracle::{NoisePreset, Oracle, RenderedIds, Target};
+use l4d_ground::vlm::Vlm;
 
 use super::model;
 use crate::cli::solver::{GrounderArg, MethodArgs};
-use crate::out::refusal;
+use crate::out::{Printer, refusal};
 
 /// What finds things, before it is known where.
 pub(crate) enum Grounders {
     /// One for all scenes.
-    Shared { grounder: Arc<dyn Grounder + Send + Sync>, endpoints: Vec<String> },
+    Shared(Arc<dyn Grounder + Send + Sync>),
+    /// One for all scenes, which asks a model server.
+    Vlm(Arc<Vlm>),
     /// The truth of a scene, with these errors.
     Oracle(NoisePreset),
     /// Masks in this folder.
@@ -29,7 +32,7 @@ pub(crate) enum Grounders {
 
 impl Grounders {
     /// `work` is the folder for what can be remade.
-    pub(crate) fn open(args: &MethodArgs, work: &Path) -> Result<Self> {
+    pub(crate) fn open(args: &MethodArgs, work: &Path, out: &Printer) -> Result<Self> {
         let strays = [
             ("--noise", args.noise.is_some(), GrounderArg::Oracle),
             ("--masks", args.masks.is_some(), GrounderArg::Files),
@@ -46,9 +49,7 @@ impl Grounders {
         let lacking =
             |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
         Ok(match args.grounder {
-            GrounderArg::Geometric => {
-                Self::Shared { grounder: Arc::new(Geometric::<Classical>::default()), endpoints: Vec::new() }
-            }
+            GrounderArg::Geometric => Self::Shared(Arc::new(Geometric::<Classical>::default())),
             GrounderArg::Oracle => {
                 let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
                 Self::Oracle(noise.unwrap_or_else(NoisePreset::none))
@@ -56,8 +57,10 @@ impl Grounders {
             GrounderArg::Files => Self::Files(args.masks.clone().ok_or_else(|| lacking("--masks"))?),
             GrounderArg::Model => {
                 let path = args.grounder_file.as_deref().ok_or_else(|| lacking("--grounder-file"))?;
-                let model::Opened { grounder, endpoints } = model::open(path, &args.server, work)?;
-                Self::Shared { grounder, endpoints }
+                match model::open(path, &args.server, work, out)? {
+                    model::Opened::Vlm(vlm) => Self::Vlm(vlm),
+                    model::Opened::Text(segmenter) => Self::Shared(segmenter),
+                }
             }
         })
     }
@@ -70,7 +73,8 @@ impl Grounders {
         queries: &[Query],
     ) -> Result<Arc<dyn Grounder + Send + Sync>> {
         Ok(match self {
-            Self::Shared { grounder, .. } => Arc::clone(grounder),
+            Self::Shared(grounder) => Arc::clone(grounder),
+            Self::Vlm(vlm) => Arc::clone(vlm) as _,
             Self::Files(root) => Arc::new(Files::open(root, scene.clone())?),
             Self::Oracle(noise) => {
                 let ids = RenderedIds::open(place.clone())?;
@@ -82,11 +86,16 @@ impl Grounders {
         })
     }
 
+    /// The one that asks a model server, if it is such a one.
+    pub(crate) fn vlm(&self) -> Option<&Vlm> {
+        match self {
+            Self::Vlm(vlm) => Some(vlm),
+            Self::Shared(_) | Self::Oracle(_) | Self::Files(_) => None,
+        }
+    }
+
     /// Model servers that are asked.
     pub(crate) fn endpoints(&self) -> Vec<String> {
-        match self {
-            Self::Shared { endpoints, .. } => endpoints.clone(),
-            Self::Oracle(_) | Self::Files(_) => Vec::new(),
-        }
+        self.vlm().map(|vlm| vlm.endpoint().base_url.as_str().to_owned()).into_iter().collect()
     }
 }

@@ -1,22 +1,20 @@
 //! `--grounder model`: a segmenter in a process of its own, and a vision-language model that tells it what to look for.
 
-use std::collections::BTreeMap;
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
 use l4d_data::DataError;
 use l4d_data::store::read_bounded;
 use l4d_endpoint::Calibrations;
-use l4d_ground::Grounder;
 use l4d_ground::vlm::{Coupling, Settings, Vlm};
-use l4d_ground::worker::{FrameStore, Launch, Patience, Segmenter, TextGrounder, Worker, WorkerError};
+use l4d_ground::worker::{FrameStore, Patience, Segmenter, TextGrounder, Worker, WorkerError};
 use serde::Deserialize;
 
-use crate::cli::ServerArgs;
+use super::segmenter::SegmenterEntry;
+use crate::cli::models::ServerArgs;
 use crate::commands::propose_prompts::open_client;
-use crate::out::refusal;
+use crate::out::{Printer, refusal};
 
 /// What `coupling` says where no model is asked.
 const NO_VLM: &str = "no-vlm";
@@ -29,18 +27,6 @@ struct File {
     segmenter: SegmenterEntry,
     #[serde(default)]
     model: ModelEntry,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SegmenterEntry {
-    program: PathBuf,
-    #[serde(default)]
-    arguments: Vec<String>,
-    #[serde(default)]
-    environment: BTreeMap<String, String>,
-    #[serde(default)]
-    threshold: f64,
 }
 
 /// How the model is asked; what is left out has its default.
@@ -71,39 +57,35 @@ impl ModelEntry {
     }
 }
 
-/// A grounder of models, and the servers that it asks.
-pub(super) struct Opened {
-    pub(super) grounder: Arc<dyn Grounder + Send + Sync>,
-    pub(super) endpoints: Vec<String>,
+/// A grounder of models.
+pub(super) enum Opened {
+    /// A model server tells a segmenter what to look for.
+    Vlm(Arc<Vlm>),
+    /// The segmenter gets the sentence itself.
+    Text(Arc<TextGrounder>),
 }
 
 /// Starts the segmenter, and opens the way to the model if one is asked. What workers are shown stands in a folder
-/// below `work`.
-pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path) -> Result<Opened> {
+/// below `work`, as does the environment of ours.
+pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path, out: &Printer) -> Result<Opened> {
     let file = read(path)?;
-    let SegmenterEntry { program, arguments, environment, threshold } = file.segmenter;
-    let launch = Launch {
-        program,
-        arguments: arguments.into_iter().map(OsString::from).collect(),
-        environment: environment.into_iter().map(|(name, value)| (name, OsString::from(value))).collect(),
-    };
+    let threshold = file.segmenter.threshold;
+    let launch = file.segmenter.launch(path, work, out)?;
     let worker = Worker::start(launch, Patience::default()).map_err(of_worker)?;
     let segmenter = Arc::new(Segmenter::new(worker, FrameStore::new(work.join("frames")), threshold));
     if file.coupling == NO_VLM {
-        let grounder = Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?);
-        return Ok(Opened { grounder, endpoints: Vec::new() });
+        return Ok(Opened::Text(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     }
     let coupling = Coupling::ALL.into_iter().find(|coupling| coupling.as_str() == file.coupling);
     let coupling = coupling.ok_or_else(|| unknown_coupling(path, &file.coupling))?;
     let client = open_client(server)?;
-    let endpoints = vec![client.endpoint().base_url.as_str().to_owned()];
     let calibrations = Calibrations::read(&work.join("endpoints.json"))?;
     let settings = file.model.settings();
-    let grounder = Vlm::new(client, &calibrations, segmenter, coupling, settings).map_err(|error| {
+    let vlm = Vlm::new(client, &calibrations, segmenter, coupling, settings).map_err(|error| {
         let hint = error.hint();
         refusal(format!("{}: {error}", path.display()), hint)
     })?;
-    Ok(Opened { grounder: Arc::new(grounder), endpoints })
+    Ok(Opened::Vlm(Arc::new(vlm)))
 }
 
 fn read(path: &Path) -> Result<File> {

@@ -91,6 +91,29 @@ fn channels_of_other_names_or_types_are_refused() {
 }
 
 #[test]
+fn who_needs_no_ids_can_do_without_them_and_nothing_else() {
+    let encode = |channels| encode_channels(channels, SIZE, Compression::ZIP16).unwrap();
+    let whole = encode_frame(path(), &frame()).unwrap();
+    assert_eq!(decode_seen(path(), &whole, SIZE).unwrap(), frame());
+
+    let mut without_ids = channels();
+    without_ids.pop();
+    let bytes = encode(without_ids.clone());
+    let seen = decode_seen(path(), &bytes, SIZE).unwrap();
+    assert_eq!((seen.surfaces.id, seen.surfaces.depth_m), (vec![0; PIXELS], vec![1.0; PIXELS]));
+    assert_eq!(seen.rgb, vec![[f16::ONE; 3]; PIXELS]);
+    assert_eq!(refusal(&bytes).0, "L4D105");
+    for length in 0..bytes.len() {
+        assert_eq!(decode_seen(path(), &bytes[..length], SIZE).unwrap_err().code(), "L4D104");
+    }
+
+    let mut without_depth = without_ids;
+    without_depth.pop();
+    let error = decode_seen(path(), &encode(without_depth), SIZE).unwrap_err();
+    assert_eq!(error.code(), "L4D105");
+}
+
+#[test]
 fn several_parts_are_refused() {
     let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::FAST_LOSSLESS };
     let layer = |name: &str| {

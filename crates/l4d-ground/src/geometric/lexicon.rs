@@ -7,13 +7,16 @@ mod inflect;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
+use l4d_data::digest::sha256_hex;
 use serde::Deserialize;
 
 use self::inflect::{ing, past, plural, third};
 
 /// The shipped words.
 static SHIPPED: LazyLock<Result<Lexicon, toml::de::Error>> =
-    LazyLock::new(|| toml::from_str(include_str!("lexicon.toml")).map(Lexicon::index));
+    LazyLock::new(|| toml::from_str(SHIPPED_TEXT).map(Lexicon::index));
+
+const SHIPPED_TEXT: &str = include_str!("lexicon.toml");
 
 /// A kind of thing.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -186,6 +189,11 @@ impl Lexicon {
     /// The words that come with the crate; the text of the mistake where the file is damaged.
     pub fn shipped() -> Result<&'static Self, String> {
         SHIPPED.as_ref().map_err(ToString::to_string)
+    }
+
+    /// SHA-256 of the words that come with the crate.
+    pub fn shipped_digest() -> String {
+        sha256_hex(SHIPPED_TEXT.as_bytes())
     }
 
     fn index(file: File) -> Self {

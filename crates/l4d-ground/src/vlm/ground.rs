@@ -11,7 +11,7 @@ use crate::asked::Asked;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounding, Outcome, Question};
 use crate::plan::{GroundingPlan, Showing, Wanted, clean, read};
-use crate::worker::{ClipPrompt, Segmented, TextKind};
+use crate::worker::{ClipPrompt, Segmented, TextKind, WorkerError};
 
 /// Why a view has no masks, with what was noted on the way.
 pub(super) struct Stop {
@@ -214,7 +214,15 @@ impl Vlm {
         let started = Instant::now();
         let result = self.segmenter.segment(clip, prompts, Some(asked.range));
         self.books.note_segmenting(result.is_ok(), started.elapsed());
-        result.map_err(|error| Stop { outcome: error.outcome(), notes: plan.notes.clone() })
+        let outcome = |error: WorkerError| match error.outcome() {
+            // These are the model's words, not the user's: asked again it may find others.
+            Outcome::Unsupported(words) => Outcome::Unparsed(format!(
+                "the segmenter cannot take what the model says: {}",
+                words.join(", ")
+            )),
+            outcome => outcome,
+        };
+        result.map_err(|error| Stop { outcome: outcome(error), notes: plan.notes.clone() })
     }
 
     /// Only answers are remembered: a reply without sense may come out better next time.

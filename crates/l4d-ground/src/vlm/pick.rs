@@ -98,22 +98,10 @@ pub(super) fn read_choice(reply: &Reply, clock: &Clock, count: usize) -> Result<
 
 #[cfg(test)]
 mod tests {
-    use l4d_endpoint::{Finish, Origin, Usage};
-
     use super::*;
 
     fn choice(text: &str) -> Result<Choice, Outcome> {
-        let reply = Reply {
-            text: text.to_owned(),
-            finish: Finish::Stop,
-            usage: Usage::default(),
-            model: None,
-            fingerprint: None,
-            origin: Origin::Server,
-            digest: "d".repeat(64),
-            notes: Vec::new(),
-        };
-        read_choice(&reply, &Clock::new(vec![0, 48, 96], Interval::WHOLE), 3)
+        read_choice(&Reply::saying(text), &Clock::new(vec![0, 48, 96], Interval::WHOLE), 3)
     }
 
     #[test]

@@ -261,7 +261,7 @@ fn a_choice_of_nothing_is_absent_and_one_of_others_has_no_sense() {
         ("things", r#"{"numbers":[]}"#, "absent", 2),
         ("things", r#"{"numbers":[7]}"#, "unparsed", 2),
         ("nothing", "", "absent", 1),
-        ("refuse", "", "unsupported", 1),
+        ("refuse", "", "unparsed", 1),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let server = chooses(phrase, choice);

@@ -2,7 +2,7 @@
 //! the frames 0, 32, 64 and 96 of a clip of 100x50.
 
 use l4d_data::Interval;
-use l4d_endpoint::{Convention, Finish, Origin, Reply, Usage};
+use l4d_endpoint::{Convention, Finish, Reply};
 use l4d_ground::plan::{Clock, Reading, Showing, Wanted, read};
 use serde::Deserialize;
 
@@ -36,16 +36,7 @@ pub(crate) fn reply(text: &str, finish: Finish) -> Reply {
     // The client takes thinking away before anybody sees a reply.
     let text = text.rfind("</think>").map_or(text, |end| &text[end + "</think>".len()..]).trim();
     let text = if text.starts_with("<think>") { "" } else { text };
-    Reply {
-        text: text.to_owned(),
-        finish,
-        usage: Usage::default(),
-        model: None,
-        fingerprint: None,
-        origin: Origin::Server,
-        digest: "d".repeat(64),
-        notes: Vec::new(),
-    }
+    Reply { finish, ..Reply::saying(text) }
 }
 
 fn reading(case: &Case) -> Reading {

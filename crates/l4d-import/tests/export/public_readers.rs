@@ -10,7 +10,8 @@ use crate::{exported, probes};
 #[test]
 #[ignore = "needs L4D_READERS_PYTHON, a Python with the packages that readers.py names"]
 fn public_readers_see_what_we_wrote() {
-    let python = std::env::var("L4D_READERS_PYTHON").expect("set L4D_READERS_PYTHON to a Python with the readers");
+    let python =
+        std::env::var("L4D_READERS_PYTHON").expect("set L4D_READERS_PYTHON to a Python with the readers");
     let world = World::new();
     for format in [
         Format::Colmap,

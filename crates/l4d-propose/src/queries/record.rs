@@ -114,7 +114,6 @@ fn lines<T: Serialize>(values: &[T]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::listing::tests::reply;
     use crate::queries::exam::tests::{kitchen, rendered};
 
     fn endpoint() -> Endpoint {
@@ -123,7 +122,7 @@ mod tests {
 
     fn answer(text: &str) -> Sorted {
         let (set, scene) = (kitchen(), rendered());
-        sort(&mut Exam::new(&set, &scene, None), &endpoint(), &reply(text))
+        sort(&mut Exam::new(&set, &scene, None), &endpoint(), &Reply::saying(text))
     }
 
     const LIFTED: &str = r#"{"category":"interaction","text":"The cup that the hand lifts","referents":[1],"temporal":"whole","frames":[],"predicate":"[{\"category\":\"cup\"},{\"undergoes\":{\"verb\":\"lift\",\"by\":{\"category\":\"hand\"}}}]"}"#;

@@ -2,12 +2,15 @@
 //!
 //! Owns the states of the model without colours, which no lift looks at. Refuses to know what an answer is.
 
+use std::sync::Arc;
+
 use l4d_splat::gaussians::ShDegree;
 use l4d_splat::raster::{RasterSettings, Rasterizer};
 use l4d_splat::splats::{SplatParts, Splats};
 use l4d_splat::{Model, model::ModelError};
 
 use super::error::LiftError;
+use super::moments::Moments;
 
 /// A model and what draws it.
 #[derive(Clone, Copy)]
@@ -18,6 +21,8 @@ pub struct Canvas<'a> {
     pub rasterizer: &'a dyn Rasterizer,
     /// How; background and quantiles do not matter.
     pub raster: &'a RasterSettings,
+    /// States of the model that others have worked out, or will want; none to work out all of them anew.
+    pub moments: Option<&'a Moments>,
 }
 
 impl Canvas<'_> {
@@ -30,8 +35,18 @@ impl Canvas<'_> {
         self.model.at(time).map_err(|source| LiftError::Model { time, source })
     }
 
-    /// The model at a time without its colours: a fifth of the memory.
-    pub(super) fn shapes_at(&self, time: f32) -> Result<Splats, LiftError> {
+    /// The model at a time without its colours: a fifth of the memory, and all that masks are made of.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn shapes_at(&self, time: f32) -> Result<Arc<Splats>, LiftError> {
+        match self.moments {
+            Some(moments) => moments.get(time, || self.work_out_shapes(time)),
+            None => self.work_out_shapes(time).map(Arc::new),
+        }
+    }
+
+    fn work_out_shapes(&self, time: f32) -> Result<Splats, LiftError> {
         let parts = self.at(time)?.into_parts();
         let sh = vec![[0.0; 3]; parts.means.len()];
         Splats::new(SplatParts { sh_degree: ShDegree::ZERO, sh, ..parts })

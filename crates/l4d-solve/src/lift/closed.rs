@@ -10,6 +10,8 @@ mod states;
 mod tally;
 mod threshold;
 
+use std::sync::Arc;
+
 use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -173,9 +175,9 @@ fn spread_over(count: usize, most: u32) -> Vec<usize> {
     }
 }
 
-fn graph_of(shapes: &[Splats], settings: &ClosedSettings) -> Graph {
+fn graph_of(shapes: &[Arc<Splats>], settings: &ClosedSettings) -> Graph {
     let times = spread_over(shapes.len(), TRAJECTORY_TIMES);
-    let count = shapes.first().map_or(0, Splats::len);
+    let count = shapes.first().map_or(0, |splats| splats.len());
     let places: Vec<f32> = (0..count)
         .into_par_iter()
         .flat_map_iter(|index| times.iter().flat_map(move |&time| shapes[time].means()[index]))

@@ -55,7 +55,7 @@ impl Lifted {
     /// As [`Self::layer_at`], and what the rasterizer refuses.
     pub fn mask(&self, canvas: &Canvas<'_>, view: &View, time: f32) -> Result<Mask, LiftError> {
         let layer = self.layer_at(canvas.model, time)?;
-        let splats = canvas.at(time)?;
+        let splats = canvas.shapes_at(time)?;
         let projected = canvas.rasterizer.prepare(&splats, view, canvas.raster)?;
         layer.mask(projected.as_ref(), view)
     }

@@ -5,26 +5,24 @@
 //! <folder>/splats-<digest>.safetensors
 //! ```
 //!
-//! The JSON names the tensors by their digest and is written last, so that a kill at any moment leaves a folder whose
-//! JSON and tensors belong together.
+//! How the two stay together is known by [`super::tensor_file`].
 
 mod card;
 mod tensors;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
-use l4d_data::digest::sha256_hex;
-use l4d_data::store::{list_folder, read_bounded, write_atomic};
+use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name, Profile, json};
 
 use super::fault::quoted;
+use super::tensor_file::Kind;
 use super::{Fault, MAX_BYTES, build_field, check_gaussians, pickle};
 use crate::deform::DeformationField;
 use crate::gaussians::{Gaussians, ShDegree};
 use crate::tensor::Tensor;
-use card::{Card, TensorsFile};
+use card::Card;
 
 pub use card::SCHEMA;
 
@@ -35,6 +33,16 @@ pub const CARD: &str = "checkpoint.json";
 const MAX_CARD_BYTES: u64 = 4 << 20;
 
 const REMEDY: &str = "copy the whole checkpoint folder again, or train again";
+
+const KIND: Kind = Kind {
+    card: CARD,
+    stem: "splats",
+    whole: "a checkpoint",
+    // A model's takes about 10 000.
+    longest_header: 1 << 20,
+    longest_file: MAX_BYTES,
+    remedy: REMEDY,
+};
 
 /// A model, where it comes from, and how far its training got.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,12 +76,11 @@ pub struct Training {
 
 /// Writes a checkpoint into a folder, in place of the one that stands there.
 pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
-    let card_path = folder.join(CARD);
-    let bytes =
-        check(checkpoint).and_then(|()| tensors::encode(checkpoint)).map_err(|fault| fault.at(&card_path))?;
-    let sha256 = sha256_hex(&bytes);
-    let file = format!("splats-{}.safetensors", sha256.get(..16).unwrap_or(&sha256));
-    let card = Card {
+    check(checkpoint).map_err(|fault| fault.at(&folder.join(CARD)))?;
+    let field = checkpoint.field.as_ref().map(DeformationField::tensors).unwrap_or_default();
+    let mut columns = tensors::columns(checkpoint);
+    columns.extend(tensors::named(tensors::DEFORMATION, &field));
+    KIND.write(folder, columns, |tensors| Card {
         schema: SCHEMA.to_owned(),
         scene: checkpoint.scene.clone(),
         profile: checkpoint.profile,
@@ -82,19 +89,10 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
         dynamic: checkpoint.dynamic.len(),
         sh_degree: checkpoint.gaussians.sh_degree.get(),
         deformation: checkpoint.field.as_ref().map(|field| field.config().clone()),
-        tensors: TensorsFile { file: file.clone(), bytes: bytes.len() as u64, sha256 },
+        tensors,
         inputs: checkpoint.inputs.clone(),
         training: checkpoint.training.values.clone(),
-    };
-    write_atomic(&folder.join(&file), &bytes)?;
-    json::write(&card_path, &card)?;
-    for name in list_folder(folder)? {
-        if is_tensors_name(&name) && name != file {
-            // A leftover costs room and nothing else.
-            fs::remove_file(folder.join(name)).ok();
-        }
-    }
-    Ok(())
+    })
 }
 
 /// Reads the checkpoint in a folder.
@@ -102,20 +100,17 @@ pub fn read(folder: &Path) -> Result<Checkpoint, DataError> {
     let card_path = folder.join(CARD);
     let card: Card = json::parse(&card_path, None, &read_bounded(&card_path, MAX_CARD_BYTES)?)?;
     let degree = card.check().map_err(|fault| fault.at(&card_path))?;
-    let path = folder.join(&card.tensors.file);
-    let bytes = read_bounded(&path, MAX_BYTES)?;
-    if bytes.len() as u64 != card.tensors.bytes || sha256_hex(&bytes) != card.tensors.sha256 {
-        let message = "is not the file that checkpoint.json was written with";
-        return Err(DataError::invalid(&path, "digest", message, REMEDY));
-    }
+    let (path, bytes) = KIND.read(folder, &card.tensors)?;
     decode(card, degree, &bytes).map_err(|fault| fault.at(&path))
 }
 
 fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Fault> {
-    let mut found = tensors::decode(bytes)?;
-    let gaussians = found.gaussians(card.gaussians, degree)?;
-    let dynamic = found.dynamic(card.dynamic)?;
-    let (field_tensors, training_tensors) = found.rest()?;
+    let mut found = KIND.found(bytes)?;
+    let gaussians = tensors::gaussians(&mut found, card.gaussians, degree)?;
+    let dynamic = tensors::dynamic(&mut found, card.dynamic)?;
+    let field_tensors = found.below(tensors::DEFORMATION)?;
+    let training_tensors = found.below(tensors::TRAINING)?;
+    found.finish()?;
     let field = match card.deformation {
         Some(config) => Some(build_field(config, &field_tensors)?),
         None if field_tensors.is_empty() => None,
@@ -159,12 +154,4 @@ fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
         pickle::check_finite(&quoted(name), tensor)?;
     }
     Ok(())
-}
-
-/// `splats-<16 hex digits>.safetensors`
-fn is_tensors_name(name: &str) -> bool {
-    let digest = name.strip_prefix("splats-").and_then(|rest| rest.strip_suffix(".safetensors"));
-    digest.is_some_and(|digest| {
-        digest.len() == 16 && digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
-    })
 }

@@ -20,7 +20,7 @@ use l4d_frames::{Mask, drawn::DepthMap, rle};
 use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, RenderedIds, Target};
 use l4d_ground::{Grounder as _, Grounding, Outcome};
 use l4d_score::Exam;
-use l4d_solve::lift::{Canvas, Evidence, EvidenceView, lift};
+use l4d_solve::lift::{Evidence, EvidenceView, lift};
 use l4d_solve::solve::{Method, SolveSettings};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -289,7 +289,7 @@ impl Trials<'_> {
             .collect::<Result<Vec<_>, _>>()?;
         let scene = &subject.stage.scene;
         let rasterizer = self.opened.rasterizer.as_ref();
-        let canvas = Canvas { model: &scene.source.model, rasterizer, raster: &scene.raster };
+        let canvas = scene.canvas(rasterizer);
         let lifted = if views.is_empty() {
             None
         } else {

@@ -48,6 +48,7 @@ pub(super) fn measure(
         jobs: args.jobs,
         shard: None,
         overwrite: args.overwrite,
+        dry_run: false,
         json: false,
     };
     out.note(format!("\n{}", variant.setting));

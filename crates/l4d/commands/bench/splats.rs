@@ -17,7 +17,7 @@ use self::measure::{Truth, measure};
 use self::stage::Stage;
 use self::table::{Row, csv_of, figure, text};
 use self::variants::{Machines, variants};
-use crate::cli::BenchSplatsArgs;
+use crate::cli::splats::BenchSplatsArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {

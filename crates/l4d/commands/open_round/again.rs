@@ -7,7 +7,7 @@ use l4d_data::{Benchmark, QueryId};
 use l4d_votes::record::Change;
 use l4d_votes::verdict::{ItemVerdict, Outcome};
 
-use crate::cli::OpenRoundArgs;
+use crate::cli::annotation::OpenRoundArgs;
 use crate::commands::verdict::{Evidence, Judged};
 use crate::out::{Printer, refusal};
 

@@ -8,7 +8,7 @@ use l4d_data::timeline::LAST_FRAME;
 use l4d_data::{Camera, Draw, Name, Rig, Split};
 use l4d_solve::clips::{Instant, Plan};
 
-use crate::cli::RenderSplatsArgs;
+use crate::cli::splats::RenderSplatsArgs;
 use crate::commands::build_scenes::data_folder;
 use crate::out::refusal;
 

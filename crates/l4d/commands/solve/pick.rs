@@ -3,7 +3,6 @@
 use anyhow::Result;
 use l4d_data::{Benchmark, Name, Query, QueryId, Status};
 
-use crate::cli::Shard;
 use crate::cli::solver::{QuerySetArg, SolveArgs};
 use crate::out::refusal;
 
@@ -40,19 +39,12 @@ pub(super) fn pick(args: &SolveArgs, bench: &Benchmark) -> Result<Vec<SceneQueri
             "check the numbers, --set and --scenes; rejected queries are not answered",
         ));
     }
-    of_shard(&mut scenes, args.shard);
+    if let Some(shard) = args.shard {
+        // Counted over all scenes.
+        let mut places = 0..;
+        let mut is_ours = |_: &Query| places.next().is_some_and(|place| shard.has(place));
+        scenes.iter_mut().for_each(|scene| scene.queries.retain(&mut is_ours));
+    }
     scenes.retain(|scene| !scene.queries.is_empty());
     Ok(scenes)
-}
-
-/// Shard i of n has every n-th query, counted over all scenes.
-fn of_shard(scenes: &mut [SceneQueries], shard: Option<Shard>) {
-    let Some(Shard { index, count }) = shard else { return };
-    let mut place = 0;
-    for scene in scenes {
-        scene.queries.retain(|_| {
-            place += 1;
-            (place - 1) % count == index - 1
-        });
-    }
 }

@@ -9,7 +9,7 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::{OBJECT_IDS, Scene};
 use l4d_data::{Camera, DataError, Split};
-use l4d_frames::exr::{decode_frame, read_bytes};
+use l4d_frames::exr::{decode_seen, read_bytes};
 use l4d_frames::{Display, Frame};
 use l4d_splat::train::{Footage, Motion, Picture, Region};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ pub(super) struct HeldOut {
     pub(super) footage: Footage,
     pub(super) digests: Digests,
     motion: Motion,
-    /// Pixels that show objects, by moment.
+    /// Pixels that show objects, by moment; none where the pictures have no ids.
     objects: Vec<Vec<bool>>,
 }
 
@@ -54,7 +54,7 @@ impl Input {
         }
         let (mut footage, mut digests) = (empty(dir, scene)?, Digests::new());
         for camera in cameras {
-            // Ids are dropped as soon as they are decoded: training never sees them.
+            // Ids are dropped as soon as they are decoded, if there are any: training never sees them.
             let pictures =
                 read_camera(dir, scene, camera, &mut digests, tick, |frame| picture_of(scene, &frame))?;
             add(&mut footage, dir, scene, camera, pictures)?;
@@ -120,7 +120,7 @@ fn read_camera<T: Send>(
         let path = dir.frame(&camera.name, frame);
         let size = UVec2::new(scene.width, scene.height);
         let bytes = read_bytes(&path, size).map_err(DataError::from)?;
-        let decoded = decode_frame(&path, &bytes, size).map_err(DataError::from)?;
+        let decoded = decode_seen(&path, &bytes, size).map_err(DataError::from)?;
         let within = path.strip_prefix(dir.root()).unwrap_or(&path).display().to_string();
         tick();
         Ok((keep(decoded), (within, sha256_hex(&bytes))))

@@ -8,7 +8,7 @@ use l4d_votes::record::{agreement_json, verdicts_csv};
 
 use super::judged::Judged;
 use super::status::{self, Change};
-use crate::cli::VerdictArgs;
+use crate::cli::annotation::VerdictArgs;
 use crate::out::{ExitStatus, Printer};
 
 /// No derived file is larger.

@@ -12,7 +12,7 @@ use l4d_frames::sheet::{Card, MOST_CARDS, Shot, cards, save};
 use l4d_votes::verdict::{ItemVerdict, Outcome};
 
 use super::judged::Judged;
-use crate::cli::VerdictArgs;
+use crate::cli::annotation::VerdictArgs;
 use crate::commands::build_scenes::data_folder;
 use crate::out::Printer;
 

@@ -3,6 +3,8 @@
 //! Results have the same bytes for any number of threads: Gaussians are cut into blocks of a fixed size, and what is
 //! summed over them is summed in a fixed order.
 
+use std::sync::Arc;
+
 use l4d_splat::optimise::{Adam, AdamSettings, Group, LearningRate, Share};
 use l4d_splat::splats::Splats;
 use rand::{RngExt as _, SeedableRng as _};
@@ -109,7 +111,7 @@ pub(super) struct Footage<'a> {
 
 struct Time {
     time: f32,
-    splats: Splats,
+    splats: Arc<Splats>,
     neighbours: Option<Vec<u32>>,
 }
 

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use l4d_data::{Name, Profile};
 use serde::{Deserialize, Serialize};
 
-use super::{REMEDY, is_tensors_name};
+use super::{KIND, REMEDY};
 use crate::checkpoint::fault::{Fault, quoted};
+use crate::checkpoint::tensor_file::TensorFile;
 use crate::deform::DeformConfig;
 use crate::gaussians::ShDegree;
 
@@ -24,17 +25,9 @@ pub(super) struct Card {
     pub(super) dynamic: usize,
     pub(super) sh_degree: u8,
     pub(super) deformation: Option<DeformConfig>,
-    pub(super) tensors: TensorsFile,
+    pub(super) tensors: TensorFile,
     pub(super) inputs: BTreeMap<String, String>,
     pub(super) training: serde_json::Map<String, serde_json::Value>,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TensorsFile {
-    pub(super) file: String,
-    pub(super) bytes: u64,
-    pub(super) sha256: String,
 }
 
 impl Card {
@@ -48,11 +41,7 @@ impl Card {
                 "read the checkpoint with the l4d that wrote it",
             ));
         }
-        if !is_tensors_name(&self.tensors.file) {
-            let message =
-                format!("is {}, but `splats-<digest>.safetensors` belongs there", quoted(&self.tensors.file));
-            return Err(Fault::new("field `tensors.file`", message, REMEDY));
-        }
+        KIND.check(&self.tensors)?;
         ShDegree::new(self.sh_degree).ok_or_else(|| {
             Fault::new("field `sh_degree`", format!("is {}, but degrees end at 3", self.sh_degree), REMEDY)
         })

@@ -14,7 +14,7 @@ use l4d_splat::source::Source;
 use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
 
-use crate::cli::BenchSplatsArgs;
+use crate::cli::splats::BenchSplatsArgs;
 use crate::commands::build_scenes::data_folder;
 
 /// Frames of the made-up room.

@@ -10,7 +10,7 @@ use l4d_splat::{Model, ShDegree};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::stage::Stage;
-use crate::cli::SweepArg;
+use crate::cli::splats::SweepArg;
 
 /// Shares of the Gaussians that are kept, percent.
 const COUNTS: [usize; 6] = [90, 75, 60, 45, 30, 15];

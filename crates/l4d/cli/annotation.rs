@@ -1,0 +1,160 @@
+//! Grammar of the verbs around queries and their annotation: check-queries, stats, open-round, verify-prompts, verdict.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use l4d_votes::{FrameRule, Rule};
+
+use super::BenchArgs;
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckQueriesArgs {
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StatsArgs {
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder that receives tables and figures; default: print only
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Which queries are asked about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AskedArg {
+    /// All of them
+    All,
+    /// Those that people have not voted on
+    Candidate,
+    /// Those that people have rejected
+    Rejected,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OpenRoundArgs {
+    /// Name of the round, also of its folder
+    pub(crate) name: String,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder of all rounds
+    #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
+    pub(crate) rounds: PathBuf,
+    /// Who votes (comma-separated or repeated), as many as the rule counts
+    #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
+    pub(crate) annotators: Vec<String>,
+    /// One line that says what the round is
+    #[arg(long)]
+    pub(crate) title: Option<String>,
+    /// Which queries are asked about
+    #[arg(long, value_enum, default_value = "candidate")]
+    pub(crate) queries: AskedArg,
+    /// Ask again what this earlier round did not find valid, once text or truth was edited
+    #[arg(long, value_name = "ROUND", conflicts_with = "queries")]
+    pub(crate) from: Option<String>,
+    /// Only so many of them, drawn by lot, evenly from the categories
+    #[arg(long, value_name = "COUNT")]
+    pub(crate) sample: Option<usize>,
+    /// Leave out what people rejected in the words that it still has, instead of refusing
+    #[arg(long)]
+    pub(crate) edited_only: bool,
+    /// Queries of two categories as well
+    #[arg(long)]
+    pub(crate) composites: bool,
+    /// When a prompt counts as understood: unanimous:5, majority:3/5
+    #[arg(long, default_value = "unanimous:5")]
+    pub(crate) rule: Rule,
+    /// How well chosen frames must fit a prompt that is bound to a time: any, iou:0.5
+    #[arg(long, value_name = "RULE", default_value = "any")]
+    pub(crate) frames: FrameRule,
+    /// How many views annotators may look at
+    #[arg(long, value_name = "COUNT", default_value_t = 5)]
+    pub(crate) views: usize,
+    /// Control items as a share of the queries: sentences that mean nothing, and prompts that only name a category
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
+    pub(crate) gold: f64,
+    /// Prompts that are asked twice, as a share of the queries
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05)]
+    pub(crate) repeats: f64,
+    /// Seed of ids, control items and orders
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// The annotators are programs: the round never counts as verification by people
+    #[arg(long)]
+    pub(crate) simulated: bool,
+    /// Replace a round of this name in which nobody has voted
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// How pictures are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PictureArg {
+    /// What the terminal can do best
+    Auto,
+    /// Block characters, in every terminal
+    Halfblocks,
+    /// Sixel graphics (foot, mlterm, xterm -ti vt340, Windows Terminal)
+    Sixel,
+    /// The protocol of kitty and Ghostty
+    Kitty,
+    /// The protocol of iTerm2 and WezTerm
+    Iterm2,
+    /// Not at all; `o` writes them to files
+    None,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerifyPromptsArgs {
+    /// Name of the round
+    #[arg(long, value_name = "NAME")]
+    pub(crate) round: String,
+    /// Who votes: one of the annotators that the round names
+    #[arg(long = "as", value_name = "NAME")]
+    pub(crate) annotator: String,
+    /// Folder of all rounds
+    #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
+    pub(crate) rounds: PathBuf,
+    /// Folder of the rendered scenes; default: data/<profile of the round>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// How pictures are shown
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(crate) picture: PictureArg,
+    /// Folder for what can be remade; receives the pictures that `o` opens
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerdictArgs {
+    /// The round
+    #[arg(long, value_name = "NAME")]
+    pub(crate) round: String,
+    /// Folder of all rounds
+    #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
+    pub(crate) rounds: PathBuf,
+    /// Folder of the benchmark
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// Folder of the rendered scenes, for the contact sheet; default: data/<profile of the round>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Only look, before all ballots are sealed: nothing is written
+    #[arg(long, conflicts_with = "check")]
+    pub(crate) unsealed: bool,
+    /// Derive the files again and compare: nothing is written
+    #[arg(long)]
+    pub(crate) check: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

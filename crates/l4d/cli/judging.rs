@@ -1,0 +1,122 @@
+//! Grammar of the verbs that judge: baseline, check-results, score, leaderboard.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::BenchArgs;
+
+/// Results that bracket the scale, made from truth and seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BaselineName {
+    /// The truth itself
+    Oracle,
+    /// Nothing anywhere
+    None,
+    /// Every pixel of every frame
+    All,
+    /// The right object in all frames, blind to time
+    TimeAgnostic,
+    /// One random object of the referent's category
+    RandomLookAlike,
+    /// All objects of the referent's category
+    LookAlikeUnion,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BaselineArgs {
+    /// Which baselines; default: all of them
+    #[arg(value_enum)]
+    pub(crate) names: Vec<BaselineName>,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder that receives one folder a baseline
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    pub(crate) results: PathBuf,
+    /// Seed of random choices
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Replace results of the same name that differ
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckResultsArgs {
+    /// A folder of methods, or one method
+    #[arg(default_value = "results")]
+    pub(crate) results: PathBuf,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Which sentences are judged
+    #[arg(long, value_enum, default_value = "queries")]
+    pub(crate) set: JudgedSetArg,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Which sentences are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum JudgedSetArg {
+    /// The queries that count: the headline
+    Queries,
+    /// Queries of two categories
+    Composites,
+}
+
+/// What a missing mask means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MissingArg {
+    /// An error
+    Error,
+    /// An empty mask
+    Zero,
+    /// Not scored; the method is marked partial
+    Skip,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ScoreArgs {
+    /// A folder of methods, or one method
+    #[arg(default_value = "results")]
+    pub(crate) results: PathBuf,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Which sentences are judged
+    #[arg(long, value_enum, default_value = "queries")]
+    pub(crate) set: JudgedSetArg,
+    /// Folder that receives <method>/counts.csv; default: scores, or scores-composites
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scores: Option<PathBuf>,
+    /// What a missing mask means
+    #[arg(long, value_enum, default_value = "error")]
+    pub(crate) missing: MissingArg,
+    /// A frame is hit when its IoU is above this
+    #[arg(long, value_name = "IOU", default_value_t = 0.0)]
+    pub(crate) hit_iou: f64,
+    /// Resize predicted masks (nearest) to the size of the truth
+    #[arg(long)]
+    pub(crate) resize: bool,
+    /// Score only queries that people have verified
+    #[arg(long)]
+    pub(crate) verified_only: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LeaderboardArgs {
+    /// Folder of scored methods
+    #[arg(default_value = "scores")]
+    pub(crate) scores: PathBuf,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder that receives tables and figures
+    #[arg(long, short, value_name = "DIR", default_value = "leaderboard")]
+    pub(crate) output: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,142 @@
+//! Grammar of the verbs around rendered scenes: doctor, build-scenes, check-scenes, sheet, draw-variant.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use l4d_data::benchmark::SetSplit;
+
+use super::{BenchArgs, Shard};
+
+#[derive(Debug, Args)]
+pub(crate) struct DoctorArgs {
+    /// Make the Blender environment first, if it is missing
+    #[arg(long)]
+    pub(crate) setup: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) python: PythonArgs,
+}
+
+/// The Python that runs Blender.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct PythonArgs {
+    /// Python 3.11 with bpy; default: an environment that l4d makes and keeps under --work
+    #[arg(long, value_name = "PATH")]
+    pub(crate) python: Option<PathBuf>,
+    /// Folder of the Blender scripts
+    #[arg(long, value_name = "DIR", default_value = "blender_scripts")]
+    pub(crate) blender_scripts: PathBuf,
+    /// Folder for what can be remade (environments, logs)
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BuildScenesArgs {
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    #[command(flatten)]
+    pub(crate) python: PythonArgs,
+    /// Folder that receives the scenes; default: data/<profile>, or data/<profile>-v<variant>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// 0 is the benchmark; others permute looks, roles, layout and cameras; default: that of --bench
+    #[arg(long)]
+    pub(crate) variant: Option<u32>,
+    /// Seed of everything random in the recipes; default: that of --bench
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Only tracks, no picture (writes <bench>/scenes)
+    #[arg(long)]
+    pub(crate) tracks_only: bool,
+    /// Blender processes at once; each uses an equal part of the cores, two at least
+    #[arg(long, default_value_t = 1)]
+    pub(crate) jobs: usize,
+    /// Render part i of n of the pictures (a deterministic partition for clusters), e.g. 2/8
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Samples per pixel of the colour pass, before denoising; 0 leaves pictures black and renders depth and ids alone,
+    /// which is all that the truth needs; default: 8 (tiny), 4 (small), 16 (full)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub(crate) samples: Option<u32>,
+    /// Render again what other scripts, seeds or samples rendered before
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Replace committed tracks and truth that differ from what was built
+    #[arg(long)]
+    pub(crate) update_benchmark: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckScenesArgs {
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SheetArgs {
+    /// Scene to draw; default: an overview of all rendered scenes, as the held-out view sees them
+    #[arg(conflicts_with = "scenes")]
+    pub(crate) scene: Option<String>,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// PNG to write; default: <data>/<scene>/sheet.png, for the overview <data>/overview.png
+    #[arg(long, short, value_name = "PNG")]
+    pub(crate) output: Option<PathBuf>,
+    /// Moments, canonical frames; default: five evenly spaced, in the overview three
+    #[arg(long, value_name = "FRAME", value_delimiter = ',')]
+    pub(crate) frames: Vec<u32>,
+    /// Views; default: the held-out view and two training views
+    #[arg(long, value_name = "VIEW", value_delimiter = ',', requires = "scene")]
+    pub(crate) views: Vec<String>,
+    /// Leave out outlines, numbers and queries
+    #[arg(long, requires = "scene")]
+    pub(crate) plain: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DrawVariantArgs {
+    /// Which permutation of looks, roles, layout and cameras
+    pub(crate) variant: u32,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    #[command(flatten)]
+    pub(crate) python: PythonArgs,
+    /// Seed of everything random in the recipes
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Folder of the new set
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// What the new set is for: private or dev
+    #[arg(long, default_value = "private", value_parser = set_split)]
+    pub(crate) split: SetSplit,
+    /// Folder that receives the plans; default: data/<profile>-v<variant>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Replace another set that stands in --out
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn set_split(text: &str) -> Result<SetSplit, String> {
+    match text {
+        "private" => Ok(SetSplit::Private),
+        "dev" => Ok(SetSplit::Dev),
+        _ => Err("must be `private` or `dev`: there is one test set, the benchmark".to_owned()),
+    }
+}

@@ -1,0 +1,309 @@
+//! Grammar of the verbs around splats: train-splats, render-splats, bench splats.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+use l4d_data::Profile;
+
+use super::solver::BenchLiftArgs;
+
+/// Where the first Gaussians stand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum InitArg {
+    /// On the surfaces that depth shows.
+    Depth,
+    /// Anywhere.
+    Random,
+    /// On the points of a COLMAP model.
+    Points(PathBuf),
+}
+
+impl std::str::FromStr for InitArg {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "depth" => Self::Depth,
+            "random" => Self::Random,
+            path => Self::Points(path.into()),
+        })
+    }
+}
+
+impl std::fmt::Display for InitArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Depth => f.write_str("depth"),
+            Self::Random => f.write_str("random"),
+            Self::Points(path) => path.display().fmt(f),
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TrainSplatsArgs {
+    /// Scene to learn
+    pub(crate) scene: String,
+    /// Pictures that are trained on, and where things stand by default: tiny, small or full
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    /// Folder of the benchmark: it says which draw of the scenes is meant
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder for what can be remade
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+    /// Folder that receives the model; default: <work>/<profile>/<scene>/splats
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Where the first Gaussians stand: depth, random, or the path of COLMAP's points3D.txt or points3D.bin
+    #[arg(long, value_name = "INIT", default_value = "depth")]
+    pub(crate) init: InitArg,
+    /// Most Gaussians; default: 5000 (tiny), 18000 (small), 60000 (full)
+    #[arg(long, value_name = "N")]
+    pub(crate) gaussians: Option<usize>,
+    /// Degree of the spherical harmonics, 0 to 3: how much a colour may depend on direction; default: 1
+    #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(0..=3))]
+    pub(crate) sh_degree: Option<u8>,
+    /// Share of moments at which a place has to be seen through, or to have another colour, before it counts as dynamic;
+    /// 0: everything is dynamic, 1.1: nothing is; default: 0.05
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) dynamic_threshold: Option<f32>,
+    /// Iterations on what stands still; default: 400 (tiny), 1000 (others)
+    #[arg(long, value_name = "N")]
+    pub(crate) coarse: Option<u64>,
+    /// Iterations for each step in which the clip is unfolded from one moment to its ends; default: 30 (tiny), 20 (others)
+    #[arg(long, value_name = "N")]
+    pub(crate) unfold: Option<u64>,
+    /// Iterations on the whole clip; default: 1000 (tiny), 4000 (small), 12000 (full)
+    #[arg(long, value_name = "N")]
+    pub(crate) fine: Option<u64>,
+    /// Views of one moment that an iteration looks at; default: 2
+    #[arg(long, value_name = "N")]
+    pub(crate) views_per_iteration: Option<usize>,
+    /// What an error of depth costs beside one of colour; default: 0.1
+    #[arg(long, value_name = "WEIGHT")]
+    pub(crate) depth_weight: Option<f32>,
+    /// Share of 1 - SSIM in the loss of colour, the rest is L1; default: 0
+    #[arg(long, value_name = "WEIGHT")]
+    pub(crate) dssim_weight: Option<f32>,
+    /// Stop after so many looks at the training pictures (one every 500 iterations) without progress; 0: never early;
+    /// default: 3
+    #[arg(long, value_name = "N")]
+    pub(crate) patience: Option<usize>,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Seconds between checkpoints
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub(crate) checkpoint_seconds: f64,
+    #[command(flatten)]
+    pub(crate) adapter: AdapterArgs,
+    /// Replace a model that has other settings or pictures
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Which depth is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DepthArg {
+    /// Where half of the pixel is filled: keeps edges
+    Median,
+    /// Mean of the depths that a pixel shows
+    Expected,
+    /// Sum of depth x weight, as 4DGaussians: too near wherever a pixel is not filled
+    Sum,
+}
+
+/// How depth is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DepthFormatArg {
+    /// OpenEXR: depth in metres, alpha, spread
+    Exr,
+    /// 16-bit PNG in millimetres
+    Png,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderSplatsArgs {
+    /// Scene whose model, cameras and size are meant; not needed with --model and --cameras
+    #[arg(required_unless_present_all = ["model", "cameras"])]
+    pub(crate) scene: Option<String>,
+    /// Frames that are drawn, and where things stand by default: tiny, small or full
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder for what can be remade
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+    /// A checkpoint of train-splats, a model folder of 4DGaussians, or a PLY of 3DGS; default: <work>/<profile>/<scene>/splats
+    #[arg(long, value_name = "PATH")]
+    pub(crate) model: Option<PathBuf>,
+    /// Other cameras: JSON with width, height and cameras as in scene.json
+    #[arg(long, value_name = "JSON")]
+    pub(crate) cameras: Option<PathBuf>,
+    /// Only these views (comma-separated or repeated); default: all training views
+    #[arg(long, value_name = "VIEW", value_delimiter = ',')]
+    pub(crate) views: Vec<String>,
+    /// Only these canonical frames, 0 to 96; default: those of the profile
+    #[arg(long, value_name = "FRAME", value_delimiter = ',', conflicts_with = "times")]
+    pub(crate) frames: Vec<u32>,
+    /// Times instead of frames, 0 (start of the clip) to 1 (its end)
+    #[arg(long, value_name = "TIME", value_delimiter = ',')]
+    pub(crate) times: Vec<f32>,
+    /// Width and height of the pictures, pixels; default: those of the cameras
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<PixelSize>,
+    /// Which depth is written
+    #[arg(long, value_enum, default_value = "median")]
+    pub(crate) depth: DepthArg,
+    /// How depth is stored
+    #[arg(long, value_enum, default_value = "exr")]
+    pub(crate) depth_format: DepthFormatArg,
+    /// What shows where nothing is: black, white or red,green,blue from 0 to 1; default: what the model says, or black
+    #[arg(long, value_name = "COLOUR")]
+    pub(crate) background: Option<Background>,
+    /// Folder that receives the clips; default: <work>/<profile>/<scene>/clips
+    #[arg(long, short, value_name = "DIR", required_unless_present = "scene")]
+    pub(crate) out: Option<PathBuf>,
+    /// Also write a moving picture of all views: MP4 where ffmpeg is at hand, else an animated PNG
+    #[arg(long)]
+    pub(crate) preview: bool,
+    #[command(flatten)]
+    pub(crate) adapter: AdapterArgs,
+    /// Replace clips of another model or other settings
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+}
+
+/// What draws.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct AdapterArgs {
+    /// cpu, auto (graphics hardware where there is some), or a graphics adapter by number or name (`l4d doctor` lists them)
+    #[arg(long, value_name = "ADAPTER", default_value = "cpu")]
+    pub(crate) adapter: String,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum BenchCommand {
+    /// Drawing a model: how much faster it gets by what, and what that costs
+    Splats(BenchSplatsArgs),
+    /// Lifting masks into a scene: seconds, mIoU and flicker of every lift
+    Lift(BenchLiftArgs),
+}
+
+/// What a benchmark of drawing changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub(crate) enum SweepArg {
+    /// Fewer Gaussians: those that show most
+    Count,
+    /// Lower degrees of the spherical harmonics
+    Degree,
+    /// Thresholds of alpha and transmittance
+    Cutoffs,
+    /// What hardly moves stands still
+    Static,
+    /// Smaller pictures, enlarged
+    Resolution,
+    /// Parameters stored in 16-bit floats
+    F16,
+    /// Other instructions, one thread, graphics adapters
+    Rasterizer,
+    /// Several of these at once
+    Together,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchSplatsArgs {
+    /// Scene whose model is drawn and whose held-out pictures it is compared with; default: a made-up room
+    pub(crate) scene: Option<String>,
+    /// tiny, small or full
+    #[arg(long, default_value = "small")]
+    pub(crate) profile: Profile,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder for what can be remade
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+    /// The model; default: <work>/<profile>/<scene>/splats
+    #[arg(long, value_name = "PATH", requires = "scene")]
+    pub(crate) model: Option<PathBuf>,
+    /// Gaussians of the made-up room
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub(crate) gaussians: u32,
+    /// Seed of the made-up room
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Width and height of the pictures, pixels; default: those of the scene, 256x192 for the room
+    #[arg(long, value_name = "WxH", conflicts_with = "scene")]
+    pub(crate) size: Option<PixelSize>,
+    /// Only these sweeps (comma-separated or repeated); default: all
+    #[arg(long, value_enum, value_name = "SWEEP", value_delimiter = ',')]
+    pub(crate) sweeps: Vec<SweepArg>,
+    /// Views, the held-out one among them
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub(crate) views: u32,
+    /// Times, evenly spaced
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=97))]
+    pub(crate) times: u32,
+    /// Timed passes over all pictures, after one that is not timed
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) repeats: u32,
+    /// Graphics adapters to measure beside the processor, by number or name
+    #[arg(long, value_name = "ADAPTER", value_delimiter = ',')]
+    pub(crate) adapters: Vec<String>,
+    /// Folder that receives table and figure; default: <work>/bench/splats
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Width and height of drawn pictures, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PixelSize(pub(crate) [u32; 2]);
+
+impl std::str::FromStr for PixelSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=8192).contains(side));
+        let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+        sides
+            .map(Self)
+            .ok_or_else(|| "write <width>x<height>, each 1 to 8192, for example 256x192".to_owned())
+    }
+}
+
+/// A display colour, red, green and blue from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Background(pub(crate) [f32; 3]);
+
+impl std::str::FromStr for Background {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let colour = match text {
+            "black" => Some([0.0; 3]),
+            "white" => Some([1.0; 3]),
+            text => {
+                let channels: Option<Vec<f32>> =
+                    text.split(',').map(|value| value.trim().parse().ok()).collect();
+                channels.and_then(|channels| channels.try_into().ok())
+            }
+        };
+        let is_shown = |colour: &[f32; 3]| colour.iter().all(|value| (0.0..=1.0).contains(value));
+        let hint = "write black, white, or three numbers from 0 to 1, for example 0.5,0.5,0.5";
+        colour.filter(is_shown).map(Self).ok_or_else(|| hint.to_owned())
+    }
+}

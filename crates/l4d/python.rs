@@ -1,0 +1,181 @@
+//! Python environments of the project's own: each made once, on demand, and kept.
+//!
+//! Owns how an environment comes to be whole. It is named by the digest of its pinned requirements, so that a changed
+//! pin makes a new one and an interrupted installation is never taken for a whole one. Refuses to know what runs in it.
+
+use std::ffi::OsStr;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context as _, Result};
+use l4d_data::digest::sha256_file;
+use l4d_data::store::{make_folder, write_atomic};
+
+use crate::out::{Printer, refusal};
+
+/// The Python that the pins are for.
+pub(crate) const PYTHON_VERSION: &str = "3.11";
+
+/// An environment, whether or not it exists.
+#[derive(Debug, Clone)]
+pub(crate) struct Environment {
+    /// What is installed into it.
+    pub(crate) requirements: PathBuf,
+    /// Folder of all environments of its kind.
+    pub(crate) kind_folder: PathBuf,
+    /// What people call it.
+    pub(crate) name: &'static str,
+    /// What it holds, and how much room that takes.
+    pub(crate) holds: &'static str,
+}
+
+impl Environment {
+    /// Its interpreter.
+    pub(crate) fn python(&self) -> Result<PathBuf> {
+        Ok(self.folder()?.join("bin").join("python"))
+    }
+
+    /// Its interpreter, once everything is installed.
+    pub(crate) fn find_or_make(&self, out: &Printer) -> Result<PathBuf> {
+        let (folder, python) = (self.folder()?, self.python()?);
+        let complete = folder.join("complete");
+        if complete.exists() {
+            return Ok(python);
+        }
+        let parent = folder.parent().unwrap_or(&self.kind_folder);
+        make_folder(parent)?;
+        let lock_path = parent.join("lock");
+        let lock =
+            File::create(&lock_path).with_context(|| format!("cannot create {}", lock_path.display()))?;
+        lock.lock().with_context(|| format!("cannot lock {}", lock_path.display()))?;
+        if complete.exists() {
+            return Ok(python);
+        }
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder)
+                .with_context(|| format!("cannot remove {}", folder.display()))?;
+        }
+        out.note(format!("making {} in {} ({})", self.name, folder.display(), self.holds));
+        self.install(&folder, &python)?;
+        write_atomic(&complete, b"")?;
+        Ok(python)
+    }
+
+    fn folder(&self) -> Result<PathBuf> {
+        let digest = sha256_file(&self.requirements)?;
+        let parent = std::path::absolute(&self.kind_folder)
+            .with_context(|| format!("cannot resolve {}", self.kind_folder.display()))?;
+        Ok(parent.join(&digest[..12]))
+    }
+
+    fn install(&self, folder: &Path, python: &Path) -> Result<()> {
+        if runs("uv", ["--version"]) {
+            self.step(
+                "uv",
+                [OsStr::new("venv"), "--python".as_ref(), PYTHON_VERSION.as_ref(), folder.as_os_str()],
+            )?;
+            let install = [
+                OsStr::new("pip"),
+                "install".as_ref(),
+                "--python".as_ref(),
+                python.as_os_str(),
+                "-r".as_ref(),
+                self.requirements.as_os_str(),
+            ];
+            return self.step("uv", install);
+        }
+        let base = self.base_python()?;
+        self.step(base, [OsStr::new("-m"), "venv".as_ref(), folder.as_os_str()])?;
+        let install = ["-m", "pip", "install", "--disable-pip-version-check", "--no-input", "--quiet", "-r"];
+        let install = install.map(OsStr::new).into_iter().chain([self.requirements.as_os_str()]);
+        self.step(&python.to_string_lossy(), install)
+    }
+
+    fn base_python(&self) -> Result<&'static str> {
+        let version = "import sys; sys.exit('%d.%d' % sys.version_info[:2] != sys.argv[1])";
+        let is_right = |python: &&str| runs(python, ["-c", version, PYTHON_VERSION]);
+        ["python3.11", "python3", "python"].into_iter().find(is_right).ok_or_else(|| {
+            refusal(
+                format!("no Python {PYTHON_VERSION} on PATH, which {} is pinned for", self.name),
+                "install it (Debian 12: apt-get install python3.11 python3.11-venv), or install uv, which brings its own",
+            )
+        })
+    }
+
+    fn step<'a>(&self, program: &str, args: impl IntoIterator<Item = &'a OsStr>) -> Result<()> {
+        let mut command = Command::new(program);
+        command.args(args).stdin(Stdio::null());
+        let output = command.output().with_context(|| format!("cannot run {program}"))?;
+        if output.status.success() {
+            return Ok(());
+        }
+        let talk = [output.stdout, output.stderr].concat();
+        let talk = String::from_utf8_lossy(&talk).into_owned();
+        let tail: Vec<&str> = talk.lines().rev().take(8).collect();
+        let tail: Vec<&str> = tail.into_iter().rev().collect();
+        let hint = if talk.contains("ensurepip") {
+            "install the venv module (Debian, Ubuntu: apt-get install python3.11-venv), or install uv"
+                .to_owned()
+        } else if talk.contains("No space left") {
+            format!("free some disk ({}), or choose another --work folder", self.holds)
+        } else {
+            "check the network and the package index, or prepare an environment yourself and name its Python"
+                .to_owned()
+        };
+        Err(refusal(format!("{program} could not make {}:\n{}", self.name, tail.join("\n")), hint))
+    }
+}
+
+fn runs<const N: usize>(program: &str, args: [&str; N]) -> bool {
+    let silent = Command::new(program)
+        .args(args)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    silent.is_ok_and(|status| status.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn environment(folder: &Path, requirements: &str) -> Environment {
+        std::fs::write(folder.join("requirements.txt"), requirements).unwrap();
+        Environment {
+            requirements: folder.join("requirements.txt"),
+            kind_folder: folder.join("work/some-env"),
+            name: "a test environment",
+            holds: "nothing",
+        }
+    }
+
+    #[test]
+    fn it_is_made_once_and_again_for_other_pins() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = Printer::new(true);
+        let first = environment(folder.path(), "# nothing\n");
+        let python = first.find_or_make(&out).unwrap();
+        assert!(runs(&python.to_string_lossy(), ["-c", "import json"]));
+        let mark = python.with_file_name("mark");
+        std::fs::write(&mark, "").unwrap();
+        assert_eq!(first.find_or_make(&out).unwrap(), python);
+        assert!(mark.exists(), "it was not made again");
+
+        // One that was interrupted is made again from the start.
+        std::fs::remove_file(python.parent().unwrap().parent().unwrap().join("complete")).unwrap();
+        first.find_or_make(&out).unwrap();
+        assert!(!mark.exists());
+        assert_ne!(environment(folder.path(), "# nothing else\n").python().unwrap(), python);
+    }
+
+    #[test]
+    fn what_cannot_be_installed_is_told_and_not_taken_for_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let broken = environment(folder.path(), "./no/such/package\n");
+        let error = broken.find_or_make(&Printer::new(true)).unwrap_err();
+        assert!(format!("{error:#}").contains("could not make a test environment"), "{error:#}");
+        assert!(broken.find_or_make(&Printer::new(true)).is_err());
+    }
+}
