@@ -12,6 +12,7 @@ mod interop;
 mod leaderboard;
 mod model_grounder;
 mod proposing;
+mod python;
 mod queries;
 mod results;
 mod scenes;

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::{DataError, Query, Report, json};
+use l4d_data::{DataError, Query, Report, json as file};
 use rayon::prelude::*;
+use serde_json::{Value, json};
 
 use crate::answers::{Reader, report_missing};
 use crate::codes;
@@ -13,7 +14,7 @@ use crate::counts::{CountsWriter, FrameCount};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::{Answer, judge_query};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
-use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::results::{PROTOCOL, check_scenes, find_methods, read_card, scan_scene};
 use crate::summary::Summary;
 use crate::truth::SceneTruth;
 
@@ -24,6 +25,23 @@ pub struct Scored {
     pub summaries: Vec<Summary>,
     /// What is wrong with the others, and with the benchmark.
     pub report: Report,
+}
+
+impl Scored {
+    /// What `l4d score --json` prints: the scores with everything that they depend on, and the findings in order.
+    pub fn into_document(self, exam: &Exam) -> Value {
+        let scenes: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
+        json!({
+            "protocol": PROTOCOL,
+            "profile": exam.profile,
+            "set": exam.set,
+            "benchmark_version": exam.bench.manifest.version,
+            "truth_digest": exam.truth_digest,
+            "scenes": scenes,
+            "methods": self.summaries,
+            "findings": self.report.into_sorted(),
+        })
+    }
 }
 
 /// Where the counts of a method are written.
@@ -105,7 +123,7 @@ fn score_method(
     }
     writer.commit()?;
     let summary = Summary::new(card, exam, options, &tallies);
-    json::write(&summary_path(scores, &summary.name), &summary)?;
+    file::write(&summary_path(scores, &summary.name), &summary)?;
     Ok(Some(summary))
 }
 
