@@ -13,6 +13,7 @@ mod leaderboard;
 mod model_grounder;
 mod proposing;
 mod queries;
+mod real_scenes;
 mod results;
 mod scenes;
 mod score;

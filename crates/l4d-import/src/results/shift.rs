@@ -16,6 +16,9 @@ use super::protocol::Count;
 /// Masks by frame as run lengths; none where the method says that nothing is there.
 pub type Answers = BTreeMap<u32, Option<String>>;
 
+/// Where relevancy is highest by query and frame: shares of width and height.
+pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
+
 /// A shift that raises the mean IoU by this factor is told.
 const TELLING: f64 = 1.1;
 /// A mean IoU below this is told: masks and truth have nothing to do with each other.
@@ -120,25 +123,54 @@ impl<'a> Judged<'a> {
 
     /// What the referents show in a frame, whether the query holds or not.
     fn target(&self, query: &Query, frame: u32) -> Result<Mask, DataError> {
-        let (width, height) = (self.truth.width, self.truth.height);
-        let mut union = Mask::empty(width, height);
+        let mut union = Mask::empty(self.truth.width, self.truth.height);
+        self.referents(query, frame)?.iter().for_each(|mask| union.union_with(mask));
+        Ok(union)
+    }
+
+    /// The masks of the referents that a frame shows.
+    fn referents(&self, query: &Query, frame: u32) -> Result<Vec<Mask>, DataError> {
+        let mut masks = Vec::new();
         for name in &query.referents {
             let instance = self.truth.instance(name.as_str());
-            let counts = instance.and_then(|instance| instance.masks.get(&frame_key(frame)));
-            if let Some(counts) = counts {
-                let mask = rle::decode(counts, width, height).map_err(|error| {
-                    let place = format!("instance {name}, frame {}", frame_key(frame));
-                    DataError::invalid(
-                        self.path,
-                        place,
-                        error.to_string(),
-                        "restore the file from the release",
-                    )
-                })?;
-                union.union_with(&mask);
+            let Some(counts) = instance.and_then(|instance| instance.masks.get(&frame_key(frame))) else {
+                continue;
+            };
+            masks.push(rle::decode(counts, self.truth.width, self.truth.height).map_err(|error| {
+                let place = format!("instance {name}, frame {}", frame_key(frame));
+                DataError::invalid(self.path, place, error.to_string(), "restore the file from the release")
+            })?);
+        }
+        Ok(masks)
+    }
+
+    /// LangSplat's localisation: the share of pairs of frame and sentence whose summit lies in the box around a
+    /// referent, borders included. Pairs without a summit are none.
+    ///
+    /// # Errors
+    /// Truth that is damaged.
+    pub fn localised(&self, asked: &[&Query], summits: &Summits) -> Result<Option<f64>, DataError> {
+        let (mut hits, mut pairs) = (0_u64, 0_u64);
+        for query in asked {
+            for &frame in &self.truth.frames {
+                let is_asked = query.temporal == Temporal::Whole || query.holds_at(frame);
+                let Some(&[across, down]) = summits.get(&(query.id.clone(), frame)).filter(|_| is_asked)
+                else {
+                    continue;
+                };
+                let col = (across * f64::from(self.truth.width)).floor() as u32;
+                let row = (down * f64::from(self.truth.height)).floor() as u32;
+                let boxes: Vec<_> =
+                    self.referents(query, frame)?.iter().filter_map(Mask::bounding_box).collect();
+                let is_inside = boxes.iter().any(|area| {
+                    (area.first_col..=area.last_col).contains(&col)
+                        && (area.first_row..=area.last_row).contains(&row)
+                });
+                pairs += u64::from(!boxes.is_empty());
+                hits += u64::from(is_inside);
             }
         }
-        Ok(union)
+        Ok((pairs > 0).then(|| hits as f64 / pairs as f64))
     }
 }
 
