@@ -21,6 +21,8 @@ pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
 
 /// A shift that raises the mean IoU by this factor is told.
 const TELLING: f64 = 1.1;
+/// From so few pairs of frame and query nothing follows: what rests fits every frame.
+const FEW: u64 = 6;
 /// A mean IoU below this is told: masks and truth have nothing to do with each other.
 const HARDLY: f64 = 0.01;
 
@@ -56,9 +58,11 @@ impl<'a> Judged<'a> {
     ) -> Result<(), DataError> {
         let [before, now, after] = [-1, 0, 1].map(|shift| self.mean_iou(asked, shift));
         let (before, now, after) = (before?, now?, after?);
-        let Some(now) = now else { return Ok(()) };
+        let Some((now, _)) = now else { return Ok(()) };
         for (shift, other) in [(-1, before), (1, after)] {
-            let Some(other) = other.filter(|other| *other > TELLING * now && *other > HARDLY) else {
+            let is_telling =
+                |(other, pairs): &(f64, u64)| *pairs >= FEW && *other > TELLING * now && *other > HARDLY;
+            let Some((other, _)) = other.filter(is_telling) else {
                 continue;
             };
             let side = if shift < 0 { "earlier" } else { "later" };
@@ -79,8 +83,9 @@ impl<'a> Judged<'a> {
         Ok(())
     }
 
-    /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it.
-    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Result<Option<f64>, DataError> {
+    /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it, and the
+    /// number of these pairs.
+    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Result<Option<(f64, u64)>, DataError> {
         let (mut sum, mut count) = (0.0, 0_u64);
         for (query, answers) in asked {
             for frame in self.compared(query, answers, shift)? {
@@ -93,7 +98,7 @@ impl<'a> Judged<'a> {
                 count += 1;
             }
         }
-        Ok((count > 0).then(|| sum / count as f64))
+        Ok((count > 0).then(|| (sum / count as f64, count)))
     }
 
     fn compared(&self, query: &Query, answers: &Answers, shift: isize) -> Result<Vec<Count>, DataError> {
