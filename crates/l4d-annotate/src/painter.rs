@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::UVec2;
-use l4d_data::capture::{Capture, MASKS, MaskSet};
-use l4d_data::layout::SceneDir;
+use l4d_data::capture::{MASKS, MaskSet};
+use l4d_data::layout::{CaptureDir, SceneDir};
 use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name};
 use l4d_frames::Display;
@@ -114,12 +114,12 @@ impl Painter {
 
     /// A picture of a capture; objects are where people drew them, and nowhere else.
     fn taken(&mut self, card: &SceneCard, (scene, view, frame): &FrameKey) -> Result<Shown, DataError> {
-        let folder = self.data.join(scene.as_str());
-        let picture = photograph(&folder.join(Capture::picture_path(view, *frame)), card.size)?;
+        let dir = CaptureDir::new(&self.data, scene);
+        let picture = photograph(&dir.picture(view, *frame), card.size)?;
         let drawn = match self.drawn.get(scene) {
             Some(drawn) => Arc::clone(drawn),
             None => {
-                let drawn = Arc::new(MaskSet::read(&folder)?);
+                let drawn = Arc::new(MaskSet::read(dir.root())?);
                 self.drawn.insert(scene.clone(), Arc::clone(&drawn));
                 drawn
             }
@@ -129,7 +129,7 @@ impl Painter {
             let Some(counts) = instance.counts(view, *frame) else { continue };
             let mask = rle::decode(counts, card.size.x, card.size.y).map_err(|error| {
                 let place = format!("instance {}, {view} at {frame}", instance.name);
-                DataError::invalid(&folder.join(MASKS), place, error.to_string(), IMPORT_AGAIN)
+                DataError::invalid(&dir.root().join(MASKS), place, error.to_string(), IMPORT_AGAIN)
             })?;
             mask.pixels().for_each(|(col, row)| ids[(row * card.size.x + col) as usize] = instance.id);
         }

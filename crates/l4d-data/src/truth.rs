@@ -160,3 +160,55 @@ impl Truth {
 pub fn frame_key(frame: u32) -> String {
     format!("{frame:04}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn truth(profile: Profile, size: [u32; 2], frames: &[u32], unannotated: &[u32]) -> Truth {
+        Truth {
+            schema: SCHEMA.to_owned(),
+            scene: Name::new("a").unwrap(),
+            scale: Scale::Room,
+            variant: 0,
+            profile,
+            width: size[0],
+            height: size[1],
+            test_view: Name::new("cam00").unwrap(),
+            frames: frames.to_vec(),
+            unannotated: unannotated.to_vec(),
+            instances: Vec::new(),
+            visible: BTreeMap::new(),
+        }
+    }
+
+    #[test]
+    fn real_scenes_have_a_size_and_a_timeline_of_their_own() {
+        let real = truth(Profile::Real, [1352, 1014], &[160, 180], &[151, 170, 200]);
+        assert_eq!(real.problem(), None);
+        assert_eq!(real.clip(), [151, 160, 170, 180, 200]);
+        assert_eq!(real.whole(), Interval::new(151, 200).unwrap());
+        let tiny: Vec<u32> = Profile::Tiny.frames().collect();
+        let rendered = truth(Profile::Tiny, [128, 96], &tiny, &[]);
+        assert_eq!((rendered.problem(), rendered.whole()), (None, Interval::WHOLE));
+    }
+
+    #[test]
+    fn frames_and_sizes_that_cannot_be_are_refused() {
+        let tiny: Vec<u32> = Profile::Tiny.frames().collect();
+        for (profile, size, frames, unannotated) in [
+            (Profile::Real, [0, 48], &[1][..], &[][..]),
+            (Profile::Real, [64, 100_000], &[1], &[]),
+            (Profile::Real, [64, 48], &[], &[1, 2]),
+            (Profile::Real, [64, 48], &[2, 1], &[]),
+            (Profile::Real, [64, 48], &[1, 2], &[2]),
+            (Profile::Real, [64, 48], &[1, 10_000], &[]),
+            (Profile::Tiny, [64, 48], &tiny, &[]),
+            (Profile::Tiny, [128, 96], &tiny[1..], &[]),
+            (Profile::Tiny, [128, 96], &tiny, &[1]),
+        ] {
+            let problem = truth(profile, size, frames, unannotated).problem();
+            assert!(problem.is_some(), "{profile} {size:?} {frames:?} {unannotated:?}");
+        }
+    }
+}

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::UVec2;
 use l4d_data::capture::{Capture, MaskSet};
+use l4d_data::layout::CaptureDir;
 use l4d_data::{Camera, DataError, Name};
 use l4d_votes::Round;
 
@@ -17,12 +18,12 @@ pub(super) fn card(
     round: &Round,
     annotator: &Name,
 ) -> Result<SceneCard, DataError> {
-    let folder = data.join(scene.as_str());
+    let dir = CaptureDir::new(data, scene);
     let refuse = |place: &str, message: &str, remedy: &str| {
-        Err(DataError::invalid(&folder, place, message.to_owned(), remedy.to_owned()))
+        Err(DataError::invalid(dir.root(), place, message.to_owned(), remedy.to_owned()))
     };
-    let capture = Capture::read(&folder)?;
-    let drawn = MaskSet::read(&folder)?;
+    let capture = Capture::read(dir.root())?;
+    let drawn = MaskSet::read(dir.root())?;
     let Some(held_out) = capture.held_out().next() else {
         return refuse("capture.json", "holds no view out", "import the scene with --held-out");
     };
@@ -36,8 +37,7 @@ pub(super) fn card(
     let cameras: Vec<Camera> = capture.cameras.iter().filter(sees_all).cloned().collect();
     let views = chosen_views(&cameras, round.views);
     let pictures = views.iter().flat_map(|view| frames.iter().map(move |frame| (view, *frame)));
-    let missing =
-        pictures.filter(|(view, frame)| !folder.join(Capture::picture_path(view, *frame)).is_file());
+    let missing = pictures.filter(|(view, frame)| !dir.picture(view, *frame).is_file());
     let missing = missing.count();
     if missing > 0 {
         return refuse("frames", &format!("lacks {missing} pictures"), "run `l4d import-scene` again");
