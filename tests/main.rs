@@ -14,6 +14,7 @@ mod model_grounder;
 mod proposing;
 mod python;
 mod queries;
+mod real_scenes;
 mod results;
 mod scenes;
 mod score;

@@ -32,9 +32,12 @@ mod verify_prompts;
 use anyhow::Result;
 
 use crate::cli::Command;
-use crate::out::{ExitStatus, Printer};
+use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
+    if command.needs_renderings().is_some_and(|bench| !bench.profile.is_rendered()) {
+        return Err(refusal("real scenes are not rendered", "choose --profile tiny, small or full"));
+    }
     match command {
         Command::Quickstart(args) => quickstart::run(args, out),
         Command::Doctor(args) => doctor::run(args, out),

@@ -40,11 +40,14 @@ pub struct MethodCard {
     pub truth_digest: String,
     /// Profile of the masks.
     pub profile: Profile,
-    /// Mask width, pixels.
+    /// Mask width, pixels; 0 for real scenes, whose sizes differ, and then left out of the file.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub width: u32,
-    /// Mask height, pixels.
+    /// Mask height, pixels; as the width.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub height: u32,
-    /// Canonical frames that the masks cover, ascending.
+    /// Canonical frames that the masks cover, ascending; none for real scenes, whose timelines differ.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<u32>,
     /// Protocol that the masks were made for (`l4d`).
     pub protocol: String,
@@ -55,6 +58,10 @@ pub struct MethodCard {
     /// How foreign files became these masks; none for results that were written as such.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub import: Option<Import>,
+}
+
+fn is_zero(side: &u32) -> bool {
+    *side == 0
 }
 
 /// What an import read and took for granted, so that two people get the same masks.

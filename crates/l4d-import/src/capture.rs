@@ -12,21 +12,16 @@ pub mod masks;
 mod nerfstudio;
 mod neu3d;
 mod plan;
+pub mod publish;
 mod video;
 mod write;
 
-use std::collections::BTreeMap;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 
-use l4d_data::{Camera, DataError, Name, json};
-use serde::{Deserialize, Serialize};
-
-/// Schema tag of `capture.json`.
-pub const SCHEMA: &str = "l4d/capture/1";
-/// Name of the file.
-pub const CAPTURE: &str = "capture.json";
+pub use l4d_data::capture::{CAPTURE, Capture};
+use l4d_data::{DataError, Name};
 
 /// Who recorded, or what reconstructed the cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,80 +90,6 @@ pub struct Order<'a> {
     pub moments: Option<[u32; 2]>,
     /// The program that opens videos.
     pub ffmpeg: &'a Path,
-}
-
-/// `capture.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Capture {
-    /// [`SCHEMA`].
-    pub schema: String,
-    /// Scene name.
-    pub name: Name,
-    /// Who recorded it.
-    pub source: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// All views, sorted by name. A pose for all moments, or one for each number from 0 to the last.
-    pub cameras: Vec<Camera>,
-    /// Numbers of the moments, ascending.
-    pub frames: Vec<u32>,
-    /// Where known.
-    pub frames_per_second: Option<f64>,
-    /// `absent`: whatever needs depth has to do without, or refuses.
-    pub depth: Depth,
-    /// Whether a unit of the world is a metre.
-    pub is_metric: bool,
-    /// Pictures that are missing on purpose: views that did not see a moment.
-    pub unseen: BTreeMap<Name, Vec<u32>>,
-    /// Pictures that were damaged and are those of another moment instead.
-    pub substituted: Vec<Substitution>,
-    /// SHA-256 of the files that cameras were read from, by their path within the input.
-    pub inputs: BTreeMap<String, String>,
-    /// What was assumed or left out, a sentence each.
-    pub notes: Vec<String>,
-}
-
-/// Whether there is depth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Depth {
-    /// None.
-    Absent,
-}
-
-/// A picture that stands in for a damaged one.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Substitution {
-    /// The view.
-    pub view: Name,
-    /// The moment whose picture is damaged.
-    pub frame: u32,
-    /// The moment whose picture stands there instead.
-    pub shows: u32,
-    /// What is wrong with the original.
-    pub why: String,
-}
-
-impl Capture {
-    /// Reads the capture in a folder.
-    pub fn read(folder: &Path) -> Result<Self, DataError> {
-        let path = folder.join(CAPTURE);
-        let capture: Self = json::read(&path)?;
-        if capture.schema != SCHEMA {
-            let message = format!("is `{}`, but this l4d reads `{SCHEMA}`", capture.schema);
-            return Err(DataError::invalid(&path, "field `schema`", message, "import the scene again"));
-        }
-        Ok(capture)
-    }
-
-    /// The picture of a view at a moment, relative to the folder of the capture.
-    pub fn picture_path(view: &str, frame: u32) -> PathBuf {
-        Path::new("frames").join(view).join(format!("{}.png", l4d_data::truth::frame_key(frame)))
-    }
 }
 
 /// Reads a capture of somebody else and writes it as ours; `tick` is called for each picture.

@@ -41,34 +41,44 @@ impl Benchmark {
         &self.bench.manifest.version
     }
 
-    /// `"tiny"`, `"small"` or `"full"`.
+    /// `"tiny"`, `"small"`, `"full"`, or `"real"` for captures.
     #[getter]
     fn profile(&self) -> &'static str {
         self.profile.as_str()
     }
 
-    /// Columns of masks, pixels.
+    /// Columns of masks, pixels. Captures (profile `"real"`) have no common one: see `size`.
     #[getter]
-    fn width(&self) -> u32 {
-        self.profile.width()
+    fn width(&self) -> Result<u32> {
+        self.rendered().map(Profile::width)
     }
 
-    /// Rows of masks, pixels.
+    /// Rows of masks, pixels. Captures (profile `"real"`) have no common one: see `size`.
     #[getter]
-    fn height(&self) -> u32 {
-        self.profile.height()
+    fn height(&self) -> Result<u32> {
+        self.rendered().map(Profile::height)
     }
 
-    /// Canonical frames that a method answers, ascending.
+    /// Canonical frames that a method answers, ascending. Captures (profile `"real"`) have no common ones: see `clip`.
     #[getter]
-    fn frames(&self) -> Vec<u32> {
-        self.profile.frames().collect()
+    fn frames(&self) -> Result<Vec<u32>> {
+        Ok(self.rendered()?.frames().collect())
     }
 
     /// When these frames are.
     #[getter]
-    fn timeline(&self) -> Timeline {
-        self.profile.into()
+    fn timeline(&self) -> Result<Timeline> {
+        Timeline::of(self.profile)
+    }
+
+    /// Columns and rows of the masks of a scene, pixels: (width, height).
+    fn size(&self, scene: &str) -> Result<(u32, u32)> {
+        Ok(self.asked(self.scene_named(scene)?)?.size)
+    }
+
+    /// Frames of a scene that masks may be of, ascending: those of the profile, or the moments of a capture.
+    fn clip(&self, scene: &str) -> Result<Vec<u32>> {
+        Ok(self.asked(self.scene_named(scene)?)?.clip)
     }
 
     /// Names of the scenes, in table order.
@@ -142,7 +152,38 @@ impl Benchmark {
     }
 }
 
+/// What masks of a scene must be like.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    /// Width and height, pixels.
+    pub(crate) size: (u32, u32),
+    /// Frames that masks may be of, ascending.
+    pub(crate) clip: Vec<u32>,
+    /// Those that need no mask, ascending.
+    pub(crate) unannotated: Vec<u32>,
+}
+
 impl Benchmark {
+    /// What is asked of the masks of a scene.
+    pub(crate) fn asked(&self, scene: &Name) -> Result<Asked> {
+        let profile = self.profile;
+        if profile.is_rendered() {
+            let size = (profile.width(), profile.height());
+            return Ok(Asked { size, clip: profile.frames().collect(), unannotated: Vec::new() });
+        }
+        let truth = self.bench.truth(profile, scene)?;
+        Ok(Asked { size: (truth.width, truth.height), clip: truth.clip(), unannotated: truth.unannotated })
+    }
+
+    /// The profile, if all its scenes have the same size and frames.
+    fn rendered(&self) -> Result<Profile> {
+        if self.profile.is_rendered() {
+            return Ok(self.profile);
+        }
+        let remedy = "ask about a scene: `Benchmark.size(scene)`, `Benchmark.clip(scene)`";
+        Err(Failure::argument("profile", "captures differ in size and frames", remedy))
+    }
+
     pub(crate) fn scene_named(&self, scene: &str) -> Result<&Name> {
         Ok(self.bench.scene(scene)?)
     }

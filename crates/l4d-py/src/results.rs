@@ -3,13 +3,14 @@
 //! The card comes first and says for what the masks are made: a run that was killed goes on in a folder whose card is
 //! its own, and is refused in any other. Every file appears whole or not at all.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::truth::frame_key;
-use l4d_data::{DataError, Profile, QueryId, json};
+use l4d_data::{DataError, Name, QueryId, json};
 use l4d_frames::{Mask, rle};
 use l4d_score::results::PROTOCOL;
 use pyo3::prelude::*;
@@ -17,7 +18,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 
 use crate::arrays::{bools, mask_from, shape_of, wrong_shape};
-use crate::benchmark::Benchmark;
+use crate::benchmark::{Asked, Benchmark};
 use crate::error::{Failure, Result, name};
 use crate::query::{Query, query_id};
 
@@ -87,26 +88,42 @@ impl ResultsWriter {
     /// Sentences whose answer does not stand there whole yet; `set` as in `Benchmark.queries`.
     #[pyo3(signature = (scene = None, *, set = "queries"))]
     fn remaining(&self, py: Python<'_>, scene: Option<&str>, set: &str) -> Result<Vec<Query>> {
-        let mut queries = self.bench.get().queries_of(scene, set)?;
-        py.detach(|| queries.retain(|query| !self.is_whole(&query.id)));
+        let bench = self.bench.get();
+        let mut queries = bench.queries_of(scene, set)?;
+        py.detach(|| {
+            let mut asked: BTreeMap<Name, Asked> = BTreeMap::new();
+            for query in &queries {
+                if !asked.contains_key(&query.id.scene) {
+                    asked.insert(query.id.scene.clone(), bench.asked(&query.id.scene)?);
+                }
+            }
+            queries.retain(|query| {
+                !asked.get(&query.id.scene).is_some_and(|asked| self.is_whole(&query.id, asked))
+            });
+            Ok::<_, Failure>(())
+        })?;
         Ok(queries.into_iter().map(Query).collect())
     }
 
     /// Writes the answer to a query (or to the query of that id).
     ///
-    /// `masks` is bool (T, H, W) in the order of `Benchmark.frames`, or a dict from each of these frames to bool (H, W) or
-    /// None. None, and a mask without a pixel, say that what is asked for cannot be seen.
+    /// `masks` is bool (T, H, W) in the order of `Benchmark.clip(scene)`, or a dict from each of these frames to bool (H, W)
+    /// or None. None, and a mask without a pixel, say that what is asked for cannot be seen. Frames of a capture that
+    /// nobody annotated may be left out.
     fn write(&self, py: Python<'_>, query: &Bound<'_, PyAny>, masks: &Bound<'_, PyAny>) -> Result<()> {
         let query = self.bench.get().query_of(&query_id(query)?)?;
+        let asked = self.bench.get().asked(&query.id.scene)?;
         let masks = match masks.cast::<PyDict>() {
-            Ok(masks) => masks_by_frame(masks, self.card.profile)?,
-            Err(_) => masks_of_clip(masks, self.card.profile)?,
+            Ok(masks) => masks_by_frame(masks, &asked)?,
+            Err(_) => masks_of_clip(masks, &asked)?,
         };
         py.detach(|| {
-            let counts = |mask: &Option<Mask>| mask.as_ref().filter(|mask| !mask.is_empty()).map(rle::encode);
-            let counts: Vec<Option<String>> = masks.par_iter().map(counts).collect();
-            let frames = self.card.frames.iter().map(|&frame| frame_key(frame)).zip(counts).collect();
-            let file = MaskFile { size: [self.card.height, self.card.width], frames };
+            let answer = |(frame, mask): &(u32, Option<Mask>)| {
+                let mask = mask.as_ref().filter(|mask| !mask.is_empty());
+                (frame_key(*frame), mask.map(rle::encode))
+            };
+            let (width, height) = asked.size;
+            let file = MaskFile { size: [height, width], frames: masks.par_iter().map(answer).collect() };
             json::write_compact(&self.dir.mask_file(&query.id), &file)
         })?;
         Ok(())
@@ -128,11 +145,12 @@ impl ResultsWriter {
 }
 
 impl ResultsWriter {
-    fn is_whole(&self, id: &QueryId) -> bool {
+    fn is_whole(&self, id: &QueryId, asked: &Asked) -> bool {
         let file = json::read::<MaskFile>(&self.dir.mask_file(id));
         file.is_ok_and(|file| {
-            let is_answered = |frame: &u32| file.frames.contains_key(&frame_key(*frame));
-            file.size == [self.card.height, self.card.width] && self.card.frames.iter().all(is_answered)
+            let needs_none = |frame: &u32| asked.unannotated.binary_search(frame).is_ok();
+            let is_answered = |frame: &u32| file.frames.contains_key(&frame_key(*frame)) || needs_none(frame);
+            file.size == [asked.size.1, asked.size.0] && asked.clip.iter().all(is_answered)
         })
     }
 }
@@ -189,43 +207,43 @@ fn difference(before: &MethodCard, now: &MethodCard) -> Option<&'static str> {
 }
 
 /// One mask a frame, from an array over the whole clip.
-fn masks_of_clip(masks: &Bound<'_, PyAny>, profile: Profile) -> Result<Vec<Option<Mask>>> {
+fn masks_of_clip(masks: &Bound<'_, PyAny>, asked: &Asked) -> Result<Vec<(u32, Option<Mask>)>> {
     let pixels = bools("masks", masks)?;
     let array = pixels.as_array();
-    let (width, height) = (profile.width(), profile.height());
+    let (width, height) = asked.size;
     let [rows, columns] = shape_of(width, height);
-    let expected = [profile.frames().count(), rows, columns];
+    let expected = [asked.clip.len(), rows, columns];
     if array.shape() != expected {
         return Err(wrong_shape("masks", array.shape(), &expected));
     }
     let mask = |at: usize| Mask::from_fn(width, height, |col, row| array[[at, row as usize, col as usize]]);
-    Ok((0..expected[0]).map(|at| Some(mask(at))).collect())
+    Ok(asked.clip.iter().enumerate().map(|(at, &frame)| (frame, Some(mask(at)))).collect())
 }
 
-/// One mask a frame, from a dict that has them all.
-fn masks_by_frame(masks: &Bound<'_, PyDict>, profile: Profile) -> Result<Vec<Option<Mask>>> {
-    let known: Vec<u32> = profile.frames().collect();
+/// One mask a frame, from a dict that has all that are asked for.
+fn masks_by_frame(masks: &Bound<'_, PyDict>, asked: &Asked) -> Result<Vec<(u32, Option<Mask>)>> {
     for key in masks.keys() {
-        let is_known = key.extract::<u32>().is_ok_and(|frame| known.contains(&frame));
+        let is_known = key.extract::<u32>().is_ok_and(|frame| asked.clip.binary_search(&frame).is_ok());
         if !is_known {
-            let message = format!("has the key {key}, which is no frame of profile {profile}");
-            return Err(Failure::argument("masks", message, "use the numbers of `Benchmark.frames` as keys"));
+            let message = format!("has the key {key}, which is no frame of the clip");
+            return Err(Failure::argument("masks", message, "use the numbers of `Benchmark.clip` as keys"));
         }
     }
-    let mask = |frame: u32| match masks.get_item(frame)? {
-        None => {
-            let message = format!("has no answer for frame {frame}");
-            Err(Failure::argument(
-                "masks",
-                message,
-                "answer every frame; None says that nothing is to be seen",
-            ))
+    let mut answers = Vec::with_capacity(asked.clip.len());
+    for &frame in &asked.clip {
+        match masks.get_item(frame)? {
+            None if asked.unannotated.binary_search(&frame).is_ok() => {}
+            None => {
+                let message = format!("has no answer for frame {frame}");
+                let remedy = "answer every frame; None says that nothing is to be seen";
+                return Err(Failure::argument("masks", message, remedy));
+            }
+            Some(value) if value.is_none() => answers.push((frame, None)),
+            Some(value) => {
+                let field = format!("masks[{frame}]");
+                answers.push((frame, Some(mask_from(&field, &value, asked.size)?)));
+            }
         }
-        Some(value) if value.is_none() => Ok(None),
-        Some(value) => {
-            let field = format!("masks[{frame}]");
-            mask_from(&field, &value, (profile.width(), profile.height())).map(Some)
-        }
-    };
-    known.into_iter().map(mask).collect()
+    }
+    Ok(answers)
 }

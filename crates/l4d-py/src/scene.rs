@@ -103,8 +103,8 @@ impl Scene {
 
     /// When its frames are.
     #[getter]
-    fn timeline(&self) -> Timeline {
-        self.scene.profile.into()
+    fn timeline(&self) -> Result<Timeline> {
+        Timeline::of(self.scene.profile)
     }
 
     /// All views, sorted by name; exactly one is held out.

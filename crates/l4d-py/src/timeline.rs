@@ -16,9 +16,14 @@ pub(crate) struct Timeline {
     profile: Profile,
 }
 
-impl From<Profile> for Timeline {
-    fn from(profile: Profile) -> Self {
-        Self { profile }
+impl Timeline {
+    /// Refuses captures, which have timelines of their own.
+    pub(crate) fn of(profile: Profile) -> Result<Self> {
+        if profile.is_rendered() {
+            return Ok(Self { profile });
+        }
+        let remedy = "ask the benchmark for the frames of a scene: `Benchmark.clip`";
+        Err(Failure::argument("profile", "captures have a timeline each, not that of a profile", remedy))
     }
 }
 
@@ -26,7 +31,7 @@ impl From<Profile> for Timeline {
 impl Timeline {
     #[new]
     fn new(profile: &str) -> Result<Self> {
-        Ok(Self { profile: parse_profile(profile)? })
+        Self::of(parse_profile(profile)?)
     }
 
     /// Name of the profile.
@@ -76,7 +81,7 @@ impl Timeline {
 }
 
 pub(crate) fn parse_profile(text: &str) -> Result<Profile> {
-    let remedy = "choose among tiny, small, full";
+    let remedy = "choose among tiny, small, full, or real for captures";
     text.parse().map_err(|message: String| Failure::argument("profile", message, remedy))
 }
 

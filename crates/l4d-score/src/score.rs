@@ -141,15 +141,15 @@ fn judge_scene(
     let mut report = Report::default();
     let truth = exam.truth(&scene.name)?;
     let forms = scan_scene(dir, scene, &mut report);
-    let reader = Reader { dir, clip: &exam.clip, size: exam.size(), resize: options.resize };
+    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
     let judge = |query: &&Query| {
         let mut found = Report::default();
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
         let answers = reader.read(&query.id, forms, &mut found);
         if options.missing == Missing::Error && found.is_empty() {
-            report_missing(dir, &query.id, &exam.clip, &answers, &mut found);
+            report_missing(dir, &query.id, scene, &answers, &mut found);
         }
-        let counts = count(&truth, query, scene, exam, &answers)?;
+        let counts = count(&truth, query, scene, &answers)?;
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, counts, found))
     };
@@ -167,11 +167,10 @@ fn count(
     truth: &SceneTruth,
     query: &Query,
     scene: &SceneExam,
-    exam: &Exam,
     answers: &[Answer],
 ) -> Result<Vec<FrameCount>, DataError> {
     let referents = truth.referents(query, &scene.queries_path)?;
-    Ok(judge_query(truth, query, &referents, &exam.clip, answers))
+    Ok(judge_query(truth, query, &referents, &scene.clip, answers))
 }
 
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.

@@ -164,7 +164,7 @@ pub(crate) struct ExportArgs {
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// tiny, small or full
-    #[arg(long, default_value = "small")]
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     /// Folder of the rendered scenes; default: data/<profile>
     #[arg(long, value_name = "DIR")]
@@ -207,6 +207,17 @@ pub(crate) enum MaskFormatArg {
     Png,
 }
 
+/// How large a scene is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ScaleArg {
+    /// Tens of metres
+    Outdoor,
+    /// A few metres
+    Room,
+    /// About a metre
+    Tabletop,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct ImportSceneArgs {
     /// Who recorded it: neu3d, interdigital, hypernerf, colmap, nerfstudio (docs/capture)
@@ -231,6 +242,12 @@ pub(crate) struct ImportSceneArgs {
     /// What they drew with
     #[arg(long, value_enum)]
     pub(crate) masks_format: Option<MaskFormatArg>,
+    /// Folder of a benchmark of real scenes that receives the truth of the masks on the held-out view, to be asked about
+    #[arg(long, value_name = "DIR", requires = "masks", requires = "scale")]
+    pub(crate) bench: Option<PathBuf>,
+    /// Scale of the scene in tables of scores
+    #[arg(long, value_enum)]
+    pub(crate) scale: Option<ScaleArg>,
     /// Only add masks to a capture that stands in --out
     #[arg(long, requires = "masks")]
     pub(crate) masks_only: bool,

@@ -4,16 +4,16 @@
 //! of another size was drawn on another picture.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use l4d_data::capture::{Capture, MASKS_SCHEMA};
+pub use l4d_data::capture::{MASKS, MaskSet, MaskedInstance};
 use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::truth::frame_key;
-use l4d_data::{DataError, Name, Split, json};
+use l4d_data::{DataError, Name, Split};
 use l4d_frames::{Mask, ids, rle};
-use serde::{Deserialize, Serialize};
 
-use super::Capture;
 use super::plan::name_of;
 use crate::annotations::coco::{self, Reading};
 use crate::annotations::fill::Rule;
@@ -21,10 +21,6 @@ use crate::annotations::four_d_langsplat::{self, Counting};
 use crate::annotations::isat::{self, Layers};
 use crate::annotations::{AnnotatedPicture, Annotations, cvat, labelme};
 
-/// Schema tag of `masks.json`.
-pub const SCHEMA: &str = "l4d/capture-masks/1";
-/// Name of the file.
-pub const MASKS: &str = "masks.json";
 const REMEDY: &str =
     "call annotations as the pictures are called: <view>/<frame>, for example cam00/0120.json";
 const MAX_BYTES: u64 = 64 << 20;
@@ -44,38 +40,6 @@ pub enum MaskFormat {
     FourDLangSplat,
     /// A PNG a picture, palette or grey; a number is an object.
     Png,
-}
-
-/// `masks.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MaskSet {
-    /// [`SCHEMA`].
-    pub schema: String,
-    /// The scene.
-    pub scene: Name,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// What was drawn, sorted by name.
-    pub instances: Vec<MaskedInstance>,
-    /// What was left out or assumed, a sentence each.
-    pub notes: Vec<String>,
-}
-
-/// One thing and its pixels.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MaskedInstance {
-    /// Number, from 1.
-    pub id: u32,
-    /// The label as a name.
-    pub name: Name,
-    /// The label as it was given.
-    pub label: String,
-    /// View -> four-digit frame -> compressed COCO counts; an annotated frame without it is null.
-    pub masks: BTreeMap<Name, BTreeMap<String, Option<String>>>,
 }
 
 /// One annotated picture of the capture.
@@ -124,16 +88,14 @@ pub fn read(capture: &Capture, path: &Path, format: MaskFormat) -> Result<MaskSe
         "an instance is everything of one label; give things that differ labels that differ".to_owned(),
     );
     let (width, height) = (capture.width, capture.height);
-    Ok(MaskSet { schema: SCHEMA.to_owned(), scene: capture.name.clone(), width, height, instances, notes })
-}
-
-impl MaskSet {
-    /// Writes the file into the folder of the capture.
-    pub fn write(&self, capture_folder: &Path) -> Result<PathBuf, DataError> {
-        let path = capture_folder.join(MASKS);
-        json::write_compact(&path, self)?;
-        Ok(path)
-    }
+    Ok(MaskSet {
+        schema: MASKS_SCHEMA.to_owned(),
+        scene: capture.name.clone(),
+        width,
+        height,
+        instances,
+        notes,
+    })
 }
 
 fn masks_of(placed: &[Placed], label: &str) -> BTreeMap<Name, BTreeMap<String, Option<String>>> {
@@ -289,6 +251,5 @@ fn no_doubles(path: &Path, placed: Vec<Placed>) -> Result<Vec<Placed>, DataError
 
 /// A mask of an instance, decoded; none where it was not annotated or is not visible.
 pub fn mask_at(set: &MaskSet, instance: &MaskedInstance, view: &str, frame: u32) -> Option<Mask> {
-    let counts = instance.masks.get(view)?.get(&frame_key(frame))?.as_deref()?;
-    rle::decode(counts, set.width, set.height).ok()
+    rle::decode(instance.counts(view, frame)?, set.width, set.height).ok()
 }

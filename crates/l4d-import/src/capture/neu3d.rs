@@ -21,7 +21,7 @@ const MAX_BYTES: u64 = 64 << 20;
 
 pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let path = order.input.join("poses_bounds.npy");
-    let poses = Array::decode(&path, &read_bounded(&path, MAX_BYTES)?)?;
+    let poses: Array<f64> = Array::decode(&path, &read_bounded(&path, MAX_BYTES)?)?;
     let cameras = camera_names(order.input)?;
     if poses.shape != [cameras.len(), 17] {
         let message =
@@ -29,10 +29,10 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         return Err(DataError::invalid(&path, "shape", message, "keep exactly the cameras that have a row"));
     }
     let mut plan = Plan::new(vec![path.clone()]);
-    let first = &poses.values[..17];
+    let first = &poses.data[..17];
     plan.stated_size = Some(stated_size(&path, first)?);
     let scratch = order.out.join(".videos");
-    for (name, row) in cameras.iter().zip(poses.values.chunks_exact(17)) {
+    for (name, row) in cameras.iter().zip(poses.data.chunks_exact(17)) {
         let pictures = pictures(order, name, &scratch)?;
         let view = name_of(&path, name)?;
         plan.views.push(View {

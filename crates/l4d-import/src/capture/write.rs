@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use l4d_data::capture::{CAPTURE, Capture, Depth, MASKS, SCHEMA, Substitution};
 use l4d_data::digest::sha256_file;
 use l4d_data::error::inert;
 use l4d_data::store::{list_folder, make_folder, read_bounded, write_atomic};
@@ -11,9 +12,8 @@ use l4d_frames::drawn::{RgbImage, encode_colour};
 use l4d_frames::photo::{self, PhotoError};
 use rayon::prelude::*;
 
-use super::masks::MASKS;
+use super::Order;
 use super::plan::{Plan, View};
-use super::{CAPTURE, Capture, Depth, Order, SCHEMA, Substitution};
 
 /// No picture file is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;

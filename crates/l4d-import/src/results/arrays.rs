@@ -4,7 +4,6 @@
 //! refused, and pickles run in the machine of `l4d-splat`, which calls nothing. Refuses to know what the numbers
 //! mean.
 
-mod npy;
 mod npz;
 
 use std::path::Path;
@@ -13,36 +12,11 @@ use l4d_data::DataError;
 use l4d_data::store::read_bounded;
 use l4d_splat::checkpoint::pickle::{self, Value};
 
-pub use npy::Contents;
+use crate::npy::read::{self as npy, REMEDY};
+pub use crate::npy::{Array, Contents, Kind};
 
 /// No file of arrays is larger: latents of 8 channels at 4K fit.
 pub const MAX_BYTES: u64 = 512 << 20;
-/// What to do about a file that this module refuses.
-const REMEDY: &str =
-    "write the array again, as plain numbers: numpy.save(path, numpy.ascontiguousarray(a, '<f4'))";
-
-/// What the numbers were before they became `f32`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Truth values.
-    Bool,
-    /// Whole numbers.
-    Integer,
-    /// Numbers.
-    Float,
-}
-
-/// Numbers with a shape, the last axis fastest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Array {
-    /// Length along each axis; none for a single number.
-    pub shape: Vec<usize>,
-    /// The numbers, as many as the product of `shape`.
-    pub data: Vec<f32>,
-    /// What they were in the file.
-    pub kind: Kind,
-}
-
 impl Array {
     /// Where the first number that is not finite stands, and what it is.
     pub fn bad_value(&self) -> Option<(usize, f32)> {

@@ -10,6 +10,7 @@ mod files;
 mod latents;
 mod notes;
 mod order;
+mod pictures;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,13 +24,14 @@ use super::preset::Preset;
 use super::prompts::Prompts;
 use super::protocol::{self, Scores};
 use super::relevancy::TextsFile;
-use super::shift::{Answers, Judged, check_cover};
+use super::shift::{Answers, Judged, Summits, check_cover};
 use super::template::{Captures, Hit, Template};
 
 pub use card::{Identity, write};
 pub use order::{Images, Order};
 
 use answers::Collector;
+use pictures::Pictures;
 
 /// What is imported, and what the user says about it.
 #[derive(Debug)]
@@ -84,6 +86,8 @@ pub struct Imported {
     pub inputs: BTreeMap<String, String>,
     /// Numbers that the method claims.
     pub claimed: BTreeMap<String, f64>,
+    /// Mask size of each scene, pixels.
+    pub sizes: BTreeMap<Name, (u32, u32)>,
     /// What the evaluations of others would say, by scene.
     pub scores: BTreeMap<Name, Scores>,
 }
@@ -143,7 +147,9 @@ pub fn import(
         }
         report_trained_on(request, &hits, report);
         let prompts = Prompts::new(&queries.all);
-        let mut collector = Collector::new(request, &prompts);
+        let pictures = Pictures::read(request.bench, request.profile, &scene)?;
+        imported.sizes.insert(scene.clone(), pictures.size);
+        let mut collector = Collector::new(request, &prompts, &pictures);
         match &request.preset.latents {
             None => files::read(request, &hits, &mut collector),
             Some(preset) => {
@@ -157,12 +163,13 @@ pub fn import(
                 )?;
             }
         }
-        let found = collector.finish(report);
+        let (found, summits) = collector.finish(report);
         imported
             .inputs
             .insert(format!("{scene}: {} files", hits.len()), notes::digest(&request.root, &hits)?);
-        judge(request, &queries, &found, &mut imported.scores, report)?;
-        report_missing(request, &queries, &found, report);
+        check_cover(&request.root, pictures.size, &found, report);
+        judge(request, &queries, &found, &summits, &mut imported.scores, report)?;
+        report_missing(request, &queries, &pictures, &found, report);
         imported.answers.extend(found);
     }
     Ok(imported)
@@ -299,10 +306,10 @@ fn judge(
     request: &Request<'_>,
     queries: &SceneQueries,
     found: &BTreeMap<QueryId, Answers>,
+    summits: &Summits,
     scores: &mut BTreeMap<Name, Scores>,
     report: &mut Report,
 ) -> Result<(), DataError> {
-    check_cover(&request.root, (request.profile.width(), request.profile.height()), found, report);
     let path = request.bench.dir.truth(request.profile, queries.name.as_str());
     if !path.exists() {
         return Ok(());
@@ -316,17 +323,20 @@ fn judge(
     for (query, answers) in asked {
         counts.extend(judged.counts(query, answers)?);
     }
-    scores.insert(queries.name.clone(), protocol::scores(&counts));
+    let queried: Vec<&Query> = queries.asked().iter().collect();
+    let langsplat_localisation = judged.localised(&queried, summits)?;
+    scores.insert(queries.name.clone(), Scores { langsplat_localisation, ..protocol::scores(&counts) });
     Ok(())
 }
 
 fn report_missing(
     request: &Request<'_>,
     queries: &SceneQueries,
+    pictures: &Pictures,
     found: &BTreeMap<QueryId, Answers>,
     report: &mut Report,
 ) {
-    let clip: Vec<u32> = request.profile.frames().collect();
+    let asked: Vec<u32> = pictures.asked().collect();
     let place = format!("scene {}", queries.name);
     let unanswered: Vec<&str> = queries
         .asked()
@@ -345,9 +355,9 @@ fn report_missing(
         report.warning(codes::MISSING, &request.root, &place, message, hint);
     }
     for (query, answers) in found {
-        let missing = clip.iter().filter(|frame| !answers.contains_key(frame)).count();
+        let missing = asked.iter().filter(|frame| !answers.contains_key(frame)).count();
         if missing > 0 {
-            let message = format!("{missing} of {} frames have no answer", clip.len());
+            let message = format!("{missing} of {} frames have no answer", asked.len());
             let hint = "render the held-out camera at every frame of the clip";
             report.warning(codes::MISSING, &request.root, format!("query {query}"), message, hint);
         }

@@ -52,6 +52,8 @@ impl Count {
 pub struct Scores {
     /// LangSplat and LangSplatV2, "iou chosen": mean over all pairs of frame and sentence of a scene.
     pub langsplat_iou: Option<f64>,
+    /// LangSplat and LangSplatV2, "Localization accuracy": of the same pairs; only latents tell it.
+    pub langsplat_localisation: Option<f64>,
     /// OpenGaussian: the same pairs, share with IoU above 0.25.
     pub opengaussian_acc25: Option<f64>,
     /// OpenGaussian: the same pairs, share with IoU above 0.5.
@@ -87,6 +89,7 @@ pub fn scores(counts: &[Count]) -> Scores {
     let inner = |counts: &[Count]| counts.get(1..counts.len() - 1).and_then(j);
     Scores {
         langsplat_iou: mean(pairs.iter().copied()),
+        langsplat_localisation: None,
         opengaussian_acc25: above(0.25),
         opengaussian_acc50: above(0.5),
         four_d_langsplat_iou: mean(timeless().filter_map(|counts| over_frames(counts))),

@@ -72,6 +72,24 @@ pub struct Found {
     pub peak: f32,
     /// The lowest one.
     pub floor: f32,
+    /// Where LangSplat's localisation looks.
+    pub summit: Summit,
+}
+
+/// Where the mean over the window alone is highest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summit {
+    /// How high.
+    pub height: f32,
+    /// The pixel, the first of equals row by row: its centre, as a share of width and of height.
+    pub at: [f64; 2],
+}
+
+impl Summit {
+    fn at(index: usize, height: f32, cols: usize, rows: usize) -> Self {
+        let share = |place: usize, count: usize| (place as f64 + 0.5) / count as f64;
+        Self { height, at: [share(index % cols, cols), share(index / cols, rows)] }
+    }
 }
 
 /// The answer of a frame to one sentence.
@@ -81,6 +99,8 @@ pub struct Chosen {
     pub level: usize,
     /// What it says.
     pub found: Found,
+    /// The highest summit of all levels: they compete for it apart.
+    pub summit: Summit,
 }
 
 /// Anything that finds sentences in latents.
@@ -115,13 +135,15 @@ fn best<'a>(engine: &impl Engine, levels: impl Iterator<Item = Latents<'a>>, rul
     for (level, latents) in levels.enumerate() {
         let found = engine.level(latents, rules).into_iter();
         if level == 0 {
-            chosen = found.map(|found| Chosen { level, found }).collect();
+            chosen = found.map(|found| Chosen { level, summit: found.summit, found }).collect();
             continue;
         }
         for (best, found) in chosen.iter_mut().zip(found) {
+            let summit = if found.summit.height > best.summit.height { found.summit } else { best.summit };
             if found.peak > best.found.peak {
-                *best = Chosen { level, found };
+                *best = Chosen { level, summit, found };
             }
+            best.summit = summit;
         }
     }
     chosen

@@ -16,8 +16,13 @@ use super::protocol::Count;
 /// Masks by frame as run lengths; none where the method says that nothing is there.
 pub type Answers = BTreeMap<u32, Option<String>>;
 
+/// Where relevancy is highest by query and frame: shares of width and height.
+pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
+
 /// A shift that raises the mean IoU by this factor is told.
 const TELLING: f64 = 1.1;
+/// From so few pairs of frame and query nothing follows: what rests fits every frame.
+const FEW: u64 = 6;
 /// A mean IoU below this is told: masks and truth have nothing to do with each other.
 const HARDLY: f64 = 0.01;
 
@@ -53,9 +58,11 @@ impl<'a> Judged<'a> {
     ) -> Result<(), DataError> {
         let [before, now, after] = [-1, 0, 1].map(|shift| self.mean_iou(asked, shift));
         let (before, now, after) = (before?, now?, after?);
-        let Some(now) = now else { return Ok(()) };
+        let Some((now, _)) = now else { return Ok(()) };
         for (shift, other) in [(-1, before), (1, after)] {
-            let Some(other) = other.filter(|other| *other > TELLING * now && *other > HARDLY) else {
+            let is_telling =
+                |(other, pairs): &(f64, u64)| *pairs >= FEW && *other > TELLING * now && *other > HARDLY;
+            let Some((other, _)) = other.filter(is_telling) else {
                 continue;
             };
             let side = if shift < 0 { "earlier" } else { "later" };
@@ -76,8 +83,9 @@ impl<'a> Judged<'a> {
         Ok(())
     }
 
-    /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it.
-    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Result<Option<f64>, DataError> {
+    /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it, and the
+    /// number of these pairs.
+    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Result<Option<(f64, u64)>, DataError> {
         let (mut sum, mut count) = (0.0, 0_u64);
         for (query, answers) in asked {
             for frame in self.compared(query, answers, shift)? {
@@ -90,7 +98,7 @@ impl<'a> Judged<'a> {
                 count += 1;
             }
         }
-        Ok((count > 0).then(|| sum / count as f64))
+        Ok((count > 0).then(|| (sum / count as f64, count)))
     }
 
     fn compared(&self, query: &Query, answers: &Answers, shift: isize) -> Result<Vec<Count>, DataError> {
@@ -120,25 +128,54 @@ impl<'a> Judged<'a> {
 
     /// What the referents show in a frame, whether the query holds or not.
     fn target(&self, query: &Query, frame: u32) -> Result<Mask, DataError> {
-        let (width, height) = (self.truth.width, self.truth.height);
-        let mut union = Mask::empty(width, height);
+        let mut union = Mask::empty(self.truth.width, self.truth.height);
+        self.referents(query, frame)?.iter().for_each(|mask| union.union_with(mask));
+        Ok(union)
+    }
+
+    /// The masks of the referents that a frame shows.
+    fn referents(&self, query: &Query, frame: u32) -> Result<Vec<Mask>, DataError> {
+        let mut masks = Vec::new();
         for name in &query.referents {
             let instance = self.truth.instance(name.as_str());
-            let counts = instance.and_then(|instance| instance.masks.get(&frame_key(frame)));
-            if let Some(counts) = counts {
-                let mask = rle::decode(counts, width, height).map_err(|error| {
-                    let place = format!("instance {name}, frame {}", frame_key(frame));
-                    DataError::invalid(
-                        self.path,
-                        place,
-                        error.to_string(),
-                        "restore the file from the release",
-                    )
-                })?;
-                union.union_with(&mask);
+            let Some(counts) = instance.and_then(|instance| instance.masks.get(&frame_key(frame))) else {
+                continue;
+            };
+            masks.push(rle::decode(counts, self.truth.width, self.truth.height).map_err(|error| {
+                let place = format!("instance {name}, frame {}", frame_key(frame));
+                DataError::invalid(self.path, place, error.to_string(), "restore the file from the release")
+            })?);
+        }
+        Ok(masks)
+    }
+
+    /// LangSplat's localisation: the share of pairs of frame and sentence whose summit lies in the box around a
+    /// referent, borders included. Pairs without a summit are none.
+    ///
+    /// # Errors
+    /// Truth that is damaged.
+    pub fn localised(&self, asked: &[&Query], summits: &Summits) -> Result<Option<f64>, DataError> {
+        let (mut hits, mut pairs) = (0_u64, 0_u64);
+        for query in asked {
+            for &frame in &self.truth.frames {
+                let is_asked = query.temporal == Temporal::Whole || query.holds_at(frame);
+                let Some(&[across, down]) = summits.get(&(query.id.clone(), frame)).filter(|_| is_asked)
+                else {
+                    continue;
+                };
+                let col = (across * f64::from(self.truth.width)).floor() as u32;
+                let row = (down * f64::from(self.truth.height)).floor() as u32;
+                let boxes: Vec<_> =
+                    self.referents(query, frame)?.iter().filter_map(Mask::bounding_box).collect();
+                let is_inside = boxes.iter().any(|area| {
+                    (area.first_col..=area.last_col).contains(&col)
+                        && (area.first_row..=area.last_row).contains(&row)
+                });
+                pairs += u64::from(!boxes.is_empty());
+                hits += u64::from(is_inside);
             }
         }
-        Ok(union)
+        Ok((pairs > 0).then(|| hits as f64 / pairs as f64))
     }
 }
 

@@ -111,14 +111,14 @@ fn the_first_points_lie_on_surfaces() {
     let points = archive_array(&out.join("init_pt_cld.npz"), "data.npy");
     assert_eq!(points.shape[1], 6);
     assert!((1800..2200).contains(&points.shape[0]), "{} points for 2000", points.shape[0]);
-    for row in points.values.chunks(6) {
+    for row in points.data.chunks(6) {
         assert!(row[2] > -1e-5, "nothing lies below the ground, but {row:?}");
         assert!(row[3..].iter().all(|value| (0.0..=1.0).contains(value)));
     }
 }
 
 /// Reads an entry of an archive as `numpy.load` does.
-fn archive_array(path: &Path, name: &str) -> Array {
+fn archive_array(path: &Path, name: &str) -> Array<f64> {
     let bytes = std::fs::read(path).unwrap();
     let archive = rawzip::ZipArchive::from_slice(&bytes).unwrap();
     for entry in archive.entries() {
@@ -153,10 +153,10 @@ fn dynerf_reads_the_same_rays_at_its_own_size() {
     for (format, moments) in [(Format::Dynerf, 9), (Format::FourDLangSplat, 300)] {
         let out = world.out(format.as_str());
         exported(&world, format, HeldOut::Pose, &out);
-        let poses =
+        let poses: Array<f64> =
             Array::decode(Path::new("p"), &std::fs::read(out.join("poses_bounds.npy")).unwrap()).unwrap();
         assert_eq!(poses.shape, [5, 17]);
-        let rows: Vec<&[f64]> = poses.values.chunks(17).collect();
+        let rows: Vec<&[f64]> = poses.data.chunks(17).collect();
         let videos = std::fs::read_dir(&out).unwrap().filter(|entry| {
             let name = entry.as_ref().unwrap().file_name().into_string().unwrap();
             name.starts_with("cam") && name.ends_with(".mp4")

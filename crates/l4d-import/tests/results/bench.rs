@@ -130,6 +130,7 @@ fn truth() -> Truth {
             .collect(),
     };
     Truth {
+        unannotated: Vec::new(),
         schema: SCHEMA.to_owned(),
         scene: Name::new(SCENE).unwrap(),
         scale: Scale::Tabletop,

@@ -163,6 +163,24 @@ fn latents_of_langsplat_become_the_masks_of_its_rules() {
 }
 
 #[test]
+fn the_highest_mean_is_looked_for_in_the_box_of_the_object() {
+    let located = |bench: &Bench| {
+        let (imported, _) = bench.import("langsplat", |request| request.encoders.texts = Some(texts(bench)));
+        imported.scores.values().next().unwrap().langsplat_localisation.unwrap()
+    };
+    let bench = Bench::new();
+    langsplat(&bench);
+    assert_eq!(located(&bench), 1.0);
+    // The film runs backwards: objects are where they belong around the middle alone.
+    for position in 0..clip().len() {
+        let file = format!("{SCENE}_2/test/ours_None/renders_npy/{position:05}.npy");
+        bench.write(&file, npy(&[96, 128, 3], &axes(clip().len() - 1 - position, 0.9)));
+    }
+    let backwards = located(&bench);
+    assert!((1.0 / 9.0..5.0 / 9.0).contains(&backwards), "{backwards}");
+}
+
+#[test]
 fn two_imports_are_the_same_to_the_byte() {
     let bench = Bench::new();
     langsplat(&bench);

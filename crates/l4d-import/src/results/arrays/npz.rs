@@ -8,7 +8,7 @@ use l4d_splat::checkpoint::Fault;
 use l4d_splat::checkpoint::fault::quoted;
 use rawzip::{CompressionMethod, ZipArchive};
 
-use super::npy::{self, Contents};
+use super::{Contents, npy};
 
 /// Arrays in an archive.
 const MOST_ENTRIES: usize = 1 << 16;

@@ -9,9 +9,10 @@ use l4d_frames::{Mask, rle};
 use super::super::codec::{Piece, Place};
 use super::super::codes;
 use super::super::prompts::{NoQuery, Prompts};
-use super::super::shift::Answers;
+use super::super::shift::{Answers, Summits};
 use super::super::template::Hit;
 use super::Request;
+use super::pictures::Pictures;
 
 /// Findings of one code that a scene lists one by one.
 const LISTED: usize = 12;
@@ -29,27 +30,29 @@ pub(super) struct Answer {
 pub(super) struct Collector<'a> {
     request: &'a Request<'a>,
     prompts: &'a Prompts<'a>,
-    clip: Vec<u32>,
+    pictures: &'a Pictures,
     answers: BTreeMap<QueryId, Answers>,
     from: BTreeMap<(QueryId, u32), PathBuf>,
+    summits: Summits,
     findings: Report,
 }
 
 impl<'a> Collector<'a> {
-    pub(super) fn new(request: &'a Request<'a>, prompts: &'a Prompts<'a>) -> Self {
+    pub(super) fn new(request: &'a Request<'a>, prompts: &'a Prompts<'a>, pictures: &'a Pictures) -> Self {
         Self {
             request,
             prompts,
-            clip: request.profile.frames().collect(),
+            pictures,
             answers: BTreeMap::new(),
             from: BTreeMap::new(),
+            summits: Summits::new(),
             findings: Report::default(),
         }
     }
 
-    /// Frames of the profile.
-    pub(super) fn clip(&self) -> &[u32] {
-        &self.clip
+    /// The pictures that are answered.
+    pub(super) fn pictures(&self) -> &'a Pictures {
+        self.pictures
     }
 
     /// Where problems of single files go: many of one kind are told as a few and their number.
@@ -153,20 +156,15 @@ impl<'a> Collector<'a> {
             report.error(codes::FRAME_RULE, &hit.path, "path", message, hint);
             None
         };
-        match place {
-            Place::Frame(frame) if self.clip.contains(&frame) => Some(frame),
-            Place::Frame(frame) => {
-                let profile = self.request.profile;
-                wrong(
-                    format!("{frame} is no frame of profile {profile} (every {}th from 0)", profile.stride()),
-                    report,
-                )
-            }
-            Place::Position(position) => match self.request.order.frame(position, &self.clip) {
+        let frame = match place {
+            Place::Frame(frame) if self.pictures.clip.contains(&frame) => Some(frame),
+            Place::Frame(frame) => wrong(format!("{frame} is {}", self.pictures.frames_in_words()), report),
+            Place::Position(position) => match self.request.order.frame(position, &self.pictures.clip) {
                 Ok(frame) => frame,
                 Err(count) => wrong(format!("is picture {position}, but there are {count} (from 0)"), report),
             },
-        }
+        };
+        frame.filter(|frame| self.pictures.is_asked(*frame))
     }
 
     /// A piece with its query and frame, at the size of the profile.
@@ -181,7 +179,7 @@ impl<'a> Collector<'a> {
     }
 
     fn sized(&self, path: &Path, mask: Mask, report: &mut Report) -> Option<Mask> {
-        let wanted = (self.request.profile.width(), self.request.profile.height());
+        let wanted = self.pictures.size;
         if mask.size() == wanted {
             return Some(mask);
         }
@@ -191,7 +189,7 @@ impl<'a> Collector<'a> {
             return Some(mask.resized_nearest(wanted.0, wanted.1));
         }
         let message =
-            format!("is {width}x{height}, but profile {} is {}x{}", self.request.profile, wanted.0, wanted.1);
+            format!("is {width}x{height}, but {} is {}x{}", self.pictures.owner(), wanted.0, wanted.1);
         let hint = if (ratio - 1.0).abs() <= 0.01 {
             "render at that size, or pass --resize (nearest)"
         } else {
@@ -229,6 +227,11 @@ impl<'a> Collector<'a> {
         }
     }
 
+    /// Takes where the relevancy of a query is highest in a frame.
+    pub(super) fn take_summit(&mut self, query: &Query, frame: u32, at: [f64; 2]) {
+        self.summits.insert((query.id.clone(), frame), at);
+    }
+
     /// Says of frames that nothing is there, whatever was answered.
     pub(super) fn empty(&mut self, query: &QueryId, frames: impl Iterator<Item = u32>) {
         if let Some(answers) = self.answers.get_mut(query) {
@@ -238,8 +241,8 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// The answers; what was found wrong goes to the report, at most a dozen of a kind.
-    pub(super) fn finish(self, report: &mut Report) -> BTreeMap<QueryId, Answers> {
+    /// The answers, and where relevancy is highest; what was found wrong goes to the report, at most a dozen of a kind.
+    pub(super) fn finish(self, report: &mut Report) -> (BTreeMap<QueryId, Answers>, Summits) {
         let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
         for finding in self.findings.into_sorted() {
             let count = counts.entry(finding.code).or_default();
@@ -258,6 +261,6 @@ impl<'a> Collector<'a> {
                 "mend the first, and most of the others follow",
             );
         }
-        self.answers
+        (self.answers, self.summits)
     }
 }

@@ -47,7 +47,8 @@ pub fn write(
     let profile = request.profile;
     for (query, answers) in &imported.answers {
         let frames = answers.iter().map(|(&frame, counts)| (frame_key(frame), counts.clone())).collect();
-        let file = MaskFile { size: [profile.height(), profile.width()], frames };
+        let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
+        let file = MaskFile { size: [height, width], frames };
         json::write_compact(&dir.mask_file(query), &file)?;
     }
     let card = MethodCard {

@@ -48,7 +48,7 @@ pub(super) fn read(
     let chosen: Vec<usize> = asked.iter().map(|(_, index)| *index).collect();
     let mut engines =
         Engines::new(request.encoders.decoder.as_ref(), preset.decoder.as_ref(), &request.root)?;
-    let mut time = Time::open(request, preset, &asked, hits, inputs)?;
+    let mut time = Time::open(request, preset, &asked, hits, &collector.pictures().clip, inputs)?;
     let frames = by_frame(preset, hits, collector);
     for (frame, levels) in frames {
         let mut report = Report::default();
@@ -76,6 +76,7 @@ pub(super) fn read(
                 }
                 time.look(frame, &asked, &answers, inputs, &mut report)?;
                 for ((query, _), chosen) in asked.iter().zip(answers) {
+                    collector.take_summit(query, frame, chosen.summit.at);
                     collector.take_mask(path, query, frame, Some(chosen.found.mask));
                 }
             }
@@ -152,10 +153,10 @@ fn by_frame<'h>(
             report.error(codes::MISSING, &hit.path, "levels", message, hint);
         }
     }
-    let clip = collector.clip().len();
-    if let Some(levels) = whole.values().next().filter(|_| whole.len() != clip) {
+    let asked = collector.pictures().asked().count();
+    if let Some(levels) = whole.values().next().filter(|_| whole.len() != asked) {
         let levels: &Vec<&Hit> = levels;
-        let message = format!("{} frames are there, but the clip has {clip}", whole.len());
+        let message = format!("{} frames are there, but the clip has {asked}", whole.len());
         let hint = "positions are only right if every camera of the split was rendered; --frames lists which frame each picture shows";
         report.warning(codes::FRAME_RULE, &levels[0].path, "folder", message, hint);
     }
@@ -259,6 +260,7 @@ impl<'a> Time<'a> {
         preset: &LatentsPreset,
         asked: &[(&Query, usize)],
         hits: &[Hit],
+        clip: &[u32],
         inputs: &mut Inputs,
     ) -> Result<Self, DataError> {
         let order = request.encoders.time_texts.as_ref();
@@ -291,10 +293,9 @@ impl<'a> Time<'a> {
             super::parse(template, &request.root)?.find(&request.root, &bound, &mut Report::default())?;
         time.hits =
             found.into_iter().filter_map(|hit| Some((hit.text("position")?.to_owned(), hit))).collect();
-        let clip: Vec<u32> = request.profile.frames().collect();
         for hit in time.hits.values() {
             let position = hit.number("position").and_then(|position| usize::try_from(position).ok());
-            let frame = position.and_then(|position| request.order.frame(position, &clip).ok().flatten());
+            let frame = position.and_then(|position| request.order.frame(position, clip).ok().flatten());
             if let (Some(frame), Some(key)) = (frame, hit.text("position")) {
                 time.key.insert(frame, key.to_owned());
             }

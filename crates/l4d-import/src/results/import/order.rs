@@ -14,7 +14,7 @@ const MAX_BYTES: u64 = 64 << 20;
 /// Which frame the n-th picture of a render shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Order {
-    /// The n-th frame of the profile.
+    /// The n-th frame of the clip.
     Clip,
     /// As a list says; none where a picture is of another camera or not asked for.
     Listed(Vec<Option<u32>>),

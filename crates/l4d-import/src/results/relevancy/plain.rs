@@ -2,7 +2,7 @@
 
 use l4d_frames::Mask;
 
-use super::{Decoder, Engine, Found, Latents, Rules, SHARPNESS, Smoothing, Texts};
+use super::{Decoder, Engine, Found, Latents, Rules, SHARPNESS, Smoothing, Summit, Texts};
 
 /// The definition.
 #[derive(Debug, Clone)]
@@ -76,7 +76,9 @@ struct Picture {
 
 impl Picture {
     fn found(self, rules: &Rules) -> Found {
-        let smoothed = self.smoothed(rules.smoothing);
+        let means = self.means(rules.smoothing);
+        let smoothed: Vec<f64> =
+            means.iter().zip(&self.values).map(|(mean, value)| 0.5 * (mean + value)).collect();
         let floor = smoothed.iter().copied().fold(f64::INFINITY, f64::min);
         let peak = smoothed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let is_inside = |value: f64| {
@@ -87,22 +89,28 @@ impl Picture {
             is_inside(smoothed[row as usize * self.width + col as usize])
         });
         let mask = majority(&unsmoothed, rules.smoothing);
-        Found { mask, unsmoothed, peak: peak as f32, floor: floor as f32 }
+        Found { mask, unsmoothed, peak: peak as f32, floor: floor as f32, summit: self.summit(&means) }
     }
 
-    /// The mean of a pixel and of the window around it.
-    fn smoothed(&self, smoothing: Smoothing) -> Vec<f64> {
-        let mut smoothed = Vec::with_capacity(self.values.len());
+    /// Where the mean is highest, the first of equals.
+    fn summit(&self, means: &[f64]) -> Summit {
+        let highest = means.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let index = means.iter().position(|&mean| mean == highest).unwrap_or(0);
+        Summit::at(index, highest as f32, self.width, self.height)
+    }
+
+    /// The mean of the window around each pixel.
+    fn means(&self, smoothing: Smoothing) -> Vec<f64> {
+        let mut means = Vec::with_capacity(self.values.len());
         for row in 0..self.height {
             for col in 0..self.width {
-                let mean = match smoothing {
+                means.push(match smoothing {
                     Smoothing::Box30 => self.box_mean(row, col),
                     Smoothing::Pool29 => self.pool_mean(row, col),
-                };
-                smoothed.push(0.5 * (mean + self.values[row * self.width + col]));
+                });
             }
         }
-        smoothed
+        means
     }
 
     /// Rows `row - 15` to `row + 14`, columns alike; beyond the border the picture is mirrored without its edge.

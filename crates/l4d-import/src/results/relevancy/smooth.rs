@@ -4,11 +4,11 @@
 
 use l4d_frames::Mask;
 
-use super::{Found, Rules, Smoothing};
+use super::{Found, Rules, Smoothing, Summit};
 
 /// From one sentence's map of relevancy to what is found in it.
 pub(super) fn find(mut map: Vec<f32>, width: usize, height: usize, rules: &Rules) -> Found {
-    blend(&mut map, width, height, rules.smoothing);
+    let summit = blend(&mut map, width, height, rules.smoothing);
     let floor = map.iter().copied().fold(f32::INFINITY, f32::min);
     let peak = map.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     // The order of operations of the originals, in their precision.
@@ -18,11 +18,11 @@ pub(super) fn find(mut map: Vec<f32>, width: usize, height: usize, rules: &Rules
         is_inside(map[row as usize * width + col as usize])
     });
     let mask = majority(&unsmoothed, rules.smoothing);
-    Found { mask, unsmoothed, peak, floor }
+    Found { mask, unsmoothed, peak, floor, summit }
 }
 
-/// Replaces each number by the mean of itself and of the mean of its window.
-fn blend(map: &mut Vec<f32>, width: usize, height: usize, smoothing: Smoothing) {
+/// Replaces each number by the mean of itself and of the mean of its window; gives where that mean is highest.
+fn blend(map: &mut Vec<f32>, width: usize, height: usize, smoothing: Smoothing) -> Summit {
     let (before, after) = match smoothing {
         Smoothing::Box30 => (15, 14),
         Smoothing::Pool29 => (14, 14),
@@ -31,6 +31,7 @@ fn blend(map: &mut Vec<f32>, width: usize, height: usize, smoothing: Smoothing) 
     let row_windows = windows(height, before, after, is_mirrored);
     let col_windows = windows(width, before, after, is_mirrored);
     let mut blended = Vec::with_capacity(map.len());
+    let mut best = (0, f32::NEG_INFINITY);
     let mut columns = vec![0.0_f64; width];
     for (row, window) in row_windows.iter().enumerate() {
         for &(other, sign) in &window.changes {
@@ -41,10 +42,14 @@ fn blend(map: &mut Vec<f32>, width: usize, height: usize, smoothing: Smoothing) 
         for (col, across) in col_windows.iter().enumerate() {
             across.changes.iter().for_each(|&(other, sign)| sum += sign * columns[other]);
             let mean = (sum / (window.count * across.count)) as f32;
+            if mean > best.1 {
+                best = (row * width + col, mean);
+            }
             blended.push(0.5 * (mean + map[row * width + col]));
         }
     }
     *map = blended;
+    Summit::at(best.0, best.1, width, height)
 }
 
 /// How a window differs from the one before it.

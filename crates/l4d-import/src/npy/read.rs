@@ -1,32 +1,42 @@
 //! One `.npy` file: a header in Python's notation, then the numbers.
+//!
+//! Objects, records and big-endian numbers are refused: the first are pickles, the others nobody writes. What a header
+//! promises is checked against the bytes that are there before anything is allocated.
+
+use std::path::Path;
 
 use half::f16;
+use l4d_data::DataError;
 use l4d_splat::checkpoint::Fault;
 use l4d_splat::checkpoint::fault::quoted;
 use l4d_splat::tensor::element_count;
 
-use super::{Array, Kind, REMEDY};
+use super::{Array, Contents, Kind, MAGIC, Real};
 
-/// First bytes of every such file.
-const MAGIC: &[u8] = b"\x93NUMPY";
 /// Bytes of a header: a shape of 32 axes takes under 1000.
 const LONGEST_HEADER: usize = 1 << 16;
 /// Axes of an array; numpy has no more either.
 const MOST_AXES: usize = 32;
 /// Characters of a text: sentences are far shorter.
 const LONGEST_TEXT: usize = 4096;
+/// What to do about a file that is refused.
+pub(crate) const REMEDY: &str =
+    "write the array again, as plain numbers: numpy.save(path, numpy.ascontiguousarray(a, '<f4'))";
 
-/// What an array holds.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Contents {
-    /// Numbers of any type.
-    Numbers(Array),
-    /// Texts, in order.
-    Text(Vec<String>),
+impl<T: Real> Array<T> {
+    /// Reads the bytes of a file that holds numbers.
+    pub fn decode(path: &Path, bytes: &[u8]) -> Result<Self, DataError> {
+        match decode(bytes).map_err(|fault| fault.at(path))? {
+            Contents::Numbers(array) => Ok(array),
+            Contents::Text(_) => {
+                Err(DataError::invalid(path, "dtype", "is text where numbers belong", REMEDY))
+            }
+        }
+    }
 }
 
 /// The array in the bytes of a file.
-pub(super) fn decode(bytes: &[u8]) -> Result<Contents, Fault> {
+pub(crate) fn decode<T: Real>(bytes: &[u8]) -> Result<Contents<T>, Fault> {
     let (header, body) = split(bytes)?;
     let header = Header::parse(header)?;
     let count = element_count(&header.shape)
@@ -47,7 +57,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Contents, Fault> {
     if let Element::Text(length) = header.element {
         return texts(body, length).map(Contents::Text);
     }
-    let data = numbers(body, header.element)?;
+    let data: Vec<T> = numbers(body, header.element)?;
     let data = if header.fortran_order { to_last_axis_fastest(&data, &header.shape) } else { data };
     Ok(Contents::Numbers(Array { shape: header.shape, data, kind: header.element.kind() }))
 }
@@ -198,42 +208,36 @@ fn tuple(text: &str) -> Option<(Vec<usize>, &str)> {
     Some((axes, rest))
 }
 
-fn numbers(body: &[u8], element: Element) -> Result<Vec<f32>, Fault> {
+fn numbers<T: Real>(body: &[u8], element: Element) -> Result<Vec<T>, Fault> {
+    let whole = T::of_whole;
     match element {
-        Element::Bool | Element::Text(_) => {
-            Ok(body.iter().map(|&byte| f32::from(u8::from(byte != 0))).collect())
-        }
-        Element::U8 => Ok(body.iter().map(|&byte| f32::from(byte)).collect()),
-        Element::I8 => Ok(body.iter().map(|&byte| f32::from(byte as i8)).collect()),
-        Element::U16 => convert(body, |word| Some(f32::from(u16::from_le_bytes(word)))),
-        Element::I16 => convert(body, |word| Some(f32::from(i16::from_le_bytes(word)))),
-        Element::U32 => convert(body, |word| exact(u32::from_le_bytes(word).into())),
-        Element::I32 => convert(body, |word| exact(i32::from_le_bytes(word).into())),
-        Element::U64 => convert(body, |word| exact(i64::try_from(u64::from_le_bytes(word)).ok()?)),
-        Element::I64 => convert(body, |word| exact(i64::from_le_bytes(word))),
-        Element::F16 => convert(body, |word| Some(f16::from_le_bytes(word).to_f32())),
-        Element::F32 => convert(body, |word| Some(f32::from_le_bytes(word))),
-        Element::F64 => convert(body, |word| Some(f64::from_le_bytes(word) as f32)),
+        Element::Bool | Element::Text(_) => convert(body, |[byte]| whole((byte != 0).into())),
+        Element::U8 => convert(body, |[byte]: [u8; 1]| whole(byte.into())),
+        Element::I8 => convert(body, |word| whole(i8::from_le_bytes(word).into())),
+        Element::U16 => convert(body, |word| whole(u16::from_le_bytes(word).into())),
+        Element::I16 => convert(body, |word| whole(i16::from_le_bytes(word).into())),
+        Element::U32 => convert(body, |word| whole(u32::from_le_bytes(word).into())),
+        Element::I32 => convert(body, |word| whole(i32::from_le_bytes(word).into())),
+        Element::U64 => convert(body, |word| whole(i64::try_from(u64::from_le_bytes(word)).ok()?)),
+        Element::I64 => convert(body, |word| whole(i64::from_le_bytes(word))),
+        Element::F16 => convert(body, |word| Some(T::of_float(f16::from_le_bytes(word).to_f64()))),
+        Element::F32 => convert(body, |word| Some(T::of_float(f32::from_le_bytes(word).into()))),
+        Element::F64 => convert(body, |word| Some(T::of_float(f64::from_le_bytes(word)))),
     }
 }
 
-fn convert<const N: usize>(body: &[u8], number: impl Fn([u8; N]) -> Option<f32>) -> Result<Vec<f32>, Fault> {
+fn convert<const N: usize, T>(body: &[u8], number: impl Fn([u8; N]) -> Option<T>) -> Result<Vec<T>, Fault> {
     let (words, _) = body.as_chunks::<N>();
     let read = |(index, word): (usize, &[u8; N])| {
         number(*word).ok_or_else(|| {
-            let message = "is a whole number too large for a 32-bit float";
+            let message = "is a whole number too large to be held exactly";
             Fault::new(format!("number {index}"), message, "renumber the ids below 16777216")
         })
     };
     words.iter().enumerate().map(read).collect()
 }
 
-/// Whole numbers up to this are `f32` exactly.
-fn exact(value: i64) -> Option<f32> {
-    (value.unsigned_abs() <= 1 << 24).then_some(value as f32)
-}
-
-fn to_last_axis_fastest(data: &[f32], shape: &[usize]) -> Vec<f32> {
+fn to_last_axis_fastest<T: Copy>(data: &[T], shape: &[usize]) -> Vec<T> {
     let mut strides = Vec::with_capacity(shape.len());
     let mut stride = 1;
     for &length in shape {
@@ -321,7 +325,8 @@ mod tests {
         for text in ["ab\0", "\u{e9}\0\0"] {
             body.extend(text.chars().flat_map(|character| (character as u32).to_le_bytes()));
         }
-        let texts = decode(&file("{'descr': '<U3', 'fortran_order': False, 'shape': (2,)}", &body)).unwrap();
+        let texts: Contents =
+            decode(&file("{'descr': '<U3', 'fortran_order': False, 'shape': (2,)}", &body)).unwrap();
         assert_eq!(texts, Contents::Text(vec!["ab".to_owned(), "\u{e9}".to_owned()]));
     }
 
@@ -350,10 +355,10 @@ mod tests {
         assert!(read("{'descr' '<f4'}", &[]).unwrap_err().contains("colon"));
         assert!(read("{'x': 1}", &[]).unwrap_err().contains("beside"));
         let huge = [MAGIC, &[2, 0, 0xff, 0xff, 0xff, 0xff]].concat();
-        assert!(decode(&huge).unwrap_err().to_string().contains("claims 4294967295 bytes"));
+        assert!(decode::<f32>(&huge).unwrap_err().to_string().contains("claims 4294967295 bytes"));
         let whole = file("{'descr': '<f4', 'fortran_order': False, 'shape': (2,), }", &[0; 8]);
         for length in 0..whole.len() {
-            assert!(decode(&whole[..length]).is_err(), "the first {length} bytes pass");
+            assert!(decode::<f32>(&whole[..length]).is_err(), "the first {length} bytes pass");
         }
     }
 
@@ -362,5 +367,7 @@ mod tests {
         let header = "{'descr': '<u4', 'fortran_order': False, 'shape': (1,)}";
         assert!(read(header, &[1, 0, 0, 1]).unwrap_err().contains("too large"));
         assert_eq!(read(header, &[0, 0, 0, 1]).unwrap().data, [16_777_216.0]);
+        let wide: Contents<f64> = decode(&file(header, &[1, 0, 0, 1])).unwrap();
+        assert!(matches!(wide, Contents::Numbers(Array { data, .. }) if data == [16_777_217.0]));
     }
 }
