@@ -1,7 +1,7 @@
 //! The annotation screen, driven by keys alone in a real terminal.
 
 mod data;
-mod tmux;
+pub(crate) mod tmux;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -200,6 +200,7 @@ fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
         InstanceTruth { name: Name::new(name).unwrap(), id, role, category: category.to_owned(), masks }
     };
     Truth {
+        unannotated: Vec::new(),
         schema: SCHEMA.to_owned(),
         scene: Name::new(scene).unwrap(),
         scale,

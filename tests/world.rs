@@ -192,6 +192,7 @@ pub(crate) fn write_twins_benchmark(bench: &Path, data: &Path) {
         }
     };
     let truth = Truth {
+        unannotated: Vec::new(),
         schema: l4d_data::truth::SCHEMA.to_owned(),
         scene: scene.name.clone(),
         scale: scene.scale,

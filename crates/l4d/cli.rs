@@ -1,6 +1,7 @@
 //! The grammar of the command line, and nothing else. What all groups of verbs share stands here.
 
 pub(crate) mod annotation;
+pub(crate) mod interop;
 pub(crate) mod judging;
 pub(crate) mod models;
 pub(crate) mod scenes;
@@ -13,6 +14,7 @@ use clap::{Args, Parser, Subcommand};
 use l4d_data::Profile;
 
 use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs};
+use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
 use self::scenes::{BuildScenesArgs, CheckScenesArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs};
@@ -80,6 +82,12 @@ pub(crate) enum Command {
     Query(QueryArgs),
     /// Run the ablations of the paper: consensus, views, models, composites, scales
     Ablate(AblateArgs),
+    /// Write a scene in the layout of another tool
+    Export(ExportArgs),
+    /// Read a capture that others recorded
+    ImportScene(ImportSceneArgs),
+    /// Take in results of other methods: masks, relevancy, latents of LangSplat and its kin
+    Import(ImportArgs),
     /// Write the results of baselines that bracket the scale
     Baseline(BaselineArgs),
     /// List every problem of a results folder
@@ -93,18 +101,44 @@ pub(crate) enum Command {
     Bench(BenchCommand),
 }
 
+impl Command {
+    /// What is asked of the benchmark by a verb that needs rendered scenes.
+    pub(crate) fn needs_renderings(&self) -> Option<&BenchArgs> {
+        match self {
+            Self::BuildScenes(args) => Some(&args.bench),
+            Self::CheckScenes(args) => Some(&args.bench),
+            Self::Sheet(args) => Some(&args.bench),
+            Self::DrawVariant(args) => Some(&args.bench),
+            Self::Stats(args) => Some(&args.bench),
+            Self::ProposePrompts(args) => Some(&args.bench),
+            Self::Solve(args) => Some(&args.bench),
+            Self::Ablate(args) => Some(&args.bench),
+            _ => None,
+        }
+    }
+}
+
 /// Where the benchmark stands and what of it is meant.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArgs {
     /// Folder of the benchmark
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// tiny, small or full
+    /// tiny, small or full; real for captures, in the verbs that judge
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
     /// Only these scenes (comma-separated or repeated); default: all
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) scenes: Vec<String>,
+}
+
+/// A profile of renderings: what verbs take that have no use for captures.
+pub(crate) fn rendered(text: &str) -> Result<Profile, String> {
+    let profile: Profile = text.parse()?;
+    match profile.is_rendered() {
+        true => Ok(profile),
+        false => Err("real scenes are not rendered: use tiny, small or full".to_owned()),
+    }
 }
 
 #[derive(Debug, Args)]

@@ -11,6 +11,9 @@ mod doctor;
 mod draw_variant;
 mod endpoint;
 mod estimate;
+mod export;
+mod import;
+mod import_scene;
 mod leaderboard;
 mod open_round;
 pub(crate) mod propose_prompts;
@@ -29,9 +32,12 @@ mod verify_prompts;
 use anyhow::Result;
 
 use crate::cli::Command;
-use crate::out::{ExitStatus, Printer};
+use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
+    if command.needs_renderings().is_some_and(|bench| !bench.profile.is_rendered()) {
+        return Err(refusal("real scenes are not rendered", "choose --profile tiny, small or full"));
+    }
     match command {
         Command::Quickstart(args) => quickstart::run(args, out),
         Command::Doctor(args) => doctor::run(args, out),
@@ -52,6 +58,9 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Query(args) => query::run(args, out),
         Command::Solve(args) => solve::run(args, out),
         Command::Ablate(args) => ablate::run(args, out),
+        Command::Export(args) => export::run(args, out),
+        Command::ImportScene(args) => import_scene::run(args, out),
+        Command::Import(args) => import::run(args, out),
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),

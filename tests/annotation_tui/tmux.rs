@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A tmux server; it and everything in it ends with this value.
-pub(super) struct Tmux {
+pub(crate) struct Tmux {
     folder: tempfile::TempDir,
 }
 
 impl Tmux {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let version = Command::new("tmux").arg("-V").output();
         assert!(
             version.is_ok_and(|output| output.status.success()),
@@ -27,7 +27,7 @@ impl Tmux {
     }
 
     /// Runs a shell command in a new terminal.
-    pub(super) fn start(&self, name: &str, size: (u16, u16), folder: &Path, command: &str) {
+    pub(crate) fn start(&self, name: &str, size: (u16, u16), folder: &Path, command: &str) {
         let (columns, rows) = (size.0.to_string(), size.1.to_string());
         let folder = folder.to_str().unwrap();
         let new = ["new-session", "-d", "-s", name, "-x", &columns, "-y", &rows, "-c", folder, command];
@@ -35,32 +35,32 @@ impl Tmux {
     }
 
     /// What stands on the screen.
-    pub(super) fn screen(&self, name: &str) -> String {
+    pub(crate) fn screen(&self, name: &str) -> String {
         self.succeed(&["capture-pane", "-p", "-t", name])
     }
 
     /// Presses keys by tmux's names (`Enter`, `Left`, `a`).
-    pub(super) fn keys(&self, name: &str, keys: &[&str]) {
+    pub(crate) fn keys(&self, name: &str, keys: &[&str]) {
         self.succeed(&[&["send-keys", "-t", name], keys].concat());
     }
 
     /// Types text as it is.
-    pub(super) fn text(&self, name: &str, text: &str) {
+    pub(crate) fn text(&self, name: &str, text: &str) {
         self.succeed(&["send-keys", "-l", "-t", name, text]);
     }
 
-    pub(super) fn resize(&self, name: &str, (columns, rows): (u16, u16)) {
+    pub(crate) fn resize(&self, name: &str, (columns, rows): (u16, u16)) {
         let (columns, rows) = (columns.to_string(), rows.to_string());
         self.succeed(&["resize-window", "-t", name, "-x", &columns, "-y", &rows]);
     }
 
     /// A value that tmux knows of a terminal (`alternate_on`, `pane_pid`).
-    pub(super) fn value(&self, name: &str, variable: &str) -> String {
+    pub(crate) fn value(&self, name: &str, variable: &str) -> String {
         self.succeed(&["display-message", "-p", "-t", name, &format!("#{{{variable}}}")]).trim().to_owned()
     }
 
     /// Waits until the screen is as it should be.
-    pub(super) fn wait(&self, name: &str, what: &str, is_there: impl Fn(&str) -> bool) -> String {
+    pub(crate) fn wait(&self, name: &str, what: &str, is_there: impl Fn(&str) -> bool) -> String {
         let deadline = Instant::now() + PATIENCE;
         loop {
             let screen = self.screen(name);
@@ -73,7 +73,7 @@ impl Tmux {
     }
 
     /// Waits until the program has ended.
-    pub(super) fn wait_for_end(&self, name: &str) {
+    pub(crate) fn wait_for_end(&self, name: &str) {
         let deadline = Instant::now() + PATIENCE;
         while self.value(name, "pane_dead") != "1" {
             assert!(Instant::now() < deadline, "{name} does not end:\n{}", self.screen(name));
@@ -81,7 +81,7 @@ impl Tmux {
         }
     }
 
-    pub(super) fn close(&self, name: &str) {
+    pub(crate) fn close(&self, name: &str) {
         self.succeed(&["kill-session", "-t", name]);
     }
 

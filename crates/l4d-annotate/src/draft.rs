@@ -23,8 +23,8 @@ pub enum Saying {
 pub struct Draft {
     /// What.
     pub saying: Saying,
-    /// When.
-    pub frames: Interval,
+    /// When; none is the whole clip.
+    pub frames: Option<Interval>,
     /// The first digits of a number that is not complete.
     pub typed: String,
 }
@@ -42,7 +42,7 @@ pub enum Digit {
 
 impl Default for Draft {
     fn default() -> Self {
-        Self { saying: Saying::Objects(BTreeSet::new()), frames: Interval::WHOLE, typed: String::new() }
+        Self { saying: Saying::Objects(BTreeSet::new()), frames: None, typed: String::new() }
     }
 }
 
@@ -93,6 +93,11 @@ impl Draft {
         }
     }
 
+    /// When the answer holds.
+    pub fn holds(&self, scene: &SceneCard) -> Interval {
+        self.frames.unwrap_or_else(|| scene.whole())
+    }
+
     /// What would be saved; none while nothing is said.
     pub fn answer(&self, scene: &SceneCard) -> Option<Answer> {
         let choice = match &self.saying {
@@ -104,7 +109,7 @@ impl Draft {
                 Choice::Objects(numbers.iter().filter_map(name).collect())
             }
         };
-        Some(Answer { choice, frames: self.frames })
+        Some(Answer { choice, frames: self.holds(scene) })
     }
 }
 

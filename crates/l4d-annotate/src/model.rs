@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use l4d_data::Name;
+use l4d_data::{Interval, Name};
 use l4d_frames::mask::PixelBox;
 use l4d_votes::{Answer, Choice, ItemId, Round, Seen};
 use ratatui::layout::Size;
@@ -196,6 +196,7 @@ impl Model {
             picture: None,
             picture_error: None,
         };
+        model.frame = model.scene().opening;
         model.recall_draft();
         model
     }
@@ -208,6 +209,11 @@ impl Model {
     /// The scene of the item on the screen.
     pub fn scene(&self) -> &SceneCard {
         &self.scenes[&self.question().scene]
+    }
+
+    /// When the draft holds.
+    pub fn holds(&self) -> Interval {
+        self.draft.holds(self.scene())
     }
 
     /// The canonical frame on the screen.
@@ -261,7 +267,8 @@ impl Model {
                 Saying::Objects(names.iter().filter_map(number).collect())
             }
         };
-        Draft { saying, frames: answer.frames, typed: String::new() }
+        let frames = Some(answer.frames).filter(|frames| *frames != self.scene().whole());
+        Draft { saying, frames, typed: String::new() }
     }
 
     /// Makes the draft what the log says.

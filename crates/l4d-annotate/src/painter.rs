@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::UVec2;
-use l4d_data::layout::SceneDir;
+use l4d_data::capture::{MASKS, MaskSet};
+use l4d_data::layout::{CaptureDir, SceneDir};
+use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name};
 use l4d_frames::Display;
 use l4d_frames::closeup::{Closeup, RgbImage};
@@ -14,6 +16,7 @@ use l4d_frames::exr::read_frame;
 use l4d_frames::mask::PixelBox;
 use l4d_frames::overlay::Mark;
 use l4d_frames::sheet::save;
+use l4d_frames::{photo, rle};
 use lru::LruCache;
 use ratatui::layout::{Position, Size};
 use ratatui_image::Resize;
@@ -34,6 +37,9 @@ const PIXEL_BUDGET_BYTES: usize = 192 << 20;
 /// Exported pictures are enlarged by a whole factor until they are about this wide, pixels.
 const EXPORT_WIDTH_PX: u32 = 1024;
 const EXPORT_LETTER_PX: f32 = 22.0;
+/// No picture of a capture is larger.
+const MAX_PICTURE_BYTES: u64 = 256 << 20;
+const IMPORT_AGAIN: &str = "run `l4d import-scene` again";
 /// Instances of fewer cells than this in depth have their number above instead of on them.
 const ROOM_FOR_LABEL_CELLS: f32 = 0.8;
 
@@ -55,6 +61,7 @@ pub struct Painter {
     look: Look,
     picker: Option<Picker>,
     displays: BTreeMap<Name, Display>,
+    drawn: BTreeMap<Name, Arc<MaskSet>>,
     frames: LruCache<FrameKey, Arc<Shown>>,
     pictures: LruCache<PictureRequest, Arc<Picture>>,
 }
@@ -72,6 +79,7 @@ impl Painter {
             look,
             picker,
             displays: BTreeMap::new(),
+            drawn: BTreeMap::new(),
             frames: LruCache::new(NonZeroUsize::new(kept_frames).unwrap_or(KEPT_PICTURES)),
             pictures: LruCache::new(KEPT_PICTURES),
         }
@@ -89,13 +97,43 @@ impl Painter {
         }
         let (scene, view, frame) = key;
         let card = self.card(scene)?;
-        let path = SceneDir::new(&self.data, scene).frame(view, *frame);
+        let shown = Arc::new(match card.is_capture {
+            true => self.taken(&card, key)?,
+            false => self.rendered(&card, SceneDir::new(&self.data, scene).frame(view, *frame), scene)?,
+        });
+        self.frames.put(key.clone(), Arc::clone(&shown));
+        Ok(shown)
+    }
+
+    fn rendered(&mut self, card: &SceneCard, path: PathBuf, scene: &Name) -> Result<Shown, DataError> {
         let decoded = read_frame(&path, card.size)?;
         let display = self.displays.entry(scene.clone()).or_insert_with(|| Display::new(card.exposure));
         let ids = Arc::new(Ids { size: card.size, ids: decoded.surfaces.id.clone() });
-        let shown = Arc::new(Shown { picture: display.picture(&decoded), ids });
-        self.frames.put(key.clone(), Arc::clone(&shown));
-        Ok(shown)
+        Ok(Shown { picture: display.picture(&decoded), ids })
+    }
+
+    /// A picture of a capture; objects are where people drew them, and nowhere else.
+    fn taken(&mut self, card: &SceneCard, (scene, view, frame): &FrameKey) -> Result<Shown, DataError> {
+        let dir = CaptureDir::new(&self.data, scene);
+        let picture = photograph(&dir.picture(view, *frame), card.size)?;
+        let drawn = match self.drawn.get(scene) {
+            Some(drawn) => Arc::clone(drawn),
+            None => {
+                let drawn = Arc::new(MaskSet::read(dir.root())?);
+                self.drawn.insert(scene.clone(), Arc::clone(&drawn));
+                drawn
+            }
+        };
+        let mut ids = vec![0; card.size.element_product() as usize];
+        for instance in &drawn.instances {
+            let Some(counts) = instance.counts(view, *frame) else { continue };
+            let mask = rle::decode(counts, card.size.x, card.size.y).map_err(|error| {
+                let place = format!("instance {}, {view} at {frame}", instance.name);
+                DataError::invalid(&dir.root().join(MASKS), place, error.to_string(), IMPORT_AGAIN)
+            })?;
+            mask.pixels().for_each(|(col, row)| ids[(row * card.size.x + col) as usize] = instance.id);
+        }
+        Ok(Shown { picture, ids: Arc::new(Ids { size: card.size, ids }) })
     }
 
     /// Paints a decoded frame.
@@ -132,6 +170,16 @@ impl Painter {
             let remedy = "this is a fault of l4d: please report it";
             DataError::invalid(&self.data, "scene", format!("{scene} is not one of the round"), remedy)
         })
+    }
+}
+
+fn photograph(path: &Path, size: UVec2) -> Result<RgbImage, DataError> {
+    let wrong = |message: String| DataError::invalid(path, "picture", message, IMPORT_AGAIN);
+    let picture =
+        photo::decode(&read_bounded(path, MAX_PICTURE_BYTES)?).map_err(|error| wrong(error.to_string()))?;
+    match picture.dimensions() == (size.x, size.y) {
+        true => Ok(picture),
+        false => Err(wrong(format!("is not {}x{}", size.x, size.y))),
     }
 }
 

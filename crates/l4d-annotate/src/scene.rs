@@ -2,6 +2,8 @@
 //!
 //! `scene.json` also tells what happens and what things are called; none of that leaves this module.
 
+mod capture;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -9,7 +11,8 @@ use glam::UVec2;
 use l4d_data::digest::sha256;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Role, Scene};
-use l4d_data::{DataError, Name, Profile, Split};
+use l4d_data::timeline::FPS;
+use l4d_data::{Camera, DataError, Interval, Name, Profile, Split};
 use l4d_frames::overlay::{Mark, object_colour};
 use l4d_votes::Round;
 use rand::SeedableRng as _;
@@ -36,8 +39,14 @@ pub struct SceneCard {
     pub exposure: f64,
     /// Views that may be looked at; the first is shown first.
     pub views: Vec<Name>,
-    /// Rendered canonical frames, ascending.
+    /// Frames that can be looked at, ascending.
     pub frames: Vec<u32>,
+    /// Which of them is shown first: one on which objects are known.
+    pub opening: usize,
+    /// Where known.
+    pub frames_per_second: Option<f64>,
+    /// Whether pictures were taken, and objects drawn by people, instead of both being rendered.
+    pub is_capture: bool,
     /// By number.
     pub objects: Vec<Object>,
 }
@@ -46,6 +55,12 @@ pub struct SceneCard {
 pub type Scenes = BTreeMap<Name, SceneCard>;
 
 impl SceneCard {
+    /// From the first frame to the last.
+    pub fn whole(&self) -> Interval {
+        let ends = self.frames.first().zip(self.frames.last());
+        ends.and_then(|(&first, &last)| Interval::new(first, last).ok()).unwrap_or(Interval::WHOLE)
+    }
+
     /// The object under a number.
     pub fn object(&self, number: usize) -> Option<&Object> {
         self.objects.get(number.checked_sub(1)?)
@@ -71,9 +86,12 @@ impl SceneCard {
         Self {
             size: UVec2::new(scene.width, scene.height),
             exposure: scene.exposure,
-            views: chosen_views(scene, round.views),
+            views: chosen_views(&scene.cameras, round.views),
             frames: scene.profile.frames().collect(),
-            objects: numbered(scene, round.seed, annotator),
+            opening: 0,
+            frames_per_second: Some(FPS),
+            is_capture: false,
+            objects: numbered(objects(scene), &scene.name, round.seed, annotator),
         }
     }
 }
@@ -85,6 +103,10 @@ pub fn load(data: &Path, round: &Round, annotator: &Name) -> Result<Scenes, Data
     for item in &round.items {
         let name = &item.scene;
         if scenes.contains_key(name) || lacking.contains_key(name) {
+            continue;
+        }
+        if !round.profile.is_rendered() {
+            scenes.insert(name.clone(), capture::card(data, name, round, annotator)?);
             continue;
         }
         let dir = SceneDir::new(data, name);
@@ -126,13 +148,13 @@ fn not_rendered(data: &Path, profile: Profile, lacking: &BTreeMap<Name, String>)
 }
 
 /// The held-out view, whose masks are scored, then those that stand farthest from the ones before.
-fn chosen_views(scene: &Scene, count: usize) -> Vec<Name> {
+fn chosen_views(cameras: &[Camera], count: usize) -> Vec<Name> {
     let first_frame = 0;
-    let place = |camera: &l4d_data::Camera| camera.world_from_camera(first_frame).w_axis.truncate();
+    let place = |camera: &Camera| camera.world_from_camera(first_frame).w_axis.truncate();
     let (mut chosen, mut others): (Vec<_>, Vec<_>) =
-        scene.cameras.iter().partition(|camera| camera.split == Split::Test);
+        cameras.iter().partition(|camera| camera.split == Split::Test);
     while chosen.len() < count {
-        let gap = |camera: &l4d_data::Camera| {
+        let gap = |camera: &Camera| {
             let distances = chosen.iter().map(|other| place(other).distance_squared(place(camera)));
             distances.min_by(f64::total_cmp).unwrap_or(f64::INFINITY)
         };
@@ -146,16 +168,16 @@ fn chosen_views(scene: &Scene, count: usize) -> Vec<Name> {
     chosen.iter().map(|camera| camera.name.clone()).collect()
 }
 
+/// Ids and names of what queries may refer to.
+fn objects(scene: &Scene) -> Vec<(u32, Name)> {
+    let objects = scene.instances.iter().filter(|instance| instance.role == Role::Object);
+    objects.map(|instance| (instance.id, instance.name.clone())).collect()
+}
+
 /// Numbers drawn by lot for each annotator and scene: learnable, but telling nothing about the recipe's order.
-fn numbered(scene: &Scene, seed: u64, annotator: &Name) -> Vec<Object> {
-    let mut objects: Vec<(u32, Name)> = scene
-        .instances
-        .iter()
-        .filter(|instance| instance.role == Role::Object)
-        .map(|instance| (instance.id, instance.name.clone()))
-        .collect();
+fn numbered(mut objects: Vec<(u32, Name)>, scene: &Name, seed: u64, annotator: &Name) -> Vec<Object> {
     objects.sort();
-    let seed = sha256(format!("numbers/{seed}/{annotator}/{}", scene.name).as_bytes());
+    let seed = sha256(format!("numbers/{seed}/{annotator}/{scene}").as_bytes());
     objects.shuffle(&mut ChaCha8Rng::from_seed(seed));
     let number = |(index, (id, name))| Object { number: index + 1, id, name };
     objects.into_iter().enumerate().map(number).collect()

@@ -140,9 +140,7 @@ impl Benchmark {
                 &path,
                 "file",
                 format!("there is no truth of profile {profile} for {scene}"),
-                format!(
-                    "choose another --profile, or run `l4d build-scenes --profile {profile} --scenes {scene}`"
-                ),
+                format!("choose another --profile, or {}", how_truth_is_made(profile, scene)),
             ));
         }
         Truth::read(&path)
@@ -161,7 +159,13 @@ impl Benchmark {
                 &self.dir.root().join("truth").join(profile.as_str()),
                 "folder",
                 format!("holds no truth of profile {profile}"),
-                format!("choose another --profile, or run `l4d build-scenes --profile {profile}`"),
+                match profile.is_rendered() {
+                    true => {
+                        format!("choose another --profile, or run `l4d build-scenes --profile {profile}`")
+                    }
+                    false => "choose another --profile, or run `l4d import-scene` with --masks and --bench"
+                        .to_owned(),
+                },
             )
         })
     }
@@ -181,6 +185,14 @@ impl Benchmark {
     /// The folder.
     pub fn root(&self) -> &Path {
         self.dir.root()
+    }
+}
+
+/// What makes the truth of a scene.
+pub fn how_truth_is_made(profile: Profile, scene: &str) -> String {
+    match profile.is_rendered() {
+        true => format!("run `l4d build-scenes --profile {profile} --scenes {scene}`"),
+        false => format!("run `l4d import-scene ... --name {scene}` with --masks and --bench"),
     }
 }
 

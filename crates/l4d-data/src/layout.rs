@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::capture::Capture;
 use crate::query::QueryId;
 use crate::timeline::Profile;
 use crate::truth::frame_key;
@@ -59,6 +60,27 @@ impl SceneDir {
     /// `frames/<view>/<frame:04>.exr`.
     pub fn frame(&self, view: &str, frame: u32) -> PathBuf {
         self.view(view).join(format!("{}.exr", frame_key(frame)))
+    }
+}
+
+/// A scene that others recorded: `<data>/<scene>`.
+#[derive(Debug, Clone)]
+pub struct CaptureDir(PathBuf);
+
+impl CaptureDir {
+    /// `<data>/<scene>`.
+    pub fn new(data: &Path, scene: &str) -> Self {
+        Self(data.join(scene))
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// `frames/<view>/<frame:04>.png`.
+    pub fn picture(&self, view: &str, frame: u32) -> PathBuf {
+        self.0.join(Capture::picture_path(view, frame))
     }
 }
 

@@ -8,6 +8,7 @@
 
 pub mod benchmark;
 pub mod camera;
+pub mod capture;
 pub mod digest;
 pub mod error;
 pub mod finding;

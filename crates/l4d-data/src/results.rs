@@ -40,11 +40,14 @@ pub struct MethodCard {
     pub truth_digest: String,
     /// Profile of the masks.
     pub profile: Profile,
-    /// Mask width, pixels.
+    /// Mask width, pixels; 0 for real scenes, whose sizes differ, and then left out of the file.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub width: u32,
-    /// Mask height, pixels.
+    /// Mask height, pixels; as the width.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub height: u32,
-    /// Canonical frames that the masks cover, ascending.
+    /// Canonical frames that the masks cover, ascending; none for real scenes, whose timelines differ.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<u32>,
     /// Protocol that the masks were made for (`l4d`).
     pub protocol: String,
@@ -52,6 +55,28 @@ pub struct MethodCard {
     pub used: Used,
     /// Wall seconds that the method took for all queries; null where it was not measured.
     pub seconds: Option<f64>,
+    /// How foreign files became these masks; none for results that were written as such.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub import: Option<Import>,
+}
+
+fn is_zero(side: &u32) -> bool {
+    *side == 0
+}
+
+/// What an import read and took for granted, so that two people get the same masks.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Import {
+    /// Preset of `l4d import`.
+    pub format: String,
+    /// Topic -> what was assumed, in words.
+    pub assumptions: BTreeMap<String, String>,
+    /// What was read -> SHA-256.
+    pub inputs: BTreeMap<String, String>,
+    /// Numbers that the method's own evaluation wrote. They are shown and never scored.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub claimed: BTreeMap<String, f64>,
 }
 
 impl MethodCard {

@@ -179,6 +179,10 @@ impl Scene {
                 format!("is `{}`, but this l4d reads `{SCHEMA}`", self.schema),
             ));
         }
+        if !self.profile.is_rendered() {
+            let message = "is `real`, but a scene.json describes what was rendered";
+            return Some(("field `profile`".into(), message.to_owned()));
+        }
         if (self.width, self.height) != (self.profile.width(), self.profile.height()) {
             let message =
                 format!("{}x{} is not the size of profile {}", self.width, self.height, self.profile);

@@ -1,4 +1,5 @@
-//! The one canonical timeline of the synthetic scenes and the profiles that sample it.
+//! The one canonical timeline of the synthetic scenes and the profiles that sample it. Real scenes have timelines of
+//! their own, which their truth states.
 
 use std::fmt;
 use std::str::FromStr;
@@ -71,7 +72,7 @@ impl From<Interval> for [u32; 2] {
     }
 }
 
-/// How much of a scene is rendered. Every profile keeps the canonical frame numbers.
+/// How much of a scene is rendered, or that it is not rendered at all. Renderings keep the canonical frame numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
@@ -81,10 +82,12 @@ pub enum Profile {
     Small,
     /// 640x480, 16+1 views, 97 frames: the official one.
     Full,
+    /// Captures: each scene has its own size, views and timeline, and its truth states them.
+    Real,
 }
 
 impl Profile {
-    /// All profiles, smallest first.
+    /// All profiles of renderings, smallest first.
     pub const ALL: [Self; 3] = [Self::Tiny, Self::Small, Self::Full];
 
     /// Name as written in paths and files.
@@ -93,19 +96,26 @@ impl Profile {
             Self::Tiny => "tiny",
             Self::Small => "small",
             Self::Full => "full",
+            Self::Real => "real",
         }
     }
 
-    /// Picture width, pixels.
+    /// Whether scenes are made for it. All that follows from a profile alone follows from these only.
+    pub fn is_rendered(self) -> bool {
+        self != Self::Real
+    }
+
+    /// Picture width, pixels; 0 for real scenes, whose sizes differ.
     pub fn width(self) -> u32 {
         match self {
             Self::Tiny => 128,
             Self::Small => 256,
             Self::Full => 640,
+            Self::Real => 0,
         }
     }
 
-    /// Picture height, pixels.
+    /// Picture height, pixels; 0 for real scenes, whose sizes differ.
     pub fn height(self) -> u32 {
         self.width() / 4 * 3
     }
@@ -115,22 +125,24 @@ impl Profile {
         match self {
             Self::Tiny => 12,
             Self::Small => 2,
-            Self::Full => 1,
+            Self::Full | Self::Real => 1,
         }
     }
 
-    /// Training views, without the held-out one.
+    /// Training views, without the held-out one; 0 for real scenes, whose rigs differ.
     pub fn training_views(self) -> usize {
         match self {
             Self::Tiny => 4,
             Self::Small => 12,
             Self::Full => 16,
+            Self::Real => 0,
         }
     }
 
-    /// Canonical numbers of the rendered frames, ascending.
+    /// Canonical numbers of the rendered frames, ascending; none for real scenes.
     pub fn frames(self) -> impl Iterator<Item = u32> + Clone {
-        (0..FRAME_COUNT).step_by(self.stride() as usize)
+        let count = if self.is_rendered() { FRAME_COUNT } else { 0 };
+        (0..count).step_by(self.stride() as usize)
     }
 }
 
@@ -144,10 +156,9 @@ impl FromStr for Profile {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|profile| profile.as_str() == text)
-            .ok_or_else(|| format!("unknown profile `{text}`: use tiny, small or full"))
+        let mut all = Self::ALL.into_iter().chain([Self::Real]);
+        all.find(|profile| profile.as_str() == text)
+            .ok_or_else(|| format!("unknown profile `{text}`: use tiny, small or full, or real for captures"))
     }
 }
 
@@ -175,6 +186,15 @@ mod tests {
         let counts = Profile::ALL.map(|profile| profile.frames().count());
         assert_eq!(counts, [9, 49, 97]);
         assert_eq!(Profile::Full.height(), 480);
+    }
+
+    #[test]
+    fn nothing_of_a_real_scene_follows_from_its_profile() {
+        let real: Profile = "real".parse().unwrap();
+        assert!(!real.is_rendered() && !Profile::ALL.contains(&real));
+        assert_eq!((real.width(), real.height(), real.training_views(), real.frames().count()), (0, 0, 0, 0));
+        assert_eq!(serde_json::to_string(&real).unwrap(), "\"real\"");
+        assert!("huge".parse::<Profile>().unwrap_err().contains("real for captures"));
     }
 
     #[test]

@@ -11,10 +11,14 @@ use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
 use crate::scene::{Role, Scale};
-use crate::timeline::Profile;
+use crate::timeline::{Interval, Profile};
 
 /// Schema tag of a truth file.
 pub const SCHEMA: &str = "l4d/truth/1";
+/// No picture of a real scene is larger, pixels.
+const MAX_SIDE: u32 = 16_384;
+/// Frames have four digits in files.
+const MAX_FRAME: u32 = 9_999;
 
 /// One instance in the held-out view.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,8 +56,11 @@ pub struct Truth {
     pub height: u32,
     /// The held-out view.
     pub test_view: Name,
-    /// Canonical frames, ascending.
+    /// Annotated frames, ascending: those of the profile, or those of a real scene on which somebody drew.
     pub frames: Vec<u32>,
+    /// Frames of a real scene on which nobody drew, ascending: methods may answer them, and nothing judges that.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unannotated: Vec<u32>,
     /// Instances sorted by id.
     pub instances: Vec<InstanceTruth>,
     /// View -> instance -> visible pixels at each of `frames`.
@@ -80,6 +87,24 @@ impl Truth {
         self.instances.iter().find(|instance| instance.name.as_str() == name)
     }
 
+    /// All frames of the clip, annotated or not, ascending.
+    pub fn clip(&self) -> Vec<u32> {
+        let mut clip: Vec<u32> = self.frames.iter().chain(&self.unannotated).copied().collect();
+        clip.sort_unstable();
+        clip
+    }
+
+    /// From the first frame of the clip to its last: what a sentence that names an identity covers.
+    pub fn whole(&self) -> Interval {
+        let clip = self.clip();
+        match (clip.first(), clip.last()) {
+            (Some(&first), Some(&last)) if !self.profile.is_rendered() => {
+                Interval::new(first, last).unwrap_or(Interval::WHOLE)
+            }
+            _ => Interval::WHOLE,
+        }
+    }
+
     fn problem(&self) -> Option<(String, String)> {
         if self.schema != SCHEMA {
             return Some((
@@ -87,16 +112,8 @@ impl Truth {
                 format!("is `{}`, but this l4d reads `{SCHEMA}`", self.schema),
             ));
         }
-        if (self.width, self.height) != (self.profile.width(), self.profile.height()) {
-            let message =
-                format!("{}x{} is not the size of profile {}", self.width, self.height, self.profile);
-            return Some(("fields `width`, `height`".into(), message));
-        }
-        if !self.frames.iter().copied().eq(self.profile.frames()) {
-            return Some((
-                "field `frames`".into(),
-                format!("are not the frames of profile {}", self.profile),
-            ));
+        if let Some(problem) = if self.profile.is_rendered() { self.misfit() } else { self.real_problem() } {
+            return Some(problem);
         }
         self.instances.iter().find_map(|instance| {
             let frame = instance
@@ -109,9 +126,89 @@ impl Truth {
             ))
         })
     }
+
+    /// How a rendering differs from its profile.
+    fn misfit(&self) -> Option<(String, String)> {
+        if (self.width, self.height) != (self.profile.width(), self.profile.height()) {
+            let message =
+                format!("{}x{} is not the size of profile {}", self.width, self.height, self.profile);
+            return Some(("fields `width`, `height`".into(), message));
+        }
+        let is_clip = self.unannotated.is_empty() && self.frames.iter().copied().eq(self.profile.frames());
+        (!is_clip)
+            .then(|| ("field `frames`".into(), format!("are not the frames of profile {}", self.profile)))
+    }
+
+    fn real_problem(&self) -> Option<(String, String)> {
+        if !(1..=MAX_SIDE).contains(&self.width) || !(1..=MAX_SIDE).contains(&self.height) {
+            let message = format!("{}x{}: each side has 1 to {MAX_SIDE} pixels", self.width, self.height);
+            return Some(("fields `width`, `height`".into(), message));
+        }
+        let clip = self.clip();
+        let is_sound = !self.frames.is_empty()
+            && [&self.frames, &self.unannotated, &clip].iter().all(|list| list.is_sorted_by(|a, b| a < b))
+            && clip.last().is_some_and(|last| *last <= MAX_FRAME);
+        (!is_sound).then(|| {
+            let message =
+                format!("must be ascending, none in both, none above {MAX_FRAME}, at least one annotated");
+            ("fields `frames`, `unannotated`".into(), message)
+        })
+    }
 }
 
 /// The four-digit form of a frame number used as JSON key and file stem.
 pub fn frame_key(frame: u32) -> String {
     format!("{frame:04}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn truth(profile: Profile, size: [u32; 2], frames: &[u32], unannotated: &[u32]) -> Truth {
+        Truth {
+            schema: SCHEMA.to_owned(),
+            scene: Name::new("a").unwrap(),
+            scale: Scale::Room,
+            variant: 0,
+            profile,
+            width: size[0],
+            height: size[1],
+            test_view: Name::new("cam00").unwrap(),
+            frames: frames.to_vec(),
+            unannotated: unannotated.to_vec(),
+            instances: Vec::new(),
+            visible: BTreeMap::new(),
+        }
+    }
+
+    #[test]
+    fn real_scenes_have_a_size_and_a_timeline_of_their_own() {
+        let real = truth(Profile::Real, [1352, 1014], &[160, 180], &[151, 170, 200]);
+        assert_eq!(real.problem(), None);
+        assert_eq!(real.clip(), [151, 160, 170, 180, 200]);
+        assert_eq!(real.whole(), Interval::new(151, 200).unwrap());
+        let tiny: Vec<u32> = Profile::Tiny.frames().collect();
+        let rendered = truth(Profile::Tiny, [128, 96], &tiny, &[]);
+        assert_eq!((rendered.problem(), rendered.whole()), (None, Interval::WHOLE));
+    }
+
+    #[test]
+    fn frames_and_sizes_that_cannot_be_are_refused() {
+        let tiny: Vec<u32> = Profile::Tiny.frames().collect();
+        for (profile, size, frames, unannotated) in [
+            (Profile::Real, [0, 48], &[1][..], &[][..]),
+            (Profile::Real, [64, 100_000], &[1], &[]),
+            (Profile::Real, [64, 48], &[], &[1, 2]),
+            (Profile::Real, [64, 48], &[2, 1], &[]),
+            (Profile::Real, [64, 48], &[1, 2], &[2]),
+            (Profile::Real, [64, 48], &[1, 10_000], &[]),
+            (Profile::Tiny, [64, 48], &tiny, &[]),
+            (Profile::Tiny, [128, 96], &tiny[1..], &[]),
+            (Profile::Tiny, [128, 96], &tiny, &[1]),
+        ] {
+            let problem = truth(profile, size, frames, unannotated).problem();
+            assert!(problem.is_some(), "{profile} {size:?} {frames:?} {unannotated:?}");
+        }
+    }
 }

@@ -8,6 +8,7 @@
 pub mod display;
 pub mod drawn;
 pub mod frame;
+pub mod ids;
 pub mod mask;
 pub mod morphology;
 pub mod png;
@@ -31,6 +32,8 @@ mod fake;
 pub mod geometry;
 #[cfg(feature = "draw")]
 pub mod overlay;
+#[cfg(feature = "draw")]
+pub mod photo;
 #[cfg(feature = "exr")]
 pub mod preview;
 #[cfg(feature = "exr")]

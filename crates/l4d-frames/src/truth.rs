@@ -57,6 +57,7 @@ impl TruthBuilder {
         let unseen = || scene.instances.iter().map(|instance| (instance.name.clone(), vec![0; frames.len()]));
         let visible = scene.cameras.iter().map(|camera| (camera.name.clone(), unseen().collect())).collect();
         let truth = Truth {
+            unannotated: Vec::new(),
             schema: SCHEMA.to_owned(),
             scene: scene.name.clone(),
             scale: scene.scale,

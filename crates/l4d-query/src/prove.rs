@@ -5,6 +5,7 @@
 
 mod agree;
 mod query;
+mod real;
 mod scene;
 mod vocabulary;
 mod wording;
@@ -14,6 +15,7 @@ use l4d_data::{Benchmark, Name, Profile, Report};
 
 pub(crate) use agree::path_length_m;
 pub use query::{COMPOSITES, Kind, Prover};
+use real::RealSet;
 use scene::check_each_is_asked;
 pub(crate) use scene::predicate_of;
 pub use scene::{SceneSet, check_scene, meaning, verbs as plain_events};
@@ -29,6 +31,9 @@ pub const COMPLETE_SCENES: usize = 21;
 
 /// Checks the queries of the scenes, measures shortcuts, and counts the set.
 pub fn check_set(bench: &Benchmark, profile: Profile, scenes: &[Name], report: &mut Report) -> SetSummary {
+    if !profile.is_rendered() {
+        return check_real(bench, scenes, report);
+    }
     let vocabulary = Vocabulary::read(&bench.dir.vocabulary());
     if let Err(error) = &vocabulary {
         report.data_error("L4D201", error);
@@ -54,6 +59,13 @@ pub fn check_set(bench: &Benchmark, profile: Profile, scenes: &[Name], report: &
         }
     }
     summary
+}
+
+/// The same for real scenes, as far as anything can be checked without tracks.
+fn check_real(bench: &Benchmark, scenes: &[Name], report: &mut Report) -> SetSummary {
+    let sets: Vec<RealSet> = scenes.iter().filter_map(|scene| RealSet::read(bench, scene, report)).collect();
+    sets.iter().for_each(|set| set.check(report));
+    SetSummary::of_written(&sets.iter().map(RealSet::written).collect::<Vec<_>>())
 }
 
 fn report_set(bench: &Benchmark, summary: &SetSummary, report: &mut Report) {

@@ -2,12 +2,27 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::{Category, Query, Role, Scale, Status};
+use l4d_data::{Category, Query, Scale, Status};
 use serde::Serialize;
 
 use crate::probes::Probe;
 use crate::prove::{COMPOSITES, SceneSet};
 use crate::rules::Rule;
+
+/// What is counted of a scene.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Written<'a> {
+    pub(crate) scale: Scale,
+    /// Objects that queries may refer to.
+    pub(crate) objects: usize,
+    pub(crate) queries: &'a [Query],
+    pub(crate) composites: &'a [Query],
+    pub(crate) absents: &'a [Query],
+}
+
+fn written(sets: &[SceneSet]) -> Vec<Written<'_>> {
+    sets.iter().map(SceneSet::written).collect()
+}
 
 /// Counts of the set, its shortcuts and what is demanded of it.
 #[derive(Debug, Default, Serialize)]
@@ -42,23 +57,27 @@ impl SetSummary {
 
     /// Counts without probes and rules.
     pub(crate) fn count(sets: &[SceneSet]) -> Self {
-        Self::count_of(sets, |query| query.status != Status::Rejected)
+        Self::of_written(&written(sets))
+    }
+
+    /// The same of scenes of any kind.
+    pub(crate) fn of_written(scenes: &[Written<'_>]) -> Self {
+        Self::count_of(scenes, |query| query.status != Status::Rejected)
     }
 
     /// The same as if people had rejected nothing.
     pub(crate) fn count_as_written(sets: &[SceneSet]) -> Self {
-        Self::count_of(sets, |_| true)
+        Self::count_of(&written(sets), |_| true)
     }
 
-    fn count_of(sets: &[SceneSet], counts: fn(&Query) -> bool) -> Self {
-        let mut summary = Self { scenes: sets.len(), ..Self::default() };
+    fn count_of(scenes: &[Written<'_>], counts: fn(&Query) -> bool) -> Self {
+        let mut summary = Self { scenes: scenes.len(), ..Self::default() };
         summary.scales.extend(Scale::ALL.map(|scale| (scale.as_str(), 0)));
         summary.queries.extend(Category::ALL.map(|category| (category.as_str(), 0)));
         summary.composites.extend(COMPOSITES.map(|(name, _)| (name, 0)));
-        for set in sets {
-            *summary.scales.entry(set.tracks.scale.as_str()).or_default() += 1;
-            let is_object = |instance: &&l4d_data::tracks::TrackedInstance| instance.role == Role::Object;
-            summary.instances += set.tracks.instances.iter().filter(is_object).count();
+        for set in scenes {
+            *summary.scales.entry(set.scale.as_str()).or_default() += 1;
+            summary.instances += set.objects;
             for query in set.queries.iter().filter(|query| counts(query)) {
                 summary.verified += usize::from(query.status == Status::Verified);
                 if let [category] = query.categories.as_slice() {
@@ -71,7 +90,7 @@ impl SetSummary {
                 }
             }
             summary.absent += set.absents.iter().filter(|query| counts(query)).count();
-            let all = set.queries.iter().chain(&set.composites).chain(&set.absents);
+            let all = set.queries.iter().chain(set.composites).chain(set.absents);
             summary.rejected += all.filter(|query| query.status == Status::Rejected).count();
         }
         summary

@@ -15,6 +15,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::codes;
+use crate::exam::SceneExam;
 use crate::folder::{Kind, entries, read_sized, report_link};
 use crate::judge::Answer;
 
@@ -74,7 +75,7 @@ impl Reader<'_> {
         };
         let [height, width] = file.size;
         if let Err(message) = self.check_size((width, height)) {
-            let hint = "write [height, width] of the profile, or pass --resize";
+            let hint = "write [height, width] of the held-out pictures, or pass --resize";
             report.error(codes::WRONG_SIZE, &path, "field `size`", message, hint);
             return answers;
         }
@@ -202,19 +203,27 @@ impl Reader<'_> {
     }
 }
 
-/// Reports the frames that have no answer.
-pub fn report_missing(dir: &ResultsDir, id: &QueryId, clip: &[u32], answers: &[Answer], report: &mut Report) {
-    let missing: Vec<u32> = clip
+/// Reports the frames that are asked for and have no answer.
+pub fn report_missing(
+    dir: &ResultsDir,
+    id: &QueryId,
+    scene: &SceneExam,
+    answers: &[Answer],
+    report: &mut Report,
+) {
+    let asked: Vec<u32> = scene.asked().collect();
+    let missing: Vec<u32> = scene
+        .clip
         .iter()
         .zip(answers)
-        .filter(|(_, answer)| **answer == Answer::Missing)
+        .filter(|(frame, answer)| **answer == Answer::Missing && asked.binary_search(frame).is_ok())
         .map(|(frame, _)| *frame)
         .collect();
     if missing.is_empty() {
         return;
     }
     let message =
-        format!("{} of {} frames have no answer: {}", missing.len(), clip.len(), frame_list(&missing));
+        format!("{} of {} frames have no answer: {}", missing.len(), asked.len(), frame_list(&missing));
     let hint =
         "answer them (null says that nothing is to be seen), or pass --missing zero or skip to `l4d score`";
     let path = if dir.mask_folder(id).is_dir() { dir.mask_folder(id) } else { dir.mask_file(id) };

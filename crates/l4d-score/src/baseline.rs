@@ -98,7 +98,7 @@ pub fn write_baseline(
         let truth = exam.truth(&scene.name)?;
         let write = |query: &Query| {
             let referents = truth.referents(query, &scene.queries_path)?;
-            let file = answer(baseline, &truth, query, &referents, &exam.clip, seed);
+            let file = answer(baseline, &truth, query, &referents, &scene.clip, seed);
             let path = dir.mask_file(&query.id);
             write_unless_current(&path, &compact(&file), force)
         };
@@ -129,6 +129,7 @@ fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
         protocol: PROTOCOL.to_owned(),
         used: Used { ground_truth: baseline.uses_truth(), test_view: false, endpoints: Vec::new() },
         seconds: None,
+        import: None,
     }
 }
 

@@ -18,15 +18,15 @@ pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<us
         read_card(dir, exam, false, report);
         check_scenes(dir, &exam.bench.manifest.scenes, report);
         for scene in &exam.scenes {
-            check_scene(dir, exam, scene, report);
+            check_scene(dir, scene, report);
         }
     }
     Ok(methods.len())
 }
 
-fn check_scene(dir: &ResultsDir, exam: &Exam, scene: &SceneExam, report: &mut Report) {
+fn check_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
     let forms = scan_scene(dir, scene, report);
-    let reader = Reader { dir, clip: &exam.clip, size: exam.size(), resize: false };
+    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: false };
     let check = |query: &Query| {
         let mut found = Report::default();
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
@@ -34,7 +34,7 @@ fn check_scene(dir: &ResultsDir, exam: &Exam, scene: &SceneExam, report: &mut Re
         let is_asked = query.status != Status::Rejected;
         // What could not be read has been reported and would only be repeated as missing.
         if is_asked && found.is_empty() {
-            report_missing(dir, &query.id, &exam.clip, &answers, &mut found);
+            report_missing(dir, &query.id, scene, &answers, &mut found);
         }
         found
     };

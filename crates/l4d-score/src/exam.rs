@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use l4d_data::benchmark::how_truth_is_made;
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Status};
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,7 @@ pub struct Exam {
     pub set: QuerySet,
     /// [`Benchmark::truth_digest`] of the profile.
     pub truth_digest: String,
-    /// Canonical frames of the clip, ascending.
+    /// Canonical frames of a rendered clip, ascending; none for real scenes, which have their own.
     pub clip: Vec<u32>,
     /// The scenes asked about, in table order.
     pub scenes: Vec<SceneExam>,
@@ -71,6 +72,19 @@ pub struct SceneExam {
     pub queries_path: PathBuf,
     /// Numbers of the queries of the other sets: a method may answer them, and they are not judged here.
     pub not_asked: Vec<Name>,
+    /// Frames that masks may be of, ascending.
+    pub clip: Vec<u32>,
+    /// Frames of the clip that nothing is known of, ascending: a method need not answer them.
+    pub unannotated: Vec<u32>,
+    /// Mask size, pixels.
+    pub size: (u32, u32),
+}
+
+impl SceneExam {
+    /// Frames that have to be answered, ascending.
+    pub fn asked(&self) -> impl Iterator<Item = u32> {
+        self.clip.iter().copied().filter(|frame| self.unannotated.binary_search(frame).is_err())
+    }
 }
 
 impl Exam {
@@ -90,15 +104,21 @@ impl Exam {
             let lacking = files.iter().find(|path| !path.exists());
             if let (Some(path), true) = (lacking, wanted.is_empty()) {
                 let message = format!("is not there, so scene {name} is left out");
-                let hint = format!(
-                    "run `l4d build-scenes --profile {profile} --scenes {name}` or write its queries"
-                );
+                let hint = format!("{}, or write its queries", how_truth_is_made(profile, &name));
                 report.warning(codes::SCENE_LEFT_OUT, path, "", message, hint);
                 continue;
             }
             let queries = set.of_scene(&bench, &name)?;
             let not_asked = not_asked(&bench, &name, &queries)?;
-            scenes.push(SceneExam { queries, queries_path: set.path(&bench, &name), not_asked, name });
+            let queries_path = set.path(&bench, &name);
+            let (clip, unannotated, size) = match profile.is_rendered() {
+                true => (profile.frames().collect(), Vec::new(), (profile.width(), profile.height())),
+                false => {
+                    let truth = bench.truth(profile, &name)?;
+                    (truth.clip(), truth.unannotated, (truth.width, truth.height))
+                }
+            };
+            scenes.push(SceneExam { queries, queries_path, not_asked, clip, unannotated, size, name });
         }
         if scenes.is_empty() {
             let message = format!("no scene has both {} and truth of profile {profile}", set.as_str());
@@ -119,7 +139,7 @@ impl Exam {
         queries.filter(|query| query.status == Status::Rejected).count()
     }
 
-    /// Mask size, pixels.
+    /// Mask size of a rendered scene, pixels; zeros for real scenes, which have their own.
     pub fn size(&self) -> (u32, u32) {
         (self.profile.width(), self.profile.height())
     }

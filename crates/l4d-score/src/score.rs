@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::{DataError, Query, Report, json};
+use l4d_data::{DataError, Query, Report, json as file};
 use rayon::prelude::*;
+use serde_json::{Value, json};
 
 use crate::answers::{Reader, report_missing};
 use crate::codes;
@@ -13,7 +14,7 @@ use crate::counts::{CountsWriter, FrameCount};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::{Answer, judge_query};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
-use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::results::{PROTOCOL, check_scenes, find_methods, read_card, scan_scene};
 use crate::summary::Summary;
 use crate::truth::SceneTruth;
 
@@ -24,6 +25,23 @@ pub struct Scored {
     pub summaries: Vec<Summary>,
     /// What is wrong with the others, and with the benchmark.
     pub report: Report,
+}
+
+impl Scored {
+    /// What `l4d score --json` prints: the scores with everything that they depend on, and the findings in order.
+    pub fn into_document(self, exam: &Exam) -> Value {
+        let scenes: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
+        json!({
+            "protocol": PROTOCOL,
+            "profile": exam.profile,
+            "set": exam.set,
+            "benchmark_version": exam.bench.manifest.version,
+            "truth_digest": exam.truth_digest,
+            "scenes": scenes,
+            "methods": self.summaries,
+            "findings": self.report.into_sorted(),
+        })
+    }
 }
 
 /// Where the counts of a method are written.
@@ -105,7 +123,7 @@ fn score_method(
     }
     writer.commit()?;
     let summary = Summary::new(card, exam, options, &tallies);
-    json::write(&summary_path(scores, &summary.name), &summary)?;
+    file::write(&summary_path(scores, &summary.name), &summary)?;
     Ok(Some(summary))
 }
 
@@ -123,15 +141,15 @@ fn judge_scene(
     let mut report = Report::default();
     let truth = exam.truth(&scene.name)?;
     let forms = scan_scene(dir, scene, &mut report);
-    let reader = Reader { dir, clip: &exam.clip, size: exam.size(), resize: options.resize };
+    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
     let judge = |query: &&Query| {
         let mut found = Report::default();
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
         let answers = reader.read(&query.id, forms, &mut found);
         if options.missing == Missing::Error && found.is_empty() {
-            report_missing(dir, &query.id, &exam.clip, &answers, &mut found);
+            report_missing(dir, &query.id, scene, &answers, &mut found);
         }
-        let counts = count(&truth, query, scene, exam, &answers)?;
+        let counts = count(&truth, query, scene, &answers)?;
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, counts, found))
     };
@@ -149,11 +167,10 @@ fn count(
     truth: &SceneTruth,
     query: &Query,
     scene: &SceneExam,
-    exam: &Exam,
     answers: &[Answer],
 ) -> Result<Vec<FrameCount>, DataError> {
     let referents = truth.referents(query, &scene.queries_path)?;
-    Ok(judge_query(truth, query, &referents, &exam.clip, answers))
+    Ok(judge_query(truth, query, &referents, &scene.clip, answers))
 }
 
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.

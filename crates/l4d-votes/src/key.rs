@@ -6,14 +6,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use l4d_data::digest::{sha256_file, sha256_hex};
+use l4d_data::digest::sha256_hex;
 use l4d_data::query::Query;
-use l4d_data::scene::Role;
-use l4d_data::tracks::Tracks;
-use l4d_data::{Benchmark, Category, DataError, Interval, Name, QueryId, Temporal, json};
+use l4d_data::{Benchmark, Category, DataError, Interval, Name, Profile, QueryId, Temporal, json};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::cast::Cast;
 use crate::event::{Answer, Choice};
 use crate::item::{Item, ItemId};
 use crate::round::{Round, RoundDir};
@@ -30,7 +29,7 @@ pub struct Meaning {
     pub temporal: Temporal,
     /// When it holds, ascending.
     pub frames: Vec<Interval>,
-    /// SHA-256 of the scene's tracks.
+    /// SHA-256 of the scene's tracks, or of the truth of a real one.
     pub tracks: String,
 }
 
@@ -46,14 +45,12 @@ impl Meaning {
     }
 
     /// The meaning of a bare category: all of its objects, always.
-    pub fn of_category(category: &str, tracks: &Tracks, digest: &str) -> Self {
-        let is_meant = |role: Role, of: &str| role == Role::Object && of == category;
-        let meant = tracks.instances.iter().filter(|instance| is_meant(instance.role, &instance.category));
+    pub(crate) fn of_category(category: &str, cast: &Cast) -> Self {
         Self {
-            referents: meant.map(|instance| instance.name.clone()).collect(),
+            referents: cast.of_category(category),
             temporal: Temporal::Whole,
-            frames: vec![Interval::WHOLE],
-            tracks: digest.to_owned(),
+            frames: vec![cast.whole],
+            tracks: cast.digest.clone(),
         }
     }
 
@@ -232,7 +229,7 @@ pub fn current_digests(
     let mut digests = BTreeMap::new();
     for (scene, items) in scenes {
         if bench.manifest.scenes.contains(scene) {
-            let now = SceneNow::read(bench, scene)?;
+            let now = SceneNow::read(bench, round.profile, scene)?;
             let found = items.into_iter().filter_map(|item| Some((item.id.clone(), now.digest(key, item)?)));
             digests.extend(found);
         }
@@ -243,19 +240,17 @@ pub fn current_digests(
 /// A scene as the benchmark has it now.
 struct SceneNow {
     queries: BTreeMap<QueryId, Query>,
-    tracks: Tracks,
-    tracks_digest: String,
+    cast: Cast,
 }
 
 impl SceneNow {
-    fn read(bench: &Benchmark, scene: &Name) -> Result<Self, DataError> {
+    fn read(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
         let mut queries = bench.queries(scene)?;
         queries.extend(bench.composites(scene)?);
         queries.extend(bench.absents(scene)?);
         Ok(Self {
             queries: queries.into_iter().map(|query| (query.id.clone(), query)).collect(),
-            tracks: bench.tracks(scene)?,
-            tracks_digest: sha256_file(&bench.dir.tracks(scene))?,
+            cast: Cast::read(bench, profile, scene)?,
         })
     }
 
@@ -267,11 +262,10 @@ impl SceneNow {
         match behind {
             Behind::Query { query, .. } | Behind::Absent { query, .. } => {
                 let query = self.queries.get(query)?;
-                Some(Meaning::of_query(query, &self.tracks_digest).digest(&query.text))
+                Some(Meaning::of_query(query, &self.cast.digest).digest(&query.text))
             }
             Behind::Vague { category, .. } => {
-                let meaning = Meaning::of_category(category, &self.tracks, &self.tracks_digest);
-                Some(meaning.digest(&item.text))
+                Some(Meaning::of_category(category, &self.cast).digest(&item.text))
             }
             Behind::Repeat { .. } => None,
         }

@@ -10,6 +10,7 @@
 
 pub mod agreement;
 pub mod ballot;
+mod cast;
 pub mod codes;
 pub mod control;
 pub mod event;

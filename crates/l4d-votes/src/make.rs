@@ -5,14 +5,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use l4d_data::digest::sha256_file;
-use l4d_data::scene::Role;
 use l4d_data::store::{list_folder, write_atomic};
-use l4d_data::tracks::Tracks;
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, QueryId, Status, json};
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
+use crate::cast::Cast;
 use crate::item::{Item, ItemId};
 use crate::key::{Behind, Key, KeyLine, Meaning};
 use crate::order::random_of;
@@ -132,8 +130,8 @@ struct SceneNow {
 impl SceneNow {
     fn read(plan: &RoundPlan, bench: &Benchmark, scene: &Name) -> Result<Self, DataError> {
         bench.scene(scene)?;
-        let tracks = bench.tracks(scene)?;
-        let digest = sha256_file(&bench.dir.tracks(scene))?;
+        let cast = Cast::read(bench, plan.profile, scene)?;
+        let digest = &cast.digest;
         let mut all = bench.queries(scene)?;
         if plan.composites || plan.only.is_some() {
             all.extend(bench.composites(scene)?);
@@ -146,7 +144,7 @@ impl SceneNow {
             .iter()
             .filter(is_asked)
             .map(|query| {
-                let meaning = Meaning::of_query(query, &digest);
+                let meaning = Meaning::of_query(query, digest);
                 let (id, categories) = (query.id.clone(), query.categories.clone());
                 let behind = Behind::Query { query: id, categories, meaning: meaning.clone() };
                 Prompt::new(scene, query.text.clone(), &meaning, behind)
@@ -157,15 +155,16 @@ impl SceneNow {
         let absents = bench.absents(scene)?.into_iter().filter(|query| texts.insert(query.text.clone()));
         let absent = absents
             .map(|query| {
-                let meaning = Meaning::of_query(&query, &digest);
+                let meaning = Meaning::of_query(&query, digest);
                 let behind = Behind::Absent { query: query.id, meaning: meaning.clone() };
                 Prompt::new(scene, query.text, &meaning, behind)
             })
             .collect();
-        let vague = look_alikes(&tracks)
+        let vague = cast
+            .look_alikes()
             .into_iter()
             .map(|category| {
-                let meaning = Meaning::of_category(&category, &tracks, &digest);
+                let meaning = Meaning::of_category(&category, &cast);
                 let text = format!("The {}", category.replace('_', " "));
                 let behind = Behind::Vague { category, meaning: meaning.clone() };
                 Prompt::new(scene, text, &meaning, behind)
@@ -175,17 +174,6 @@ impl SceneNow {
         let ids = all.into_iter().map(|query| query.id).collect();
         Ok(Self { ids, queries, absent, vague })
     }
-}
-
-/// Categories of which a scene has more than one object.
-fn look_alikes(tracks: &Tracks) -> Vec<String> {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for instance in &tracks.instances {
-        if instance.role == Role::Object {
-            *counts.entry(&instance.category).or_default() += 1;
-        }
-    }
-    counts.into_iter().filter(|(_, count)| *count > 1).map(|(category, _)| category.to_owned()).collect()
 }
 
 fn require_all(plan: &RoundPlan, bench: &Benchmark, scenes: &[SceneNow]) -> Result<(), DataError> {

@@ -168,7 +168,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "FRAME", default_value_t = l4d_data::timeline::LAST_FRAME)]
     pub(crate) to: u32,
     /// tiny, small or full
-    #[arg(long, default_value = "small")]
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
@@ -265,7 +265,7 @@ pub(crate) struct BenchLiftArgs {
     #[arg(required = true)]
     pub(crate) scenes: Vec<String>,
     /// tiny, small or full
-    #[arg(long, default_value = "small")]
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     /// Folder of the benchmark
     #[arg(long, value_name = "DIR", default_value = "benchmark")]

@@ -45,7 +45,7 @@ pub(crate) struct TrainSplatsArgs {
     /// Scene to learn
     pub(crate) scene: String,
     /// Pictures that are trained on, and where things stand by default: tiny, small or full
-    #[arg(long, default_value = "small")]
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     /// Folder of the benchmark: it says which draw of the scenes is meant
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
@@ -136,7 +136,7 @@ pub(crate) struct RenderSplatsArgs {
     #[arg(required_unless_present_all = ["model", "cameras"])]
     pub(crate) scene: Option<String>,
     /// Frames that are drawn, and where things stand by default: tiny, small or full
-    #[arg(long, default_value = "small")]
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     /// Folder of the rendered scenes; default: data/<profile>
     #[arg(long, value_name = "DIR")]
@@ -226,7 +226,7 @@ pub(crate) struct BenchSplatsArgs {
     /// Scene whose model is drawn and whose held-out pictures it is compared with; default: a made-up room
     pub(crate) scene: Option<String>,
     /// tiny, small or full
-    #[arg(long, default_value = "small")]
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
     /// Folder of the rendered scenes; default: data/<profile>
     #[arg(long, value_name = "DIR")]

@@ -95,7 +95,7 @@ fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
 fn samples(args: &BuildScenesArgs) -> u32 {
     args.samples.unwrap_or(match args.bench.profile {
         Profile::Tiny | Profile::Small => 4,
-        Profile::Full => 16,
+        Profile::Full | Profile::Real => 16,
     })
 }
 

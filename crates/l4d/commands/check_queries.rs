@@ -61,6 +61,9 @@ fn print_rules(rules: &[Rule], out: &Printer) -> Result<()> {
 }
 
 fn print_probes(probes: &[Probe], out: &Printer) -> Result<()> {
+    if probes.is_empty() {
+        return Ok(());
+    }
     out.data("")?;
     let columns = ["right %", "chance %", "+ points", "action", "spatial", "interaction"];
     let columns = columns.map(|column| format!("{column:>12}")).concat();

@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
-use l4d_score::results::PROTOCOL;
 use l4d_score::{Exam, Missing, Options, QuerySet, Scored, Summary, score_results, table};
-use serde_json::json;
 
 use crate::cli::judging::{JudgedSetArg, MissingArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
@@ -32,24 +30,15 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set));
-    let Scored { summaries, report: found } =
+    let mut scored =
         score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
-    report.extend(found);
+    report.extend(std::mem::take(&mut scored.report));
     let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
     if args.json {
-        let scenes: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
-        out.json(&json!({
-            "protocol": PROTOCOL,
-            "profile": exam.profile,
-            "set": exam.set,
-            "benchmark_version": exam.bench.manifest.version,
-            "truth_digest": exam.truth_digest,
-            "scenes": scenes,
-            "methods": summaries,
-            "findings": report.into_sorted(),
-        }))?;
+        out.json(&Scored { report, ..scored }.into_document(&exam))?;
         return Ok(status);
     }
+    let summaries = scored.summaries;
     if !summaries.is_empty() {
         out.data(table::render(&summaries))?;
         out.data(footer(&summaries, &exam))?;

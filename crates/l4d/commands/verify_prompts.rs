@@ -16,7 +16,10 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
     let dir = RoundDir::new(args.rounds.join(name.as_str()));
     let round = Round::open(&dir)?;
     round.require_annotator(&annotator)?;
-    let data = args.data.clone().unwrap_or_else(|| Path::new("data").join(round.profile.as_str()));
+    let data = args.data.clone().unwrap_or_else(|| match round.profile.is_rendered() {
+        true => Path::new("data").join(round.profile.as_str()),
+        false => Path::new("data").join("captures"),
+    });
     let scenes = scene::load(&data, &round, &annotator)?;
     let (ballot, notices) = Ballot::open(&dir, &round, &annotator)?;
     for notice in notices {

@@ -55,23 +55,23 @@ pub(super) fn clear(model: &mut Model) {
 
 pub(super) fn holds_from(model: &mut Model) {
     let first = model.frame_number();
-    let last = model.draft.frames.last();
-    hold(model, first, if last < first { Interval::WHOLE.last() } else { last });
+    let last = model.holds().last();
+    hold(model, first, if last < first { model.scene().whole().last() } else { last });
 }
 
 pub(super) fn holds_until(model: &mut Model) {
     let last = model.frame_number();
-    let first = model.draft.frames.first();
-    hold(model, if first > last { 0 } else { first }, last);
+    let first = model.holds().first();
+    hold(model, if first > last { model.scene().whole().first() } else { first }, last);
 }
 
 pub(super) fn holds_always(model: &mut Model) {
-    model.draft.frames = Interval::WHOLE;
+    model.draft.frames = None;
 }
 
 fn hold(model: &mut Model, first: u32, last: u32) {
     if let Ok(frames) = Interval::new(first, last) {
-        model.draft.frames = frames;
+        model.draft.frames = Some(frames).filter(|frames| *frames != model.scene().whole());
     }
 }
 
@@ -91,7 +91,7 @@ fn save(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
     let Some(mut answer) = model.draft.answer(model.scene()) else { return };
     if !matches!(answer.choice, Choice::Objects(_)) {
         // There is nothing that could hold at a time.
-        answer.frames = Interval::WHOLE;
+        answer.frames = model.scene().whole();
     }
     if model.question().standing.answer.as_ref() == Some(&answer) {
         model.say("This is the saved answer already");
@@ -258,7 +258,7 @@ fn open(model: &mut Model, place: usize, now: Duration) {
         model.at = place;
         model.picture = None;
         model.view = 0;
-        model.frame = 0;
+        model.frame = model.scene().opening;
         model.viewport = Viewport::WHOLE;
         model.outlines = true;
         model.playing = None;

@@ -45,7 +45,7 @@ pub(super) fn tick(model: &mut Model, now: Duration) {
 /// The whole clip; while the time is asked for, the part that the answer names.
 fn played_frames(model: &Model) -> (usize, usize) {
     let frames = &model.scene().frames;
-    let named = |frame: &u32| model.mode != Mode::When || model.draft.frames.contains(*frame);
+    let named = |frame: &u32| model.mode != Mode::When || model.holds().contains(*frame);
     let first = frames.iter().position(named);
     let last = frames.iter().rposition(named);
     (first.unwrap_or(0), last.unwrap_or(frames.len() - 1))

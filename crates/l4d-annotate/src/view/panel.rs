@@ -113,7 +113,7 @@ fn when(model: &Model, page: &mut Page, style: Style) {
     // Nothing that could hold at a time is no reason to move the lines below.
     page.gap();
     page.text("When is it so?", style);
-    page.text(&timeline::in_words(model.draft.frames), style);
+    page.text(&timeline::in_words(model.holds(), model.scene().whole()), style);
 }
 
 /// All numbers of the scene; those whose objects are not in the picture are named below.

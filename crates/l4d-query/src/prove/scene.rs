@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use l4d_data::tracks::Tracks;
+use l4d_data::tracks::{TrackedInstance, Tracks};
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Status, json};
+use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Role, Status, json};
 
 use super::query::{Kind, Prover};
 use super::{Vocabulary, agree, words};
 use crate::ast::{Clause, Predicate};
+use crate::summary::Written;
 use crate::world::World;
 
 /// What the benchmark says of one scene.
@@ -65,6 +66,18 @@ impl SceneSet {
         scored.map(|query| (query, predicate_of(query)))
     }
 
+    /// What is counted of the scene.
+    pub(crate) fn written(&self) -> Written<'_> {
+        let is_object = |instance: &&TrackedInstance| instance.role == Role::Object;
+        Written {
+            scale: self.tracks.scale,
+            objects: self.tracks.instances.iter().filter(is_object).count(),
+            queries: &self.queries,
+            composites: &self.composites,
+            absents: &self.absents,
+        }
+    }
+
     fn all(&self) -> impl Iterator<Item = (Kind, &PathBuf, &Query)> {
         let [_, queries, composites, absents] = &self.paths;
         let files = [
@@ -90,7 +103,7 @@ pub fn check_scene(set: &SceneSet, vocabulary: Option<&Vocabulary>, report: &mut
     for (kind, path, query) in set.all() {
         prover.check(kind, path, query, report);
     }
-    check_each_asks_something_else(set, report);
+    check_each_asks_something_else(set.all(), report);
 }
 
 /// Each object of the scene is the referent of a query: what nobody asks for is scenery.
@@ -113,12 +126,15 @@ pub(super) fn check_each_is_asked(set: &SceneSet, report: &mut Report) {
 }
 
 /// No predicate twice, no sentence twice, no event asked for once with and once without its second role.
-fn check_each_asks_something_else(set: &SceneSet, report: &mut Report) {
+pub(super) fn check_each_asks_something_else<'a>(
+    all: impl Iterator<Item = (Kind, &'a PathBuf, &'a Query)>,
+    report: &mut Report,
+) {
     let mut predicates: BTreeMap<String, String> = BTreeMap::new();
     let mut sentences: BTreeMap<String, String> = BTreeMap::new();
     let mut events: BTreeMap<(String, Name), (String, Vec<Category>)> = BTreeMap::new();
     let mut ids: BTreeSet<String> = BTreeSet::new();
-    for (kind, path, query) in set.all() {
+    for (kind, path, query) in all {
         let place = format!("query {} (\"{}\")", query.id, query.text);
         let id = query.id.to_string();
         if !ids.insert(id.clone()) {

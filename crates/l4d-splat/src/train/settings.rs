@@ -130,7 +130,7 @@ impl Settings {
         let small = Self::default();
         match profile {
             Profile::Tiny => Self { gaussians: 5000, coarse: 400, unfold: 30, fine: 1000, ..small },
-            Profile::Small => small,
+            Profile::Small | Profile::Real => small,
             Profile::Full => Self { gaussians: 60_000, fine: 12_000, resolution: 64, ..small },
         }
     }

@@ -41,6 +41,7 @@ impl Card {
                 endpoints: run.grounders.endpoints(),
             },
             seconds: None,
+            import: None,
         };
         let path = run.results.card();
         if path.exists() && !run.args.overwrite {

@@ -23,6 +23,10 @@ pub(super) fn draw(args: &VerdictArgs, judged: &Judged, bench: &Benchmark, out: 
     if rejected.is_empty() {
         return Ok(false);
     }
+    if !judged.round.profile.is_rendered() {
+        out.note("rejected.png was not drawn: it shows rendered scenes");
+        return Ok(false);
+    }
     let data = data_folder(args.data.as_deref(), judged.round.profile, bench.manifest.draw());
     let mut stages: BTreeMap<&Name, Stage> = BTreeMap::new();
     for verdict in &rejected {

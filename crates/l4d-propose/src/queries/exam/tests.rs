@@ -98,6 +98,7 @@ fn truth(profile: Profile, pixels: u32, seen: impl Fn(u32) -> bool) -> Truth {
     });
     let visible = visible.collect();
     Truth {
+        unannotated: Vec::new(),
         schema: truth::SCHEMA.to_owned(),
         scene: Name::new("kitchen").unwrap(),
         scale: Scale::Tabletop,

@@ -1,0 +1,212 @@
+//! 4D LangSplat's annotations: Roboflow's COCO export and `video_annotations.json`.
+//!
+//! A category is a prompt. A gated sentence is a prompt of its base object with the moments at which it holds; the base
+//! object is a category of its own. Its evaluator fills the first polygon of an annotation and unites the annotations
+//! of a category, so that a mask is several annotations without holes.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use l4d_data::error::inert;
+use l4d_data::{DataError, json};
+use l4d_frames::Mask;
+use serde::Serialize;
+
+use super::fill::Rule;
+use super::outline::{Piece, pieces};
+use super::{Annotations, Judged, coco, read_json};
+
+/// Where the documents stand below a dataset.
+pub const COCO: &str = "annotations/train/_annotations.coco.json";
+/// Where the intervals stand below a dataset.
+pub const INTERVALS: &str = "annotations/video_annotations.json";
+/// The reading of the original evaluator.
+pub const READING: coco::Reading = coco::Reading { rule: Rule::Cv2, first_polygon_only: true };
+
+/// Base object, prompt, intervals: first and last moment, both inclusive.
+pub type Intervals = BTreeMap<String, BTreeMap<String, Vec<[u32; 2]>>>;
+
+/// How file names count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counting {
+    /// HyperNeRF: names begin with 1.
+    FromOne,
+    /// Neu3D: names begin with 0.
+    FromZero,
+}
+
+impl Counting {
+    /// The moment that a file name means: its number up to the first underscore.
+    pub fn moment(self, file_name: &str) -> Option<u32> {
+        let number: u32 = file_name.split('_').next()?.parse().ok()?;
+        match self {
+            Self::FromOne => number.checked_sub(1),
+            Self::FromZero => Some(number),
+        }
+    }
+}
+
+/// What a dataset folder annotates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataset {
+    /// Pictures with what is drawn on them, as the original evaluator fills it.
+    pub annotations: Annotations,
+    /// Moment of each picture.
+    pub moments: Vec<u32>,
+    /// Intervals of gated prompts; empty for Neu3D.
+    pub intervals: Intervals,
+}
+
+/// Reads the annotations of a dataset folder.
+pub fn read(folder: &Path, counting: Counting) -> Result<Dataset, DataError> {
+    let path = folder.join(COCO);
+    let annotations = coco::read(&path, READING)?;
+    let moment = |file_name: &str| {
+        counting.moment(file_name).ok_or_else(|| {
+            let message = format!("`{}` does not begin with a number and an underscore", inert(file_name));
+            DataError::invalid(&path, "field `images`", message, "keep the file names of Roboflow's export")
+        })
+    };
+    let moments = annotations.pictures.iter().map(|picture| moment(&picture.file_name));
+    let moments = moments.collect::<Result<_, _>>()?;
+    let intervals = folder.join(INTERVALS);
+    let intervals: Intervals = if intervals.is_file() { read_json(&intervals)? } else { Intervals::new() };
+    Ok(Dataset { annotations, moments, intervals })
+}
+
+#[derive(Debug, Serialize)]
+struct Document {
+    info: Info,
+    licenses: Vec<()>,
+    categories: Vec<Category>,
+    images: Vec<Image>,
+    annotations: Vec<Annotation>,
+}
+
+#[derive(Debug, Serialize)]
+struct Info {
+    year: &'static str,
+    version: &'static str,
+    description: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Category {
+    id: usize,
+    name: String,
+    supercategory: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Image {
+    id: usize,
+    license: u32,
+    file_name: String,
+    height: u32,
+    width: u32,
+}
+
+#[derive(Debug, Serialize)]
+struct Annotation {
+    id: usize,
+    image_id: usize,
+    category_id: usize,
+    /// x, y, width, height of the thing that the piece belongs to.
+    bbox: [u32; 4],
+    area: u64,
+    segmentation: [Vec<u32>; 1],
+    iscrowd: u8,
+}
+
+/// Name of the picture of a moment, in the way of Roboflow.
+pub fn file_name(moment: usize) -> String {
+    format!("{moment:04}_png.rf.l4d.jpg")
+}
+
+/// Writes both documents, Neu3D's counting; gives the names of the pictures, in the order of the truth's frames.
+pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataError> {
+    let truth = judged.truth();
+    let subjects = subjects(judged);
+    let mut annotations = Vec::new();
+    for (category, (_, masks)) in subjects.iter().enumerate() {
+        for (moment, frame) in truth.frames.iter().enumerate() {
+            for piece in masks.get(frame).map(pieces).unwrap_or_default() {
+                annotations.push(annotation(annotations.len(), moment, category, &piece));
+            }
+        }
+    }
+    let names: Vec<String> = (0..truth.frames.len()).map(file_name).collect();
+    let image = |(id, file_name): (usize, &String)| Image {
+        id,
+        license: 1,
+        file_name: file_name.clone(),
+        height: truth.height,
+        width: truth.width,
+    };
+    let document = Document {
+        info: Info {
+            year: "2026",
+            version: "1",
+            description: format!("{} ({})", truth.scene, truth.profile),
+        },
+        licenses: Vec::new(),
+        categories: subjects
+            .iter()
+            .enumerate()
+            .map(|(id, (name, _))| Category { id, name: name.clone(), supercategory: "prompt" })
+            .collect(),
+        images: names.iter().enumerate().map(image).collect(),
+        annotations,
+    };
+    json::write_compact(&folder.join(COCO), &document)?;
+    json::write(&folder.join(INTERVALS), &intervals(judged))?;
+    Ok(names)
+}
+
+/// Categories with their masks: sentences that hold throughout, and the base objects of gated ones.
+fn subjects<'a>(judged: &'a Judged<'_>) -> Vec<(String, &'a BTreeMap<u32, Mask>)> {
+    let mut subjects: Vec<(String, &BTreeMap<u32, Mask>)> = Vec::new();
+    for prompt in judged.prompts() {
+        let name = if prompt.is_gated() { prompt.base() } else { prompt.query.text.clone() };
+        if !subjects.iter().any(|(other, _)| *other == name) {
+            subjects.push((name, &prompt.masks));
+        }
+    }
+    subjects
+}
+
+fn annotation(id: usize, image_id: usize, category_id: usize, piece: &Piece) -> Annotation {
+    let whole = piece.whole;
+    Annotation {
+        id,
+        image_id,
+        category_id,
+        bbox: [
+            whole.first_col,
+            whole.first_row,
+            whole.last_col - whole.first_col + 1,
+            whole.last_row - whole.first_row + 1,
+        ],
+        area: piece.area,
+        segmentation: [piece.corners.iter().flatten().copied().collect()],
+        iscrowd: 0,
+    }
+}
+
+/// Moments, counted in the truth's frames, at which gated sentences hold.
+fn intervals(judged: &Judged<'_>) -> Intervals {
+    let mut intervals = Intervals::new();
+    for prompt in judged.prompts().iter().filter(|prompt| prompt.is_gated()) {
+        let mut runs: Vec<[u32; 2]> = Vec::new();
+        for (moment, _) in
+            (0..).zip(&judged.truth().frames).filter(|(_, frame)| prompt.query.holds_at(**frame))
+        {
+            match runs.last_mut() {
+                Some(run) if run[1] + 1 == moment => run[1] = moment,
+                _ => runs.push([moment, moment]),
+            }
+        }
+        intervals.entry(prompt.base()).or_default().insert(prompt.query.text.clone(), runs);
+    }
+    intervals
+}

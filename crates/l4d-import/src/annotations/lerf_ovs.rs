@@ -1,0 +1,69 @@
+//! Labels of LERF-OVS, as LangSplat's evaluator reads them: a folder a scene, an ISAT file a picture.
+//!
+//! That evaluator takes the number in a file name, less one, for the place of a picture among those that were drawn.
+//! LangSplat knows no time, so each moment is a scene of its own with one picture, `frame_00001`.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::{DataError, json};
+
+use super::Judged;
+use super::isat::{Document, Info, Object};
+use super::outline::pieces;
+
+/// Stem of the one picture of a moment.
+pub const STEM: &str = "frame_00001";
+
+/// Folder of a moment below the labels.
+pub fn moment_folder(scene: &str, frame: u32) -> PathBuf {
+    PathBuf::from("label").join(format!("{scene}_{frame:04}"))
+}
+
+/// Writes the labels of all moments at which something is asked for; gives their canonical frames.
+pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<u32>, DataError> {
+    let truth = judged.truth();
+    let mut written = Vec::new();
+    for &frame in &truth.frames {
+        let objects = objects(judged, frame);
+        if objects.is_empty() {
+            continue;
+        }
+        let document = Document {
+            info: Info {
+                description: "ISAT".to_owned(),
+                folder: String::new(),
+                name: format!("{STEM}.jpg"),
+                width: truth.width,
+                height: truth.height,
+                depth: 3,
+                note: String::new(),
+            },
+            objects,
+        };
+        let path = folder.join(moment_folder(&truth.scene, frame)).join(format!("{STEM}.json"));
+        json::write(&path, &document)?;
+        written.push(frame);
+    }
+    Ok(written)
+}
+
+fn objects(judged: &Judged<'_>, frame: u32) -> Vec<Object> {
+    let mut objects = Vec::new();
+    for (group, prompt) in (1..).zip(judged.prompts()) {
+        let Some(mask) = prompt.masks.get(&frame).filter(|_| prompt.query.holds_at(frame)) else { continue };
+        for piece in pieces(mask) {
+            let whole = piece.whole;
+            objects.push(Object {
+                category: prompt.query.text.clone(),
+                group: Some(group),
+                segmentation: piece.corners.iter().map(|corner| corner.map(f64::from)).collect(),
+                area: piece.area as f64,
+                layer: 1.0,
+                bbox: [whole.first_col, whole.first_row, whole.last_col, whole.last_row].map(f64::from),
+                iscrowd: false,
+                note: String::new(),
+            });
+        }
+    }
+    objects
+}

@@ -1,0 +1,77 @@
+//! The truth of a scene as prompts with masks: what evaluators of others ask for.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use l4d_data::error::inert;
+use l4d_data::truth::{Truth, frame_key};
+use l4d_data::{DataError, Query, Temporal};
+use l4d_frames::{Mask, rle};
+
+/// Queries of a scene and the truth that they are judged by.
+#[derive(Debug, Clone)]
+pub struct Judged<'a> {
+    truth: &'a Truth,
+    prompts: Vec<Prompt<'a>>,
+}
+
+/// A query with the pixels of what it means, in the held-out view.
+#[derive(Debug, Clone)]
+pub struct Prompt<'a> {
+    /// The query.
+    pub query: &'a Query,
+    /// Pixels of all referents, by canonical frame; frames in which none is visible are absent.
+    pub masks: BTreeMap<u32, Mask>,
+}
+
+impl<'a> Judged<'a> {
+    /// Decodes what the queries mean; `path` is that of the truth, for errors.
+    pub fn new(path: &Path, truth: &'a Truth, queries: &'a [Query]) -> Result<Self, DataError> {
+        let prompts = queries.iter().map(|query| Ok(Prompt { query, masks: masks_of(path, truth, query)? }));
+        Ok(Self { truth, prompts: prompts.collect::<Result<_, DataError>>()? })
+    }
+
+    /// The truth.
+    pub fn truth(&self) -> &Truth {
+        self.truth
+    }
+
+    /// The queries, in their order.
+    pub fn prompts(&self) -> &[Prompt<'a>] {
+        &self.prompts
+    }
+}
+
+impl Prompt<'_> {
+    /// Whether the sentence counts at some times only.
+    pub fn is_gated(&self) -> bool {
+        self.query.temporal == Temporal::While
+    }
+
+    /// What is meant, in words of the names of instances: the object that a gated sentence is about.
+    pub fn base(&self) -> String {
+        let names: Vec<String> = self.query.referents.iter().map(|name| name.replace('_', " ")).collect();
+        names.join(" and ")
+    }
+}
+
+fn masks_of(path: &Path, truth: &Truth, query: &Query) -> Result<BTreeMap<u32, Mask>, DataError> {
+    let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
+    for name in &query.referents {
+        let wrong = |message: String| {
+            let remedy = "give the truth and the queries of one benchmark";
+            DataError::invalid(path, format!("instance {name}"), inert(&message), remedy)
+        };
+        let instance = truth.instance(name).ok_or_else(|| wrong("is not in the truth".to_owned()))?;
+        for &frame in &truth.frames {
+            let Some(counts) = instance.masks.get(&frame_key(frame)) else { continue };
+            let mask = rle::decode(counts, truth.width, truth.height)
+                .map_err(|error| wrong(format!("frame {frame}: {error}")))?;
+            match masks.get_mut(&frame) {
+                Some(union) => union.union_with(&mask),
+                None => drop(masks.insert(frame, mask)),
+            }
+        }
+    }
+    Ok(masks)
+}

@@ -1,0 +1,75 @@
+//! COLMAP's models: each picture is a view of one moment.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use l4d_data::DataError;
+
+use super::Order;
+use super::lens::Distortion;
+use super::plan::{Plan, View, camera, inside, name_of};
+use crate::colmap::{Lens, Model, ModelCamera};
+use crate::pose;
+
+pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
+    let folder = model_folder(order.input)?;
+    let model = Model::read(&folder)?;
+    let suffix = if folder.join("cameras.bin").is_file() { "bin" } else { "txt" };
+    let inputs = ["cameras", "images"].map(|stem| folder.join(format!("{stem}.{suffix}")));
+    let mut plan = Plan::new(inputs.to_vec());
+    let mut images: Vec<_> = model.images.iter().collect();
+    images.sort_by(|a, b| a.name.cmp(&b.name));
+    for image in images {
+        let Some(intrinsics) = model.camera(image.camera) else { continue };
+        let size = [intrinsics.width as u32, intrinsics.height as u32];
+        if *plan.stated_size.get_or_insert(size) != size {
+            let remedy = "undistort the images to one size first (`colmap image_undistorter`)";
+            return Err(DataError::invalid(
+                &inputs[0],
+                format!("camera {}", intrinsics.id),
+                "has another picture size",
+                remedy,
+            ));
+        }
+        let stem = image.name.rsplit_once('.').map_or(image.name.as_str(), |(stem, _)| stem);
+        let world_from_camera = pose::rows(image.camera_from_world().inverse());
+        plan.views.push(View {
+            camera: camera(name_of(&inputs[1], stem)?, intrinsics.pinhole(), world_from_camera),
+            distortion: distortion_of(intrinsics),
+            pictures: BTreeMap::from([(0, inside(&inputs[1], &order.input.join("images"), &image.name)?)]),
+        });
+    }
+    if plan.views.iter().any(|view| !view.distortion.is_none()) {
+        plan.note("lenses are undone: pictures are what pinholes would have seen");
+    }
+    plan.note("one moment: a model knows no time");
+    plan.note("units and directions of the world are those of the reconstruction; up is unknown");
+    plan.note("points are left out: give points3D to `l4d train-splats --init`");
+    plan.hold_out(order, &[])?;
+    Ok(plan)
+}
+
+/// `sparse/0`, `sparse`, or the folder itself.
+fn model_folder(input: &Path) -> Result<PathBuf, DataError> {
+    let candidates = [input.join("sparse/0"), input.join("sparse"), input.to_owned()];
+    let holds =
+        |folder: &&PathBuf| ["bin", "txt"].iter().any(|end| folder.join(format!("cameras.{end}")).is_file());
+    candidates.iter().find(holds).cloned().ok_or_else(|| {
+        let message = "holds no cameras.bin nor cameras.txt, neither itself nor in sparse/0";
+        DataError::invalid(input, "folder", message, "give the folder that holds `sparse` and `images`")
+    })
+}
+
+fn distortion_of(camera: &ModelCamera) -> Distortion {
+    let mut distortion = Distortion::default();
+    match (camera.lens, camera.parameters.as_slice()) {
+        (Lens::SimpleRadial, &[_, _, _, k]) => distortion.radial[0] = k,
+        (Lens::Radial, &[_, _, _, k1, k2]) => distortion.radial[..2].copy_from_slice(&[k1, k2]),
+        (Lens::OpenCv, &[_, _, _, _, k1, k2, p1, p2]) => {
+            distortion.radial[..2].copy_from_slice(&[k1, k2]);
+            distortion.tangential = [p1, p2];
+        }
+        _ => {}
+    }
+    distortion
+}

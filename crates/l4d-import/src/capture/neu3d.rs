@@ -1,0 +1,105 @@
+//! Neural 3D Video: `poses_bounds.npy` and `camNN.mp4`, or pictures in `camNN/images/`.
+//!
+//! Rows of the poses follow the sorted names of the videos that exist. Axes are LLFF's: down, right, backward.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::{DMat3, DMat4, DVec3};
+use l4d_data::DataError;
+use l4d_data::store::{list_folder, read_bounded};
+
+use super::plan::{Plan, View, camera, is_wanted, name_of};
+use super::{Order, video};
+use crate::npy::Array;
+use crate::pose;
+
+/// Held out in the literature: the camera in the middle.
+const HELD_OUT: &str = "cam00";
+const FRAMES_PER_SECOND: f64 = 30.0;
+const MAX_BYTES: u64 = 64 << 20;
+
+pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
+    let path = order.input.join("poses_bounds.npy");
+    let poses: Array<f64> = Array::decode(&path, &read_bounded(&path, MAX_BYTES)?)?;
+    let cameras = camera_names(order.input)?;
+    if poses.shape != [cameras.len(), 17] {
+        let message =
+            format!("has the shape {:?}, but there are {} cameras of 17 numbers", poses.shape, cameras.len());
+        return Err(DataError::invalid(&path, "shape", message, "keep exactly the cameras that have a row"));
+    }
+    let mut plan = Plan::new(vec![path.clone()]);
+    let first = &poses.data[..17];
+    plan.stated_size = Some(stated_size(&path, first)?);
+    let scratch = order.out.join(".videos");
+    for (name, row) in cameras.iter().zip(poses.data.chunks_exact(17)) {
+        let pictures = pictures(order, name, &scratch)?;
+        let view = name_of(&path, name)?;
+        plan.views.push(View {
+            camera: camera(view, intrinsics(row), pose_of(row)),
+            distortion: Default::default(),
+            pictures,
+        });
+    }
+    plan.scratch = Some(scratch);
+    plan.frames_per_second = Some(FRAMES_PER_SECOND);
+    plan.note(
+        "the principal point is the centre and both focal lengths are equal: the file holds nothing else",
+    );
+    plan.note("units and directions of the world are those of the reconstruction; up is unknown");
+    plan.hold_out(order, &[HELD_OUT])?;
+    Ok(plan)
+}
+
+/// Names of videos or folders of pictures, sorted.
+fn camera_names(folder: &Path) -> Result<Vec<String>, DataError> {
+    let mut names: Vec<String> = list_folder(folder)?
+        .into_iter()
+        .filter(|name| name.starts_with("cam"))
+        .filter_map(|name| match name.strip_suffix(".mp4") {
+            Some(stem) => Some(stem.to_owned()),
+            None => folder.join(&name).join("images").is_dir().then_some(name),
+        })
+        .collect();
+    names.sort();
+    names.dedup();
+    Ok(names)
+}
+
+fn pictures(order: &Order<'_>, name: &str, scratch: &Path) -> Result<BTreeMap<u32, PathBuf>, DataError> {
+    let folder = order.input.join(name).join("images");
+    let paths = if folder.is_dir() {
+        list_folder(&folder)?.into_iter().map(|name| folder.join(name)).collect()
+    } else {
+        video::extract(order.ffmpeg, &order.input.join(format!("{name}.mp4")), &scratch.join(name))?
+    };
+    Ok((0..).zip(paths).filter(|(moment, _)| is_wanted(order, None, *moment)).collect())
+}
+
+fn stated_size(path: &Path, row: &[f64]) -> Result<[u32; 2], DataError> {
+    let side =
+        |value: f64| (value.fract() == 0.0 && (1.0..=65_536.0).contains(&value)).then_some(value as u32);
+    match (side(row[9]), side(row[4])) {
+        (Some(width), Some(height)) => Ok([width, height]),
+        _ => {
+            let message = format!("states pictures of {}x{}", row[9], row[4]);
+            Err(DataError::invalid(
+                path,
+                "column 4",
+                message,
+                "write height, width, focal length into columns 4, 9, 14",
+            ))
+        }
+    }
+}
+
+fn intrinsics(row: &[f64]) -> [f64; 4] {
+    let (height, width, focal) = (row[4], row[9], row[14]);
+    [focal, focal, width / 2.0, height / 2.0]
+}
+
+fn pose_of(row: &[f64]) -> [f64; 16] {
+    let column = |index: usize| DVec3::new(row[index], row[5 + index], row[10 + index]);
+    let rotation = pose::nearest_rotation(DMat3::from_cols(column(1), column(0), -column(2)));
+    pose::rows(DMat4::from_mat3_translation(rotation, column(3)))
+}

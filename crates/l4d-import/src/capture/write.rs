@@ -1,0 +1,194 @@
+//! From a plan to the folder of a capture: pictures without lenses, and `capture.json` last.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use l4d_data::capture::{CAPTURE, Capture, Depth, MASKS, SCHEMA, Substitution};
+use l4d_data::digest::sha256_file;
+use l4d_data::error::inert;
+use l4d_data::store::{list_folder, make_folder, read_bounded, write_atomic};
+use l4d_data::{Camera, DataError, json};
+use l4d_frames::drawn::{RgbImage, encode_colour};
+use l4d_frames::photo::{self, PhotoError};
+use rayon::prelude::*;
+
+use super::Order;
+use super::plan::{Plan, View};
+
+/// No picture file is larger, bytes.
+const MAX_BYTES: u64 = 256 << 20;
+
+pub(super) fn write(
+    order: &Order<'_>,
+    mut plan: Plan,
+    tick: &(dyn Fn() + Sync),
+) -> Result<Capture, DataError> {
+    claim(order)?;
+    plan.views.sort_by(|a, b| a.camera.name.cmp(&b.camera.name));
+    if let Some(pair) = plan.views.windows(2).find(|pair| pair[0].camera.name == pair[1].camera.name) {
+        let message = format!("two views would be called {}", pair[0].camera.name);
+        return Err(DataError::invalid(
+            order.input,
+            "views",
+            message,
+            "give pictures names that differ in letters and digits",
+        ));
+    }
+    let frames: BTreeSet<u32> = plan.views.iter().flat_map(|view| view.pictures.keys().copied()).collect();
+    let size = size_of(order, &plan)?;
+    for view in &mut plan.views {
+        if let Some(stated) = plan.stated_size {
+            view.camera = view.camera.resized(stated, size);
+        }
+        if let Some(problem) = view.camera.problem() {
+            let place = format!("camera {}", view.camera.name);
+            return Err(DataError::invalid(order.input, place, problem, "restore the files of the cameras"));
+        }
+    }
+    let substituted: Vec<Vec<Substitution>> =
+        plan.views.par_iter().map(|view| write_view(order, view, size, tick)).collect::<Result<_, _>>()?;
+    if let Some(scratch) = plan.scratch.as_deref().filter(|scratch| scratch.is_dir()) {
+        std::fs::remove_dir_all(scratch).map_err(|source| DataError::io(scratch, "remove", source))?;
+    }
+    let unseen = |view: &View| {
+        let missing: Vec<u32> =
+            frames.iter().copied().filter(|frame| !view.pictures.contains_key(frame)).collect();
+        (!missing.is_empty()).then(|| (view.camera.name.clone(), missing))
+    };
+    let digest = |path: &std::path::PathBuf| {
+        let name = path.strip_prefix(order.input).unwrap_or(path).display().to_string();
+        Ok((name, sha256_file(path)?))
+    };
+    let capture = Capture {
+        schema: SCHEMA.to_owned(),
+        name: order.name.clone(),
+        source: order.source.to_string(),
+        width: size[0],
+        height: size[1],
+        unseen: plan.views.iter().filter_map(unseen).collect(),
+        cameras: plan.views.iter().map(|view| view.camera.clone()).collect::<Vec<Camera>>(),
+        frames: frames.iter().copied().collect(),
+        frames_per_second: plan.frames_per_second,
+        depth: Depth::Absent,
+        is_metric: plan.is_metric,
+        substituted: substituted.into_iter().flatten().collect(),
+        inputs: plan.inputs.iter().map(digest).collect::<Result<BTreeMap<_, _>, DataError>>()?,
+        notes: plan.notes,
+    };
+    json::write(&order.out.join(CAPTURE), &capture)?;
+    Ok(capture)
+}
+
+/// Takes possession of the folder: empty, or of an earlier import of the same scene. What says that it is whole goes first.
+fn claim(order: &Order<'_>) -> Result<(), DataError> {
+    make_folder(order.out)?;
+    let refuse = |message: String| {
+        let remedy = "choose an empty folder with --out, or remove this one";
+        Err(DataError::invalid(order.out, "folder", message, remedy))
+    };
+    let ours = [CAPTURE, MASKS, "frames"];
+    if let Some(entry) = list_folder(order.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
+        return refuse(format!("is not empty: `{}` stands there", inert(&entry)));
+    }
+    let path = order.out.join(CAPTURE);
+    if path.is_file() {
+        let earlier = Capture::read(order.out)?;
+        if (&earlier.name, earlier.source.as_str()) != (order.name, order.source.as_str()) {
+            return refuse(format!("holds {} of {}", earlier.name, inert(&earlier.source)));
+        }
+        std::fs::remove_file(&path).map_err(|source| DataError::io(&path, "remove", source))?;
+    }
+    Ok(())
+}
+
+/// The size of the first picture that is whole.
+fn size_of(order: &Order<'_>, plan: &Plan) -> Result<[u32; 2], DataError> {
+    let mut paths = plan.views.iter().flat_map(|view| view.pictures.values());
+    let found = paths.find_map(|path| {
+        let bytes = read_bounded(path, MAX_BYTES).ok()?;
+        photo::size(&bytes).ok()
+    });
+    found.map(|(width, height)| [width, height]).ok_or_else(|| {
+        DataError::invalid(
+            order.input,
+            "pictures",
+            "none of them is there and whole",
+            "check the folder and `--moments`",
+        )
+    })
+}
+
+/// Writes the pictures of a view; a damaged one becomes the one before it, or after it at the start.
+fn write_view(
+    order: &Order<'_>,
+    view: &View,
+    size: [u32; 2],
+    tick: &(dyn Fn() + Sync),
+) -> Result<Vec<Substitution>, DataError> {
+    let mut substituted = Vec::new();
+    let mut waiting: Vec<(u32, String)> = Vec::new();
+    let mut before: Option<(u32, Vec<u8>)> = None;
+    let store = |frame: u32, bytes: &[u8]| {
+        write_atomic(&order.out.join(Capture::picture_path(&view.camera.name, frame)), bytes)?;
+        tick();
+        Ok::<_, DataError>(())
+    };
+    let mut substitute = |frame: u32, shows: u32, why: String| {
+        substituted.push(Substitution { view: view.camera.name.clone(), frame, shows, why });
+    };
+    for (&frame, path) in &view.pictures {
+        match (read(path, size)?, &before) {
+            (Ok(picture), _) => {
+                let picture = if view.distortion.is_none() {
+                    picture
+                } else {
+                    view.distortion.straightened(&view.camera, &picture)
+                };
+                let bytes = encode_colour(&picture);
+                for (earlier, why) in waiting.drain(..) {
+                    store(earlier, &bytes)?;
+                    substitute(earlier, frame, why);
+                }
+                store(frame, &bytes)?;
+                before = Some((frame, bytes));
+            }
+            (Err(why), Some((shown, bytes))) => {
+                store(frame, bytes)?;
+                substitute(frame, *shown, why);
+            }
+            (Err(why), None) => waiting.push((frame, why)),
+        }
+    }
+    if let Some((_, why)) = waiting.first() {
+        let message = format!("no picture is whole: {why}");
+        let place = format!("view {}", view.camera.name);
+        return Err(DataError::invalid(
+            order.input,
+            place,
+            message,
+            "restore the pictures from the data set",
+        ));
+    }
+    substituted.sort_by_key(|substitution| substitution.frame);
+    Ok(substituted)
+}
+
+/// A picture, or what is wrong with its bytes. A missing file and another size are errors: they are no damage.
+fn read(path: &Path, [width, height]: [u32; 2]) -> Result<Result<RgbImage, String>, DataError> {
+    let bytes = read_bounded(path, MAX_BYTES)?;
+    match photo::decode(&bytes) {
+        Ok(picture) if picture.dimensions() == (width, height) => Ok(Ok(picture)),
+        Ok(picture) => {
+            let message = format!(
+                "is {}x{}, but the first picture is {width}x{height}",
+                picture.width(),
+                picture.height()
+            );
+            Err(DataError::invalid(path, "size", message, "bring all pictures to one size"))
+        }
+        Err(error @ PhotoError::Damaged(_)) => Ok(Err(inert(&error.to_string()))),
+        Err(error) => {
+            Err(DataError::invalid(path, "picture", error.to_string(), "give PNG or JPEG pictures"))
+        }
+    }
+}

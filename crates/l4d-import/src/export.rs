@@ -1,0 +1,208 @@
+//! A rendered scene in the layouts that other trainers read.
+//!
+//! Owns which layout holds what of a scene, and what has to be said where it cannot hold all of it. Pictures are
+//! display colours, points come from the depth of training cameras. Of the held-out camera an export shows what the
+//! order allows and nothing else: by default its pose, with a grey picture where a reader insists on one.
+
+mod annotated;
+mod cloud;
+mod coco;
+mod colmap;
+mod davis;
+mod dnerf;
+mod dynerf;
+mod folder;
+mod footage;
+mod judged;
+mod manifest;
+mod nerfstudio;
+mod panoptic;
+mod plain;
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use l4d_data::DataError;
+use l4d_data::layout::SceneDir;
+use serde::Serialize;
+
+pub use self::folder::MANIFEST;
+pub use self::manifest::{Called, Exported, Manifest, SCHEMA};
+
+use crate::annotations::Judged;
+
+use self::folder::Folder;
+use self::footage::Footage;
+
+/// Most points of a cloud by default: what 4DGaussians itself reduces Neu3D's clouds to.
+pub const DEFAULT_POINTS: usize = 40_000;
+
+/// A layout of somebody else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// 4DGaussians, its reader `PanopticSports`: keeps size, principal point and split.
+    FourDGaussians,
+    /// 4DGaussians, its reader `dynerf`.
+    Dynerf,
+    /// 4DGaussians, its reader `Blender`.
+    Blender,
+    /// 4D LangSplat: as `dynerf`, with exactly 300 frames.
+    FourDLangSplat,
+    /// D-NeRF, for readers that take its matrices as they are.
+    Dnerf,
+    /// LangSplat: a COLMAP model a frame.
+    LangSplat,
+    /// A `transforms.json` a frame.
+    Nerfstudio,
+    /// A COLMAP model a frame, binary.
+    Colmap,
+    /// A COLMAP model a frame, text.
+    ColmapText,
+    /// PNG and cameras as they are.
+    Plain,
+    /// Instances as COCO annotations.
+    Coco,
+    /// Instances as palette pictures.
+    Davis,
+    /// The truth of the held-out camera for 4D LangSplat's evaluator.
+    FourDLangSplatAnnotations,
+    /// The truth of the held-out camera for LangSplat's evaluator.
+    LerfOvs,
+}
+
+impl Format {
+    /// All formats, in the order of the documentation.
+    pub const ALL: [Self; 14] = [
+        Self::FourDGaussians,
+        Self::Dynerf,
+        Self::Blender,
+        Self::FourDLangSplat,
+        Self::Dnerf,
+        Self::LangSplat,
+        Self::Nerfstudio,
+        Self::Colmap,
+        Self::ColmapText,
+        Self::Plain,
+        Self::Coco,
+        Self::Davis,
+        Self::FourDLangSplatAnnotations,
+        Self::LerfOvs,
+    ];
+
+    /// Name as written on the command line and in manifests.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::FourDGaussians => "4dgaussians",
+            Self::Dynerf => "4dgaussians-dynerf",
+            Self::Blender => "4dgaussians-blender",
+            Self::FourDLangSplat => "4d-langsplat",
+            Self::Dnerf => "dnerf",
+            Self::LangSplat => "langsplat",
+            Self::Nerfstudio => "nerfstudio",
+            Self::Colmap => "colmap",
+            Self::ColmapText => "colmap-text",
+            Self::Plain => "plain",
+            Self::Coco => "coco",
+            Self::Davis => "davis",
+            Self::FourDLangSplatAnnotations => "4d-langsplat-annotations",
+            Self::LerfOvs => "lerf-ovs",
+        }
+    }
+
+    /// Whether it holds truth, so that an order has to bring some.
+    pub fn needs_truth(self) -> bool {
+        matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.as_str())
+    }
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let names = || Self::ALL.map(Self::as_str).join(", ");
+        Self::ALL
+            .into_iter()
+            .find(|format| format.as_str() == text)
+            .ok_or_else(|| format!("unknown format `{text}`: use one of {}", names()))
+    }
+}
+
+/// What an export may show of the held-out camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HeldOut {
+    /// Nothing, not even where it stands.
+    Nothing,
+    /// Where it stands, so that a trained model can be drawn from there; grey where a reader insists on a picture.
+    Pose,
+    /// Its pictures too, in the test split: the export measures errors by itself, and must not be trained on whole.
+    Pictures,
+}
+
+/// What is exported to where.
+#[derive(Debug, Clone, Copy)]
+pub struct Order<'a> {
+    /// The rendered scene.
+    pub scene: &'a SceneDir,
+    /// The layout.
+    pub format: Format,
+    /// Folder that receives it: empty, missing, or from an earlier export of the same scene and format.
+    pub out: &'a Path,
+    /// Canonical frames; all rendered ones if empty.
+    pub frames: &'a [u32],
+    /// What of the held-out camera is shown.
+    pub held_out: HeldOut,
+    /// Most points of a cloud.
+    pub points: usize,
+    /// Queries and truth, for the formats that hold them.
+    pub judged: Option<&'a Judged<'a>>,
+}
+
+/// Exports a scene; `tick` is called for each picture that was written.
+///
+/// # Errors
+/// A scene that is torn, a folder that holds something else, and a format that cannot hold the scene.
+pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, DataError> {
+    let footage = Footage::open(&order)?;
+    let write = match order.format {
+        Format::FourDGaussians => panoptic::write,
+        Format::Dynerf | Format::FourDLangSplat => dynerf::write,
+        Format::Blender | Format::Dnerf => dnerf::write,
+        Format::LangSplat | Format::Colmap | Format::ColmapText => colmap::write,
+        Format::Nerfstudio => nerfstudio::write,
+        Format::Plain => plain::write,
+        Format::Coco => coco::write,
+        Format::Davis => davis::write,
+        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
+    };
+    let folder = Folder::claim(&order, &footage)?;
+    let manifest = write(&Job { order, footage: &footage, tick }, Manifest::new(&order, &footage)?)?;
+    folder.settle(manifest)
+}
+
+/// How many pictures an export of so many frames writes: the length of a progress bar.
+pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
+    let footage = Footage::open(order)?;
+    let held_out = usize::from(footage.held_out().is_some());
+    Ok(((footage.training().len() + held_out) * footage.frames().len()) as u64)
+}
+
+/// All that a layout needs.
+struct Job<'a> {
+    order: Order<'a>,
+    footage: &'a Footage,
+    tick: &'a (dyn Fn() + Sync),
+}
+
+/// A layout that cannot hold a scene.
+fn limit(footage: &Footage, field: &str, message: impl Into<String>) -> DataError {
+    let remedy = "use `--format 4dgaussians`, which holds any camera, or `--format plain`";
+    DataError::invalid(&footage.scene_path(), format!("field `{field}`"), message, remedy)
+}

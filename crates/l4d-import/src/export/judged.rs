@@ -1,0 +1,75 @@
+//! The truth of the held-out camera for the evaluators of others.
+//!
+//! The masks are the truth that results are judged by: they belong beside an evaluator, never beside a trainer.
+
+use l4d_data::store::write_atomic;
+use l4d_data::{Camera, DataError};
+use l4d_frames::overlay::encode_jpeg;
+
+use super::manifest::{Called, Manifest};
+use super::{Format, Job, limit};
+use crate::annotations::{Judged, four_d_langsplat, lerf_ovs};
+
+pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
+    let Job { order, footage, .. } = job;
+    let judged =
+        order.judged.ok_or_else(|| limit(footage, "name", "its queries and truth were not given"))?;
+    let camera = footage.scene().cameras.iter().find(|camera| camera.name == judged.truth().test_view);
+    let scene = footage.scene();
+    let camera = match camera {
+        Some(camera) if judged.truth().scene == scene.name && judged.truth().profile == scene.profile => {
+            camera
+        }
+        _ => return Err(limit(footage, "name", "the truth is that of another scene or profile")),
+    };
+    manifest.cameras.push(Called::camera(camera, camera.name.as_str()));
+    match order.format {
+        Format::LerfOvs => write_lerf_ovs(job, judged, camera, &mut manifest)?,
+        _ => write_4d_langsplat(job, judged, camera, &mut manifest)?,
+    }
+    manifest.note(
+        "a mask is cut into pieces without holes, each an annotation: their union is the mask to the pixel",
+    );
+    manifest.note(if footage.shows_held_out_pictures() {
+        "pictures are those of the held-out camera"
+    } else {
+        "pictures are grey: evaluators only draw on them"
+    });
+    manifest.note("these masks are the truth that results are judged by: keep them away from trainers");
+    Ok(manifest)
+}
+
+fn write_4d_langsplat(
+    job: &Job<'_>,
+    judged: &Judged<'_>,
+    camera: &Camera,
+    manifest: &mut Manifest,
+) -> Result<(), DataError> {
+    let names = four_d_langsplat::write(job.order.out, judged)?;
+    for (name, &frame) in names.iter().zip(&judged.truth().frames) {
+        let picture = job.footage.picture(camera, frame)?;
+        let path = job.order.out.join("annotations/train").join(name);
+        write_atomic(&path, &encode_jpeg(&picture))?;
+        (job.tick)();
+    }
+    manifest.note("file names count as Neu3D's do: evaluate with the data set type neu3d, test view cam00");
+    manifest.note("the i-th moment is the i-th picture that `--format 4d-langsplat` gives cam00");
+    manifest.note("gated sentences are prompts of their base object in video_annotations.json");
+    Ok(())
+}
+
+fn write_lerf_ovs(
+    job: &Job<'_>,
+    judged: &Judged<'_>,
+    camera: &Camera,
+    manifest: &mut Manifest,
+) -> Result<(), DataError> {
+    for frame in lerf_ovs::write(job.order.out, judged)? {
+        let folder = job.order.out.join(lerf_ovs::moment_folder(&judged.truth().scene, frame));
+        let picture = job.footage.picture(camera, frame)?;
+        write_atomic(&folder.join(format!("{}.jpg", lerf_ovs::STEM)), &encode_jpeg(&picture))?;
+        (job.tick)();
+    }
+    manifest.note("each moment is a scene with the one picture frame_00001: draw the held-out camera alone, as 00000.npy");
+    Ok(())
+}

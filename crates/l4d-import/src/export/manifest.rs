@@ -1,0 +1,121 @@
+//! `l4d-export.json`: what an export was made from, how it calls things, and what it leaves out.
+
+use std::path::PathBuf;
+
+use l4d_data::digest::sha256_file;
+use l4d_data::{Camera, DataError, Name, Profile, Split};
+use serde::{Deserialize, Serialize};
+
+use super::footage::Footage;
+use super::{HeldOut, Order};
+
+/// Schema tag of the manifest.
+pub const SCHEMA: &str = "l4d/export/1";
+
+/// An export that is whole.
+#[derive(Debug, Clone)]
+pub struct Exported {
+    /// What it says of itself.
+    pub manifest: Manifest,
+    /// Where that stands.
+    pub path: PathBuf,
+}
+
+/// What an export says of itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// False while it is being written.
+    pub complete: bool,
+    /// The scene.
+    pub scene: Name,
+    /// Profile that it was rendered in.
+    pub profile: Profile,
+    /// The layout.
+    pub format: String,
+    /// What is shown of the held-out camera: `nothing`, `pose` or `pictures`.
+    pub held_out: String,
+    /// SHA-256 of `scene.json`, which holds the digests of depth and ids.
+    pub scene_sha256: String,
+    /// Canonical frames; what a layout calls the i-th moment is the i-th of them.
+    pub frames: Vec<u32>,
+    /// What the layout calls our cameras.
+    pub cameras: Vec<Called>,
+    /// What the layout calls our instances, where it shows them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instances: Vec<Called>,
+    /// What a reader of the layout has to know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// One thing and its name in the layout.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Called {
+    /// Our name.
+    pub name: Name,
+    /// Whether it is the held-out camera.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held_out: bool,
+    /// Its name there.
+    pub called: String,
+}
+
+impl Called {
+    pub(super) fn camera(camera: &Camera, called: impl Into<String>) -> Self {
+        Self { name: camera.name.clone(), held_out: camera.split == Split::Test, called: called.into() }
+    }
+}
+
+impl Manifest {
+    pub(super) fn new(order: &Order<'_>, footage: &Footage) -> Result<Self, DataError> {
+        let held_out = match order.held_out {
+            HeldOut::Nothing => "nothing",
+            HeldOut::Pose => "pose",
+            HeldOut::Pictures => "pictures",
+        };
+        // Evaluators ask about all moments, whichever were chosen for pictures.
+        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| &judged.truth().frames);
+        Ok(Self {
+            schema: SCHEMA.to_owned(),
+            complete: false,
+            scene: footage.scene().name.clone(),
+            profile: footage.scene().profile,
+            format: order.format.to_string(),
+            held_out: held_out.to_owned(),
+            scene_sha256: sha256_file(&footage.scene_path())?,
+            frames: truth.cloned().unwrap_or_else(|| footage.frames().to_vec()),
+            cameras: Vec::new(),
+            instances: Vec::new(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// Whether another export of the same scene and format would leave files of this one behind.
+    pub(super) fn differs_from(&self, other: &Self) -> bool {
+        let essence = |manifest: &Self| {
+            (manifest.held_out.clone(), manifest.scene_sha256.clone(), manifest.frames.clone())
+        };
+        essence(self) != essence(other)
+    }
+
+    pub(super) fn note(&mut self, note: impl Into<String>) {
+        self.notes.push(note.into());
+    }
+
+    /// Says what became of the held-out camera in a layout whose test split it is.
+    pub(super) fn note_test_split(&mut self, footage: &Footage) {
+        self.note(match (footage.held_out(), footage.shows_held_out_pictures()) {
+            (None, _) => "the test split repeats a training camera, since its reader wants one".to_owned(),
+            (Some(camera), false) => format!(
+                "the test split is the pose of {} with grey pictures: draw it, but believe no error measured on it",
+                camera.name
+            ),
+            (Some(camera), true) => {
+                format!("the test split holds the true pictures of {}: never train on it", camera.name)
+            }
+        });
+    }
+}

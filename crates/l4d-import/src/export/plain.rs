@@ -1,0 +1,65 @@
+//! PNG pictures and the cameras as they are: for whoever writes a reader of his own.
+
+use l4d_data::timeline::{FPS, LAST_FRAME};
+use l4d_data::{Camera, DataError, json};
+use serde::Serialize;
+
+use super::Job;
+use super::footage::Shot;
+use super::manifest::{Called, Manifest};
+
+/// `cameras.json`. Its first three fields are what l4d itself takes wherever it takes cameras.
+#[derive(Debug, Serialize)]
+struct Cameras<'a> {
+    width: u32,
+    height: u32,
+    cameras: Vec<&'a Camera>,
+    frames_per_second: f64,
+    frames: Vec<Time>,
+}
+
+#[derive(Debug, Serialize)]
+struct Time {
+    /// Canonical number, also the stem of its pictures.
+    frame: u32,
+    seconds: f64,
+    /// From 0 to 1 over the whole clip.
+    time: f64,
+}
+
+pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
+    let Job { order, footage, tick } = job;
+    let mut cameras = footage.training();
+    cameras.extend(footage.held_out());
+    cameras.sort_by_key(|camera| &camera.name);
+    let mut shots = Vec::new();
+    for camera in &cameras {
+        let called = format!("images/{}", camera.name);
+        let is_seen = camera.split == l4d_data::Split::Train || footage.shows_held_out_pictures();
+        for &frame in footage.frames().iter().filter(|_| is_seen) {
+            let path = order.out.join(&called).join(format!("{frame:04}.png"));
+            shots.push(Shot { camera, frame, path });
+        }
+        manifest.cameras.push(Called::camera(camera, called));
+    }
+    footage.write_png(&shots, *tick)?;
+    let time = |&frame: &u32| Time {
+        frame,
+        seconds: f64::from(frame) / FPS,
+        time: f64::from(frame) / f64::from(LAST_FRAME),
+    };
+    let document = Cameras {
+        width: footage.scene().width,
+        height: footage.scene().height,
+        cameras,
+        frames_per_second: FPS / f64::from(footage.scene().stride),
+        frames: footage.frames().iter().map(time).collect(),
+    };
+    json::write(&order.out.join("cameras.json"), &document)?;
+    manifest
+        .note("poses are world_from_camera, row by row, metres, in OpenCV axes; pixel centres lie at halves");
+    if let Some(camera) = footage.held_out().filter(|_| !footage.shows_held_out_pictures()) {
+        manifest.note(format!("{} is held out: its pose is there, its pictures are not", camera.name));
+    }
+    Ok(manifest)
+}

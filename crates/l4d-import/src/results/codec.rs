@@ -1,0 +1,164 @@
+//! What a found file holds: masks, with as much of "which sentence, which frame" as the file itself says.
+//!
+//! Files are taken as hostile: sizes are checked before room is made, and whatever is no answer is told with its
+//! place and a remedy. Videos and JPEG are refused: they are lossy, and a threshold on them moves outlines.
+
+mod maps;
+mod outlines;
+mod records;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use l4d_data::{DataError, Report};
+use l4d_frames::Mask;
+use serde::{Deserialize, Serialize};
+
+use super::codes;
+use super::inside::Inside;
+
+pub use maps::Axis;
+
+/// Kinds of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Codec {
+    /// PNG of any kind: a mask, a map of ids, a palette.
+    Picture,
+    /// `.npy`, `.npz` or `.pt`: masks, relevancy, ids.
+    Array,
+    /// `.npy` of latents, three levels a frame: needs a decoder and embeddings of the sentences.
+    Latents,
+    /// JSON of COCO run lengths, alone or by sentence and frame, as MeViS has them.
+    CocoRle,
+    /// labelme: a JSON a frame, outlines labelled with sentences.
+    Labelme,
+    /// ISAT, as in lerf_ovs: a JSON a frame, outlines with sentences for categories.
+    Isat,
+    /// COCO instances: one JSON, sentences for categories, frames in the names of the images.
+    Coco,
+}
+
+impl Codec {
+    /// Name as written in presets.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Array => "array",
+            Self::Latents => "latents",
+            Self::CocoRle => "coco-rle",
+            Self::Labelme => "labelme",
+            Self::Isat => "isat",
+            Self::Coco => "coco",
+        }
+    }
+}
+
+/// Ids that mean a sentence: by sentence or number of the query.
+pub type Selections = BTreeMap<String, BTreeSet<u32>>;
+
+/// How files are read.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// What kind of file.
+    pub codec: Codec,
+    /// What of a picture of numbers is inside.
+    pub inside: Inside,
+    /// Which array of a file with several.
+    pub key: Option<String>,
+    /// What the axes of arrays are; none: as many as a picture has, and any of length 1.
+    pub axes: Option<Vec<Axis>>,
+    /// Sentences in the order of a prompt axis.
+    pub prompts: Vec<String>,
+    /// Which ids mean which sentence, for [`Inside::Selected`].
+    pub selections: Selections,
+}
+
+/// When an answer holds, as a file says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// A frame of the scene.
+    Frame(u32),
+    /// So many answers into the clip.
+    Position(usize),
+}
+
+/// One answer of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// The sentence or its number, where the file says it.
+    pub name: Option<String>,
+    /// The frame, where the file says it.
+    pub place: Option<Place>,
+    /// The mask; none where the file says that nothing is there.
+    pub mask: Option<Mask>,
+}
+
+/// Why a file holds no answers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Code of the finding.
+    pub code: &'static str,
+    /// Field, entry or pixel.
+    pub place: String,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub hint: String,
+}
+
+impl Problem {
+    /// A problem with a file that cannot be read.
+    pub(crate) fn unreadable(place: impl Into<String>, message: impl Into<String>, hint: &str) -> Self {
+        Self { code: codes::UNREADABLE, place: place.into(), message: message.into(), hint: hint.to_owned() }
+    }
+
+    /// Adds the problem to a report.
+    pub fn report(&self, path: &Path, report: &mut Report) {
+        report.error(self.code, path, &self.place, &self.message, &self.hint);
+    }
+}
+
+impl From<DataError> for Problem {
+    fn from(error: DataError) -> Self {
+        let hint = error.hint().unwrap_or_default();
+        match error {
+            DataError::Io { action, source, .. } => {
+                Self::unreadable("", format!("cannot {action}: {source}"), &hint)
+            }
+            DataError::Format { location, message, .. } | DataError::Invalid { location, message, .. } => {
+                Self::unreadable(location, message, &hint)
+            }
+        }
+    }
+}
+
+/// Reads the answers in a file.
+///
+/// # Errors
+/// Everything that keeps the file from being what `reading` says.
+pub fn read(path: &Path, reading: &Reading) -> Result<Vec<Piece>, Problem> {
+    match reading.codec {
+        Codec::Picture => maps::read_picture(path, reading),
+        Codec::Array => maps::read_array(path, reading),
+        Codec::CocoRle => records::read(path),
+        Codec::Labelme => outlines::read_labelme(path),
+        Codec::Isat => outlines::read_isat(path),
+        Codec::Coco => outlines::read_coco(path),
+        Codec::Latents => Err(Problem::unreadable(
+            "file",
+            "holds latents, which are read together with their other levels",
+            "",
+        )),
+    }
+}
+
+fn sane(width: u64, height: u64, place: &str) -> Result<(u32, u32), Problem> {
+    let side = |side: u64| u32::try_from(side).unwrap_or(u32::MAX);
+    let (width, height) = (side(width), side(height));
+    if Mask::is_sane_size(width, height) {
+        return Ok((width, height));
+    }
+    let message = format!("{width}x{height}: each side must have 1 to {} pixels", Mask::MAX_SIDE);
+    Err(Problem::unreadable(place, message, "check that this is a file of masks"))
+}

@@ -1,0 +1,76 @@
+//! What an import leaves: `method.json` and a file of masks a query.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::layout::ResultsDir;
+use l4d_data::results::{Import, MaskFile, MethodCard, Used};
+use l4d_data::truth::frame_key;
+use l4d_data::{DataError, Name, json};
+
+use super::{Imported, Request};
+
+/// Who the results belong to.
+#[derive(Debug, Clone)]
+pub struct Identity {
+    /// Name of the method, and of its folder.
+    pub name: Name,
+    /// Its version, as the user calls it.
+    pub version: String,
+    /// Whether the method saw pictures of the held-out view.
+    pub test_view: bool,
+}
+
+/// The protocol that masks of the whole clip are scored under.
+const PROTOCOL: &str = "l4d";
+
+/// Writes results below a folder of methods; gives the folder of this one.
+///
+/// # Errors
+/// A folder that holds results already, unless `force`, and whatever keeps files from being written.
+pub fn write(
+    results: &Path,
+    identity: &Identity,
+    request: &Request<'_>,
+    imported: &Imported,
+    force: bool,
+) -> Result<PathBuf, DataError> {
+    let dir = ResultsDir::new(results.join(identity.name.as_str()));
+    if dir.masks().exists() {
+        if !force {
+            let remedy = "give another --name, or replace what stands there with --force";
+            return Err(DataError::invalid(dir.root(), "folder", "holds masks already", remedy));
+        }
+        // Old answers must not mix with new ones.
+        std::fs::remove_dir_all(dir.masks())
+            .map_err(|source| DataError::io(&dir.masks(), "remove", source))?;
+    }
+    let profile = request.profile;
+    for (query, answers) in &imported.answers {
+        let frames = answers.iter().map(|(&frame, counts)| (frame_key(frame), counts.clone())).collect();
+        let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
+        let file = MaskFile { size: [height, width], frames };
+        json::write_compact(&dir.mask_file(query), &file)?;
+    }
+    let card = MethodCard {
+        name: identity.name.clone(),
+        version: identity.version.clone(),
+        link: request.preset.link.clone(),
+        benchmark_version: request.bench.manifest.version.clone(),
+        truth_digest: request.bench.truth_digest(profile)?,
+        profile,
+        width: profile.width(),
+        height: profile.height(),
+        frames: profile.frames().collect(),
+        protocol: PROTOCOL.to_owned(),
+        used: Used { ground_truth: false, test_view: identity.test_view, endpoints: Vec::new() },
+        seconds: None,
+        import: Some(Import {
+            format: request.preset.name.clone(),
+            assumptions: imported.assumptions.clone(),
+            inputs: imported.inputs.clone(),
+            claimed: imported.claimed.clone(),
+        }),
+    };
+    json::write(&dir.card(), &card)?;
+    Ok(dir.root().to_owned())
+}

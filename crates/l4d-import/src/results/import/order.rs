@@ -1,0 +1,142 @@
+//! Which frame of the benchmark a number in a file name is.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use l4d_data::store::read_bounded;
+use l4d_data::{DataError, json};
+use serde::Deserialize;
+
+/// No list of frames is larger.
+const MAX_BYTES: u64 = 64 << 20;
+
+/// Which frame the n-th picture of a render shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Order {
+    /// The n-th frame of the clip.
+    Clip,
+    /// As a list says; none where a picture is of another camera or not asked for.
+    Listed(Vec<Option<u32>>),
+}
+
+impl Order {
+    /// Reads a list: a line a picture, in the order in which they were rendered, each a frame's number or `-`.
+    ///
+    /// # Errors
+    /// Files that cannot be read, and lines that are neither.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let bytes = read_bounded(path, MAX_BYTES)?;
+        let text = String::from_utf8_lossy(&bytes);
+        let entry = |(index, line): (usize, &str)| {
+            match line.trim() {
+            "-" => Ok(None),
+            number => number.parse().map(Some).map_err(|_number| {
+                let message = format!("`{}` is neither a frame nor `-`", l4d_data::error::inert(number));
+                let remedy = "write one line a rendered picture: the number of its frame, or - for pictures of other cameras";
+                DataError::invalid(path, format!("line {}", index + 1), message, remedy)
+            }),
+        }
+        };
+        Ok(Self::Listed(text.lines().enumerate().map(entry).collect::<Result<_, _>>()?))
+    }
+
+    /// Pictures that a render has under this order.
+    pub fn pictures(&self, clip: &[u32]) -> usize {
+        match self {
+            Self::Clip => clip.len(),
+            Self::Listed(frames) => frames.len(),
+        }
+    }
+
+    /// The frame of a picture: `Ok(None)` if it is not asked for, the number of pictures if there is no such one.
+    pub fn frame(&self, position: usize, clip: &[u32]) -> Result<Option<u32>, usize> {
+        match self {
+            Self::Clip => clip.get(position).map(|&frame| Some(frame)).ok_or(clip.len()),
+            Self::Listed(frames) => frames.get(position).copied().ok_or(frames.len()),
+        }
+    }
+}
+
+impl fmt::Display for Order {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Clip => "the n-th picture shows the n-th frame of the profile",
+            Self::Listed(_) => "the n-th picture shows the frame in the n-th line of a list",
+        })
+    }
+}
+
+/// Which picture an image of a COCO file is: 4D LangSplat names folders after image ids.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Images(BTreeMap<u64, u32>);
+
+#[derive(Deserialize)]
+struct CocoImages {
+    images: Vec<CocoImage>,
+}
+
+#[derive(Deserialize)]
+struct CocoImage {
+    id: u64,
+    file_name: String,
+}
+
+impl Images {
+    /// Reads `_annotations.coco.json`. `first` is the number that the first image's name begins with: 1 in HyperNeRF,
+    /// 0 in Neu3D.
+    ///
+    /// # Errors
+    /// Files that cannot be read, and names that begin with no such number.
+    pub fn read(path: &Path, first: u32) -> Result<Self, DataError> {
+        let file: CocoImages = json::parse(path, None, &read_bounded(path, MAX_BYTES)?)?;
+        let position = |image: &CocoImage| {
+            let digits: String = image.file_name.chars().take_while(char::is_ascii_digit).collect();
+            let position = digits.parse::<u32>().ok().and_then(|number| number.checked_sub(first));
+            position.map(|position| (image.id, position)).ok_or_else(|| {
+                let message = format!(
+                    "`{}` begins with no number from {first}",
+                    l4d_data::error::inert(&image.file_name)
+                );
+                DataError::invalid(path, format!("image {}", image.id), message, "check --images-first")
+            })
+        };
+        Ok(Self(file.images.iter().map(position).collect::<Result<_, _>>()?))
+    }
+
+    /// The picture of an image.
+    pub fn position(&self, id: u64) -> Option<usize> {
+        self.0.get(&id).map(|&position| position as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_says_which_pictures_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("frames.txt");
+        std::fs::write(&path, "-\n0\n12\n").unwrap();
+        let order = Order::read(&path).unwrap();
+        assert_eq!([0, 1, 2].map(|n| order.frame(n, &[0, 12]).unwrap()), [None, Some(0), Some(12)]);
+        assert_eq!(order.frame(3, &[0, 12]), Err(3));
+        std::fs::write(&path, "0\nx\n").unwrap();
+        assert!(Order::read(&path).unwrap_err().to_string().contains("line 2"));
+    }
+
+    #[test]
+    fn images_count_from_what_their_dataset_counts_from() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("_annotations.coco.json");
+        std::fs::write(
+            &path,
+            r#"{"images": [{"id": 7, "file_name": "000003_png.rf.x.jpg"}], "annotations": []}"#,
+        )
+        .unwrap();
+        assert_eq!(Images::read(&path, 1).unwrap().position(7), Some(2));
+        assert_eq!(Images::read(&path, 0).unwrap().position(7), Some(3));
+        assert!(Images::read(&path, 4).is_err());
+    }
+}

@@ -1,0 +1,201 @@
+//! Presets: what is known of the files that methods leave, as data.
+//!
+//! A preset says where files stand, what they hold and which rule of their own evaluation makes a mask of them. The
+//! built-in ones stand in `presets/` beside this crate; any file of that form can take their place.
+
+use std::path::Path;
+
+use l4d_data::DataError;
+use l4d_data::store::read_bounded;
+use serde::{Deserialize, Serialize};
+
+use super::codec::{Axis, Codec};
+use super::inside::Inside;
+use super::relevancy::Rules;
+use super::template::Template;
+
+/// No preset is larger.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// What is known of a method's files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preset {
+    /// What `l4d import` calls it.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Paper or code.
+    #[serde(default)]
+    pub link: String,
+    /// Where files stand.
+    pub template: String,
+    /// What they hold.
+    pub codec: Codec,
+    /// What of a picture or array is inside.
+    #[serde(default = "mask")]
+    pub inside: Inside,
+    /// Names that fit the template and are something else begin so.
+    #[serde(default)]
+    pub ignore: Vec<String>,
+    /// Which array of a file with several.
+    #[serde(default)]
+    pub key: Option<String>,
+    /// What the axes of arrays are.
+    #[serde(default)]
+    pub axes: Option<Vec<Axis>>,
+    /// Whether masks of another size are brought to ours, as the method's own evaluation does.
+    #[serde(default)]
+    pub resize: bool,
+    /// What latents need.
+    #[serde(default)]
+    pub latents: Option<LatentsPreset>,
+    /// Where the method writes numbers of its own.
+    #[serde(default)]
+    pub claims: Option<Claims>,
+    /// What somebody who compares should know: a sentence each.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+/// How latents become masks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatentsPreset {
+    /// Levels, in the order in which equals win.
+    pub levels: Vec<u64>,
+    /// The rules.
+    pub rules: Rules,
+    /// Where the weights of the autoencoder stand, if none are given.
+    #[serde(default)]
+    pub decoder: Option<String>,
+    /// Where latents of time stand.
+    #[serde(default)]
+    pub time_template: Option<String>,
+    /// Where the weights of the autoencoder of time stand, if none are given.
+    #[serde(default)]
+    pub time_decoder: Option<String>,
+}
+
+/// Files with numbers that a method claims.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claims {
+    /// Where they stand.
+    pub template: String,
+}
+
+fn mask() -> Inside {
+    Inside::Mask
+}
+
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../presets/", $name, ".toml")))),*]
+    };
+}
+
+/// Name and text of the built-in presets, in the order in which probing tries them.
+const BUILT_IN: &[(&str, &str)] = built_in![
+    "langsplat",
+    "langsplat-per-frame",
+    "langsplat-masks",
+    "4d-langsplat",
+    "4d-langsplat-masks",
+    "gaussian-grouping",
+    "gaussian-grouping-ids",
+    "opengaussian",
+    "refersplat",
+    "saga",
+    "sadg",
+    "mevis",
+    "mevis-rle",
+    "davis",
+    "generic",
+];
+
+impl Preset {
+    /// All built-in presets.
+    ///
+    /// # Errors
+    /// Never, unless this build carries a broken file; a test reads them all.
+    pub fn built_in() -> Result<Vec<Self>, DataError> {
+        BUILT_IN.iter().map(|(name, text)| Self::parse(Path::new(name), text)).collect()
+    }
+
+    /// A built-in preset by its name, or the one in a file.
+    ///
+    /// # Errors
+    /// A name that is neither, and files that are no preset.
+    pub fn find(name: &str) -> Result<Self, DataError> {
+        if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+            return Self::parse(Path::new(name), text);
+        }
+        let path = Path::new(name);
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let bytes = read_bounded(path, MAX_BYTES)?;
+            return Self::parse(path, &String::from_utf8_lossy(&bytes));
+        }
+        let known: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+        let remedy = format!("give a .toml file, or one of: {}", known.join(", "));
+        Err(DataError::invalid(path, "format", "is no known format and no .toml file", remedy))
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, DataError> {
+        let invalid = |place: &str, message: String| {
+            DataError::invalid(path, place, l4d_data::error::inert(&message), "see docs/import/presets.md")
+        };
+        let preset: Self = toml::from_str(text).map_err(|error| invalid("preset", error.to_string()))?;
+        let templates = [Some(&preset.template), preset.claims.as_ref().map(|claims| &claims.template)];
+        let of_latents = preset.latents.as_ref();
+        let more =
+            of_latents.map(|latents| [&latents.decoder, &latents.time_template, &latents.time_decoder]);
+        let more = more.into_iter().flatten().flatten();
+        for template in templates.into_iter().flatten().chain(more) {
+            Template::parse(template).map_err(|error| invalid("template", error.to_string()))?;
+        }
+        if (preset.codec == Codec::Latents) != preset.latents.is_some() {
+            return Err(invalid(
+                "table `latents`",
+                "belongs to the codec `latents`, and to no other".to_owned(),
+            ));
+        }
+        Ok(preset)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_preset_reads_and_is_called_what_its_file_is_called() {
+        let presets = Preset::built_in().unwrap();
+        assert_eq!(presets.len(), BUILT_IN.len());
+        for (preset, (name, _)) in presets.iter().zip(BUILT_IN) {
+            assert_eq!(preset.name, *name);
+            assert!(!preset.title.is_empty() && !preset.notes.is_empty(), "{name} says nothing of itself");
+            assert_eq!(&Preset::find(name).unwrap(), preset);
+        }
+        let error = Preset::find("nothing").unwrap_err();
+        assert!(error.hint().unwrap().contains("langsplat"));
+    }
+
+    #[test]
+    fn what_is_no_preset_says_why() {
+        let base = "name = 'x'\ntitle = 'x'\ntemplate = '{text}.png'\ncodec = 'picture'\n";
+        assert!(Preset::parse(Path::new("x"), base).is_ok());
+        for (more, reason) in [
+            ("inside = 'above'", "no rule"),
+            ("colour = 'red'", "unknown field"),
+            ("[claims]\ntemplate = '../x'", "below the given folder"),
+            (
+                "[latents]\nlevels = [1]\nrules = { smoothing = 'box30', threshold = 0.4 }",
+                "belongs to the codec",
+            ),
+        ] {
+            let error = Preset::parse(Path::new("x"), &format!("{base}{more}\n")).unwrap_err().to_string();
+            assert!(error.contains(reason), "{more}: {error}");
+        }
+    }
+}

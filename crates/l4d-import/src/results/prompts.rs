@@ -1,0 +1,130 @@
+//! Which query a foreign name means: a sentence, as file names spell it, or a number.
+
+use std::collections::BTreeMap;
+
+use l4d_data::Query;
+use unicode_normalization::UnicodeNormalization as _;
+
+/// The queries of a scene by every name that files may call them.
+#[derive(Debug)]
+pub struct Prompts<'a> {
+    queries: &'a [Query],
+    by_text: BTreeMap<String, Vec<usize>>,
+}
+
+/// Why a name means no query.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NoQuery {
+    /// No query of the scene is like it; the nearest one, for a hint.
+    Unknown {
+        /// The sentence that differs least.
+        nearest: Option<String>,
+    },
+    /// Several sentences are spelt alike as file names.
+    Several(Vec<String>),
+}
+
+impl<'a> Prompts<'a> {
+    /// The names of these queries.
+    pub fn new(queries: &'a [Query]) -> Self {
+        let mut by_text: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (index, query) in queries.iter().enumerate() {
+            by_text.entry(spelling(&query.text)).or_default().push(index);
+        }
+        Self { queries, by_text }
+    }
+
+    /// The query that a number means: `003`, or `<scene>/003`.
+    pub fn by_number(&self, name: &str) -> Option<&'a Query> {
+        let number = name.rsplit('/').next().unwrap_or(name);
+        self.queries.iter().find(|query| query.id.number.as_str() == number)
+    }
+
+    /// The query whose sentence this is, whatever its case, blanks and Unicode form.
+    pub fn by_text(&self, name: &str) -> Result<&'a Query, NoQuery> {
+        let spelling = spelling(name);
+        match self.by_text.get(&spelling).map(Vec::as_slice) {
+            Some([index]) => Ok(&self.queries[*index]),
+            Some(several) => Err(NoQuery::Several(
+                several.iter().map(|&index| self.queries[index].id.to_string()).collect(),
+            )),
+            None => {
+                let far = |text: &str| distance(&spelling, text);
+                let nearest = self.by_text.iter().min_by_key(|(text, _)| far(text));
+                Err(NoQuery::Unknown { nearest: nearest.map(|(_, all)| self.queries[all[0]].text.clone()) })
+            }
+        }
+    }
+
+    /// A number first, then a sentence.
+    pub fn find(&self, name: &str) -> Result<&'a Query, NoQuery> {
+        self.by_number(name).map_or_else(|| self.by_text(name), Ok)
+    }
+
+    /// The queries.
+    pub fn queries(&self) -> &'a [Query] {
+        self.queries
+    }
+}
+
+/// What two names of one sentence have in common: Unicode NFC, lower case, one blank between words. Underscores are
+/// blanks, since many programs write them for blanks in file names.
+pub fn spelling(text: &str) -> String {
+    let composed: String =
+        text.nfc().flat_map(char::to_lowercase).map(|c| if c == '_' { ' ' } else { c }).collect();
+    composed.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Edits from one text to the other, of their first 200 characters.
+fn distance(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().take(200).collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (index, character) in from.chars().take(200).enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], index + 1);
+        for (at, other) in to.iter().enumerate() {
+            let replaced = diagonal + usize::from(character != *other);
+            diagonal = row[at + 1];
+            row[at + 1] = replaced.min(row[at] + 1).min(diagonal + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn queries(texts: &[&str]) -> Vec<Query> {
+        let query = |(index, text): (usize, &&str)| {
+            serde_json::from_value(serde_json::json!({
+                "id": format!("cups/{:03}", index + 1), "text": text, "categories": ["attribute"],
+                "referents": ["cup"], "temporal": "whole", "frames": [[0, 96]], "predicate": null,
+                "text_digest": "", "provenance": {"source": "author"}, "status": "candidate",
+            }))
+            .unwrap()
+        };
+        texts.iter().enumerate().map(query).collect()
+    }
+
+    #[test]
+    fn spellings_of_file_names_are_one_sentence() {
+        let queries = queries(&["The red cup", "the caf\u{e9} table"]);
+        let prompts = Prompts::new(&queries);
+        for name in ["The red cup", "the  RED cup ", "the_red_cup"] {
+            assert_eq!(prompts.by_text(name).unwrap().id.number.as_str(), "001", "{name}");
+        }
+        assert_eq!(prompts.by_text("the cafe\u{301} table").unwrap().id.number.as_str(), "002");
+        assert_eq!(prompts.find("002").unwrap().text, "the caf\u{e9} table");
+        assert_eq!(prompts.find("cups/002").unwrap().text, "the caf\u{e9} table");
+    }
+
+    #[test]
+    fn what_fits_nothing_names_the_nearest_and_what_fits_two_names_both() {
+        let queries = queries(&["the red cup", "The Red  Cup", "the blue plate"]);
+        let prompts = Prompts::new(&queries);
+        let nearest = Some("the blue plate".to_owned());
+        assert_eq!(prompts.by_text("the blue plat").unwrap_err(), NoQuery::Unknown { nearest });
+        let both = vec!["cups/001".to_owned(), "cups/002".to_owned()];
+        assert_eq!(prompts.by_text("the red cup").unwrap_err(), NoQuery::Several(both));
+    }
+}

@@ -1,0 +1,131 @@
+//! Windows over a picture by running sums, whatever their size.
+//!
+//! Sums run in double precision: numbers between 0 and 1 that were added are taken away again without a trace.
+
+use l4d_frames::Mask;
+
+use super::{Found, Rules, Smoothing, Summit};
+
+/// From one sentence's map of relevancy to what is found in it.
+pub(super) fn find(mut map: Vec<f32>, width: usize, height: usize, rules: &Rules) -> Found {
+    let summit = blend(&mut map, width, height, rules.smoothing);
+    let floor = map.iter().copied().fold(f32::INFINITY, f32::min);
+    let peak = map.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    // The order of operations of the originals, in their precision.
+    let range = (peak - floor) + 1e-9;
+    let is_inside = |value: f32| ((value - floor) / range * 2.0 - 1.0).clamp(0.0, 1.0) > rules.threshold;
+    let unsmoothed = Mask::from_fn(width as u32, height as u32, |col, row| {
+        is_inside(map[row as usize * width + col as usize])
+    });
+    let mask = majority(&unsmoothed, rules.smoothing);
+    Found { mask, unsmoothed, peak, floor, summit }
+}
+
+/// Replaces each number by the mean of itself and of the mean of its window; gives where that mean is highest.
+fn blend(map: &mut Vec<f32>, width: usize, height: usize, smoothing: Smoothing) -> Summit {
+    let (before, after) = match smoothing {
+        Smoothing::Box30 => (15, 14),
+        Smoothing::Pool29 => (14, 14),
+    };
+    let is_mirrored = smoothing == Smoothing::Box30;
+    let row_windows = windows(height, before, after, is_mirrored);
+    let col_windows = windows(width, before, after, is_mirrored);
+    let mut blended = Vec::with_capacity(map.len());
+    let mut best = (0, f32::NEG_INFINITY);
+    let mut columns = vec![0.0_f64; width];
+    for (row, window) in row_windows.iter().enumerate() {
+        for &(other, sign) in &window.changes {
+            let line = &map[other * width..][..width];
+            columns.iter_mut().zip(line).for_each(|(sum, &value)| *sum += sign * f64::from(value));
+        }
+        let mut sum = 0.0;
+        for (col, across) in col_windows.iter().enumerate() {
+            across.changes.iter().for_each(|&(other, sign)| sum += sign * columns[other]);
+            let mean = (sum / (window.count * across.count)) as f32;
+            if mean > best.1 {
+                best = (row * width + col, mean);
+            }
+            blended.push(0.5 * (mean + map[row * width + col]));
+        }
+    }
+    *map = blended;
+    Summit::at(best.0, best.1, width, height)
+}
+
+/// How a window differs from the one before it.
+struct Window {
+    /// Places that come in (1.0) or go out (-1.0).
+    changes: Vec<(usize, f64)>,
+    /// Places in it.
+    count: f64,
+}
+
+fn windows(length: usize, before: usize, after: usize, is_mirrored: bool) -> Vec<Window> {
+    let place = |index: i64| {
+        let last = length as i64 - 1;
+        let is_inside = (0..=last).contains(&index);
+        if is_inside { Some(index as usize) } else { is_mirrored.then(|| mirrored(index, last)) }
+    };
+    let mut count = 0.0;
+    let mut windows = Vec::with_capacity(length);
+    for centre in 0..length as i64 {
+        let (first, last) = (centre - before as i64, centre + after as i64);
+        let coming = if centre == 0 { first..=last } else { last..=last };
+        let mut changes: Vec<(usize, f64)> = coming.filter_map(place).map(|index| (index, 1.0)).collect();
+        if centre > 0 {
+            changes.extend(place(first - 1).map(|index| (index, -1.0)));
+        }
+        count += changes.iter().map(|(_, sign)| sign).sum::<f64>();
+        windows.push(Window { changes, count });
+    }
+    windows
+}
+
+/// The place in `0..=last` that a mirror on both ends shows at `index`.
+fn mirrored(index: i64, last: i64) -> usize {
+    if last == 0 {
+        return 0;
+    }
+    let phase = index.rem_euclid(2 * last);
+    phase.min(2 * last - phase) as usize
+}
+
+/// The majority of 7 x 7 pixels; ties are outside. LangSplat lets the last row and column not vote.
+fn majority(mask: &Mask, smoothing: Smoothing) -> Mask {
+    const REACH: usize = 3;
+    let (width, height) = (mask.width() as usize, mask.height() as usize);
+    let withheld = usize::from(smoothing == Smoothing::Box30);
+    let span = |centre: usize, voting: usize| {
+        let end = (centre + REACH + 1).min(voting);
+        (centre.saturating_sub(REACH).min(end), end)
+    };
+    let mut votes = vec![0_u16; width];
+    let mut before = vec![0_u32; width + 1];
+    let mut counted = (0, 0);
+    let mut rows = vec![0_u8; width * height];
+    for (col, row) in mask.pixels() {
+        rows[row as usize * width + col as usize] = 1;
+    }
+    let mut kept = vec![false; width * height];
+    for row in 0..height {
+        let (first, end) = span(row, height - withheld);
+        for other in counted.1..end {
+            votes.iter_mut().zip(&rows[other * width..]).for_each(|(votes, &vote)| *votes += u16::from(vote));
+        }
+        for other in counted.0..first {
+            votes.iter_mut().zip(&rows[other * width..]).for_each(|(votes, &vote)| *votes -= u16::from(vote));
+        }
+        counted = (first, end);
+        let mut sum = 0;
+        for (total, &votes) in before[1..].iter_mut().zip(&votes) {
+            sum += u32::from(votes);
+            *total = sum;
+        }
+        for (col, kept) in kept[row * width..][..width].iter_mut().enumerate() {
+            let (left, right) = span(col, width - withheld);
+            let all = (right - left) * (end - first);
+            *kept = 2 * (before[right] - before[left]) as usize > all;
+        }
+    }
+    Mask::from_fn(width as u32, height as u32, |col, row| kept[row as usize * width + col as usize])
+}

@@ -1,0 +1,141 @@
+//! Sentences as vectors, exported once by `docs/import/export_text_embeddings.py`.
+
+use std::path::Path;
+
+use l4d_data::DataError;
+
+use super::super::arrays::{self, Contents};
+
+/// Sentences of one file.
+const MOST: usize = 10_000;
+/// What to do about a file that this module refuses.
+const REMEDY: &str = "make it with docs/import/export_text_embeddings.py";
+
+/// Vectors of one width and length 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texts {
+    width: usize,
+    sentences: Vec<f32>,
+    phrases: Vec<f32>,
+}
+
+impl Texts {
+    /// Vectors of sentences, and of the phrases that they are compared with; none if they do not fill the width.
+    /// Each is brought to length 1.
+    pub fn new(width: usize, mut sentences: Vec<f32>, mut phrases: Vec<f32>) -> Option<Self> {
+        if width == 0 || !sentences.len().is_multiple_of(width) || !phrases.len().is_multiple_of(width) {
+            return None;
+        }
+        sentences.chunks_exact_mut(width).for_each(to_unit_length);
+        phrases.chunks_exact_mut(width).for_each(to_unit_length);
+        Some(Self { width, sentences, phrases })
+    }
+
+    /// Numbers a vector.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The vectors of the sentences.
+    pub fn sentences(&self) -> impl ExactSizeIterator<Item = &[f32]> {
+        self.sentences.chunks_exact(self.width)
+    }
+
+    /// The vectors of the phrases.
+    pub fn phrases(&self) -> impl ExactSizeIterator<Item = &[f32]> {
+        self.phrases.chunks_exact(self.width)
+    }
+
+    /// The same phrases with some of the sentences, in the order of `chosen`.
+    ///
+    /// # Panics
+    /// If there is no such sentence.
+    pub fn select(&self, chosen: &[usize]) -> Self {
+        let vector = |&index: &usize| self.sentences[index * self.width..][..self.width].iter().copied();
+        Self {
+            width: self.width,
+            sentences: chosen.iter().flat_map(vector).collect(),
+            phrases: self.phrases.clone(),
+        }
+    }
+}
+
+/// An `.npz` of sentences and their vectors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextsFile {
+    /// The sentences, in the order of the vectors.
+    pub queries: Vec<String>,
+    /// Their vectors.
+    pub texts: Texts,
+    /// The model that made them, as the file says.
+    pub model: String,
+}
+
+impl TextsFile {
+    /// Reads `queries`, `positives`, `negatives` and `model`. A file for the gate of time has no `negatives`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or whose arrays do not belong together.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let names = arrays::names(path)?;
+        let fault = |place: &str, message: String| {
+            DataError::invalid(path, format!("array `{place}`"), message, REMEDY)
+        };
+        let Contents::Text(queries) = arrays::read_contents(path, Some("queries"))? else {
+            return Err(fault("queries", "holds no text".to_owned()));
+        };
+        let (width, positives) = vectors(path, "positives")?;
+        let negatives = if names.iter().any(|name| name == "negatives") {
+            let (other, negatives) = vectors(path, "negatives")?;
+            if other != width {
+                return Err(fault(
+                    "negatives",
+                    format!("has vectors of {other} numbers, `positives` of {width}"),
+                ));
+            }
+            negatives
+        } else {
+            Vec::new()
+        };
+        if queries.len() * width != positives.len() || queries.is_empty() || queries.len() > MOST {
+            let message = format!("has {} sentences for {} vectors", queries.len(), positives.len() / width);
+            return Err(fault("queries", message));
+        }
+        let model = match names.iter().any(|name| name == "model") {
+            true => match arrays::read_contents(path, Some("model"))? {
+                Contents::Text(texts) => texts.into_iter().next().unwrap_or_default(),
+                Contents::Numbers(_) => return Err(fault("model", "holds no text".to_owned())),
+            },
+            false => String::new(),
+        };
+        let texts = Texts::new(width, positives, negatives);
+        let texts = texts.ok_or_else(|| fault("positives", "does not fill its width".to_owned()))?;
+        Ok(Self { queries, texts, model })
+    }
+}
+
+fn vectors(path: &Path, name: &str) -> Result<(usize, Vec<f32>), DataError> {
+    let array = arrays::read(path, Some(name))?;
+    let fault = |message: String| DataError::invalid(path, format!("array `{name}`"), message, REMEDY);
+    let [count, width] = array.shape[..] else {
+        return Err(fault(format!("has the shape {:?}, but a row a sentence belongs here", array.shape)));
+    };
+    if width == 0 {
+        return Err(fault("has vectors without numbers".to_owned()));
+    }
+    if let Some((index, value)) = array.bad_value() {
+        return Err(fault(format!("holds {value} at number {index}")));
+    }
+    let is_zero = |vector: &[f32]| vector.iter().all(|&number| number == 0.0);
+    if let Some(row) = array.data.chunks_exact(width).position(is_zero) {
+        return Err(fault(format!("has a vector of zeros in row {row} of {count}")));
+    }
+    Ok((width, array.data))
+}
+
+fn to_unit_length(vector: &mut [f32]) {
+    let length = vector.iter().map(|&number| f64::from(number).powi(2)).sum::<f64>().sqrt();
+    if length > 0.0 {
+        vector.iter_mut().for_each(|number| *number = (f64::from(*number) / length) as f32);
+    }
+}

@@ -1,0 +1,196 @@
+//! Imported masks against the truth of the benchmark, for one purpose: to notice that frames are counted wrongly.
+//!
+//! A method whose masks fit the neighbouring frame better was imported with the wrong rule for frames, or rendered
+//! another list of cameras. Scores are the judge's business.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use l4d_data::truth::{Truth, frame_key};
+use l4d_data::{DataError, Query, QueryId, Report, Temporal};
+use l4d_frames::{Mask, rle};
+
+use super::codes;
+use super::protocol::Count;
+
+/// Masks by frame as run lengths; none where the method says that nothing is there.
+pub type Answers = BTreeMap<u32, Option<String>>;
+
+/// Where relevancy is highest by query and frame: shares of width and height.
+pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
+
+/// A shift that raises the mean IoU by this factor is told.
+const TELLING: f64 = 1.1;
+/// From so few pairs of frame and query nothing follows: what rests fits every frame.
+const FEW: u64 = 6;
+/// A mean IoU below this is told: masks and truth have nothing to do with each other.
+const HARDLY: f64 = 0.01;
+
+/// The truth of a scene, decoded as it is needed.
+pub struct Judged<'a> {
+    truth: &'a Truth,
+    path: &'a Path,
+}
+
+impl<'a> Judged<'a> {
+    /// The truth in a file.
+    pub fn new(truth: &'a Truth, path: &'a Path) -> Self {
+        Self { truth, path }
+    }
+
+    /// The counts of a query in every frame of the truth.
+    ///
+    /// # Errors
+    /// Truth that is damaged.
+    pub fn counts(&self, query: &Query, answers: &Answers) -> Result<Vec<Count>, DataError> {
+        self.compared(query, answers, 0)
+    }
+
+    /// Reports that masks fit the frame before or after better, or hardly touch the truth.
+    ///
+    /// # Errors
+    /// Truth that is damaged.
+    pub fn check(
+        &self,
+        at: &Path,
+        asked: &[(&Query, &Answers)],
+        report: &mut Report,
+    ) -> Result<(), DataError> {
+        let [before, now, after] = [-1, 0, 1].map(|shift| self.mean_iou(asked, shift));
+        let (before, now, after) = (before?, now?, after?);
+        let Some((now, _)) = now else { return Ok(()) };
+        for (shift, other) in [(-1, before), (1, after)] {
+            let is_telling =
+                |(other, pairs): &(f64, u64)| *pairs >= FEW && *other > TELLING * now && *other > HARDLY;
+            let Some((other, _)) = other.filter(is_telling) else {
+                continue;
+            };
+            let side = if shift < 0 { "earlier" } else { "later" };
+            let message = format!(
+                "fit the truth of one frame {side} better (mean IoU {:.1} % instead of {:.1} %)",
+                100.0 * other,
+                100.0 * now
+            );
+            let hint = "check how files are numbered: from 0 or 1, by position or by name ({position}, {frame+1}, --frames)";
+            report.warning(codes::FRAME_SHIFT, at, "masks", message, hint);
+            return Ok(());
+        }
+        if now < HARDLY {
+            let message = format!("hardly touch the truth: mean IoU {:.2} %", 100.0 * now);
+            let hint = "check that these are masks of the held-out camera, in the right order of frames, and not flipped";
+            report.warning(codes::HARDLY_TOUCHES, at, "masks", message, hint);
+        }
+        Ok(())
+    }
+
+    /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it, and the
+    /// number of these pairs.
+    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Result<Option<(f64, u64)>, DataError> {
+        let (mut sum, mut count) = (0.0, 0_u64);
+        for (query, answers) in asked {
+            for frame in self.compared(query, answers, shift)? {
+                let is_asked = query.temporal == Temporal::Whole || frame.holds;
+                let Some(predicted) = frame.predicted.filter(|_| is_asked && frame.visible > 0) else {
+                    continue;
+                };
+                let union = frame.visible + predicted - frame.intersection;
+                sum += frame.intersection as f64 / union as f64;
+                count += 1;
+            }
+        }
+        Ok((count > 0).then(|| (sum / count as f64, count)))
+    }
+
+    fn compared(&self, query: &Query, answers: &Answers, shift: isize) -> Result<Vec<Count>, DataError> {
+        let frames = &self.truth.frames;
+        let mut counts = Vec::new();
+        for (position, &frame) in frames.iter().enumerate() {
+            let target = self.target(query, frame)?;
+            // What was answered for a frame is held against the truth `shift` places later.
+            let answered = position.checked_add_signed(-shift).and_then(|position| frames.get(position));
+            let mask = match answered.and_then(|frame| answers.get(frame)) {
+                None => None,
+                Some(None) => Some(Mask::empty(self.truth.width, self.truth.height)),
+                Some(Some(counts)) => rle::decode(counts, self.truth.width, self.truth.height).ok(),
+            };
+            counts.push(Count {
+                query: query.id.clone(),
+                temporal: query.temporal,
+                frame,
+                visible: target.area(),
+                holds: query.holds_at(frame),
+                predicted: mask.as_ref().map(Mask::area),
+                intersection: mask.map_or(0, |mask| mask.and_count(&target)),
+            });
+        }
+        Ok(counts)
+    }
+
+    /// What the referents show in a frame, whether the query holds or not.
+    fn target(&self, query: &Query, frame: u32) -> Result<Mask, DataError> {
+        let mut union = Mask::empty(self.truth.width, self.truth.height);
+        self.referents(query, frame)?.iter().for_each(|mask| union.union_with(mask));
+        Ok(union)
+    }
+
+    /// The masks of the referents that a frame shows.
+    fn referents(&self, query: &Query, frame: u32) -> Result<Vec<Mask>, DataError> {
+        let mut masks = Vec::new();
+        for name in &query.referents {
+            let instance = self.truth.instance(name.as_str());
+            let Some(counts) = instance.and_then(|instance| instance.masks.get(&frame_key(frame))) else {
+                continue;
+            };
+            masks.push(rle::decode(counts, self.truth.width, self.truth.height).map_err(|error| {
+                let place = format!("instance {name}, frame {}", frame_key(frame));
+                DataError::invalid(self.path, place, error.to_string(), "restore the file from the release")
+            })?);
+        }
+        Ok(masks)
+    }
+
+    /// LangSplat's localisation: the share of pairs of frame and sentence whose summit lies in the box around a
+    /// referent, borders included. Pairs without a summit are none.
+    ///
+    /// # Errors
+    /// Truth that is damaged.
+    pub fn localised(&self, asked: &[&Query], summits: &Summits) -> Result<Option<f64>, DataError> {
+        let (mut hits, mut pairs) = (0_u64, 0_u64);
+        for query in asked {
+            for &frame in &self.truth.frames {
+                let is_asked = query.temporal == Temporal::Whole || query.holds_at(frame);
+                let Some(&[across, down]) = summits.get(&(query.id.clone(), frame)).filter(|_| is_asked)
+                else {
+                    continue;
+                };
+                let col = (across * f64::from(self.truth.width)).floor() as u32;
+                let row = (down * f64::from(self.truth.height)).floor() as u32;
+                let boxes: Vec<_> =
+                    self.referents(query, frame)?.iter().filter_map(Mask::bounding_box).collect();
+                let is_inside = boxes.iter().any(|area| {
+                    (area.first_col..=area.last_col).contains(&col)
+                        && (area.first_row..=area.last_row).contains(&row)
+                });
+                pairs += u64::from(!boxes.is_empty());
+                hits += u64::from(is_inside);
+            }
+        }
+        Ok((pairs > 0).then(|| hits as f64 / pairs as f64))
+    }
+}
+
+/// Reports masks that cover nearly everything: any of them counts as a hit for mAcc.
+pub fn check_cover(at: &Path, size: (u32, u32), answers: &BTreeMap<QueryId, Answers>, report: &mut Report) {
+    let pixels = u64::from(size.0) * u64::from(size.1);
+    let covers = |counts: &String| {
+        rle::decode(counts, size.0, size.1).is_ok_and(|mask| mask.area() * 20 > pixels * 19)
+    };
+    for (query, answers) in answers {
+        let full = answers.values().flatten().filter(|counts| covers(counts)).count();
+        if full > 0 {
+            let message = format!("{full} masks cover more than 95 % of the picture");
+            let hint = "such a mask hits whatever is asked: check that inside and outside are not swapped";
+            report.warning(codes::COVERS_ALL, at, format!("query {query}"), message, hint);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! COLMAP models as 3DGS and LangSplat read them.
+
+use glam::{DMat3, DVec2, DVec3};
+use l4d_import::colmap::Model;
+use l4d_import::export::{Format, HeldOut};
+
+use crate::support::{TEST_VIEW, World};
+use crate::{RAY_TOLERANCE_PX, exported, png, probes, shown};
+
+/// The rotation of a quaternion, written out as the readers do.
+fn rotation([w, x, y, z]: [f64; 4]) -> DMat3 {
+    DMat3::from_cols_array(&[
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - w * z),
+        2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y),
+        2.0 * (y * z + w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    ])
+    .transpose()
+}
+
+#[test]
+fn models_have_the_rays_of_the_scene_and_points_that_project_where_they_are_seen() {
+    let world = World::new();
+    for format in [Format::LangSplat, Format::Colmap, Format::ColmapText] {
+        let out = world.out(format.as_str());
+        exported(&world, format, HeldOut::Pose, &out);
+        for frame in world.frames() {
+            let folder = out.join(format!("frame_{frame:04}"));
+            let sparse = folder.join("sparse/0");
+            assert_eq!(sparse.join("images.txt").is_file(), format == Format::ColmapText);
+            let model = Model::read(&sparse).unwrap();
+            assert_eq!(model.images.len(), 4);
+            for image in &model.images {
+                let view = image.name.strip_suffix(".png").unwrap();
+                assert_ne!(view, TEST_VIEW);
+                let camera = world.scene.camera(view).unwrap();
+                let intrinsics = model.camera(image.camera).unwrap();
+                assert_eq!((intrinsics.width, intrinsics.height), (128, 96));
+                let [fx, fy, cx, cy] = intrinsics.pinhole();
+                let turn = rotation([image.rotation.w, image.rotation.x, image.rotation.y, image.rotation.z]);
+                let seen = |point: DVec3| {
+                    let local = turn * point + image.translation;
+                    DVec2::new(fx * local.x / local.z + cx, fy * local.y / local.z + cy)
+                };
+                for (point, at) in probes(camera, frame) {
+                    assert!(
+                        (seen(point) - at).length() < RAY_TOLERANCE_PX,
+                        "{view}: {} for {at}",
+                        seen(point)
+                    );
+                }
+                for observation in &image.observations {
+                    let point = &model.points[observation.point.unwrap() as usize - 1];
+                    let distance = (seen(point.position) - DVec2::from_array(observation.position)).length();
+                    assert!(distance < RAY_TOLERANCE_PX, "point {} is {distance} px off", point.id);
+                }
+                assert_eq!(
+                    png(&folder.join("images").join(&image.name), 128, 96),
+                    shown(&world, view, frame)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn tracks_and_observations_name_each_other_and_most_points_have_several() {
+    let world = World::new();
+    let out = world.out("tracks");
+    exported(&world, Format::Colmap, HeldOut::Pose, &out);
+    let model = Model::read(&out.join("frame_0000/sparse/0")).unwrap();
+    let mut observed = 0;
+    for point in &model.points {
+        assert!(!point.track.is_empty(), "point {} is seen by nobody", point.id);
+        for &(image, place) in &point.track {
+            let image = model.images.iter().find(|other| other.id == image).unwrap();
+            assert_eq!(image.observations[place as usize].point, Some(point.id));
+        }
+        observed += point.track.len();
+    }
+    assert_eq!(observed, model.images.iter().map(|image| image.observations.len()).sum::<usize>());
+    let several = model.points.iter().filter(|point| point.track.len() > 1).count();
+    assert!(several * 2 > model.points.len(), "{several} of {} points", model.points.len());
+}
+
+#[test]
+fn the_pose_of_the_held_out_camera_stands_apart() {
+    let world = World::new();
+    let out = world.out("apart");
+    exported(&world, Format::Colmap, HeldOut::Pose, &out);
+    let rig = l4d_data::Rig::read(&out.join("held_out_camera.json")).unwrap();
+    assert_eq!(rig.held_out(), world.scene.test_camera());
+    let nothing = world.out("nothing");
+    exported(&world, Format::Colmap, HeldOut::Nothing, &nothing);
+    assert!(!nothing.join("held_out_camera.json").exists());
+    let pictures = world.out("pictures");
+    exported(&world, Format::Colmap, HeldOut::Pictures, &pictures);
+    let path = pictures.join(format!("frame_0048/held_out/{TEST_VIEW}.png"));
+    assert_eq!(png(&path, 128, 96), shown(&world, TEST_VIEW, 48));
+    assert_eq!(Model::read(&pictures.join("frame_0048/sparse/0")).unwrap().images.len(), 4);
+}

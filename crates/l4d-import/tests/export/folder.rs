@@ -1,0 +1,93 @@
+//! Whose folder it is, what is left when an export is cut off, and which orders are refused.
+
+use l4d_import::export::{Format, HeldOut, MANIFEST, Manifest, Order, export};
+
+use crate::support::{World, files};
+use crate::{exported, json, try_export};
+
+#[test]
+fn an_export_that_was_cut_off_ends_with_the_same_bytes() {
+    let world = World::new();
+    let (whole, cut) = (world.out("whole"), world.out("cut"));
+    exported(&world, Format::Colmap, HeldOut::Pose, &whole);
+    exported(&world, Format::Colmap, HeldOut::Pose, &cut);
+    // As a kill leaves it: some files missing, one of another content, the manifest unfinished.
+    std::fs::remove_dir_all(cut.join("frame_0048")).unwrap();
+    std::fs::write(cut.join("frame_0000/sparse/0/images.bin"), b"cut").unwrap();
+    let path = cut.join(MANIFEST);
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("\"complete\": true", "\"complete\": false")).unwrap();
+    exported(&world, Format::Colmap, HeldOut::Pose, &cut);
+    assert!(files(&whole) == files(&cut));
+}
+
+#[test]
+fn folders_of_others_are_left_alone() {
+    let world = World::new();
+    let out = world.out("mine");
+    std::fs::create_dir_all(&out).unwrap();
+    std::fs::write(out.join("thesis.tex"), b"years").unwrap();
+    let error = try_export(&world, Format::Plain, HeldOut::Pose, &out).unwrap_err();
+    assert!(error.to_string().contains("is not empty: `thesis.tex`"), "{error}");
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
+
+    let out = world.out("ours");
+    exported(&world, Format::Plain, HeldOut::Pose, &out);
+    let error = try_export(&world, Format::Coco, HeldOut::Pose, &out).unwrap_err();
+    assert!(error.to_string().contains("holds closed_form as plain"), "{error}");
+    let error = try_export(&world, Format::Plain, HeldOut::Pictures, &out).unwrap_err();
+    assert!(error.to_string().contains("another split"), "{error}");
+}
+
+#[test]
+fn the_manifest_says_what_is_what() {
+    let world = World::new();
+    let out = world.out("manifest");
+    exported(&world, Format::Dynerf, HeldOut::Pose, &out);
+    let manifest: Manifest = serde_json::from_value(json(&out.join(MANIFEST))).unwrap();
+    assert!(manifest.complete);
+    assert_eq!((manifest.scene.as_str(), manifest.format.as_str()), ("closed_form", "4dgaussians-dynerf"));
+    assert_eq!(manifest.frames, world.frames());
+    assert_eq!((manifest.cameras[0].called.as_str(), manifest.cameras[0].held_out), ("cam00", true));
+    assert_eq!((manifest.cameras[1].name.as_str(), manifest.cameras[1].called.as_str()), ("cam00", "cam01"));
+    assert!(manifest.notes.iter().any(|note| note.contains("grey pictures")));
+}
+
+#[test]
+fn truth_has_to_be_brought_along() {
+    let world = World::new();
+    let (scene, out) = (world.dir(), world.out("none"));
+    let format = Format::LerfOvs;
+    let order = Order {
+        scene: &scene,
+        format,
+        out: &out,
+        frames: &[],
+        held_out: HeldOut::Pose,
+        points: 1,
+        judged: None,
+    };
+    assert!(export(order, &|| {}).unwrap_err().to_string().contains("truth were not given"));
+}
+
+#[test]
+fn frames_can_be_chosen_among_the_rendered_ones() {
+    let world = World::new();
+    let scene = world.dir();
+    let out = world.out("two");
+    let order = Order {
+        scene: &scene,
+        format: Format::Plain,
+        out: &out,
+        frames: &[96, 12],
+        held_out: HeldOut::Pose,
+        points: 1,
+        judged: None,
+    };
+    assert_eq!(export(order, &|| {}).unwrap().manifest.frames, [12, 96]);
+    assert_eq!(std::fs::read_dir(out.join("images/cam00")).unwrap().count(), 2);
+    let elsewhere = world.out("elsewhere");
+    let error = export(Order { frames: &[13], out: &elsewhere, ..order }, &|| {}).unwrap_err();
+    assert!(error.to_string().contains("frame 13 is not rendered"), "{error}");
+    assert!(!elsewhere.exists());
+}

@@ -1,0 +1,260 @@
+//! The readers of 4DGaussians and 4D LangSplat.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+use l4d_import::export::{Format, HeldOut};
+use l4d_import::npy::Array;
+
+use crate::support::{TEST_VIEW, World};
+use crate::{RAY_TOLERANCE_PX, exported, json, matrix, png, probes, shown, try_export};
+
+/// Where the rasterizer of 3DGS puts a point, in pixels with centres at integers.
+fn rasterized(projection: DMat4, view: DMat4, point: DVec3, size: [f64; 2]) -> DVec2 {
+    let clip: DVec4 = projection * view * point.extend(1.0);
+    let ndc = clip.truncate() / clip.w;
+    DVec2::new(((ndc.x + 1.0) * size[0] - 1.0) / 2.0, ((ndc.y + 1.0) * size[1] - 1.0) / 2.0)
+}
+
+/// A projection with a centred principal point from two fields of view, as all 3DGS readers build it.
+fn centred_projection(fov_x: f64, fov_y: f64) -> DMat4 {
+    let (near, far) = (0.01, 100.0);
+    DMat4::from_cols_array(&[
+        1.0 / (fov_x / 2.0).tan(),
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0 / (fov_y / 2.0).tan(),
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        far / (far - near),
+        -(far * near) / (far - near),
+        0.0,
+        0.0,
+        1.0,
+        0.0,
+    ])
+    .transpose()
+}
+
+#[test]
+fn panoptic_sports_reads_cameras_moments_split_and_points() {
+    let mut world = World::new();
+    // What no other reader of 4DGaussians holds: a principal point off the centre, two focal lengths.
+    world.change(|scene| {
+        for (index, camera) in scene.cameras.iter_mut().enumerate() {
+            camera.cx += 3.25 + index as f64;
+            camera.cy -= 1.5;
+            camera.fy = 133.0 + index as f64;
+        }
+    });
+    let out = world.out("panoptic");
+    exported(&world, Format::FourDGaussians, HeldOut::Pose, &out);
+    let train = json(&out.join("train_meta.json"));
+    let test = json(&out.join("test_meta.json"));
+    let test_camera = world.scene.test_camera().unwrap();
+    for (meta, cameras) in [(&train, world.training()), (&test, vec![test_camera])] {
+        let (w, h) = (meta["w"].as_f64().unwrap(), meta["h"].as_f64().unwrap());
+        let moments = meta["fn"].as_array().unwrap().len();
+        assert_eq!(moments, 9);
+        for (moment, &frame) in world.frames().iter().enumerate() {
+            for (index, camera) in cameras.iter().enumerate() {
+                let k = &meta["k"][moment][index];
+                let value = |row: usize, column: usize| k[row][column].as_f64().unwrap();
+                let (fx, fy, cx, cy) = (value(0, 0), value(1, 1), value(0, 2), value(1, 2));
+                let (near, far) = (0.01, 100.0);
+                let projection = DMat4::from_cols_array(&[
+                    2.0 * fx / w,
+                    0.0,
+                    -(w - 2.0 * cx) / w,
+                    0.0,
+                    0.0,
+                    2.0 * fy / h,
+                    -(h - 2.0 * cy) / h,
+                    0.0,
+                    0.0,
+                    0.0,
+                    far / (far - near),
+                    -(far * near) / (far - near),
+                    0.0,
+                    0.0,
+                    1.0,
+                    0.0,
+                ])
+                .transpose();
+                let view = matrix(&meta["w2c"][moment][index]);
+                for (point, at) in probes(camera, frame) {
+                    let seen = rasterized(projection, view, point, [w, h]) + 0.5;
+                    assert!((seen - at).length() < RAY_TOLERANCE_PX, "{}: {seen} for {at}", camera.name);
+                }
+                let name = meta["fn"][moment][index].as_str().unwrap();
+                let picture = png(&out.join("ims").join(name), 128, 96);
+                if camera.name.as_str() == TEST_VIEW {
+                    assert!(picture.pixels().all(|pixel| pixel.0 == [128; 3]));
+                } else {
+                    assert_eq!(picture, shown(&world, &camera.name, frame));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_first_points_lie_on_surfaces() {
+    let world = World::new();
+    let out = world.out("points");
+    exported(&world, Format::FourDGaussians, HeldOut::Pose, &out);
+    let points = archive_array(&out.join("init_pt_cld.npz"), "data.npy");
+    assert_eq!(points.shape[1], 6);
+    assert!((1800..2200).contains(&points.shape[0]), "{} points for 2000", points.shape[0]);
+    for row in points.data.chunks(6) {
+        assert!(row[2] > -1e-5, "nothing lies below the ground, but {row:?}");
+        assert!(row[3..].iter().all(|value| (0.0..=1.0).contains(value)));
+    }
+}
+
+/// Reads an entry of an archive as `numpy.load` does.
+fn archive_array(path: &Path, name: &str) -> Array<f64> {
+    let bytes = std::fs::read(path).unwrap();
+    let archive = rawzip::ZipArchive::from_slice(&bytes).unwrap();
+    for entry in archive.entries() {
+        let entry = entry.unwrap();
+        if entry.file_path().as_ref() == name.as_bytes() {
+            let mut array = Vec::new();
+            let inside = archive.get_entry(entry.wayfinder()).unwrap();
+            inside.data().read_to_end(&mut array).unwrap();
+            assert_eq!(rawzip::crc32(&array), entry.crc32());
+            return Array::decode(path, &array).unwrap();
+        }
+    }
+    panic!("{name} is not in {}", path.display());
+}
+
+/// Rotation and translation that the reader of Neu3D hands to the rasterizer, and the focal length that it uses.
+fn neu3d_camera(row: &[f64], first: &[f64]) -> (DMat4, f64) {
+    let column = |index: usize| DVec3::new(row[index], row[5 + index], row[10 + index]);
+    let focal = first[14] / 2.0;
+    // Its own axes: columns 1, -0, 2; then the matrix is negated and its first column turned back.
+    let pose = DMat3::from_cols(column(1), -column(0), column(2));
+    let rotation = DMat3::from_cols(pose.x_axis, -pose.y_axis, -pose.z_axis);
+    let centre = column(3);
+    let translation = -(rotation.transpose() * centre);
+    let view = DMat4::from_mat3(rotation.transpose());
+    (DMat4::from_translation(translation) * view, focal)
+}
+
+#[test]
+fn dynerf_reads_the_same_rays_at_its_own_size() {
+    let world = World::new();
+    for (format, moments) in [(Format::Dynerf, 9), (Format::FourDLangSplat, 300)] {
+        let out = world.out(format.as_str());
+        exported(&world, format, HeldOut::Pose, &out);
+        let poses: Array<f64> =
+            Array::decode(Path::new("p"), &std::fs::read(out.join("poses_bounds.npy")).unwrap()).unwrap();
+        assert_eq!(poses.shape, [5, 17]);
+        let rows: Vec<&[f64]> = poses.data.chunks(17).collect();
+        let videos = std::fs::read_dir(&out).unwrap().filter(|entry| {
+            let name = entry.as_ref().unwrap().file_name().into_string().unwrap();
+            name.starts_with("cam") && name.ends_with(".mp4")
+        });
+        assert_eq!(videos.count(), 5);
+        let mut cameras = vec![world.scene.test_camera().unwrap()];
+        cameras.extend(world.training());
+        for (number, camera) in cameras.iter().enumerate() {
+            let (view, focal) = neu3d_camera(rows[number], rows[0]);
+            let size = [1352.0, 1014.0];
+            let fov = size.map(|side| 2.0 * (side / 2.0 / focal).atan());
+            let projection = centred_projection(fov[0], fov[1]);
+            for (point, at) in probes(camera, 0) {
+                // Pictures are enlarged to the reader's size.
+                let seen = (rasterized(projection, view, point, size) + 0.5) * (128.0 / 1352.0);
+                assert!((seen - at).length() < RAY_TOLERANCE_PX, "{}: {seen} for {at}", camera.name);
+            }
+            let [near, far] = [rows[number][15], rows[number][16]];
+            assert!(0.5 < near && near < far && far < 40.0, "bounds {near} to {far}");
+            let images = out.join(format!("cam{number:02}/images"));
+            let mut names: Vec<_> = std::fs::read_dir(&images).unwrap().map(|e| e.unwrap().path()).collect();
+            names.sort();
+            assert_eq!(names.len(), moments);
+            for (moment, path) in names.iter().enumerate() {
+                let frame = world.frames()[moment.min(8)];
+                let picture = png(path, 128, 96);
+                match number {
+                    0 => assert!(picture.pixels().all(|pixel| pixel.0 == [128; 3])),
+                    _ => assert_eq!(picture, shown(&world, &camera.name, frame)),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn blender_reads_the_true_cameras_although_it_mirrors_them() {
+    let world = World::new();
+    let out = world.out("blender");
+    exported(&world, Format::Blender, HeldOut::Pose, &out);
+    let mut times = Vec::new();
+    for (split, cameras) in [("train", world.training()), ("test", vec![world.scene.test_camera().unwrap()])]
+    {
+        let document = json(&out.join(format!("transforms_{split}.json")));
+        let fov_x = document["camera_angle_x"].as_f64().unwrap();
+        let frames = document["frames"].as_array().unwrap();
+        assert_eq!(frames.len(), cameras.len() * 9);
+        assert_eq!(frames[0]["time"], 0.0);
+        for (index, entry) in frames.iter().enumerate() {
+            let (camera, frame) = (cameras[index % cameras.len()], world.frames()[index / cameras.len()]);
+            times.push(entry["time"].as_f64().unwrap());
+            // The reader: inverse, everything negated, first column of the transpose turned back; T without a turn.
+            let inverse = matrix(&entry["transform_matrix"]).inverse();
+            let transposed = -DMat3::from_mat4(inverse).transpose();
+            let rotation = DMat3::from_cols(-transposed.x_axis, transposed.y_axis, transposed.z_axis);
+            let translation = -inverse.w_axis.truncate();
+            let view = DMat4::from_translation(translation) * DMat4::from_mat3(rotation.transpose());
+            let projection = centred_projection(fov_x, fov_x);
+            for (point, at) in probes(camera, frame) {
+                // 800x800 pictures of the middle 96x96.
+                let seen = (rasterized(projection, view, point, [800.0; 2]) + 0.5) * (96.0 / 800.0);
+                let expected = at - DVec2::new(16.0, 0.0);
+                assert!(
+                    (seen - expected).length() < RAY_TOLERANCE_PX,
+                    "{}: {seen} for {expected}",
+                    camera.name
+                );
+            }
+            let name = format!("{}.png", entry["file_path"].as_str().unwrap());
+            let picture = png(&out.join(name), 96, 96);
+            if split == "train" {
+                let whole = shown(&world, &camera.name, frame);
+                assert_eq!(picture.get_pixel(0, 50), whole.get_pixel(16, 50));
+                assert_eq!(picture.get_pixel(95, 95), whole.get_pixel(111, 95));
+            }
+        }
+    }
+    let expected = world.frames().into_iter().map(|frame| f64::from(frame) / 96.0);
+    assert_eq!(times[..36].iter().copied().step_by(4).collect::<Vec<_>>(), expected.collect::<Vec<_>>());
+}
+
+#[test]
+fn what_a_reader_would_drop_is_refused_with_the_format_that_keeps_it() {
+    type Change = fn(&mut l4d_data::Scene);
+    let changes: [(&str, Change); 3] = [
+        ("principal point", |scene| scene.cameras[1].cx += 0.5),
+        ("focal length", |scene| scene.cameras[3].fy *= 1.01),
+        ("moves", |scene| {
+            let pose = scene.cameras[0].world_from_camera[0];
+            scene.cameras[0].world_from_camera = vec![pose; 97];
+        }),
+    ];
+    for (said, change) in changes {
+        let mut world = World::new();
+        world.change(change);
+        let error = try_export(&world, Format::Dynerf, HeldOut::Pose, &world.out("no")).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+        assert!(error.hint().unwrap().contains("--format 4dgaussians"));
+        exported(&world, Format::FourDGaussians, HeldOut::Pose, &world.out("yes"));
+    }
+}

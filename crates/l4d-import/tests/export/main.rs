@@ -1,0 +1,88 @@
+//! Exports read back as the tools read them that they are made for. The readers below restate what the originals
+//! compute; they share no code with the writers.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod annotations;
+mod colmap;
+mod evaluators;
+mod folder;
+mod four_d_gaussians;
+mod leaks;
+mod nerfs;
+mod public_readers;
+
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+use l4d_data::Camera;
+use l4d_frames::drawn::{RgbImage, decode_colour};
+use l4d_import::annotations::Judged;
+use l4d_import::export::{DEFAULT_POINTS, Exported, Format, HeldOut, Order, export};
+
+use support::World;
+
+/// Rays of an export are those of the scene, pixels.
+pub(crate) const RAY_TOLERANCE_PX: f64 = 1e-4;
+
+/// Exports into a folder of the world.
+pub(crate) fn exported(world: &World, format: Format, held_out: HeldOut, out: &Path) -> Exported {
+    try_export(world, format, held_out, out).unwrap()
+}
+
+pub(crate) fn try_export(
+    world: &World,
+    format: Format,
+    held_out: HeldOut,
+    out: &Path,
+) -> Result<Exported, l4d_data::DataError> {
+    export_frames(world, format, held_out, out, &[])
+}
+
+/// Exports some frames; all if none is named.
+pub(crate) fn export_frames(
+    world: &World,
+    format: Format,
+    held_out: HeldOut,
+    out: &Path,
+    frames: &[u32],
+) -> Result<Exported, l4d_data::DataError> {
+    let scene = world.dir();
+    let (truth, queries) = (&world.truth, world.queries());
+    let judged = Judged::new(Path::new("truth.json"), truth, &queries).unwrap();
+    let judged = format.needs_truth().then_some(&judged);
+    let order = Order { scene: &scene, format, out, frames, held_out, points: 2000, judged };
+    assert!(DEFAULT_POINTS >= order.points);
+    export(order, &|| {})
+}
+
+/// Points before a camera at all corners of its picture, and where they are seen.
+pub(crate) fn probes(camera: &Camera, frame: u32) -> Vec<(DVec3, DVec2)> {
+    let corners = [[0.0, 0.0], [128.0, 0.0], [0.0, 96.0], [128.0, 96.0], [31.5, 70.5]];
+    let probe = |[x, y]: [f64; 2], depth_m| {
+        let at = DVec2::new(x, y);
+        (camera.unproject(frame, at, depth_m), at)
+    };
+    corners.into_iter().flat_map(|corner| [probe(corner, 0.7), probe(corner, 6.0)]).collect()
+}
+
+/// The display colours that a camera of the scene shows.
+pub(crate) fn shown(world: &World, view: &str, frame: u32) -> RgbImage {
+    l4d_frames::Display::new(world.scene.exposure).picture(&world.frame(view, frame))
+}
+
+pub(crate) fn png(path: &Path, width: u32, height: u32) -> RgbImage {
+    decode_colour(&std::fs::read(path).unwrap(), width, height).unwrap()
+}
+
+pub(crate) fn json(path: &Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+/// A 4x4 matrix of nested lists.
+pub(crate) fn matrix(value: &serde_json::Value) -> glam::DMat4 {
+    let rows: Vec<Vec<f64>> = serde_json::from_value(value.clone()).unwrap();
+    let numbers: Vec<f64> = rows.into_iter().flatten().collect();
+    glam::DMat4::from_cols_array(&numbers.try_into().unwrap()).transpose()
+}

@@ -1,0 +1,99 @@
+//! The readers of D-NeRF's and nerfstudio's `transforms.json`, and the plain layout.
+
+use glam::{DMat4, DVec2, DVec3};
+use l4d_data::rig::Rig;
+use l4d_frames::drawn::decode_depth_png;
+use l4d_import::export::{Format, HeldOut};
+
+use crate::support::{TEST_VIEW, World};
+use crate::{RAY_TOLERANCE_PX, exported, json, matrix, png, probes, shown};
+
+/// Where a camera with OpenGL axes sees a point.
+fn seen(world_from_camera: DMat4, [fx, fy, cx, cy]: [f64; 4], point: DVec3) -> DVec2 {
+    let local = world_from_camera.inverse().transform_point3(point);
+    DVec2::new(fx * local.x / -local.z + cx, -fy * local.y / -local.z + cy)
+}
+
+#[test]
+fn dnerf_has_true_matrices_and_whole_pictures() {
+    let world = World::new();
+    let out = world.out("dnerf");
+    exported(&world, Format::Dnerf, HeldOut::Pose, &out);
+    for split in ["train", "val", "test"] {
+        let document = json(&out.join(format!("transforms_{split}.json")));
+        let focal = 64.0 / (document["camera_angle_x"].as_f64().unwrap() / 2.0).tan();
+        for entry in document["frames"].as_array().unwrap() {
+            let name = entry["file_path"].as_str().unwrap();
+            let (view, frame) = name.rsplit('/').next().unwrap().split_once('_').unwrap();
+            let camera = world.scene.camera(view).unwrap();
+            assert_eq!(view == TEST_VIEW, split != "train", "{name} is in {split}");
+            for (point, at) in probes(camera, 0) {
+                let pose = matrix(&entry["transform_matrix"]);
+                assert!((seen(pose, [focal, focal, 64.0, 48.0], point) - at).length() < RAY_TOLERANCE_PX);
+            }
+            let picture = png(&out.join(format!("{name}.png")), 128, 96);
+            if split == "train" {
+                assert_eq!(picture, shown(&world, view, frame.parse().unwrap()));
+            }
+        }
+    }
+}
+
+#[test]
+fn nerfstudio_has_rays_depth_and_a_split_in_every_moment() {
+    let mut world = World::new();
+    world.change(|scene| scene.cameras[0].cx += 2.5);
+    let out = world.out("nerfstudio");
+    exported(&world, Format::Nerfstudio, HeldOut::Pose, &out);
+    for frame in world.frames() {
+        let folder = out.join(format!("frame_{frame:04}"));
+        let document = json(&folder.join("transforms.json"));
+        let entries = document["frames"].as_array().unwrap();
+        assert_eq!(entries.len(), 5);
+        let names = |split: &str| document[format!("{split}_filenames")].as_array().unwrap().clone();
+        assert_eq!(names("train").len(), 4);
+        assert_eq!(names("test"), [format!("images/{TEST_VIEW}.png")]);
+        assert!(!names("train").contains(&names("test")[0]));
+        for entry in entries {
+            let view = entry["file_path"].as_str().unwrap().split(['/', '.']).nth(1).unwrap();
+            let camera = world.scene.camera(view).unwrap();
+            let intrinsics = ["fl_x", "fl_y", "cx", "cy"].map(|key| entry[key].as_f64().unwrap());
+            for (point, at) in probes(camera, frame) {
+                let found = seen(matrix(&entry["transform_matrix"]), intrinsics, point);
+                assert!((found - at).length() < RAY_TOLERANCE_PX, "{view}: {found} for {at}");
+            }
+            let depth = std::fs::read(folder.join(entry["depth_file_path"].as_str().unwrap())).unwrap();
+            let depth = decode_depth_png(&depth, 128, 96).unwrap();
+            if view == TEST_VIEW {
+                assert!(depth.iter().all(|depth_m| depth_m.is_infinite()), "the held-out camera shows depth");
+                continue;
+            }
+            let truth = world.frame(view, frame).surfaces.depth_m;
+            for (&stored, &depth_m) in depth.iter().zip(&truth) {
+                assert!(stored == depth_m || (stored - depth_m).abs() <= 0.00051, "{stored} for {depth_m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn plain_cameras_are_ours_and_the_held_out_one_has_no_picture() {
+    let world = World::new();
+    let out = world.out("plain");
+    exported(&world, Format::Plain, HeldOut::Pose, &out);
+    let rig = Rig::read(&out.join("cameras.json")).unwrap();
+    assert_eq!(rig.size(), [128, 96]);
+    assert_eq!(rig.cameras, world.scene.cameras);
+    assert!(!out.join("images").join(TEST_VIEW).exists());
+    for camera in world.training() {
+        for frame in world.frames() {
+            let path = out.join(format!("images/{}/{frame:04}.png", camera.name));
+            assert_eq!(png(&path, 128, 96), shown(&world, &camera.name, frame));
+        }
+    }
+    let document = json(&out.join("cameras.json"));
+    assert_eq!(
+        (document["frames"][4]["frame"].as_u64(), document["frames"][4]["time"].as_f64()),
+        (Some(48), Some(0.5))
+    );
+}

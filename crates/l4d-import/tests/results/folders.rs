@@ -1,0 +1,364 @@
+//! Whole folders, as methods leave them: what comes in, and what scores say of it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use l4d_data::{Name, Profile, QueryId, Report};
+use l4d_frames::{Mask, png, rle};
+use l4d_import::results::import::{Identity, Imported, Order, write};
+use l4d_import::results::preset::Preset;
+use l4d_import::results::probe::probe;
+use l4d_import::results::relevancy::{Plain, Texts, TextsFile, answer, gate};
+use l4d_score::{Exam, Options, QuerySet, Summary, score_results};
+use l4d_splat::Tensor;
+use l4d_splat::checkpoint::pickle::encode_state_dict;
+
+use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, referent, request};
+
+fn id(query: usize) -> QueryId {
+    format!("{SCENE}/{:03}", query + 1).parse().unwrap()
+}
+
+fn mask_of(imported: &Imported, query: usize, frame: u32) -> Option<Mask> {
+    let counts = imported.answers[&id(query)][&frame].as_ref()?;
+    Some(rle::decode(counts, 128, 96).unwrap())
+}
+
+fn score(bench: &Bench, imported: &Imported) -> Summary {
+    let benchmark = bench.open();
+    let request = request(&benchmark, "langsplat-masks", &bench.path("method"));
+    let identity = Identity { name: Name::new("theirs").unwrap(), version: "1".to_owned(), test_view: false };
+    let results = bench.path("results");
+    write(&results, &identity, &request, imported, true).unwrap();
+    let mut report = Report::default();
+    let exam = Exam::open(bench.open(), Profile::Tiny, QuerySet::Queries, &[], &mut report).unwrap();
+    let scored = score_results(&results, &exam, &Options::default(), &bench.path("scores"), |_| ()).unwrap();
+    assert!(!scored.report.has_errors(), "{:?}", scored.report);
+    scored.summaries.into_iter().next().unwrap()
+}
+
+/// Masks that are right in part, so that no two averages are the same.
+fn guess(query: usize, position: usize) -> Mask {
+    let truth = cup(referent(query), position);
+    let cut = 42 + (3 * position + 5 * query) as u32 % 20;
+    Mask::from_fn(128, 96, |col, row| truth.get(col, row) && row < cut)
+}
+
+#[test]
+fn chosen_masks_of_langsplat_score_as_its_own_evaluation_would() {
+    let bench = Bench::new();
+    for position in 0..clip().len() {
+        for (query, text) in TEXTS.iter().enumerate() {
+            let file = format!("{SCENE}/{:05}/chosen_{text}.png", position + 1);
+            bench.write(&file, png::encode(&guess(query, position)));
+        }
+    }
+    bench.write(&format!("{SCENE}/20240101.log"), "iou chosen: 0.9\n");
+    bench.write(&format!("{SCENE}/20240202.log"), "trunc thresh: 0.4\niou chosen: 0.5\n");
+    let (imported, report) = bench.import("langsplat-masks", |_| ());
+    assert!(report.is_empty(), "{:?}", report.into_sorted());
+    assert_eq!(imported.claimed[&format!("{SCENE}: iou chosen")], 0.5, "the latest log counts");
+    for (position, frame) in clip().into_iter().enumerate() {
+        assert_eq!(mask_of(&imported, 1, frame).unwrap(), guess(1, position));
+    }
+
+    let summary = score(&bench, &imported);
+    let value = serde_json::to_value(&summary).unwrap();
+    let number = |pointer: &str| value.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap();
+    let theirs = &imported.scores[&Name::new(SCENE).unwrap()];
+    // LangSplat averages pairs of frame and sentence: our micro average.
+    let iou = |query: usize, position: usize| {
+        let (mask, truth) = (guess(query, position), cup(referent(query), position));
+        mask.and_count(&truth) as f64 / mask.or_count(&truth) as f64
+    };
+    let holds = |query: usize, frame: u32| query != 2 || (36..=60).contains(&frame);
+    let places: Vec<(usize, usize, u32)> = (0..3)
+        .flat_map(|query| clip().into_iter().enumerate().map(move |(at, frame)| (query, at, frame)))
+        .filter(|(query, _, frame)| holds(*query, *frame))
+        .collect();
+    let micro = places.iter().map(|&(query, at, _)| iou(query, at)).sum::<f64>() / places.len() as f64;
+    assert!((theirs.langsplat_iou.unwrap() - micro).abs() < 1e-12);
+    assert!((number("/averages/micro/miou") / 100.0 - micro).abs() < 1e-4);
+    // 4D LangSplat averages sentences, without those about a time; ours are all of them.
+    let of_query = |query: usize| {
+        let frames: Vec<f64> =
+            places.iter().filter(|place| place.0 == query).map(|&(query, at, _)| iou(query, at)).collect();
+        frames.iter().sum::<f64>() / frames.len() as f64
+    };
+    assert!((theirs.four_d_langsplat_iou.unwrap() - (of_query(0) + of_query(1)) / 2.0).abs() < 1e-12);
+    assert!((number("/miou") / 100.0 - (of_query(0) + of_query(1) + of_query(2)) / 3.0).abs() < 1e-4);
+    // A mask in every frame: on where it should be off, so a third of the frames are right.
+    assert!((theirs.four_d_langsplat_acc.unwrap() - 3.0 / 9.0).abs() < 1e-12);
+}
+
+/// Latents that point along the axes: 0 the red cup, 1 the blue one, 2 everything else.
+fn axes(position: usize, strength: f32) -> Vec<f32> {
+    let (red, blue) = (cup("cup_red", position), cup("cup_blue", position));
+    let rows = (0..96).flat_map(|row| (0..128).map(move |col| (col, row)));
+    let pixel = |(col, row): (u32, u32)| match (red.get(col, row), blue.get(col, row)) {
+        (true, _) => [strength, -0.3, 0.3],
+        (_, true) => [-0.3, strength, 0.3],
+        _ => [-0.05, -0.05 * strength, 0.9],
+    };
+    rows.flat_map(pixel).collect()
+}
+
+/// The weights of a decoder that changes nothing, as torch saves them, with an encoder beside it.
+fn weights(width: usize) -> Vec<u8> {
+    let mut identity = vec![0.0; width * width];
+    (0..width).for_each(|index| identity[index * width + index] = 1.0);
+    let tensor = |shape: &[usize], data: Vec<f32>| Tensor { shape: shape.to_vec(), data };
+    let tensors = BTreeMap::from([
+        ("decoder.0.bias".to_owned(), tensor(&[width], vec![0.0; width])),
+        ("decoder.0.weight".to_owned(), tensor(&[width, width], identity)),
+        ("encoder.0.weight".to_owned(), tensor(&[1, 1], vec![0.5])),
+    ]);
+    encode_state_dict("archive", &tensors).unwrap()
+}
+
+/// Sentences along the axes, with one phrase along the third.
+fn texts(bench: &Bench) -> (PathBuf, TextsFile) {
+    let path = bench.path("texts.npz");
+    let positives = npy(&[3, 3], &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
+    let bytes = npz(&[
+        ("queries.npy", npy_texts(&TEXTS)),
+        ("positives.npy", positives),
+        ("negatives.npy", npy(&[1, 3], &[0.0, 0.0, 1.0])),
+        ("model.npy", npy_texts(&["made by hand"])),
+    ]);
+    std::fs::write(&path, bytes).unwrap();
+    let file = TextsFile::read(&path).unwrap();
+    assert_eq!((file.model.as_str(), file.queries.len()), ("made by hand", 3));
+    (path, file)
+}
+
+fn langsplat(bench: &Bench) {
+    for position in 0..clip().len() {
+        for (level, strength) in [(1, 0.5), (2, 0.9), (3, 0.3)] {
+            let file = format!("{SCENE}_{level}/test/ours_None/renders_npy/{position:05}.npy");
+            bench.write(&file, npy(&[96, 128, 3], &axes(position, strength)));
+        }
+    }
+    bench.write(&format!("{SCENE}/ae_ckpt/best_ckpt.pth"), weights(3));
+}
+
+#[test]
+fn latents_of_langsplat_become_the_masks_of_its_rules() {
+    let bench = Bench::new();
+    langsplat(&bench);
+    let (imported, report) =
+        bench.import("langsplat", |request| request.encoders.texts = Some(texts(&bench)));
+    assert!(!report.has_errors(), "{:?}", report.into_sorted());
+    for (position, frame) in clip().into_iter().enumerate() {
+        for query in 0..3 {
+            let (mask, truth) = (mask_of(&imported, query, frame).unwrap(), cup(referent(query), position));
+            let iou = mask.and_count(&truth) as f64 / mask.or_count(&truth) as f64;
+            assert!(iou > 0.9, "query {query}, frame {frame}: {iou}");
+        }
+    }
+    assert!(imported.assumptions["threshold"].contains("0.7"), "{:?}", imported.assumptions);
+    assert!(imported.inputs.keys().any(|input| input.ends_with("best_ckpt.pth")));
+    assert_eq!(imported.inputs[&format!("{SCENE}: 27 files")].len(), 64);
+    assert!(score(&bench, &imported).scores.headline.miou.unwrap() > 90.0);
+}
+
+#[test]
+fn the_highest_mean_is_looked_for_in_the_box_of_the_object() {
+    let located = |bench: &Bench| {
+        let (imported, _) = bench.import("langsplat", |request| request.encoders.texts = Some(texts(bench)));
+        imported.scores.values().next().unwrap().langsplat_localisation.unwrap()
+    };
+    let bench = Bench::new();
+    langsplat(&bench);
+    assert_eq!(located(&bench), 1.0);
+    // The film runs backwards: objects are where they belong around the middle alone.
+    for position in 0..clip().len() {
+        let file = format!("{SCENE}_2/test/ours_None/renders_npy/{position:05}.npy");
+        bench.write(&file, npy(&[96, 128, 3], &axes(clip().len() - 1 - position, 0.9)));
+    }
+    let backwards = located(&bench);
+    assert!((1.0 / 9.0..5.0 / 9.0).contains(&backwards), "{backwards}");
+}
+
+#[test]
+fn two_imports_are_the_same_to_the_byte() {
+    let bench = Bench::new();
+    langsplat(&bench);
+    let card = || {
+        let (imported, _) = bench.import("langsplat", |request| request.encoders.texts = Some(texts(&bench)));
+        score(&bench, &imported);
+        std::fs::read(bench.path("results/theirs/method.json")).unwrap()
+    };
+    assert_eq!(card(), card());
+}
+
+#[test]
+fn four_d_langsplat_is_gated_by_its_features_of_time() {
+    let bench = Bench::new();
+    // Similar to "it tips" in the middle of the clip.
+    let level = |position: usize| if (3..=5).contains(&position) { 0.9 } else { 0.1 };
+    for position in 0..clip().len() {
+        for (level, strength) in [(1, 0.5), (2, 0.9), (3, 0.3)] {
+            let file = format!("{SCENE}/{SCENE}_{level}/video_lang/ours_10000/renders_npy/{position:05}.npy");
+            bench.write(&file, npy(&[96, 128, 3], &axes(position, strength)));
+        }
+        let time: Vec<f32> = (0..96 * 128).flat_map(|_| [level(position), 1.0, 0.0, 0.0, 0.0, 0.2]).collect();
+        let file = format!("{SCENE}/{SCENE}_0/video_lang/ours_20000/renders_npy/{position:05}.npy");
+        bench.write(&file, npy(&[96, 128, 6], &time));
+    }
+    bench.write(&format!("{SCENE}/clip_best_ckpt.pth"), weights(3));
+    bench.write(&format!("{SCENE}/video_best_ckpt.pth"), weights(6));
+    let time_texts = bench.path("time.npz");
+    let bytes = npz(&[
+        ("queries.npy", npy_texts(&TEXTS[2..])),
+        ("positives.npy", npy(&[1, 6], &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
+    ]);
+    std::fs::write(&time_texts, bytes).unwrap();
+    let (imported, report) = bench.import("4d-langsplat", |request| {
+        request.encoders.texts = Some(texts(&bench));
+        request.encoders.time_texts = Some((time_texts.clone(), TextsFile::read(&time_texts).unwrap()));
+    });
+    assert!(!report.has_errors(), "{:?}", report.into_sorted());
+    let cosine = |x: f64| x / (x * x + 1.04).sqrt();
+    let cosines: Vec<f64> = (0..9).map(|position| cosine(level(position).into())).collect();
+    let open = gate::gate(&cosines, true).open;
+    assert_eq!(open, [false, false, false, true, true, true, false, false, false]);
+    for (frame, is_open) in clip().into_iter().zip(open) {
+        assert_eq!(mask_of(&imported, 2, frame).is_some(), is_open, "frame {frame}");
+        assert!(mask_of(&imported, 0, frame).is_some(), "a sentence about no time is not gated");
+    }
+    let theirs = &imported.scores[&Name::new(SCENE).unwrap()];
+    assert_eq!(theirs.four_d_langsplat_acc, Some(1.0));
+    assert!(theirs.four_d_langsplat_viou.unwrap() > 0.9);
+}
+
+#[test]
+fn one_model_a_frame_has_one_decoder_a_frame() {
+    let bench = Bench::new();
+    for (position, frame) in clip().into_iter().enumerate() {
+        for (level, strength) in [(1, 0.5), (2, 0.9), (3, 0.3)] {
+            let file = format!("{SCENE}_{frame:04}_{level}/test/ours_None/renders_npy/00000.npy");
+            bench.write(&file, npy(&[96, 128, 3], &axes(position, strength)));
+        }
+        bench.write(&format!("{SCENE}_{frame:04}/ae_ckpt/best_ckpt.pth"), weights(3));
+    }
+    let (imported, report) =
+        bench.import("langsplat-per-frame", |request| request.encoders.texts = Some(texts(&bench)));
+    assert!(!report.has_errors(), "{:?}", report.into_sorted());
+    assert_eq!(imported.answers[&id(0)].len(), 9);
+    assert_eq!(imported.inputs.keys().filter(|input| input.starts_with("decoder")).count(), 9);
+}
+
+#[test]
+fn maps_of_ids_are_selected_by_sentence() {
+    let bench = Bench::new();
+    for position in 0..clip().len() {
+        let (red, blue) = (cup("cup_red", position), cup("cup_blue", position));
+        let pixels: Vec<f32> = red
+            .to_bools()
+            .into_iter()
+            .zip(blue.to_bools())
+            .map(|(red, blue)| {
+                if red {
+                    3.0
+                } else if blue {
+                    7.0
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let file = format!("{SCENE}/test/ours_30000/objects_ids/{position:05}.npy");
+        bench.write(&file, npy(&[96, 128], &pixels));
+    }
+    let (imported, report) = bench.import("gaussian-grouping-ids", |request| {
+        request.reading.selections = BTreeMap::from([
+            ("001".to_owned(), BTreeSet::from([3])),
+            ("the BLUE cup".to_owned(), BTreeSet::from([7])),
+        ]);
+    });
+    assert_eq!(codes(report), ["L4D548"], "one sentence is not selected");
+    assert_eq!(mask_of(&imported, 0, 0).unwrap(), cup("cup_red", 0));
+    assert_eq!(mask_of(&imported, 1, 96).unwrap(), cup("cup_blue", 8));
+}
+
+#[test]
+fn run_lengths_in_one_file_and_null_for_nothing() {
+    let bench = Bench::new();
+    let record = |mask: &Mask| serde_json::json!({"size": [96, 128], "counts": rle::encode(mask)});
+    let frames = |query: usize| -> Vec<serde_json::Value> {
+        (0..9)
+            .map(|at| if at == 4 { serde_json::Value::Null } else { record(&cup(referent(query), at)) })
+            .collect()
+    };
+    let file = serde_json::json!({"001": frames(0), "the blue cup": frames(1), "003": {"0036": record(&cup("cup_red", 3))}});
+    bench.write(&format!("{SCENE}.json"), file.to_string());
+    let (imported, report) = bench.import("mevis-rle", |_| ());
+    assert_eq!(codes(report), ["L4D548"], "the third sentence has one frame");
+    assert_eq!(mask_of(&imported, 0, 48), None);
+    assert_eq!(mask_of(&imported, 1, 96).unwrap(), cup("cup_blue", 8));
+    assert_eq!(mask_of(&imported, 2, 36).unwrap(), cup("cup_red", 3));
+}
+
+#[test]
+fn a_list_of_frames_leaves_other_cameras_out() {
+    let bench = Bench::new();
+    let folder = |picture: usize| format!("{SCENE}/test/ours_1_text/test_mask/{picture:05}");
+    for picture in 0..18 {
+        for (query, text) in TEXTS.iter().enumerate() {
+            bench.write(
+                &format!("{}/{text}.png", folder(picture)),
+                png::encode(&cup(referent(query), picture / 2)),
+            );
+        }
+    }
+    // Two cameras in turn; the second one is held out.
+    let frames = clip().into_iter().flat_map(|frame| [None, Some(frame)]).collect();
+    let (imported, report) =
+        bench.import("gaussian-grouping", |request| request.order = Order::Listed(frames));
+    assert!(report.is_empty(), "{:?}", report.into_sorted());
+    assert_eq!(imported.answers[&id(2)].len(), 9);
+    assert_eq!(mask_of(&imported, 0, 24).unwrap(), cup("cup_red", 2));
+}
+
+#[test]
+fn probing_says_what_it_sees() {
+    let bench = Bench::new();
+    langsplat(&bench);
+    let found = probe(&bench.path("method")).unwrap();
+    assert_eq!(found[0].preset, "langsplat");
+    assert_eq!(found[0].files, 27);
+    let why = found[0].why.join("\n");
+    for part in [
+        "27 files",
+        "{position}: 9 numbers from 0 to 8",
+        "{level}: 3 numbers from 1 to 3",
+        "[96, 128, 3]",
+        "--texts",
+    ] {
+        assert!(why.contains(part), "{part} is not in\n{why}");
+    }
+    assert!(Preset::find(&found[0].preset).is_ok());
+}
+
+#[test]
+fn the_reference_engine_finds_the_same_in_files() {
+    let bench = Bench::new();
+    langsplat(&bench);
+    let (imported, _) = bench.import("langsplat", |request| request.encoders.texts = Some(texts(&bench)));
+    let (_, file) = texts(&bench);
+    let decoder = l4d_import::results::relevancy::Decoder::read(
+        &bench.path("method").join(format!("{SCENE}/ae_ckpt/best_ckpt.pth")),
+    )
+    .unwrap();
+    let one: Texts = file.texts.select(&[1]);
+    let plain = Plain::new(decoder, one).unwrap();
+    let rules = Preset::find("langsplat").unwrap().latents.unwrap().rules;
+    let data: Vec<Vec<f32>> = [0.5, 0.9, 0.3].into_iter().map(|strength| axes(4, strength)).collect();
+    let levels: Vec<_> = data
+        .iter()
+        .map(|data| l4d_import::results::relevancy::Latents { width: 128, height: 96, channels: 3, data })
+        .collect();
+    let chosen = answer(&plain, &levels, &rules);
+    assert_eq!(mask_of(&imported, 1, 48).unwrap(), chosen[0].found.mask);
+}

@@ -1,0 +1,263 @@
+//! What users report of the originals, each ending in a finding that names the cause.
+
+use l4d_frames::{Mask, png};
+use l4d_import::results::preset::Preset;
+use l4d_import::results::relevancy::TextsFile;
+use l4d_splat::Tensor;
+use l4d_splat::checkpoint::pickle::encode_state_dict;
+
+use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, referent};
+
+fn masks(bench: &Bench, mask: impl Fn(usize, usize) -> Mask) {
+    for position in 0..clip().len() {
+        for (query, text) in TEXTS.iter().enumerate() {
+            bench.write(
+                &format!("{SCENE}/{:05}/chosen_{text}.png", position + 1),
+                png::encode(&mask(query, position)),
+            );
+        }
+    }
+}
+
+/// Levels of every frame, an autoencoder of 3 to `out` numbers, and sentences of `width`.
+fn latents(bench: &Bench, value: impl Fn(u64, usize) -> f32, channels: usize, out: usize) {
+    for position in 0..clip().len() {
+        for level in 1..=3 {
+            let data: Vec<f32> = (0..96 * 128 * channels).map(|index| value(level, index)).collect();
+            bench.write(
+                &format!("{SCENE}_{level}/train/ours_None/renders_npy/{position:05}.npy"),
+                npy(&[96, 128, channels], &data),
+            );
+        }
+    }
+    let weight: Vec<f32> = (0..3 * out).map(|index| ((index * 7 % 11) as f32 - 5.0) / 5.0).collect();
+    let tensors = [("decoder.0.weight", vec![out, 3], weight), ("decoder.0.bias", vec![out], vec![0.1; out])];
+    let tensors = tensors.map(|(name, shape, data)| (name.to_owned(), Tensor { shape, data }));
+    let bytes = encode_state_dict("archive", &tensors.into_iter().collect()).unwrap();
+    bench.write(&format!("{SCENE}/ae_ckpt/best_ckpt.pth"), bytes);
+}
+
+fn wave(level: u64, index: usize) -> f32 {
+    0.5 * (index as f32 * 0.37 + level as f32).sin()
+}
+
+/// Findings of an import of latents with sentences of `width` numbers.
+fn of_latents(bench: &Bench, width: usize) -> Vec<&'static str> {
+    let path = bench.path("texts.npz");
+    let numbers = |count: usize| -> Vec<f32> { (0..count * width).map(|index| wave(9, index)).collect() };
+    let bytes = npz(&[
+        ("queries.npy", npy_texts(&TEXTS)),
+        ("positives.npy", npy(&[3, width], &numbers(3))),
+        ("negatives.npy", npy(&[4, width], &numbers(4))),
+    ]);
+    std::fs::write(&path, bytes).unwrap();
+    let (_, report) = bench.import("langsplat", |request| {
+        request.encoders.texts = Some((path.clone(), TextsFile::read(&path).unwrap()));
+    });
+    codes(report)
+}
+
+#[test]
+fn colours_in_the_place_of_latents() {
+    let bench = Bench::new();
+    latents(&bench, |level, index| 0.75 + 0.2 * wave(level, index), 3, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D550"));
+}
+
+#[test]
+fn three_levels_that_are_one() {
+    let bench = Bench::new();
+    latents(&bench, |_, index| wave(1, index), 3, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D551"));
+}
+
+#[test]
+fn blank_renders() {
+    let bench = Bench::new();
+    latents(&bench, |_, _| 0.0, 3, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D552"));
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let bench = Bench::new();
+    latents(&bench, |level, index| if index == 77 { f32::NAN } else { wave(level, index) }, 3, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D553"));
+}
+
+#[test]
+fn three_channels_where_512_are_meant_and_the_other_way_round() {
+    let bench = Bench::new();
+    latents(&bench, wave, 12, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D554"), "channels");
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    assert!(of_latents(&bench, 16).contains(&"L4D554"), "sentences");
+}
+
+#[test]
+fn latents_without_sentences_or_decoder() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    assert!(codes(bench.import("langsplat", |_| ()).1).contains(&"L4D555"));
+    std::fs::remove_file(bench.path("method").join(format!("{SCENE}/ae_ckpt/best_ckpt.pth"))).unwrap();
+    assert!(of_latents(&bench, 8).contains(&"L4D554"));
+}
+
+#[test]
+fn fewer_pictures_than_frames() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    for level in 1..=3 {
+        let file = format!("{SCENE}_{level}/train/ours_None/renders_npy/00008.npy");
+        std::fs::remove_file(bench.path("method").join(file)).unwrap();
+    }
+    assert!(of_latents(&bench, 8).contains(&"L4D546"));
+    let file = format!("{SCENE}_2/train/ours_None/renders_npy/00007.npy");
+    std::fs::remove_file(bench.path("method").join(file)).unwrap();
+    assert!(of_latents(&bench, 8).contains(&"L4D548"), "a level is missing");
+}
+
+#[test]
+fn renders_of_training_cameras() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    assert!(of_latents(&bench, 8).contains(&"L4D580"));
+}
+
+#[test]
+fn two_runs_in_one_folder() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    bench.write(&format!("{SCENE}_1/train/ours_7000/renders_npy/00000.npy"), npy(&[1, 1, 3], &[0.0; 3]));
+    assert_eq!(of_latents(&bench, 8), ["L4D543"]);
+}
+
+#[test]
+fn masks_of_another_frame() {
+    let bench = Bench::new();
+    masks(&bench, |query, position| cup(referent(query), position.saturating_sub(1)));
+    let (_, report) = bench.import("langsplat-masks", |_| ());
+    let findings = report.into_sorted();
+    assert_eq!(findings.iter().map(|finding| finding.code).collect::<Vec<_>>(), ["L4D557"]);
+    assert!(findings[0].message.contains("one frame earlier"), "{findings:?}");
+    let bench = Bench::new();
+    masks(&bench, |query, position| cup(referent(query), (position + 1).min(8)));
+    let findings = bench.import("langsplat-masks", |_| ()).1.into_sorted();
+    assert!(findings[0].message.contains("one frame later"), "{findings:?}");
+}
+
+#[test]
+fn masks_that_hardly_touch_the_truth() {
+    let bench = Bench::new();
+    masks(&bench, |_, _| Mask::from_fn(128, 96, |_, row| row < 4));
+    assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D558"]);
+}
+
+#[test]
+fn masks_of_everything() {
+    let bench = Bench::new();
+    masks(
+        &bench,
+        |query, position| {
+            if query == 0 { Mask::full(128, 96) } else { cup(referent(query), position) }
+        },
+    );
+    assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D556"]);
+}
+
+#[test]
+fn another_size_is_named_and_only_resized_when_asked() {
+    let bench = Bench::new();
+    masks(&bench, |query, position| cup(referent(query), position).resized_nearest(256, 192));
+    let (imported, report) = bench.import("langsplat-masks", |_| ());
+    assert!(imported.answers.is_empty());
+    let findings = report.into_sorted();
+    let size = findings.iter().find(|finding| finding.code == "L4D547").unwrap();
+    assert!(size.message.contains("256x192") && size.message.contains("128x96"), "{size:?}");
+    assert!(size.hint.contains("--resize"));
+    assert!(findings.iter().filter(|finding| finding.code == "L4D547").count() <= 13, "the rest is counted");
+    assert!(bench.import("langsplat-masks", |request| request.resize = true).1.is_empty());
+    let bench = Bench::new();
+    masks(&bench, |_, _| Mask::full(128, 128));
+    let findings = bench.import("langsplat-masks", |request| request.resize = true).1.into_sorted();
+    assert!(findings.iter().any(|finding| finding.hint.contains("proportions")), "{findings:?}");
+}
+
+#[test]
+fn names_that_fit_no_sentence_and_files_that_answer_twice() {
+    let bench = Bench::new();
+    masks(&bench, |query, position| cup(referent(query), position));
+    bench.write(&format!("{SCENE}/00001/chosen_the red cupp.png"), png::encode(&Mask::empty(128, 96)));
+    bench.write(&format!("{SCENE}/00001/chosen_THE RED CUP.png"), png::encode(&Mask::empty(128, 96)));
+    let findings = bench.import("langsplat-masks", |_| ()).1.into_sorted();
+    let unknown = findings.iter().find(|finding| finding.code == "L4D544").unwrap();
+    assert!(unknown.hint.contains("`The red cup`"), "{unknown:?}");
+    let twice = findings.iter().find(|finding| finding.code == "L4D545").unwrap();
+    assert!(twice.message.contains("001") && twice.hint.contains("overwrite"), "{twice:?}");
+}
+
+#[test]
+fn frames_beyond_the_clip() {
+    let bench = Bench::new();
+    masks(&bench, |query, position| cup(referent(query), position));
+    bench.write(&format!("{SCENE}/00010/chosen_the red cup.png"), png::encode(&Mask::empty(128, 96)));
+    assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D546"]);
+}
+
+#[test]
+fn scenes_that_are_none_and_folders_without_anything() {
+    let bench = Bench::new();
+    bench.write("teatime/00001/chosen_the red cup.png", png::encode(&Mask::empty(128, 96)));
+    assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D540", "L4D544"]);
+    assert_eq!(codes(bench.import("refersplat", |_| ()).1), ["L4D540"]);
+}
+
+#[test]
+fn pictures_that_may_be_masks_in_several_ways() {
+    let bench = Bench::new();
+    masks(&bench, |query, position| cup(referent(query), position));
+    let file = |kind: ::png::ColorType, pixels: &[u8]| {
+        let mut bytes = Vec::new();
+        let mut encoder = ::png::Encoder::new(&mut bytes, 128, 96);
+        encoder.set_color(kind);
+        if kind == ::png::ColorType::Indexed {
+            encoder.set_palette(vec![0, 0, 0, 128, 0, 0]);
+        }
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(pixels).unwrap();
+        writer.finish().unwrap();
+        bytes
+    };
+    let path = format!("{SCENE}/00001/chosen_the blue cup.png");
+    let mut colours = vec![0; 128 * 96 * 3];
+    colours[7] = 200;
+    for (kind, pixels) in [(::png::ColorType::Rgb, colours), (::png::ColorType::Indexed, vec![1; 128 * 96])] {
+        bench.write(&path, file(kind, &pixels));
+        let found = codes(bench.import("langsplat-masks", |_| ()).1);
+        assert_eq!(found, ["L4D548", "L4D549"], "{kind:?}");
+    }
+    let mut greys = vec![0; 128 * 96];
+    (greys[0], greys[1]) = (100, 255);
+    bench.write(&path, file(::png::ColorType::Grayscale, &greys));
+    let strict = |request: &mut l4d_import::results::import::Request<'_>| {
+        request.reading.inside = "mask".parse().unwrap();
+    };
+    assert_eq!(codes(bench.import("langsplat-masks", strict).1), ["L4D548", "L4D549"]);
+}
+
+#[test]
+fn videos_and_jpegs_are_told_what_to_be() {
+    let bench = Bench::new();
+    for name in ["the blue cup.mp4", "the blue cup.jpg"] {
+        bench.write(&format!("{SCENE}/00001/{name}"), "x");
+    }
+    let mut preset = Preset::find("langsplat-masks").unwrap();
+    for extension in ["mp4", "jpg"] {
+        preset.template = format!("{{scene}}/{{position+1:05}}/{{text}}.{extension}");
+        let findings =
+            bench.import("langsplat-masks", |request| request.preset = preset.clone()).1.into_sorted();
+        let refused = findings.iter().find(|finding| finding.code == "L4D541").unwrap();
+        assert!(refused.hint.contains("PNG"), "{refused:?}");
+    }
+}

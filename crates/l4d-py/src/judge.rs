@@ -1,0 +1,156 @@
+//! Scores, findings and baselines: what `l4d score`, `l4d check-results` and `l4d baseline` do.
+
+use std::path::PathBuf;
+
+use l4d_data::{self as data, Report, Severity};
+use l4d_score::baseline::write_baseline as write;
+use l4d_score::{Baseline, Missing, Options, check_results, score_results};
+use pyo3::prelude::*;
+
+use crate::benchmark::Benchmark;
+use crate::error::{Failure, Result, unknown};
+use crate::query::json_to_python;
+
+/// One problem that a check found, with a stable code (docs/findings.md).
+#[pyclass(frozen, module = "l4d")]
+#[derive(Debug)]
+pub(crate) struct Finding(data::Finding);
+
+#[pymethods]
+impl Finding {
+    /// `L4D` and three digits.
+    #[getter]
+    fn code(&self) -> &'static str {
+        self.0.code
+    }
+
+    /// `"error"` or `"warning"`.
+    #[getter]
+    fn severity(&self) -> &'static str {
+        match self.0.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        }
+    }
+
+    /// File or folder.
+    #[getter]
+    fn path(&self) -> &str {
+        &self.0.path
+    }
+
+    /// Field, line, view, frame or entry inside it.
+    #[getter]
+    fn place(&self) -> &str {
+        &self.0.location
+    }
+
+    /// What is wrong.
+    #[getter]
+    fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// What to do.
+    #[getter]
+    fn hint(&self) -> &str {
+        &self.0.hint
+    }
+
+    fn __repr__(&self) -> String {
+        let data::Finding { path, location, code, message, hint, .. } = &self.0;
+        let place = if location.is_empty() { String::new() } else { format!(": {location}") };
+        format!("{path}{place}: {}[{code}]: {message} (hint: {hint})", self.severity())
+    }
+}
+
+/// Scores a results folder, or a folder of them: the document that `l4d score --json` prints, number for number.
+///
+/// Percentages stand under `document["methods"]`; a method with an error finding is not among them, and
+/// `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
+/// `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
+/// each method are written below `scores`, or nowhere.
+#[pyfunction]
+#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, missing = "error", hit_iou = 0.0, verified_only = false, resize = false, scores = None))]
+#[expect(clippy::too_many_arguments, reason = "those of the verb")]
+pub(crate) fn score<'py>(
+    py: Python<'py>,
+    results: PathBuf,
+    benchmark: &Benchmark,
+    set: &str,
+    scenes: Option<Vec<String>>,
+    missing: &str,
+    hit_iou: f64,
+    verified_only: bool,
+    resize: bool,
+    scores: Option<PathBuf>,
+) -> Result<Bound<'py, PyAny>> {
+    let missing = match missing {
+        "error" => Missing::Error,
+        "zero" => Missing::Zero,
+        "skip" => Missing::Skip,
+        other => return Err(unknown("missing", other, &["error", "zero", "skip"])),
+    };
+    if !(0.0..1.0).contains(&hit_iou) {
+        let message = format!("{hit_iou} is no threshold");
+        return Err(Failure::argument("hit_iou", message, "give a number from 0 to below 1"));
+    }
+    let options = Options { missing, hit_iou, verified_only, resize };
+    let document = py.detach(|| {
+        let mut report = Report::default();
+        let exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        let nowhere = tempfile::tempdir().map_err(|error| Failure::of_chain(&error))?;
+        let folder = scores.as_deref().unwrap_or(nowhere.path());
+        let mut scored = score_results(&results, &exam, &options, folder, |_| {})?;
+        report.extend(std::mem::take(&mut scored.report));
+        scored.report = report;
+        Ok::<_, Failure>(scored.into_document(&exam))
+    })?;
+    json_to_python(py, &document)
+}
+
+/// Every problem of a results folder, or of a folder of them: what `l4d check-results` finds.
+#[pyfunction]
+#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None))]
+pub(crate) fn check(
+    py: Python<'_>,
+    results: PathBuf,
+    benchmark: &Benchmark,
+    set: &str,
+    scenes: Option<Vec<String>>,
+) -> Result<Vec<Finding>> {
+    let report = py.detach(|| {
+        let mut report = Report::default();
+        let exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        check_results(&results, &exam, &mut report)?;
+        Ok::<_, Failure>(report)
+    })?;
+    Ok(report.into_sorted().into_iter().map(Finding).collect())
+}
+
+/// Writes the results of a baseline to `<results>/<name>/` and gives that folder: what `l4d baseline` does.
+///
+/// `name` is `"oracle"`, `"time-agnostic"`, `"look-alike-union"`, `"random-look-alike"`, `"all"` or `"none"`. Files with
+/// the right bytes are kept; other bytes are replaced only if `force` is set.
+#[pyfunction]
+#[pyo3(signature = (name, benchmark, results, *, scenes = None, seed = 0, force = false))]
+pub(crate) fn write_baseline(
+    py: Python<'_>,
+    name: &str,
+    benchmark: &Benchmark,
+    results: PathBuf,
+    scenes: Option<Vec<String>>,
+    seed: u64,
+    force: bool,
+) -> Result<PathBuf> {
+    let known = Baseline::ALL.map(Baseline::as_str);
+    let found = Baseline::ALL.into_iter().find(|baseline| baseline.as_str() == name);
+    let baseline = found.ok_or_else(|| unknown("name", name, &known))?;
+    py.detach(|| {
+        // What keeps scenes from being asked about is told by `check` and `score`.
+        let exam =
+            benchmark.exam("queries", scenes.as_deref().unwrap_or_default(), &mut Report::default())?;
+        write(baseline, &exam, seed, &results, force)?;
+        Ok(results.join(baseline.as_str()))
+    })
+}

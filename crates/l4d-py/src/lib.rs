@@ -1,0 +1,58 @@
+//! The Python package `l4d`: what the project reads, judges and draws, as numpy arrays.
+//!
+//! This crate owns how Python sees the types of the other crates: names, shapes, units, exceptions. It refuses to
+//! compute anything that one of them could, so that a number is the same in Python and in the binary, to the last
+//! bit. Work that takes long runs without the global lock of the interpreter.
+
+mod arrays;
+mod benchmark;
+mod camera;
+mod clips;
+mod error;
+mod frame;
+mod instance;
+mod judge;
+mod query;
+mod results;
+mod rle;
+mod scene;
+mod splats;
+mod timeline;
+mod truth;
+
+use pyo3::prelude::*;
+
+/// What `l4d/__init__.py` hands on.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::benchmark::Benchmark;
+    #[pymodule_export]
+    use super::camera::Camera;
+    #[pymodule_export]
+    use super::clips::Clips;
+    #[pymodule_export]
+    use super::frame::{Frame, FrameClip};
+    #[pymodule_export]
+    use super::instance::{Event, Instance};
+    #[pymodule_export]
+    use super::judge::{Finding, check, score, write_baseline};
+    #[pymodule_export]
+    use super::query::Query;
+    #[pymodule_export]
+    use super::results::ResultsWriter;
+    #[pymodule_export]
+    use super::rle::{rle_decode, rle_encode};
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::splats::{Picture, PictureClip, Splats};
+    #[pymodule_export]
+    use super::timeline::Timeline;
+    #[pymodule_export]
+    use super::truth::Truth;
+
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name for it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,361 @@
+//! Trained 4D Gaussians, and what they show a camera.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use l4d_data::Profile;
+use l4d_frames::drawn::picture_of;
+use l4d_splat::clip::{ClipError, Moment, draw};
+use l4d_splat::model::time_of_frame;
+use l4d_splat::raster::{Cpu, Drawing, RasterSettings};
+use l4d_splat::source::Source;
+use l4d_splat::view::View;
+use numpy::{Ix2, Ix3, Ix4, PyArray, PyArrayMethods as _};
+use pyo3::prelude::*;
+
+use crate::arrays::{Array2, Array3, Array4, array2, array3, array4, shape_of};
+use crate::camera::Camera;
+use crate::error::{Failure, Result, unknown};
+use crate::timeline::check_frame;
+
+/// A model on disk: a checkpoint folder of `l4d train-splats`, a model folder of 4DGaussians, or a PLY of 3D Gaussians.
+///
+/// Drawn on the processor. Colours are display colours, as those that it was trained on.
+#[pyclass(frozen, module = "l4d")]
+#[derive(Debug)]
+pub(crate) struct Splats {
+    source: Source,
+}
+
+#[pymethods]
+impl Splats {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> Result<Self> {
+        Ok(Self { source: py.detach(|| Source::open(&path))? })
+    }
+
+    /// Who wrote it: `"l4d"`, `"4dgaussians"` or `"ply"`.
+    #[getter]
+    fn family(&self) -> String {
+        self.source.family.to_string()
+    }
+
+    /// Scene that it was trained on, or None where it does not say so.
+    #[getter]
+    fn scene(&self) -> Option<&str> {
+        self.source.scene.as_deref()
+    }
+
+    /// Profile of the pictures that it was trained on, or None where it does not say so.
+    #[getter]
+    fn profile(&self) -> Option<&'static str> {
+        self.source.profile.map(Profile::as_str)
+    }
+
+    /// How many Gaussians there are.
+    #[getter]
+    fn gaussian_count(&self) -> usize {
+        self.source.model.gaussians.len()
+    }
+
+    /// How many of them go through the deformation field.
+    #[getter]
+    fn dynamic_count(&self) -> usize {
+        self.source.model.dynamic.len()
+    }
+
+    /// What was ignored or assumed when it was read, a sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.source.notes.clone()
+    }
+
+    /// What a camera sees at a canonical frame, or at a time from 0 to 1 (one of the two; a camera that moves has poses at
+    /// frames alone).
+    ///
+    /// `size` is (width, height), pixels: that of the camera by default. `background` is a display colour, each channel
+    /// 0 to 1: what the model was trained to show, else black. `depth` is `"median"` (where transmittance crosses a half),
+    /// `"expected"` (sum z a T / sum a T) or `"sum"` (sum z a T, as 4DGaussians has it).
+    #[pyo3(signature = (camera, *, frame = None, time = None, size = None, background = None, depth = "median"))]
+    #[expect(clippy::too_many_arguments, reason = "what decides how a picture looks")]
+    fn render(
+        &self,
+        py: Python<'_>,
+        camera: &Camera,
+        frame: Option<u32>,
+        time: Option<f32>,
+        size: Option<[u32; 2]>,
+        background: Option<[f32; 3]>,
+        depth: &str,
+    ) -> Result<Picture> {
+        let instant = match (frame, time) {
+            (Some(frame), None) => (check_frame(frame)?, time_of_frame(frame)),
+            (None, Some(time)) if camera.camera.world_from_camera.len() == 1 => (0, time),
+            (None, Some(_)) => {
+                let message = "is given, but the camera moves and is known at canonical frames alone";
+                return Err(Failure::argument("time", message, "give a frame instead"));
+            }
+            _ => {
+                let message = "frame and time: exactly one is needed";
+                return Err(Failure::argument(
+                    "frame",
+                    message,
+                    "give a canonical frame, or a time from 0 to 1",
+                ));
+            }
+        };
+        let depth = Depth::parse(depth)?;
+        let size = size.unwrap_or(camera.size);
+        let values = py.detach(|| self.draw(camera, &[instant], size, background, depth))?;
+        Picture::new(py, values, size)
+    }
+
+    /// What a camera sees at canonical frames; arguments as in `render`. The model is deformed once a frame.
+    #[pyo3(signature = (camera, frames, *, size = None, background = None, depth = "median"))]
+    fn clip(
+        &self,
+        py: Python<'_>,
+        camera: &Camera,
+        frames: Vec<u32>,
+        size: Option<[u32; 2]>,
+        background: Option<[f32; 3]>,
+        depth: &str,
+    ) -> Result<PictureClip> {
+        let instant = |&frame: &u32| Ok((check_frame(frame)?, time_of_frame(frame)));
+        let instants = frames.iter().map(instant).collect::<Result<Vec<_>>>()?;
+        let depth = Depth::parse(depth)?;
+        let size = size.unwrap_or(camera.size);
+        let values = py.detach(|| self.draw(camera, &instants, size, background, depth))?;
+        PictureClip::new(py, values, frames, size)
+    }
+
+    fn __repr__(&self) -> String {
+        let (all, moving) = (self.gaussian_count(), self.dynamic_count());
+        format!("Splats({}, {all} Gaussians, {moving} of them dynamic)", self.source.family)
+    }
+}
+
+impl Splats {
+    /// One picture for each (frame of the camera, time).
+    fn draw(
+        &self,
+        camera: &Camera,
+        instants: &[(u32, f32)],
+        size: [u32; 2],
+        background: Option<[f32; 3]>,
+        depth: Depth,
+    ) -> Result<Values> {
+        let background = background.or(self.source.background).unwrap_or_default();
+        let settings = RasterSettings { background, ..RasterSettings::default() };
+        let view = |frame: u32| View::of_camera(&camera.camera, frame, camera.size, size);
+        let moment = |&(frame, time): &(u32, f32)| {
+            let view = view(frame).map_err(|error| Failure::of_chain(&error))?;
+            Ok(Moment { time, views: vec![((), view)] })
+        };
+        let moments = instants.iter().map(moment).collect::<Result<Vec<_>>>()?;
+        // Moments are drawn one after the other, and each has one view: the order is that of the instants.
+        let drawn = Mutex::new(Vec::with_capacity(instants.len()));
+        let keep = |(): &(), drawing: Drawing| {
+            if let Ok(mut drawn) = drawn.lock() {
+                drawn.push(Values::of(drawing, depth));
+            }
+            Ok::<(), ClipError>(())
+        };
+        draw(&self.source.model, &Cpu::new(), &settings, &moments, keep)
+            .map_err(|error| Failure::of_chain(&error))?;
+        Ok(Values::joined(drawn.into_inner().unwrap_or_default()))
+    }
+}
+
+/// Which depth a pixel has.
+#[derive(Debug, Clone, Copy)]
+enum Depth {
+    Median,
+    Expected,
+    Sum,
+}
+
+impl Depth {
+    fn parse(text: &str) -> Result<Self> {
+        match text {
+            "median" => Ok(Self::Median),
+            "expected" => Ok(Self::Expected),
+            "sum" => Ok(Self::Sum),
+            other => Err(unknown("depth", other, &["median", "expected", "sum"])),
+        }
+    }
+
+    fn of(self, drawing: &mut Drawing) -> Vec<f32> {
+        match self {
+            Self::Median => drawing.quantiles.take().map(|quantiles| quantiles.median_m).unwrap_or_default(),
+            Self::Expected => drawing.depth_expected_m(),
+            Self::Sum => std::mem::take(&mut drawing.depth_sum_m),
+        }
+    }
+}
+
+/// Pictures one after another, row by row.
+#[derive(Default)]
+pub(crate) struct Values {
+    pub(crate) rgb: Vec<f32>,
+    pub(crate) depth_m: Vec<f32>,
+    /// None where the pictures do not say.
+    pub(crate) alpha: Option<Vec<f32>>,
+}
+
+impl Values {
+    fn of(mut drawing: Drawing, depth: Depth) -> Self {
+        Self {
+            rgb: drawing.colour.as_flattened().to_vec(),
+            depth_m: depth.of(&mut drawing),
+            alpha: Some(drawing.alpha),
+        }
+    }
+
+    /// Pictures of the same kind in one.
+    pub(crate) fn joined(pictures: Vec<Self>) -> Self {
+        let mut pictures = pictures.into_iter();
+        let mut all = pictures.next().unwrap_or_default();
+        for mut picture in pictures {
+            all.rgb.append(&mut picture.rgb);
+            all.depth_m.append(&mut picture.depth_m);
+            if let (Some(all), Some(alpha)) = (&mut all.alpha, &mut picture.alpha) {
+                all.append(alpha);
+            }
+        }
+        all
+    }
+}
+
+/// Display colours as bytes.
+fn bytes(rgb: &[f32], [width, height]: [u32; 2]) -> Vec<u8> {
+    let pixels = rgb.as_chunks::<3>().0;
+    let pictures = pixels.chunks_exact(width as usize * height as usize);
+    pictures.flat_map(|pixels| picture_of(width, height, pixels).into_raw()).collect()
+}
+
+/// What a model shows a camera.
+#[pyclass(frozen, module = "l4d")]
+#[derive(Debug)]
+pub(crate) struct Picture {
+    size: [u32; 2],
+    rgb: Py<PyArray<f32, Ix3>>,
+    depth_m: Py<PyArray<f32, Ix2>>,
+    alpha: Option<Py<PyArray<f32, Ix2>>>,
+}
+
+impl Picture {
+    fn new(py: Python<'_>, values: Values, size: [u32; 2]) -> Result<Self> {
+        let Values { rgb, depth_m, alpha } = values;
+        let [rows, columns] = shape_of(size[0], size[1]);
+        Ok(Self {
+            size,
+            rgb: array3(py, rgb, [rows, columns, 3])?.unbind(),
+            depth_m: array2(py, depth_m, [rows, columns])?.unbind(),
+            alpha: alpha
+                .map(|alpha| Ok::<_, Failure>(array2(py, alpha, [rows, columns])?.unbind()))
+                .transpose()?,
+        })
+    }
+}
+
+#[pymethods]
+impl Picture {
+    /// Display colour over the background, not clamped: float32 (H, W, 3), 0 to 1.
+    #[getter]
+    fn rgb<'py>(&self, py: Python<'py>) -> Array3<'py, f32> {
+        self.rgb.bind(py).clone()
+    }
+
+    /// Planar depth (camera z), metres: float32 (H, W); +inf where there is none.
+    #[getter]
+    fn depth_m<'py>(&self, py: Python<'py>) -> Array2<'py, f32> {
+        self.depth_m.bind(py).clone()
+    }
+
+    /// How much of a pixel the splats fill: float32 (H, W), 0 to 1; None where the pictures do not say.
+    #[getter]
+    fn alpha<'py>(&self, py: Python<'py>) -> Option<Array2<'py, f32>> {
+        Some(self.alpha.as_ref()?.bind(py).clone())
+    }
+
+    /// What a screen shows: uint8 (H, W, 3).
+    fn display<'py>(&self, py: Python<'py>) -> Result<Array3<'py, u8>> {
+        let [rows, columns] = shape_of(self.size[0], self.size[1]);
+        let rgb = self.rgb.bind(py).to_vec().map_err(PyErr::from)?;
+        array3(py, py.detach(|| bytes(&rgb, self.size)), [rows, columns, 3])
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Picture({}x{})", self.size[0], self.size[1])
+    }
+}
+
+/// What a model shows a camera, one frame after another.
+#[pyclass(frozen, module = "l4d")]
+#[derive(Debug)]
+pub(crate) struct PictureClip {
+    size: [u32; 2],
+    frames: Vec<u32>,
+    rgb: Py<PyArray<f32, Ix4>>,
+    depth_m: Py<PyArray<f32, Ix3>>,
+    alpha: Option<Py<PyArray<f32, Ix3>>>,
+}
+
+impl PictureClip {
+    pub(crate) fn new(py: Python<'_>, values: Values, frames: Vec<u32>, size: [u32; 2]) -> Result<Self> {
+        let Values { rgb, depth_m, alpha } = values;
+        let (count, [rows, columns]) = (frames.len(), shape_of(size[0], size[1]));
+        Ok(Self {
+            size,
+            frames,
+            rgb: array4(py, rgb, [count, rows, columns, 3])?.unbind(),
+            depth_m: array3(py, depth_m, [count, rows, columns])?.unbind(),
+            alpha: alpha
+                .map(|alpha| Ok::<_, Failure>(array3(py, alpha, [count, rows, columns])?.unbind()))
+                .transpose()?,
+        })
+    }
+}
+
+#[pymethods]
+impl PictureClip {
+    /// Canonical frames, in the order of the arrays.
+    #[getter]
+    fn frames(&self) -> Vec<u32> {
+        self.frames.clone()
+    }
+
+    /// Display colour over the background, not clamped: float32 (T, H, W, 3), 0 to 1.
+    #[getter]
+    fn rgb<'py>(&self, py: Python<'py>) -> Array4<'py, f32> {
+        self.rgb.bind(py).clone()
+    }
+
+    /// Planar depth (camera z), metres: float32 (T, H, W); +inf where there is none.
+    #[getter]
+    fn depth_m<'py>(&self, py: Python<'py>) -> Array3<'py, f32> {
+        self.depth_m.bind(py).clone()
+    }
+
+    /// How much of a pixel the splats fill: float32 (T, H, W), 0 to 1; None where the pictures do not say.
+    #[getter]
+    fn alpha<'py>(&self, py: Python<'py>) -> Option<Array3<'py, f32>> {
+        Some(self.alpha.as_ref()?.bind(py).clone())
+    }
+
+    /// What a screen shows: uint8 (T, H, W, 3).
+    fn display<'py>(&self, py: Python<'py>) -> Result<Array4<'py, u8>> {
+        let [rows, columns] = shape_of(self.size[0], self.size[1]);
+        let rgb = self.rgb.bind(py).to_vec().map_err(PyErr::from)?;
+        array4(py, py.detach(|| bytes(&rgb, self.size)), [self.frames.len(), rows, columns, 3])
+    }
+
+    fn __len__(&self) -> usize {
+        self.frames.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("PictureClip({} frames, {}x{})", self.frames.len(), self.size[0], self.size[1])
+    }
+}

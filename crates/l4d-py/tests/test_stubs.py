@@ -1,0 +1,96 @@
+"""The stub says what the module has: every name, every signature, and nothing else."""
+
+import ast
+import inspect
+from pathlib import Path
+
+import pytest
+
+import l4d
+from l4d import _native
+
+STUB = ast.parse((Path(l4d.__file__).parent / "_native.pyi").read_text())
+FUNCTIONS = {node.name: node for node in STUB.body if isinstance(node, ast.FunctionDef)}
+CLASSES = {
+    node.name: node for node in STUB.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+}
+
+
+def stub_members(node: ast.ClassDef) -> dict[str, ast.FunctionDef]:
+    return {member.name: member for member in node.body if isinstance(member, ast.FunctionDef)}
+
+
+def is_property(node: ast.FunctionDef) -> bool:
+    return any(isinstance(decorator, ast.Name) and decorator.id == "property" for decorator in node.decorator_list)
+
+
+def stub_signature(node: ast.FunctionDef) -> list[tuple]:
+    """(name, kind, default) of each argument but `self`."""
+    arguments = node.args
+    positional = [argument.arg for argument in arguments.args if argument.arg != "self"]
+    defaults = [inspect.Parameter.empty] * (len(positional) - len(arguments.defaults))
+    defaults += [ast.literal_eval(default) for default in arguments.defaults]
+    signature = [
+        (name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default) for name, default in zip(positional, defaults)
+    ]
+    for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults):
+        value = inspect.Parameter.empty if default is None else ast.literal_eval(default)
+        signature.append((argument.arg, inspect.Parameter.KEYWORD_ONLY, value))
+    return signature
+
+
+def real_signature(function: object) -> list[tuple]:
+    parameters = inspect.signature(function).parameters.values()
+    return [(each.name, each.kind, each.default) for each in parameters if each.name != "self"]
+
+
+def test_every_name_of_the_module_stands_in_the_stub_and_in_the_package() -> None:
+    public = {name for name in vars(_native) if not name.startswith("_")} - {"annotations"}
+    assert public == set(FUNCTIONS) | set(CLASSES)
+    assert public | {"L4dError", "__version__"} == set(l4d.__all__)
+    assert all(hasattr(l4d, name) for name in l4d.__all__)
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS))
+def test_functions_take_what_the_stub_says(name: str) -> None:
+    function = getattr(_native, name)
+    assert real_signature(function) == stub_signature(FUNCTIONS[name])
+    assert function.__doc__
+
+
+@pytest.mark.parametrize("name", sorted(CLASSES))
+def test_classes_have_what_the_stub_says(name: str) -> None:
+    cls, stub = getattr(_native, name), stub_members(CLASSES[name])
+    assert cls.__doc__ and cls.__module__ == "l4d"
+    found = {member for member in vars(cls) if not member.startswith("_")}
+    found |= {"__len__"} & set(vars(cls))
+    assert found == set(stub) - {"__init__"}
+    if "__init__" in stub:
+        assert real_signature(cls) == stub_signature(stub["__init__"])
+    else:
+        with pytest.raises(TypeError):
+            cls()
+    for member, node in stub.items():
+        if member.startswith("__"):
+            continue
+        real = vars(cls)[member]
+        assert real.__doc__, f"{name}.{member} says nothing of itself"
+        assert inspect.isgetsetdescriptor(real) == is_property(node), member
+        if not is_property(node):
+            assert real_signature(real) == stub_signature(node), member
+
+
+def test_arrays_say_their_shape_and_numbers_their_unit() -> None:
+    for name, node in CLASSES.items():
+        for member, stub in stub_members(node).items():
+            returns = ast.unparse(stub.returns) if stub.returns else ""
+            kinds = ("_Floats", "_Doubles", "_Bools", "_Bytes", "_Ids")
+            if any(kind in returns for kind in kinds):
+                doc = vars(getattr(_native, name))[member].__doc__
+                assert any(shape in doc for shape in ("(H, W", "(T, H", "(3", "(4", "(N")), f"{name}.{member}: {doc}"
+            if member.endswith("_m"):
+                assert "metres" in vars(getattr(_native, name))[member].__doc__, f"{name}.{member}"
+
+
+def test_the_package_is_marked_as_typed() -> None:
+    assert (Path(l4d.__file__).parent / "py.typed").exists()

@@ -1,0 +1,134 @@
+//! Queries of real scenes: nobody knows where things are, so nothing is proved. What can be checked is whether a query
+//! fits its scene: objects, frames, sentences, and whether there is anything to score.
+
+use std::path::PathBuf;
+
+use l4d_data::scene::Role;
+use l4d_data::truth::{Truth, frame_key};
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Status, Temporal};
+
+use super::query::{COMPOSITES, Kind};
+use super::scene::check_each_asks_something_else;
+use super::wording::form_problem;
+use crate::summary::Written;
+
+/// What the benchmark says of one real scene.
+pub(super) struct RealSet {
+    truth: Truth,
+    queries: Vec<(Kind, PathBuf, Vec<Query>)>,
+}
+
+impl RealSet {
+    /// Reads the files of a scene; what cannot be read is a finding.
+    pub(super) fn read(bench: &Benchmark, scene: &Name, report: &mut Report) -> Option<Self> {
+        let read = || -> Result<Self, DataError> {
+            Ok(Self {
+                truth: bench.truth(Profile::Real, scene)?,
+                queries: vec![
+                    (Kind::Single, bench.dir.queries(scene), bench.queries(scene)?),
+                    (Kind::Composite, bench.dir.composites(scene), bench.composites(scene)?),
+                    (Kind::Absent, bench.dir.absents(scene), bench.absents(scene)?),
+                ],
+            })
+        };
+        read().map_err(|error| report.data_error("L4D201", &error)).ok()
+    }
+
+    /// Reports everything that is wrong with the queries of the scene.
+    pub(super) fn check(&self, report: &mut Report) {
+        for (kind, path, query) in self.all() {
+            let place = format!("query {} (\"{}\")", query.id, query.text);
+            for (code, message, hint) in self.problems(kind, query) {
+                report.error(code, path, place.clone(), message, hint);
+            }
+            if let Some(name) = query.referents.iter().find(|name| !self.has_look_alike(name)) {
+                let message =
+                    format!("nothing else of the category of `{name}` is drawn: any object of it is right");
+                let hint =
+                    "draw its look-alikes too, or give labels of one category (\"cup: red\", \"cup: blue\")";
+                report.warning("L4D205", path, place, message, hint);
+            }
+        }
+        check_each_asks_something_else(self.all(), report);
+    }
+
+    /// What is counted of the scene.
+    pub(super) fn written(&self) -> Written<'_> {
+        let [queries, composites, absents] = [0, 1, 2].map(|file| self.queries[file].2.as_slice());
+        let objects = self.truth.instances.iter().filter(|instance| instance.role == Role::Object).count();
+        Written { scale: self.truth.scale, objects, queries, composites, absents }
+    }
+
+    fn all(&self) -> impl Iterator<Item = (Kind, &PathBuf, &Query)> {
+        let files = self.queries.iter();
+        let all =
+            files.flat_map(|(kind, path, queries)| queries.iter().map(move |query| (*kind, path, query)));
+        all.filter(|(_, _, query)| query.status != Status::Rejected)
+    }
+
+    fn problems(&self, kind: Kind, query: &Query) -> Vec<(&'static str, String, &'static str)> {
+        let mut found = Vec::new();
+        for name in query.referents.iter().filter(|name| self.truth.instance(name).is_none()) {
+            let message = format!("referent `{name}` is no object that was drawn");
+            found.push(("L4D202", message, "name an instance of the truth of the scene"));
+        }
+        if query.predicate.is_some() {
+            let message = "has a predicate, but a real scene has no tracks to prove it by".to_owned();
+            found.push(("L4D203", message, "write null"));
+        }
+        found.extend(self.frames_problem(query).map(|message| {
+            ("L4D206", message, "write the frames of the capture in which the sentence holds")
+        }));
+        let is_pair = COMPOSITES.iter().any(|(_, pair)| query.categories == pair);
+        let fits = match kind {
+            Kind::Single => query.categories.len() == 1,
+            Kind::Composite => is_pair,
+            Kind::Absent => query.categories.len() == 1 || is_pair,
+        };
+        if !fits {
+            let message = format!("{:?} is not what this file holds", query.categories);
+            let hint = "single categories stand in <scene>.jsonl, pairs in <scene>.composite.jsonl";
+            found.push(("L4D207", message, hint));
+        }
+        for name in query.referents.iter().filter(|name| self.is_never_seen(query, name)) {
+            let message = format!("`{name}` is drawn in no frame in which the query holds");
+            found.push(("L4D210", message, "draw it, correct the frames, or drop the query"));
+        }
+        found.extend(
+            form_problem(&query.text).map(|message| {
+                ("L4D216", message, "write a noun phrase that means the same from every side")
+            }),
+        );
+        found
+    }
+
+    fn frames_problem(&self, query: &Query) -> Option<String> {
+        let whole = self.truth.whole();
+        let [first, last] = [whole.first(), whole.last()];
+        match query.temporal {
+            Temporal::Whole if query.frames != [whole] => {
+                Some(format!("temporal is `whole`, but frames are not [[{first}, {last}]]"))
+            }
+            Temporal::While if query.frames.iter().any(|part| part.first() < first || part.last() > last) => {
+                Some(format!("frames go beyond the clip, [{first}, {last}]"))
+            }
+            Temporal::While if !self.truth.frames.iter().any(|frame| query.holds_at(*frame)) => {
+                Some("it holds in no frame on which somebody drew".to_owned())
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether an object that the scene has is drawn in no frame of the query.
+    fn is_never_seen(&self, query: &Query, name: &Name) -> bool {
+        let Some(instance) = self.truth.instance(name) else { return false };
+        let mut held = self.truth.frames.iter().filter(|frame| query.holds_at(**frame));
+        !held.any(|frame| instance.masks.contains_key(&frame_key(*frame)))
+    }
+
+    fn has_look_alike(&self, name: &Name) -> bool {
+        let Some(instance) = self.truth.instance(name) else { return true };
+        let alike = |other: &&l4d_data::truth::InstanceTruth| other.category == instance.category;
+        self.truth.instances.iter().filter(alike).count() > 1
+    }
+}

@@ -1,0 +1,277 @@
+//! Grammar of the verbs that talk to other tools.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use l4d_data::{Name, Profile};
+use l4d_import::capture::Source;
+use l4d_import::export::{DEFAULT_POINTS, Format};
+
+use super::BenchArgs;
+
+#[derive(Debug, Args)]
+pub(crate) struct ImportArgs {
+    /// What the files are: a preset (langsplat, langsplat-per-frame, langsplat-masks, 4d-langsplat, 4d-langsplat-masks,
+    /// gaussian-grouping, gaussian-grouping-ids, opengaussian, refersplat, saga, sadg, mevis, mevis-rle, davis, generic), a preset of
+    /// your own (.toml), or `probe`: say what the folder looks like and import nothing
+    pub(crate) format: String,
+    /// Folder that the preset's template starts from
+    pub(crate) source: PathBuf,
+    #[command(flatten)]
+    pub(crate) bench: BenchArgs,
+    /// Name of the method; default: that of the preset
+    #[arg(long)]
+    pub(crate) name: Option<Name>,
+    /// Version of the method, in your own words
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub(crate) method_version: String,
+    /// Folder that receives one folder a method
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    pub(crate) results: PathBuf,
+    /// The method looked at pictures of the held-out view
+    #[arg(long)]
+    pub(crate) test_view: bool,
+    #[command(flatten)]
+    pub(crate) files: ImportFilesArgs,
+    #[command(flatten)]
+    pub(crate) encoders: ImportEncodersArgs,
+    /// Logs and tables with numbers that the method claims; those at their usual place are found
+    #[arg(long, value_name = "FILE")]
+    pub(crate) claims: Vec<PathBuf>,
+    /// Write what could be read, though something could not
+    #[arg(long)]
+    pub(crate) partial: bool,
+    /// Replace results that stand under that name
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What takes the place of the preset's words.
+#[derive(Debug, Args)]
+pub(crate) struct ImportFilesArgs {
+    /// Path of a file with named fields, e.g. "{scene}/{frame+1:05}/{text}.png" (docs/import/presets.md)
+    #[arg(long, value_name = "PATH")]
+    pub(crate) template: Option<String>,
+    /// Value of a field of the template that is several things, e.g. iteration=30000
+    #[arg(long = "set", value_name = "FIELD=VALUE", value_parser = choice)]
+    pub(crate) choices: Vec<(String, String)>,
+    /// Leave out files whose name begins so
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) ignore: Vec<String>,
+    /// What a file holds
+    #[arg(long, value_enum)]
+    pub(crate) codec: Option<CodecArg>,
+    /// What of a picture or array is inside: mask, nonzero, "above 127", "index 3", selected, "relative 0.4", "langsplat 0.4",
+    /// "4d-langsplat 0.4"
+    #[arg(long, value_name = "RULE")]
+    pub(crate) inside: Option<l4d_import::results::inside::Inside>,
+    /// Which array of a file with several
+    #[arg(long, value_name = "NAME")]
+    pub(crate) key: Option<String>,
+    /// What the axes of arrays are, e.g. level,row,col
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub(crate) axes: Vec<AxisArg>,
+    /// Sentences in the order of a prompt axis, one a line
+    #[arg(long, value_name = "FILE")]
+    pub(crate) prompts: Option<PathBuf>,
+    /// Which ids mean which sentence: {"<number or sentence>": [ids]}
+    #[arg(long, value_name = "JSON")]
+    pub(crate) selections: Option<PathBuf>,
+    /// Which frame each rendered picture shows: a number or - a line; default: the n-th the n-th frame of the profile
+    #[arg(long, value_name = "FILE")]
+    pub(crate) frames: Option<PathBuf>,
+    /// COCO annotations whose image ids name the folders (4d-langsplat-masks)
+    #[arg(long, value_name = "JSON")]
+    pub(crate) images: Option<PathBuf>,
+    /// Number with which the name of the first image begins: 1 in HyperNeRF, 0 in Neu3D
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) images_first: u32,
+    /// Bring masks of another size to that of the profile (nearest), where the proportions are the same
+    #[arg(long)]
+    pub(crate) resize: bool,
+}
+
+/// What latents need.
+#[derive(Debug, Args)]
+pub(crate) struct ImportEncodersArgs {
+    /// Sentences as CLIP sees them (docs/import/export_text_embeddings.py)
+    #[arg(long, value_name = "NPZ")]
+    pub(crate) texts: Option<PathBuf>,
+    /// Weights of the autoencoder; {scene} and {frame} are filled in
+    #[arg(long, value_name = "PTH")]
+    pub(crate) decoder: Option<String>,
+    /// Sentences as E5 sees them: gates queries that hold at some times only
+    #[arg(long, value_name = "NPZ")]
+    pub(crate) time_texts: Option<PathBuf>,
+    /// Weights of the autoencoder of time
+    #[arg(long, value_name = "PTH")]
+    pub(crate) time_decoder: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CodecArg {
+    Picture,
+    Array,
+    Latents,
+    CocoRle,
+    Labelme,
+    Isat,
+    Coco,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AxisArg {
+    Frame,
+    Prompt,
+    Level,
+    Row,
+    Col,
+    One,
+}
+
+fn choice(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((field, value)) if !field.is_empty() && !value.is_empty() => {
+            Ok((field.to_owned(), value.to_owned()))
+        }
+        _ => Err("write <field>=<value>, for example iteration=30000".to_owned()),
+    }
+}
+
+/// What an export may show of the held-out camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum HeldOutArg {
+    /// Nothing, not even where it stands
+    Nothing,
+    /// Where it stands; grey where a reader insists on a picture
+    Pose,
+    /// Its pictures, in the test split
+    Pictures,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// Scene to export
+    pub(crate) scene: String,
+    /// Layout: 4dgaussians, 4dgaussians-dynerf, 4dgaussians-blender, 4d-langsplat, dnerf, langsplat, nerfstudio, colmap,
+    /// colmap-text, plain, coco, davis; with truth for evaluators: 4d-langsplat-annotations, lerf-ovs (docs/export)
+    #[arg(long)]
+    pub(crate) format: Format,
+    /// Folder that receives it: empty, missing, or an earlier export of the same kind
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// tiny, small or full
+    #[arg(long, default_value = "small", value_parser = super::rendered)]
+    pub(crate) profile: Profile,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Folder of the benchmark: which draw is meant, and truth for the formats that hold it
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// What is shown of the held-out camera
+    #[arg(long, value_enum, default_value = "pose")]
+    pub(crate) held_out: HeldOutArg,
+    /// Only these canonical frames (comma-separated or repeated); default: those of the profile
+    #[arg(long, value_name = "FRAME", value_delimiter = ',')]
+    pub(crate) frames: Vec<u32>,
+    /// Most points of a cloud
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_POINTS)]
+    pub(crate) points: usize,
+    /// Also write a moving picture of each camera (--format plain): MP4 where ffmpeg is at hand, else an animated PNG
+    #[arg(long)]
+    pub(crate) video: bool,
+    /// Print the manifest as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What people drew object masks with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MaskFormatArg {
+    /// labelme: a JSON file a picture
+    Labelme,
+    /// ISAT: a JSON file a picture
+    Isat,
+    /// CVAT for images 1.1: one XML file
+    Cvat,
+    /// COCO instances: one JSON file
+    Coco,
+    /// A data set folder of 4D LangSplat
+    #[value(name = "4d-langsplat")]
+    FourDLangSplat,
+    /// PNG with a number an object
+    Png,
+}
+
+/// How large a scene is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ScaleArg {
+    /// Tens of metres
+    Outdoor,
+    /// A few metres
+    Room,
+    /// About a metre
+    Tabletop,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ImportSceneArgs {
+    /// Who recorded it: neu3d, interdigital, hypernerf, colmap, nerfstudio (docs/capture)
+    pub(crate) source: Source,
+    /// Folder that they gave away
+    pub(crate) input: PathBuf,
+    /// Name of the scene; default: that of the folder
+    #[arg(long)]
+    pub(crate) name: Option<Name>,
+    /// Folder that receives the capture; default: data/captures/<name>
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Views to hold out (comma-separated or repeated); default: those of the literature
+    #[arg(long, value_name = "VIEW", value_delimiter = ',')]
+    pub(crate) held_out: Vec<String>,
+    /// First and last moment, as the source counts; default: those of the literature, or all
+    #[arg(long, value_name = "FIRST-LAST")]
+    pub(crate) moments: Option<Moments>,
+    /// Object masks that people drew on the pictures
+    #[arg(long, value_name = "PATH", requires = "masks_format")]
+    pub(crate) masks: Option<PathBuf>,
+    /// What they drew with
+    #[arg(long, value_enum)]
+    pub(crate) masks_format: Option<MaskFormatArg>,
+    /// Folder of a benchmark of real scenes that receives the truth of the masks on the held-out view, to be asked about
+    #[arg(long, value_name = "DIR", requires = "masks", requires = "scale")]
+    pub(crate) bench: Option<PathBuf>,
+    /// Scale of the scene in tables of scores
+    #[arg(long, value_enum)]
+    pub(crate) scale: Option<ScaleArg>,
+    /// Only add masks to a capture that stands in --out
+    #[arg(long, requires = "masks")]
+    pub(crate) masks_only: bool,
+    /// The program that opens videos
+    #[arg(long, value_name = "PATH", default_value = "ffmpeg")]
+    pub(crate) ffmpeg: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// First and last moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Moments(pub(crate) [u32; 2]);
+
+impl std::str::FromStr for Moments {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let sides =
+            text.split_once('-').and_then(|(first, last)| Some([first.parse().ok()?, last.parse().ok()?]));
+        sides
+            .filter(|[first, last]: &[u32; 2]| first <= last)
+            .map(Self)
+            .ok_or_else(|| "write <first>-<last>, for example 151-200".to_owned())
+    }
+}

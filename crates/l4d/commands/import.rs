@@ -1,0 +1,188 @@
+//! `l4d import`: results of other methods in.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use l4d_data::store::read_bounded;
+use l4d_data::{Benchmark, DataError, Name, Report, json};
+use l4d_import::results::codec::{Axis, Codec, Reading};
+use l4d_import::results::import::{Encoders, Identity, Images, Imported, Order, Request, import, write};
+use l4d_import::results::preset::Preset;
+use l4d_import::results::probe::probe;
+use l4d_import::results::protocol::Scores;
+use l4d_import::results::relevancy::TextsFile;
+use serde_json::{Value, json};
+
+use crate::cli::interop::{AxisArg, CodecArg, ImportArgs, ImportEncodersArgs};
+use crate::out::{ExitStatus, Printer, refusal};
+
+/// No list of sentences or ids is larger.
+const MAX_BYTES: u64 = 16 << 20;
+
+pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
+    if args.format == "probe" {
+        return look(&args.source, args.json, out);
+    }
+    let bench = Benchmark::open(&args.bench.bench)?;
+    let request = request(args, &bench)?;
+    let identity = Identity {
+        name: args.name.clone().map_or_else(|| Name::new(&request.preset.name), Ok)?,
+        version: args.method_version.clone(),
+        test_view: args.test_view,
+    };
+    let mut report = Report::default();
+    let imported = import(&request, |scene| out.note(format!("reading {scene}")), &mut report)?;
+    let is_written = !imported.answers.is_empty() && (args.partial || !report.has_errors());
+    let folder =
+        is_written.then(|| write(&args.results, &identity, &request, &imported, args.force)).transpose()?;
+    if args.json {
+        let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+        out.json(&summary(&imported, folder.as_deref(), report))?;
+        return Ok(status);
+    }
+    tell(&imported, &request, out)?;
+    let status = if report.is_empty() { ExitStatus::Success } else { out.findings(report, false)? };
+    match folder {
+        Some(folder) => out.data(folder.display())?,
+        None => out.note("nothing was written: mend what was found, or pass --partial"),
+    }
+    Ok(status)
+}
+
+fn look(source: &Path, as_json: bool, out: &Printer) -> Result<ExitStatus> {
+    let found = probe(source)?;
+    if as_json {
+        out.json(&json!({ "recognised": found }))?;
+    } else {
+        for recognised in &found {
+            out.data(format!("{}: {}", recognised.preset, recognised.title))?;
+            recognised.why.iter().try_for_each(|why| out.data(format!("    {why}")))?;
+        }
+    }
+    if found.is_empty() {
+        return Err(refusal(
+            format!("{}: no preset finds a file here", source.display()),
+            "give the folder that holds one folder a scene, or write a template: l4d import generic --template ...",
+        ));
+    }
+    Ok(ExitStatus::Success)
+}
+
+fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
+    let files = &args.files;
+    let mut preset = Preset::find(&args.format)?;
+    preset.template = files.template.clone().unwrap_or(preset.template);
+    preset.codec = files.codec.map_or(preset.codec, Codec::from);
+    preset.ignore.extend(files.ignore.iter().cloned());
+    if (preset.codec == Codec::Latents) != preset.latents.is_some() {
+        return Err(refusal(
+            format!("--codec {} does not fit the preset {}", preset.codec.as_str(), preset.name),
+            "take langsplat or 4d-langsplat for latents, and generic for everything else",
+        ));
+    }
+    let selections = match &files.selections {
+        Some(path) => json::read::<BTreeMap<String, BTreeSet<u32>>>(path)?,
+        None => BTreeMap::new(),
+    };
+    let axes: Vec<Axis> = files.axes.iter().map(|&axis| axis.into()).collect();
+    let reading = Reading {
+        codec: preset.codec,
+        inside: files.inside.unwrap_or(preset.inside),
+        key: files.key.clone().or_else(|| preset.key.clone()),
+        axes: if axes.is_empty() { preset.axes.clone() } else { Some(axes) },
+        prompts: files.prompts.as_deref().map(lines).transpose()?.unwrap_or_default(),
+        selections,
+    };
+    Ok(Request {
+        bench,
+        profile: args.bench.profile,
+        scenes: bench.select(&args.bench.scenes)?,
+        resize: files.resize || preset.resize,
+        preset,
+        root: args.source.clone(),
+        choices: files.choices.iter().cloned().collect(),
+        reading,
+        order: files.frames.as_deref().map(Order::read).transpose()?.unwrap_or(Order::Clip),
+        images: files.images.as_deref().map(|path| Images::read(path, files.images_first)).transpose()?,
+        encoders: encoders(&args.encoders)?,
+        claims: args.claims.clone(),
+    })
+}
+
+fn encoders(args: &ImportEncodersArgs) -> Result<Encoders, DataError> {
+    let read = |path: &PathBuf| -> Result<(PathBuf, TextsFile), DataError> {
+        Ok((path.clone(), TextsFile::read(path)?))
+    };
+    Ok(Encoders {
+        decoder: args.decoder.clone(),
+        texts: args.texts.as_ref().map(read).transpose()?,
+        time_decoder: args.time_decoder.clone(),
+        time_texts: args.time_texts.as_ref().map(read).transpose()?,
+    })
+}
+
+fn lines(path: &Path) -> Result<Vec<String>, DataError> {
+    let bytes = read_bounded(path, MAX_BYTES)?;
+    Ok(String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect())
+}
+
+/// Claimed numbers, and what the evaluations of others would say of the masks that came in.
+fn tell(imported: &Imported, request: &Request<'_>, out: &Printer) -> Result<()> {
+    for (claim, value) in &imported.claimed {
+        out.data(format!("claimed  {claim}: {value}"))?;
+    }
+    for (scene, scores) in &imported.scores {
+        for (name, value) in columns(scores) {
+            out.data(format!("recount  {scene}: {name}: {value:.4}"))?;
+        }
+    }
+    request.preset.notes.iter().for_each(|note| out.note(note));
+    Ok(())
+}
+
+fn columns(scores: &Scores) -> Vec<(String, f64)> {
+    let Ok(Value::Object(fields)) = serde_json::to_value(scores) else { return Vec::new() };
+    fields.into_iter().filter_map(|(name, value)| Some((name, value.as_f64()?))).collect()
+}
+
+fn summary(imported: &Imported, folder: Option<&Path>, report: Report) -> Value {
+    let answers: usize = imported.answers.values().map(BTreeMap::len).sum();
+    json!({
+        "results": folder.map(|folder| folder.display().to_string()),
+        "queries": imported.answers.len(),
+        "answers": answers,
+        "assumptions": imported.assumptions,
+        "inputs": imported.inputs,
+        "claimed": imported.claimed,
+        "recounted": imported.scores,
+        "findings": report.into_sorted(),
+    })
+}
+
+impl From<CodecArg> for Codec {
+    fn from(codec: CodecArg) -> Self {
+        match codec {
+            CodecArg::Picture => Self::Picture,
+            CodecArg::Array => Self::Array,
+            CodecArg::Latents => Self::Latents,
+            CodecArg::CocoRle => Self::CocoRle,
+            CodecArg::Labelme => Self::Labelme,
+            CodecArg::Isat => Self::Isat,
+            CodecArg::Coco => Self::Coco,
+        }
+    }
+}
+
+impl From<AxisArg> for Axis {
+    fn from(axis: AxisArg) -> Self {
+        match axis {
+            AxisArg::Frame => Self::Frame,
+            AxisArg::Prompt => Self::Prompt,
+            AxisArg::Level => Self::Level,
+            AxisArg::Row => Self::Row,
+            AxisArg::Col => Self::Col,
+            AxisArg::One => Self::One,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! The Python package `l4d`: loaded into Python and asked for the numbers that Rust has.
+//!
+//! The plain suite loads the library that cargo built for these tests; with `L4D_SLOW=1` a wheel is built, installed into
+//! a fresh environment and asked the same. What is asked stands in `crates/l4d-py/tests/`.
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use glam::UVec2;
+use l4d_data::digest::sha256_hex;
+use l4d_data::layout::SceneDir;
+use l4d_data::{Rig, json};
+use l4d_frames::Display;
+use l4d_frames::exr::read_frame;
+use l4d_splat::model::{Model, time_of_frame};
+use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
+use l4d_splat::synthetic::Room;
+use l4d_splat::view::View;
+use serde_json::json;
+
+use crate::support::{Dir, blender_python, is_slow, root, succeed};
+use crate::world;
+
+/// The picture that Python and Rust are compared on.
+const VIEW: &str = "cam01";
+const FRAME: u32 = 48;
+const SIZE: [u32; 2] = [128, 96];
+
+#[test]
+fn the_package_says_what_rust_says() {
+    let (world, site) = (world_folder(), site_folder());
+    ask(&blender_python(), &world, Some(&site.path("")));
+}
+
+#[test]
+fn a_wheel_says_what_rust_says() {
+    if !is_slow() {
+        return;
+    }
+    let dir = Dir::new();
+    let requirements = root().join("crates/l4d-py/tests/requirements.txt");
+    let build = environment(&dir.path("build"), &["-r", text(&requirements)]);
+    // In the target folder of these tests and with their profile: most of what a wheel needs stands there.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
+    let wheels = dir.path("wheels");
+    let mut maturin = Command::new(&build);
+    maturin.current_dir(root().join("crates/l4d-py")).env("CARGO_TARGET_DIR", target);
+    succeed(maturin.args(["-m", "maturin", "build", "--profile", "dev", "--out", text(&wheels)]));
+    let wheel = fs::read_dir(&wheels).unwrap().next().unwrap().unwrap().path();
+    let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
+    assert!(name.contains("-cp39-abi3-"), "{name} is not for all versions of Python");
+    let fresh = environment(&dir.path("fresh"), &["pytest", text(&wheel)]);
+    ask(&fresh, &world_folder(), None);
+}
+
+/// Runs the tests of the package with what it needs beside it.
+fn ask(python: &Path, world: &Dir, site: Option<&Path>) {
+    let mut pytest = Command::new(python);
+    pytest.current_dir(world.path("")).env("L4D_ROOT", root()).env("PYTHONDONTWRITEBYTECODE", "1");
+    pytest.env("PYTHONNOUSERSITE", "1").env_remove("PYTHONPATH");
+    if let Some(site) = site {
+        pytest.env("PYTHONPATH", site);
+    }
+    let tests = root().join("crates/l4d-py/tests");
+    let said = succeed(pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", text(&tests)]));
+    assert!(said.contains(" passed") && !said.contains("skipped"), "{said}");
+}
+
+/// A folder to import `l4d` from: the Python files, and the library beside them.
+fn site_folder() -> Dir {
+    let dir = Dir::new();
+    let package = dir.path("l4d");
+    fs::create_dir_all(&package).unwrap();
+    for entry in fs::read_dir(root().join("crates/l4d-py/python/l4d")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            fs::copy(&path, package.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let built = std::env::current_exe().unwrap();
+    let library = built.with_file_name(format!("{DLL_PREFIX}l4d_py{DLL_SUFFIX}"));
+    let extension = if cfg!(windows) { "pyd" } else { "abi3.so" };
+    fs::copy(&library, package.join(format!("_native.{extension}")))
+        .unwrap_or_else(|error| panic!("{}: {error}", library.display()));
+    dir
+}
+
+/// A rendered scene, its benchmark, results and scores, a model, clips, and `expected.json` with what Rust says of them.
+fn world_folder() -> Dir {
+    let dir = Dir::new();
+    let data = dir.path("data/tiny");
+    world::write_twins(&data);
+    world::write_twins_benchmark(&dir.path("benchmark"), &data);
+    dir.succeed(&["baseline", "oracle", "time-agnostic", "random-look-alike", "--profile", "tiny"]);
+    let score = dir.run(&["score", "results", "--profile", "tiny", "--json"]);
+    dir.write("score.json", score.stdout);
+    dir.write("damaged/oracle/masks/ball/009.json", "{}");
+    dir.write("damaged/oracle/masks/ball/001.json", r#"{"size":[96,128],"frames":{"0000":"~","0001":null}}"#);
+    let findings = dir.run(&["check-results", "damaged", "--profile", "tiny", "--json"]);
+    dir.write("findings.json", findings.stdout);
+
+    let model = Room::small(4).model().unwrap();
+    model.write(&dir.path("work/tiny/ball/splats")).unwrap();
+    let render = ["render-splats", world::SCENE, "--profile", "tiny", "--views", VIEW];
+    dir.succeed(&render);
+    let png = ["--depth-format", "png", "--depth", "expected", "--frames", "0", "--out", "clips-png"];
+    dir.succeed(&[&render[..], &png[..]].concat());
+    json::write(&dir.path("expected.json"), &expected(&SceneDir::new(&data, world::SCENE), &model)).unwrap();
+    dir
+}
+
+fn expected(scene: &SceneDir, model: &Model) -> serde_json::Value {
+    let seen = read_frame(&scene.frame(VIEW, FRAME), UVec2::from_array(SIZE)).unwrap();
+    let linear: Vec<f32> = seen.rgb.iter().flatten().map(|light| light.to_f32()).collect();
+    let surfaces = seen.surfaces.digest();
+    let rig = Rig::read(&scene.scene()).unwrap();
+    let camera = rig.camera(VIEW).unwrap();
+    let view = View::of_camera(camera, FRAME, SIZE, SIZE).unwrap();
+    let splats = model.at(time_of_frame(FRAME)).unwrap();
+    let cpu = Cpu::new();
+    let drawing = cpu.prepare(&splats, &view, &RasterSettings::default()).unwrap().draw().unwrap();
+    assert!(drawing.alpha.iter().any(|&alpha| alpha > 0.5), "the model is out of sight");
+    json!({
+        "view": VIEW,
+        "frame": FRAME,
+        "rgb": digest(&linear),
+        "depth_m": surfaces.z,
+        "id": surfaces.id,
+        "display": sha256_hex(Display::new(1.0).picture(&seen).as_raw()),
+        "world_from_camera": camera.world_from_camera[0],
+        "splats": {
+            "rgb": digest(drawing.colour.as_flattened()),
+            "alpha": digest(&drawing.alpha),
+            "median": digest(&drawing.quantiles.as_ref().unwrap().median_m),
+            "expected": digest(&drawing.depth_expected_m()),
+            "sum": digest(&drawing.depth_sum_m),
+        },
+    })
+}
+
+fn digest(values: &[f32]) -> String {
+    sha256_hex(&values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())
+}
+
+/// The interpreter of a new environment with some packages.
+fn environment(folder: &Path, packages: &[&str]) -> PathBuf {
+    succeed(Command::new(blender_python()).args(["-m", "venv", text(folder)]));
+    let programs = if cfg!(windows) { "Scripts" } else { "bin" };
+    let python = folder.join(programs).join(format!("python{EXE_SUFFIX}"));
+    let mut install = Command::new(&python);
+    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    succeed(install.args(packages));
+    python
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
