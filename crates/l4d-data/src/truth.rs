@@ -196,8 +196,8 @@ mod tests {
     #[test]
     fn frames_and_sizes_that_cannot_be_are_refused() {
         let tiny: Vec<u32> = Profile::Tiny.frames().collect();
-        for (profile, size, frames, unannotated) in [
-            (Profile::Real, [0, 48], &[1][..], &[][..]),
+        let cases: [(Profile, [u32; 2], &[u32], &[u32]); 9] = [
+            (Profile::Real, [0, 48], &[1], &[]),
             (Profile::Real, [64, 100_000], &[1], &[]),
             (Profile::Real, [64, 48], &[], &[1, 2]),
             (Profile::Real, [64, 48], &[2, 1], &[]),
@@ -206,7 +206,8 @@ mod tests {
             (Profile::Tiny, [64, 48], &tiny, &[]),
             (Profile::Tiny, [128, 96], &tiny[1..], &[]),
             (Profile::Tiny, [128, 96], &tiny, &[1]),
-        ] {
+        ];
+        for (profile, size, frames, unannotated) in cases {
             let problem = truth(profile, size, frames, unannotated).problem();
             assert!(problem.is_some(), "{profile} {size:?} {frames:?} {unannotated:?}");
         }
