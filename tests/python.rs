@@ -3,17 +3,23 @@
 //! The plain suite loads the library that cargo built for these tests; with `L4D_SLOW=1` a wheel is built, installed into
 //! a fresh environment and asked the same. What is asked stands in `crates/l4d-py/tests/`.
 
+use std::collections::BTreeMap;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::UVec2;
+use l4d_data::capture::{self, Capture};
 use l4d_data::digest::sha256_hex;
-use l4d_data::layout::SceneDir;
-use l4d_data::{Rig, json};
-use l4d_frames::Display;
+use l4d_data::layout::{BenchDir, SceneDir};
+use l4d_data::query::text_digest;
+use l4d_data::scene::{Role, Scale};
+use l4d_data::truth::{InstanceTruth, Truth};
+use l4d_data::{Camera, Name, Profile, Rig, Split, json};
+use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
 use l4d_frames::exr::read_frame;
+use l4d_frames::{Display, Mask, rle};
 use l4d_splat::model::{Model, time_of_frame};
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
@@ -107,8 +113,80 @@ fn world_folder() -> Dir {
     dir.succeed(&render);
     let png = ["--depth-format", "png", "--depth", "expected", "--frames", "0", "--out", "clips-png"];
     dir.succeed(&[&render[..], &png[..]].concat());
+    write_capture(&dir);
     json::write(&dir.path("expected.json"), &expected(&SceneDir::new(&data, world::SCENE), &model)).unwrap();
     dir
+}
+
+/// A capture of two cameras and three moments, and a benchmark about it. Nobody drew on the moment in the middle, and
+/// one camera missed the last.
+fn write_capture(dir: &Dir) {
+    let name = |text: &str| Name::new(text).unwrap();
+    let camera = |view: &str, split: Split| Camera {
+        name: name(view),
+        split,
+        fx: 5.0,
+        fy: 5.0,
+        cx: 3.0,
+        cy: 2.0,
+        world_from_camera: vec![[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]],
+    };
+    let capture = Capture {
+        schema: capture::SCHEMA.to_owned(),
+        name: name("desk"),
+        source: "a test".to_owned(),
+        width: 6,
+        height: 4,
+        cameras: vec![camera("cam00", Split::Test), camera("cam01", Split::Train)],
+        frames: vec![0, 1, 200],
+        frames_per_second: Some(30.0),
+        depth: capture::Depth::Absent,
+        is_metric: false,
+        unseen: BTreeMap::from([(name("cam01"), vec![200])]),
+        substituted: Vec::new(),
+        inputs: BTreeMap::new(),
+        notes: vec!["Made up.".to_owned()],
+    };
+    json::write(&dir.path("data/captures/desk").join(capture::CAPTURE), &capture).unwrap();
+    for (view, frame) in [("cam00", 0), ("cam00", 1), ("cam00", 200), ("cam01", 0), ("cam01", 1)] {
+        let shade = |column: u32, row: u32| Rgb([frame as u8, 10 * column as u8, 20 * row as u8]);
+        let picture = RgbImage::from_fn(6, 4, shade);
+        let path = Path::new("data/captures/desk").join(Capture::picture_path(view, frame));
+        dir.write(path.to_str().unwrap(), encode_colour(&picture));
+    }
+    let mask = rle::encode(&Mask::from_fn(6, 4, |column, row| column < 2 && row < 3));
+    let instance = InstanceTruth {
+        name: name("cup"),
+        id: 1,
+        role: Role::Object,
+        category: "cup".to_owned(),
+        masks: ["0000", "0200"].map(|key| (key.to_owned(), mask.clone())).into(),
+    };
+    let truth = Truth {
+        schema: l4d_data::truth::SCHEMA.to_owned(),
+        scene: name("desk"),
+        scale: Scale::Tabletop,
+        variant: 0,
+        profile: Profile::Real,
+        width: 6,
+        height: 4,
+        test_view: name("cam00"),
+        frames: vec![0, 200],
+        unannotated: vec![1],
+        instances: vec![instance],
+        visible: BTreeMap::new(),
+    };
+    let bench = BenchDir::new(dir.path("captures"));
+    json::write_compact(&bench.truth(Profile::Real, "desk"), &truth).unwrap();
+    let text = "the cup on the desk";
+    let query = json!({
+        "id": "desk/001", "text": text, "categories": ["spatial"], "referents": ["cup"], "temporal": "whole",
+        "frames": [[0, 200]], "predicate": null, "text_digest": text_digest(text, None),
+        "provenance": { "source": "author" }, "status": "candidate",
+    });
+    json::write_lines(&bench.queries("desk"), &[query]).unwrap();
+    let manifest = "name = \"Desks\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [\"desk\"]\n";
+    dir.write("captures/panoptic-l4d.toml", manifest);
 }
 
 fn expected(scene: &SceneDir, model: &Model) -> serde_json::Value {

@@ -1,7 +1,6 @@
 //! Pinhole cameras: poses, intrinsics, rays, and the way from pixels to the world and back.
 
 use glam::{DMat4, DVec2, DVec3};
-use l4d_data::timeline::FRAME_COUNT;
 use l4d_data::tracks::TrackedCamera;
 use l4d_data::{self as data, Profile, Split};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLikeDyn};
@@ -9,14 +8,13 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Array2, Array3, array2, array3, shape_of, wrong_shape};
 use crate::error::{Failure, Result, name as checked_name, unknown};
-use crate::timeline::check_frame;
 
 type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
 /// A pinhole camera in OpenCV axes (x right, y down, z forward); the world is right-handed, +Z up, in metres.
 ///
 /// The centre of pixel (column, row) is (column + 0.5, row + 0.5), and `u = fx * x / z + cx`.
-/// `world_from_camera` is one 4x4 pose, or 97 of them (97, 4, 4): one per canonical frame of a moving camera.
+/// `world_from_camera` is one 4x4 pose, or one for each frame from 0 on: 97 of them (97, 4, 4) on the canonical timeline.
 #[pyclass(frozen, module = "l4d")]
 #[derive(Debug)]
 pub(crate) struct Camera {
@@ -48,7 +46,6 @@ impl Camera {
 
     /// Refuses a frame at which the camera has no pose.
     fn pose_frame(&self, frame: u32) -> Result<u32> {
-        let frame = check_frame(frame)?;
         let poses = self.camera.world_from_camera.len();
         if poses > 1 && frame as usize >= poses {
             let message = format!("camera {} has {poses} poses, none for frame {frame}", self.camera.name);
@@ -267,14 +264,9 @@ fn matrix(py: Python<'_>, matrix: DMat4) -> Result<Array2<'_, f64>> {
 /// One pose (4, 4) or one per canonical frame.
 fn poses(numbers: &Numbers<'_>) -> Result<Vec<[f64; 16]>> {
     let array = numbers.as_array();
-    let is_poses = match array.shape() {
-        [4, 4] => true,
-        [count, 4, 4] => *count == 1 || *count == FRAME_COUNT as usize,
-        _ => false,
-    };
-    if !is_poses {
+    if !matches!(array.shape(), [4, 4] | [1.., 4, 4]) {
         let message = format!("has the shape {:?}", array.shape());
-        let remedy = format!("give one pose, (4, 4), or one per canonical frame, ({FRAME_COUNT}, 4, 4)");
+        let remedy = "give one pose, (4, 4), or one for each frame from 0 on, (97, 4, 4)";
         return Err(Failure::argument("world_from_camera", message, remedy));
     }
     let numbers: Vec<f64> = array.iter().copied().collect();

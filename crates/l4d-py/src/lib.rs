@@ -7,6 +7,7 @@
 mod arrays;
 mod benchmark;
 mod camera;
+mod capture;
 mod clips;
 mod error;
 mod frame;
@@ -29,6 +30,8 @@ mod _native {
     use super::benchmark::Benchmark;
     #[pymodule_export]
     use super::camera::Camera;
+    #[pymodule_export]
+    use super::capture::Capture;
     #[pymodule_export]
     use super::clips::Clips;
     #[pymodule_export]

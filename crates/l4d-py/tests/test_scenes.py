@@ -96,8 +96,10 @@ def test_cameras_can_be_made(scene: l4d.Scene) -> None:
     with pytest.raises(l4d.L4dError, match="rigid") as told:
         l4d.Camera("mine", 128, 96, 9, 9, 4, 4, mirrored)
     assert told.value.field == "camera"
-    with pytest.raises(l4d.L4dError, match=r"shape \[2, 4, 4\]"):
-        l4d.Camera("mine", 128, 96, 9, 9, 4, 4, np.stack([np.eye(4)] * 2))
+    with pytest.raises(l4d.L4dError, match="97 poses, none for frame 97"):
+        moving.world_from_camera(97)
+    with pytest.raises(l4d.L4dError, match=r"shape \[3, 4\]"):
+        l4d.Camera("mine", 128, 96, 9, 9, 4, 4, np.eye(4)[:3])
 
 
 def test_timelines() -> None:

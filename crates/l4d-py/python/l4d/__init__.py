@@ -9,6 +9,7 @@ from l4d._error import L4dError
 from l4d._native import (
     Benchmark,
     Camera,
+    Capture,
     Clips,
     Event,
     Finding,
@@ -34,6 +35,7 @@ from l4d._native import (
 __all__ = [
     "Benchmark",
     "Camera",
+    "Capture",
     "Clips",
     "Event",
     "Finding",
