@@ -196,7 +196,9 @@ mod tests {
     #[test]
     fn frames_and_sizes_that_cannot_be_are_refused() {
         let tiny: Vec<u32> = Profile::Tiny.frames().collect();
-        let cases: [(Profile, [u32; 2], &[u32], &[u32]); 9] = [
+        /// Profile, size, frames and unannotated frames.
+        type Case<'a> = (Profile, [u32; 2], &'a [u32], &'a [u32]);
+        let cases: [Case<'_>; 9] = [
             (Profile::Real, [0, 48], &[1], &[]),
             (Profile::Real, [64, 100_000], &[1], &[]),
             (Profile::Real, [64, 48], &[], &[1, 2]),

@@ -92,8 +92,11 @@ fn rows(path: &Path) -> Result<Vec<Row>, DataError> {
     Ok(rows)
 }
 
-/// Name of the scene, and the picture of each (camera, moment): `<Scene>_undist_<moment>_<camera>.png`.
-fn pictures(order: &Order<'_>) -> Result<(String, BTreeMap<(usize, u32), PathBuf>), DataError> {
+/// Pictures by camera and moment.
+type Pictures = BTreeMap<(usize, u32), PathBuf>;
+
+/// Name of the scene, and its pictures: `<Scene>_undist_<moment>_<camera>.png`.
+fn pictures(order: &Order<'_>) -> Result<(String, Pictures), DataError> {
     let mut scene = String::new();
     let mut pictures = BTreeMap::new();
     for name in list_folder(order.input)? {

@@ -1,5 +1,7 @@
 //! Annotations of other tools: what is understood, what is left out and said, and what is refused.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+
 use std::path::PathBuf;
 
 use l4d_data::DataError;

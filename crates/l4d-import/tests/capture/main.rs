@@ -1,5 +1,7 @@
 //! Captures of others, written by the tests in the layouts of their data sets, and read.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+
 #[path = "../support/mod.rs"]
 #[expect(dead_code, reason = "tests of exports use all of it")]
 mod support;

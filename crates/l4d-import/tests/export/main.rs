@@ -1,6 +1,8 @@
 //! Exports read back as the tools read them that they are made for. The readers below restate what the originals
 //! compute; they share no code with the writers.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+
 #[path = "../support/mod.rs"]
 mod support;
 

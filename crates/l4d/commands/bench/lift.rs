@@ -20,7 +20,7 @@ use serde_json::json;
 
 use self::measure::{Measurement, Sums};
 use self::table::{Row, csv_of, figure, text};
-use self::ways::ways;
+use self::ways::{Way, ways};
 use crate::cli::solver::BenchLiftArgs;
 use crate::commands::build_scenes::data_folder;
 use crate::out::{ExitStatus, Printer};
@@ -56,14 +56,15 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
         measurement.add_scene(&stage, &mut sums, &|| bar.inc(1))?;
     }
     bar.finish_and_clear();
-    let named = ways.iter().flat_map(|way| way.rows().into_iter().map(move |row| (way, row)));
+    let named = ways.iter().flat_map(Way::rows);
     let rows: Vec<Row> =
-        named.zip(&sums).filter_map(|((way, name), sums)| Row::new(way, name, sums)).collect();
+        named.zip(&sums).filter_map(|((series, name), sums)| Row::new(series, name, sums)).collect();
 
     let queries = rows.iter().map(|row| row.queries).max().unwrap_or_default();
     let names: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
     let about = format!(
-        "{queries} queries of {} at profile {}, {} views; the oracle {}",
+        "{queries} {} of {} at profile {}, {} views; the oracle {}",
+        if queries == 1 { "query" } else { "queries" },
         names.join(", "),
         args.profile,
         args.views,

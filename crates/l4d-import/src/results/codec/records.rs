@@ -119,7 +119,10 @@ mod tests {
 
     use super::*;
 
-    fn pieces(value: &Value) -> Result<Vec<(Option<String>, Option<Place>, Option<u64>)>, Problem> {
+    /// Name, place and area.
+    type Listed = (Option<String>, Option<Place>, Option<u64>);
+
+    fn pieces(value: &Value) -> Result<Vec<Listed>, Problem> {
         let mut pieces = Vec::new();
         walk(value, &Trail::default(), &mut pieces)?;
         Ok(pieces

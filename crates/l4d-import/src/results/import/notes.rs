@@ -43,7 +43,7 @@ pub(super) fn assumptions(request: &Request<'_>) -> BTreeMap<String, String> {
         match request.reading.codec {
             Codec::Labelme => say("outlines", "pixels whose centre lies inside".to_owned()),
             Codec::Isat | Codec::Coco => {
-                say("outlines", "cv2.fillPoly of truncated corners, border included".to_owned())
+                say("outlines", "cv2.fillPoly of truncated corners, border included".to_owned());
             }
             Codec::Picture | Codec::Array | Codec::Latents | Codec::CocoRle => {}
         }

@@ -5,7 +5,7 @@ use l4d_board::{TradePoint, Tradeoff};
 use serde::Serialize;
 
 use super::measure::Sums;
-use super::ways::{BASE, Way};
+use super::ways::BASE;
 
 /// One lift, as means over queries. Fields that end in `_seconds` are times; everything else is the same in every run.
 #[derive(Debug, Clone, Serialize)]
@@ -24,12 +24,12 @@ pub(super) struct Row {
 
 impl Row {
     /// None without a query whose target is ever present.
-    pub(super) fn new(way: &Way, setting: String, sums: &Sums) -> Option<Self> {
+    pub(super) fn new(series: String, setting: String, sums: &Sums) -> Option<Self> {
         let rounded = |value: f64| (value * 1e4).round() / 1e4;
         let queries = sums.queries;
         let mean = |sum: f64| rounded(sum / queries as f64);
         (queries > 0).then(|| Self {
-            series: way.series.to_owned(),
+            series,
             setting,
             lift_seconds: mean(sums.lift_seconds),
             mask_seconds: mean(sums.mask_seconds),

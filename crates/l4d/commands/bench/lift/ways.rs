@@ -24,12 +24,14 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// Names of its rows.
-    pub(super) fn rows(&self) -> Vec<String> {
+    /// Series and names of its rows.
+    pub(super) fn rows(&self) -> Vec<(String, String)> {
         if self.read_outs.is_empty() {
-            return vec![self.setting.clone()];
+            return vec![(self.series.to_owned(), self.setting.clone())];
         }
-        self.read_outs.iter().map(|&read_out| format!("{}, {}", self.setting, word(read_out))).collect()
+        let read = |name: &str, read_out| format!("{name}, {}", word(read_out));
+        let row = |&read_out| (read(self.series, read_out), read(&self.setting, read_out));
+        self.read_outs.iter().map(row).collect()
     }
 }
 
@@ -99,7 +101,8 @@ mod tests {
     #[test]
     fn rows_have_names_of_their_own() {
         for (is_quick, count) in [(true, 6), (false, 24)] {
-            let names: Vec<String> = ways(is_quick).iter().flat_map(Way::rows).collect();
+            let names: Vec<String> =
+                ways(is_quick).iter().flat_map(Way::rows).map(|(_, name)| name).collect();
             let distinct: BTreeSet<&String> = names.iter().collect();
             assert_eq!((names.len(), distinct.len()), (count, count), "{names:?}");
             assert_eq!(names[0], BASE);
