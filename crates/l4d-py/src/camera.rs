@@ -264,12 +264,7 @@ fn matrix(py: Python<'_>, matrix: DMat4) -> Result<Array2<'_, f64>> {
 /// One pose (4, 4) or one per canonical frame.
 fn poses(numbers: &Numbers<'_>) -> Result<Vec<[f64; 16]>> {
     let array = numbers.as_array();
-    let is_pose = match array.shape() {
-        [4, 4] => true,
-        [poses, 4, 4] => *poses > 0,
-        _ => false,
-    };
-    if !is_pose {
+    if !matches!(array.shape(), [4, 4] | [_, 4, 4]) {
         let message = format!("has the shape {:?}", array.shape());
         let remedy = "give one pose, (4, 4), or one for each frame from 0 on, (97, 4, 4)";
         return Err(Failure::argument("world_from_camera", message, remedy));
