@@ -226,7 +226,11 @@ fn people_verify_prompts_on_the_pictures_of_a_capture() {
     // Drawing the masks anew is another scene: votes on the old one do not count.
     dir.edit("captures/truth/real/table.json", "\"variant\":0", "\"variant\":1");
     let checked = dir.run(&["verdict", "--round", "r1", "--bench", "captures", "--check"]);
-    assert!(checked.stdout.contains("L4D521"), "{}", checked.stdout);
+    assert!(
+        checked.stdout.contains("L4D531") && checked.stdout.contains("it is candidate"),
+        "{}",
+        checked.stdout
+    );
 }
 
 #[test]
