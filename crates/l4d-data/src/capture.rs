@@ -85,10 +85,7 @@ impl Capture {
     pub fn read(folder: &Path) -> Result<Self, DataError> {
         let path = folder.join(CAPTURE);
         let capture: Self = json::read(&path)?;
-        if capture.schema != SCHEMA {
-            let message = format!("is `{}`, but this l4d reads `{SCHEMA}`", capture.schema);
-            return Err(DataError::invalid(&path, "field `schema`", message, "import the scene again"));
-        }
+        check_schema(&path, &capture.schema, SCHEMA, "import the scene again")?;
         Ok(capture)
     }
 
@@ -145,10 +142,7 @@ impl MaskSet {
     pub fn read(folder: &Path) -> Result<Self, DataError> {
         let path = folder.join(MASKS);
         let set: Self = json::read(&path)?;
-        if set.schema != MASKS_SCHEMA {
-            let message = format!("is `{}`, but this l4d reads `{MASKS_SCHEMA}`", set.schema);
-            return Err(DataError::invalid(&path, "field `schema`", message, "import the masks again"));
-        }
+        check_schema(&path, &set.schema, MASKS_SCHEMA, "import the masks again")?;
         Ok(set)
     }
 
@@ -177,6 +171,14 @@ impl MaskedInstance {
         let frames = self.masks.iter().find(|(name, _)| name.as_str() == view).map(|(_, frames)| frames)?;
         frames.get(&frame_key(frame))?.as_deref()
     }
+}
+
+fn check_schema(path: &Path, found: &str, known: &str, remedy: &str) -> Result<(), DataError> {
+    if found == known {
+        return Ok(());
+    }
+    let message = format!("is `{found}`, but this l4d reads `{known}`");
+    Err(DataError::invalid(path, "field `schema`", message, remedy))
 }
 
 #[cfg(test)]

@@ -34,17 +34,17 @@ fn ballot(
     time: f32,
     picture: &Picture<'_>,
 ) -> Result<(Vec<f32>, Arc<[f32]>), LiftError> {
-    let mask = numbers(picture.mask);
     match canvas.moments.and_then(|moments| moments.seen(time, picture.view)) {
         Some(seen) if picture.mask.is_empty() => Ok((vec![0.0; splats.len()], seen)),
         Some(seen) => {
-            let marked: Vec<bool> = mask.iter().map(|&inside| inside > 0.0).collect();
+            let marked = picture.mask.to_bools();
             let projected = canvas.rasterizer.prepare_marked(splats, picture.view, canvas.raster, &marked)?;
-            Ok((projected.gather(&mask, 1)?, seen))
+            Ok((projected.gather(&numbers(picture.mask), 1)?, seen))
         }
         None => {
             let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
-            let pixels: Vec<f32> = mask.into_iter().flat_map(|inside| [inside, 1.0]).collect();
+            let pixels: Vec<f32> =
+                numbers(picture.mask).into_iter().flat_map(|inside| [inside, 1.0]).collect();
             let sums = projected.gather(&pixels, 2)?;
             let (inside, seen): (Vec<f32>, Vec<f32>) =
                 sums.as_chunks::<2>().0.iter().map(|&[inside, seen]| (inside, seen)).unzip();

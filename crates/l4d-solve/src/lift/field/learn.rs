@@ -185,12 +185,11 @@ impl<'a> Lesson<'a> {
         let picture = self.next_picture();
         let samples = self.samples(settings.sampled as usize);
         let (loss, slopes, bias_slope) = self.slopes(canvas, settings, picture, &samples)?;
-        if settings.left_out > 0.0 {
-            let slopes = self.keep_steep(&slopes, settings.left_out, picture);
-            self.descend(&slopes, bias_slope, iteration)?;
-        } else {
-            self.descend(&slopes, bias_slope, iteration)?;
-        }
+        let slopes = match settings.left_out > 0.0 {
+            true => self.keep_steep(&slopes, settings.left_out, picture),
+            false => slopes,
+        };
+        self.descend(&slopes, bias_slope, iteration)?;
         Ok(loss)
     }
 
