@@ -15,6 +15,7 @@ mod proposing;
 mod python;
 mod queries;
 mod real_scenes;
+mod real_solving;
 mod results;
 mod scenes;
 mod score;

@@ -6,8 +6,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::Result;
 use l4d_data::DataError;
+use l4d_data::Timeline;
 use l4d_data::store::write_atomic;
-use l4d_data::timeline::{FPS, LAST_FRAME};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::preview::animated_png;
 use l4d_solve::clips::Instant;
@@ -32,11 +32,12 @@ pub(crate) trait Pages {
 pub(crate) fn write<P: Pages>(
     folder: &Path,
     stem: &str,
-    instants: &[Instant],
+    (instants, timeline): (&[Instant], Timeline),
     lay_out: impl Fn(u32) -> Result<P>,
     out: &Printer,
 ) -> Result<PathBuf> {
-    match video(folder, stem, instants, &lay_out(VIDEO_WIDTH_PX)?)? {
+    let rate = frames_per_second(instants, timeline);
+    match video(folder, stem, (instants.len(), rate), &lay_out(VIDEO_WIDTH_PX)?)? {
         Video::Written(path) => return Ok(path),
         Video::NoProgram => {
             out.note(format!("ffmpeg is not on the PATH: {stem} is an animated PNG instead of an MP4"));
@@ -48,7 +49,7 @@ pub(crate) fn write<P: Pages>(
     let pages = lay_out(PNG_WIDTH_PX)?;
     let drawn = (0..instants.len()).map(|index| pages.page(index)).collect::<Result<Vec<_>>>()?;
     let path = folder.join(format!("{stem}.png"));
-    write_atomic(&path, &animated_png(&drawn, frames_per_second(instants)).unwrap_or_default())?;
+    write_atomic(&path, &animated_png(&drawn, rate).unwrap_or_default())?;
     Ok(path)
 }
 
@@ -58,14 +59,14 @@ enum Video {
     Failed(String),
 }
 
-fn video(folder: &Path, stem: &str, instants: &[Instant], pages: &impl Pages) -> Result<Video> {
+fn video(folder: &Path, stem: &str, (count, rate): (usize, f64), pages: &impl Pages) -> Result<Video> {
     let path = folder.join(format!("{stem}.mp4"));
     let unfinished = folder.join(format!(".{stem}.tmp.mp4"));
     let (width, height) = pages.size_px();
     let mut command = Command::new("ffmpeg");
     command
         .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
-        .args(["-s", &format!("{width}x{height}"), "-r", &format!("{:.3}", frames_per_second(instants))])
+        .args(["-s", &format!("{width}x{height}"), "-r", &format!("{rate:.3}")])
         .args(["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact"])
         .arg(&unfinished)
         .stdin(Stdio::piped())
@@ -77,7 +78,7 @@ fn video(folder: &Path, stem: &str, instants: &[Instant], pages: &impl Pages) ->
         Err(error) => return Ok(Video::Failed(error.to_string())),
     };
     if let Some(mut pipe) = child.stdin.take() {
-        for index in 0..instants.len() {
+        for index in 0..count {
             let picture = pages.page(index)?;
             // A child that closed its end says why below.
             if pipe.write_all(picture.as_raw()).is_err() {
@@ -97,9 +98,9 @@ fn video(folder: &Path, stem: &str, instants: &[Instant], pages: &impl Pages) ->
 }
 
 /// So that the clip lasts as long as what it shows.
-fn frames_per_second(instants: &[Instant]) -> f64 {
+fn frames_per_second(instants: &[Instant], timeline: Timeline) -> f64 {
     let (Some(first), Some(last)) = (instants.first(), instants.last()) else { return 1.0 };
-    let seconds = f64::from(last.time - first.time) * f64::from(LAST_FRAME) / FPS;
+    let seconds = f64::from(last.time - first.time) * timeline.duration_s();
     let steps = instants.len() as f64 - 1.0;
     if seconds > 0.0 { (steps / seconds).clamp(1.0, 60.0) } else { 1.0 }
 }

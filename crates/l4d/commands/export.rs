@@ -7,7 +7,7 @@ use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::query::{Query, read_queries};
 use l4d_data::store::read_bounded;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Benchmark, Name};
+use l4d_data::{Benchmark, Name, Timeline};
 use l4d_frames::drawn::{RgbImage, decode_colour};
 use l4d_import::annotations::Judged;
 use l4d_import::export::{Exported, Format, HeldOut, Order, export, picture_count};
@@ -95,12 +95,14 @@ impl Pages for Footage<'_> {
 
 fn write_videos(root: &Path, exported: &Exported, size: (u32, u32), out: &Printer) -> Result<()> {
     let frames = &exported.manifest.frames;
-    let instants: Vec<Instant> = frames.iter().map(|&frame| Instant::at_frame(frame)).collect();
+    let instants: Vec<Instant> =
+        frames.iter().map(|&frame| Instant::at_frame(frame, Timeline::CANONICAL)).collect();
     for camera in &exported.manifest.cameras {
         let folder = root.join(&camera.called);
         if folder.is_dir() {
             let pages = |_: u32| Ok(Footage { folder: &folder, frames, size });
-            let path = moving_picture::write(root, &camera.name, &instants, pages, out)?;
+            let path =
+                moving_picture::write(root, &camera.name, (&instants, Timeline::CANONICAL), pages, out)?;
             out.note(path.display());
         }
     }

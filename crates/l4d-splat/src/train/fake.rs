@@ -1,11 +1,13 @@
 //! A world for tests: a wall at z = 4 m, before it a card at z = 3 m that moves along x, seen by three cameras.
 
 use half::f16;
-use l4d_data::{Camera, Name, Split};
+use l4d_data::{Camera, Name, Split, Timeline};
 
 use super::footage::{Footage, Picture};
 
 pub(super) const SIZE: [u32; 2] = [48, 32];
+/// Of the cameras, along x.
+const PLACES_M: [f64; 3] = [-0.5, 0.0, 0.5];
 
 /// What happens.
 #[derive(Debug, Clone, Copy)]
@@ -23,13 +25,31 @@ impl World {
     pub(super) fn footage(&self, moments: usize) -> Footage {
         let frames =
             (0..moments).map(|moment| (moment * 96 / moments.max(2).saturating_sub(1)) as u32).collect();
-        let mut footage = Footage::new(SIZE, frames).unwrap();
-        for (index, x) in [-0.5, 0.0, 0.5].into_iter().enumerate() {
+        let mut footage = Footage::new(SIZE, frames, Timeline::CANONICAL).unwrap();
+        for (index, x) in PLACES_M.into_iter().enumerate() {
             let camera = camera(index, x);
             let pictures = (0..moments).map(|moment| self.picture(&camera, moment, moments)).collect();
             footage.add(&camera, SIZE, pictures).unwrap();
         }
         footage
+    }
+
+    /// The same, and nobody measured depth.
+    pub(super) fn bare_footage(&self, moments: usize) -> Footage {
+        let measured = self.footage(moments);
+        let whole = Timeline::CANONICAL;
+        let mut footage = Footage::new(SIZE, measured.frames().to_vec(), whole).unwrap();
+        for (index, x) in PLACES_M.into_iter().enumerate() {
+            let bare = |picture: &Picture| Picture { depth_m: Vec::new(), ..picture.clone() };
+            let pictures = measured.shots()[index].pictures().iter().map(bare).collect();
+            footage.add(&self.camera(index, x), SIZE, pictures).unwrap();
+        }
+        footage
+    }
+
+    /// One that looks at the wall from a place on the x axis.
+    pub(super) fn camera(&self, index: usize, x: f64) -> Camera {
+        camera(index, x)
     }
 
     fn picture(&self, camera: &Camera, moment: usize, moments: usize) -> Picture {
