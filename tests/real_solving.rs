@@ -1,13 +1,16 @@
 //! The reference solver on a capture, all the way: pictures that somebody took are imported with masks, splats are learned
-//! without depth, and sentences are answered and scored. What is photographed here is the made-up twins.
+//! without depth, and sentences are answered and scored. What is photographed here is the made-up twins, with a grain on
+//! everything: where a thing has one colour, comparing pictures finds nothing.
 
 use std::path::Path;
 use std::sync::OnceLock;
 
+use glam::{DVec2, DVec3};
+use half::f16;
 use l4d_data::query::text_digest;
 use l4d_data::{Camera, Split};
 use l4d_frames::drawn::{RgbImage, encode_colour};
-use l4d_frames::{Display, Mask, ids, png};
+use l4d_frames::{Display, Frame, Mask, ids, png};
 use l4d_import::npy;
 use serde_json::{Value, json};
 
@@ -37,6 +40,23 @@ fn canonical(moment: u32) -> u32 {
     (moment - MOMENTS[0]) * 96 / (MOMENTS[1] - MOMENTS[0])
 }
 
+/// The grain of the twins at a pixel, about -1 to 1: it is in the material, so that it rolls along without turning.
+fn grain(camera: &Camera, frame: &Frame, pixel: usize, canonical: u32) -> f64 {
+    let at = [pixel as u32 % SIZE[0], pixel as u32 / SIZE[0]].map(|place| f64::from(place) + 0.5);
+    let depth_m = f64::from(frame.surfaces.depth_m[pixel]);
+    let point = camera.unproject(0, DVec2::from_array(at), depth_m);
+    let id = frame.surfaces.id[pixel];
+    let rolled = if id == 1 { 1.6 * f64::from(canonical) / 96.0 } else { 0.0 };
+    let own = point - DVec3::X * rolled + DVec3::splat(3.0 * f64::from(id));
+    0.6 * waves(14.0 * own) + 0.4 * waves(31.0 * (own + 5.0))
+}
+
+fn waves(at: DVec3) -> f64 {
+    (at.x + 1.7 * (0.9 * at.y).sin()).sin()
+        * (1.3 * at.y + 0.7 * at.z + 1.1 * (1.2 * at.z).sin()).sin()
+        * (1.1 * at.z + 0.5 * at.x + 0.4).sin()
+}
+
 /// Twins in the layout of Neural 3D Video, masks as grey pictures beside them: 1 rolls, 2 lies.
 fn photograph(dir: &Dir) {
     let display = Display::new(1.0);
@@ -50,8 +70,12 @@ fn photograph(dir: &Dir) {
         }
         poses.extend([0.5, 20.0]);
         for moment in 0..=MOMENTS[1] {
-            let frame = twins_seen_by(&camera, canonical(moment.max(MOMENTS[0])));
-            let pixels = frame.rgb.iter().flat_map(|pixel| pixel.map(|linear| display.byte(linear)));
+            let time = canonical(moment.max(MOMENTS[0]));
+            let frame = twins_seen_by(&camera, time);
+            let pixels = frame.rgb.iter().enumerate().flat_map(|(pixel, rgb)| {
+                let light = 1.0 + 0.5 * grain(&camera, &frame, pixel, time);
+                rgb.map(|linear| display.byte(f16::from_f64(light * linear.to_f64())))
+            });
             let picture = RgbImage::from_raw(SIZE[0], SIZE[1], pixels.collect()).unwrap();
             dir.write(&format!("twins/{}/images/{moment:04}.png", camera.name), encode_colour(&picture));
             let is_drawn = camera.split == Split::Test || DRAWN.contains(&camera.name.as_str());
@@ -132,8 +156,8 @@ fn splats_are_learned_from_pictures_alone_and_never_from_the_held_out_ones() {
     let manifest = json_at(&dir, "work/real/twins/splats/manifest.json");
     let test = &manifest["report"]["test"];
     println!("held out: {test}");
-    assert!(number(&test["psnr_db"]) > 24.0, "{test}");
-    assert!(number(&test["psnr_moving_db"]) > 15.0, "{test}");
+    assert!(number(&test["psnr_db"]) > 22.0, "{test}");
+    assert!(number(&test["psnr_moving_db"]) > 18.0, "{test}");
     assert_eq!(
         (&manifest["init"], &manifest["sampling"]),
         (&json!("sweep"), &json!({"shrink": 1, "every": 1}))
@@ -216,7 +240,7 @@ fn masks_made_elsewhere_are_voted_on_at_the_size_and_the_frames_of_the_clips() {
     );
     let document = dir.json(&[&["score", "--bench", "captures", "--missing", "skip"][..], &REAL].concat());
     println!("voted: {}", document["methods"][0]);
-    assert!(number(&document["methods"][0]["miou"]) > 55.0, "{document:#}");
+    assert!(number(&document["methods"][0]["miou"]) > 60.0, "{document:#}");
 }
 
 #[test]
@@ -292,7 +316,6 @@ fn pictures_may_be_shrunk_and_left_out() {
 
     refused(&dir.run(&train(&["--init", "depth"])), &["has no depth", "--init sweep"]);
     refused(&dir.run(&train(&["--depth-weight", "0.1"])), &["has no depth", "leave it out"]);
-    refused(&dir.run(&train(&["--shrink", "64", "--out", "x"])), &[]);
     refused(
         &dir.run(&["train-splats", "cave", "--profile", "real"]),
         &["no scene stands there", "l4d import-scene"],

@@ -157,7 +157,7 @@ mod tests {
     /// and not at all.
     fn shares(moment: usize, tolerance_m: f32) -> [f64; 3] {
         let world = World { card: |_, _| Some(-0.3), ..World::EMPTY };
-        let footage = world.footage(2);
+        let footage = World { grain: true, ..world }.footage(2);
         let looks: Vec<Look<'_>> = footage
             .shots()
             .iter()
