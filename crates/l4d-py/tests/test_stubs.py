@@ -34,7 +34,7 @@ def is_property(node: ast.FunctionDef) -> bool:
 def stub_signature(node: ast.FunctionDef) -> list[tuple]:
     """(name, kind, default) of each argument but `self`."""
     arguments = node.args
-    positional = [argument.arg for argument in arguments.args if argument.arg != "self"]
+    positional = [argument.arg for argument in arguments.args if argument.arg not in ("self", "cls")]
     defaults = [inspect.Parameter.empty] * (len(positional) - len(arguments.defaults))
     defaults += [ast.literal_eval(default) for default in arguments.defaults]
     signature = [
@@ -71,9 +71,9 @@ def test_classes_have_what_the_stub_says(name: str) -> None:
     assert cls.__doc__ and cls.__module__ == "l4d"
     found = {member for member in vars(cls) if not member.startswith("_")}
     found |= {"__len__"} & set(vars(cls))
-    assert found == set(stub) - {"__init__"}
-    if "__init__" in stub:
-        assert real_signature(cls) == stub_signature(stub["__init__"])
+    assert found == set(stub) - {"__new__"}
+    if "__new__" in stub:
+        assert real_signature(cls) == stub_signature(stub["__new__"])
     else:
         with pytest.raises(TypeError):
             cls()
@@ -87,19 +87,14 @@ def test_classes_have_what_the_stub_says(name: str) -> None:
             assert real_signature(real) == stub_signature(node), member
 
 
-def real_docs(node: ast.AST, real: object) -> str:
-    """The docstring of a class or function; what initialises a class is described by the class."""
-    return "" if getattr(node, "name", "") == "__init__" else inspect.getdoc(real) or ""
-
-
 def documented() -> list[tuple[ast.AST, str]]:
     """Nodes of the stub that people look up, with what the module says of them."""
-    pairs: list[tuple[ast.AST, str]] = [(node, real_docs(node, getattr(_native, name))) for name, node in FUNCTIONS.items()]
+    pairs: list[tuple[ast.AST, str]] = [(node, inspect.getdoc(getattr(_native, name)) or "") for name, node in FUNCTIONS.items()]
     for name, node in CLASSES.items():
         cls = getattr(_native, name)
-        pairs.append((node, real_docs(node, cls)))
+        pairs.append((node, inspect.getdoc(cls) or ""))
         members = stub_members(node).items()
-        pairs += [(member, real_docs(member, vars(cls)[each])) for each, member in members if not each.startswith("__")]
+        pairs += [(member, inspect.getdoc(vars(cls)[each]) or "") for each, member in members if not each.startswith("__")]
     return pairs
 
 
