@@ -23,9 +23,10 @@ use serde_json::json;
 use self::overlay::Overlay;
 use super::build_scenes::data_folder;
 use crate::cli::solver::QueryArgs;
+use crate::moving_picture::{self, Clip};
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::rasterizer;
 use crate::solver::{self, Grounders};
-use crate::{moving_picture, rasterizer};
 
 /// Frames of a view that the picture of consensus shows.
 const CONSENSUS_COLUMNS: usize = 6;
@@ -77,8 +78,8 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let moving = moving_picture::write(
         &folder,
         "overlay",
-        (&plan.instants, scene.timeline),
-        |px| drawn.pages(px),
+        Clip::of(&plan.instants, scene.timeline),
+        |widest_px| drawn.pages(widest_px),
         out,
     )?;
 

@@ -145,6 +145,7 @@ mod tests {
             frames: vec![0, 1],
             frames_per_second: None,
             depth: Depth::Absent,
+            points: 0,
             is_metric: false,
             unseen: BTreeMap::new(),
             substituted: Vec::new(),
