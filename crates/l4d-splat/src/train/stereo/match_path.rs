@@ -101,15 +101,14 @@ fn jump(colour: [u8; 3], from: [u8; 3]) -> u16 {
 
 fn follow(now: &mut [u16], before: &[u16], costs: &[u8], jump: u16) {
     let least = before.iter().copied().min().unwrap_or_default();
-    let planes = before.len();
-    for plane in 0..planes {
+    for (plane, (now, &cost)) in now.iter_mut().zip(costs).enumerate() {
         let mut cheapest = before[plane].min(least + jump);
         if plane > 0 {
             cheapest = cheapest.min(before[plane - 1] + NEXT);
         }
-        if plane + 1 < planes {
-            cheapest = cheapest.min(before[plane + 1] + NEXT);
+        if let Some(next) = before.get(plane + 1) {
+            cheapest = cheapest.min(next + NEXT);
         }
-        now[plane] = u16::from(costs[plane]) + cheapest - least;
+        *now = u16::from(cost) + cheapest - least;
     }
 }
