@@ -58,7 +58,8 @@ fn seen(shot: &Shot) -> impl Iterator<Item = usize> {
 fn ground_of(shot: &Shot, size: [u32; 2], threshold: f32) -> (Ground, Vec<Bits>) {
     let pixels = size[0] as usize * size[1] as usize;
     let moments: Vec<usize> = seen(shot).collect();
-    let mut marks = vec![vec![false; pixels]; shot.pictures().len()];
+    // By moment; none for those that it did not see.
+    let mut marks = vec![Vec::new(); shot.pictures().len()];
     let (mut colour, mut kind) = (Vec::with_capacity(pixels), Vec::with_capacity(pixels));
     let mut around = Vec::with_capacity(moments.len());
     for pixel in 0..pixels {
@@ -70,14 +71,12 @@ fn ground_of(shot: &Shot, size: [u32; 2], threshold: f32) -> (Ground, Vec<Bits>)
         let is_odd = |colour: &[f32; 3]| {
             (0..3).any(|channel| (colour[channel] - usual[channel]).abs() > UNUSUAL + NOISES * noise[channel])
         };
-        let mut odd = 0;
-        for (moment, colour) in &around {
-            marks[*moment][pixel] = is_odd(colour);
-            odd += usize::from(is_odd(colour));
-        }
-        let steady = around.iter().map(|&(moment, _)| moment).filter(|&moment| !marks[moment][pixel]);
+        let odd: Vec<bool> = around.iter().map(|(_, colour)| is_odd(colour)).collect();
+        let at = || around.iter().map(|&(moment, _)| moment).zip(odd.iter().copied());
+        at().for_each(|(moment, odd)| marks[moment].push(odd));
+        let steady = at().filter(|(_, odd)| !odd).map(|(moment, _)| moment);
         colour.push(mean_of(shot, pixel, steady).unwrap_or(usual));
-        let share = odd as f32 / moments.len().max(1) as f32;
+        let share = odd.iter().filter(|odd| **odd).count() as f32 / moments.len().max(1) as f32;
         let flickers = threshold <= 0.0 || share >= threshold.max(LEAST_FLICKER);
         kind.push(if flickers { Kind::Flickers } else { Kind::Still });
     }
@@ -85,7 +84,7 @@ fn ground_of(shot: &Shot, size: [u32; 2], threshold: f32) -> (Ground, Vec<Bits>)
         let has_company = |pixel: usize| {
             marks[pixel] && neighbourhood(pixel, size).filter(|&pixel| marks[pixel]).count() >= LEAST_ODD
         };
-        Bits::of(&(0..pixels).map(has_company).collect::<Vec<bool>>())
+        Bits::of(&(0..marks.len()).map(has_company).collect::<Vec<bool>>())
     };
     let odd = marks.iter().map(clean).collect();
     (Ground { depth_m: vec![f32::NAN; pixels], colour, kind }, odd)
