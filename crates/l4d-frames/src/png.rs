@@ -244,10 +244,9 @@ impl Rows {
     }
 
     fn push(&mut self, bytes: &[u8]) -> Result<(), PngError> {
-        if self.is_of_bits {
-            self.push_bits(bytes)
-        } else {
-            self.push_bytes(bytes)?
+        match self.is_of_bits {
+            true => self.push_bits(bytes),
+            false => self.push_bytes(bytes)?,
         }
         self.row += 1;
         Ok(())
