@@ -163,14 +163,29 @@ pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
         let mark = if sheet.is_partial { " partial" } else { "" };
         line(&mut text, sheet.method.as_str(), cells.chain([format!("{:>9}{mark}", sheet.queries())]));
     }
-    for sheet in sheets {
-        for LeftOut { what, queries, frames } in sheet.left_out() {
-            let sentence = format!("{}: {frames} frames of {queries} queries {what}.", sheet.method);
-            text.push_str(&wrapped(&sentence));
-        }
+    for (LeftOut { what, queries, frames }, methods) in shared(sheets) {
+        let who = match methods.len() == sheets.len() && sheets.len() > 1 {
+            true => "every method".to_owned(),
+            false => methods.join(", "),
+        };
+        text.push_str(&wrapped(&format!("{who}: {frames} frames of {queries} queries {what}.")));
     }
     text.push_str(&wrapped(protocol.remark()));
     text
+}
+
+/// What was left out, with the methods of which the same is true.
+fn shared(sheets: &[Sheet]) -> Vec<(LeftOut, Vec<&str>)> {
+    let mut all: Vec<(LeftOut, Vec<&str>)> = Vec::new();
+    for sheet in sheets {
+        for one in sheet.left_out() {
+            match all.iter_mut().find(|(other, _)| *other == one) {
+                Some((_, methods)) => methods.push(sheet.method.as_str()),
+                None => all.push((one, vec![sheet.method.as_str()])),
+            }
+        }
+    }
+    all
 }
 
 fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
