@@ -1,5 +1,7 @@
 //! The protocols of others against an independent implementation (`protocols/reference.py`), and by hand.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on must say where")]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;

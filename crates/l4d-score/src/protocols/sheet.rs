@@ -40,7 +40,7 @@ impl Sheet {
         match self.protocol.averaging() {
             Averaging::Queries => mean_of_queries(self.rows.iter(), measure),
             Averaging::PairsThenScenes | Averaging::QueriesThenScenes => {
-                mean(scenes.iter().filter_map(|(_, rows)| self.of_scene(rows, measure)))
+                mean(scenes.values().filter_map(|rows| self.of_scene(rows, measure)))
             }
         }
     }

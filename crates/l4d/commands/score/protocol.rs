@@ -30,9 +30,8 @@ pub(super) fn run(
         ));
     }
     let scores = args.scores.clone().unwrap_or_else(|| default_scores_of(exam.set, protocol.as_str()));
-    let mut judged = judge_results(&args.results, exam, protocol, options, &scores, |name| {
-        out.note(format!("read {name}"))
-    })?;
+    let progress = |name: &str| out.note(format!("read {name}"));
+    let mut judged = judge_results(&args.results, exam, protocol, options, &scores, progress)?;
     report.extend(std::mem::take(&mut judged.report));
     let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
     if args.json {
