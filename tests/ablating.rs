@@ -79,7 +79,7 @@ fn consensus_is_compared_query_by_query_for_each_correlation() {
         "cannot be ranked",
         "## What consensus changes",
         "## Where consensus loses",
-        "fewer than 5 scenes",
+        "fewer than 8 scenes",
     ] {
         assert!(run.stdout.contains(part), "no `{part}` in\n{}", run.stdout);
     }

@@ -4,6 +4,10 @@
 //! a table is derived from those rows by [`metrics`] and [`averages`], so that anyone can do it again. Definitions and worked
 //! examples stand in `docs/scoring.md`, which is also a test.
 //!
+//! Uncertainty comes last, from the same rows: [`Estimate::of_ratio`] is a mean with its standard error and interval,
+//! [`Comparison::of`] holds two methods against each other, [`all_pairs`] all methods of a table. All of them take
+//! [`metrics::QueryTally`]s, which [`score::tallies_of_counts`] reads from `counts.csv`, and a seed.
+//!
 //! The judge sees the truth, the queries and the masks of a method, nothing else: it links no solver, no
 //! importer, no query language and no decoder of renders, and it refuses to rank (that is `l4d-board`).
 
@@ -13,6 +17,7 @@ pub mod baseline;
 pub mod check;
 pub mod cluster;
 pub mod codes;
+pub mod compare;
 pub mod counts;
 pub mod exam;
 mod folder;
@@ -28,6 +33,7 @@ pub use averages::{Average, Breakdown};
 pub use baseline::Baseline;
 pub use check::check_results;
 pub use cluster::Estimate;
+pub use compare::{Comparison, Pair, all_pairs, holm};
 pub use counts::{FrameCount, State};
 pub use exam::{Exam, QuerySet};
 pub use metrics::{Metrics, Missing, Options};

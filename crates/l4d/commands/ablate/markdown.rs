@@ -105,7 +105,7 @@ impl Page<'_> {
     fn intervals(&self, text: &mut String) {
         writeln!(
             text,
-            "## Intervals\n\n95 % intervals of the measured rows: {RESAMPLES} draws of whole scenes with all their queries.\n"
+            "## Intervals\n\n95 % intervals of the measured rows: studentized, {RESAMPLES} draws of whole scenes with all their queries.\n"
         )
         .ok();
         header(
@@ -133,7 +133,7 @@ impl Page<'_> {
             }
         }
         if is_rough {
-            writeln!(text, "\n(!) fewer than {FEW_SCENES} scenes: the interval says little.").ok();
+            writeln!(text, "\n(!) fewer than {FEW_SCENES} scenes: the interval may be too narrow.").ok();
         }
         text.push('\n');
     }
