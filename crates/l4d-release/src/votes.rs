@@ -3,12 +3,18 @@
 //! `l4d verdict` derives it from the ballots; a release is told, and refuses to call verified what was not.
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
 
+use l4d_data::store::list_folder;
 use l4d_data::{Benchmark, DataError, QueryId, Report, Status};
 use serde::{Deserialize, Serialize};
 
 use crate::codes;
 use crate::gather::{Gathered, Source};
+
+/// Nothing else sets a status.
+const HINT: &str = "name the folder of all rounds with --rounds, and run `l4d verdict --round ...`: nothing else sets a status";
 
 /// What all sealed rounds of people say together.
 #[derive(Debug, Clone, Default)]
@@ -60,8 +66,8 @@ pub(crate) fn check(bench: &Benchmark, gathered: &Gathered, votes: &Votes, repor
                 let by_votes = votes.statuses.get(&query.id).copied().unwrap_or(Status::Candidate);
                 if query.status != by_votes {
                     let place = format!("query {}, field `status`", query.id);
-                    let (says, message) = (query.status.as_str(), by_votes.as_str());
-                    let message = format!("is {says}, but by the votes of people it is {message}");
+                    let (says, should) = (query.status.as_str(), by_votes.as_str());
+                    let message = format!("is {says}, but by the votes of people it is {should}");
                     report.error(codes::STATUS, &path, place, message, HINT);
                 }
             }
@@ -69,22 +75,14 @@ pub(crate) fn check(bench: &Benchmark, gathered: &Gathered, votes: &Votes, repor
     }
 }
 
-const HINT: &str = "name the folder of all rounds with --rounds, and run `l4d verdict --round ...`: nothing else sets a status";
-
 impl Votes {
-    /// How many files and bytes of evidence there are.
-    pub fn is_empty(&self) -> bool {
-        self.rounds.is_empty()
-    }
-
-    /// Adds the files below a folder of annotation, those whose names start with a dot left out.
-    pub fn add_files(&mut self, prefix: &str, folder: &std::path::Path) -> Result<(), DataError> {
-        for name in l4d_data::store::list_folder(folder)? {
+    /// Adds the files below a folder of annotation; hidden ones and pictures are left out.
+    pub fn add_files(&mut self, prefix: &str, folder: &Path) -> Result<(), DataError> {
+        for name in list_folder(folder)? {
             let path = folder.join(&name);
             let inside = format!("{prefix}/{name}");
             // Pictures can be drawn again, and a link could lead anywhere.
-            let kind =
-                std::fs::symlink_metadata(&path).map_err(|source| DataError::io(&path, "read", source))?;
+            let kind = fs::symlink_metadata(&path).map_err(|source| DataError::io(&path, "read", source))?;
             if kind.is_dir() {
                 self.add_files(&inside, &path)?;
             } else if kind.is_file() && !name.ends_with(".png") {
