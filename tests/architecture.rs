@@ -170,6 +170,7 @@ const QUARANTINE: &[(&str, &[&str])] = &[
     ("numpy", &["l4d-py"]),
     ("polars", &["l4d-board"]),
     ("plotters", &["l4d-board"]),
+    ("mimalloc", &["l4d-py"]),
     ("pyo3", &["l4d-py"]),
     ("ratatui", &["l4d-annotate"]),
     ("ratatui-image", &["l4d-annotate"]),
