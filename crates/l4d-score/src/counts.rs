@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use l4d_data::store::read_bounded;
+use l4d_data::store::{AtomicFile, read_bounded};
 use l4d_data::{DataError, Name, QueryId};
 use serde::{Deserialize, Serialize};
-
-use crate::atomic::AtomicFile;
 
 /// What happened in one frame of one query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -144,9 +142,16 @@ impl CountsWriter {
 
     /// Appends rows.
     pub fn write(&mut self, counts: &[FrameCount]) -> Result<(), DataError> {
-        let bytes = to_csv(counts, !self.has_header);
-        self.has_header = true;
-        self.file.write(&bytes)
+        self.write_csv(&to_csv(counts, false))
+    }
+
+    /// Appends rows that are CSV already, without a header.
+    pub fn write_csv(&mut self, rows: &[u8]) -> Result<(), DataError> {
+        if !self.has_header {
+            self.has_header = true;
+            self.file.write(&to_csv(&[], true))?;
+        }
+        self.file.write(rows)
     }
 
     /// Puts the file in place.

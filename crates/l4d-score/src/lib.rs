@@ -12,7 +12,6 @@
 //! importer, no query language and no decoder of renders, and it refuses to rank (that is `l4d-board`).
 
 pub mod answers;
-mod atomic;
 pub mod averages;
 pub mod baseline;
 pub mod check;
@@ -23,10 +22,13 @@ pub mod counts;
 pub mod exam;
 mod folder;
 pub mod judge;
+pub mod labels;
 pub mod metrics;
+pub mod protocols;
 pub mod results;
 pub mod score;
 pub mod summary;
+pub mod sweep;
 pub mod table;
 pub mod truth;
 
@@ -38,5 +40,6 @@ pub use compare::{Comparison, Pair, all_pairs, holm};
 pub use counts::{FrameCount, State};
 pub use exam::{Exam, QuerySet};
 pub use metrics::{Metrics, Missing, Options};
+pub use protocols::Protocol;
 pub use score::{Scored, score_results};
 pub use summary::Summary;
