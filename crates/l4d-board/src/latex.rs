@@ -99,3 +99,68 @@ fn ascii(character: char) -> char {
         _ => ' ',
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::layout::BenchDir;
+
+    use super::*;
+    use crate::layout;
+    use crate::sample;
+
+    fn tables(board: &Board) -> Vec<String> {
+        let shipped = BenchDir::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark"));
+        let layouts = layout::all(board, &sample::statistics(board), &shipped).unwrap();
+        layouts.iter().map(|layout| tabular(layout, board)).collect()
+    }
+
+    /// Cells of a row; those that span several count as many.
+    fn cells(line: &str) -> usize {
+        let spans = line.split("\\multicolumn{").skip(1);
+        let wide: usize =
+            spans.map(|rest| rest.split('}').next().unwrap().parse::<usize>().unwrap() - 1).sum();
+        line.replace("\\&", "").matches('&').count() + 1 + wide
+    }
+
+    #[test]
+    fn every_row_has_as_many_cells_as_the_table_has_columns() {
+        for board in [sample::hand_made(), sample::board(14), sample::long_names()] {
+            for text in tables(&board) {
+                let head = text.lines().find(|line| line.starts_with("\\begin{tabular}")).unwrap();
+                let columns = head.trim_start_matches("\\begin{tabular}{").trim_end_matches('}').len();
+                let rows: Vec<&str> = text.lines().filter(|line| line.ends_with(" \\\\")).collect();
+                assert!(rows.len() > 3, "{text}");
+                for row in rows {
+                    assert_eq!(cells(row), columns, "{row}");
+                }
+                assert_eq!(text.matches('{').count(), text.matches('}').count());
+                assert_eq!(text.matches("\\midrule").count(), text.matches("\\midrule\n").count());
+                assert!(text.ends_with("\\bottomrule\n\\end{tabular}\n") && text.is_ascii(), "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn best_is_bold_and_the_paper_stands_apart() {
+        let text = &tables(&sample::hand_made())[0];
+        let line = |start: &str| text.lines().position(|line| line.starts_with(start)).unwrap();
+        let [alpha, oracle, apart, paper] = [
+            line("alpha &"),
+            line("oracle$^{\\dagger}$ &"),
+            line("\\multicolumn{11}{l}{\\emph{As reported"),
+            line("LangSplat &"),
+        ];
+        assert!(alpha < oracle && oracle < apart && apart < paper, "{text}");
+        let cell = "\\shortstack[r]{\\textbf{62.50}\\\\{\\tiny 58.0--67.0}}";
+        assert!(text.lines().nth(alpha).unwrap().contains(cell), "{text}");
+        assert!(!text.lines().nth(oracle).unwrap().contains("textbf"), "{text}");
+        assert!(text.contains("LangSplat & 47.79 & 28.81 &"), "{text}");
+    }
+
+    #[test]
+    fn names_stay_text() {
+        assert_eq!(escape("a_b&c%$#{}"), "a\\_b\\&c\\%\\$\\#\\{\\}");
+        assert_eq!(escape("~^\\é\n"), "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}? ");
+        assert_eq!(comment("a · b\n\\end{x}é"), "a - b \\end{x} ");
+    }
+}

@@ -247,3 +247,62 @@ fn markdown_cell(cell: Cell, podium: Option<Podium>) -> String {
         None => value,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample;
+
+    fn shipped() -> BenchDir {
+        BenchDir::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark"))
+    }
+
+    #[test]
+    fn rows_follow_the_board_and_scales_come_three_a_method() {
+        let board = sample::hand_made();
+        let tables = all(&board, &sample::statistics(&board), &shipped()).unwrap();
+        let labels = |table: &Layout| table.rows.iter().map(|line| line.label.clone()).collect::<Vec<_>>();
+        assert_eq!(tables.iter().map(|table| table.name).collect::<Vec<_>>(), ["panoptic_l4d", "scales"]);
+        assert_eq!(labels(&tables[0]), ["alpha", "beta", "gamma", "oracle", "half"]);
+        assert_eq!(
+            labels(&tables[1])[..4],
+            ["alpha, outdoor", "alpha, room", "alpha, tabletop", "beta, outdoor"]
+        );
+        assert_eq!(tables[0].columns, ["attribute", "action", "spatial", "interaction", "all"]);
+        let gamma = &tables[0].rows[2];
+        assert_eq!(gamma.cells[2], [None, None], "it was asked nothing spatial");
+        assert_eq!(tables[0].published.len(), 3);
+        assert!(
+            tables[1].published.iter().all(|line| line.cells.len() == 5 && line.cells[4] == [None, None])
+        );
+    }
+
+    #[test]
+    fn composites_are_found_whatever_their_order() {
+        let board = sample::hand_made();
+        let mut statistics = sample::statistics(&board);
+        for method in &mut statistics.methods {
+            let mut group = method.groups[0].clone();
+            (group.kind, group.name) = (Kind::Composite, "action+spatial".to_owned());
+            method.groups.push(group);
+        }
+        let tables = all(&board, &statistics, &shipped()).unwrap();
+        assert_eq!((tables.len(), tables[0].name), (1, "composites"));
+        assert_eq!(tables[0].columns, ["action+spatial", "all"]);
+        assert!(tables[0].published.iter().all(|line| line.cells[0].iter().all(Option::is_some)));
+    }
+
+    #[test]
+    fn pages_mark_the_unranked_and_keep_the_paper_apart() {
+        let board = sample::hand_made();
+        let tables = all(&board, &sample::statistics(&board), &shipped()).unwrap();
+        let page = tables[0].markdown(&board);
+        let (ours, paper) = page.split_once(PUBLISHED_TITLE).unwrap();
+        assert!(ours.contains("| oracle † | 100.00 (95.5 to 100.0) |"), "{page}");
+        assert!(
+            ours.contains("| alpha | **62.50** (58.0 to 67.0) |") && !ours.contains("LangSplat"),
+            "{page}"
+        );
+        assert!(paper.contains("| PanopticQuery |") && !paper.contains("**"), "{page}");
+    }
+}

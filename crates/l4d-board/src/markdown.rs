@@ -31,7 +31,7 @@ pub(crate) fn page(board: &Board, statistics: &Statistics, figures: &[(String, &
     page.push_str(&group_table("mIoU per scale", board, &scales, |row, key| {
         row.scores.scales.get(key)?.miou
     }));
-    page.push_str(&comparisons(statistics));
+    page.push_str(&comparisons(board, statistics));
     for (title, kind) in [
         ("mIoU by time", Kind::Temporal),
         ("mIoU by size of the target", Kind::Size),
@@ -102,12 +102,12 @@ fn interval(found: &Estimate) -> String {
     found.interval.map(|[low, high]| format!(" ({low:.1} to {high:.1})")).unwrap_or_default()
 }
 
-fn comparisons(statistics: &Statistics) -> String {
+fn comparisons(board: &Board, statistics: &Statistics) -> String {
     let all = statistics.headline();
     let shown: Vec<&Pair> = match all.len() <= MOST_PAIRS {
         true => all.iter().collect(),
         // Partial methods are in no pair, so that the next one may be further down.
-        false => statistics.neighbours(),
+        false => statistics.neighbours(board),
     };
     if shown.is_empty() {
         return String::new();
@@ -346,7 +346,7 @@ mod tests {
         };
         assert!(line("| 1 | alpha |").contains("| **62.50** |"), "{}", line("| 1 | alpha |"));
         assert!(line("| 3 | gamma |").contains("| *50.00* |"), "{}", line("| 3 | gamma |"));
-        assert!(line("| oracle |").contains("used ground truth | 100.00 |"));
+        assert!(line("| oracle |").contains("used ground truth | 100.00 (95.5 to 100.0) |"));
     }
 
     #[test]

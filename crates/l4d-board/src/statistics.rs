@@ -84,15 +84,13 @@ impl Statistics {
         self.comparisons.iter().find(|found| found.metric == Metric::ALL[0]).map_or(&[], |found| &found.pairs)
     }
 
-    /// Of the pairs by which the board is ranked, those of methods that follow each other.
-    pub fn neighbours(&self) -> Vec<&Pair> {
-        let mut next: Option<usize> = None;
-        let follows = |pair: &&Pair| {
-            let is_next = next != Some(pair.first);
-            next = Some(pair.first);
-            is_next
-        };
-        self.headline().iter().filter(follows).collect()
+    /// Of the pairs by which the board is ranked, those of methods that follow each other: ranked ones among themselves,
+    /// and those that are only shown.
+    pub fn neighbours(&self, board: &Board) -> Vec<&Pair> {
+        let is_ranked = |index: usize| index < board.ranked.len();
+        let alike = self.headline().iter().filter(|pair| is_ranked(pair.first) == is_ranked(pair.second));
+        let mut previous: Option<usize> = None;
+        alike.filter(|pair| previous.replace(pair.first) != Some(pair.first)).collect()
     }
 
     /// A group of a method.

@@ -56,7 +56,7 @@ pub fn text_table(board: &Board) -> String {
 pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
     const VALUE_WIDTH: usize = 22;
     const SHORT_WIDTH: usize = 9;
-    let neighbours = statistics.neighbours();
+    let neighbours = statistics.neighbours(board);
     let room = WIDTH - RANK_WIDTH - 1 - 2 * VALUE_WIDTH - 2 * SHORT_WIDTH;
     let longest = statistics.methods.iter().map(|method| method.name.len()).max().unwrap_or(0);
     if longest == 0 {
@@ -207,7 +207,7 @@ mod tests {
         let text = text_statistics(&board, &sample::statistics(&board));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "rank method  mIoU (95 % interval)     ahead of the next        p  detect.");
-        assert_eq!(lines[1], "   1 alpha   62.50 (58.0 to 66.5)  +0.00 (-4.5 to 4.5)   1.0000     6.20");
+        assert_eq!(lines[1], "   1 alpha   62.50 (58.0 to 66.5)   +0.00 (-4.5 to 4.5)   1.0000     6.20");
         assert_eq!(lines[5], "   - half    80.00 (75.5 to 84.0)", "a partial method is compared with none");
         assert_eq!(text_statistics(&board, &Statistics::default()), "");
     }
