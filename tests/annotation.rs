@@ -18,7 +18,7 @@ const SCENES: [&str; 2] = ["room_living_cats", "tabletop_mouse_cups"];
 const PANEL: [&str; 5] = ["ada", "ben", "cyd", "dee", "eve"];
 
 /// A folder with a benchmark of two shipped scenes.
-fn bench() -> Dir {
+pub(crate) fn bench() -> Dir {
     let dir = Dir::new();
     for scene in SCENES {
         for file in [
@@ -45,7 +45,7 @@ fn open_round(dir: &Dir, name: &str, more: &[&str]) -> Run {
     dir.run(&[&["open-round", name, "--profile", "tiny", "--annotators", &annotators], more].concat())
 }
 
-fn opened(dir: &Dir, name: &str, more: &[&str]) -> (RoundDir, Round, Key) {
+pub(crate) fn opened(dir: &Dir, name: &str, more: &[&str]) -> (RoundDir, Round, Key) {
     let run = open_round(dir, name, more);
     assert_eq!(run.code, 0, "{}", run.stderr);
     read_round(dir, name)
@@ -85,7 +85,7 @@ fn choose(choice: Choice) -> Event {
 }
 
 /// The panel votes; one of them otherwise on some items.
-fn panel_votes(dir: &Dir, round: &str, who: &str, otherwise: &BTreeMap<ItemId, Event>) {
+pub(crate) fn panel_votes(dir: &Dir, round: &str, who: &str, otherwise: &BTreeMap<ItemId, Event>) {
     for annotator in PANEL {
         let nothing = BTreeMap::new();
         vote(dir, round, annotator, if annotator == who { otherwise } else { &nothing });

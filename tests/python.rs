@@ -57,8 +57,17 @@ fn a_wheel_says_what_rust_says() {
     let wheel = fs::read_dir(&wheels).unwrap().next().unwrap().unwrap().path();
     let name = wheel.file_name().unwrap().to_string_lossy().into_owned();
     assert!(name.contains("-cp39-abi3-"), "{name} is not for all versions of Python");
-    let fresh = environment(&dir.path("fresh"), &["pytest", text(&wheel)]);
+    let fresh = environment(&dir.path("fresh"), &["pytest", "mypy", text(&wheel)]);
     ask(&fresh, &world_folder(), None);
+    check_types(&fresh, &dir);
+}
+
+/// What a type checker says of the example, and of the stub beside the module that it describes.
+fn check_types(python: &Path, dir: &Dir) {
+    let example = root().join("crates/l4d-py/examples/score_your_method.py");
+    let mypy = |words: &[&str]| succeed(Command::new(python).current_dir(dir.path("")).args(words));
+    mypy(&["-m", "mypy", "--strict", text(&example)]);
+    mypy(&["-m", "mypy.stubtest", "l4d"]);
 }
 
 /// Runs the tests of the package with what it needs beside it.
@@ -141,6 +150,7 @@ fn write_capture(dir: &Dir) {
         frames: vec![0, 1, 200],
         frames_per_second: Some(30.0),
         depth: capture::Depth::Absent,
+        points: 0,
         is_metric: false,
         unseen: BTreeMap::from([(name("cam01"), vec![200])]),
         substituted: Vec::new(),

@@ -186,6 +186,58 @@ fn masks_of_langsplat_on_a_scene_of_theirs_are_scored() {
 }
 
 #[test]
+fn a_capture_goes_out_in_the_layouts_of_others_without_its_held_out_view() {
+    let dir = authored();
+    let export = |format: &'static str, more: &[&'static str]| {
+        let words = [
+            "export",
+            "table",
+            "--profile",
+            "real",
+            "--bench",
+            "captures",
+            "--format",
+            format,
+            "--out",
+            format,
+        ];
+        dir.run(&[&words[..], more].concat())
+    };
+    let run = export("plain", &["--video"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("a capture: there is no depth"), "{}", run.stderr);
+    let cameras: Value = serde_json::from_str(&dir.read("plain/cameras.json")).unwrap();
+    assert_eq!((&cameras["frames_per_second"], &cameras["frames"][3]["time"]), (&json!(30.0), &json!(1.0)));
+    let bytes = |path: &str| std::fs::read(dir.path(path)).unwrap();
+    let picture = bytes("data/captures/table/frames/cam01/0002.png");
+    assert_eq!(bytes("plain/images/cam01/0002.png"), picture);
+    assert!(!dir.path("plain/images/cam00").exists(), "the held-out view");
+    assert!(dir.path("plain/cam01.mp4").exists() || dir.path("plain/cam01.png").exists());
+
+    let run = export("4dgaussians", &[]);
+    assert!(run.code == 0 && run.stderr.contains("--points-from"), "{}", run.stderr);
+    assert_eq!(bytes("4dgaussians/ims/0/000002.png"), picture);
+    // People drew on the held-out view alone: that is the truth.
+    let run = export("coco", &[]);
+    assert!(run.code == 2 && run.stderr.contains("they are the truth"), "{}", run.stderr);
+    assert_eq!(export("coco", &["--held-out", "pictures"]).code, 0);
+    let run = export("4d-langsplat-annotations", &[]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let written: Value =
+        serde_json::from_str(&dir.read("4d-langsplat-annotations/annotations/train/_annotations.coco.json"))
+            .unwrap();
+    let names: Vec<&str> = written["images"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|image| image["file_name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["0000_png.rf.l4d.jpg", "0002_png.rf.l4d.jpg"]);
+    let run = export("plain", &["--frames", "9"]);
+    assert!(run.code == 2 && run.stderr.contains("frame 9 was not recorded"), "{}", run.stderr);
+}
+
+#[test]
 fn people_verify_prompts_on_the_pictures_of_a_capture() {
     let dir = authored();
     let open =
@@ -241,8 +293,6 @@ fn verbs_that_need_renderings_refuse_real_scenes_and_folders_never_mix() {
         assert_eq!(run.code, 2, "{verb}: {}", run.stdout);
         assert!(run.stderr.contains("real scenes are not rendered"), "{verb}: {}", run.stderr);
     }
-    let run = dir.run(&["export", "table", "--profile", "real", "--format", "plain", "--out", "x"]);
-    assert_eq!(run.code, 2);
     dir.write("captures/scenes/table.json", "{}");
     let run = dir.run(&[&IMPORT[..], &["tabletop"]].concat());
     assert_eq!(run.code, 2);

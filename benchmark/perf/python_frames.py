@@ -5,7 +5,8 @@
 
 Needs numpy. Both sides read the same frame from the same file again and again, in rounds that take turns; a round's number
 is its median, and the ratio is that of the medians over rounds. The Python side gives float32 light, depth and ids as
-arrays, the Rust side what its reader gives (light as half floats). Target: at most 1.2.
+arrays, the Rust side what its reader gives (light as half floats). Target: at most 1.2. Frames without colours
+(`l4d build-scenes --samples 0`) are the hardest: there is least to decode.
 """
 
 import argparse

@@ -4,6 +4,7 @@ pub(crate) mod annotation;
 pub(crate) mod interop;
 pub(crate) mod judging;
 pub(crate) mod models;
+pub(crate) mod publishing;
 pub(crate) mod scenes;
 pub(crate) mod solver;
 pub(crate) mod splats;
@@ -17,6 +18,7 @@ use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, 
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
+use self::publishing::{HostCommand, ReleaseArgs};
 use self::scenes::{BuildScenesArgs, CheckScenesArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs};
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
 use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs};
@@ -99,6 +101,11 @@ pub(crate) enum Command {
     /// Speed against error: tables and figures
     #[command(subcommand)]
     Bench(BenchCommand),
+    /// Freeze a version of the benchmark: archives, tables, checksums, metadata, data sheet
+    Release(ReleaseArgs),
+    /// Write the benchmark in the form of a hosting platform
+    #[command(subcommand)]
+    Host(HostCommand),
 }
 
 impl Command {

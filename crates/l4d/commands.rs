@@ -12,6 +12,7 @@ mod draw_variant;
 mod endpoint;
 mod estimate;
 mod export;
+mod host;
 mod import;
 mod import_scene;
 mod leaderboard;
@@ -20,6 +21,7 @@ pub(crate) mod propose_prompts;
 mod propose_scenes;
 mod query;
 mod quickstart;
+mod release;
 mod render_splats;
 mod score;
 mod sheet;
@@ -66,5 +68,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Score(args) => score::run(args, out),
         Command::Leaderboard(args) => leaderboard::run(args, out),
         Command::Bench(command) => bench::run(command, out),
+        Command::Release(args) => release::run(args, out),
+        Command::Host(command) => host::run(command, out),
     }
 }

@@ -14,29 +14,47 @@ use l4d_solve::clips::Instant;
 
 use crate::out::Printer;
 
-/// Widest page of a video, and of an animated PNG, which takes many times the room, pixels.
+/// Widest page of a video, pixels.
 const VIDEO_WIDTH_PX: u32 = 1440;
-const PNG_WIDTH_PX: u32 = 640;
+/// Widest page of an animated PNG, which takes many times the room, pixels.
+pub(crate) const PNG_WIDTH_PX: u32 = 640;
+
+/// Video codecs want even numbers of pixels: a black column or row makes them so.
+const EVEN: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
 
 /// What is shown, all pages of one size.
 pub(crate) trait Pages {
-    /// Width and height. Video codecs want even numbers.
+    /// Width and height, pixels.
     fn size_px(&self) -> (u32, u32);
 
     /// A page of that size.
     fn page(&self, index: usize) -> Result<RgbImage>;
 }
 
-/// Writes `<stem>.mp4` or `<stem>.png` into a folder, a page an instant; gives its path. `lay_out` makes pages that
-/// are about so many pixels wide at most.
+/// How long a moving picture is, and how fast.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Clip {
+    pub(crate) pages: usize,
+    pub(crate) frames_per_second: f64,
+}
+
+impl Clip {
+    /// A page an instant, so that the clip lasts as long as what it shows.
+    pub(crate) fn of(instants: &[Instant]) -> Self {
+        Self { pages: instants.len(), frames_per_second: frames_per_second(instants) }
+    }
+}
+
+/// Writes `<stem>.mp4` or `<stem>.png` into a folder; gives its path. `lay_out` makes pages that are about so many
+/// pixels wide at most.
 pub(crate) fn write<P: Pages>(
     folder: &Path,
     stem: &str,
-    instants: &[Instant],
+    clip: Clip,
     lay_out: impl Fn(u32) -> Result<P>,
     out: &Printer,
 ) -> Result<PathBuf> {
-    match video(folder, stem, instants, &lay_out(VIDEO_WIDTH_PX)?)? {
+    match video(folder, stem, clip, &lay_out(VIDEO_WIDTH_PX)?)? {
         Video::Written(path) => return Ok(path),
         Video::NoProgram => {
             out.note(format!("ffmpeg is not on the PATH: {stem} is an animated PNG instead of an MP4"));
@@ -46,9 +64,9 @@ pub(crate) fn write<P: Pages>(
         }
     }
     let pages = lay_out(PNG_WIDTH_PX)?;
-    let drawn = (0..instants.len()).map(|index| pages.page(index)).collect::<Result<Vec<_>>>()?;
+    let drawn = (0..clip.pages).map(|index| pages.page(index)).collect::<Result<Vec<_>>>()?;
     let path = folder.join(format!("{stem}.png"));
-    write_atomic(&path, &animated_png(&drawn, frames_per_second(instants)).unwrap_or_default())?;
+    write_atomic(&path, &animated_png(&drawn, clip.frames_per_second).unwrap_or_default())?;
     Ok(path)
 }
 
@@ -58,15 +76,17 @@ enum Video {
     Failed(String),
 }
 
-fn video(folder: &Path, stem: &str, instants: &[Instant], pages: &impl Pages) -> Result<Video> {
+fn video(folder: &Path, stem: &str, clip: Clip, pages: &impl Pages) -> Result<Video> {
     let path = folder.join(format!("{stem}.mp4"));
     let unfinished = folder.join(format!(".{stem}.tmp.mp4"));
     let (width, height) = pages.size_px();
     let mut command = Command::new("ffmpeg");
     command
         .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
-        .args(["-s", &format!("{width}x{height}"), "-r", &format!("{:.3}", frames_per_second(instants))])
-        .args(["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact"])
+        .args(["-s", &format!("{width}x{height}"), "-r", &format!("{:.3}", clip.frames_per_second)])
+        .args(["-i", "-"])
+        .args(if width % 2 + height % 2 > 0 { &["-vf", EVEN][..] } else { &[] })
+        .args(["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact"])
         .arg(&unfinished)
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
@@ -77,7 +97,7 @@ fn video(folder: &Path, stem: &str, instants: &[Instant], pages: &impl Pages) ->
         Err(error) => return Ok(Video::Failed(error.to_string())),
     };
     if let Some(mut pipe) = child.stdin.take() {
-        for index in 0..instants.len() {
+        for index in 0..clip.pages {
             let picture = pages.page(index)?;
             // A child that closed its end says why below.
             if pipe.write_all(picture.as_raw()).is_err() {
@@ -96,7 +116,6 @@ fn video(folder: &Path, stem: &str, instants: &[Instant], pages: &impl Pages) ->
     Ok(Video::Written(path))
 }
 
-/// So that the clip lasts as long as what it shows.
 fn frames_per_second(instants: &[Instant]) -> f64 {
     let (Some(first), Some(last)) = (instants.first(), instants.last()) else { return 1.0 };
     let seconds = f64::from(last.time - first.time) * f64::from(LAST_FRAME) / FPS;

@@ -4,7 +4,7 @@
 //! reconstruction: neither metres nor the direction up are known unless the source states them. How captures of others
 //! become these files is the business of `l4d-import`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,8 @@ use crate::truth::frame_key;
 pub const SCHEMA: &str = "l4d/capture/1";
 /// Name of the file.
 pub const CAPTURE: &str = "capture.json";
+/// Name of the folder with the points of the source, a COLMAP model of all views.
+pub const SPARSE: &str = "sparse";
 /// Schema tag of `masks.json`.
 pub const MASKS_SCHEMA: &str = "l4d/capture-masks/1";
 /// Name of the file.
@@ -46,6 +48,9 @@ pub struct Capture {
     pub frames_per_second: Option<f64>,
     /// `absent`: whatever needs depth has to do without, or refuses.
     pub depth: Depth,
+    /// How many points of the source stand in `sparse`: 0 where it has none.
+    #[serde(default)]
+    pub points: usize,
     /// Whether a unit of the world is a metre.
     pub is_metric: bool,
     /// Pictures that are missing on purpose: views that did not see a moment.
@@ -86,7 +91,32 @@ impl Capture {
         let path = folder.join(CAPTURE);
         let capture: Self = json::read(&path)?;
         check_schema(&path, &capture.schema, SCHEMA, "import the scene again")?;
-        Ok(capture)
+        match capture.problem() {
+            None => Ok(capture),
+            Some((place, message)) => {
+                Err(DataError::invalid(&path, place, message, "import the scene again"))
+            }
+        }
+    }
+
+    /// What makes the capture unusable, if anything: where, and why.
+    fn problem(&self) -> Option<(String, String)> {
+        if self.frames.is_empty() || !self.frames.is_sorted_by(|a, b| a < b) {
+            return Some(("field `frames`".to_owned(), "must be ascending numbers".to_owned()));
+        }
+        let last = self.frames.last().map_or(0, |last| *last as usize);
+        let mut names = BTreeSet::new();
+        self.cameras.iter().find_map(|camera| {
+            let poses = camera.world_from_camera.len();
+            let problem = camera.problem().or_else(|| {
+                if !names.insert(&camera.name) {
+                    return Some("stands there twice".to_owned());
+                }
+                let is_short = poses > 1 && poses <= last;
+                is_short.then(|| format!("has {poses} poses, but the last frame is {last}"))
+            })?;
+            Some((format!("camera {}", camera.name), problem))
+        })
     }
 
     /// The picture of a view at a moment, relative to the folder of the capture.

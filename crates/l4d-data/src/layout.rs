@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::capture::Capture;
+use crate::capture::{Capture, SPARSE};
 use crate::query::QueryId;
 use crate::timeline::Profile;
 use crate::truth::frame_key;
@@ -81,6 +81,11 @@ impl CaptureDir {
     /// `frames/<view>/<frame:04>.png`.
     pub fn picture(&self, view: &str, frame: u32) -> PathBuf {
         self.0.join(Capture::picture_path(view, frame))
+    }
+
+    /// `sparse`: points of the source, a COLMAP model.
+    pub fn sparse(&self) -> PathBuf {
+        self.0.join(SPARSE)
     }
 }
 

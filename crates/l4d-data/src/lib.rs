@@ -22,6 +22,7 @@ pub mod rig;
 pub mod scene;
 pub mod status;
 pub mod store;
+pub mod sums;
 pub mod timeline;
 pub mod tracks;
 pub mod truth;

@@ -1,9 +1,12 @@
 //! Reading whole files with a bound, and writing them so that a kill leaves the old file or the new one.
 
+mod atomic;
+
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
+pub use self::atomic::AtomicFile;
 use crate::error::DataError;
 
 /// Reads a file of at most `limit` bytes.

@@ -94,6 +94,18 @@ impl Page {
     }
 }
 
+/// Width and height of a picture made smaller by the whole factor that brings it to about a width, pixels.
+pub fn shrunk_size((width, height): (u32, u32), width_px: u32) -> (u32, u32) {
+    let factor = width.div_ceil(width_px.max(1)).max(1);
+    ((width / factor).max(1), (height / factor).max(1))
+}
+
+/// A picture of [`shrunk_size`]; as it is if it is no wider.
+pub fn shrunk(picture: RgbImage, width_px: u32) -> RgbImage {
+    let (width, height) = shrunk_size(picture.dimensions(), width_px);
+    if (width, height) == picture.dimensions() { picture } else { thumbnail(&picture, width, height) }
+}
+
 /// Pages as the bytes of an animated PNG that repeats for ever. Browsers play it; what cannot shows the first page.
 ///
 /// None without pages, and if they differ in size.

@@ -23,6 +23,8 @@ use std::str::FromStr;
 pub use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::{DataError, Name};
 
+pub(crate) use self::plan::name_of;
+
 /// Who recorded, or what reconstructed the cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {

@@ -1,9 +1,10 @@
 //! COLMAP's sparse models: cameras, images, points, as text or binary.
 //!
-//! Owns the two encodings of the same three lists and nothing beside: no picture, no scene. Quaternions are
+//! Owns the two encodings of the same three lists, and how a pinhole of ours stands in them: no picture, no scene. Quaternions are
 //! `camera_from_world`, axes are OpenCV's, and the centre of the first pixel is (0.5, 0.5), as everywhere here.
 
 mod binary;
+mod pinholes;
 mod text;
 
 use std::path::Path;
@@ -11,6 +12,8 @@ use std::path::Path;
 use glam::{DMat4, DQuat, DVec3};
 use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
+
+pub use self::pinholes::picture_name;
 
 /// No file of a model is larger, bytes.
 const MAX_BYTES: u64 = 4 << 30;

@@ -1,8 +1,9 @@
-//! A rendered scene in the layouts that other trainers read.
+//! A scene, rendered or captured, in the layouts that other trainers read.
 //!
 //! Owns which layout holds what of a scene, and what has to be said where it cannot hold all of it. Pictures are
-//! display colours, points come from the depth of training cameras. Of the held-out camera an export shows what the
-//! order allows and nothing else: by default its pose, with a grey picture where a reader insists on one.
+//! display colours; points come from the depth of training cameras or from a reconstruction. Of the held-out camera an
+//! export shows what the order allows and nothing else: by default its pose, with a grey picture where a reader insists
+//! on one.
 
 mod annotated;
 mod cloud;
@@ -23,8 +24,8 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use l4d_data::DataError;
-use l4d_data::layout::SceneDir;
+use l4d_data::layout::{CaptureDir, SceneDir};
+use l4d_data::{Camera, DataError};
 use serde::Serialize;
 
 pub use self::folder::MANIFEST;
@@ -37,6 +38,8 @@ use self::footage::Footage;
 
 /// Most points of a cloud by default: what 4DGaussians itself reduces Neu3D's clouds to.
 pub const DEFAULT_POINTS: usize = 40_000;
+/// Pixels by which a principal point may miss the centre.
+const CENTRE_TOLERANCE_PX: f64 = 1e-6;
 
 /// A layout of somebody else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,6 +113,11 @@ impl Format {
         }
     }
 
+    /// Whether it shows which pixels are whose.
+    fn holds_masks(self) -> bool {
+        matches!(self, Self::Coco | Self::Davis)
+    }
+
     /// Whether it holds truth, so that an order has to bring some.
     pub fn needs_truth(self) -> bool {
         matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
@@ -146,21 +154,32 @@ pub enum HeldOut {
     Pictures,
 }
 
+/// Where a scene comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum Origin<'a> {
+    /// Rendered here: colours, depth and ids.
+    Rendered(&'a SceneDir),
+    /// Recorded by others: colours, masks where people drew them, points where the source had some.
+    Captured(&'a CaptureDir),
+}
+
 /// What is exported to where.
 #[derive(Debug, Clone, Copy)]
 pub struct Order<'a> {
-    /// The rendered scene.
-    pub scene: &'a SceneDir,
+    /// The scene.
+    pub origin: Origin<'a>,
     /// The layout.
     pub format: Format,
     /// Folder that receives it: empty, missing, or from an earlier export of the same scene and format.
     pub out: &'a Path,
-    /// Canonical frames; all rendered ones if empty.
+    /// Numbers of moments; all that the scene has if empty.
     pub frames: &'a [u32],
     /// What of the held-out camera is shown.
     pub held_out: HeldOut,
     /// Most points of a cloud.
     pub points: usize,
+    /// Folder of a COLMAP model in the world of the scene, whose points take the place of all others.
+    pub points_from: Option<&'a Path>,
     /// Queries and truth, for the formats that hold them.
     pub judged: Option<&'a Judged<'a>>,
 }
@@ -182,16 +201,31 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
         Format::Davis => davis::write,
         Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
     };
+    let job = Job { order, footage: &footage, tick };
+    check(&job)?;
     let folder = Folder::claim(&order, &footage)?;
-    let manifest = write(&Job { order, footage: &footage, tick }, Manifest::new(&order, &footage)?)?;
-    folder.settle(manifest)
+    let manifest = write(&job, Manifest::new(&order, &footage)?)?;
+    folder.settle(manifest, &footage)
+}
+
+/// Refuses a scene that the layout cannot hold, before anything is written.
+fn check(job: &Job<'_>) -> Result<(), DataError> {
+    match job.order.format {
+        Format::Dynerf | Format::FourDLangSplat => dynerf::check(job),
+        Format::Blender | Format::Dnerf => dnerf::check(job),
+        Format::LangSplat => colmap::check_centres(job),
+        Format::Coco | Format::Davis => annotated::cameras(job.footage).map(drop),
+        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::camera(job).map(drop),
+        Format::FourDGaussians | Format::Nerfstudio | Format::Colmap | Format::ColmapText | Format::Plain => {
+            Ok(())
+        }
+    }
 }
 
 /// How many pictures an export of so many frames writes: the length of a progress bar.
 pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
     let footage = Footage::open(order)?;
-    let held_out = usize::from(footage.held_out().is_some());
-    Ok(((footage.training().len() + held_out) * footage.frames().len()) as u64)
+    Ok(((footage.training().len() + footage.held_out().len()) * footage.frames().len()) as u64)
 }
 
 /// All that a layout needs.
@@ -201,8 +235,22 @@ struct Job<'a> {
     tick: &'a (dyn Fn() + Sync),
 }
 
+/// Whether a principal point is the centre of the picture: many readers drop it.
+fn is_centred(footage: &Footage, camera: &Camera) -> bool {
+    let [width, height] = footage.size().map(f64::from);
+    (camera.cx - width / 2.0).abs() <= CENTRE_TOLERANCE_PX
+        && (camera.cy - height / 2.0).abs() <= CENTRE_TOLERANCE_PX
+}
+
+/// A layout whose reader drops principal points.
+fn off_centre(footage: &Footage, camera: &Camera) -> DataError {
+    let message = format!("the principal point of {} is not the centre, and readers drop it", camera.name);
+    limit(footage, "cx", message)
+}
+
 /// A layout that cannot hold a scene.
 fn limit(footage: &Footage, field: &str, message: impl Into<String>) -> DataError {
-    let remedy = "use `--format 4dgaussians`, which holds any camera, or `--format plain`";
-    DataError::invalid(&footage.scene_path(), format!("field `{field}`"), message, remedy)
+    let remedy =
+        "use `--format 4dgaussians` or `--format colmap`, which hold any camera, or `--format plain`";
+    footage.wrong(&format!("field `{field}`"), message.into(), remedy)
 }

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import l4d
+
 
 @pytest.fixture
 def place(world: Path, tmp_path: Path) -> Path:
@@ -41,3 +43,13 @@ def test_the_documentation_runs(root: Path, place: Path) -> None:
     assert len(blocks) >= 5
     (place / "page.py").write_text("\n".join(blocks))
     run(place, "page.py")
+
+
+def test_every_public_name_is_documented(root: Path) -> None:
+    page = (root / "docs/python.md").read_text()
+    words = set(re.findall(r"\w+", " ".join(re.findall(r"`[^`\n]+`", page))))
+    for name in set(l4d.__all__) - {"__version__"}:
+        assert name in words, name
+        public = getattr(l4d, name)
+        members = [member for member in vars(public) if not member.startswith("_")] if isinstance(public, type) else []
+        assert not (missing := [member for member in members if member not in words]), f"{name}: {missing}"

@@ -1,7 +1,13 @@
-"""The stub says what the module has: every name, every signature, and nothing else."""
+"""The stub says what the module has: every name, every signature, every docstring, and nothing else.
+
+Docstrings are written once, in Rust. After a change of them `UPDATE_DOCS=1` carries them over into the stub of the source
+tree; build the package again for the tests to see it.
+"""
 
 import ast
 import inspect
+import os
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -9,7 +15,8 @@ import pytest
 import l4d
 from l4d import _native
 
-STUB = ast.parse((Path(l4d.__file__).parent / "_native.pyi").read_text())
+SOURCE = (Path(l4d.__file__).parent / "_native.pyi").read_text()
+STUB = ast.parse(SOURCE)
 FUNCTIONS = {node.name: node for node in STUB.body if isinstance(node, ast.FunctionDef)}
 CLASSES = {
     node.name: node for node in STUB.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
@@ -27,7 +34,7 @@ def is_property(node: ast.FunctionDef) -> bool:
 def stub_signature(node: ast.FunctionDef) -> list[tuple]:
     """(name, kind, default) of each argument but `self`."""
     arguments = node.args
-    positional = [argument.arg for argument in arguments.args if argument.arg != "self"]
+    positional = [argument.arg for argument in arguments.args if argument.arg not in ("self", "cls")]
     defaults = [inspect.Parameter.empty] * (len(positional) - len(arguments.defaults))
     defaults += [ast.literal_eval(default) for default in arguments.defaults]
     signature = [
@@ -64,9 +71,9 @@ def test_classes_have_what_the_stub_says(name: str) -> None:
     assert cls.__doc__ and cls.__module__ == "l4d"
     found = {member for member in vars(cls) if not member.startswith("_")}
     found |= {"__len__"} & set(vars(cls))
-    assert found == set(stub) - {"__init__"}
-    if "__init__" in stub:
-        assert real_signature(cls) == stub_signature(stub["__init__"])
+    assert found == set(stub) - {"__new__"}
+    if "__new__" in stub:
+        assert real_signature(cls) == stub_signature(stub["__new__"])
     else:
         with pytest.raises(TypeError):
             cls()
@@ -78,6 +85,44 @@ def test_classes_have_what_the_stub_says(name: str) -> None:
         assert inspect.isgetsetdescriptor(real) == is_property(node), member
         if not is_property(node):
             assert real_signature(real) == stub_signature(node), member
+
+
+def documented() -> list[tuple[ast.AST, str]]:
+    """Nodes of the stub that people look up, with what the module says of them."""
+    pairs: list[tuple[ast.AST, str]] = [(node, inspect.getdoc(getattr(_native, name)) or "") for name, node in FUNCTIONS.items()]
+    for name, node in CLASSES.items():
+        cls = getattr(_native, name)
+        pairs.append((node, inspect.getdoc(cls) or ""))
+        members = stub_members(node).items()
+        pairs += [(member, inspect.getdoc(vars(cls)[each]) or "") for each, member in members if not each.startswith("__")]
+    return pairs
+
+
+def with_docs() -> str:
+    """The stub with the docstrings of the module."""
+    lines = SOURCE.splitlines()
+    # From the end, so that line numbers before it stay true.
+    for node, text in sorted(documented(), key=lambda pair: -pair[0].lineno):
+        first, indent = node.body[0], " " * (node.col_offset + 4)
+        quoted = textwrap.indent(f'"""{text}"""' if "\n" not in text else f'"""{text}\n"""', indent).splitlines()
+        is_literal = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
+        if is_literal and first.value.value is ...:
+            header = lines[first.lineno - 1][: first.col_offset].rstrip()
+            lines[first.lineno - 1 : first.end_lineno] = [header, *quoted]
+        elif is_literal:
+            lines[first.lineno - 1 : first.end_lineno] = quoted
+        else:
+            start = min([first.lineno, *(each.lineno for each in getattr(first, "decorator_list", []))])
+            lines[start - 1 : start - 1] = quoted
+    return "\n".join(lines) + "\n"
+
+
+def test_docstrings_are_those_of_the_module(root: Path) -> None:
+    if os.environ.get("UPDATE_DOCS"):
+        (root / "crates/l4d-py/python/l4d/_native.pyi").write_text(with_docs())
+        return
+    for node, text in documented():
+        assert ast.get_docstring(node) == text, f"{node.name}: run the tests with UPDATE_DOCS=1"
 
 
 def test_arrays_say_their_shape_and_numbers_their_unit() -> None:

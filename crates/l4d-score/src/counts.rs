@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use l4d_data::store::read_bounded;
+use l4d_data::store::{AtomicFile, read_bounded};
 use l4d_data::{DataError, Name, QueryId};
 use serde::{Deserialize, Serialize};
-
-use crate::atomic::AtomicFile;
 
 /// What happened in one frame of one query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

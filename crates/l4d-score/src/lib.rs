@@ -12,7 +12,6 @@
 //! importer, no query language and no decoder of renders, and it refuses to rank (that is `l4d-board`).
 
 pub mod answers;
-mod atomic;
 pub mod averages;
 pub mod baseline;
 pub mod check;

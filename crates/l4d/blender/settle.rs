@@ -13,7 +13,7 @@ use l4d_data::scene::{FrameDigest, Generator, Scene};
 use l4d_data::store::write_atomic;
 use l4d_data::tracks::TrackedInstance;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Camera, DataError, Name, Report, json, scene};
+use l4d_data::{Camera, DataError, Name, Report, json, scene, sums};
 use l4d_frames::exr::{decode_surfaces, read_bytes};
 use l4d_frames::truth::{Observation, TruthBuilder};
 use rayon::prelude::*;
@@ -56,8 +56,7 @@ pub(crate) fn settle(planned: &PlannedScene) -> Result<Truth> {
     for file in ["scene.json", "scene.usdc", "tracks.json"] {
         sums.insert(file.to_owned(), sha256_file(&planned.dir.root().join(file))?);
     }
-    let sums: String = sums.iter().map(|(file, digest)| format!("{digest}  {file}\n")).collect();
-    write_atomic(&planned.dir.checksums(), sums.as_bytes())?;
+    write_atomic(&planned.dir.checksums(), sums::to_text(&sums).as_bytes())?;
     Ok(builder.finish())
 }
 

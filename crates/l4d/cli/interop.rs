@@ -163,10 +163,10 @@ pub(crate) struct ExportArgs {
     /// Folder that receives it: empty, missing, or an earlier export of the same kind
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// tiny, small or full
-    #[arg(long, default_value = "small", value_parser = super::rendered)]
+    /// tiny, small or full; real for captures
+    #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
-    /// Folder of the rendered scenes; default: data/<profile>
+    /// Folder of the scenes; default: data/<profile>, or data/captures
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of the benchmark: which draw is meant, and truth for the formats that hold it
@@ -175,12 +175,15 @@ pub(crate) struct ExportArgs {
     /// What is shown of the held-out camera
     #[arg(long, value_enum, default_value = "pose")]
     pub(crate) held_out: HeldOutArg,
-    /// Only these canonical frames (comma-separated or repeated); default: those of the profile
+    /// Only these frames (comma-separated or repeated); default: all that the scene has
     #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
     /// Most points of a cloud
     #[arg(long, value_name = "N", default_value_t = DEFAULT_POINTS)]
     pub(crate) points: usize,
+    /// Folder of a COLMAP model with the cameras of the scene: its points take the place of those from depth
+    #[arg(long, value_name = "DIR")]
+    pub(crate) points_from: Option<PathBuf>,
     /// Also write a moving picture of each camera (--format plain): MP4 where ffmpeg is at hand, else an animated PNG
     #[arg(long)]
     pub(crate) video: bool,

@@ -24,9 +24,10 @@ use serde_json::json;
 use self::overlay::Overlay;
 use super::build_scenes::data_folder;
 use crate::cli::solver::QueryArgs;
+use crate::moving_picture::{self, Clip};
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::rasterizer;
 use crate::solver::{self, Grounders};
-use crate::{moving_picture, rasterizer};
 
 /// Frames of a view that the picture of consensus shows.
 const CONSENSUS_COLUMNS: usize = 6;
@@ -74,8 +75,13 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let sheet = overlay::sheet(&method, &scene, lifted.as_ref(), &plan, &masks, &question.text)?;
     write_atomic(&folder.join("sheet.png"), &encode_colour(&sheet))?;
     let drawn = Overlay { method: &method, scene: &scene, plan: &plan, masks: &masks };
-    let moving =
-        moving_picture::write(&folder, "overlay", &plan.instants, |widest_px| drawn.pages(widest_px), out)?;
+    let moving = moving_picture::write(
+        &folder,
+        "overlay",
+        Clip::of(&plan.instants),
+        |widest_px| drawn.pages(widest_px),
+        out,
+    )?;
 
     if args.json {
         out.json(&json!({

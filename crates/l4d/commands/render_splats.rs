@@ -12,8 +12,9 @@ use l4d_splat::source::Source;
 use self::plan::Order;
 use self::preview::Preview;
 use crate::cli::splats::{DepthArg, DepthFormatArg, RenderSplatsArgs};
+use crate::moving_picture::{self, Clip};
 use crate::out::{ExitStatus, Printer};
-use crate::{moving_picture, rasterizer};
+use crate::rasterizer;
 
 pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let Order { model, out: root, plan } = Order::of(args)?;
@@ -47,7 +48,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     out.data(folder.manifest_path().display())?;
     if args.preview {
         let lay_out = |widest_px| Preview::new(&folder, &plan, widest_px);
-        let path = moving_picture::write(folder.root(), "preview", &plan.instants, lay_out, out)?;
+        let path = moving_picture::write(folder.root(), "preview", Clip::of(&plan.instants), lay_out, out)?;
         out.data(path.display())?;
     }
     Ok(ExitStatus::Success)

@@ -1,14 +1,13 @@
-//! `SHA256SUMS` of a scene: `<64 hex digits>  <path relative to the scene>` a line, as `sha256sum -c` reads it.
+//! `SHA256SUMS` of a scene against the files beside it.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use l4d_data::Report;
 use l4d_data::digest::sha256_file;
 use l4d_data::layout::SceneDir;
 use l4d_data::store::read_bounded;
-
-const MAX_BYTES: u64 = 64 << 20;
+use l4d_data::sums;
 
 /// The listed digests of the pictures; all other listed files have been checked while reading.
 pub(super) struct Checksums {
@@ -20,7 +19,7 @@ pub(super) struct Checksums {
 impl Checksums {
     pub(super) fn read(dir: &SceneDir, report: &mut Report) -> Self {
         let path = dir.checksums();
-        let text = match read_bounded(&path, MAX_BYTES) {
+        let text = match read_bounded(&path, sums::MAX_BYTES) {
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(error) => {
                 report.data_error("L4D110", &error);
@@ -29,7 +28,7 @@ impl Checksums {
         };
         let mut pictures = BTreeMap::new();
         for (index, line) in text.lines().enumerate() {
-            let Some((digest, file)) = parse(line) else {
+            let Some((digest, file)) = sums::parse_line(line) else {
                 let message = "is not `<sha256>  <relative path>`";
                 report.error(
                     "L4D110",
@@ -72,37 +71,4 @@ fn check_file(root: &Path, list: &Path, file: &str, listed: &str, report: &mut R
 fn report_change(list: &Path, file: &str, report: &mut Report) {
     let hint = "fetch the file again, or delete it and run `l4d build-scenes`";
     report.error("L4D110", list, file, "has other bytes than when the list was written", hint);
-}
-
-fn parse(line: &str) -> Option<(&str, &str)> {
-    let (digest, file) = line.split_once(' ')?;
-    let file = file.strip_prefix([' ', '*'])?;
-    let is_digest =
-        digest.len() == 64 && digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
-    let stays_inside = Path::new(file).components().all(|part| matches!(part, Component::Normal(_)));
-    (is_digest && !file.is_empty() && stays_inside).then_some((digest, file))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::parse;
-
-    #[test]
-    fn lines_of_sha256sum_and_nothing_that_leaves_the_folder() {
-        let digest = "ab".repeat(32);
-        assert_eq!(
-            parse(&format!("{digest}  frames/cam00/0000.exr")),
-            Some((digest.as_str(), "frames/cam00/0000.exr"))
-        );
-        assert_eq!(parse(&format!("{digest} *scene.json")), Some((digest.as_str(), "scene.json")));
-        for bad in [
-            "",
-            "zz  a",
-            &format!("{digest}  "),
-            &format!("{digest}  ../a"),
-            &format!("{digest}  /etc/passwd"),
-        ] {
-            assert_eq!(parse(bad), None, "{bad}");
-        }
-    }
 }

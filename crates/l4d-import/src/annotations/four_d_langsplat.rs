@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::error::inert;
+use l4d_data::truth::Truth;
 use l4d_data::{DataError, json};
 use l4d_frames::Mask;
 use serde::Serialize;
@@ -127,15 +128,16 @@ pub fn file_name(moment: usize) -> String {
 pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataError> {
     let truth = judged.truth();
     let subjects = subjects(judged);
+    let moments = moments(truth);
     let mut annotations = Vec::new();
     for (category, (_, masks)) in subjects.iter().enumerate() {
-        for (moment, frame) in truth.frames.iter().enumerate() {
+        for (image, (_, frame)) in moments.iter().enumerate() {
             for piece in masks.get(frame).map(pieces).unwrap_or_default() {
-                annotations.push(annotation(annotations.len(), moment, category, &piece));
+                annotations.push(annotation(annotations.len(), image, category, &piece));
             }
         }
     }
-    let names: Vec<String> = (0..truth.frames.len()).map(file_name).collect();
+    let names: Vec<String> = moments.iter().map(|(moment, _)| file_name(*moment)).collect();
     let image = |(id, file_name): (usize, &String)| Image {
         id,
         license: 1,
@@ -161,6 +163,11 @@ pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataErro
     json::write_compact(&folder.join(COCO), &document)?;
     json::write(&folder.join(INTERVALS), &intervals(judged))?;
     Ok(names)
+}
+
+/// Frames that are judged, with their places in the clip: names of pictures count all moments of the held-out view.
+fn moments(truth: &Truth) -> Vec<(usize, u32)> {
+    truth.clip().into_iter().enumerate().filter(|(_, frame)| truth.frames.contains(frame)).collect()
 }
 
 /// Categories with their masks: sentences that hold throughout, and the base objects of gated ones.
@@ -193,13 +200,12 @@ fn annotation(id: usize, image_id: usize, category_id: usize, piece: &Piece) -> 
     }
 }
 
-/// Moments, counted in the truth's frames, at which gated sentences hold.
+/// Moments, counted in the clip of the held-out view, at which gated sentences hold.
 fn intervals(judged: &Judged<'_>) -> Intervals {
     let mut intervals = Intervals::new();
     for prompt in judged.prompts().iter().filter(|prompt| prompt.is_gated()) {
         let mut runs: Vec<[u32; 2]> = Vec::new();
-        for (moment, _) in
-            (0..).zip(&judged.truth().frames).filter(|(_, frame)| prompt.query.holds_at(**frame))
+        for (moment, _) in (0..).zip(judged.truth().clip()).filter(|(_, frame)| prompt.query.holds_at(*frame))
         {
             match runs.last_mut() {
                 Some(run) if run[1] + 1 == moment => run[1] = moment,

@@ -3,22 +3,24 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use l4d_data::DataError;
+use l4d_data::{DataError, Name};
 
 use super::Order;
 use super::lens::Distortion;
-use super::plan::{Plan, View, camera, inside, name_of};
-use crate::colmap::{Lens, Model, ModelCamera};
+use super::plan::{Plan, PlanPoint, View, camera, inside, name_of};
+use crate::colmap::{Lens, Model, ModelCamera, ModelPoint};
+use crate::ply::ColouredPoint;
 use crate::pose;
 
 pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let folder = model_folder(order.input)?;
     let model = Model::read(&folder)?;
     let suffix = if folder.join("cameras.bin").is_file() { "bin" } else { "txt" };
-    let inputs = ["cameras", "images"].map(|stem| folder.join(format!("{stem}.{suffix}")));
+    let inputs = ["cameras", "images", "points3D"].map(|stem| folder.join(format!("{stem}.{suffix}")));
     let mut plan = Plan::new(inputs.to_vec());
     let mut images: Vec<_> = model.images.iter().collect();
     images.sort_by(|a, b| a.name.cmp(&b.name));
+    let mut names: BTreeMap<u32, Name> = BTreeMap::new();
     for image in images {
         let Some(intrinsics) = model.camera(image.camera) else { continue };
         let size = [intrinsics.width as u32, intrinsics.height as u32];
@@ -32,9 +34,11 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
             ));
         }
         let stem = image.name.rsplit_once('.').map_or(image.name.as_str(), |(stem, _)| stem);
+        let name = name_of(&inputs[1], stem)?;
+        names.insert(image.id, name.clone());
         let world_from_camera = pose::rows(image.camera_from_world().inverse());
         plan.views.push(View {
-            camera: camera(name_of(&inputs[1], stem)?, intrinsics.pinhole(), world_from_camera),
+            camera: camera(name, intrinsics.pinhole(), world_from_camera),
             distortion: distortion_of(intrinsics),
             pictures: BTreeMap::from([(0, inside(&inputs[1], &order.input.join("images"), &image.name)?)]),
         });
@@ -44,7 +48,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     }
     plan.note("one moment: a model knows no time");
     plan.note("units and directions of the world are those of the reconstruction; up is unknown");
-    plan.note("points are left out: give points3D to `l4d train-splats --init`");
+    plan.points = model.points.iter().map(|point| plan_point(point, &names)).collect();
     plan.hold_out(order, &[])?;
     Ok(plan)
 }
@@ -58,6 +62,17 @@ fn model_folder(input: &Path) -> Result<PathBuf, DataError> {
         let message = "holds no cameras.bin nor cameras.txt, neither itself nor in sparse/0";
         DataError::invalid(input, "folder", message, "give the folder that holds `sparse` and `images`")
     })
+}
+
+fn plan_point(point: &ModelPoint, names: &BTreeMap<u32, Name>) -> PlanPoint {
+    let mut images: Vec<u32> = point.track.iter().map(|(image, _)| *image).collect();
+    images.sort_unstable();
+    images.dedup();
+    PlanPoint {
+        surface: ColouredPoint { position: point.position, rgb: point.rgb },
+        error_px: point.error_px,
+        views: images.iter().filter_map(|image| names.get(image).cloned()).collect(),
+    }
 }
 
 fn distortion_of(camera: &ModelCamera) -> Distortion {

@@ -8,12 +8,15 @@ use l4d_data::{Camera, DataError, Name, Split};
 
 use super::Order;
 use super::lens::Distortion;
+use crate::ply::ColouredPoint;
 
 /// A capture to be written.
 pub(super) struct Plan {
     /// Width and height of the pictures that the intrinsics are for; those of the pictures if none is stated.
     pub(super) stated_size: Option<[u32; 2]>,
     pub(super) views: Vec<View>,
+    /// Points of the source, and which views saw them.
+    pub(super) points: Vec<PlanPoint>,
     pub(super) frames_per_second: Option<f64>,
     pub(super) is_metric: bool,
     /// Files that cameras were read from.
@@ -21,6 +24,14 @@ pub(super) struct Plan {
     pub(super) notes: Vec<String>,
     /// Folder of extracted videos, removed in the end.
     pub(super) scratch: Option<PathBuf>,
+}
+
+/// A point of the source.
+pub(super) struct PlanPoint {
+    pub(super) surface: ColouredPoint,
+    /// How far from its projections it was seen, pixels.
+    pub(super) error_px: f64,
+    pub(super) views: Vec<Name>,
 }
 
 /// One camera and its pictures.
@@ -36,6 +47,7 @@ impl Plan {
         Self {
             stated_size: None,
             views: Vec::new(),
+            points: Vec::new(),
             frames_per_second: None,
             is_metric: false,
             inputs,
@@ -73,7 +85,7 @@ pub(super) fn camera(name: Name, [fx, fy, cx, cy]: [f64; 4], world_from_camera: 
 }
 
 /// A name for a view, from whatever a source calls it.
-pub(super) fn name_of(path: &Path, text: &str) -> Result<Name, DataError> {
+pub(crate) fn name_of(path: &Path, text: &str) -> Result<Name, DataError> {
     let allowed = |character: char| character.is_ascii_alphanumeric() || matches!(character, '_' | '-' | '.');
     let spelled: String = text.chars().map(|c| if allowed(c) { c } else { '_' }).collect();
     Name::new(spelled.trim_start_matches(['.', '-'])).map_err(|error| {

@@ -1,9 +1,10 @@
-//! From a plan to the folder of a capture: pictures without lenses, and `capture.json` last.
+//! From a plan to the folder of a capture: pictures without lenses, points, and `capture.json` last.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use l4d_data::capture::{CAPTURE, Capture, Depth, MASKS, SCHEMA, Substitution};
+use glam::DVec2;
+use l4d_data::capture::{CAPTURE, Capture, Depth, MASKS, SCHEMA, SPARSE, Substitution};
 use l4d_data::digest::sha256_file;
 use l4d_data::error::inert;
 use l4d_data::store::{list_folder, make_folder, read_bounded, write_atomic};
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 
 use super::Order;
 use super::plan::{Plan, View};
+use crate::colmap::{Encoding, Model};
 
 /// No picture file is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;
@@ -37,6 +39,7 @@ pub(super) fn write(
     let frames: BTreeSet<u32> = plan.views.iter().flat_map(|view| view.pictures.keys().copied()).collect();
     let size = size_of(order, &plan)?;
     for view in &mut plan.views {
+        fill_poses(&mut view.camera, &frames);
         if let Some(stated) = plan.stated_size {
             view.camera = view.camera.resized(stated, size);
         }
@@ -47,6 +50,7 @@ pub(super) fn write(
     }
     let substituted: Vec<Vec<Substitution>> =
         plan.views.par_iter().map(|view| write_view(order, view, size, tick)).collect::<Result<_, _>>()?;
+    write_points(order, &plan, &frames, size)?;
     if let Some(scratch) = plan.scratch.as_deref().filter(|scratch| scratch.is_dir()) {
         std::fs::remove_dir_all(scratch).map_err(|source| DataError::io(scratch, "remove", source))?;
     }
@@ -70,6 +74,7 @@ pub(super) fn write(
         frames: frames.iter().copied().collect(),
         frames_per_second: plan.frames_per_second,
         depth: Depth::Absent,
+        points: plan.points.len(),
         is_metric: plan.is_metric,
         substituted: substituted.into_iter().flatten().collect(),
         inputs: plan.inputs.iter().map(digest).collect::<Result<BTreeMap<_, _>, DataError>>()?,
@@ -86,7 +91,7 @@ fn claim(order: &Order<'_>) -> Result<(), DataError> {
         let remedy = "choose an empty folder with --out, or remove this one";
         Err(DataError::invalid(order.out, "folder", message, remedy))
     };
-    let ours = [CAPTURE, MASKS, "frames"];
+    let ours = [CAPTURE, MASKS, SPARSE, "frames"];
     if let Some(entry) = list_folder(order.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
         return refuse(format!("is not empty: `{}` stands there", inert(&entry)));
     }
@@ -99,6 +104,36 @@ fn claim(order: &Order<'_>) -> Result<(), DataError> {
         std::fs::remove_file(&path).map_err(|source| DataError::io(&path, "remove", source))?;
     }
     Ok(())
+}
+
+/// Gives a moving camera a pose for each number up to the last: the one before where the view saw nothing.
+fn fill_poses(camera: &mut Camera, frames: &BTreeSet<u32>) {
+    let poses = &mut camera.world_from_camera;
+    let count = frames.last().map_or(0, |last| *last as usize + 1);
+    if let Some(last) = poses.last().copied().filter(|_| poses.len() > 1 && poses.len() < count) {
+        poses.resize(count, last);
+    }
+}
+
+/// Writes the points of the source, with the pictures that show them.
+fn write_points(
+    order: &Order<'_>,
+    plan: &Plan,
+    frames: &BTreeSet<u32>,
+    size: [u32; 2],
+) -> Result<(), DataError> {
+    let Some(&frame) = frames.first().filter(|_| !plan.points.is_empty()) else { return Ok(()) };
+    let cameras: BTreeMap<&str, &Camera> =
+        plan.views.iter().map(|view| (view.camera.name.as_str(), &view.camera)).collect();
+    let all: Vec<&Camera> = cameras.values().copied().collect();
+    let mut model = Model::of_pinholes(&all, frame, size);
+    for point in &plan.points {
+        let seen = point.views.iter().filter_map(|name| cameras.get(name.as_str()).copied());
+        let sightings: Vec<(&Camera, DVec2)> =
+            seen.map(|camera| (camera, camera.project(frame, point.surface.position).0)).collect();
+        model.add_point(point.surface, point.error_px, &sightings);
+    }
+    model.write(&order.out.join(SPARSE), Encoding::Binary)
 }
 
 /// The size of the first picture that is whole.

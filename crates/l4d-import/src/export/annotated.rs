@@ -1,19 +1,40 @@
-//! Which cameras an export of annotations shows, and what has to be said of ids that nobody has in a real scene.
+//! Which cameras an export of annotations shows, and what has to be said of masks that a method could learn from.
 
-use l4d_data::Camera;
+use l4d_data::{Camera, DataError};
 
 use super::footage::Footage;
 use super::manifest::Manifest;
 
-/// Training cameras, and the held-out one if its pictures are allowed: ids are pictures.
-pub(super) fn cameras(footage: &Footage) -> Vec<&Camera> {
-    let held_out = footage.held_out().filter(|_| footage.shows_held_out_pictures());
-    footage.training().into_iter().chain(held_out).collect()
+/// Training cameras with masks, and held-out ones if their pictures are allowed: masks are pictures.
+pub(super) fn cameras(footage: &Footage) -> Result<Vec<&Camera>, DataError> {
+    let held_out = footage.held_out();
+    let shown = held_out.iter().copied().filter(|_| footage.shows_held_out_pictures());
+    let is_annotated =
+        |camera: &Camera| footage.frames().iter().any(|&frame| footage.is_annotated(camera, frame));
+    let cameras: Vec<&Camera> =
+        footage.training().into_iter().chain(shown).filter(|camera| is_annotated(camera)).collect();
+    if !cameras.is_empty() {
+        return Ok(cameras);
+    }
+    let (message, remedy) = match held_out.into_iter().any(is_annotated) {
+        true => (
+            "masks are there for the held-out view alone, and they are the truth",
+            "draw on pictures of training views, or show the truth with `--held-out pictures`",
+        ),
+        false => (
+            "nobody drew masks on these pictures",
+            "bring them in with `l4d import-scene --masks ... --masks-format ...`",
+        ),
+    };
+    Err(footage.wrong("masks", message.to_owned(), remedy))
 }
 
 /// Says what such an export is.
 pub(super) fn note(manifest: &mut Manifest, footage: &Footage) {
-    manifest.note("ids are those of the render: a method that learns from them has to say `ground_truth` in method.json");
+    let origin =
+        if footage.has_depth() { "ids are those of the render" } else { "masks are those that people drew" };
+    manifest
+        .note(format!("{origin}: a method that learns from them has to say `ground_truth` in method.json"));
     if !footage.shows_held_out_pictures() {
         manifest.note("the held-out camera is left out: its ids are the truth that results are judged by");
     }

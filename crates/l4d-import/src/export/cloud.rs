@@ -1,103 +1,106 @@
-//! Points of surfaces, from the depth of training cameras at one moment.
+//! Points of surfaces at one moment, and which training cameras see them.
 //!
-//! Every pixel with a depth is a point; which of them are kept is decided by a hash of the pixel, so that they lie
-//! evenly and are the same in every run. Depth is that of the render: exact, and known to nobody who has a real scene.
+//! They come from rendered depth, or from a reconstruction where there is one; nobody makes them up. Which of too many
+//! are kept is decided by a hash, so that they lie evenly and are the same in every run.
 
-use glam::{DVec2, DVec3};
-use l4d_data::{Camera, DataError};
-use l4d_frames::Frame;
-use rayon::prelude::*;
+mod depth;
+mod reconstruction;
 
-use super::footage::Footage;
+use glam::DVec2;
+use l4d_data::Camera;
+
+use self::depth::Moment;
+pub(super) use self::depth::View;
+pub(super) use self::reconstruction::Reconstruction;
 use crate::ply::ColouredPoint;
 
-/// A surface seen by another camera lies so near to its depth, relative.
-const DEPTH_TOLERANCE: f64 = 0.01;
+/// The moment whose points a layout of a whole clip starts from.
+pub(super) const FIRST: &str = "the first moment";
+/// The moment of a layout that has a folder for each.
+pub(super) const EACH: &str = "each moment";
 
-/// What the training cameras saw at a moment.
-pub(super) struct Moment<'a> {
-    pub(super) views: Vec<View<'a>>,
+/// Points at a moment.
+pub(super) struct Cloud<'a> {
+    known: Known<'a>,
 }
 
-/// What one of them saw.
-pub(super) struct View<'a> {
-    pub(super) camera: &'a Camera,
-    pub(super) frame: Frame,
-    number: u32,
-    shown: Vec<[u8; 3]>,
+enum Known<'a> {
+    /// From what training cameras saw.
+    Depth(Moment<'a>),
+    /// From a reconstruction, with the training cameras that are present.
+    Reconstruction(&'a Reconstruction, Vec<&'a Camera>, u32),
 }
 
-/// A point and the pixel that it comes from.
+/// A point and where it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SeenPoint {
+pub(super) struct CloudPoint {
     pub(super) surface: ColouredPoint,
-    pub(super) view: usize,
+    /// The view that shows it, or its place in the reconstruction.
+    source: usize,
 }
 
-impl<'a> Moment<'a> {
-    pub(super) fn read(footage: &'a Footage, frame: u32) -> Result<Self, DataError> {
-        let views = footage.training().into_par_iter().map(|camera| {
-            let seen = footage.frame(camera, frame)?;
-            let shown = footage.shown(&seen).pixels().map(|pixel| pixel.0).collect();
-            Ok(View { camera, frame: seen, number: frame, shown })
-        });
-        Ok(Self { views: views.collect::<Result<_, DataError>>()? })
+impl<'a> Cloud<'a> {
+    pub(super) fn seen(views: Vec<View<'a>>, frame: u32) -> Self {
+        Self { known: Known::Depth(Moment::new(views, frame)) }
     }
 
-    /// At most about `budget` points; all pixels with a depth if there are fewer.
-    pub(super) fn points(&self, budget: usize) -> Vec<SeenPoint> {
-        let is_surface = |depth_m: &&f32| depth_m.is_finite();
-        let total: usize =
-            self.views.iter().map(|view| view.frame.surfaces.depth_m.iter().filter(is_surface).count()).sum();
-        let share = budget as f64 / total.max(1) as f64;
-        let mut points = Vec::with_capacity(budget.min(total) + 64);
-        for (index, view) in self.views.iter().enumerate() {
-            for pixel in 0..view.shown.len() {
-                let is_kept = share >= 1.0 || unit_hash(index as u64, pixel as u64) < share;
-                if let Some(position) = view.surface_at(pixel).filter(|_| is_kept) {
-                    points.push(SeenPoint {
-                        surface: ColouredPoint { position, rgb: view.shown[pixel] },
-                        view: index,
-                    });
-                }
-            }
+    pub(super) fn reconstructed(points: &'a Reconstruction, present: Vec<&'a Camera>, frame: u32) -> Self {
+        Self { known: Known::Reconstruction(points, present, frame) }
+    }
+
+    /// At most about `budget` points; all if there are fewer.
+    pub(super) fn points(&self, budget: usize) -> Vec<CloudPoint> {
+        match &self.known {
+            Known::Depth(moment) => moment.points(budget),
+            Known::Reconstruction(points, _, _) => points.points(budget),
         }
-        points
-    }
-}
-
-impl View<'_> {
-    /// The frame that it was seen at.
-    pub(super) fn number(&self) -> u32 {
-        self.number
     }
 
-    /// The surface that a pixel shows.
-    fn surface_at(&self, pixel: usize) -> Option<DVec3> {
-        let depth_m = f64::from(self.frame.surfaces.depth_m[pixel]);
-        let width = self.frame.surfaces.width as usize;
-        let centre = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-        depth_m.is_finite().then(|| self.camera.unproject(self.number, centre, depth_m))
+    /// [`Self::points`] without where they come from.
+    pub(super) fn surfaces(&self, budget: usize) -> Vec<ColouredPoint> {
+        self.points(budget).into_iter().map(|point| point.surface).collect()
     }
 
-    /// Where the picture shows a point, unless something stands before it.
-    pub(super) fn sees(&self, point: DVec3) -> Option<DVec2> {
-        let (position, depth_m) = self.camera.project(self.number, point);
-        let surfaces = &self.frame.surfaces;
-        let size = DVec2::new(f64::from(surfaces.width), f64::from(surfaces.height));
-        let is_inside = depth_m > 0.0 && position.cmpge(DVec2::ZERO).all() && position.cmplt(size).all();
-        if !is_inside {
-            return None;
+    /// Where the pictures of training cameras show a point.
+    pub(super) fn sightings(&self, point: &CloudPoint) -> Vec<(&'a Camera, DVec2)> {
+        match &self.known {
+            Known::Depth(moment) => moment.sightings(point),
+            Known::Reconstruction(points, present, frame) => points.sightings(point, present, *frame),
         }
-        let there_m = f64::from(surfaces.depth_m[surfaces.index(position.x as u32, position.y as u32)]);
-        ((there_m - depth_m).abs() <= DEPTH_TOLERANCE * depth_m).then_some(position)
     }
 }
 
-/// A number from 0 to 1 that looks random and depends on nothing but the pixel.
-fn unit_hash(view: u64, pixel: u64) -> f64 {
+/// Says of which moment, and from where, the points in a file are, or that there are none.
+pub(super) fn statement(file: &str, moment: &str, cloud: Option<&Cloud<'_>>) -> String {
+    match cloud.map(|cloud| &cloud.known) {
+        Some(Known::Depth(_)) => format!("{file}: points come from rendered depth at {moment}"),
+        Some(Known::Reconstruction(points, _, _)) => match points.left_out() {
+            0 => format!("{file}: points are those of the reconstruction"),
+            count => format!(
+                "{file}: points are those of the reconstruction, but for {count} that fewer than two training views saw"
+            ),
+        },
+        None => format!(
+            "{file}: no points, since nobody knows where surfaces are; triangulate some with the cameras of \
+             `--format colmap` (`colmap point_triangulator`) and give the model with `--points-from`"
+        ),
+    }
+}
+
+/// The share of points to keep.
+fn share(budget: usize, total: usize) -> f64 {
+    budget as f64 / total.max(1) as f64
+}
+
+/// Whether a point is among the share that is kept.
+fn is_kept(share: f64, source: usize, index: usize) -> bool {
+    share >= 1.0 || unit_hash(source as u64, index as u64) < share
+}
+
+/// A number from 0 to 1 that looks random and depends on nothing but the place.
+fn unit_hash(source: u64, index: u64) -> f64 {
     // SplitMix64's finaliser over a counter.
-    let mut bits = (view << 40 | pixel).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mut bits = (source << 40 | index).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((bits ^ bits >> 31) >> 11) as f64 / (1_u64 << 53) as f64
@@ -110,7 +113,7 @@ mod tests {
     #[test]
     fn the_hash_is_even_in_every_view() {
         for view in 0..4 {
-            let kept = (0..100_000).filter(|&pixel| unit_hash(view, pixel) < 0.1).count();
+            let kept = (0..100_000).filter(|&pixel| is_kept(0.1, view, pixel)).count();
             assert!((9_700..10_300).contains(&kept), "{kept} of view {view}");
         }
         assert_ne!(unit_hash(0, 1), unit_hash(1, 0));

@@ -9,7 +9,7 @@ use l4d_frames::rle;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::footage::{Footage, write_png};
+use super::footage::{Footage, Shot};
 use super::manifest::{Called, Manifest};
 use super::{Job, annotated};
 
@@ -67,12 +67,12 @@ struct Category {
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, footage, .. } = job;
-    let categories = categories(&footage.scene().instances);
-    let cameras = annotated::cameras(footage);
+    let categories = categories(footage.instances());
+    let cameras = annotated::cameras(footage)?;
     for camera in &cameras {
         manifest.cameras.push(Called::camera(camera, format!("images/{}", camera.name)));
     }
-    for instance in &footage.scene().instances {
+    for instance in footage.instances() {
         let called = instance.id.to_string();
         manifest.instances.push(Called { name: instance.name.clone(), held_out: false, called });
     }
@@ -113,37 +113,39 @@ fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Resu
         .iter()
         .flat_map(|camera| footage.frames().iter().map(move |&frame| (*camera, frame)))
         .collect();
-    let masks: Vec<Vec<(&Instance, Mask)>> = shots
+    // A picture that nobody looked at is no picture without things: it is left out.
+    let masks: Vec<Option<Vec<(&Instance, Mask)>>> = shots
         .par_iter()
         .map(|(camera, frame)| write_and_read(job, camera, *frame))
         .collect::<Result<_, _>>()?;
-    let scene = footage.scene();
+    let [width, height] = footage.size();
+    let annotated = shots.into_iter().zip(masks).filter_map(|(shot, masks)| Some((shot, masks?)));
     let mut document = Document {
-        info: Info { description: format!("{} ({})", scene.name, scene.profile), version: "1" },
+        info: Info { description: format!("{} ({})", footage.name(), footage.profile()), version: "1" },
         images: Vec::new(),
         annotations: Vec::new(),
         categories: categories.to_vec(),
     };
-    for (index, ((camera, frame), masks)) in shots.iter().zip(masks).enumerate() {
+    for (index, ((camera, frame), masks)) in annotated.enumerate() {
         document.images.push(Image {
             id: index + 1,
-            file_name: file_name(camera, *frame),
-            width: scene.width,
-            height: scene.height,
+            file_name: file_name(camera, frame),
+            width,
+            height,
             view: camera.name.to_string(),
-            frame: *frame,
+            frame,
         });
         for (instance, mask) in masks {
             let Some(bounds) = mask.bounding_box() else { continue };
-            let (width, height) =
+            let (columns, rows) =
                 (bounds.last_col - bounds.first_col + 1, bounds.last_row - bounds.first_row + 1);
             document.annotations.push(Annotation {
                 id: document.annotations.len() + 1,
                 image_id: index + 1,
                 category_id: category_of(instance, categories),
-                segmentation: Segmentation { size: [scene.height, scene.width], counts: rle::encode(&mask) },
+                segmentation: Segmentation { size: [height, width], counts: rle::encode(&mask) },
                 area: mask.area(),
-                bbox: [bounds.first_col, bounds.first_row, width, height],
+                bbox: [bounds.first_col, bounds.first_row, columns, rows],
                 iscrowd: 0,
                 instance_id: instance.id,
             });
@@ -152,24 +154,19 @@ fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Resu
     Ok(document)
 }
 
-/// Writes a picture and gives the masks of the instances that it shows.
+/// Writes a picture and gives the masks of the instances that it shows; neither if nobody looked at it.
 fn write_and_read<'a>(
     job: &Job<'a>,
     camera: &Camera,
     frame: u32,
-) -> Result<Vec<(&'a Instance, Mask)>, DataError> {
+) -> Result<Option<Vec<(&'a Instance, Mask)>>, DataError> {
     let footage: &'a Footage = job.footage;
-    let seen = footage.frame(camera, frame)?;
-    write_png(&job.order.out.join(file_name(camera, frame)), &footage.shown(&seen))?;
-    (job.tick)();
-    let surfaces = &seen.surfaces;
-    let mask = |instance: &'a Instance| {
-        let inside = |column, row| surfaces.id[surfaces.index(column, row)] == instance.id;
-        (instance, Mask::from_fn(surfaces.width, surfaces.height, inside))
-    };
-    let visible: Vec<u32> = surfaces.visible().into_iter().map(|(id, _)| id).collect();
-    let instances = footage.scene().instances.iter().filter(|instance| visible.contains(&instance.id));
-    Ok(instances.map(mask).collect())
+    let masks = footage.masks(camera, frame)?;
+    if masks.is_some() {
+        let path = job.order.out.join(file_name(camera, frame));
+        footage.write_png(&[Shot { camera, frame, path, depth: None }], job.tick)?;
+    }
+    Ok(masks)
 }
 
 fn file_name(camera: &Camera, frame: u32) -> String {

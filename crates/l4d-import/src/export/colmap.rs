@@ -1,19 +1,21 @@
 //! A COLMAP model for each moment: for LangSplat and all others that know no time.
 //!
 //! Moments are apart in folders of their own: whoever reads `sparse/` in a moving scene takes its pictures for one
-//! moment. Poses are those of the render, points come from its depth, and tracks say who sees them.
+//! moment. Poses are those of the scene, and tracks say who sees a point.
 
 use std::path::{Path, PathBuf};
 
 use l4d_data::{DataError, json};
 use serde_json::json;
 
-use super::cloud::{Moment, SeenPoint};
-use super::footage::write_png;
+use super::cloud::{self, EACH};
+use super::footage::Shot;
 use super::manifest::{Called, Manifest};
-use super::{Format, Job};
-use crate::colmap::{Encoding, Lens, Model, ModelCamera, ModelImage, ModelPoint, Observation};
-use crate::pose;
+use super::{Format, Job, is_centred, off_centre};
+use crate::colmap::{Encoding, Model, picture_name};
+
+/// The points of a model, without the suffix of its encoding.
+const POINTS: &str = "sparse/0/points3D";
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, footage, tick } = job;
@@ -24,29 +26,45 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     for camera in footage.training() {
         manifest.cameras.push(Called::camera(camera, picture_name(&camera.name)));
     }
+    let mut statement = None;
     for &frame in footage.frames() {
         let folder = moment_folder(order.out, frame);
-        let moment = Moment::read(footage, frame)?;
-        for view in &moment.views {
-            let picture = footage.shown(&view.frame);
-            write_png(&folder.join("images").join(picture_name(&view.camera.name)), &picture)?;
-            tick();
+        let cameras = footage.present(&footage.training(), frame);
+        let held_out = match footage.shows_held_out_pictures() {
+            true => footage.present(&footage.held_out(), frame),
+            false => Vec::new(),
+        };
+
+        let mut shots = Vec::new();
+        for (below, cameras) in [("images", &cameras), ("held_out", &held_out)] {
+            for &camera in cameras {
+                let path = folder.join(below).join(picture_name(&camera.name));
+                shots.push(Shot { camera, frame, path, depth: None });
+            }
         }
-        model_of(&moment, frame, order.points).write(&folder.join("sparse").join("0"), encoding)?;
-        if let Some(camera) = footage.held_out().filter(|_| footage.shows_held_out_pictures()) {
-            let path = folder.join("held_out").join(picture_name(&camera.name));
-            write_png(&path, &footage.picture(camera, frame)?)?;
-            tick();
+        footage.write_png(&shots, *tick)?;
+
+        let cloud = footage.cloud(frame)?;
+        let mut model = Model::of_pinholes(&cameras, frame, footage.size());
+        for point in cloud.iter().flat_map(|cloud| cloud.points(order.points)) {
+            // Positions are where the point projects, so that there is no error to speak of.
+            let sightings = cloud.as_ref().map(|cloud| cloud.sightings(&point)).unwrap_or_default();
+            model.add_point(point.surface, 0.0, &sightings);
         }
+        model.write(&folder.join("sparse").join("0"), encoding)?;
+        statement.get_or_insert_with(|| cloud::statement(POINTS, EACH, cloud.as_ref()));
     }
-    if let Some(camera) = footage.held_out() {
-        let scene = footage.scene();
-        let rig = json!({ "width": scene.width, "height": scene.height, "cameras": [camera] });
+    let held_out = footage.held_out();
+    if !held_out.is_empty() {
+        let [width, height] = footage.size();
+        let rig = json!({ "width": width, "height": height, "cameras": held_out });
         json::write(&order.out.join("held_out_camera.json"), &rig)?;
+    }
+    for camera in held_out {
         manifest.note(format!("{} is in no model; its pose stands in held_out_camera.json", camera.name));
     }
     manifest.note("a folder a moment: train each by itself");
-    manifest.note("points and their tracks come from rendered depth");
+    statement.into_iter().for_each(|statement| manifest.note(statement));
     if order.format == Format::LangSplat {
         manifest.note(
             "its reader drops principal points; they are the centre of the picture here, so nothing is lost",
@@ -56,63 +74,13 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     Ok(manifest)
 }
 
+/// Refuses cameras that the reader of LangSplat would bend: it drops principal points.
+pub(super) fn check_centres(job: &Job<'_>) -> Result<(), DataError> {
+    let off = job.footage.training().into_iter().find(|camera| !is_centred(job.footage, camera));
+    off.map_or(Ok(()), |camera| Err(off_centre(job.footage, camera)))
+}
+
 /// The folder of a moment.
 pub(super) fn moment_folder(out: &Path, frame: u32) -> PathBuf {
     out.join(format!("frame_{frame:04}"))
-}
-
-fn picture_name(view: &str) -> String {
-    format!("{view}.png")
-}
-
-/// The model of a moment. Numbers begin with 1, as COLMAP's do.
-fn model_of(moment: &Moment<'_>, frame: u32, budget: usize) -> Model {
-    let mut model = Model::default();
-    for (id, view) in (1..).zip(&moment.views) {
-        let camera = view.camera;
-        let (rotation, translation) = pose::quaternion_and_translation(camera.camera_from_world(frame));
-        model.cameras.push(ModelCamera {
-            id,
-            lens: Lens::Pinhole,
-            width: view.frame.surfaces.width.into(),
-            height: view.frame.surfaces.height.into(),
-            parameters: vec![camera.fx, camera.fy, camera.cx, camera.cy],
-        });
-        model.images.push(ModelImage {
-            id,
-            rotation,
-            translation,
-            camera: id,
-            name: picture_name(&camera.name),
-            observations: Vec::new(),
-        });
-    }
-    for (id, point) in (1..).zip(moment.points(budget)) {
-        let track = observe(moment, &mut model.images, id, &point);
-        let SeenPoint { surface, .. } = point;
-        // Positions are where the point projects, so that there is no error to speak of.
-        model.points.push(ModelPoint {
-            id,
-            position: surface.position,
-            rgb: surface.rgb,
-            error_px: 0.0,
-            track,
-        });
-    }
-    model
-}
-
-/// Notes a point in every picture that shows it; gives its track.
-fn observe(moment: &Moment<'_>, images: &mut [ModelImage], id: u64, point: &SeenPoint) -> Vec<(u32, u32)> {
-    let mut track = Vec::new();
-    for (index, (view, image)) in moment.views.iter().zip(images).enumerate() {
-        // Rounding must not lose the picture that the point comes from.
-        let own = || view.camera.project(view.number(), point.surface.position).0;
-        let seen = view.sees(point.surface.position).or_else(|| (index == point.view).then(own));
-        if let Some(position) = seen {
-            track.push((image.id, image.observations.len() as u32));
-            image.observations.push(Observation { position: position.to_array(), point: Some(id) });
-        }
-    }
-    track
 }

@@ -1,12 +1,13 @@
 //! Instances as DAVIS has them: a sequence a camera, JPEG pictures, palette pictures with a number an object.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use l4d_data::scene::Instance;
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, Role, Split};
-use l4d_frames::ids;
 use l4d_frames::overlay::encode_jpeg;
+use l4d_frames::{Mask, ids};
 use rayon::prelude::*;
 
 use super::manifest::{Called, Manifest};
@@ -17,9 +18,8 @@ const MOST_OBJECTS: usize = 254;
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, footage, .. } = job;
-    let scene = footage.scene();
     let objects: Vec<&Instance> =
-        scene.instances.iter().filter(|instance| instance.role == Role::Object).collect();
+        footage.instances().iter().filter(|instance| instance.role == Role::Object).collect();
     if objects.len() > MOST_OBJECTS {
         return Err(limit(footage, "instances", format!("{} objects do not fit a palette", objects.len())));
     }
@@ -27,23 +27,18 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let called = format!("{number}");
         manifest.instances.push(Called { name: object.name.clone(), held_out: false, called });
     }
-    let cameras = annotated::cameras(footage);
+    let cameras = annotated::cameras(footage)?;
     for camera in &cameras {
-        let sequence = format!("{}_{}", scene.name, camera.name);
-        let late = write_sequence(job, camera, &sequence, &objects)?;
-        if !late.is_empty() {
-            let names = late.iter().map(|object| object.name.as_str()).collect::<Vec<_>>().join(", ");
-            manifest.note(format!(
-                "{sequence}: not visible at the first moment, so that DAVIS' evaluator does not count them: {names}"
-            ));
-        }
+        let sequence = format!("{}_{}", footage.name(), camera.name);
+        let tally = write_sequence(job, camera, &sequence, &objects)?;
+        tally.notes(&sequence).into_iter().for_each(|note| manifest.note(note));
         manifest.cameras.push(Called::camera(camera, sequence));
     }
     for (split, list) in [(Split::Train, "train"), (Split::Test, "val")] {
         let lines: String = cameras
             .iter()
             .filter(|camera| camera.split == split)
-            .map(|camera| format!("{}_{}\n", scene.name, camera.name))
+            .map(|camera| format!("{}_{}\n", footage.name(), camera.name))
             .collect();
         write_atomic(&order.out.join("ImageSets/2017").join(format!("{list}.txt")), lines.as_bytes())?;
     }
@@ -56,30 +51,97 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     Ok(manifest)
 }
 
-/// Writes the pictures of a camera; gives the objects that appear after its first one.
+/// What DAVIS cannot say of a sequence.
+struct Tally<'a> {
+    /// Objects that appear after the first annotated picture.
+    late: Vec<&'a Instance>,
+    /// Pictures that nobody drew on.
+    unannotated: usize,
+    /// Pictures of which two objects share pixels.
+    overlapping: usize,
+}
+
+impl Tally<'_> {
+    fn notes(&self, sequence: &str) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.late.is_empty() {
+            let names = self.late.iter().map(|object| object.name.as_str()).collect::<Vec<_>>().join(", ");
+            notes.push(format!(
+                "{sequence}: not visible at the first moment, so that DAVIS' evaluator does not count them: {names}"
+            ));
+        }
+        if self.unannotated > 0 {
+            let count = self.unannotated;
+            notes.push(format!(
+                "{sequence}: {count} pictures without an annotation, since nobody drew on them"
+            ));
+        }
+        if self.overlapping > 0 {
+            let count = self.overlapping;
+            notes.push(format!(
+                "{sequence}: in {count} pictures objects share pixels, which the one with the lowest number keeps"
+            ));
+        }
+        notes
+    }
+}
+
+/// A picture and its numbers.
+struct Numbered {
+    seen: BTreeSet<u8>,
+    is_overlapping: bool,
+}
+
+/// Writes the pictures of a camera that saw something, and what was drawn on them.
 fn write_sequence<'a>(
     job: &Job<'_>,
     camera: &Camera,
     sequence: &str,
     objects: &[&'a Instance],
-) -> Result<Vec<&'a Instance>, DataError> {
-    let moments: Vec<(usize, u32)> = job.footage.frames().iter().copied().enumerate().collect();
+) -> Result<Tally<'a>, DataError> {
+    let moments = job.footage.frames().iter().copied().enumerate();
+    let moments: Vec<(usize, u32)> = moments.filter(|(_, frame)| job.footage.saw(camera, *frame)).collect();
     let write = |&(moment, frame): &(usize, u32)| {
-        let seen = job.footage.frame(camera, frame)?;
-        let surfaces = &seen.surfaces;
-        let number_of =
-            |id: &u32| objects.iter().position(|object| object.id == *id).map_or(0, |at| at as u8 + 1);
-        let numbers: Vec<u8> = surfaces.id.iter().map(number_of).collect();
-        let out = job.order.out;
-        let path = out.join("JPEGImages/480p").join(sequence).join(format!("{moment:05}.jpg"));
-        write_atomic(&path, &encode_jpeg(&job.footage.shown(&seen)))?;
-        let path = out.join("Annotations/480p").join(sequence).join(format!("{moment:05}.png"));
-        write_atomic(&path, &ids::encode_palette(surfaces.width, surfaces.height, &numbers))?;
+        let path = job.order.out.join("JPEGImages/480p").join(sequence).join(format!("{moment:05}.jpg"));
+        write_atomic(&path, &encode_jpeg(&job.footage.picture(camera, frame)?))?;
+        let masks = job.footage.masks(camera, frame)?;
+        let path = job.order.out.join("Annotations/480p").join(sequence).join(format!("{moment:05}.png"));
+        let numbered = masks.map(|masks| write_numbers(job, &path, &masks, objects)).transpose()?;
         (job.tick)();
-        Ok(numbers.into_iter().collect::<BTreeSet<u8>>())
+        Ok(numbered)
     };
-    let seen: Vec<BTreeSet<u8>> = moments.par_iter().map(write).collect::<Result<_, DataError>>()?;
-    let ever: BTreeSet<u8> = seen.iter().flatten().copied().filter(|&number| number > 0).collect();
-    let late = ever.into_iter().filter(|number| !seen[0].contains(number));
-    Ok(late.map(|number| objects[usize::from(number) - 1]).collect())
+    let pictures: Vec<Option<Numbered>> = moments.par_iter().map(write).collect::<Result<_, DataError>>()?;
+    let annotated: Vec<&Numbered> = pictures.iter().flatten().collect();
+    let first = annotated.first().map(|picture| picture.seen.clone()).unwrap_or_default();
+    let ever: BTreeSet<u8> = annotated.iter().flat_map(|picture| picture.seen.iter().copied()).collect();
+    Ok(Tally {
+        late: ever.difference(&first).map(|number| objects[usize::from(*number) - 1]).collect(),
+        unannotated: pictures.len() - annotated.len(),
+        overlapping: annotated.iter().filter(|picture| picture.is_overlapping).count(),
+    })
+}
+
+/// Writes a palette picture with the numbers of objects, from 1.
+fn write_numbers(
+    job: &Job<'_>,
+    path: &Path,
+    masks: &[(&Instance, Mask)],
+    objects: &[&Instance],
+) -> Result<Numbered, DataError> {
+    let [width, height] = job.footage.size();
+    let mut numbers = vec![0; width as usize * height as usize];
+    let mut numbered = Numbered { seen: BTreeSet::new(), is_overlapping: false };
+    for (number, object) in (1..).zip(objects) {
+        let Some((_, mask)) = masks.iter().find(|(instance, _)| instance.id == object.id) else { continue };
+        for (column, row) in mask.pixels() {
+            let pixel = &mut numbers[row as usize * width as usize + column as usize];
+            numbered.is_overlapping |= *pixel != 0;
+            if *pixel == 0 {
+                *pixel = number;
+                numbered.seen.insert(number);
+            }
+        }
+    }
+    write_atomic(path, &ids::encode_palette(width, height, &numbers))?;
+    Ok(numbered)
 }

@@ -14,11 +14,14 @@ use l4d_frames::drawn::RgbImage;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::cloud::Moment;
+use super::cloud::{self, FIRST};
 use super::footage::write_png;
 use super::manifest::{Called, Manifest};
-use super::{Format, Job, limit};
+use super::{Format, Job, is_centred, limit, off_centre};
 use crate::{ply, pose};
+
+/// The first points.
+const POINTS: &str = "fused.ply";
 
 #[derive(Debug, Serialize)]
 struct Transforms {
@@ -40,9 +43,9 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let Job { order, footage, .. } = job;
     let training = footage.training();
     let test = footage.test_split();
-    check(job)?;
     let is_blender = order.format == Format::Blender;
-    let width_px = if is_blender { footage.scene().height } else { footage.scene().width };
+    let [width, height] = footage.size();
+    let width_px = if is_blender { width.min(height) } else { width };
     let camera_angle_x = 2.0 * (f64::from(width_px) / 2.0 / training[0].fx).atan();
     for camera in footage.training().into_iter().chain(footage.held_out()) {
         manifest.cameras.push(Called::camera(camera, camera.name.as_str()));
@@ -63,25 +66,22 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let shots: Vec<(&Camera, u32)> = footage
             .frames()
             .iter()
-            .flat_map(|&frame| cameras.iter().map(move |camera| (*camera, frame)))
+            .flat_map(|&frame| footage.present(cameras, frame).into_iter().map(move |camera| (camera, frame)))
             .collect();
         let frames = shots.iter().map(|(camera, frame)| entry(camera, *frame)).collect();
         let path = order.out.join(format!("transforms_{split}.json"));
         json::write(&path, &Transforms { camera_angle_x, frames })?;
         write_pictures(job, split, &shots, is_blender)?;
     }
-    let points: Vec<_> = Moment::read(footage, footage.frames()[0])?
-        .points(order.points)
-        .iter()
-        .map(|point| point.surface)
-        .collect();
-    write_atomic(&order.out.join("fused.ply"), &ply::encode(&points))?;
+    let cloud = footage.cloud(footage.frames()[0])?;
+    if let Some(cloud) = &cloud {
+        write_atomic(&order.out.join(POINTS), &ply::encode(&cloud.surfaces(order.points)))?;
+    }
 
     manifest.note("time runs from 0, the first exported frame, to 1, the last");
     if is_blender {
-        let side_px = footage.scene().height;
         manifest.note(format!(
-            "pictures are cut to their middle {side_px}x{side_px}, since the reader makes all of them 800x800"
+            "pictures are cut to their middle {width_px}x{width_px}, since the reader makes all of them 800x800"
         ));
         manifest.note(
             "matrices are mirrored so that the reader of 4DGaussians, which mirrors them, has the true cameras: \
@@ -92,7 +92,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
             "not for 4DGaussians, whose reader mirrors positions: use `--format 4dgaussians-blender` there",
         );
     }
-    manifest.note("fused.ply comes from rendered depth at the first moment");
+    manifest.note(cloud::statement(POINTS, FIRST, cloud.as_ref()));
     manifest.note_test_split(footage);
     Ok(manifest)
 }
@@ -131,25 +131,24 @@ fn write_pictures(
 
 fn middle_square(picture: &RgbImage) -> RgbImage {
     let (width, height) = picture.dimensions();
-    let first = (width - height) / 2;
-    RgbImage::from_fn(height, height, |column, row| *picture.get_pixel(first + column, row))
+    let side = width.min(height);
+    let (left, top) = ((width - side) / 2, (height - side) / 2);
+    RgbImage::from_fn(side, side, |column, row| *picture.get_pixel(left + column, top + row))
 }
 
-fn check(job: &Job<'_>) -> Result<(), DataError> {
+pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
     let footage = job.footage;
-    let (width, height) = (footage.scene().width, footage.scene().height);
+    let [width, height] = footage.size();
     let refuse = |field: &str, message: String| Err(limit(footage, field, message));
-    if width < height || (width - height) % 2 == 1 {
+    let is_square = job.order.format == Format::Blender;
+    if is_square && width.abs_diff(height) % 2 == 1 {
         return refuse("width", format!("{width}x{height} has no square in its middle"));
     }
-    let cameras = &footage.scene().cameras;
-    for camera in cameras {
+    let cameras: Vec<&Camera> = footage.training().into_iter().chain(footage.held_out()).collect();
+    for camera in &cameras {
         let name = &camera.name;
-        if camera.cx * 2.0 != f64::from(width) || camera.cy * 2.0 != f64::from(height) {
-            return refuse(
-                "cx",
-                format!("the principal point of {name} is not the centre, and readers drop it"),
-            );
+        if !is_centred(footage, camera) {
+            return Err(off_centre(footage, camera));
         }
         if camera.fx != camera.fy || camera.fx != cameras[0].fx {
             return refuse("fx", format!("{name} has another focal length, and readers know one"));

@@ -8,26 +8,27 @@ use glam::DMat4;
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError};
 
-use super::cloud::{Moment, SeenPoint};
+use super::cloud::{self, FIRST};
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
-use super::{Format, Job, limit};
-use crate::{npy, ply};
+use super::{Format, Job, is_centred, limit, off_centre};
+use crate::npy;
+use crate::ply::{self, ColouredPoint};
+
+/// The first points.
+const POINTS: &str = "points3D_downsample2.ply";
 
 /// Width and height that `poses_bounds.npy` has to state: readers divide by the first whatever stands there.
 const STATED_WIDTH: f64 = 2704.0;
 const STATED_HEIGHT: f64 = 2028.0;
+/// Bounds of a camera that sees no known surface.
+const UNKNOWN_BOUNDS: [f64; 2] = [0.1, 100.0];
 /// Moments that readers take, and that time is counted by.
 const MOMENTS: usize = 300;
-/// Pixels by which a principal point may miss the centre.
-const CENTRE_TOLERANCE_PX: f64 = 1e-6;
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, footage, tick } = job;
-    let first = footage.test_split();
-    let cameras: Vec<&Camera> = first.into_iter().chain(footage.training()).collect();
-    check(job, &cameras)?;
-
+    let cameras = cameras(job);
     let frames = footage.frames();
     let is_padded = order.format == Format::FourDLangSplat;
     let mut shots = Vec::new();
@@ -35,7 +36,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let name = format!("cam{number:02}");
         for (moment, &frame) in frames.iter().enumerate() {
             let path = order.out.join(&name).join("images").join(format!("{moment:04}.png"));
-            shots.push(Shot { camera, frame, path });
+            shots.push(Shot { camera, frame, path, depth: None });
         }
         manifest.cameras.push(Called::camera(camera, name));
     }
@@ -49,10 +50,12 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         }
     }
 
-    let moment = Moment::read(footage, frames[0])?;
-    let points = moment.points(order.points);
-    let surfaces: Vec<_> = points.iter().map(|point| point.surface).collect();
-    write_atomic(&order.out.join("points3D_downsample2.ply"), &ply::encode(&surfaces))?;
+    let cloud = footage.cloud(frames[0])?;
+    let points = cloud.as_ref().map(|cloud| cloud.surfaces(order.points));
+    if let Some(points) = &points {
+        write_atomic(&order.out.join(POINTS), &ply::encode(points))?;
+    }
+    let points = points.unwrap_or_default();
     let rows: Vec<f64> = cameras.iter().flat_map(|camera| row(job, camera, &points)).collect();
     write_atomic(&order.out.join("poses_bounds.npy"), &npy::encode_f64(&[cameras.len(), 17], &rows))?;
 
@@ -69,14 +72,30 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     }
     manifest.note("cam*.mp4 are empty: readers count them, and read the PNG files");
     manifest.note("a full stop in the path of the folder misleads its reader: use a path without");
-    manifest.note("points3D_downsample2.ply comes from rendered depth at the first moment");
+    manifest.note(cloud::statement(POINTS, FIRST, cloud.as_ref()));
+    if cloud.is_none() {
+        let [near, far] = UNKNOWN_BOUNDS;
+        manifest.note(format!("bounds are {near} and {far} units, since nothing is known of surfaces"));
+    }
+    for camera in footage.held_out().into_iter().skip(1) {
+        manifest.note(format!(
+            "{} is left out: its reader holds out one camera, and trains on all others",
+            camera.name
+        ));
+    }
     manifest.note_test_split(footage);
     Ok(manifest)
 }
 
-fn check(job: &Job<'_>, cameras: &[&Camera]) -> Result<(), DataError> {
+/// One held-out camera, or a training camera in its place; then all training cameras.
+fn cameras<'a>(job: &Job<'a>) -> Vec<&'a Camera> {
     let footage = job.footage;
-    let (width, height) = (footage.scene().width, footage.scene().height);
+    footage.test_split().into_iter().take(1).chain(footage.training()).collect()
+}
+
+pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
+    let (footage, cameras) = (job.footage, cameras(job));
+    let [width, height] = footage.size();
     let refuse = |field: &str, message: String| Err(limit(footage, field, message));
     if width * 3 != height * 4 {
         return refuse("width", format!("{width}x{height} is not 4:3, and readers would bend the pictures"));
@@ -84,18 +103,16 @@ fn check(job: &Job<'_>, cameras: &[&Camera]) -> Result<(), DataError> {
     if footage.frames().len() > MOMENTS {
         return refuse("stride", format!("there are more than {MOMENTS} moments, and readers drop the rest"));
     }
-    for camera in cameras {
+    for camera in &cameras {
         let name = &camera.name;
-        let off_x = (camera.cx - f64::from(width) / 2.0).abs();
-        let off_y = (camera.cy - f64::from(height) / 2.0).abs();
-        if off_x > CENTRE_TOLERANCE_PX || off_y > CENTRE_TOLERANCE_PX {
-            return refuse(
-                "cx",
-                format!("the principal point of {name} is not the centre, and readers drop it"),
-            );
+        if !is_centred(footage, camera) {
+            return Err(off_centre(footage, camera));
         }
         if camera.fx != camera.fy || camera.fx != cameras[0].fx {
             return refuse("fx", format!("{name} has another focal length, and readers know one"));
+        }
+        if let Some(frame) = footage.frames().iter().find(|frame| !footage.saw(camera, **frame)) {
+            return refuse("unseen", format!("{name} did not see {frame}, and readers want all moments"));
         }
         if camera.world_from_camera.len() > 1 {
             return refuse("world_from_camera", format!("{name} moves, and readers know one pose a camera"));
@@ -105,9 +122,9 @@ fn check(job: &Job<'_>, cameras: &[&Camera]) -> Result<(), DataError> {
 }
 
 /// 3x5 numbers `[down | right | back | centre | height, width, focal length]` row by row, then near and far.
-fn row(job: &Job<'_>, camera: &Camera, points: &[SeenPoint]) -> [f64; 17] {
+fn row(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 17] {
     let world_from_camera = camera.world_from_camera(0);
-    let focal = camera.fx * STATED_WIDTH / f64::from(job.footage.scene().width);
+    let focal = camera.fx * STATED_WIDTH / f64::from(job.footage.size()[0]);
     let hwf = [STATED_HEIGHT, STATED_WIDTH, focal];
     let DMat4 { x_axis: right, y_axis: down, z_axis: forward, w_axis: centre } = world_from_camera;
     let [near, far] = bounds(job, camera, points);
@@ -127,11 +144,11 @@ fn row(job: &Job<'_>, camera: &Camera, points: &[SeenPoint]) -> [f64; 17] {
 }
 
 /// The depths between which all but a thousandth of the visible points lie, as LLFF has it, metres.
-fn bounds(job: &Job<'_>, camera: &Camera, points: &[SeenPoint]) -> [f64; 2] {
-    let size = [job.footage.scene().width, job.footage.scene().height].map(f64::from);
+fn bounds(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 2] {
+    let size = job.footage.size().map(f64::from);
     let mut depths: Vec<f64> = points
         .iter()
-        .map(|point| camera.project(0, point.surface.position))
+        .map(|point| camera.project(0, point.position))
         .filter(|(at, depth_m)| {
             *depth_m > 0.0 && (0.0..size[0]).contains(&at.x) && (0.0..size[1]).contains(&at.y)
         })
@@ -143,7 +160,7 @@ fn bounds(job: &Job<'_>, camera: &Camera, points: &[SeenPoint]) -> [f64; 2] {
         depths.get(place).copied()
     };
     // A camera that sees no surface has no bounds; readers use them for a spiral of show cameras alone.
-    [at(0.001).unwrap_or(0.1), at(0.999).unwrap_or(100.0)]
+    [at(0.001).unwrap_or(UNKNOWN_BOUNDS[0]), at(0.999).unwrap_or(UNKNOWN_BOUNDS[1])]
 }
 
 /// Fills a folder up to the moments that a reader wants, without storing the last picture again where links work.

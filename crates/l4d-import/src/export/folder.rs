@@ -30,7 +30,7 @@ impl Folder {
         };
         if path.is_file() {
             let earlier: Manifest = json::read(&path)?;
-            let (scene, format) = (footage.scene().name.as_str(), order.format.as_str());
+            let (scene, format) = (footage.name().as_str(), order.format.as_str());
             if (earlier.scene.as_str(), earlier.format.as_str()) != (scene, format) {
                 return refuse(format!("holds {} as {}", earlier.scene, earlier.format));
             }
@@ -45,9 +45,14 @@ impl Folder {
     }
 
     /// Says that the export is whole.
-    pub(super) fn settle(self, mut manifest: Manifest) -> Result<Exported, DataError> {
+    pub(super) fn settle(self, mut manifest: Manifest, footage: &Footage) -> Result<Exported, DataError> {
         manifest.complete = true;
         json::write(&self.manifest, &manifest)?;
-        Ok(Exported { manifest, path: self.manifest })
+        Ok(Exported {
+            manifest,
+            path: self.manifest,
+            size_px: footage.size().into(),
+            frames_per_second: footage.frames_per_second().unwrap_or(1.0),
+        })
     }
 }

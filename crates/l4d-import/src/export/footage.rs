@@ -1,31 +1,41 @@
-//! The pictures and cameras of a scene, with the held-out camera behind a gate.
+//! The pictures and cameras of a scene, with the held-out cameras behind a gate.
 //!
-//! Every layout gets its pictures here, so that none can show what the order forbids.
+//! Every layout gets what it shows here, whether the scene was rendered or recorded, so that none can show what the
+//! order forbids. What is not known of a scene (depth, masks, points) is `None`, never made up.
+
+mod captured;
+mod rendered;
 
 use std::path::{Path, PathBuf};
 
-use glam::UVec2;
-use l4d_data::layout::SceneDir;
-use l4d_data::scene::Scene;
+use l4d_data::scene::Instance;
 use l4d_data::store::write_atomic;
-use l4d_data::{Camera, DataError, Split};
-use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
-use l4d_frames::exr::read_frame;
-use l4d_frames::{Display, Frame};
+use l4d_data::{Camera, DataError, Name, Profile, Split};
+use l4d_frames::Mask;
+use l4d_frames::drawn::{DepthMap, Rgb, RgbImage, encode_colour};
 use rayon::prelude::*;
 
-use super::{HeldOut, Order};
+use super::cloud::{Cloud, Reconstruction};
+use super::{HeldOut, Order, Origin};
+
+use self::captured::Recording;
+use self::rendered::Rendering;
 
 /// What stands in for a picture that must not be shown.
 const PLACEHOLDER: Rgb<u8> = Rgb([128; 3]);
 
 /// A scene and what may be seen of it.
 pub(super) struct Footage {
-    dir: SceneDir,
-    scene: Scene,
+    material: Material,
     frames: Vec<u32>,
     shown: HeldOut,
-    display: Display,
+    reconstruction: Option<Reconstruction>,
+}
+
+/// Where pictures come from.
+enum Material {
+    Rendered(Rendering),
+    Captured(Recording),
 }
 
 /// One picture to be written.
@@ -33,93 +43,286 @@ pub(super) struct Shot<'a> {
     pub(super) camera: &'a Camera,
     pub(super) frame: u32,
     pub(super) path: PathBuf,
+    /// Where its depth goes, for layouts that hold depth and scenes that have some.
+    pub(super) depth: Option<PathBuf>,
 }
 
 impl Footage {
     pub(super) fn open(order: &Order<'_>) -> Result<Self, DataError> {
-        let path = order.scene.scene();
-        let scene = Scene::read(&path)?;
-        let rendered: Vec<u32> = scene.profile.frames().collect();
-        if let Some(frame) = order.frames.iter().find(|frame| !rendered.contains(frame)) {
-            let message = format!("frame {frame} is not rendered in profile {}", scene.profile);
-            let remedy = format!("choose from 0, {}, ..., 96", scene.stride);
-            return Err(DataError::invalid(&path, "field `stride`", message, remedy));
+        let material = match order.origin {
+            Origin::Rendered(dir) => Material::Rendered(Rendering::open(dir)?),
+            Origin::Captured(dir) => Material::Captured(Recording::open(dir)?),
+        };
+        let mut footage =
+            Self { material, frames: order.frames.to_vec(), shown: order.held_out, reconstruction: None };
+        let clip = footage.clip();
+        if let Some(frame) = order.frames.iter().find(|frame| !clip.contains(frame)) {
+            let message = match footage.profile() {
+                Profile::Real => format!("frame {frame} was not recorded"),
+                profile => format!("frame {frame} is not rendered in profile {profile}"),
+            };
+            let listed = clip.iter().take(3).map(u32::to_string).collect::<Vec<_>>().join(", ");
+            let last = clip.last().copied().unwrap_or_default();
+            return Err(footage.wrong("frames", message, &format!("choose from {listed}, ..., {last}")));
         }
-        let mut frames = if order.frames.is_empty() { rendered } else { order.frames.to_vec() };
-        frames.sort_unstable();
-        frames.dedup();
-        let display = Display::new(scene.exposure);
-        Ok(Self { dir: order.scene.clone(), scene, frames, shown: order.held_out, display })
+        if footage.frames.is_empty() {
+            footage.frames = clip;
+        }
+        footage.frames.sort_unstable();
+        footage.frames.dedup();
+        if footage.training().is_empty() {
+            let remedy = "leave a view out of the held-out ones";
+            return Err(footage.wrong("field `cameras`", "there is none to train on".to_owned(), remedy));
+        }
+        footage.reconstruction = match (order.points_from, &footage.material) {
+            (Some(folder), _) => Some(Reconstruction::given(folder, footage.cameras(), &footage.frames)?),
+            (None, Material::Captured(recording)) => recording.reconstruction()?,
+            (None, Material::Rendered(_)) => None,
+        };
+        Ok(footage)
     }
 
-    pub(super) fn scene(&self) -> &Scene {
-        &self.scene
+    /// The scene.
+    pub(super) fn name(&self) -> &Name {
+        match &self.material {
+            Material::Rendered(rendering) => &rendering.scene().name,
+            Material::Captured(recording) => &recording.capture().name,
+        }
     }
 
-    pub(super) fn scene_path(&self) -> PathBuf {
-        self.dir.scene()
+    /// What the scene is rendered in, or that it is not.
+    pub(super) fn profile(&self) -> Profile {
+        match &self.material {
+            Material::Rendered(rendering) => rendering.scene().profile,
+            Material::Captured(_) => Profile::Real,
+        }
     }
 
-    /// Canonical frames, ascending.
+    /// The file that describes the scene.
+    pub(super) fn path(&self) -> PathBuf {
+        match &self.material {
+            Material::Rendered(rendering) => rendering.path(),
+            Material::Captured(recording) => recording.path(),
+        }
+    }
+
+    /// The file that holds what people drew, where that is what masks come from.
+    pub(super) fn masks_path(&self) -> Option<PathBuf> {
+        match &self.material {
+            Material::Rendered(_) => None,
+            Material::Captured(recording) => recording.masks_path(),
+        }
+    }
+
+    /// Columns and rows, pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        match &self.material {
+            Material::Rendered(rendering) => [rendering.scene().width, rendering.scene().height],
+            Material::Captured(recording) => [recording.capture().width, recording.capture().height],
+        }
+    }
+
+    fn cameras(&self) -> &[Camera] {
+        match &self.material {
+            Material::Rendered(rendering) => &rendering.scene().cameras,
+            Material::Captured(recording) => &recording.capture().cameras,
+        }
+    }
+
+    /// Numbers of all moments of the scene, ascending.
+    fn clip(&self) -> Vec<u32> {
+        match &self.material {
+            Material::Rendered(rendering) => rendering.scene().profile.frames().collect(),
+            Material::Captured(recording) => recording.capture().frames.clone(),
+        }
+    }
+
+    /// Numbers of the moments that are exported, ascending.
     pub(super) fn frames(&self) -> &[u32] {
         &self.frames
     }
 
+    /// Pictures in a second, where that is known.
+    pub(super) fn frames_per_second(&self) -> Option<f64> {
+        match &self.material {
+            Material::Rendered(rendering) => Some(rendering.frames_per_second()),
+            Material::Captured(recording) => recording.capture().frames_per_second,
+        }
+    }
+
+    /// Seconds from the start of the clip to a moment, where that is known.
+    pub(super) fn seconds(&self, frame: u32) -> Option<f64> {
+        match &self.material {
+            Material::Rendered(_) => Some(f64::from(frame) / l4d_data::timeline::FPS),
+            Material::Captured(recording) => recording.seconds(frame),
+        }
+    }
+
+    /// Place of a moment in the whole clip: 0 at its start, 1 at its end.
+    pub(super) fn share(&self, frame: u32) -> f64 {
+        match &self.material {
+            Material::Rendered(_) => f64::from(frame) / f64::from(l4d_data::timeline::LAST_FRAME),
+            Material::Captured(recording) => recording.share(frame),
+        }
+    }
+
     /// Cameras that methods may train on.
     pub(super) fn training(&self) -> Vec<&Camera> {
-        self.scene.cameras.iter().filter(|camera| camera.split == Split::Train).collect()
+        self.cameras().iter().filter(|camera| camera.split == Split::Train).collect()
     }
 
-    /// The held-out camera, unless not even its pose may be shown.
-    pub(super) fn held_out(&self) -> Option<&Camera> {
-        self.scene.test_camera().filter(|_| self.shown != HeldOut::Nothing)
+    /// The held-out cameras, unless not even their poses may be shown.
+    pub(super) fn held_out(&self) -> Vec<&Camera> {
+        let is_shown = |camera: &&Camera| camera.split == Split::Test && self.shown != HeldOut::Nothing;
+        self.cameras().iter().filter(is_shown).collect()
     }
 
-    /// The cameras of a test split that may not be empty: the held-out one, or else a training camera once more.
+    /// The cameras of a test split that may not be empty: the held-out ones, or else a training camera once more.
     pub(super) fn test_split(&self) -> Vec<&Camera> {
-        self.held_out().into_iter().chain(self.training()).take(1).collect()
+        match self.held_out() {
+            held_out if held_out.is_empty() => self.training().into_iter().take(1).collect(),
+            held_out => held_out,
+        }
     }
 
-    /// Whether the true pictures of the held-out camera may be shown.
+    /// A camera of the scene, held out or not: for truth, which is a matter of the held-out one.
+    pub(super) fn camera(&self, name: &Name) -> Option<&Camera> {
+        self.cameras().iter().find(|camera| camera.name == *name)
+    }
+
+    /// Whether the true pictures of the held-out cameras may be shown.
     pub(super) fn shows_held_out_pictures(&self) -> bool {
         self.shown == HeldOut::Pictures
     }
 
-    /// Sees what a camera saw: colour, depth, ids. The held-out camera only if its pictures are allowed.
-    pub(super) fn frame(&self, camera: &Camera, frame: u32) -> Result<Frame, DataError> {
-        let path = self.dir.frame(&camera.name, frame);
-        if camera.split == Split::Test && !self.shows_held_out_pictures() {
-            let message = "is of the held-out camera, which this export must not show";
-            return Err(DataError::invalid(
-                &path,
-                "picture",
-                message,
-                "ask for the pictures with `--held-out pictures`",
-            ));
+    /// Whether a camera saw a moment: in captures not all of them do.
+    pub(super) fn saw(&self, camera: &Camera, frame: u32) -> bool {
+        match &self.material {
+            Material::Rendered(_) => true,
+            Material::Captured(recording) => recording.capture().saw(&camera.name, frame),
         }
-        Ok(read_frame(&path, UVec2::new(self.scene.width, self.scene.height))?)
     }
 
-    /// Display colours of a frame.
-    pub(super) fn shown(&self, frame: &Frame) -> RgbImage {
-        self.display.picture(frame)
+    /// Those of some cameras that saw a moment.
+    pub(super) fn present<'a>(&self, cameras: &[&'a Camera], frame: u32) -> Vec<&'a Camera> {
+        cameras.iter().copied().filter(|camera| self.saw(camera, frame)).collect()
     }
 
-    /// Display colours of what a camera saw; grey for the held-out camera unless its pictures are allowed.
+    /// Whether there is depth.
+    pub(super) fn has_depth(&self) -> bool {
+        matches!(self.material, Material::Rendered(_))
+    }
+
+    /// Instances that have masks, sorted by number.
+    pub(super) fn instances(&self) -> &[Instance] {
+        match &self.material {
+            Material::Rendered(rendering) => &rendering.scene().instances,
+            Material::Captured(recording) => recording.instances(),
+        }
+    }
+
+    /// Whether somebody looked at what a picture shows.
+    pub(super) fn is_annotated(&self, camera: &Camera, frame: u32) -> bool {
+        match &self.material {
+            Material::Rendered(_) => true,
+            Material::Captured(recording) => recording.is_annotated(camera, frame),
+        }
+    }
+
+    /// What a picture shows of the instances, leaving out those that it does not show; none if nobody looked.
+    pub(super) fn masks(
+        &self,
+        camera: &Camera,
+        frame: u32,
+    ) -> Result<Option<Vec<(&Instance, Mask)>>, DataError> {
+        self.admit(camera, frame)?;
+        match &self.material {
+            Material::Rendered(rendering) => rendering.masks(camera, frame).map(Some),
+            Material::Captured(recording) => recording.masks(camera, frame),
+        }
+    }
+
+    /// Points of surfaces at a moment, where anything is known of them.
+    pub(super) fn cloud(&self, frame: u32) -> Result<Option<Cloud<'_>>, DataError> {
+        let training = self.training();
+        match (&self.reconstruction, &self.material) {
+            (Some(points), _) => {
+                Ok(Some(Cloud::reconstructed(points, self.present(&training, frame), frame)))
+            }
+            (None, Material::Rendered(rendering)) => rendering.cloud(&training, frame).map(Some),
+            (None, Material::Captured(_)) => Ok(None),
+        }
+    }
+
+    /// Display colours of what a camera saw; grey for a held-out camera unless its pictures are allowed.
     pub(super) fn picture(&self, camera: &Camera, frame: u32) -> Result<RgbImage, DataError> {
-        if camera.split == Split::Test && !self.shows_held_out_pictures() {
-            return Ok(RgbImage::from_pixel(self.scene.width, self.scene.height, PLACEHOLDER));
+        if self.admit(camera, frame).is_err() {
+            return Ok(self.placeholder());
         }
-        Ok(self.shown(&self.frame(camera, frame)?))
+        match &self.material {
+            Material::Rendered(rendering) => rendering.picture(camera, frame),
+            Material::Captured(recording) => recording.picture(camera, frame),
+        }
     }
 
     /// Writes pictures as PNG, several at once.
     pub(super) fn write_png(&self, shots: &[Shot<'_>], tick: &(dyn Fn() + Sync)) -> Result<(), DataError> {
         shots.par_iter().try_for_each(|shot| {
-            write_png(&shot.path, &self.picture(shot.camera, shot.frame)?)?;
+            self.write_shot(shot)?;
             tick();
             Ok(())
         })
+    }
+
+    fn write_shot(&self, shot: &Shot<'_>) -> Result<(), DataError> {
+        let Shot { camera, frame, path, depth } = shot;
+        let [width, height] = self.size();
+        if self.admit(camera, *frame).is_err() {
+            write_png(path, &self.placeholder())?;
+            return match depth {
+                Some(depth) => write_atomic(depth, &DepthMap::empty(width, height).png()),
+                None => Ok(()),
+            };
+        }
+        match &self.material {
+            Material::Rendered(rendering) => {
+                let seen = rendering.frame(camera, *frame)?;
+                write_png(path, &rendering.shown(&seen))?;
+                let Some(depth) = depth else { return Ok(()) };
+                let depth_m = seen.surfaces.depth_m;
+                write_atomic(depth, &DepthMap { depth_m, ..DepthMap::empty(width, height) }.png())
+            }
+            // It is a PNG of display colours already.
+            Material::Captured(recording) => write_atomic(path, &recording.bytes(camera, *frame)?),
+        }
+    }
+
+    /// What has to be known of where the scene comes from, a sentence each.
+    pub(super) fn notes(&self) -> Vec<String> {
+        match &self.material {
+            Material::Rendered(_) => Vec::new(),
+            Material::Captured(recording) => recording.notes(&self.frames),
+        }
+    }
+
+    /// A problem of the file that describes the scene.
+    pub(super) fn wrong(&self, place: &str, message: String, remedy: &str) -> DataError {
+        DataError::invalid(&self.path(), place, message, remedy)
+    }
+
+    fn placeholder(&self) -> RgbImage {
+        let [width, height] = self.size();
+        RgbImage::from_pixel(width, height, PLACEHOLDER)
+    }
+
+    /// The gate: nothing that a held-out camera saw gets through unless its pictures are allowed.
+    fn admit(&self, camera: &Camera, frame: u32) -> Result<(), DataError> {
+        if camera.split == Split::Train || self.shows_held_out_pictures() {
+            return Ok(());
+        }
+        let place = format!("{} at {frame}", camera.name);
+        let message = "is of a held-out camera, which this export must not show".to_owned();
+        Err(self.wrong(&place, message, "ask for the pictures with `--held-out pictures`"))
     }
 }
 

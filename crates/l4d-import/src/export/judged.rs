@@ -12,16 +12,7 @@ use crate::annotations::{Judged, four_d_langsplat, lerf_ovs};
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, footage, .. } = job;
-    let judged =
-        order.judged.ok_or_else(|| limit(footage, "name", "its queries and truth were not given"))?;
-    let camera = footage.scene().cameras.iter().find(|camera| camera.name == judged.truth().test_view);
-    let scene = footage.scene();
-    let camera = match camera {
-        Some(camera) if judged.truth().scene == scene.name && judged.truth().profile == scene.profile => {
-            camera
-        }
-        _ => return Err(limit(footage, "name", "the truth is that of another scene or profile")),
-    };
+    let (judged, camera) = camera(job)?;
     manifest.cameras.push(Called::camera(camera, camera.name.as_str()));
     match order.format {
         Format::LerfOvs => write_lerf_ovs(job, judged, camera, &mut manifest)?,
@@ -37,6 +28,19 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     });
     manifest.note("these masks are the truth that results are judged by: keep them away from trainers");
     Ok(manifest)
+}
+
+/// The truth of an order, and the camera that it is of.
+pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a Judged<'a>, &'a Camera), DataError> {
+    let Job { order, footage, .. } = job;
+    let judged =
+        order.judged.ok_or_else(|| limit(footage, "name", "its queries and truth were not given"))?;
+    let truth = judged.truth();
+    let is_ours = truth.scene == *footage.name() && truth.profile == footage.profile();
+    match footage.camera(&truth.test_view) {
+        Some(camera) if is_ours && [truth.width, truth.height] == footage.size() => Ok((judged, camera)),
+        _ => Err(limit(footage, "name", "the truth is that of another scene or profile")),
+    }
 }
 
 fn write_4d_langsplat(

@@ -19,6 +19,10 @@ pub struct Exported {
     pub manifest: Manifest,
     /// Where that stands.
     pub path: PathBuf,
+    /// Width and height of the scene's pictures, pixels.
+    pub size_px: (u32, u32),
+    /// How fast its moments follow each other: 1 where nobody says.
+    pub frames_per_second: f64,
 }
 
 /// What an export says of itself.
@@ -31,15 +35,18 @@ pub struct Manifest {
     pub complete: bool,
     /// The scene.
     pub scene: Name,
-    /// Profile that it was rendered in.
+    /// Profile that it was rendered in; `real` for captures.
     pub profile: Profile,
     /// The layout.
     pub format: String,
     /// What is shown of the held-out camera: `nothing`, `pose` or `pictures`.
     pub held_out: String,
-    /// SHA-256 of `scene.json`, which holds the digests of depth and ids.
+    /// SHA-256 of `scene.json`, which holds the digests of depth and ids, or of `capture.json`.
     pub scene_sha256: String,
-    /// Canonical frames; what a layout calls the i-th moment is the i-th of them.
+    /// SHA-256 of a capture's `masks.json`, in layouts that hold masks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub masks_sha256: Option<String>,
+    /// Numbers of the moments in the scene; what a layout calls the i-th moment is the i-th of them.
     pub frames: Vec<u32>,
     /// What the layout calls our cameras.
     pub cameras: Vec<Called>,
@@ -77,26 +84,33 @@ impl Manifest {
             HeldOut::Pictures => "pictures",
         };
         // Evaluators ask about all moments, whichever were chosen for pictures.
-        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| &judged.truth().frames);
+        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| judged.truth().clip());
+        let masks = footage.masks_path().filter(|_| order.format.holds_masks());
         Ok(Self {
             schema: SCHEMA.to_owned(),
             complete: false,
-            scene: footage.scene().name.clone(),
-            profile: footage.scene().profile,
+            scene: footage.name().clone(),
+            profile: footage.profile(),
             format: order.format.to_string(),
             held_out: held_out.to_owned(),
-            scene_sha256: sha256_file(&footage.scene_path())?,
-            frames: truth.cloned().unwrap_or_else(|| footage.frames().to_vec()),
+            scene_sha256: sha256_file(&footage.path())?,
+            masks_sha256: masks.map(|path| sha256_file(&path)).transpose()?,
+            frames: truth.unwrap_or_else(|| footage.frames().to_vec()),
             cameras: Vec::new(),
             instances: Vec::new(),
-            notes: Vec::new(),
+            notes: footage.notes(),
         })
     }
 
     /// Whether another export of the same scene and format would leave files of this one behind.
     pub(super) fn differs_from(&self, other: &Self) -> bool {
         let essence = |manifest: &Self| {
-            (manifest.held_out.clone(), manifest.scene_sha256.clone(), manifest.frames.clone())
+            (
+                manifest.held_out.clone(),
+                manifest.scene_sha256.clone(),
+                manifest.masks_sha256.clone(),
+                manifest.frames.clone(),
+            )
         };
         essence(self) != essence(other)
     }
@@ -105,17 +119,20 @@ impl Manifest {
         self.notes.push(note.into());
     }
 
-    /// Says what became of the held-out camera in a layout whose test split it is.
+    /// Says what became of the held-out cameras in a layout whose test split they are.
     pub(super) fn note_test_split(&mut self, footage: &Footage) {
-        self.note(match (footage.held_out(), footage.shows_held_out_pictures()) {
-            (None, _) => "the test split repeats a training camera, since its reader wants one".to_owned(),
-            (Some(camera), false) => format!(
-                "the test split is the pose of {} with grey pictures: draw it, but believe no error measured on it",
-                camera.name
-            ),
-            (Some(camera), true) => {
-                format!("the test split holds the true pictures of {}: never train on it", camera.name)
-            }
-        });
+        let held_out = footage.held_out();
+        if held_out.is_empty() {
+            self.note("the test split repeats a training camera, since its reader wants one");
+        }
+        for camera in held_out {
+            let name = &camera.name;
+            self.note(match footage.shows_held_out_pictures() {
+                false => format!(
+                    "the test split is the pose of {name} with grey pictures: draw it, but believe no error measured on it"
+                ),
+                true => format!("the test split holds the true pictures of {name}: never train on it"),
+            });
+        }
     }
 }

@@ -4,23 +4,27 @@
 
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, json};
-use l4d_frames::drawn::DepthMap;
 use serde::Serialize;
 
 use super::Job;
-use super::cloud::Moment;
+use super::cloud::{self, EACH};
 use super::colmap::moment_folder;
-use super::footage::write_png;
+use super::footage::Shot;
 use super::manifest::{Called, Manifest};
 use crate::{ply, pose};
+
+/// The points of a moment.
+const POINTS: &str = "points.ply";
 
 #[derive(Debug, Serialize)]
 struct Transforms {
     camera_model: &'static str,
     w: u32,
     h: u32,
-    ply_file_path: &'static str,
-    depth_unit_scale_factor: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ply_file_path: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth_unit_scale_factor: Option<f64>,
     frames: Vec<Entry>,
     train_filenames: Vec<String>,
     val_filenames: Vec<String>,
@@ -30,7 +34,8 @@ struct Transforms {
 #[derive(Debug, Serialize)]
 struct Entry {
     file_path: String,
-    depth_file_path: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth_file_path: Option<String>,
     fl_x: f64,
     fl_y: f64,
     cx: f64,
@@ -47,39 +52,39 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     for camera in &shown {
         manifest.cameras.push(Called::camera(camera, picture_path(camera)));
     }
+    let has_depth = footage.has_depth();
+    let mut statement = None;
     for &frame in footage.frames() {
         let folder = moment_folder(order.out, frame);
-        let moment = Moment::read(footage, frame)?;
-        for view in &moment.views {
-            write_png(&folder.join(picture_path(view.camera)), &footage.shown(&view.frame))?;
-            let depth_m = view.frame.surfaces.depth_m.clone();
-            write_atomic(&folder.join(depth_path(view.camera)), &depth_png(footage.scene(), depth_m))?;
-            tick();
+        let present = footage.present(&shown, frame);
+        let shot = |camera| Shot {
+            camera,
+            frame,
+            path: folder.join(picture_path(camera)),
+            depth: has_depth.then(|| folder.join(depth_path(camera))),
+        };
+        let shots: Vec<Shot<'_>> = present.iter().copied().map(shot).collect();
+        footage.write_png(&shots, *tick)?;
+        let cloud = footage.cloud(frame)?;
+        if let Some(cloud) = &cloud {
+            write_atomic(&folder.join(POINTS), &ply::encode(&cloud.surfaces(order.points)))?;
         }
-        if let Some(camera) = footage.held_out() {
-            write_png(&folder.join(picture_path(camera)), &footage.picture(camera, frame)?)?;
-            let depth_m = match footage.shows_held_out_pictures() {
-                true => footage.frame(camera, frame)?.surfaces.depth_m,
-                false => vec![f32::INFINITY; (footage.scene().width * footage.scene().height) as usize],
-            };
-            write_atomic(&folder.join(depth_path(camera)), &depth_png(footage.scene(), depth_m))?;
-            tick();
-        }
-        let points: Vec<_> = moment.points(order.points).iter().map(|point| point.surface).collect();
-        write_atomic(&folder.join("points.ply"), &ply::encode(&points))?;
-        let names = |cameras: &[&Camera]| cameras.iter().map(|camera| picture_path(camera)).collect();
+        let names = |cameras: &[&Camera]| {
+            footage.present(cameras, frame).into_iter().map(picture_path).collect::<Vec<String>>()
+        };
         let transforms = Transforms {
             camera_model: "OPENCV",
-            w: footage.scene().width,
-            h: footage.scene().height,
-            ply_file_path: "points.ply",
-            depth_unit_scale_factor: 0.001,
-            frames: shown.iter().map(|camera| entry(camera, frame)).collect(),
+            w: footage.size()[0],
+            h: footage.size()[1],
+            ply_file_path: cloud.is_some().then_some(POINTS),
+            depth_unit_scale_factor: has_depth.then_some(0.001),
+            frames: present.iter().map(|camera| entry(camera, frame, has_depth)).collect(),
             train_filenames: names(&training),
             val_filenames: names(&test),
             test_filenames: names(&test),
         };
         json::write(&folder.join("transforms.json"), &transforms)?;
+        statement.get_or_insert_with(|| cloud::statement(POINTS, EACH, cloud.as_ref()));
     }
     manifest.note(
         "a folder a moment, since the default reader knows no time: `--format dnerf` has all of them at once",
@@ -88,16 +93,18 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         "metres stay metres with `nerfstudio-data --orientation-method none --center-method none \
          --auto-scale-poses False`",
     );
-    manifest.note("depth is planar, in millimetres, 0 where there is none or more than 65.535 m");
-    manifest.note("depth and points.ply come from the render");
+    if has_depth {
+        manifest.note("depth comes from the render: planar, in millimetres, 0 where there is none or more than 65.535 m");
+    }
+    statement.into_iter().for_each(|statement| manifest.note(statement));
     manifest.note_test_split(footage);
     Ok(manifest)
 }
 
-fn entry(camera: &Camera, frame: u32) -> Entry {
+fn entry(camera: &Camera, frame: u32, has_depth: bool) -> Entry {
     Entry {
         file_path: picture_path(camera),
-        depth_file_path: depth_path(camera),
+        depth_file_path: has_depth.then(|| depth_path(camera)),
         fl_x: camera.fx,
         fl_y: camera.fy,
         cx: camera.cx,
@@ -112,8 +119,4 @@ fn picture_path(camera: &Camera) -> String {
 
 fn depth_path(camera: &Camera) -> String {
     format!("depth/{}.png", camera.name)
-}
-
-fn depth_png(scene: &l4d_data::Scene, depth_m: Vec<f32>) -> Vec<u8> {
-    DepthMap { depth_m, ..DepthMap::empty(scene.width, scene.height) }.png()
 }

@@ -3,15 +3,21 @@
 //! `train_meta.json` and `test_meta.json` hold lists over moments of lists over cameras; pictures stand in `ims/`; the
 //! first points in `init_pt_cld.npz`.
 
+use std::path::Path;
+
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, json};
 use serde::Serialize;
 
 use super::Job;
-use super::cloud::Moment;
+use super::cloud::{self, FIRST};
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
+use crate::ply::ColouredPoint;
 use crate::{npy, pose};
+
+/// The first points.
+const POINTS: &str = "init_pt_cld.npz";
 
 /// `train_meta.json`, `test_meta.json`.
 #[derive(Debug, Serialize)]
@@ -39,8 +45,10 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let mut shots = Vec::new();
     for (number, camera) in numbered.iter().enumerate() {
         manifest.cameras.push(Called::camera(camera, format!("ims/{number}")));
-        for (moment, &frame) in footage.frames().iter().enumerate() {
-            shots.push(Shot { camera, frame, path: order.out.join("ims").join(picture(number, moment)) });
+        let moments = footage.frames().iter().enumerate();
+        for (moment, &frame) in moments.filter(|(_, frame)| footage.saw(camera, **frame)) {
+            let path = order.out.join("ims").join(picture(number, moment));
+            shots.push(Shot { camera, frame, path, depth: None });
         }
     }
     footage.write_png(&shots, *tick)?;
@@ -48,38 +56,29 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let meta = |cameras: &[&Camera]| {
         let number_of =
             |camera: &Camera| numbered.iter().position(|other| other.name == camera.name).unwrap_or(0);
-        let over = |frame: u32| cameras.iter().map(move |camera| (*camera, frame));
-        let moments = || footage.frames().iter().enumerate();
-        Meta {
-            w: footage.scene().width,
-            h: footage.scene().height,
-            k: moments()
-                .map(|(_, &frame)| over(frame).map(|(camera, _)| intrinsics(camera)).collect())
-                .collect(),
-            w2c: moments()
-                .map(|(_, &frame)| {
-                    over(frame)
-                        .map(|(camera, frame)| pose::nested_rows(camera.camera_from_world(frame)))
-                        .collect()
-                })
-                .collect(),
-            r#fn: moments()
-                .map(|(moment, &frame)| {
-                    over(frame).map(|(camera, _)| picture(number_of(camera), moment)).collect()
-                })
-                .collect(),
-            cam_id: moments()
-                .map(|(_, &frame)| over(frame).map(|(camera, _)| number_of(camera)).collect())
-                .collect(),
+        let [w, h] = footage.size();
+        let mut meta = Meta { w, h, k: vec![], w2c: vec![], r#fn: vec![], cam_id: vec![] };
+        for (moment, &frame) in footage.frames().iter().enumerate() {
+            let present = footage.present(cameras, frame);
+            let numbers: Vec<usize> = present.iter().map(|camera| number_of(camera)).collect();
+            let pose = |camera: &&Camera| pose::nested_rows(camera.camera_from_world(frame));
+            meta.k.push(present.iter().map(|camera| intrinsics(camera)).collect());
+            meta.w2c.push(present.iter().map(pose).collect());
+            meta.r#fn.push(numbers.iter().map(|&number| picture(number, moment)).collect());
+            meta.cam_id.push(numbers);
         }
+        meta
     };
     json::write_compact(&order.out.join("train_meta.json"), &meta(&training))?;
     json::write_compact(&order.out.join("test_meta.json"), &meta(&test))?;
-    write_cloud(job)?;
+    let cloud = footage.cloud(footage.frames()[0])?;
+    if let Some(cloud) = &cloud {
+        write_points(&order.out.join(POINTS), &cloud.surfaces(order.points))?;
+    }
 
     manifest.note("time of the i-th moment is i / number of moments, as its reader computes it");
     manifest.note("its reader draws without harmonics: colours do not depend on direction");
-    manifest.note("init_pt_cld.npz comes from rendered depth at the first moment");
+    manifest.note(cloud::statement(POINTS, FIRST, cloud.as_ref()));
     manifest.note_test_split(footage);
     Ok(manifest)
 }
@@ -89,15 +88,12 @@ fn intrinsics(camera: &Camera) -> [[f64; 3]; 3] {
 }
 
 /// `data`: a row a point, x y z in metres and red green blue from 0 to 1.
-fn write_cloud(job: &Job<'_>) -> Result<(), DataError> {
-    let moment = Moment::read(job.footage, job.footage.frames()[0])?;
-    let points = moment.points(job.order.points);
+fn write_points(path: &Path, points: &[ColouredPoint]) -> Result<(), DataError> {
     let mut values = Vec::with_capacity(points.len() * 6);
-    for point in &points {
-        values.extend(point.surface.position.to_array());
-        values.extend(point.surface.rgb.map(|value| f64::from(value) / 255.0));
+    for point in points {
+        values.extend(point.position.to_array());
+        values.extend(point.rgb.map(|value| f64::from(value) / 255.0));
     }
-    let path = job.order.out.join("init_pt_cld.npz");
     let array = npy::encode_f64(&[points.len(), 6], &values);
-    write_atomic(&path, &npy::encode_archive(&path, &[("data", array)])?)
+    write_atomic(path, &npy::encode_archive(path, &[("data", array)])?)
 }

@@ -1,6 +1,5 @@
 //! PNG pictures and the cameras as they are: for whoever writes a reader of his own.
 
-use l4d_data::timeline::{FPS, LAST_FRAME};
 use l4d_data::{Camera, DataError, json};
 use serde::Serialize;
 
@@ -14,15 +13,16 @@ struct Cameras<'a> {
     width: u32,
     height: u32,
     cameras: Vec<&'a Camera>,
-    frames_per_second: f64,
+    /// Null where nobody says.
+    frames_per_second: Option<f64>,
     frames: Vec<Time>,
 }
 
 #[derive(Debug, Serialize)]
 struct Time {
-    /// Canonical number, also the stem of its pictures.
+    /// Number in the scene, also the stem of its pictures.
     frame: u32,
-    seconds: f64,
+    seconds: Option<f64>,
     /// From 0 to 1 over the whole clip.
     time: f64,
 }
@@ -36,29 +36,24 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     for camera in &cameras {
         let called = format!("images/{}", camera.name);
         let is_seen = camera.split == l4d_data::Split::Train || footage.shows_held_out_pictures();
-        for &frame in footage.frames().iter().filter(|_| is_seen) {
+        for &frame in footage.frames().iter().filter(|frame| is_seen && footage.saw(camera, **frame)) {
             let path = order.out.join(&called).join(format!("{frame:04}.png"));
-            shots.push(Shot { camera, frame, path });
+            shots.push(Shot { camera, frame, path, depth: None });
         }
         manifest.cameras.push(Called::camera(camera, called));
     }
     footage.write_png(&shots, *tick)?;
-    let time = |&frame: &u32| Time {
-        frame,
-        seconds: f64::from(frame) / FPS,
-        time: f64::from(frame) / f64::from(LAST_FRAME),
-    };
+    let time = |&frame: &u32| Time { frame, seconds: footage.seconds(frame), time: footage.share(frame) };
     let document = Cameras {
-        width: footage.scene().width,
-        height: footage.scene().height,
+        width: footage.size()[0],
+        height: footage.size()[1],
         cameras,
-        frames_per_second: FPS / f64::from(footage.scene().stride),
+        frames_per_second: footage.frames_per_second(),
         frames: footage.frames().iter().map(time).collect(),
     };
     json::write(&order.out.join("cameras.json"), &document)?;
-    manifest
-        .note("poses are world_from_camera, row by row, metres, in OpenCV axes; pixel centres lie at halves");
-    if let Some(camera) = footage.held_out().filter(|_| !footage.shows_held_out_pictures()) {
+    manifest.note("poses are world_from_camera, row by row, in OpenCV axes; pixel centres lie at halves");
+    for camera in footage.held_out().into_iter().filter(|_| !footage.shows_held_out_pictures()) {
         manifest.note(format!("{} is held out: its pose is there, its pictures are not", camera.name));
     }
     Ok(manifest)

@@ -4,8 +4,10 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3};
+use l4d_data::layout::CaptureDir;
 use l4d_import::capture::Source;
-use l4d_import::export::{Format, HeldOut, Order, export};
+use l4d_import::colmap::Model;
+use l4d_import::export::{Format, HeldOut, Order, Origin, export};
 use l4d_import::npy;
 use serde_json::json;
 
@@ -222,12 +224,13 @@ fn exported(format: Format) -> (World, Bench) {
     let (world, bench) = (World::new(), Bench::new());
     let (scene, out) = (world.dir(), world.out("exported"));
     let order = Order {
-        scene: &scene,
+        origin: Origin::Rendered(&scene),
         format,
         out: &out,
         frames: &[48],
         held_out: HeldOut::Pose,
         points: 500,
+        points_from: None,
         judged: None,
     };
     export(order, &|| {}).unwrap();
@@ -256,6 +259,44 @@ fn what_we_export_for_colmap_and_nerfstudio_comes_back() {
         }
         let expected: &[&str] = if source == Source::Nerfstudio { &[TEST_VIEW] } else { &[] };
         assert_eq!(held_out(&capture), expected, "{format}");
+    }
+}
+
+#[test]
+fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
+    let (world, bench) = exported(Format::Colmap);
+    let theirs = Model::read(&bench.input().join("sparse/0")).unwrap();
+    let capture = bench.read(Source::Colmap).unwrap();
+    assert_eq!(capture.points, theirs.points.len());
+    assert!(capture.inputs.contains_key("sparse/0/points3D.bin"));
+    // The capture stands in a folder of another name than its own.
+    let dir = CaptureDir::new(bench.out().parent().unwrap(), "out");
+    let out = world.out("again");
+    let order = Order {
+        origin: Origin::Captured(&dir),
+        format: Format::ColmapText,
+        out: &out,
+        frames: &[],
+        held_out: HeldOut::Pose,
+        points: usize::MAX,
+        points_from: None,
+        judged: None,
+    };
+    export(order, &|| {}).unwrap();
+    let ours = Model::read(&out.join("frame_0000/sparse/0")).unwrap();
+    let name_of =
+        |model: &Model, id: u32| model.images.iter().find(|image| image.id == id).unwrap().name.clone();
+    let seen = |model: &Model, index: usize| -> Vec<String> {
+        model.points[index].track.iter().map(|(image, _)| name_of(model, *image)).collect()
+    };
+    // Points of one picture alone are not triangulated ones.
+    let kept: Vec<usize> =
+        (0..theirs.points.len()).filter(|&index| theirs.points[index].track.len() > 1).collect();
+    assert!(kept.len() > 250 && kept.len() == ours.points.len());
+    for (index, there) in kept.into_iter().enumerate() {
+        let (ours_at, theirs_at) = (&ours.points[index], &theirs.points[there]);
+        assert_eq!((ours_at.position, ours_at.rgb), (theirs_at.position, theirs_at.rgb));
+        assert_eq!(seen(&ours, index), seen(&theirs, there));
     }
 }
 

@@ -1,11 +1,13 @@
 //! COLMAP models as 3DGS and LangSplat read them.
 
+use std::path::Path;
+
 use glam::{DMat3, DVec2, DVec3};
 use l4d_import::colmap::Model;
 use l4d_import::export::{Format, HeldOut};
 
 use crate::support::{TEST_VIEW, World};
-use crate::{RAY_TOLERANCE_PX, exported, png, probes, shown};
+use crate::{Kind, RAY_TOLERANCE_PX, exported, exported_as, png, probes, shown, try_export};
 
 /// The rotation of a quaternion, written out as the readers do.
 fn rotation([w, x, y, z]: [f64; 4]) -> DMat3 {
@@ -26,9 +28,10 @@ fn rotation([w, x, y, z]: [f64; 4]) -> DMat3 {
 #[test]
 fn models_have_the_rays_of_the_scene_and_points_that_project_where_they_are_seen() {
     let world = World::new();
-    for format in [Format::LangSplat, Format::Colmap, Format::ColmapText] {
-        let out = world.out(format.as_str());
-        exported(&world, format, HeldOut::Pose, &out);
+    let formats = [Format::LangSplat, Format::Colmap, Format::ColmapText];
+    for (kind, format) in Kind::ALL.into_iter().flat_map(|kind| formats.map(|format| (kind, format))) {
+        let out = world.out(&format!("{format}-{kind:?}"));
+        exported_as(kind, &world, format, HeldOut::Pose, &out);
         for frame in world.frames() {
             let folder = out.join(format!("frame_{frame:04}"));
             let sparse = folder.join("sparse/0");
@@ -69,10 +72,26 @@ fn models_have_the_rays_of_the_scene_and_points_that_project_where_they_are_seen
 }
 
 #[test]
+fn langsplat_would_drop_a_principal_point_off_the_centre() {
+    let mut world = World::new();
+    world.change(|scene| scene.cameras[1].cx += 2.0);
+    let error = try_export(&world, Format::LangSplat, HeldOut::Pose, &world.out("no")).unwrap_err();
+    assert!(error.to_string().contains("the principal point of cam01"), "{error}");
+    assert!(error.hint().unwrap().contains("--format colmap"));
+    exported(&world, Format::Colmap, HeldOut::Pose, &world.out("yes"));
+}
+
+#[test]
 fn tracks_and_observations_name_each_other_and_most_points_have_several() {
     let world = World::new();
-    let out = world.out("tracks");
-    exported(&world, Format::Colmap, HeldOut::Pose, &out);
+    for kind in Kind::ALL {
+        let out = world.out(&format!("tracks-{kind:?}"));
+        exported_as(kind, &world, Format::Colmap, HeldOut::Pose, &out);
+        assert_tracks(&out);
+    }
+}
+
+fn assert_tracks(out: &Path) {
     let model = Model::read(&out.join("frame_0000/sparse/0")).unwrap();
     let mut observed = 0;
     for point in &model.points {

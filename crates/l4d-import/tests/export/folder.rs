@@ -1,6 +1,6 @@
 //! Whose folder it is, what is left when an export is cut off, and which orders are refused.
 
-use l4d_import::export::{Format, HeldOut, MANIFEST, Manifest, Order, export};
+use l4d_import::export::{Format, HeldOut, MANIFEST, Manifest, Order, Origin, export};
 
 use crate::support::{World, files};
 use crate::{exported, json, try_export};
@@ -59,12 +59,13 @@ fn truth_has_to_be_brought_along() {
     let (scene, out) = (world.dir(), world.out("none"));
     let format = Format::LerfOvs;
     let order = Order {
-        scene: &scene,
+        origin: Origin::Rendered(&scene),
         format,
         out: &out,
         frames: &[],
         held_out: HeldOut::Pose,
         points: 1,
+        points_from: None,
         judged: None,
     };
     assert!(export(order, &|| {}).unwrap_err().to_string().contains("truth were not given"));
@@ -76,12 +77,13 @@ fn frames_can_be_chosen_among_the_rendered_ones() {
     let scene = world.dir();
     let out = world.out("two");
     let order = Order {
-        scene: &scene,
+        origin: Origin::Rendered(&scene),
         format: Format::Plain,
         out: &out,
         frames: &[96, 12],
         held_out: HeldOut::Pose,
         points: 1,
+        points_from: None,
         judged: None,
     };
     assert_eq!(export(order, &|| {}).unwrap().manifest.frames, [12, 96]);

@@ -8,7 +8,7 @@ use l4d_import::export::{Format, HeldOut};
 use l4d_import::npy::Array;
 
 use crate::support::{TEST_VIEW, World};
-use crate::{RAY_TOLERANCE_PX, exported, json, matrix, png, probes, shown, try_export};
+use crate::{Kind, RAY_TOLERANCE_PX, exported, exported_as, json, matrix, png, probes, shown, try_export};
 
 /// Where the rasterizer of 3DGS puts a point, in pixels with centres at integers.
 fn rasterized(projection: DMat4, view: DMat4, point: DVec3, size: [f64; 2]) -> DVec2 {
@@ -52,8 +52,14 @@ fn panoptic_sports_reads_cameras_moments_split_and_points() {
             camera.fy = 133.0 + index as f64;
         }
     });
-    let out = world.out("panoptic");
-    exported(&world, Format::FourDGaussians, HeldOut::Pose, &out);
+    for kind in Kind::ALL {
+        let out = world.out(&format!("panoptic-{kind:?}"));
+        exported_as(kind, &world, Format::FourDGaussians, HeldOut::Pose, &out);
+        assert_panoptic_sports(&world, &out);
+    }
+}
+
+fn assert_panoptic_sports(world: &World, out: &Path) {
     let train = json(&out.join("train_meta.json"));
     let test = json(&out.join("test_meta.json"));
     let test_camera = world.scene.test_camera().unwrap();
@@ -96,7 +102,7 @@ fn panoptic_sports_reads_cameras_moments_split_and_points() {
                 if camera.name.as_str() == TEST_VIEW {
                     assert!(picture.pixels().all(|pixel| pixel.0 == [128; 3]));
                 } else {
-                    assert_eq!(picture, shown(&world, &camera.name, frame));
+                    assert_eq!(picture, shown(world, &camera.name, frame));
                 }
             }
         }
@@ -150,9 +156,12 @@ fn neu3d_camera(row: &[f64], first: &[f64]) -> (DMat4, f64) {
 #[test]
 fn dynerf_reads_the_same_rays_at_its_own_size() {
     let world = World::new();
-    for (format, moments) in [(Format::Dynerf, 9), (Format::FourDLangSplat, 300)] {
-        let out = world.out(format.as_str());
-        exported(&world, format, HeldOut::Pose, &out);
+    let formats = [(Format::Dynerf, 9), (Format::FourDLangSplat, 300)];
+    for (kind, (format, moments)) in
+        Kind::ALL.into_iter().flat_map(|kind| formats.map(|format| (kind, format)))
+    {
+        let out = world.out(&format!("{format}-{kind:?}"));
+        exported_as(kind, &world, format, HeldOut::Pose, &out);
         let poses: Array<f64> =
             Array::decode(Path::new("p"), &std::fs::read(out.join("poses_bounds.npy")).unwrap()).unwrap();
         assert_eq!(poses.shape, [5, 17]);
@@ -195,8 +204,14 @@ fn dynerf_reads_the_same_rays_at_its_own_size() {
 #[test]
 fn blender_reads_the_true_cameras_although_it_mirrors_them() {
     let world = World::new();
-    let out = world.out("blender");
-    exported(&world, Format::Blender, HeldOut::Pose, &out);
+    for kind in Kind::ALL {
+        let out = world.out(&format!("blender-{kind:?}"));
+        exported_as(kind, &world, Format::Blender, HeldOut::Pose, &out);
+        assert_blender(&world, &out);
+    }
+}
+
+fn assert_blender(world: &World, out: &Path) {
     let mut times = Vec::new();
     for (split, cameras) in [("train", world.training()), ("test", vec![world.scene.test_camera().unwrap()])]
     {
@@ -228,7 +243,7 @@ fn blender_reads_the_true_cameras_although_it_mirrors_them() {
             let name = format!("{}.png", entry["file_path"].as_str().unwrap());
             let picture = png(&out.join(name), 96, 96);
             if split == "train" {
-                let whole = shown(&world, &camera.name, frame);
+                let whole = shown(world, &camera.name, frame);
                 assert_eq!(picture.get_pixel(0, 50), whole.get_pixel(16, 50));
                 assert_eq!(picture.get_pixel(95, 95), whole.get_pixel(111, 95));
             }
@@ -253,6 +268,7 @@ fn what_a_reader_would_drop_is_refused_with_the_format_that_keeps_it() {
         let mut world = World::new();
         world.change(change);
         let error = try_export(&world, Format::Dynerf, HeldOut::Pose, &world.out("no")).unwrap_err();
+        assert!(!world.out("no").exists(), "nothing is written before it is refused");
         assert!(error.to_string().contains(said), "{error}");
         assert!(error.hint().unwrap().contains("--format 4dgaussians"));
         exported(&world, Format::FourDGaussians, HeldOut::Pose, &world.out("yes"));

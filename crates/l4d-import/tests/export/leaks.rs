@@ -4,18 +4,27 @@ use l4d_import::export::{Format, HeldOut};
 use l4d_import::pose::flipped;
 
 use crate::support::{TEST_VIEW, World, files};
-use crate::{export_frames, exported, shown};
+use crate::{Kind, export_frames, exported_as, shown};
+
+/// Every kind of scene in every layout.
+fn all() -> impl Iterator<Item = (Kind, Format)> {
+    Kind::ALL.into_iter().flat_map(|kind| Format::ALL.map(|format| (kind, format)))
+}
 
 #[test]
 fn without_the_held_out_pictures_on_disk_every_export_is_the_same() {
-    for format in Format::ALL {
+    for (kind, format) in all() {
         for held_out in [HeldOut::Nothing, HeldOut::Pose] {
             let whole = World::new();
-            export_frames(&whole, format, held_out, &whole.out("out"), &[0, 96]).unwrap();
+            export_frames(kind, &whole, format, held_out, &whole.out("out"), &[0, 96]).unwrap();
             let blind = World::new();
+            std::fs::remove_dir_all(blind.capture_dir().root().join("frames").join(TEST_VIEW)).unwrap();
             std::fs::remove_dir_all(blind.dir().view(TEST_VIEW)).unwrap();
-            export_frames(&blind, format, held_out, &blind.out("out"), &[0, 96]).unwrap();
-            assert!(files(&whole.out("out")) == files(&blind.out("out")), "{format} looked at {TEST_VIEW}");
+            export_frames(kind, &blind, format, held_out, &blind.out("out"), &[0, 96]).unwrap();
+            assert!(
+                files(&whole.out("out")) == files(&blind.out("out")),
+                "{format} looked at {TEST_VIEW}, {kind:?}"
+            );
         }
     }
 }
@@ -32,9 +41,9 @@ fn nothing_says_not_even_where_it_stands() {
     let mirrored = mirrored.inverse();
     let numbers =
         [pose.world_from_camera(0).w_axis.x, from_world.w_axis.x, from_world.w_axis.y, mirrored.w_axis.x];
-    let holds = |format: Format, held_out: HeldOut| {
-        let out = world.out(&format!("{held_out:?}-{format}"));
-        export_frames(&world, format, held_out, &out, &[0]).unwrap();
+    let holds = |kind: Kind, format: Format, held_out: HeldOut| {
+        let out = world.out(&format!("{kind:?}-{held_out:?}-{format}"));
+        export_frames(kind, &world, format, held_out, &out, &[0]).unwrap();
         let digits = numbers.map(|number| format!("{:.15}", number.abs())[..11].to_owned());
         let bits = numbers.map(f64::to_le_bytes);
         files(&out).into_iter().any(|(_, bytes)| {
@@ -43,10 +52,10 @@ fn nothing_says_not_even_where_it_stands() {
                 || bytes.windows(8).any(|window| bits.iter().any(|bits| window == bits))
         })
     };
-    for format in Format::ALL {
-        assert!(!holds(format, HeldOut::Nothing), "{format} says where {TEST_VIEW} stands");
+    for (kind, format) in all() {
+        assert!(!holds(kind, format, HeldOut::Nothing), "{format} says where {TEST_VIEW} stands");
         let is_annotation = matches!(format, Format::Coco | Format::Davis) || format.needs_truth();
-        assert_eq!(holds(format, HeldOut::Pose), !is_annotation, "{format}: the search itself");
+        assert_eq!(holds(kind, format, HeldOut::Pose), !is_annotation, "{format}: the search itself");
     }
 }
 
@@ -54,9 +63,10 @@ fn nothing_says_not_even_where_it_stands() {
 fn pictures_are_shown_only_in_test_splits() {
     let world = World::new();
     let first = l4d_frames::drawn::encode_colour(&shown(&world, TEST_VIEW, 0));
-    for format in [Format::FourDGaussians, Format::Dynerf, Format::Dnerf, Format::Plain, Format::Colmap] {
-        let out = world.out(&format!("pictures-{format}"));
-        exported(&world, format, HeldOut::Pictures, &out);
+    let formats = [Format::FourDGaussians, Format::Dynerf, Format::Dnerf, Format::Plain, Format::Colmap];
+    for (kind, format) in all().filter(|(_, format)| formats.contains(format)) {
+        let out = world.out(&format!("{kind:?}-{format}"));
+        exported_as(kind, &world, format, HeldOut::Pictures, &out);
         let holders: Vec<String> =
             files(&out).into_iter().filter(|(_, bytes)| *bytes == first).map(|(name, _)| name).collect();
         let expected: &[&str] = match format {

@@ -7,6 +7,7 @@
 mod support;
 
 mod annotations;
+mod captures;
 mod colmap;
 mod evaluators;
 mod folder;
@@ -18,17 +19,30 @@ mod public_readers;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use l4d_data::Camera;
+use l4d_data::{Camera, Profile};
 use l4d_frames::drawn::{RgbImage, decode_colour};
 use l4d_import::annotations::Judged;
-use l4d_import::export::{DEFAULT_POINTS, Exported, Format, HeldOut, Order, export};
+use l4d_import::export::{DEFAULT_POINTS, Exported, Format, HeldOut, Order, Origin, export};
 
 use support::World;
 
 /// Rays of an export are those of the scene, pixels.
 pub(crate) const RAY_TOLERANCE_PX: f64 = 1e-4;
 
-/// Exports into a folder of the world.
+/// What a scene is exported from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// EXR files with depth and ids.
+    Rendered,
+    /// Pictures of the same, as somebody recorded them.
+    Captured,
+}
+
+impl Kind {
+    pub(crate) const ALL: [Self; 2] = [Self::Rendered, Self::Captured];
+}
+
+/// Exports the rendering into a folder of the world.
 pub(crate) fn exported(world: &World, format: Format, held_out: HeldOut, out: &Path) -> Exported {
     try_export(world, format, held_out, out).unwrap()
 }
@@ -39,22 +53,41 @@ pub(crate) fn try_export(
     held_out: HeldOut,
     out: &Path,
 ) -> Result<Exported, l4d_data::DataError> {
-    export_frames(world, format, held_out, out, &[])
+    export_frames(Kind::Rendered, world, format, held_out, out, &[])
+}
+
+/// Exports the rendering, or a capture of the same scene.
+pub(crate) fn exported_as(
+    kind: Kind,
+    world: &World,
+    format: Format,
+    held_out: HeldOut,
+    out: &Path,
+) -> Exported {
+    export_frames(kind, world, format, held_out, out, &[]).unwrap()
 }
 
 /// Exports some frames; all if none is named.
 pub(crate) fn export_frames(
+    kind: Kind,
     world: &World,
     format: Format,
     held_out: HeldOut,
     out: &Path,
     frames: &[u32],
 ) -> Result<Exported, l4d_data::DataError> {
-    let scene = world.dir();
-    let (truth, queries) = (&world.truth, world.queries());
-    let judged = Judged::new(Path::new("truth.json"), truth, &queries).unwrap();
+    let (scene, capture) = (world.dir(), world.capture_dir());
+    let (mut truth, queries) = (world.truth.clone(), world.queries());
+    let origin = match kind {
+        Kind::Rendered => Origin::Rendered(&scene),
+        Kind::Captured => {
+            truth.profile = Profile::Real;
+            Origin::Captured(&capture)
+        }
+    };
+    let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
     let judged = format.needs_truth().then_some(&judged);
-    let order = Order { scene: &scene, format, out, frames, held_out, points: 2000, judged };
+    let order = Order { origin, format, out, frames, held_out, points: 2000, points_from: None, judged };
     assert!(DEFAULT_POINTS >= order.points);
     export(order, &|| {})
 }

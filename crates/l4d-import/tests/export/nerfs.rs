@@ -1,12 +1,14 @@
 //! The readers of D-NeRF's and nerfstudio's `transforms.json`, and the plain layout.
 
+use std::path::Path;
+
 use glam::{DMat4, DVec2, DVec3};
 use l4d_data::rig::Rig;
 use l4d_frames::drawn::decode_depth_png;
 use l4d_import::export::{Format, HeldOut};
 
 use crate::support::{TEST_VIEW, World};
-use crate::{RAY_TOLERANCE_PX, exported, json, matrix, png, probes, shown};
+use crate::{Kind, RAY_TOLERANCE_PX, exported_as, json, matrix, png, probes, shown};
 
 /// Where a camera with OpenGL axes sees a point.
 fn seen(world_from_camera: DMat4, [fx, fy, cx, cy]: [f64; 4], point: DVec3) -> DVec2 {
@@ -17,8 +19,14 @@ fn seen(world_from_camera: DMat4, [fx, fy, cx, cy]: [f64; 4], point: DVec3) -> D
 #[test]
 fn dnerf_has_true_matrices_and_whole_pictures() {
     let world = World::new();
-    let out = world.out("dnerf");
-    exported(&world, Format::Dnerf, HeldOut::Pose, &out);
+    for kind in Kind::ALL {
+        let out = world.out(&format!("dnerf-{kind:?}"));
+        exported_as(kind, &world, Format::Dnerf, HeldOut::Pose, &out);
+        assert_dnerf(&world, &out);
+    }
+}
+
+fn assert_dnerf(world: &World, out: &Path) {
     for split in ["train", "val", "test"] {
         let document = json(&out.join(format!("transforms_{split}.json")));
         let focal = 64.0 / (document["camera_angle_x"].as_f64().unwrap() / 2.0).tan();
@@ -33,7 +41,7 @@ fn dnerf_has_true_matrices_and_whole_pictures() {
             }
             let picture = png(&out.join(format!("{name}.png")), 128, 96);
             if split == "train" {
-                assert_eq!(picture, shown(&world, view, frame.parse().unwrap()));
+                assert_eq!(picture, shown(world, view, frame.parse().unwrap()));
             }
         }
     }
@@ -43,8 +51,14 @@ fn dnerf_has_true_matrices_and_whole_pictures() {
 fn nerfstudio_has_rays_depth_and_a_split_in_every_moment() {
     let mut world = World::new();
     world.change(|scene| scene.cameras[0].cx += 2.5);
-    let out = world.out("nerfstudio");
-    exported(&world, Format::Nerfstudio, HeldOut::Pose, &out);
+    for kind in Kind::ALL {
+        let out = world.out(&format!("nerfstudio-{kind:?}"));
+        exported_as(kind, &world, Format::Nerfstudio, HeldOut::Pose, &out);
+        assert_nerfstudio(kind, &world, &out);
+    }
+}
+
+fn assert_nerfstudio(kind: Kind, world: &World, out: &Path) {
     for frame in world.frames() {
         let folder = out.join(format!("frame_{frame:04}"));
         let document = json(&folder.join("transforms.json"));
@@ -61,6 +75,14 @@ fn nerfstudio_has_rays_depth_and_a_split_in_every_moment() {
             for (point, at) in probes(camera, frame) {
                 let found = seen(matrix(&entry["transform_matrix"]), intrinsics, point);
                 assert!((found - at).length() < RAY_TOLERANCE_PX, "{view}: {found} for {at}");
+            }
+            if view != TEST_VIEW {
+                let picture = png(&folder.join(entry["file_path"].as_str().unwrap()), 128, 96);
+                assert_eq!(picture, shown(world, view, frame));
+            }
+            if kind == Kind::Captured {
+                assert!(entry.get("depth_file_path").is_none() && !folder.join("depth").exists());
+                continue;
             }
             let depth = std::fs::read(folder.join(entry["depth_file_path"].as_str().unwrap())).unwrap();
             let depth = decode_depth_png(&depth, 128, 96).unwrap();
@@ -79,8 +101,14 @@ fn nerfstudio_has_rays_depth_and_a_split_in_every_moment() {
 #[test]
 fn plain_cameras_are_ours_and_the_held_out_one_has_no_picture() {
     let world = World::new();
-    let out = world.out("plain");
-    exported(&world, Format::Plain, HeldOut::Pose, &out);
+    for kind in Kind::ALL {
+        let out = world.out(&format!("plain-{kind:?}"));
+        exported_as(kind, &world, Format::Plain, HeldOut::Pose, &out);
+        assert_plain(&world, &out);
+    }
+}
+
+fn assert_plain(world: &World, out: &Path) {
     let rig = Rig::read(&out.join("cameras.json")).unwrap();
     assert_eq!(rig.size(), [128, 96]);
     assert_eq!(rig.cameras, world.scene.cameras);
@@ -88,7 +116,7 @@ fn plain_cameras_are_ours_and_the_held_out_one_has_no_picture() {
     for camera in world.training() {
         for frame in world.frames() {
             let path = out.join(format!("images/{}/{frame:04}.png", camera.name));
-            assert_eq!(png(&path, 128, 96), shown(&world, &camera.name, frame));
+            assert_eq!(png(&path, 128, 96), shown(world, &camera.name, frame));
         }
     }
     let document = json(&out.join("cameras.json"));

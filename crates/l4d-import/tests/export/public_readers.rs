@@ -2,10 +2,11 @@
 
 use std::process::Command;
 
+use l4d_data::capture::{CAPTURE, Capture};
 use l4d_import::export::{Format, HeldOut};
 
 use crate::support::World;
-use crate::{exported, probes};
+use crate::{Kind, exported, exported_as, probes};
 
 #[test]
 #[ignore = "needs L4D_READERS_PYTHON, a Python with the packages that readers.py names"]
@@ -24,6 +25,14 @@ fn public_readers_see_what_we_wrote() {
         exported(&world, format, HeldOut::Pose, &world.out(format.as_str()));
     }
     exported(&world, Format::Coco, HeldOut::Pictures, &world.out("coco"));
+    for format in [Format::Colmap, Format::ColmapText] {
+        let out = world.out("captured").join(format.as_str());
+        exported_as(Kind::Captured, &world, format, HeldOut::Pose, &out);
+    }
+    let folder = world.capture_dir();
+    let capture = Capture { points: 0, ..Capture::read(folder.root()).unwrap() };
+    l4d_data::json::write(&folder.root().join(CAPTURE), &capture).unwrap();
+    exported_as(Kind::Captured, &world, Format::Colmap, HeldOut::Pose, &world.out("captured/without"));
     let seen: serde_json::Map<String, serde_json::Value> = world
         .training()
         .into_iter()

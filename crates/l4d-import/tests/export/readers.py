@@ -3,7 +3,7 @@
     python readers.py FOLDER
 
 FOLDER holds the exports `colmap`, `colmap-text`, `coco`, `davis`, `4dgaussians`, `4dgaussians-dynerf`,
-`4d-langsplat-annotations`, and `probes.json`: points of the world and where each view sees them.
+`4d-langsplat-annotations`, those of a capture in `captured`, and `probes.json`: points of the world and where each view sees them.
 Needs numpy, pillow, opencv-python-headless, plyfile, pycocotools and pycolmap.
 """
 
@@ -25,7 +25,7 @@ def check_colmap(root: pathlib.Path, probes: dict) -> int:
     seen = 0
     for encoding in ("colmap", "colmap-text"):
         model = pycolmap.Reconstruction(root / encoding / "frame_0048" / "sparse" / "0")
-        assert len(model.images) == 4 and len(model.points3D) > 1000
+        assert len(model.images) == 4 and len(model.points3D) > 300
         for image in model.images.values():
             for point, pixel in probes[image.name.removesuffix(".png")]:
                 found = image.project_point(np.array(point))
@@ -107,4 +107,7 @@ def check_arrays(root: pathlib.Path) -> int:
 if __name__ == "__main__":
     folder = pathlib.Path(sys.argv[1])
     expected = json.loads((folder / "probes.json").read_text())
-    print(check_colmap(folder, expected), check_masks(folder), check_prompts(folder), check_arrays(folder))
+    without = pycolmap.Reconstruction(folder / "captured/without/frame_0048/sparse/0")
+    assert (len(without.images), len(without.points3D)) == (4, 0)
+    seen = [check_colmap(folder, expected), check_colmap(folder / "captured", expected)]
+    print(*seen, check_masks(folder), check_prompts(folder), check_arrays(folder))

@@ -1,6 +1,8 @@
 //! What users report of the originals, each ending in a finding that names the cause.
 
+use l4d_data::Report;
 use l4d_frames::{Mask, png};
+use l4d_import::results::import::Imported;
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
 use l4d_splat::Tensor;
@@ -41,8 +43,8 @@ fn wave(level: u64, index: usize) -> f32 {
     0.5 * (index as f32 * 0.37 + level as f32).sin()
 }
 
-/// Findings of an import of latents with sentences of `width` numbers.
-fn of_latents(bench: &Bench, width: usize) -> Vec<&'static str> {
+/// Imports latents with sentences of `width` numbers.
+fn import_latents(bench: &Bench, width: usize) -> (Imported, Report) {
     let path = bench.path("texts.npz");
     let numbers = |count: usize| -> Vec<f32> { (0..count * width).map(|index| wave(9, index)).collect() };
     let bytes = npz(&[
@@ -51,10 +53,14 @@ fn of_latents(bench: &Bench, width: usize) -> Vec<&'static str> {
         ("negatives.npy", npy(&[4, width], &numbers(4))),
     ]);
     std::fs::write(&path, bytes).unwrap();
-    let (_, report) = bench.import("langsplat", |request| {
+    bench.import("langsplat", |request| {
         request.encoders.texts = Some((path.clone(), TextsFile::read(&path).unwrap()));
-    });
-    codes(report)
+    })
+}
+
+/// Codes of what is found in doing so.
+fn of_latents(bench: &Bench, width: usize) -> Vec<&'static str> {
+    codes(import_latents(bench, width).1)
 }
 
 #[test]
@@ -116,6 +122,23 @@ fn fewer_pictures_than_frames() {
     let file = format!("{SCENE}_2/train/ours_None/renders_npy/00007.npy");
     std::fs::remove_file(bench.path("method").join(file)).unwrap();
     assert!(of_latents(&bench, 8).contains(&"L4D548"), "a level is missing");
+}
+
+#[test]
+fn latents_of_another_size_are_named_once_a_frame() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3, 8);
+    for (level, position) in
+        (1..=3).flat_map(|level| (0..clip().len()).map(move |position| (level, position)))
+    {
+        let numbers: Vec<f32> = (0..48 * 64 * 3).map(|index| wave(level, index + position)).collect();
+        let file = format!("{SCENE}_{level}/train/ours_None/renders_npy/{position:05}.npy");
+        bench.write(&file, npy(&[48, 64, 3], &numbers));
+    }
+    let (imported, report) = import_latents(&bench, 8);
+    let sizes = report.into_sorted().into_iter().filter(|finding| finding.code == "L4D547");
+    assert_eq!(sizes.count(), clip().len());
+    assert!(imported.scores.values().all(|scores| scores.langsplat_localisation.is_none()));
 }
 
 #[test]

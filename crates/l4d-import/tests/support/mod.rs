@@ -6,14 +6,19 @@ use std::sync::LazyLock;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use half::f16;
-use l4d_data::layout::SceneDir;
+use l4d_data::capture::{CAPTURE, Capture, Depth, MaskSet, MaskedInstance};
+use l4d_data::layout::{CaptureDir, SceneDir};
 use l4d_data::query::{Provenance, text_digest};
 use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
-use l4d_data::truth::Truth;
+use l4d_data::store::write_atomic;
+use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Camera, Category, Interval, Name, Profile, Query, Split, Status, Temporal, json};
+use l4d_frames::drawn::encode_colour;
 use l4d_frames::exr::write_frame;
 use l4d_frames::truth::truth_of_scene;
-use l4d_frames::{Frame, Surfaces};
+use l4d_frames::{Display, Frame, Mask, Surfaces, rle};
+use l4d_import::colmap::{Encoding, Model};
+use l4d_import::ply::ColouredPoint;
 
 pub(crate) const BALL: u32 = 1;
 pub(crate) const LATE_BALL: u32 = 7;
@@ -39,6 +44,89 @@ impl World {
         SceneDir::new(&self.folder.path().join("data"), &self.scene.name)
     }
 
+    /// Where [`Self::record`] writes.
+    pub(crate) fn capture_dir(&self) -> CaptureDir {
+        CaptureDir::new(&self.folder.path().join("captures"), &self.scene.name)
+    }
+
+    /// Writes the scene as somebody would have recorded it, which is there from the start: pictures, points on the ground, and masks that people drew
+    /// on every picture of the first camera and of the held-out one.
+    fn record(&self) {
+        let dir = self.capture_dir();
+        for camera in &self.scene.cameras {
+            for frame in self.frames() {
+                let shown = Display::new(self.scene.exposure).picture(&self.frame(&camera.name, frame));
+                write_atomic(&dir.picture(&camera.name, frame), &encode_colour(&shown)).unwrap();
+            }
+        }
+        let points = self.reconstruct(&dir.sparse());
+        let capture = Capture {
+            schema: l4d_data::capture::SCHEMA.to_owned(),
+            name: self.scene.name.clone(),
+            source: "colmap".to_owned(),
+            width: self.scene.width,
+            height: self.scene.height,
+            cameras: self.scene.cameras.clone(),
+            frames: self.frames(),
+            frames_per_second: Some(2.0),
+            depth: Depth::Absent,
+            points,
+            is_metric: false,
+            unseen: BTreeMap::new(),
+            substituted: Vec::new(),
+            inputs: BTreeMap::new(),
+            notes: Vec::new(),
+        };
+        json::write(&dir.root().join(CAPTURE), &capture).unwrap();
+        self.draw(&["cam00", TEST_VIEW], &self.frames());
+    }
+
+    /// Writes masks of the objects in some pictures into the capture.
+    pub(crate) fn draw(&self, views: &[&str], frames: &[u32]) {
+        let mask = |view: &str, frame: u32, id: u32| {
+            let mask = Mask::from_ids(128, 96, &self.frame(view, frame).surfaces.id, id).unwrap();
+            (frame_key(frame), (!mask.is_empty()).then(|| rle::encode(&mask)))
+        };
+        let instance = |(id, drawn, label): (u32, u32, &str)| MaskedInstance {
+            id,
+            name: Name::new(label.replace(": ", "_")).unwrap(),
+            label: label.to_owned(),
+            masks: (views.iter())
+                .map(|view| {
+                    let masks = frames.iter().map(|&frame| mask(view, frame, drawn)).collect();
+                    (Name::new(*view).unwrap(), masks)
+                })
+                .collect(),
+        };
+        let set = MaskSet {
+            schema: l4d_data::capture::MASKS_SCHEMA.to_owned(),
+            scene: self.scene.name.clone(),
+            width: self.scene.width,
+            height: self.scene.height,
+            instances: [(1, LATE_BALL, "ball: late"), (2, BALL, "ball: red")].map(instance).into(),
+            notes: Vec::new(),
+        };
+        set.write(self.capture_dir().root()).unwrap();
+    }
+
+    /// Writes a model with points of the ground that all cameras see, and says how many.
+    pub(crate) fn reconstruct(&self, folder: &Path) -> usize {
+        let cameras: Vec<&Camera> = self.scene.cameras.iter().collect();
+        let mut model = Model::of_pinholes(&cameras, 0, [128, 96]);
+        for index in 0..400 {
+            let position =
+                DVec3::new(f64::from(index % 20) * 0.1 - 1.0, f64::from(index / 20) * 0.1 - 1.0, 0.0);
+            let surface = ColouredPoint { position, rgb: [index as u8, 40, 90] };
+            let sightings: Vec<(&Camera, DVec2)> =
+                cameras.iter().map(|camera| (*camera, camera.project(0, position).0)).collect();
+            // Every tenth point took the held-out camera to find.
+            let sightings = if index % 10 == 0 { &sightings[1..3] } else { &sightings[..] };
+            model.add_point(surface, 0.5, sightings);
+        }
+        model.write(folder, Encoding::Binary).unwrap();
+        model.points.len()
+    }
+
     /// A folder for what a test writes.
     pub(crate) fn out(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
@@ -48,6 +136,7 @@ impl World {
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut Scene)) {
         change(&mut self.scene);
         json::write(&self.dir().scene(), &self.scene).unwrap();
+        self.record();
     }
 
     pub(crate) fn training(&self) -> Vec<&Camera> {
@@ -97,7 +186,9 @@ impl World {
         }
         json::write(&dir.scene(), &scene).unwrap();
         let truth = truth_of_scene(&dir, &scene).unwrap().unwrap();
-        Self { folder, scene, truth }
+        let world = Self { folder, scene, truth };
+        world.record();
+        world
     }
 }
 

@@ -180,13 +180,19 @@ impl<'a> Collector<'a> {
 
     fn sized(&self, path: &Path, mask: Mask, report: &mut Report) -> Option<Mask> {
         let wanted = self.pictures.size;
-        if mask.size() == wanted {
-            return Some(mask);
+        match self.fits(path, mask.size(), report) {
+            true if mask.size() == wanted => Some(mask),
+            true => Some(mask.resized_nearest(wanted.0, wanted.1)),
+            false => None,
         }
-        let (width, height) = mask.size();
+    }
+
+    /// Whether pictures of a size can answer, as they are or resized; reported where not.
+    pub(super) fn fits(&self, path: &Path, (width, height): (u32, u32), report: &mut Report) -> bool {
+        let wanted = self.pictures.size;
         let ratio = f64::from(width) * f64::from(wanted.1) / (f64::from(height) * f64::from(wanted.0));
-        if self.request.resize && (ratio - 1.0).abs() <= 0.01 {
-            return Some(mask.resized_nearest(wanted.0, wanted.1));
+        if (width, height) == wanted || (self.request.resize && (ratio - 1.0).abs() <= 0.01) {
+            return true;
         }
         let message =
             format!("is {width}x{height}, but {} is {}x{}", self.pictures.owner(), wanted.0, wanted.1);
@@ -196,7 +202,7 @@ impl<'a> Collector<'a> {
             "render at that size: other proportions show another picture"
         };
         report.error(codes::WRONG_SIZE, path, "size", message, hint);
-        None
+        false
     }
 
     /// Takes an answer, unless there is one already.

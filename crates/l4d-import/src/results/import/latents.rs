@@ -66,7 +66,11 @@ pub(super) fn read(
                     Some((hit.number("level").unwrap_or_default(), Level::read(&hit.path, &mut report)?))
                 })
                 .collect();
-            let sound = read.filter(|levels| check(levels, engine.channels, &mut report));
+            let sound = read.filter(|levels| {
+                let Latents { width, height, .. } = levels[0].1.latents();
+                check(levels, engine.channels, &mut report)
+                    && collector.fits(&levels[0].1.path, (width, height), &mut report)
+            });
             if let Some(levels) = sound {
                 let latents: Vec<Latents<'_>> = levels.iter().map(|(_, level)| level.latents()).collect();
                 let answers = answer(&engine.folded, &latents, &preset.rules);

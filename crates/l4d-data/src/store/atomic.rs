@@ -4,19 +4,20 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use l4d_data::DataError;
-use l4d_data::store::make_folder;
+use super::make_folder;
+use crate::error::DataError;
 
 /// Writes to a temporary neighbour; [`AtomicFile::commit`] moves it into place, dropping removes it.
 #[derive(Debug)]
-pub(crate) struct AtomicFile {
+pub struct AtomicFile {
     path: PathBuf,
     temporary: PathBuf,
     writer: Option<BufWriter<File>>,
 }
 
 impl AtomicFile {
-    pub(crate) fn create(path: &Path) -> Result<Self, DataError> {
+    /// Starts the file; makes its folder if it is missing.
+    pub fn create(path: &Path) -> Result<Self, DataError> {
         make_folder(path.parent().unwrap_or(Path::new(".")))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
@@ -24,12 +25,14 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), temporary, writer: Some(BufWriter::new(file)) })
     }
 
-    pub(crate) fn write(&mut self, bytes: &[u8]) -> Result<(), DataError> {
+    /// Appends bytes.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), DataError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         writer.write_all(bytes).map_err(|source| DataError::io(&self.path, "write", source))
     }
 
-    pub(crate) fn commit(mut self) -> Result<(), DataError> {
+    /// Puts the file in place.
+    pub fn commit(mut self) -> Result<(), DataError> {
         let finish = |writer: BufWriter<File>| -> io::Result<()> {
             writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
             fs::rename(&self.temporary, &self.path)

@@ -1,0 +1,165 @@
+//! Scenes that others recorded: pictures and cameras, masks where people drew them, points where the source had some.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use l4d_data::capture::{CAPTURE, Capture, MASKS, MaskSet, MaskedInstance};
+use l4d_data::layout::CaptureDir;
+use l4d_data::scene::{Instance, Role};
+use l4d_data::store::read_bounded;
+use l4d_data::truth::frame_key;
+use l4d_data::{Camera, DataError};
+use l4d_frames::drawn::RgbImage;
+use l4d_frames::{Mask, photo, rle};
+
+use crate::export::cloud::Reconstruction;
+
+/// No picture of a capture is larger, bytes.
+const MAX_BYTES: u64 = 256 << 20;
+const REMEDY: &str = "run `l4d import-scene` again";
+
+pub(super) struct Recording {
+    dir: CaptureDir,
+    capture: Capture,
+    masks: Option<MaskSet>,
+    instances: Vec<Instance>,
+}
+
+impl Recording {
+    pub(super) fn open(dir: &CaptureDir) -> Result<Self, DataError> {
+        let capture = Capture::read(dir.root())?;
+        let masks = dir.root().join(MASKS).is_file().then(|| MaskSet::read(dir.root())).transpose()?;
+        let instance = |drawn: &MaskedInstance| Instance {
+            id: drawn.id,
+            name: drawn.name.clone(),
+            role: Role::Object,
+            category: drawn.category(),
+            attributes: BTreeMap::new(),
+            front: None,
+        };
+        let instances = masks.iter().flat_map(|set| &set.instances).map(instance).collect();
+        let recording = Self { dir: dir.clone(), capture, masks, instances };
+        recording.check_masks()?;
+        Ok(recording)
+    }
+
+    fn check_masks(&self) -> Result<(), DataError> {
+        let Some(masks) = &self.masks else { return Ok(()) };
+        let (capture, path) = (&self.capture, self.dir.root().join(MASKS));
+        if masks.scene != capture.name || (masks.width, masks.height) != (capture.width, capture.height) {
+            let message = format!("{} of {}x{} is another scene", masks.scene, masks.width, masks.height);
+            return Err(DataError::invalid(
+                &path,
+                "field `scene`",
+                message,
+                "draw on this capture's pictures",
+            ));
+        }
+        Ok(())
+    }
+
+    pub(super) fn capture(&self) -> &Capture {
+        &self.capture
+    }
+
+    pub(super) fn path(&self) -> PathBuf {
+        self.dir.root().join(CAPTURE)
+    }
+
+    pub(super) fn masks_path(&self) -> Option<PathBuf> {
+        self.masks.as_ref().map(|_| self.dir.root().join(MASKS))
+    }
+
+    pub(super) fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    pub(super) fn seconds(&self, frame: u32) -> Option<f64> {
+        Some(f64::from(frame - self.capture.frames.first()?) / self.capture.frames_per_second?)
+    }
+
+    pub(super) fn share(&self, frame: u32) -> f64 {
+        let (Some(first), Some(last)) = (self.capture.frames.first(), self.capture.frames.last()) else {
+            return 0.0;
+        };
+        f64::from(frame - first) / f64::from((last - first).max(1))
+    }
+
+    /// The picture as it lies on disk: a PNG of display colours.
+    pub(super) fn bytes(&self, camera: &Camera, frame: u32) -> Result<Vec<u8>, DataError> {
+        let path = self.dir.picture(&camera.name, frame);
+        let bytes = read_bounded(&path, MAX_BYTES)?;
+        let wrong = |message: String| DataError::invalid(&path, "picture", message, REMEDY);
+        let (width, height) = photo::size(&bytes).map_err(|error| wrong(error.to_string()))?;
+        if (width, height) != (self.capture.width, self.capture.height) {
+            let expected = format!("{}x{}", self.capture.width, self.capture.height);
+            return Err(wrong(format!("is {width}x{height}, but the capture is {expected}")));
+        }
+        Ok(bytes)
+    }
+
+    pub(super) fn picture(&self, camera: &Camera, frame: u32) -> Result<RgbImage, DataError> {
+        let bytes = self.bytes(camera, frame)?;
+        photo::decode(&bytes).map_err(|error| {
+            let path = self.dir.picture(&camera.name, frame);
+            DataError::invalid(&path, "picture", error.to_string(), REMEDY)
+        })
+    }
+
+    pub(super) fn is_annotated(&self, camera: &Camera, frame: u32) -> bool {
+        let key = frame_key(frame);
+        let was_looked_at = |drawn: &MaskedInstance| {
+            drawn.masks.get(&camera.name).is_some_and(|frames| frames.contains_key(&key))
+        };
+        self.masks.iter().flat_map(|set| &set.instances).any(was_looked_at)
+    }
+
+    pub(super) fn masks(
+        &self,
+        camera: &Camera,
+        frame: u32,
+    ) -> Result<Option<Vec<(&Instance, Mask)>>, DataError> {
+        let Some(set) = self.masks.as_ref().filter(|_| self.is_annotated(camera, frame)) else {
+            return Ok(None);
+        };
+        let mut masks = Vec::new();
+        for (drawn, instance) in set.instances.iter().zip(&self.instances) {
+            let Some(counts) = drawn.counts(&camera.name, frame) else { continue };
+            let mask = rle::decode(counts, set.width, set.height).map_err(|error| {
+                let place = format!("instance {}, {} at {frame}", drawn.name, camera.name);
+                DataError::invalid(
+                    &self.dir.root().join(MASKS),
+                    place,
+                    error.to_string(),
+                    "import the masks again",
+                )
+            })?;
+            masks.push((instance, mask));
+        }
+        Ok(Some(masks))
+    }
+
+    /// The points of the source, where it had some.
+    pub(super) fn reconstruction(&self) -> Result<Option<Reconstruction>, DataError> {
+        if self.capture.points == 0 {
+            return Ok(None);
+        }
+        let cameras = &self.capture.cameras;
+        Reconstruction::given(&self.dir.sparse(), cameras, &self.capture.frames).map(Some)
+    }
+
+    /// What has to be known of a capture, a sentence each.
+    pub(super) fn notes(&self, frames: &[u32]) -> Vec<String> {
+        let mut notes = vec!["a capture: there is no depth".to_owned()];
+        if !self.capture.is_metric {
+            notes.push("units and directions of the world are those of the reconstruction".to_owned());
+        }
+        for gone in self.capture.substituted.iter().filter(|gone| frames.contains(&gone.frame)) {
+            notes.push(format!(
+                "{} at {} is damaged in the source: the picture at {} stands there",
+                gone.view, gone.frame, gone.shows
+            ));
+        }
+        notes
+    }
+}

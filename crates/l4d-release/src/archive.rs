@@ -1,0 +1,172 @@
+//! Archives whose bytes follow from the files in them alone: sorted, no dates, no owners, not compressed.
+//!
+//! Plain tar, because the pictures are compressed already and because a compressor's next version may write other
+//! bytes for the same files.
+
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+use l4d_data::DataError;
+use l4d_data::digest::RunningDigest;
+use l4d_data::store::AtomicFile;
+use tar::{Builder, EntryType, Header};
+
+use crate::gather::Source;
+
+/// Writes an archive; it appears when it is whole. Files whose bytes are not those of their digest are refused.
+/// `progress` is told bytes as they are written.
+pub fn write(path: &Path, files: &[Source], progress: &(dyn Fn(u64) + Sync)) -> Result<(), DataError> {
+    let mut sorted: Vec<&Source> = files.iter().collect();
+    sorted.sort_by(|a, b| a.name.cmp(&b.name));
+    let mut archive = Builder::new(Sink { file: AtomicFile::create(path)?, refusal: None });
+    for source in sorted {
+        append(&mut archive, source, progress).map_err(|error| explain(path, &mut archive, error))?;
+    }
+    let sink = archive.into_inner().map_err(|source| DataError::io(path, "write", source))?;
+    sink.file.commit()
+}
+
+/// An error of the disk is told as what it was.
+fn explain(path: &Path, archive: &mut Builder<Sink>, error: Trouble) -> DataError {
+    match (archive.get_mut().refusal.take(), error) {
+        (Some(refusal), _) | (None, Trouble::Data(refusal)) => refusal,
+        (None, Trouble::Io(source)) => DataError::io(path, "write", source),
+    }
+}
+
+enum Trouble {
+    Data(DataError),
+    Io(io::Error),
+}
+
+fn append(
+    archive: &mut Builder<Sink>,
+    source: &Source,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<(), Trouble> {
+    let refuse = |message: &str| {
+        let remedy = "nothing may change while a release is made: run `l4d check-scenes`, then run it again";
+        Trouble::Data(DataError::invalid(&source.path, "bytes", message, remedy))
+    };
+    let file = File::open(&source.path)
+        .map_err(|error| Trouble::Data(DataError::io(&source.path, "open", error)))?;
+    let mut reader = Watched { file, digest: RunningDigest::default(), bytes: 0, progress };
+    let mut header = Header::new_ustar();
+    header.set_path(&source.name).map_err(Trouble::Io)?;
+    header.set_entry_type(EntryType::Regular);
+    header.set_mode(0o644);
+    header.set_uid(0);
+    header.set_gid(0);
+    header.set_mtime(0);
+    header.set_size(source.bytes);
+    header.set_cksum();
+    archive.append(&header, (&mut reader).take(source.bytes)).map_err(Trouble::Io)?;
+    // What the file has more or less than its header says would shift all that follows.
+    let rest = io::copy(&mut reader, &mut io::sink()).map_err(Trouble::Io)?;
+    if rest > 0 || reader.bytes != source.bytes {
+        return Err(refuse("are more or fewer than a moment ago"));
+    }
+    if reader.digest.hex() != source.sha256 {
+        return Err(refuse("are not those of its digest"));
+    }
+    Ok(())
+}
+
+/// A file that is digested while it is read.
+struct Watched<'a> {
+    file: File,
+    digest: RunningDigest,
+    bytes: u64,
+    progress: &'a (dyn Fn(u64) + Sync),
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.digest.add(&buffer[..count]);
+        self.bytes += count as u64;
+        (self.progress)(count as u64);
+        Ok(count)
+    }
+}
+
+/// The archive on disk; keeps the whole reason why a write failed.
+struct Sink {
+    file: AtomicFile,
+    refusal: Option<DataError>,
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes).map_err(|error| {
+            self.refusal = Some(error);
+            io::Error::other("cannot write the archive")
+        })?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+
+    fn sources(folder: &Path, names: &[&str]) -> Vec<Source> {
+        let source = |name: &&str| {
+            let path = folder.join(name.replace('/', "_"));
+            std::fs::write(&path, format!("content of {name}")).unwrap();
+            Source::read((*name).to_owned(), path).unwrap()
+        };
+        names.iter().map(source).collect()
+    }
+
+    fn bytes(path: &Path, files: &[Source]) -> Vec<u8> {
+        write(path, files, &|_| {}).unwrap();
+        std::fs::read(path).unwrap()
+    }
+
+    #[test]
+    fn the_same_files_give_the_same_bytes_in_any_order_at_any_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.tar");
+        let mut files = sources(folder.path(), &["b/2.txt", "a.txt", "b/1.txt"]);
+        let first = bytes(&path, &files);
+        files.reverse();
+        std::fs::File::open(&files[0].path).unwrap().set_modified(std::time::SystemTime::UNIX_EPOCH).unwrap();
+        assert_eq!(bytes(&path, &files), first);
+        let mut archive = tar::Archive::new(first.as_slice());
+        let mut names: Vec<PathBuf> = Vec::new();
+        for entry in archive.entries().unwrap() {
+            let mut entry = entry.unwrap();
+            let header = entry.header();
+            assert_eq!(
+                (header.mtime().unwrap(), header.uid().unwrap(), header.mode().unwrap()),
+                (0, 0, 0o644)
+            );
+            names.push(entry.path().unwrap().into_owned());
+            let mut text = String::new();
+            entry.read_to_string(&mut text).unwrap();
+            assert!(text.starts_with("content of"));
+        }
+        assert_eq!(names, ["a.txt", "b/1.txt", "b/2.txt"].map(PathBuf::from));
+    }
+
+    #[test]
+    fn a_file_that_changed_is_refused_and_nothing_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        for other in ["content of A.txt", "longer than it was before", "short"] {
+            let files = sources(folder.path(), &["a.txt"]);
+            std::fs::write(&files[0].path, other).unwrap();
+            let error = write(&out.join("a.tar"), &files, &|_| {}).unwrap_err();
+            assert!(error.to_string().contains("a.txt") && error.hint().is_some(), "{error}");
+            assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0, "{other}");
+        }
+    }
+}

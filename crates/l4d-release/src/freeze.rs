@@ -1,0 +1,229 @@
+//! From a benchmark to a release folder.
+//!
+//! Everything is written beside the final folder and moved there at the end: a folder without a leading dot is whole.
+//! A run that was killed is continued by the next: archives that stand there are kept if `release.json` says that they
+//! were made of the same files.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use l4d_data::store::{list_folder, make_folder, write_atomic};
+use l4d_data::{Benchmark, DataError, Profile, Report, json, sums};
+use rayon::prelude::*;
+
+use crate::contents::{Contents, FILE, Publication, SUMS};
+use crate::documents::Documents;
+use crate::gather::{Gathered, Source, gather};
+use crate::inspect::digest_all;
+use crate::renders::{self, Renders};
+use crate::version::{self, Change, changes};
+use crate::votes::{self, Votes};
+use crate::{archive, codes, croissant, tables};
+
+/// What is to be released, and where.
+#[derive(Debug)]
+pub struct Order<'a> {
+    /// The benchmark.
+    pub bench: &'a Benchmark,
+    /// What people's votes say of it.
+    pub votes: &'a Votes,
+    /// Folder and profile of renders that go into it.
+    pub renders: Option<(&'a Path, Profile)>,
+    /// An earlier release that the version is compared with.
+    pub since: Option<&'a Path>,
+    /// Folder of all releases.
+    pub out: &'a Path,
+    /// What nobody can read from the data.
+    pub publication: &'a Publication,
+}
+
+/// A release that can be made.
+#[derive(Debug)]
+pub struct Plan {
+    /// What it will consist of.
+    pub contents: Contents,
+    /// What changed since the earlier release, the gravest first.
+    pub changes: Vec<Change>,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Whether the folder stands there already, made of the same files.
+    pub is_there: bool,
+    gathered: Gathered,
+    archives: Vec<Archive>,
+}
+
+/// An archive of a release.
+#[derive(Debug)]
+struct Archive {
+    /// Path in the release.
+    path: String,
+    files: Vec<Source>,
+}
+
+/// A release that stands there.
+#[derive(Debug)]
+pub struct Released {
+    /// File -> its size.
+    pub files: BTreeMap<String, u64>,
+}
+
+/// Reads a benchmark that is to be published, and compares its statuses with the votes.
+pub fn examine(bench: &Benchmark, votes: &Votes, report: &mut Report) -> Result<Gathered, DataError> {
+    let gathered = gather(bench, report)?;
+    votes::check(bench, &gathered, votes, report);
+    Ok(gathered)
+}
+
+/// Reads everything that goes into a release. Whatever forbids it becomes a finding, all at once; nothing is written.
+pub fn plan(order: &Order<'_>, report: &mut Report) -> Result<Plan, DataError> {
+    let gathered = examine(order.bench, order.votes, report)?;
+    let renders = order.renders.map(|(data, profile)| {
+        let rendered = gathered.scenes.iter().filter(|scene| scene.tracks.is_some()).map(|scene| &scene.name);
+        renders::list(data, profile, order.bench.manifest.draw(), rendered, report)
+    });
+    let contents = Contents::of(&gathered, order.votes, renders.as_ref(), order.publication);
+    let before = order.since.map(Contents::read).transpose()?;
+    let changes = before.as_ref().map(|before| changes(before, &contents)).unwrap_or_default();
+    version::check(&order.bench.dir.manifest(), &contents, before.as_ref(), &changes, report);
+    let folder = order.out.join(contents.folder());
+    let is_there = folder.exists() && is_same(&folder, &contents, report);
+    let archives = archives(&gathered, order.votes, renders);
+    Ok(Plan { contents, changes, folder, is_there, gathered, archives })
+}
+
+/// Whether a release stands there already; one with other contents is a finding: what was published stays.
+fn is_same(folder: &Path, contents: &Contents, report: &mut Report) -> bool {
+    let hint = "raise the version in panoptic-l4d.toml, or choose another --out";
+    match Contents::read(folder) {
+        Ok(there) if there == *contents => return true,
+        Ok(there) => {
+            let found = changes(&there, contents);
+            let what =
+                found.first().map_or("day, page, creators or manifest differ", |change| change.what.as_str());
+            let message = format!("{} was released before, with other contents: {what}", contents.version);
+            report.error(codes::FROZEN, folder, "folder", message, hint);
+        }
+        Err(error) => {
+            let message = format!("stands there, and is no whole release: {error}");
+            report.error(codes::FROZEN, folder, "folder", message, "move it away, or choose another --out");
+        }
+    }
+    false
+}
+
+fn archives(gathered: &Gathered, votes: &Votes, renders: Option<Renders>) -> Vec<Archive> {
+    let mut archives =
+        vec![Archive { path: "archives/benchmark.tar".to_owned(), files: gathered.files.clone() }];
+    if !votes.files.is_empty() {
+        archives.push(Archive { path: "archives/annotation.tar".to_owned(), files: votes.files.clone() });
+    }
+    archives.extend(gathered.scenes.iter().map(|scene| Archive {
+        path: format!("archives/scenes/{}.tar", scene.name),
+        files: scene.files.clone(),
+    }));
+    if let Some(Renders { profile, scenes }) = renders {
+        archives.extend(scenes.into_iter().map(|(scene, files)| Archive {
+            path: format!("archives/renders/{profile}/{scene}.tar"),
+            files,
+        }));
+    }
+    archives
+}
+
+impl Plan {
+    /// Bytes that will be read and digested: the length of a progress bar.
+    pub fn work_bytes(&self) -> u64 {
+        2 * self.archives.iter().flat_map(|archive| &archive.files).map(|file| file.bytes).sum::<u64>()
+    }
+
+    /// Where the release is put together.
+    fn staging(&self) -> PathBuf {
+        self.folder.with_file_name(format!(".{}.partial", self.contents.folder()))
+    }
+}
+
+/// Makes the release; `progress` is told bytes.
+pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, DataError> {
+    if plan.is_there {
+        let listed = sums::read(&plan.folder.join(SUMS))?;
+        let size =
+            |file: &String| (file.clone(), fs::metadata(plan.folder.join(file)).map_or(0, |data| data.len()));
+        return Ok(Released { files: listed.keys().map(size).collect() });
+    }
+    let staging = plan.staging();
+    enter(&staging, &plan.contents)?;
+    plan.archives.par_iter().try_for_each(|archive| {
+        let path = staging.join(&archive.path);
+        match path.exists() {
+            true => {
+                progress(archive.files.iter().map(|file| file.bytes).sum());
+                Ok(())
+            }
+            false => archive::write(&path, &archive.files, progress),
+        }
+    })?;
+    let tables = tables::tables(&plan.gathered);
+    for table in &tables {
+        write_atomic(&staging.join(table.path()), &table.bytes())?;
+    }
+    let sizes = plan.archives.iter().map(|archive| {
+        let path = staging.join(&archive.path);
+        let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();
+        Ok((archive.path.as_str(), bytes, archive.files.len()))
+    });
+    let documents =
+        Documents::new(&plan.contents, &plan.gathered, &tables, sizes.collect::<Result<_, DataError>>()?);
+    for (name, text) in documents.render()? {
+        write_atomic(&staging.join(name), text.as_bytes())?;
+    }
+    if let Some(licence) = plan.gathered.files.iter().find(|file| file.name == "benchmark/LICENSE") {
+        let bytes = fs::read(&licence.path).map_err(|source| DataError::io(&licence.path, "read", source))?;
+        write_atomic(&staging.join("LICENSE"), &bytes)?;
+    }
+    let mut files = digest_all(&staging, progress)?;
+    // Neither lists itself; both may stand there from a run that was killed at the very end.
+    files.remove(croissant::FILE);
+    files.remove(SUMS);
+    json::write(
+        &staging.join(croissant::FILE),
+        &croissant::document(&plan.contents, &plan.gathered, &tables, &files),
+    )?;
+    let path = staging.join(croissant::FILE);
+    let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();
+    files.insert(croissant::FILE.to_owned(), (l4d_data::digest::sha256_file(&path)?, bytes));
+    let listed: BTreeMap<String, String> =
+        files.iter().map(|(file, (digest, _))| (file.clone(), digest.clone())).collect();
+    write_atomic(&staging.join(SUMS), sums::to_text(&listed).as_bytes())?;
+    fs::rename(&staging, &plan.folder)
+        .map_err(|source| DataError::io(&plan.folder, "move the release to", source))?;
+    if let Some(Ok(parent)) = plan.folder.parent().map(File::open) {
+        // A filesystem that cannot sync folders is no error.
+        parent.sync_all().ok();
+    }
+    Ok(Released { files: files.into_iter().map(|(file, (_, bytes))| (file, bytes)).collect() })
+}
+
+/// Opens the folder in which the release is put together: as a killed run left it if that was after the same, else
+/// empty.
+fn enter(staging: &Path, contents: &Contents) -> Result<(), DataError> {
+    let is_same = json::read::<Contents>(&staging.join(FILE)).is_ok_and(|there| there == *contents);
+    if !is_same && staging.exists() {
+        fs::remove_dir_all(staging).map_err(|source| DataError::io(staging, "remove the folder", source))?;
+    }
+    make_folder(staging)?;
+    remove_temporaries(staging)?;
+    json::write(&staging.join(FILE), contents)
+}
+
+/// Half-written files of a killed run: their names start with a dot.
+fn remove_temporaries(folder: &Path) -> Result<(), DataError> {
+    for name in list_folder(folder)?.into_iter().filter(|name| folder.join(name).is_dir()) {
+        remove_temporaries(&folder.join(name))?;
+    }
+    let entries = fs::read_dir(folder).map_err(|source| DataError::io(folder, "list the folder", source))?;
+    for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with('.')) {
+        fs::remove_file(entry.path()).map_err(|source| DataError::io(&entry.path(), "remove", source))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,213 @@
+//! The forms in which platforms host a benchmark: what Codabench, EvalAI and the Hugging Face Hub take.
+//!
+//! A form is a list of files, made in memory: reference data are the benchmark's own files, the scoring program is one
+//! Python file of the standard library (`host/l4d_scorer.py`), whose numbers are those of `l4d score`.
+
+mod codabench;
+mod evalai;
+mod huggingface;
+mod zip;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use l4d_data::results::{MaskFile, MethodCard, Used};
+use l4d_data::store::write_atomic;
+use l4d_data::truth::Truth;
+use l4d_data::truth::frame_key;
+use l4d_data::{DataError, Name, Profile, Query, Status};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+pub use self::codabench::codabench;
+pub use self::evalai::evalai;
+pub use self::huggingface::{Entry, huggingface};
+use crate::contents::Publication;
+use crate::day::Day;
+use crate::documents::{licence_url, split};
+use crate::gather::{Gathered, SceneFacts};
+use crate::inspect::files_below;
+use crate::words::Statuses;
+
+/// The scoring program.
+const SCORER: &str = include_str!("../host/l4d_scorer.py");
+/// The mark of the project.
+const LOGO: &[u8] = include_bytes!("../host/logo.png");
+
+/// Path in a folder -> bytes.
+pub type Files = BTreeMap<String, Vec<u8>>;
+
+/// What is hosted.
+#[derive(Debug)]
+pub struct Setting<'a> {
+    /// The benchmark.
+    pub gathered: &'a Gathered,
+    /// Whose truth counts.
+    pub profile: Profile,
+    /// [`l4d_data::Benchmark::truth_digest`] of that profile.
+    pub truth_digest: &'a str,
+}
+
+/// When and where a platform takes submissions.
+#[derive(Debug)]
+pub struct Season {
+    /// First day, page of the data set, who made it.
+    pub publication: Publication,
+    /// Last day; none: it doesn't end.
+    pub until: Option<Day>,
+}
+
+impl Setting<'_> {
+    /// The scenes that have truth of the profile.
+    fn scenes(&self) -> impl Iterator<Item = (&SceneFacts, &Truth)> {
+        self.gathered.scenes.iter().filter_map(|scene| Some((scene, scene.truths.get(&self.profile)?)))
+    }
+
+    /// What templates speak of.
+    fn values(&self) -> Value {
+        let manifest = &self.gathered.manifest;
+        let statuses = Statuses::of(self.scenes().flat_map(|(scene, _)| &scene.queries));
+        json!({
+            "name": manifest.name,
+            "version": manifest.version,
+            "licence": manifest.licence,
+            "licence_url": licence_url(&manifest.licence),
+            "profile": self.profile,
+            "truth_digest": self.truth_digest,
+            "split": split(self.gathered),
+            "scenes": self.scenes().count(),
+            "judged": statuses.judged(),
+            "verified": statuses.verified,
+            "columns": COLUMNS,
+        })
+    }
+
+    /// The same with what a platform has to know of the season.
+    fn values_of(&self, season: &Season) -> Value {
+        let mut values = self.values();
+        values["publication"] = json!(season.publication);
+        values["until"] = json!(season.until);
+        values
+    }
+
+    /// Reference data: the benchmark's own files, and one that says which they are.
+    fn reference(&self) -> Result<Files, DataError> {
+        let manifest = &self.gathered.manifest;
+        let scenes: Vec<&Name> = self.scenes().map(|(scene, _)| &scene.name).collect();
+        let card = json!({
+            "schema": "l4d/reference/1",
+            "name": manifest.name,
+            "version": manifest.version,
+            "profile": self.profile,
+            "truth_digest": self.truth_digest,
+            "scenes": scenes,
+        });
+        let mut files = Files::from([("reference.json".to_owned(), format!("{card:#}\n").into_bytes())]);
+        let truth = format!("benchmark/truth/{}/", self.profile);
+        for (scene, _) in self.scenes() {
+            for source in &scene.files {
+                let queries = format!("benchmark/queries/{}.jsonl", scene.name);
+                let name = match source.name.strip_prefix(&truth) {
+                    Some(name) => format!("truth/{name}"),
+                    None if source.name == queries => format!("queries/{}.jsonl", scene.name),
+                    None => continue,
+                };
+                let bytes = std::fs::read(&source.path)
+                    .map_err(|error| DataError::io(&source.path, "read", error))?;
+                files.insert(name, bytes);
+            }
+        }
+        Ok(files)
+    }
+
+    /// A sound submission that finds nothing anywhere: the format by example.
+    fn example(&self) -> Result<Files, DataError> {
+        let name = Name::new("absent-everywhere").map_err(|error| unwritable("method.json", &error))?;
+        let card = MethodCard {
+            name,
+            version: "1".to_owned(),
+            link: String::new(),
+            benchmark_version: self.gathered.manifest.version.clone(),
+            truth_digest: self.truth_digest.to_owned(),
+            profile: self.profile,
+            width: self.profile.width(),
+            height: self.profile.height(),
+            frames: self.profile.frames().collect(),
+            protocol: "l4d".to_owned(),
+            used: Used::default(),
+            seconds: None,
+            import: None,
+        };
+        let mut files = Files::from([("method.json".to_owned(), pretty("method.json", &card)?)]);
+        for (scene, truth) in self.scenes() {
+            let asked = |query: &&Query| query.status != Status::Rejected;
+            for query in scene.queries.iter().filter(asked) {
+                let frames = truth.frames.iter().map(|&frame| (frame_key(frame), None)).collect();
+                let file = format!("masks/{}/{}.json", scene.name, query.id.number);
+                let masks = MaskFile { size: [truth.height, truth.width], frames };
+                files.insert(file.clone(), pretty(&file, &masks)?);
+            }
+        }
+        Ok(files)
+    }
+}
+
+/// A column of a leaderboard.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct LeaderboardColumn {
+    /// Key of `scores.json`.
+    key: &'static str,
+    title: &'static str,
+    about: &'static str,
+    is_lower_better: bool,
+}
+
+const fn shown(key: &'static str, title: &'static str, about: &'static str) -> LeaderboardColumn {
+    LeaderboardColumn { key, title, about, is_lower_better: false }
+}
+
+/// What leaderboards show, the headline first; percent. `host/evalai.py` has the same titles.
+const COLUMNS: [LeaderboardColumn; 11] = [
+    shown("miou", "mIoU", "mean over queries of the mean IoU over frames that show the target"),
+    shown("tube_iou", "tube IoU", "intersections over unions, summed over all frames, so that time matters"),
+    shown("select", "select", "share of queries whose most-overlapped instance is the referent"),
+    shown("macc", "mAcc", "share of those frames with any overlap"),
+    shown("acc25", "Acc@0.25", "share of those frames with IoU above 0.25"),
+    shown("acc50", "Acc@0.5", "share of those frames with IoU above 0.5"),
+    LeaderboardColumn {
+        is_lower_better: true,
+        ..shown("fpr", "false positives", "share of frames without a target in which something was marked")
+    },
+    shown("miou_attribute", "attribute", "mIoU of attribute queries"),
+    shown("miou_action", "action", "mIoU of action queries"),
+    shown("miou_spatial", "spatial", "mIoU of spatial queries"),
+    shown("miou_interaction", "interaction", "mIoU of interaction queries"),
+];
+
+/// Writes a form into a folder of its own. A folder that holds anything else is refused: a platform would take it in.
+pub fn write(folder: &Path, files: &Files) -> Result<(), DataError> {
+    let there = if folder.exists() {
+        files_below(folder, &mut l4d_data::Report::default())?
+    } else {
+        BTreeSet::new()
+    };
+    if let Some(other) = there.iter().find(|name| !files.contains_key(*name)) {
+        let message = format!("holds {other}, which is no part of it");
+        return Err(DataError::invalid(folder, "folder", message, "empty it, or choose another --out"));
+    }
+    files.iter().try_for_each(|(name, bytes)| write_atomic(&folder.join(name), bytes))
+}
+
+fn pretty(name: &str, value: &impl Serialize) -> Result<Vec<u8>, DataError> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| unwritable(name, &error))?;
+    Ok(format!("{text}\n").into_bytes())
+}
+
+fn unwritable(name: &str, error: &dyn std::fmt::Display) -> DataError {
+    DataError::Format { path: name.into(), location: "document".to_owned(), message: error.to_string() }
+}
+
+/// The files with a folder before each name.
+fn below(folder: &str, files: Files) -> impl Iterator<Item = (String, Vec<u8>)> {
+    files.into_iter().map(move |(name, bytes)| (format!("{folder}/{name}"), bytes))
+}

@@ -1,0 +1,129 @@
+//! The Hugging Face Hub: the benchmark's tasks, a leaderboard as a data set, results for the card of each method.
+//!
+//! <https://huggingface.co/docs/hub/eval-results>, <https://github.com/huggingface/hub-docs/blob/main/modelcard.md>
+
+use std::collections::BTreeMap;
+
+use l4d_data::DataError;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::{COLUMNS, Files, Setting};
+use crate::contents::slug;
+use crate::documents::render;
+
+/// A scored method, as its scores say.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// Name of the method.
+    pub name: String,
+    /// Version of the method.
+    pub version: String,
+    /// Paper or code, may be empty.
+    pub link: String,
+    /// Column -> percent; null where there is none.
+    pub scores: BTreeMap<String, Option<f64>>,
+    /// Queries that the scores rest on.
+    pub queries: usize,
+    /// Wall seconds for all queries.
+    pub seconds: Option<f64>,
+    /// Why it has no place in a ranking; none: it has one.
+    pub unranked_because: Option<String>,
+}
+
+/// Files for the repository of the data set (`dataset/`) and of each ranked method (`methods/<method>/`). `dataset` is
+/// the name of the data set on the Hub.
+pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> Result<Files, DataError> {
+    let task = format!("{}-{}", slug(&setting.gathered.manifest.name), setting.profile);
+    let mut entries = entries.to_vec();
+    for entry in &mut entries {
+        for column in COLUMNS {
+            entry.scores.entry(column.key.to_owned()).or_default();
+        }
+    }
+    entries.sort_by(|a, b| {
+        let key =
+            |entry: &Entry| (entry.unranked_because.is_some(), entry.scores.get("miou").copied().flatten());
+        let ((a_apart, a_miou), (b_apart, b_miou)) = (key(a), key(b));
+        a_apart
+            .cmp(&b_apart)
+            .then_with(|| b_miou.unwrap_or(-1.0).total_cmp(&a_miou.unwrap_or(-1.0)))
+            .then_with(|| a.name.cmp(&b.name))
+    });
+    let rows: Vec<Value> = entries.iter().enumerate().map(|(place, entry)| row(place, entry)).collect();
+    let mut values = setting.values();
+    values["dataset"] = dataset.into();
+    values["task"] = task.as_str().into();
+    let add = |files: &mut Files, name: String, template: &str, values: &Value| {
+        let text = render(&name, template, values)?;
+        files.insert(name, text.into_bytes());
+        Ok::<_, DataError>(())
+    };
+    let mut files = Files::new();
+    add(
+        &mut files,
+        "dataset/eval.yaml".to_owned(),
+        include_str!("../../templates/huggingface/eval.yaml"),
+        &values,
+    )?;
+    values["entries"] = json!(rows);
+    add(
+        &mut files,
+        "leaderboard/README.md".to_owned(),
+        include_str!("../../templates/huggingface/leaderboard.md"),
+        &values,
+    )?;
+    files.insert("leaderboard/leaderboard.jsonl".to_owned(), lines(&rows));
+    files.insert("leaderboard/leaderboard.csv".to_owned(), table(&rows));
+    for entry in entries.iter().filter(|entry| entry.unranked_because.is_none()) {
+        let of = |file: &str| format!("methods/{}/{file}", entry.name);
+        values["entry"] = json!(entry);
+        let results = include_str!("../../templates/huggingface/eval_results.yaml");
+        add(&mut files, of(&format!(".eval_results/{task}.yaml")), results, &values)?;
+        add(&mut files, of("README.md"), include_str!("../../templates/huggingface/method.md"), &values)?;
+    }
+    Ok(files)
+}
+
+/// A row of the leaderboard; every row has the same columns. The rank is that of the headline.
+fn row(place: usize, entry: &Entry) -> Value {
+    let mut row = json!({
+        "rank": entry.unranked_because.is_none().then_some(place + 1),
+        "method": entry.name,
+        "version": entry.version,
+        "link": entry.link,
+    });
+    for column in COLUMNS {
+        row[column.key] = json!(entry.scores.get(column.key).copied().flatten());
+    }
+    row["queries"] = entry.queries.into();
+    row["seconds"] = json!(entry.seconds);
+    row["unranked_because"] = entry.unranked_because.clone().unwrap_or_default().into();
+    row
+}
+
+fn lines(rows: &[Value]) -> Vec<u8> {
+    rows.iter().flat_map(|row| format!("{row}\n").into_bytes()).collect()
+}
+
+/// The rows as CSV, texts quoted where they have to be.
+fn table(rows: &[Value]) -> Vec<u8> {
+    let cell = |value: &Value| match value {
+        Value::Null => String::new(),
+        Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        }
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    };
+    let mut text = String::new();
+    for (place, row) in rows.iter().filter_map(Value::as_object).enumerate() {
+        if place == 0 {
+            text.push_str(&row.keys().cloned().collect::<Vec<_>>().join(","));
+            text.push('\n');
+        }
+        text.push_str(&row.values().map(cell).collect::<Vec<_>>().join(","));
+        text.push('\n');
+    }
+    text.into_bytes()
+}

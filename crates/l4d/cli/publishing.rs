@@ -1,0 +1,106 @@
+//! Grammar of the verbs that publish: release, host.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use l4d_data::Profile;
+use l4d_release::Day;
+
+use super::rendered;
+
+#[derive(Debug, Args)]
+pub(crate) struct ReleaseArgs {
+    /// Folder of the benchmark
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// Day of publication, YYYY-MM-DD
+    #[arg(long, value_name = "DAY", required_unless_present = "check")]
+    pub(crate) date: Option<Day>,
+    /// Page where the data set will stand
+    #[arg(long, value_name = "URL", required_unless_present = "check")]
+    pub(crate) url: Option<String>,
+    /// Who made it (repeated for several)
+    #[arg(long = "creator", value_name = "NAME", default_value = "The l4d authors")]
+    pub(crate) creators: Vec<String>,
+    /// Include the renders of this profile: tiny, small or full
+    #[arg(long, value_parser = rendered)]
+    pub(crate) profile: Option<Profile>,
+    /// Folder of the rendered scenes; default: data/<profile>
+    #[arg(long, value_name = "DIR", requires = "profile")]
+    pub(crate) data: Option<PathBuf>,
+    /// An earlier release: refuse a version that doesn't say what changed since
+    #[arg(long, value_name = "RELEASE")]
+    pub(crate) since: Option<PathBuf>,
+    /// Folder of all rounds of annotation
+    #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
+    pub(crate) rounds: PathBuf,
+    /// Folder that receives <name>-<version>
+    #[arg(long, short, value_name = "DIR", default_value = "release")]
+    pub(crate) out: PathBuf,
+    /// Check a release instead: sums, missing, extra and altered files
+    #[arg(long, value_name = "RELEASE", conflicts_with_all = ["date", "url", "profile", "data", "since"])]
+    pub(crate) check: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Platforms.
+#[derive(Debug, Subcommand)]
+pub(crate) enum HostCommand {
+    /// A competition bundle: pages, scoring program, reference data, starting kit
+    Codabench(CompetitionArgs),
+    /// A challenge configuration: pages, evaluation script, annotations
+    Evalai(CompetitionArgs),
+    /// Files for the Hugging Face Hub: tasks, a leaderboard, results for the card of each method
+    Huggingface(HuggingfaceArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct HostArgs {
+    /// Folder of the benchmark
+    #[arg(long, value_name = "DIR", default_value = "benchmark")]
+    pub(crate) bench: PathBuf,
+    /// Whose truth counts: tiny, small or full
+    #[arg(long, default_value = "small", value_parser = rendered)]
+    pub(crate) profile: Profile,
+    /// Folder of all rounds of annotation
+    #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
+    pub(crate) rounds: PathBuf,
+    /// Folder that receives the files; default: hosting/<platform>
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompetitionArgs {
+    #[command(flatten)]
+    pub(crate) host: HostArgs,
+    /// First day, YYYY-MM-DD
+    #[arg(long, value_name = "DAY")]
+    pub(crate) date: Day,
+    /// Last day; default: no end
+    #[arg(long, value_name = "DAY")]
+    pub(crate) until: Option<Day>,
+    /// Page of the data set
+    #[arg(long, value_name = "URL")]
+    pub(crate) url: String,
+    /// Who made it (repeated for several)
+    #[arg(long = "creator", value_name = "NAME", default_value = "The l4d authors")]
+    pub(crate) creators: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct HuggingfaceArgs {
+    /// Folder of scored methods
+    #[arg(default_value = "scores")]
+    pub(crate) scores: PathBuf,
+    /// Name of the data set on the Hub
+    #[arg(long, value_name = "ORGANISATION/NAME")]
+    pub(crate) dataset: String,
+    #[command(flatten)]
+    pub(crate) host: HostArgs,
+}

@@ -1,0 +1,146 @@
+//! `l4d host`: the benchmark in the form of a platform that runs leaderboards.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use l4d_data::store::list_folder;
+use l4d_data::{Benchmark, Category, DataError, Report};
+use l4d_release::host::{Entry, Files, Season, Setting, codabench, evalai, huggingface, write};
+use l4d_score::{QuerySet, Summary};
+use serde_json::json;
+
+use super::release::{publication, votes};
+use crate::cli::publishing::{CompetitionArgs, HostArgs, HostCommand};
+use crate::out::{ExitStatus, Printer, refusal};
+
+pub(crate) fn run(command: &HostCommand, out: &Printer) -> Result<ExitStatus> {
+    match command {
+        HostCommand::Codabench(args) => {
+            let season = season(args)?;
+            make(&args.host, "codabench", out, |setting| Ok(codabench(setting, &season)?))
+        }
+        HostCommand::Evalai(args) => {
+            let season = season(args)?;
+            make(&args.host, "evalai", out, |setting| Ok(evalai(setting, &season)?))
+        }
+        HostCommand::Huggingface(args) => {
+            require_hub_name(&args.dataset)?;
+            make(&args.host, "huggingface", out, |setting| {
+                Ok(huggingface(setting, &args.dataset, &entries(&args.scores, setting)?)?)
+            })
+        }
+    }
+}
+
+fn season(args: &CompetitionArgs) -> Result<Season> {
+    let publication = publication(&args.date, &args.url, &args.creators)?;
+    if let Some(until) = args.until.as_ref().filter(|until| **until < args.date) {
+        return Err(refusal(format!("{until} comes before {}", args.date), "mend --date or --until"));
+    }
+    Ok(Season { publication, until: args.until.clone() })
+}
+
+fn require_hub_name(text: &str) -> Result<()> {
+    let is_plain = |part: &str| {
+        !part.is_empty()
+            && part.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter))
+    };
+    match text.split_once('/') {
+        Some((organisation, name)) if is_plain(organisation) && is_plain(name) => Ok(()),
+        _ => {
+            let message = format!("`{}` is no data set of the Hub", text.escape_debug());
+            Err(refusal(message, "write --dataset ORGANISATION/NAME"))
+        }
+    }
+}
+
+fn make(
+    args: &HostArgs,
+    platform: &str,
+    out: &Printer,
+    form: impl FnOnce(&Setting<'_>) -> Result<Files>,
+) -> Result<ExitStatus> {
+    let bench = Benchmark::open(&args.bench)?;
+    let votes = votes::of_people(&args.rounds, &bench)?;
+    let mut report = Report::default();
+    let gathered = l4d_release::examine(&bench, &votes, &mut report)?;
+    if report.has_errors() {
+        return out.findings(report, args.json);
+    }
+    let truth_digest = bench.truth_digest(args.profile)?;
+    let setting = Setting { gathered: &gathered, profile: args.profile, truth_digest: &truth_digest };
+    let files = form(&setting)?;
+    let folder = args.out.clone().unwrap_or_else(|| PathBuf::from("hosting").join(platform));
+    write(&folder, &files)?;
+    if args.json {
+        let sizes: BTreeMap<&String, usize> = files.iter().map(|(name, bytes)| (name, bytes.len())).collect();
+        out.json(&json!({ "folder": folder, "platform": platform, "files": sizes, "findings": [] }))?;
+    } else {
+        out.data(folder.display())?;
+        out.note(format!("{} files; docs/release.md says what to do with them", files.len()));
+    }
+    Ok(ExitStatus::Success)
+}
+
+/// The scored methods of a folder that belong to this benchmark and profile.
+fn entries(scores: &std::path::Path, setting: &Setting<'_>) -> Result<Vec<Entry>> {
+    let mut entries = Vec::new();
+    for name in list_folder(scores)? {
+        let path = scores.join(&name).join("summary.json");
+        if !path.is_file() {
+            continue;
+        }
+        let summary = Summary::read(&path)?;
+        let fits = summary.profile == setting.profile
+            && summary.truth_digest == setting.truth_digest
+            && summary.benchmark_version == setting.gathered.manifest.version
+            && summary.set == QuerySet::Queries;
+        if !fits {
+            let message = "belongs to another profile, version, truth or set of queries";
+            let remedy = "choose its --profile and --bench, or move it out of the folder";
+            return Err(DataError::invalid(&path, "summary", message, remedy).into());
+        }
+        entries.push(entry(summary));
+    }
+    if entries.is_empty() {
+        let message = format!("{}: holds no scored method", scores.display());
+        return Err(refusal(message, "run `l4d score` first, or name the folder of scores"));
+    }
+    Ok(entries)
+}
+
+fn entry(summary: Summary) -> Entry {
+    let all = summary.scores.headline;
+    let mut scores = BTreeMap::from(
+        [
+            ("miou", all.miou),
+            ("macc", all.macc),
+            ("acc25", all.acc25),
+            ("acc50", all.acc50),
+            ("tube_iou", all.tube_iou),
+            ("select", all.select),
+            ("fpr", all.false_positive_rate),
+        ]
+        .map(|(key, value)| (key.to_owned(), value)),
+    );
+    for category in Category::ALL {
+        let miou = summary.scores.categories.get(&category).and_then(|metrics| metrics.miou);
+        scores.insert(format!("miou_{}", category.as_str()), miou);
+    }
+    let because = match () {
+        () if summary.used.ground_truth => Some("used the ground truth"),
+        () if summary.partial => Some("left frames out"),
+        () if all.miou.is_none() => Some("no query has a score"),
+        () => None,
+    };
+    Entry {
+        name: summary.name.to_string(),
+        version: summary.version,
+        link: summary.link,
+        scores,
+        queries: all.queries,
+        seconds: summary.seconds,
+        unranked_because: because.map(str::to_owned),
+    }
+}
