@@ -1,5 +1,8 @@
 //! `l4d score`: masks of methods in, counts and tables out.
 
+mod protocol;
+mod sweep;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -10,7 +13,7 @@ use l4d_score::{
 };
 use serde_json::Value;
 
-use crate::cli::judging::{JudgedSetArg, MissingArg, ScoreArgs};
+use crate::cli::judging::{JudgedSetArg, MissingArg, ProtocolArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
@@ -33,6 +36,12 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
     let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    if let ProtocolArg::Other(protocol) = args.protocol {
+        return protocol::run(args, protocol, &exam, &options, report, out);
+    }
+    if args.sweep {
+        return sweep::run(args, &exam, &options, report, out);
+    }
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set));
     let mut scored =
         score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
@@ -103,6 +112,13 @@ pub(super) fn default_scores(set: QuerySet) -> PathBuf {
         QuerySet::Queries => "scores".into(),
         QuerySet::Composites => "scores-composites".into(),
     }
+}
+
+/// What is no score stands in a folder of its own as well.
+fn default_scores_of(set: QuerySet, what: &str) -> PathBuf {
+    let mut name = default_scores(set).into_os_string();
+    name.push(format!("-{what}"));
+    name.into()
 }
 
 /// What the numbers rest on.
