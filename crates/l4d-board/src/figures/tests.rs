@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use image::GenericImageView as _;
+use l4d_data::layout::BenchDir;
 
 use super::drawing::{Drawing, Extent, Shape, WIDTH};
 use super::*;
@@ -185,7 +186,8 @@ fn hostile_titles_stay_text() {
 fn gallery() {
     let Some(folder) = std::env::var_os("L4D_BOARD_GALLERY") else { return };
     for (board_name, board) in boards() {
-        crate::publish(&board, &std::path::Path::new(&folder).join(board_name)).unwrap();
+        let (statistics, bench) = (sample::statistics(&board), BenchDir::new("nowhere"));
+        crate::publish(&board, &statistics, &bench, &std::path::Path::new(&folder).join(board_name)).unwrap();
     }
 }
 
