@@ -11,6 +11,7 @@ mod zip;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use l4d_data::benchmark::SetSplit;
 use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::Truth;
@@ -27,7 +28,7 @@ use crate::day::Day;
 use crate::documents::{licence_url, split};
 use crate::gather::{Gathered, SceneFacts};
 use crate::inspect::files_below;
-use crate::words::Statuses;
+use crate::words::{Statuses, is_public};
 
 /// The scoring program.
 const SCORER: &str = include_str!("../host/l4d_scorer.py");
@@ -75,6 +76,8 @@ impl Setting<'_> {
             "profile": self.profile,
             "truth_digest": self.truth_digest,
             "split": split(self.gathered),
+            "is_public": is_public(self.gathered),
+            "is_dev": manifest.split == SetSplit::Dev,
             "scenes": self.scenes().count(),
             "judged": statuses.judged(),
             "verified": statuses.verified,
