@@ -4,7 +4,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::error::DataError;
+use crate::error::{DataError, inert};
+
+/// More findings than this are counted and not kept: nobody reads them, and what a stranger sends must not fill the
+/// memory with them.
+pub const MAX_FINDINGS: usize = 10_000;
+
+/// Code of the finding that stands for those that were not kept.
+pub const NOT_LISTED: &str = "L4D001";
 
 /// How bad a finding is. Errors make a check fail, warnings do not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -38,6 +45,10 @@ pub struct Finding {
 #[derive(Debug, Default, Clone)]
 pub struct Report {
     findings: Vec<Finding>,
+    /// How many were not kept.
+    unlisted: usize,
+    /// Whether one of those was an error.
+    has_unlisted_error: bool,
 }
 
 impl Report {
@@ -79,28 +90,45 @@ impl Report {
 
     /// Takes over the findings of another report.
     pub fn extend(&mut self, other: Report) {
-        self.findings.extend(other.findings);
+        self.unlisted += other.unlisted;
+        self.has_unlisted_error |= other.has_unlisted_error;
+        other.findings.into_iter().for_each(|finding| self.add(finding));
     }
 
     /// Takes over a finding of another check.
     pub fn add(&mut self, finding: Finding) {
-        self.findings.push(finding);
+        if self.findings.len() < MAX_FINDINGS {
+            self.findings.push(finding);
+        } else {
+            self.unlisted += 1;
+            self.has_unlisted_error |= finding.severity == Severity::Error;
+        }
     }
 
-    /// The findings, sorted by path, then place.
+    /// The findings, sorted by path, then place; last one that stands for those that were not kept.
     pub fn into_sorted(mut self) -> Vec<Finding> {
         self.findings.sort();
+        if self.unlisted > 0 {
+            self.findings.push(Finding {
+                path: String::new(),
+                location: "findings".to_owned(),
+                code: NOT_LISTED,
+                severity: if self.has_unlisted_error { Severity::Error } else { Severity::Warning },
+                message: format!("{} more are not listed", self.unlisted),
+                hint: "mend those above and look again".to_owned(),
+            });
+        }
         self.findings
     }
 
     /// Whether at least one finding is an error.
     pub fn has_errors(&self) -> bool {
-        self.findings.iter().any(|finding| finding.severity == Severity::Error)
+        self.has_unlisted_error || self.findings.iter().any(|finding| finding.severity == Severity::Error)
     }
 
     /// Number of findings of any severity.
     pub fn len(&self) -> usize {
-        self.findings.len()
+        self.findings.len() + self.unlisted
     }
 
     /// Whether nothing was found.
@@ -117,13 +145,44 @@ impl Report {
         message: String,
         hint: String,
     ) {
-        self.findings.push(Finding {
-            path: path.display().to_string(),
-            location,
+        // Names of strangers end up in paths and places: they must not steer a terminal.
+        self.add(Finding {
+            path: inert(&path.display().to_string()),
+            location: inert(&location),
             code,
             severity,
             message,
             hint,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn findings_beyond_the_bound_are_counted_and_still_fail() {
+        let mut report = Report::default();
+        (0..MAX_FINDINGS).for_each(|_| report.warning("L4D999", Path::new("x"), "", "odd", ""));
+        assert!(!report.has_errors());
+        let mut other = Report::default();
+        (0..3).for_each(|_| other.error("L4D998", Path::new("x"), "", "bad", ""));
+        report.extend(other);
+        assert!(report.has_errors());
+        assert_eq!(report.len(), MAX_FINDINGS + 3);
+        let found = report.into_sorted();
+        let last = found.last().unwrap();
+        assert_eq!((found.len(), last.code, last.severity), (MAX_FINDINGS + 1, NOT_LISTED, Severity::Error));
+        assert!(last.message.starts_with("3 more"), "{last:?}");
+    }
+
+    #[test]
+    fn names_cannot_steer_a_terminal() {
+        let mut report = Report::default();
+        report.error("L4D998", Path::new("a\u{1b}]0;gotcha\u{7}"), "frame \u{9b}2J", "bad", "");
+        let found = report.into_sorted();
+        assert!(found[0].path.contains("gotcha") && !found[0].path.contains(char::is_control), "{found:?}");
+        assert!(!found[0].location.contains(char::is_control), "{found:?}");
     }
 }

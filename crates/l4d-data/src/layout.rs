@@ -248,6 +248,11 @@ impl ResultsDir {
         self.masks().join(id.scene.as_str()).join(id.number.as_str())
     }
 
+    /// `soft/<scene>/<nnn>`: the folder of relevancy, one picture a frame.
+    pub fn soft_folder(&self, id: &QueryId) -> PathBuf {
+        self.0.join("soft").join(id.scene.as_str()).join(id.number.as_str())
+    }
+
     /// `masks/<scene>/<nnn>/<frame:04>.png`.
     pub fn mask_png(&self, id: &QueryId, frame: u32) -> PathBuf {
         self.mask_folder(id).join(format!("{}.png", frame_key(frame)))

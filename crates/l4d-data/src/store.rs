@@ -11,20 +11,27 @@ use crate::error::DataError;
 
 /// Reads a file of at most `limit` bytes.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
-    let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
-    let metadata = file.metadata().map_err(|source| DataError::io(path, "read", source))?;
+    // Asked before it is opened: opening a pipe waits for somebody to write into it.
+    let metadata = fs::metadata(path).map_err(|source| DataError::io(path, "open", source))?;
     if !metadata.is_file() {
         return Err(DataError::invalid(path, "file", "is not a regular file", "put a regular file there"));
     }
-    let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|source| DataError::io(path, "read", source))?;
-    if bytes.len() as u64 > limit {
-        return Err(DataError::invalid(
+    let too_large = || {
+        DataError::invalid(
             path,
             "size",
             format!("is larger than the {limit} bytes that such a file may have"),
             "check that this is the intended file",
-        ));
+        )
+    };
+    if metadata.len() > limit {
+        return Err(too_large());
+    }
+    let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
+    let mut bytes = Vec::with_capacity(metadata.len() as usize + 1);
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|source| DataError::io(path, "read", source))?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large());
     }
     Ok(bytes)
 }

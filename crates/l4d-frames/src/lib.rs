@@ -14,6 +14,7 @@ pub mod morphology;
 pub mod png;
 pub mod quantiles;
 pub mod rle;
+pub mod runs;
 pub mod targets;
 pub mod truth;
 
@@ -44,3 +45,4 @@ pub mod text;
 pub use display::Display;
 pub use frame::{Frame, Surfaces};
 pub use mask::Mask;
+pub use runs::Runs;

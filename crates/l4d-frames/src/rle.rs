@@ -6,6 +6,7 @@
 //! `0` to `o`. Text that pycocotools writes decodes here, and masks encode here to the very same text.
 
 use crate::mask::Mask;
+use crate::runs::Runs;
 
 /// Why a text is no mask of the size that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -63,6 +64,46 @@ pub enum RleError {
 /// Decodes compressed counts to a mask.
 pub fn decode(counts: &str, width: u32, height: u32) -> Result<Mask, RleError> {
     let mut columns = Columns::new(width, height)?;
+    read(counts, width, height, |start, end| columns.fill(start.into(), end.into()))?;
+    Ok(columns.into_mask())
+}
+
+/// Decodes compressed counts to runs; refuses what [`decode`] refuses.
+pub fn decode_runs(counts: &str, width: u32, height: u32) -> Result<Runs, RleError> {
+    if !Mask::is_sane_size(width, height) {
+        return Err(RleError::Size { width, height });
+    }
+    let mut runs = Runs::new(width, height);
+    // A number takes one character or two, and every other one is a run inside.
+    runs.reserve(counts.len() / 3);
+    read(counts, width, height, |start, end| runs.push(start, end))?;
+    Ok(runs)
+}
+
+/// The runs of a mask.
+pub(crate) fn runs_of(mask: &Mask) -> Runs {
+    let (width, height) = mask.size();
+    let mut runs = Runs::new(width, height);
+    let mut start = 0_u32;
+    for (index, length) in Columns::from_mask(mask).runs().into_iter().enumerate() {
+        let end = start + length as u32;
+        if index % 2 == 1 {
+            runs.push(start, end);
+        }
+        start = end;
+    }
+    runs
+}
+
+pub(crate) fn draw(runs: &Runs) -> Mask {
+    let (width, height) = runs.size();
+    let mut columns = Columns::empty(width, height);
+    runs.runs().iter().for_each(|run| columns.fill(run.start.into(), run.end.into()));
+    columns.into_mask()
+}
+
+/// Tells the runs inside of a mask of sane size, ascending, empty ones included.
+fn read(counts: &str, width: u32, height: u32, mut inside: impl FnMut(u32, u32)) -> Result<(), RleError> {
     let pixels = u64::from(width) * u64::from(height);
     let mut numbers = Numbers { bytes: counts.as_bytes(), offset: 0 };
     let mut start = 0_u64;
@@ -81,7 +122,8 @@ pub fn decode(counts: &str, width: u32, height: u32) -> Result<Mask, RleError> {
             return Err(RleError::Total { covered: end, pixels, width, height });
         }
         if run % 2 == 1 {
-            columns.fill(start, end);
+            // Sane sizes have less than 2^32 pixels.
+            inside(start as u32, end as u32);
         }
         before[run % 2] = length;
         start = end;
@@ -90,7 +132,7 @@ pub fn decode(counts: &str, width: u32, height: u32) -> Result<Mask, RleError> {
     if start != pixels {
         return Err(RleError::Total { covered: start, pixels, width, height });
     }
-    Ok(columns.into_mask())
+    Ok(())
 }
 
 /// Encodes a mask to compressed counts.
@@ -174,14 +216,18 @@ impl Columns {
         if !Mask::is_sane_size(width, height) {
             return Err(RleError::Size { width, height });
         }
+        Ok(Self::empty(width, height))
+    }
+
+    fn empty(width: u32, height: u32) -> Self {
         let stride = height.div_ceil(64) as usize;
-        Ok(Self { width, height, stride, words: vec![0; stride * width as usize] })
+        Self { width, height, stride, words: vec![0; stride * width as usize] }
     }
 
     fn from_mask(mask: &Mask) -> Self {
         let (width, height) = mask.size();
-        let stride = height.div_ceil(64) as usize;
-        let mut columns = Self { width, height, stride, words: vec![0; stride * width as usize] };
+        let mut columns = Self::empty(width, height);
+        let stride = columns.stride;
         for first_col in (0..width).step_by(64) {
             for first_row in (0..height).step_by(64) {
                 let mut block = [0; 64];
@@ -296,6 +342,11 @@ mod tests {
             })
         ) {
             let mask = Mask::from_bools(width, height, &pixels).unwrap();
+            let runs = decode_runs(&encode(&mask), width, height).unwrap();
+            prop_assert_eq!(runs.area(), mask.area());
+            prop_assert!(runs.runs().is_sorted_by(|one, next| one.end < next.start));
+            prop_assert_eq!(&runs.to_mask(), &mask);
+            prop_assert_eq!(&Runs::of(&mask), &runs);
             prop_assert_eq!(decode(&encode(&mask), width, height).unwrap(), mask);
         }
 
@@ -308,9 +359,9 @@ mod tests {
 
         #[test]
         fn any_text_is_decoded_or_refused(text in "[0-o]{0,60}|\\PC{0,20}") {
-            if let Ok(mask) = decode(&text, 9, 7) {
-                prop_assert!(mask.area() <= 63);
-            }
+            let (mask, runs) = (decode(&text, 9, 7), decode_runs(&text, 9, 7));
+            prop_assert_eq!(&runs.map(|runs| runs.to_mask()), &mask);
+            prop_assert!(mask.is_err() || mask.unwrap().area() <= 63);
         }
     }
 

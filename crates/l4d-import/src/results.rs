@@ -15,7 +15,6 @@ pub mod picture;
 pub mod preset;
 pub mod probe;
 pub mod prompts;
-pub mod protocol;
 pub mod relevancy;
 pub mod shift;
 pub mod template;

@@ -11,7 +11,7 @@ use l4d_data::{QueryId, Report, json};
 use l4d_frames::Mask;
 use l4d_frames::png::{self, PngError};
 use l4d_frames::rle::{self, RleError};
-use serde::de::{MapAccess, Visitor};
+use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::codes;
@@ -19,10 +19,10 @@ use crate::exam::SceneExam;
 use crate::folder::{Kind, entries, read_sized, report_link};
 use crate::judge::Answer;
 
-/// No JSON file of masks is larger: 97 frames of noise at the full profile fit twice.
-const MAX_JSON_BYTES: u64 = 64 << 20;
-/// No PNG mask is larger: uncompressed 8-bit masks far above the full profile fit.
-const MAX_PNG_BYTES: u64 = 4 << 20;
+/// Room for what a file holds beside pixels: names, headers, remarks.
+const BESIDES_BYTES: u64 = 64 << 10;
+/// Frames have four digits.
+const MAX_FRAMES: usize = 10_000;
 
 /// The forms in which the answers to one query stand there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -65,7 +65,9 @@ impl Reader<'_> {
     fn read_json(&self, id: &QueryId, report: &mut Report) -> Vec<Answer> {
         let path = self.dir.mask_file(id);
         let mut answers = vec![Answer::Missing; self.clip.len()];
-        let Some(bytes) = read_sized(&path, MAX_JSON_BYTES, report) else { return answers };
+        // Run lengths of pure noise take one character a pixel, and all else takes less.
+        let limit = self.clip.len() as u64 * (self.largest_pixels() + 16) + BESIDES_BYTES;
+        let Some(bytes) = read_sized(&path, limit, report) else { return answers };
         let file: AnswerFile = match json::parse(&path, None, &bytes) {
             Ok(file) => file,
             Err(error) => {
@@ -91,9 +93,11 @@ impl Reader<'_> {
                 report.error(codes::DUPLICATE, &path, place(), "stands there twice", "keep one of them");
                 continue;
             }
-            answers[position] = match counts.map(|counts| rle::decode(&counts, width, height)).transpose() {
+            let runs = counts.map(|counts| rle::decode_runs(&counts, width, height)).transpose();
+            answers[position] = match runs {
                 Ok(None) => Answer::Absent,
-                Ok(Some(mask)) => Answer::Pixels(self.resized(mask)),
+                Ok(Some(runs)) if runs.size() == self.size => Answer::Runs(runs),
+                Ok(Some(runs)) => Answer::Pixels(self.resized(runs.to_mask())),
                 Err(error) => {
                     report.error(codes::BAD_RLE, &path, place(), error.to_string(), rle_remedy(&error));
                     Answer::Missing
@@ -132,7 +136,9 @@ impl Reader<'_> {
     }
 
     fn read_png(&self, path: &Path, report: &mut Report) -> Option<Mask> {
-        let bytes = read_sized(path, MAX_PNG_BYTES, report)?;
+        // Without compression, a byte a pixel.
+        let limit = self.largest_pixels() + self.largest_pixels() / 64 + BESIDES_BYTES;
+        let bytes = read_sized(path, limit, report)?;
         let (width, height) = self.size;
         let decoded = if self.resize {
             let checked = png::size(&bytes).map(|size| self.check_size(size));
@@ -167,6 +173,14 @@ impl Reader<'_> {
                 None
             }
         }
+    }
+
+    /// Pixels of the largest mask that is taken.
+    fn largest_pixels(&self) -> u64 {
+        /// Sides of a mask that is made smaller are at most so many times longer.
+        const LARGER: u64 = 4;
+        let pixels = u64::from(self.size.0) * u64::from(self.size.1);
+        if self.resize { pixels * LARGER * LARGER } else { pixels }
     }
 
     fn check_size(&self, found: (u32, u32)) -> Result<(), String> {
@@ -255,6 +269,9 @@ impl<'de> Deserialize<'de> for Pairs {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Pairs, A::Error> {
                 let mut pairs = Vec::new();
                 while let Some(pair) = map.next_entry()? {
+                    if pairs.len() == MAX_FRAMES {
+                        return Err(A::Error::custom("more frames than four digits can name"));
+                    }
                     pairs.push(pair);
                 }
                 Ok(Pairs(pairs))

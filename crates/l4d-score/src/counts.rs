@@ -142,9 +142,16 @@ impl CountsWriter {
 
     /// Appends rows.
     pub fn write(&mut self, counts: &[FrameCount]) -> Result<(), DataError> {
-        let bytes = to_csv(counts, !self.has_header);
-        self.has_header = true;
-        self.file.write(&bytes)
+        self.write_csv(&to_csv(counts, false))
+    }
+
+    /// Appends rows that are CSV already, without a header.
+    pub fn write_csv(&mut self, rows: &[u8]) -> Result<(), DataError> {
+        if !self.has_header {
+            self.has_header = true;
+            self.file.write(&to_csv(&[], true))?;
+        }
+        self.file.write(rows)
     }
 
     /// Puts the file in place.

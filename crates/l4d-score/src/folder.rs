@@ -1,4 +1,5 @@
-//! Folders of strangers: what stands in them, without following a link out of them.
+//! Folders of strangers: what stands in them, without following a link out of them, and never more of it than any sound
+//! folder has.
 
 use std::fs;
 use std::io;
@@ -8,6 +9,9 @@ use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Report};
 
 use crate::codes;
+
+/// No folder of results has more entries: frames have four digits, and there are fewer queries.
+pub(crate) const MAX_ENTRIES: usize = 20_000;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -33,7 +37,8 @@ pub(crate) fn kind_of(path: &Path) -> Result<Kind, DataError> {
     Ok(metadata.file_type().into())
 }
 
-/// Visible entries of a folder with their kinds, sorted. A missing folder has none; links to folders are refused.
+/// Visible entries of a folder with their kinds, sorted. A missing folder has none; links to folders are refused, and so
+/// are folders with more entries than [`MAX_ENTRIES`].
 pub(crate) fn entries(folder: &Path, report: &mut Report) -> Vec<(String, Kind)> {
     match kind_of(folder) {
         Ok(Kind::Folder) => {}
@@ -51,13 +56,19 @@ pub(crate) fn entries(folder: &Path, report: &mut Report) -> Vec<(String, Kind)>
     }
     let read = || -> io::Result<Vec<(String, Kind)>> {
         let mut found = Vec::new();
-        for entry in fs::read_dir(folder)? {
+        // Hidden entries count as well: what is never read may still be without end.
+        for entry in fs::read_dir(folder)?.take(MAX_ENTRIES + 1) {
             let entry = entry?;
             found.push((entry.file_name().to_string_lossy().into_owned(), entry.file_type()?.into()));
         }
         Ok(found)
     };
     match read() {
+        Ok(found) if found.len() > MAX_ENTRIES => {
+            let message = format!("holds more than {MAX_ENTRIES} entries, so nothing in it was read");
+            report.error(codes::TOO_MANY, folder, "folder", message, "keep one file a frame or query");
+            Vec::new()
+        }
         Ok(mut found) => {
             found.retain(|(name, _)| !name.starts_with('.'));
             found.sort_by(|a, b| a.0.cmp(&b.0));

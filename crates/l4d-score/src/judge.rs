@@ -1,10 +1,15 @@
 //! One query, one frame: compares an answer with the truth and counts pixels.
 
-use l4d_data::Query;
-use l4d_frames::Mask;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use l4d_data::{Query, Temporal};
+use l4d_frames::rle::{self, RleError};
+use l4d_frames::{Mask, Runs};
 
 use crate::counts::{FrameCount, State};
-use crate::truth::SceneTruth;
+use crate::labels::Labels;
+use crate::truth::{SceneTruth, TruthInstance, TruthMask};
 
 /// What a method says about one frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,6 +20,37 @@ pub enum Answer {
     Absent,
     /// These pixels, perhaps none; same size as the truth.
     Pixels(Mask),
+    /// The same as runs, which are compared without being drawn.
+    Runs(Runs),
+}
+
+impl Answer {
+    /// Answers from run lengths by frame, one per frame of `clip`; null says absent, a frame that is not there is
+    /// missing.
+    ///
+    /// # Errors
+    /// Run lengths that are no mask of that size.
+    pub fn of_frames(
+        frames: &BTreeMap<u32, Option<String>>,
+        clip: &[u32],
+        (width, height): (u32, u32),
+    ) -> Result<Vec<Self>, RleError> {
+        let answer = |frame: &u32| match frames.get(frame) {
+            None => Ok(Self::Missing),
+            Some(None) => Ok(Self::Absent),
+            Some(Some(counts)) => rle::decode_runs(counts, width, height).map(Self::Runs),
+        };
+        clip.iter().map(answer).collect()
+    }
+
+    /// The pixels of an answer; none where it has none to give.
+    pub fn mask(&self) -> Option<Cow<'_, Mask>> {
+        match self {
+            Self::Missing | Self::Absent => None,
+            Self::Pixels(mask) => Some(Cow::Borrowed(mask)),
+            Self::Runs(runs) => Some(Cow::Owned(runs.to_mask())),
+        }
+    }
 }
 
 /// Counts the pixels of every answer. `answers` holds one per frame of `clip`.
@@ -50,15 +86,19 @@ fn judge_frame(
         instance_overlap: 0,
     };
     let Some(position) = truth.position(frame) else { return count };
-    let target = truth.target(query, referents, position);
-    count.truth = target.as_ref().map_or(0, |target| target.area());
-    if let Answer::Pixels(predicted) = answer {
-        count.predicted = predicted.area();
-        count.intersection = target.as_ref().map_or(0, |target| target.overlap(predicted));
-        if let Some((index, overlap)) = most_overlapped(truth, referents, position, predicted) {
-            count.instance = Some(truth.instances[index].name.clone());
-            count.instance_overlap = overlap;
-        }
+    let is_asked = query.temporal == Temporal::Whole || query.holds_at(frame);
+    let overlaps = match (answer, truth.labels(position)) {
+        (Answer::Missing | Answer::Absent, _) => Overlaps::none(truth, referents, position),
+        (Answer::Runs(runs), Some(labels)) => Overlaps::of_runs(truth, referents, position, labels, runs),
+        (answer, _) => Overlaps::of_mask(truth, referents, position, answer.mask().as_deref()),
+    };
+    count.predicted = overlaps.predicted;
+    if is_asked {
+        (count.truth, count.intersection) = (overlaps.meant, overlaps.intersection);
+    }
+    if let Some((index, overlap)) = most_overlapped(referents, &overlaps.instances) {
+        count.instance = Some(truth.instances[index].name.clone());
+        count.instance_overlap = overlap;
     }
     count.union = count.predicted + count.truth - count.intersection;
     count.state = match answer {
@@ -71,17 +111,70 @@ fn judge_frame(
     count
 }
 
+/// What an answer shares with the instances of a frame, pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Overlaps {
+    predicted: u64,
+    /// What the referents show.
+    meant: u64,
+    /// What of it is predicted.
+    intersection: u64,
+    /// What is predicted of each instance; empty where nothing is.
+    instances: Vec<u64>,
+}
+
+impl Overlaps {
+    fn none(truth: &SceneTruth, referents: &[usize], position: usize) -> Self {
+        let meant = match truth.labels(position) {
+            Some(_) => sum_of_areas(truth, referents, position),
+            None => truth.union(referents, position).map_or(0, |union| union.area()),
+        };
+        Self { predicted: 0, meant, intersection: 0, instances: Vec::new() }
+    }
+
+    /// The reference: pixel by pixel.
+    fn of_mask(truth: &SceneTruth, referents: &[usize], position: usize, mask: Option<&Mask>) -> Self {
+        let Some(mask) = mask else { return Self::none(truth, referents, position) };
+        let meant = truth.union(referents, position);
+        let overlap = |instance: &TruthInstance| {
+            instance.masks[position].as_ref().map_or(0, |instance| instance.overlap(mask))
+        };
+        Self {
+            predicted: mask.area(),
+            meant: meant.as_ref().map_or(0, |meant| meant.area()),
+            intersection: meant.map_or(0, |meant| meant.overlap(mask)),
+            instances: truth.instances.iter().map(overlap).collect(),
+        }
+    }
+
+    /// The fast path: run by run. Instances are disjoint, so what referents have adds up.
+    fn of_runs(
+        truth: &SceneTruth,
+        referents: &[usize],
+        position: usize,
+        labels: &Labels,
+        runs: &Runs,
+    ) -> Self {
+        let instances = labels.overlaps(runs);
+        Self {
+            predicted: runs.area(),
+            meant: sum_of_areas(truth, referents, position),
+            intersection: referents.iter().map(|&referent| instances[referent]).sum(),
+            instances,
+        }
+    }
+}
+
+fn sum_of_areas(truth: &SceneTruth, referents: &[usize], position: usize) -> u64 {
+    let visible = referents.iter().filter_map(|&referent| truth.instances[referent].masks[position].as_ref());
+    visible.map(TruthMask::area).sum()
+}
+
 /// The instance that shares most pixels with a prediction. A referent must be strictly ahead of all others, then
 /// the lower id wins: a mask that fits two things equally well has chosen neither.
-fn most_overlapped(
-    truth: &SceneTruth,
-    referents: &[usize],
-    position: usize,
-    predicted: &Mask,
-) -> Option<(usize, u64)> {
+fn most_overlapped(referents: &[usize], overlaps: &[u64]) -> Option<(usize, u64)> {
     let mut best: Option<(usize, u64)> = None;
-    for (index, instance) in truth.instances.iter().enumerate() {
-        let overlap = instance.masks[position].as_ref().map_or(0, |mask| mask.overlap(predicted));
+    for (index, &overlap) in overlaps.iter().enumerate() {
         let is_better = match best {
             None => overlap > 0,
             Some((leader, most)) => {
@@ -94,4 +187,78 @@ fn most_overlapped(
         }
     }
     best
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::query::text_digest;
+    use l4d_data::scene::Role;
+    use l4d_data::{Name, Scale};
+    use proptest::prelude::*;
+    use serde_json::json;
+
+    use super::*;
+
+    /// A frame whose pixels belong to instances 0 to 3, or to none.
+    fn truth(width: u32, height: u32, ids: &[u8], are_overlapping: bool) -> SceneTruth {
+        let instance = |index: u8| {
+            let at = |col: u32, row: u32| ids[(row * width + col) as usize];
+            let is_inside = |col, row| at(col, row) == index || (are_overlapping && at(col, row) == 3);
+            TruthInstance {
+                name: Name::new(format!("thing_{index}")).unwrap(),
+                id: u32::from(index) + 1,
+                role: Role::Object,
+                category: "thing".to_owned(),
+                masks: vec![TruthMask::new(Mask::from_fn(width, height, is_inside))],
+            }
+        };
+        let scene = (Name::new("a").unwrap(), Scale::Room);
+        SceneTruth::new(scene, (width, height), vec![0], (0..4).map(instance).collect())
+    }
+
+    fn query(holds: bool) -> Query {
+        serde_json::from_value(json!({
+            "id": "a/001", "text": "it", "categories": ["action"], "referents": ["thing_0", "thing_2"],
+            "temporal": "while", "frames": [if holds { [0, 12] } else { [24, 36] }], "predicate": null,
+            "text_digest": text_digest("it", None), "provenance": {"source": "author"}, "status": "candidate",
+        }))
+        .unwrap()
+    }
+
+    /// Ids in blocks, so that there are runs, with stray pixels.
+    fn pixels(values: u8) -> impl Strategy<Value = (u32, u32, Vec<u8>, Vec<bool>)> {
+        (1..90_u32, 1..90_u32, 1..30_u32).prop_flat_map(move |(width, height, block)| {
+            let of_blocks = proptest::collection::vec((0..values, any::<bool>()), (90 * 90) as usize);
+            (of_blocks, proptest::collection::vec(0..(width * height) as usize, 0..20)).prop_map(
+                move |(of_blocks, strays)| {
+                    let block_of = |index: u32| (index / width / block) * 90 + index % width / block;
+                    let mut ids: Vec<u8> =
+                        (0..width * height).map(|index| of_blocks[block_of(index) as usize].0).collect();
+                    let mut inside: Vec<bool> = (0..width * height)
+                        .map(|index| of_blocks[(block_of(index) * 7 % 8100) as usize].1)
+                        .collect();
+                    for stray in strays {
+                        ids[stray] = (ids[stray] + 1) % values;
+                        inside[stray] = !inside[stray];
+                    }
+                    (width, height, ids, inside)
+                },
+            )
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn runs_count_what_pixels_count(
+            (width, height, ids, inside) in pixels(5), holds in any::<bool>(), are_overlapping in any::<bool>(),
+        ) {
+            let mask = Mask::from_bools(width, height, &inside).unwrap();
+            let truth = truth(width, height, &ids, are_overlapping);
+            let has_shared = are_overlapping && ids.contains(&3);
+            prop_assert_eq!(truth.labels(0).is_none(), has_shared);
+            let answers = [Answer::Runs(Runs::of(&mask)), Answer::Pixels(mask)];
+            let judged = answers.map(|answer| judge_query(&truth, &query(holds), &[0, 2], &[0], &[answer]));
+            prop_assert_eq!(&judged[0], &judged[1]);
+        }
+    }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::store::{list_folder, read_bounded};
+use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name, Report};
 
 use crate::answers::{Forms, frame_list};
@@ -30,21 +30,21 @@ pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>,
         Some(_) => root.to_owned(),
         None => fs::canonicalize(root).map_err(|source| DataError::io(root, "open", source))?,
     };
-    let names = list_folder(&root)?;
-    if names.iter().any(|name| name == "method.json" || name == "masks") {
+    fs::read_dir(&root).map_err(|source| DataError::io(&root, "list the folder", source))?;
+    // Asked by name: a method may stand beside more than a list could hold.
+    if ["method.json", "masks"].iter().any(|name| fs::symlink_metadata(root.join(name)).is_ok()) {
         return Ok(vec![ResultsDir::new(root)]);
     }
     let mut methods = Vec::new();
-    for name in names {
+    for (name, kind) in entries(&root, report) {
         let path = root.join(&name);
-        match kind_of(&path) {
-            Ok(Kind::Folder) => methods.push(ResultsDir::new(path)),
-            Ok(Kind::File) => {}
-            Ok(Kind::Link | Kind::Other) => report_link(&path, report),
-            Err(error) => report.data_error(codes::UNREADABLE, &error),
+        match kind {
+            Kind::Folder => methods.push(ResultsDir::new(path)),
+            Kind::File => {}
+            Kind::Link | Kind::Other => report_link(&path, report),
         }
     }
-    if methods.is_empty() {
+    if methods.is_empty() && report.is_empty() {
         let hint = "give a folder with one folder a method, or run `l4d baseline` to make some";
         report.error(codes::NO_RESULTS, &root, "folder", "holds no results of any method", hint);
     }

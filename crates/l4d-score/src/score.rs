@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::answers::{Reader, report_missing};
 use crate::codes;
-use crate::counts::{CountsWriter, FrameCount};
+use crate::counts::{CountsWriter, FrameCount, to_csv};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::{Answer, judge_query};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
@@ -112,8 +112,8 @@ fn score_method(
             .collect::<Result<_, DataError>>()?;
         for JudgedScene { queries, report: found } in judged {
             report.extend(found);
-            for (tally, counts) in queries {
-                writer.write(&counts)?;
+            for (tally, rows) in queries {
+                writer.write_csv(&rows)?;
                 tallies.push(tally);
             }
         }
@@ -128,7 +128,8 @@ fn score_method(
 }
 
 struct JudgedScene {
-    queries: Vec<(QueryTally, Vec<FrameCount>)>,
+    /// Each with its rows of `counts.csv`.
+    queries: Vec<(QueryTally, Vec<u8>)>,
     report: Report,
 }
 
@@ -151,14 +152,14 @@ fn judge_scene(
         }
         let counts = count(&truth, query, scene, &answers)?;
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
-        Ok((tally, counts, found))
+        Ok((tally, to_csv(&counts, false), found))
     };
     let asked: Vec<&Query> = scene.queries.iter().filter(|query| options.takes(query)).collect();
     let judged = asked.par_iter().map(judge).collect::<Result<Vec<_>, DataError>>()?;
     let mut queries = Vec::with_capacity(judged.len());
-    for (tally, counts, found) in judged {
+    for (tally, rows, found) in judged {
         report.extend(found);
-        queries.push((tally, counts));
+        queries.push((tally, rows));
     }
     Ok(JudgedScene { queries, report })
 }

@@ -3,32 +3,60 @@
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use l4d_data::scene::Role;
 use l4d_data::truth::frame_key;
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, Scale, Temporal};
-use l4d_frames::{Mask, rle};
+use l4d_frames::{Mask, Runs, rle};
 use rayon::prelude::*;
 
-/// A mask of the truth with what is asked of it again and again.
+use crate::labels::Labels;
+
+/// A mask of the truth with what is asked of it again and again. It is drawn when somebody asks for its pixels: answers
+/// that are run lengths are compared without.
 #[derive(Debug, Clone)]
 pub struct TruthMask {
-    mask: Mask,
+    runs: OnceLock<Runs>,
+    drawn: OnceLock<Drawn>,
     area: u64,
+}
+
+/// The pixels, and the rows that they are in.
+#[derive(Debug, Clone)]
+struct Drawn {
+    mask: Mask,
     rows: Range<u32>,
+}
+
+impl Drawn {
+    fn new(mask: Mask) -> Self {
+        let rows = mask.bounding_box().map_or(0..0, |bounds| bounds.first_row..bounds.last_row + 1);
+        Self { mask, rows }
+    }
 }
 
 impl TruthMask {
     /// None if the mask has no pixel.
     pub fn new(mask: Mask) -> Option<Self> {
-        let bounds = mask.bounding_box()?;
         let area = mask.area();
-        Some(Self { mask, area, rows: bounds.first_row..bounds.last_row + 1 })
+        (area > 0).then(|| Self { runs: OnceLock::new(), drawn: OnceLock::from(Drawn::new(mask)), area })
+    }
+
+    /// None if there is no pixel.
+    pub fn of_runs(runs: Runs) -> Option<Self> {
+        let area = runs.area();
+        (area > 0).then(|| Self { runs: OnceLock::from(runs), drawn: OnceLock::new(), area })
     }
 
     /// The pixels.
     pub fn mask(&self) -> &Mask {
-        &self.mask
+        &self.drawn().mask
+    }
+
+    /// The pixels as runs.
+    pub fn runs(&self) -> &Runs {
+        self.runs.get_or_init(|| Runs::of(self.mask()))
     }
 
     /// Number of pixels.
@@ -38,7 +66,14 @@ impl TruthMask {
 
     /// Pixels shared with a prediction of the same size.
     pub fn overlap(&self, predicted: &Mask) -> u64 {
-        self.mask.and_count_in_rows(predicted, self.rows.clone())
+        let Drawn { mask, rows } = self.drawn();
+        mask.and_count_in_rows(predicted, rows.clone())
+    }
+
+    fn drawn(&self) -> &Drawn {
+        // One of the two is always there.
+        self.drawn
+            .get_or_init(|| Drawn::new(self.runs.get().map_or_else(|| Mask::empty(0, 0), Runs::to_mask)))
     }
 }
 
@@ -72,21 +107,35 @@ pub struct SceneTruth {
     pub frames: Vec<u32>,
     /// Instances, ascending by id.
     pub instances: Vec<TruthInstance>,
+    /// Who shows at each annotated frame, made when first asked for.
+    labels: Vec<OnceLock<Option<Labels>>>,
 }
 
 impl SceneTruth {
+    /// The truth of a scene of some size, with instances ascending by id that have one entry per frame.
+    pub fn new(
+        (scene, scale): (Name, Scale),
+        (width, height): (u32, u32),
+        frames: Vec<u32>,
+        instances: Vec<TruthInstance>,
+    ) -> Self {
+        let labels = frames.iter().map(|_| OnceLock::new()).collect();
+        Self { scene, scale, width, height, frames, instances, labels }
+    }
+
     /// Reads and decodes the truth of a scene.
     pub fn load(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
         let path = bench.dir.truth(profile, scene);
         let file = bench.truth(profile, scene)?;
         let (width, height) = (file.width, file.height);
         let decode = |frame: &u32, name: &Name, counts: Option<&String>| {
-            let mask =
-                counts.map(|counts| rle::decode(counts, width, height)).transpose().map_err(|error| {
+            let runs = counts.map(|counts| rle::decode_runs(counts, width, height)).transpose().map_err(
+                |error| {
                     let place = format!("instance {name}, frame {}", frame_key(*frame));
                     DataError::invalid(&path, place, error.to_string(), "restore the file from the release")
-                })?;
-            Ok(mask.and_then(TruthMask::new))
+                },
+            )?;
+            Ok(runs.and_then(TruthMask::of_runs))
         };
         let instances = file.instances.par_iter().map(|instance| {
             let masks = file
@@ -104,7 +153,13 @@ impl SceneTruth {
         });
         let mut instances = instances.collect::<Result<Vec<_>, DataError>>()?;
         instances.sort_by_key(|instance| instance.id);
-        Ok(Self { scene: scene.clone(), scale: file.scale, width, height, frames: file.frames, instances })
+        Ok(Self::new((scene.clone(), file.scale), (width, height), file.frames, instances))
+    }
+
+    /// Who shows where at an annotated frame; none if instances overlap there, as hand-drawn ones may.
+    pub fn labels(&self, position: usize) -> Option<&Labels> {
+        let masks = || self.instances.iter().map(|instance| instance.masks[position].as_ref());
+        self.labels[position].get_or_init(|| Labels::new((self.width, self.height), masks())).as_ref()
     }
 
     /// Positions of the referents of a query among the instances. `queries` is the file to blame.
@@ -144,8 +199,8 @@ impl SceneTruth {
         if rest.peek().is_none() {
             return Some(Cow::Borrowed(first));
         }
-        let mut union = first.mask.clone();
-        rest.for_each(|other| union.union_with(&other.mask));
+        let mut union = first.mask().clone();
+        rest.for_each(|other| union.union_with(other.mask()));
         TruthMask::new(union).map(Cow::Owned)
     }
 }

@@ -133,14 +133,9 @@ fn truth_of(example: &Example) -> SceneTruth {
         category: "letter".to_owned(),
         masks: annotated.iter().map(|frame| TruthMask::new(mask(&frame.truth, letter))).collect(),
     });
-    SceneTruth {
-        scene: Name::new("page").unwrap(),
-        scale: Scale::Room,
-        width: SIDE,
-        height: SIDE,
-        frames: annotated.iter().map(|frame| frame.number).collect(),
-        instances: instances.collect(),
-    }
+    let frames = annotated.iter().map(|frame| frame.number).collect();
+    let scene = (Name::new("page").unwrap(), Scale::Room);
+    SceneTruth::new(scene, (SIDE, SIDE), frames, instances.collect())
 }
 
 fn query_of(example: &Example) -> Query {

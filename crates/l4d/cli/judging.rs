@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use l4d_score::Protocol;
+use l4d_score::protocols::UnknownProtocol;
+use l4d_score::results::PROTOCOL;
 
 use super::BenchArgs;
 
@@ -76,6 +79,24 @@ pub(crate) enum MissingArg {
     Skip,
 }
 
+/// Whose evaluation judges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ProtocolArg {
+    /// Ours: the headline
+    L4d,
+    /// Another one
+    Other(Protocol),
+}
+
+fn protocol(name: &str) -> Result<ProtocolArg, String> {
+    match name {
+        PROTOCOL => Ok(ProtocolArg::L4d),
+        name => {
+            name.parse().map(ProtocolArg::Other).map_err(|error: UnknownProtocol| format!("{error}, l4d"))
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct ScoreArgs {
     /// A folder of methods, or one method
@@ -86,7 +107,16 @@ pub(crate) struct ScoreArgs {
     /// Which sentences are judged
     #[arg(long, value_enum, default_value = "queries")]
     pub(crate) set: JudgedSetArg,
-    /// Folder that receives <method>/counts.csv; default: scores, or scores-composites
+    /// Whose evaluation judges: l4d, or the sums of another one done again (langsplat, langsplat-v2, 4d-langsplat, davis,
+    /// mevis, gaussian-grouping, opengaussian, hc-stvg), which is never ranked
+    #[arg(long, value_name = "NAME", default_value = "l4d", value_parser = protocol)]
+    pub(crate) protocol: ProtocolArg,
+    /// Instead of scores, curves over thresholds: of a hit, and of relevancy where results have it (soft/). Labelled, never
+    /// ranked
+    #[arg(long, conflicts_with_all = ["protocol", "hit_iou", "missing"])]
+    pub(crate) sweep: bool,
+    /// Folder that receives <method>/counts.csv; default: scores, or scores-composites; with another protocol its name
+    /// is appended
     #[arg(long, value_name = "DIR")]
     pub(crate) scores: Option<PathBuf>,
     /// What a missing mask means

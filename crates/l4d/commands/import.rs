@@ -1,5 +1,7 @@
 //! `l4d import`: results of other methods in.
 
+mod recount;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -10,10 +12,10 @@ use l4d_import::results::codec::{Axis, Codec, Reading};
 use l4d_import::results::import::{Encoders, Identity, Images, Imported, Order, Request, import, write};
 use l4d_import::results::preset::Preset;
 use l4d_import::results::probe::probe;
-use l4d_import::results::protocol::Scores;
 use l4d_import::results::relevancy::TextsFile;
 use serde_json::{Value, json};
 
+use self::recount::{Recounted, recount};
 use crate::cli::interop::{AxisArg, CodecArg, ImportArgs, ImportEncodersArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
@@ -36,12 +38,13 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
     let is_written = !imported.answers.is_empty() && (args.partial || !report.has_errors());
     let folder =
         is_written.then(|| write(&args.results, &identity, &request, &imported, args.force)).transpose()?;
+    let recounted = recount(&imported, &request, &identity.name)?;
     if args.json {
         let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
-        out.json(&summary(&imported, folder.as_deref(), report))?;
+        out.json(&summary(&imported, &recounted, folder.as_deref(), report))?;
         return Ok(status);
     }
-    tell(&imported, &request, out)?;
+    tell(&imported, &recounted, &request, out)?;
     let status = if report.is_empty() { ExitStatus::Success } else { out.findings(report, false)? };
     match folder {
         Some(folder) => out.data(folder.display())?,
@@ -128,25 +131,18 @@ fn lines(path: &Path) -> Result<Vec<String>, DataError> {
 }
 
 /// Claimed numbers, and what the evaluations of others would say of the masks that came in.
-fn tell(imported: &Imported, request: &Request<'_>, out: &Printer) -> Result<()> {
+fn tell(imported: &Imported, recounted: &Recounted, request: &Request<'_>, out: &Printer) -> Result<()> {
     for (claim, value) in &imported.claimed {
         out.data(format!("claimed  {claim}: {value}"))?;
     }
-    for (scene, scores) in &imported.scores {
-        for (name, value) in columns(scores) {
-            out.data(format!("recount  {scene}: {name}: {value:.4}"))?;
-        }
+    for line in recounted.lines() {
+        out.data(format!("recount  {line}"))?;
     }
     request.preset.notes.iter().for_each(|note| out.note(note));
     Ok(())
 }
 
-fn columns(scores: &Scores) -> Vec<(String, f64)> {
-    let Ok(Value::Object(fields)) = serde_json::to_value(scores) else { return Vec::new() };
-    fields.into_iter().filter_map(|(name, value)| Some((name, value.as_f64()?))).collect()
-}
-
-fn summary(imported: &Imported, folder: Option<&Path>, report: Report) -> Value {
+fn summary(imported: &Imported, recounted: &Recounted, folder: Option<&Path>, report: Report) -> Value {
     let answers: usize = imported.answers.values().map(BTreeMap::len).sum();
     json!({
         "results": folder.map(|folder| folder.display().to_string()),
@@ -155,7 +151,7 @@ fn summary(imported: &Imported, folder: Option<&Path>, report: Report) -> Value 
         "assumptions": imported.assumptions,
         "inputs": imported.inputs,
         "claimed": imported.claimed,
-        "recounted": imported.scores,
+        "recounted": recounted.to_json(),
         "findings": report.into_sorted(),
     })
 }

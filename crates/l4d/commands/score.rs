@@ -1,12 +1,15 @@
 //! `l4d score`: masks of methods in, counts and tables out.
 
+mod protocol;
+mod sweep;
+
 use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, Missing, Options, QuerySet, Scored, Summary, score_results, table};
 
-use crate::cli::judging::{JudgedSetArg, MissingArg, ScoreArgs};
+use crate::cli::judging::{JudgedSetArg, MissingArg, ProtocolArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
@@ -29,6 +32,12 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
     let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    if let ProtocolArg::Other(protocol) = args.protocol {
+        return protocol::run(args, protocol, &exam, &options, report, out);
+    }
+    if args.sweep {
+        return sweep::run(args, &exam, &options, report, out);
+    }
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set));
     let mut scored =
         score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
@@ -67,6 +76,13 @@ fn default_scores(set: QuerySet) -> PathBuf {
         QuerySet::Queries => "scores".into(),
         QuerySet::Composites => "scores-composites".into(),
     }
+}
+
+/// What is no score stands in a folder of its own as well.
+fn default_scores_of(set: QuerySet, what: &str) -> PathBuf {
+    let mut name = default_scores(set).into_os_string();
+    name.push(format!("-{what}"));
+    name.into()
 }
 
 /// What the numbers rest on.

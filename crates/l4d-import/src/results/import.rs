@@ -22,7 +22,6 @@ use super::codec::Reading;
 use super::codes;
 use super::preset::Preset;
 use super::prompts::Prompts;
-use super::protocol::{self, Scores};
 use super::relevancy::TextsFile;
 use super::shift::{Answers, Judged, Summits, check_cover};
 use super::template::{Captures, Hit, Template};
@@ -88,8 +87,8 @@ pub struct Imported {
     pub claimed: BTreeMap<String, f64>,
     /// Mask size of each scene, pixels.
     pub sizes: BTreeMap<Name, (u32, u32)>,
-    /// What the evaluations of others would say, by scene.
-    pub scores: BTreeMap<Name, Scores>,
+    /// Where relevancy is highest, if latents were read: what localisation is measured by.
+    pub summits: Summits,
 }
 
 /// A scene that is asked about, with all sentences that may be answered.
@@ -168,9 +167,10 @@ pub fn import(
             .inputs
             .insert(format!("{scene}: {} files", hits.len()), notes::digest(&request.root, &hits)?);
         check_cover(&request.root, pictures.size, &found, report);
-        judge(request, &queries, &found, &summits, &mut imported.scores, report)?;
+        check_fit(request, &queries, &found, report)?;
         report_missing(request, &queries, &pictures, &found, report);
         imported.answers.extend(found);
+        imported.summits.extend(summits);
     }
     Ok(imported)
 }
@@ -302,12 +302,11 @@ fn read_claims(request: &Request<'_>, imported: &mut Imported, report: &mut Repo
     Ok(())
 }
 
-fn judge(
+/// Reports masks that fit the truth of another frame better, or hardly touch it.
+fn check_fit(
     request: &Request<'_>,
     queries: &SceneQueries,
     found: &BTreeMap<QueryId, Answers>,
-    summits: &Summits,
-    scores: &mut BTreeMap<Name, Scores>,
     report: &mut Report,
 ) -> Result<(), DataError> {
     let path = request.bench.dir.truth(request.profile, queries.name.as_str());
@@ -315,18 +314,9 @@ fn judge(
         return Ok(());
     }
     let truth = request.bench.truth(request.profile, &queries.name)?;
-    let judged = Judged::new(&truth, &path);
     let asked: Vec<(&Query, &Answers)> =
         queries.asked().iter().filter_map(|query| Some((query, found.get(&query.id)?))).collect();
-    judged.check(&request.root.join(queries.name.as_str()), &asked, report)?;
-    let mut counts = Vec::new();
-    for (query, answers) in asked {
-        counts.extend(judged.counts(query, answers)?);
-    }
-    let queried: Vec<&Query> = queries.asked().iter().collect();
-    let langsplat_localisation = judged.localised(&queried, summits)?;
-    scores.insert(queries.name.clone(), Scores { langsplat_localisation, ..protocol::scores(&counts) });
-    Ok(())
+    Judged::new(&truth, &path).check(&request.root.join(queries.name.as_str()), &asked, report)
 }
 
 fn report_missing(

@@ -11,7 +11,6 @@ use l4d_data::{DataError, Query, QueryId, Report, Temporal};
 use l4d_frames::{Mask, rle};
 
 use super::codes;
-use super::protocol::Count;
 
 /// Masks by frame as run lengths; none where the method says that nothing is there.
 pub type Answers = BTreeMap<u32, Option<String>>;
@@ -26,6 +25,18 @@ const FEW: u64 = 6;
 /// A mean IoU below this is told: masks and truth have nothing to do with each other.
 const HARDLY: f64 = 0.01;
 
+/// One query in one frame.
+struct Count {
+    /// Pixels that the referents show, whether the query holds or not.
+    visible: u64,
+    /// Whether anything is asked for: the query holds, or is about no time.
+    is_asked: bool,
+    /// Pixels predicted; none where nothing was answered.
+    predicted: Option<u64>,
+    /// Pixels of the prediction within what is visible.
+    intersection: u64,
+}
+
 /// The truth of a scene, decoded as it is needed.
 pub struct Judged<'a> {
     truth: &'a Truth,
@@ -36,14 +47,6 @@ impl<'a> Judged<'a> {
     /// The truth in a file.
     pub fn new(truth: &'a Truth, path: &'a Path) -> Self {
         Self { truth, path }
-    }
-
-    /// The counts of a query in every frame of the truth.
-    ///
-    /// # Errors
-    /// Truth that is damaged.
-    pub fn counts(&self, query: &Query, answers: &Answers) -> Result<Vec<Count>, DataError> {
-        self.compared(query, answers, 0)
     }
 
     /// Reports that masks fit the frame before or after better, or hardly touch the truth.
@@ -89,8 +92,7 @@ impl<'a> Judged<'a> {
         let (mut sum, mut count) = (0.0, 0_u64);
         for (query, answers) in asked {
             for frame in self.compared(query, answers, shift)? {
-                let is_asked = query.temporal == Temporal::Whole || frame.holds;
-                let Some(predicted) = frame.predicted.filter(|_| is_asked && frame.visible > 0) else {
+                let Some(predicted) = frame.predicted.filter(|_| frame.is_asked && frame.visible > 0) else {
                     continue;
                 };
                 let union = frame.visible + predicted - frame.intersection;
@@ -114,11 +116,8 @@ impl<'a> Judged<'a> {
                 Some(Some(counts)) => rle::decode(counts, self.truth.width, self.truth.height).ok(),
             };
             counts.push(Count {
-                query: query.id.clone(),
-                temporal: query.temporal,
-                frame,
                 visible: target.area(),
-                holds: query.holds_at(frame),
+                is_asked: query.temporal == Temporal::Whole || query.holds_at(frame),
                 predicted: mask.as_ref().map(Mask::area),
                 intersection: mask.map_or(0, |mask| mask.and_count(&target)),
             });
@@ -128,54 +127,20 @@ impl<'a> Judged<'a> {
 
     /// What the referents show in a frame, whether the query holds or not.
     fn target(&self, query: &Query, frame: u32) -> Result<Mask, DataError> {
-        let mut union = Mask::empty(self.truth.width, self.truth.height);
-        self.referents(query, frame)?.iter().for_each(|mask| union.union_with(mask));
-        Ok(union)
-    }
-
-    /// The masks of the referents that a frame shows.
-    fn referents(&self, query: &Query, frame: u32) -> Result<Vec<Mask>, DataError> {
-        let mut masks = Vec::new();
+        let (width, height) = (self.truth.width, self.truth.height);
+        let mut union = Mask::empty(width, height);
         for name in &query.referents {
             let instance = self.truth.instance(name.as_str());
             let Some(counts) = instance.and_then(|instance| instance.masks.get(&frame_key(frame))) else {
                 continue;
             };
-            masks.push(rle::decode(counts, self.truth.width, self.truth.height).map_err(|error| {
+            let mask = rle::decode(counts, width, height).map_err(|error| {
                 let place = format!("instance {name}, frame {}", frame_key(frame));
                 DataError::invalid(self.path, place, error.to_string(), "restore the file from the release")
-            })?);
+            })?;
+            union.union_with(&mask);
         }
-        Ok(masks)
-    }
-
-    /// LangSplat's localisation: the share of pairs of frame and sentence whose summit lies in the box around a
-    /// referent, borders included. Pairs without a summit are none.
-    ///
-    /// # Errors
-    /// Truth that is damaged.
-    pub fn localised(&self, asked: &[&Query], summits: &Summits) -> Result<Option<f64>, DataError> {
-        let (mut hits, mut pairs) = (0_u64, 0_u64);
-        for query in asked {
-            for &frame in &self.truth.frames {
-                let is_asked = query.temporal == Temporal::Whole || query.holds_at(frame);
-                let Some(&[across, down]) = summits.get(&(query.id.clone(), frame)).filter(|_| is_asked)
-                else {
-                    continue;
-                };
-                let col = (across * f64::from(self.truth.width)).floor() as u32;
-                let row = (down * f64::from(self.truth.height)).floor() as u32;
-                let boxes: Vec<_> =
-                    self.referents(query, frame)?.iter().filter_map(Mask::bounding_box).collect();
-                let is_inside = boxes.iter().any(|area| {
-                    (area.first_col..=area.last_col).contains(&col)
-                        && (area.first_row..=area.last_row).contains(&row)
-                });
-                pairs += u64::from(!boxes.is_empty());
-                hits += u64::from(is_inside);
-            }
-        }
-        Ok((pairs > 0).then(|| hits as f64 / pairs as f64))
+        Ok(union)
     }
 }
 

@@ -1,0 +1,26 @@
+//! Gaussian Grouping: IoU and boundary IoU over the frames of a sentence that were answered, then over sentences.
+//!
+//! `script/eval_lerf_mask.py` lines 62 to 73 and 95 to 98: a missing picture is skipped without a word. Boundaries are
+//! 0.02 of the diagonal deep (Cheng et al., Boundary IoU, 2021).
+
+use super::Measure;
+use super::boundary::boundary_iou;
+use super::judged::{Judged, Value};
+use super::langsplat::leaving_out_absent;
+use super::seen::{Clip, Seen};
+
+pub(super) const MEASURES: &[Measure] =
+    &[Measure { key: "miou", title: "mIoU" }, Measure { key: "boundary_miou", title: "bound. mIoU" }];
+
+const SKIPPED: &str = "have no answer and are skipped silently, as if they had not been asked";
+
+pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+    let answered = || clip.present().filter(|seen| !seen.is_missing());
+    let boundary = answered().filter_map(|seen| {
+        let (target, predicted) = (seen.target()?, seen.predicted.as_ref()?);
+        boundary_iou(target.mask(), predicted)
+    });
+    let judged = Judged::new([Value::mean(answered().filter_map(Seen::iou)), Value::mean(boundary)]);
+    let skipped = clip.present().filter(|seen| seen.is_missing()).count();
+    leaving_out_absent(judged, clip).leaving_out(SKIPPED, skipped)
+}

@@ -1,0 +1,32 @@
+//! MeViS: J and F of every expression over all frames of its video.
+//!
+//! `tools/eval_mevis.py` lines 29 to 53 and 89 to 94. Frames in which nothing is meant count, with 1 if nothing is said.
+//! A missing picture ends the worker, and the expression is then absent from the mean without a word; a video without a
+//! folder counts 0.
+
+use super::Measure;
+use super::judged::{Judged, Value};
+use super::region::{both, contour, region};
+use super::seen::{Clip, Seen};
+
+pub(super) const MEASURES: &[Measure] = &[
+    Measure { key: "j_and_f", title: "J&F" },
+    Measure { key: "j", title: "J" },
+    Measure { key: "f", title: "F" },
+];
+
+const NO_VIDEO: &str = "belong to videos without any answer, which count 0";
+const LOST: &str = "belong to expressions that lack an answer, and such an expression is lost silently";
+
+pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+    let frames = clip.seen.len();
+    if !clip.is_scene_answered {
+        return Judged::new([Some(Value::whole(0.0, frames)); 3]).leaving_out(NO_VIDEO, frames);
+    }
+    if clip.seen.iter().any(Seen::is_missing) {
+        return Judged::new([None; 3]).leaving_out(LOST, frames);
+    }
+    let j = Value::mean(clip.seen.iter().map(region));
+    let f = Value::mean(clip.seen.iter().map(contour));
+    Judged::new([both(j, f), j, f])
+}

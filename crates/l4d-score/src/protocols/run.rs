@@ -1,0 +1,209 @@
+//! Masks of methods in, sheets of a protocol out.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use l4d_data::layout::ResultsDir;
+use l4d_data::results::MethodCard;
+use l4d_data::store::write_atomic;
+use l4d_data::{DataError, Name, Query, QueryId, Report, json as file};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::judged::Judged;
+use super::seen::{Clip, Summits};
+use super::sheet::{Row, Sheet, file_stem};
+use super::{OnMissing, Protocol};
+use crate::answers::{Reader, report_missing};
+use crate::exam::{Exam, SceneExam};
+use crate::judge::Answer;
+use crate::metrics::{Missing, Options};
+use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::truth::SceneTruth;
+
+const COUNTED: &str = "have no answer and count as empty, where the source would stop or take another frame";
+const SKIPPED: &str = "have no answer and are left out by request, where the source would stop";
+
+/// What a protocol says of all methods of a folder that have no error.
+#[derive(Debug)]
+pub struct Protocolled {
+    /// The protocol.
+    pub protocol: Protocol,
+    /// One sheet a method, in the order of their names.
+    pub sheets: Vec<Sheet>,
+    /// What is wrong with the others.
+    pub report: Report,
+}
+
+impl Protocolled {
+    /// What `l4d score --protocol NAME --json` prints.
+    pub fn into_document(self, exam: &Exam) -> Value {
+        let methods: Vec<Value> = self.sheets.iter().map(Sheet::to_json).collect();
+        json!({
+            "protocol": self.protocol.as_str(),
+            "source": self.protocol.source(),
+            "is_headline": false,
+            "profile": exam.profile,
+            "set": exam.set,
+            "benchmark_version": exam.bench.manifest.version,
+            "truth_digest": exam.truth_digest,
+            "remark": self.protocol.remark(),
+            "methods": methods,
+            "findings": self.report.into_sorted(),
+        })
+    }
+}
+
+/// Judges one method or a folder of them and writes `<scores>/<method>/protocol-<name>.{csv,json}`. A method with an
+/// error finding has no numbers. `progress` is told the name of each method that was read.
+pub fn judge_results(
+    root: &Path,
+    exam: &Exam,
+    protocol: Protocol,
+    options: &Options,
+    scores: &Path,
+    progress: impl Fn(&str),
+) -> Result<Protocolled, DataError> {
+    let mut report = Report::default();
+    let mut sheets = Vec::new();
+    let resize = options.resize || protocol.resizes();
+    for dir in find_methods(root, &mut report)? {
+        let mut found = Report::default();
+        if let Some(card) = read_card(&dir, exam, resize, &mut found) {
+            check_scenes(&dir, &exam.bench.manifest.scenes, &mut found);
+            let sheet =
+                judge_method(&dir, card, exam, protocol, &Options { resize, ..*options }, &mut found)?;
+            if !found.has_errors() {
+                write(&sheet, scores)?;
+                sheets.push(sheet);
+            }
+        }
+        report.extend(found);
+        progress(&dir.root().file_name().unwrap_or_default().to_string_lossy());
+    }
+    Ok(Protocolled { protocol, sheets, report })
+}
+
+fn judge_method(
+    dir: &ResultsDir,
+    card: MethodCard,
+    exam: &Exam,
+    protocol: Protocol,
+    options: &Options,
+    report: &mut Report,
+) -> Result<Sheet, DataError> {
+    let mut rows = Vec::new();
+    let mut is_partial = false;
+    for scene in &exam.scenes {
+        let truth = exam.truth(&scene.name)?;
+        let queries: Vec<&Query> = scene.queries.iter().filter(|query| options.takes(query)).collect();
+        let answers = read_scene(dir, scene, &truth, &queries, protocol, options, report);
+        is_partial |= options.missing == Missing::Skip
+            && answers.values().flatten().any(|answer| *answer == Answer::Missing);
+        let asked =
+            Asked { truth: &truth, queries: &queries, path: &scene.queries_path, missing: options.missing };
+        rows.extend(judge_scene(protocol, &asked, &answers, &Summits::new())?);
+    }
+    Ok(Sheet { protocol, method: card.name, rows, is_partial })
+}
+
+/// The answers of a method to the queries of a scene, one per annotated frame.
+fn read_scene(
+    dir: &ResultsDir,
+    scene: &SceneExam,
+    truth: &SceneTruth,
+    queries: &[&Query],
+    protocol: Protocol,
+    options: &Options,
+    report: &mut Report,
+) -> BTreeMap<QueryId, Vec<Answer>> {
+    let forms = scan_scene(dir, scene, report);
+    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
+    let is_refused = options.missing == Missing::Error && protocol.on_missing() == OnMissing::Stops;
+    let read = |query: &&Query| {
+        let mut found = Report::default();
+        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
+        let answers = reader.read(&query.id, forms, &mut found);
+        if is_refused && found.is_empty() {
+            report_missing(dir, &query.id, scene, &answers, &mut found);
+        }
+        let judged = scene.clip.iter().zip(answers).filter(|(frame, _)| truth.position(**frame).is_some());
+        (query.id.clone(), judged.map(|(_, answer)| answer).collect(), found)
+    };
+    let read: Vec<(QueryId, Vec<Answer>, Report)> = queries.par_iter().map(read).collect();
+    let keep = |(id, answers, found)| {
+        report.extend(found);
+        (id, answers)
+    };
+    read.into_iter().map(keep).collect()
+}
+
+/// What is asked of one scene.
+struct Asked<'a> {
+    truth: &'a SceneTruth,
+    queries: &'a [&'a Query],
+    /// The file to blame for them.
+    path: &'a Path,
+    missing: Missing,
+}
+
+/// Judges answers that stand in memory under several protocols: one per annotated frame of the truth and query, those
+/// of other queries are missing. `queries_path` is the file to blame for queries; a frame without an answer counts as
+/// empty where the source would stop.
+pub fn judge_answers(
+    protocols: &[Protocol],
+    method: &Name,
+    truth: &SceneTruth,
+    queries: &[&Query],
+    queries_path: &Path,
+    answers: &BTreeMap<QueryId, Vec<Answer>>,
+    summits: &Summits,
+) -> Result<Vec<Sheet>, DataError> {
+    let asked = Asked { truth, queries, path: queries_path, missing: Missing::Zero };
+    let judge = |&protocol: &Protocol| {
+        let rows = judge_scene(protocol, &asked, answers, summits)?;
+        Ok(Sheet { protocol, method: method.clone(), rows, is_partial: false })
+    };
+    protocols.iter().map(judge).collect()
+}
+
+fn judge_scene(
+    protocol: Protocol,
+    asked: &Asked<'_>,
+    answers: &BTreeMap<QueryId, Vec<Answer>>,
+    summits: &Summits,
+) -> Result<Vec<Row>, DataError> {
+    let is_scene_answered = answers.values().flatten().any(|answer| *answer != Answer::Missing);
+    let unanswered = vec![Answer::Missing; asked.truth.frames.len()];
+    let judge = |query: &&Query| {
+        let referents = asked.truth.referents(query, asked.path)?;
+        let answers = answers.get(&query.id).unwrap_or(&unanswered);
+        let mut clip = Clip::new(asked.truth, query, &referents, answers, summits);
+        clip.is_scene_answered = is_scene_answered;
+        Ok(Row { id: query.id.clone(), judged: judge(protocol, clip, asked.missing) })
+    };
+    asked.queries.par_iter().map(judge).collect()
+}
+
+/// A source that stops has no rule for missing answers: what was asked for says what they mean.
+fn judge(protocol: Protocol, mut clip: Clip<'_>, missing: Missing) -> Judged {
+    if protocol.on_missing() == OnMissing::OwnRule {
+        return protocol.judge(&clip);
+    }
+    let count = clip.seen.iter().filter(|seen| seen.is_missing()).count();
+    match missing {
+        Missing::Skip => {
+            clip.seen.retain(|seen| !seen.is_missing());
+            protocol.judge(&clip).leaving_out(SKIPPED, count)
+        }
+        Missing::Zero | Missing::Error => protocol.judge(&clip).leaving_out(COUNTED, count),
+    }
+}
+
+fn write(sheet: &Sheet, scores: &Path) -> Result<(), DataError> {
+    let path = |ending: &str| -> PathBuf {
+        scores.join(sheet.method.as_str()).join(format!("{}.{ending}", file_stem(sheet.protocol)))
+    };
+    write_atomic(&path("csv"), sheet.to_csv().as_bytes())?;
+    file::write(&path("json"), &sheet.to_json())
+}

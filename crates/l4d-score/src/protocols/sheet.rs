@@ -1,0 +1,221 @@
+//! From values of queries to the numbers of a protocol, and their forms as text, CSV and JSON.
+
+use std::collections::BTreeMap;
+
+use l4d_data::{Name, QueryId};
+use serde_json::{Map, Value as Json, json};
+
+use super::judged::{Judged, LeftOut, Value};
+use super::{Averaging, Measure, Protocol};
+
+const NAME_WIDTH: usize = 24;
+
+/// What a protocol says of one query.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The query.
+    pub id: QueryId,
+    /// The values.
+    pub judged: Judged,
+}
+
+/// What a protocol says of one method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// The protocol.
+    pub protocol: Protocol,
+    /// The method.
+    pub method: Name,
+    /// One row a query, in the order of scenes and queries.
+    pub rows: Vec<Row>,
+    /// Whether frames without an answer were left out by request, so that the numbers rest on other frames than those
+    /// of other methods.
+    pub is_partial: bool,
+}
+
+impl Sheet {
+    /// The number of a measure, 0 to 1; none where nothing is to be averaged.
+    pub fn number(&self, measure: usize) -> Option<f64> {
+        let scenes = self.scenes();
+        match self.protocol.averaging() {
+            Averaging::Queries => mean_of_queries(self.rows.iter(), measure),
+            Averaging::PairsThenScenes | Averaging::QueriesThenScenes => {
+                mean(scenes.values().filter_map(|rows| self.of_scene(rows, measure)))
+            }
+        }
+    }
+
+    /// The number of the measure of that key.
+    pub fn get(&self, key: &str) -> Option<f64> {
+        let measure = self.protocol.measures().iter().position(|measure| measure.key == key)?;
+        self.number(measure)
+    }
+
+    /// What was left out, summed over all queries, in the order of the protocol.
+    pub fn left_out(&self) -> Vec<LeftOut> {
+        let mut all: Vec<LeftOut> = Vec::new();
+        for one in self.rows.iter().flat_map(|row| &row.judged.left_out) {
+            match all.iter_mut().find(|other| other.what == one.what) {
+                Some(other) => {
+                    other.queries += one.queries;
+                    other.frames += one.frames;
+                }
+                None => all.push(*one),
+            }
+        }
+        all
+    }
+
+    /// Queries that enter at least one number.
+    pub fn queries(&self) -> usize {
+        self.rows.iter().filter(|row| row.judged.values.iter().any(Option::is_some)).count()
+    }
+
+    /// One row a query: each value, percent, with the frames that it rests on.
+    pub fn to_csv(&self) -> String {
+        let mut text = String::from("protocol,scene,query");
+        for measure in self.protocol.measures() {
+            text.push_str(&format!(",{0},{0}_frames", measure.key));
+        }
+        text.push('\n');
+        for Row { id, judged } in &self.rows {
+            text.push_str(&format!("{},{},{}", self.protocol, id.scene, id.number));
+            for value in &judged.values {
+                match value {
+                    Some(Value { mean, frames }) => text.push_str(&format!(",{},{frames}", 100.0 * mean)),
+                    None => text.push_str(",,0"),
+                }
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Everything as JSON, percent.
+    pub fn to_json(&self) -> Json {
+        let scenes: Map<String, Json> = self
+            .scenes()
+            .into_iter()
+            .map(|(scene, rows)| (scene.to_string(), self.numbers(|measure| self.of_scene(&rows, measure))))
+            .collect();
+        json!({
+            "name": self.method,
+            "protocol": self.protocol.as_str(),
+            "measures": self.numbers(|measure| self.number(measure)),
+            "scenes": scenes,
+            "queries": self.queries(),
+            "asked_queries": self.rows.len(),
+            "left_out": self.left_out(),
+            "partial": self.is_partial,
+        })
+    }
+
+    fn numbers(&self, number: impl Fn(usize) -> Option<f64>) -> Json {
+        let measures = self.protocol.measures().iter().enumerate();
+        let percent = |measure| number(measure).map(|ratio| 100.0 * ratio);
+        measures
+            .map(|(index, measure)| (measure.key.to_owned(), json!(percent(index))))
+            .collect::<Map<_, _>>()
+            .into()
+    }
+
+    fn of_scene(&self, rows: &[&Row], measure: usize) -> Option<f64> {
+        match self.protocol.averaging() {
+            Averaging::PairsThenScenes => {
+                let values = || rows.iter().filter_map(|row| row.judged.values[measure]);
+                let frames: u64 = values().map(|value| value.frames).sum();
+                let sum: f64 = values().map(|value| value.mean * value.frames as f64).sum();
+                (frames > 0).then(|| sum / frames as f64)
+            }
+            Averaging::QueriesThenScenes | Averaging::Queries => {
+                mean_of_queries(rows.iter().copied(), measure)
+            }
+        }
+    }
+
+    fn scenes(&self) -> BTreeMap<&Name, Vec<&Row>> {
+        let mut scenes: BTreeMap<&Name, Vec<&Row>> = BTreeMap::new();
+        for row in &self.rows {
+            scenes.entry(&row.id.scene).or_default().push(row);
+        }
+        scenes
+    }
+}
+
+/// Stem of the files of a protocol, so that none can be taken for another.
+pub fn file_stem(protocol: Protocol) -> String {
+    format!("protocol-{protocol}")
+}
+
+/// The numbers of methods under one protocol, percent, and what the source leaves out. Its name stands above.
+pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
+    let mut text = format!("protocol {protocol} ({}), never ranked\n", protocol.source());
+    let width = |measure: &Measure| 8.max(measure.title.len() + 1);
+    let titles = protocol.measures().iter().map(|measure| format!("{:>1$}", measure.title, width(measure)));
+    line(&mut text, protocol.as_str(), titles.chain([format!("{:>9}", "queries")]));
+    for sheet in sheets {
+        let cell = |(index, measure): (usize, &Measure)| {
+            let number =
+                sheet.number(index).map_or_else(|| "-".to_owned(), |ratio| format!("{:.2}", 100.0 * ratio));
+            format!("{number:>0$}", width(measure))
+        };
+        let cells = protocol.measures().iter().enumerate().map(cell);
+        let mark = if sheet.is_partial { " partial" } else { "" };
+        line(&mut text, sheet.method.as_str(), cells.chain([format!("{:>9}{mark}", sheet.queries())]));
+    }
+    for (LeftOut { what, queries, frames }, methods) in shared(sheets) {
+        let who = match methods.len() == sheets.len() && sheets.len() > 1 {
+            true => "every method".to_owned(),
+            false => methods.join(", "),
+        };
+        text.push_str(&wrapped(&format!("{who}: {frames} frames of {queries} queries {what}.")));
+    }
+    text.push_str(&wrapped(protocol.remark()));
+    text
+}
+
+/// What was left out, with the methods of which the same is true.
+fn shared(sheets: &[Sheet]) -> Vec<(LeftOut, Vec<&str>)> {
+    let mut all: Vec<(LeftOut, Vec<&str>)> = Vec::new();
+    for sheet in sheets {
+        for one in sheet.left_out() {
+            match all.iter_mut().find(|(other, _)| *other == one) {
+                Some((_, methods)) => methods.push(sheet.method.as_str()),
+                None => all.push((one, vec![sheet.method.as_str()])),
+            }
+        }
+    }
+    all
+}
+
+fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
+    let short: String = name.chars().take(NAME_WIDTH).collect();
+    let row = format!("{short:<NAME_WIDTH$}{}", cells.collect::<String>());
+    text.push_str(row.trim_end());
+    text.push('\n');
+}
+
+/// Lines of at most 100 columns.
+fn wrapped(sentence: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in sentence.split_whitespace() {
+        let last = lines.len() - 1;
+        if !lines[last].is_empty() && lines[last].len() + 1 + word.len() > 100 {
+            lines.push(word.to_owned());
+        } else {
+            if !lines[last].is_empty() {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(word);
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+fn mean_of_queries<'a>(rows: impl Iterator<Item = &'a Row>, measure: usize) -> Option<f64> {
+    mean(rows.filter_map(|row| row.judged.values[measure]).map(|value| value.mean))
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    Value::mean(values).map(|value| value.mean)
+}

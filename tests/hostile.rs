@@ -1,0 +1,199 @@
+//! Results that somebody sends to do harm: `l4d check-results` and `l4d score` tell what is wrong, in bounded time and
+//! memory, and touch nothing outside.
+
+use std::ffi::OsStr;
+use std::fs::File;
+use std::os::unix::ffi::OsStrExt as _;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::support::{Dir, Run, is_slow};
+
+const MASK: &str = "results/oracle/masks/room_discs/001.json";
+const CARD: &str = "results/oracle/method.json";
+/// Address space that is enough for whatever comes, KiB.
+const MEMORY_KIB: u32 = 1_500_000;
+const SECONDS: u32 = 60;
+
+fn oracle() -> Dir {
+    let dir = Dir::with_benchmark();
+    dir.succeed(&["baseline", "oracle", "--profile", "tiny"]);
+    dir
+}
+
+/// Runs the binary with little memory and time.
+fn bounded(dir: &Dir, arguments: &str) -> Run {
+    let binary = env!("CARGO_BIN_EXE_l4d");
+    let script =
+        format!("ulimit -v {MEMORY_KIB}; exec timeout {SECONDS} {binary} {arguments} --profile tiny");
+    let output = Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(dir.path(""))
+        // Each thread reserves address space of its own.
+        .env("RAYON_NUM_THREADS", "2")
+        .output()
+        .unwrap();
+    output.into()
+}
+
+/// Both verbs must find exactly these codes, and nothing may be scored.
+fn expect(dir: &Dir, what: &str, codes: &[&str]) -> Vec<Value> {
+    let check = bounded(dir, "check-results --json");
+    assert_eq!(check.code, 1, "{what}: {}\n{}", check.stdout, check.stderr);
+    let found: Value = serde_json::from_str(&check.stdout).unwrap();
+    let findings = found["findings"].as_array().unwrap().clone();
+    let mut told: Vec<&str> = findings.iter().map(|finding| finding["code"].as_str().unwrap()).collect();
+    told.sort_unstable();
+    told.dedup();
+    assert_eq!(told, codes, "{what}: {}", check.stdout);
+    let score = bounded(dir, "score --json");
+    assert_eq!(score.code, 1, "{what}: {}\n{}", score.stdout, score.stderr);
+    assert!(!dir.path("scores/oracle/counts.csv").exists(), "{what} was scored");
+    findings
+}
+
+fn pipe(path: &Path) {
+    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+fn remove(path: &Path) {
+    match path.is_dir() {
+        true => std::fs::remove_dir_all(path).unwrap(),
+        false => std::fs::remove_file(path).unwrap(),
+    }
+}
+
+#[test]
+fn files_of_ten_gigabytes() {
+    let sparse = |path: &Path| File::create(path).unwrap().set_len(10 << 30).unwrap();
+    for (path, code) in [(CARD, "L4D302"), (MASK, "L4D314")] {
+        let dir = oracle();
+        sparse(&dir.path(path));
+        expect(&dir, path, &[code]);
+    }
+    let dir = oracle();
+    std::fs::remove_file(dir.path(MASK)).unwrap();
+    dir.write("results/oracle/masks/room_discs/001/0000.png", "");
+    sparse(&dir.path("results/oracle/masks/room_discs/001/0000.png"));
+    expect(&dir, "a picture", &["L4D314"]);
+}
+
+#[test]
+fn json_without_end() {
+    let deep = "[".repeat(80_000);
+    let card = format!("{{\"import\":{{\"assumptions\":{deep}");
+    let frames = format!("{{\"size\":[96,128],\"frames\":{{\"0000\":{deep}");
+    let keys = format!("{{\"size\":[96,128],\"frames\":{{{}\"0000\":null}}}}", "\"0\":null,".repeat(10_001));
+    let runs = format!("{{\"size\":[96,128],\"frames\":{{\"0000\":\"{}\"}}}}", "0".repeat(170_000));
+    for (path, text, code) in [
+        (MASK, deep.as_str(), "L4D312"),
+        (MASK, frames.as_str(), "L4D312"),
+        (MASK, keys.as_str(), "L4D312"),
+        (MASK, runs.as_str(), "L4D310"),
+        (CARD, deep.as_str(), "L4D302"),
+        (CARD, card.as_str(), "L4D302"),
+    ] {
+        let dir = oracle();
+        dir.write(path, text);
+        expect(&dir, &text[..40], &[code]);
+    }
+    // A billion runs are a file that is never read.
+    let dir = oracle();
+    dir.write(MASK, format!("{{\"size\":[96,128],\"frames\":{{\"0000\":\"{}\"}}}}", "0".repeat(1 << 20)));
+    expect(&dir, "more run lengths than pixels", &["L4D314"]);
+}
+
+#[test]
+fn links_out_of_the_folder() {
+    for (at, to) in [
+        ("results/oracle/masks/room_discs", "/etc"),
+        (MASK, "/etc/passwd"),
+        (MASK, "/dev/zero"),
+        (CARD, "/dev/zero"),
+        ("results/oracle/masks", "/"),
+        ("results/oracle/masks/room_discs/001", "."),
+        ("results/other", "/"),
+    ] {
+        let dir = oracle();
+        let path = dir.path(at);
+        if path.exists() {
+            remove(&path);
+        }
+        symlink(to, &path).unwrap();
+        let check = bounded(&dir, "check-results --json");
+        assert!(check.code == 1 && check.stdout.contains("L4D313"), "{at}: {}", check.stdout);
+        assert!(!check.stdout.contains("root:"), "{at} was followed");
+        let score = bounded(&dir, "score");
+        assert!(score.code == 1 && score.stdout.contains("L4D313"), "{at}: {}", score.stdout);
+    }
+}
+
+#[test]
+fn pipes_that_nobody_writes_into() {
+    for at in [CARD, MASK, "results/oracle/masks", "results/oracle/masks/room_discs", "results/oracle"] {
+        let dir = oracle();
+        remove(&dir.path(at));
+        pipe(&dir.path(at));
+        let check = bounded(&dir, "check-results --json");
+        assert!(check.code == 1 && check.stdout.contains("L4D313"), "{at}: {}{}", check.stdout, check.stderr);
+        let score = bounded(&dir, "score");
+        assert!(score.code == 1 && score.stdout.contains("L4D313"), "{at}: {}{}", score.stdout, score.stderr);
+    }
+    let dir = oracle();
+    std::fs::remove_file(dir.path(MASK)).unwrap();
+    std::fs::create_dir(dir.path("results/oracle/masks/room_discs/001")).unwrap();
+    pipe(&dir.path("results/oracle/masks/room_discs/001/0000.png"));
+    expect(&dir, "a picture", &["L4D313"]);
+}
+
+#[test]
+fn more_files_than_anybody_reads() {
+    let count = if is_slow() { 1_000_000 } else { 20_001 };
+    let folder = |at: &str| {
+        let dir = oracle();
+        std::fs::create_dir_all(dir.path(at)).unwrap();
+        (0..count).for_each(|index| drop(File::create(dir.path(at).join(format!("{index}"))).unwrap()));
+        dir
+    };
+    let dir = folder("results/oracle/masks/room_discs");
+    let findings = expect(&dir, "a scene", &["L4D308", "L4D315"]);
+    assert!(findings.iter().any(|finding| finding["message"].as_str().unwrap().contains("20000 entries")));
+    // Beside the masks they are nobody's business.
+    let beside = folder("results/oracle/more");
+    assert_eq!(bounded(&beside, "check-results").code, 0);
+    let methods = folder("results");
+    let check = bounded(&methods, "check-results");
+    assert!(check.code == 1 && check.stdout.contains("L4D315"), "{}", check.stdout);
+}
+
+#[test]
+fn more_findings_than_anybody_reads() {
+    let dir = oracle();
+    for index in 0..12_000 {
+        File::create(dir.path(format!("results/oracle/masks/room_discs/{index}.zip"))).unwrap();
+    }
+    let findings = expect(&dir, "archives", &["L4D001", "L4D306"]);
+    assert_eq!(findings.len(), 10_001);
+    assert!(findings[10_000]["message"].as_str().unwrap().starts_with("2000 more"), "{}", findings[10_000]);
+}
+
+#[test]
+fn names_that_are_no_text_or_steer_terminals() {
+    let dir = oracle();
+    let scene = dir.path("results/oracle/masks/room_discs");
+    for name in [&b"\xff\xfe.json"[..], b"001\xff", b"\x1b]0;gotcha\x07.json", b"00\n1.json", b"..json"] {
+        File::create(scene.join(OsStr::from_bytes(name))).unwrap();
+    }
+    std::fs::create_dir(scene.join(OsStr::from_bytes(b"\x9b2J"))).unwrap();
+    let findings = expect(&dir, "names", &["L4D305", "L4D306"]);
+    assert_eq!(findings.len(), 5, "hidden names are nobody's business");
+    let check = bounded(&dir, "check-results");
+    assert!(
+        !check.stdout.contains('\u{1b}') && !check.stdout.contains('\u{9b}'),
+        "{}",
+        check.stdout.escape_debug()
+    );
+}
