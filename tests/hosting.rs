@@ -163,20 +163,6 @@ fn a_bundle_of_codabench_has_what_the_platform_reads() {
 }
 
 #[test]
-fn what_is_private_is_not_called_public() {
-    let dir = bench();
-    let pages = ["codabench/pages/evaluation.md", "evalai/templates/evaluation_details.html"];
-    let say_public = || {
-        host(&dir, "codabench", &SEASON);
-        host(&dir, "evalai", &SEASON);
-        pages.map(|page| dir.read(&format!("hosting/{page}")).contains("The truth is public"))
-    };
-    assert_eq!(say_public(), [true, true]);
-    dir.edit("benchmark/panoptic-l4d.toml", "scenes", "split = \"private\"\nscenes");
-    assert_eq!(say_public(), [false, false]);
-}
-
-#[test]
 fn the_challenge_of_evalai_has_what_the_platform_reads_and_scores() {
     let dir = bench();
     host(&dir, "evalai", &SEASON);
