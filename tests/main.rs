@@ -19,6 +19,7 @@ mod protocols;
 mod python;
 mod queries;
 mod real_scenes;
+mod real_solving;
 mod releasing;
 mod results;
 mod scenes;
