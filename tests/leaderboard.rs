@@ -1,9 +1,12 @@
 //! `l4d leaderboard`: from scored baselines to tables and figures, and what it refuses.
 
+use std::collections::BTreeMap;
+use std::process::Command;
+
 use l4d_data::json;
 use serde_json::Value;
 
-use crate::support::Dir;
+use crate::support::{Dir, Run, root};
 
 const TINY: [&str; 2] = ["--profile", "tiny"];
 const BASELINES: [&str; 6] =
@@ -52,7 +55,18 @@ fn scores_become_tables_and_figures() {
     let oracle = csv.lines().find(|line| line.contains(",oracle,")).unwrap();
     assert!(oracle.starts_with(',') && oracle.contains("used ground truth,8,100.0000,"), "{oracle}");
 
-    for name in ["per_category", "per_scale", "metrics", "over_time"] {
+    let taken = dir.read("leaderboard/taken.csv");
+    assert!(taken.starts_with("method,scene,query,meant,taken,which_is,"), "{taken}");
+    let of = |method: &str, which: &str| {
+        let row = |line: &&str| {
+            line.starts_with(&format!("{method},")) && line.contains(&format!(",{which},Discs"))
+        };
+        taken.lines().filter(row).count()
+    };
+    assert_eq!((of("oracle", "meant"), of("none", "nothing")), (8, 8), "{taken}");
+    assert_eq!(of("contestant", "meant") + of("contestant", "look_alike"), 8, "{taken}");
+
+    for name in ["per_category", "per_scale", "metrics", "over_time", "taken", "queries"] {
         let svg = dir.read(&format!("leaderboard/figures/{name}.svg"));
         assert!(svg.starts_with("<svg ") && svg.contains("profile tiny"), "{name}");
         let png = std::fs::read(dir.path(format!("leaderboard/figures/{name}.png"))).unwrap();
@@ -146,6 +160,8 @@ fn damage_is_named_and_the_old_board_stays() {
     let cases = [
         ("scores/oracle/counts.csv", counts.replacen("hit", "NaN", 1), "counts.csv: line "),
         ("scores/oracle/counts.csv", cut, "do not follow from these rows"),
+        ("scores/oracle/counts.csv", counts.replacen(",union,", ",onion,", 1), "counts.csv: line 2: "),
+        ("scores/oracle/counts.csv", String::new(), "do not follow from these rows"),
         ("scores/oracle/summary.json", "{".to_owned(), "summary.json"),
         ("scores/oracle/summary.json", dir.read("scores/none/summary.json"), "field `name`"),
         (
@@ -191,4 +207,200 @@ fn an_output_that_is_a_file_is_refused() {
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("taken"), "{}", run.stderr);
     assert_eq!(dir.read("taken"), "mine");
+}
+
+/// A table by its columns.
+fn table(dir: &Dir, file: &str) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(dir.path(file)).unwrap();
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+fn recompute(dir: &Dir, arguments: &[&str]) -> Run {
+    let mut python = Command::new("python3");
+    python.arg(root().join("benchmark/recompute.py")).args(arguments).current_dir(dir.path(""));
+    python.output().expect("python3 is on the PATH").into()
+}
+
+#[test]
+fn counts_alone_give_the_numbers_of_the_table() {
+    let dir = scored();
+    dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    let check = ["scores", "--bench", "benchmark", "--check", "leaderboard/leaderboard.csv"];
+    let run = recompute(&dir, &check);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stderr.contains("48 numbers of leaderboard/leaderboard.csv compared, 0 differ"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stdout.lines().nth(1).unwrap().starts_with("oracle,8,100.0000,"), "{}", run.stdout);
+
+    // Standard errors, too: both sides derive them from the rows.
+    let header = run.stdout.lines().next().unwrap();
+    assert!(header.ends_with(",miou_error"), "{header}");
+    let groups = table(&dir, "leaderboard/groups.csv");
+    for line in run.stdout.lines().skip(1) {
+        let (name, error) = (line.split(',').next().unwrap(), line.rsplit(',').next().unwrap());
+        let all = groups.iter().find(|row| row["method"] == name && row["kind"] == "all").unwrap();
+        assert_eq!(all["miou_error"], error, "{name}");
+    }
+
+    let counts = dir.read("scores/contestant/counts.csv");
+    let changes = [
+        (counts.replace(",miss,0,", ",hit,1,"), 1, "contestant: miou is"),
+        (counts.replacen(",union,", ",onion,", 1), 2, "counts.csv: has no column union"),
+        (counts.replacen(",miss,", ",miss,NaN", 1), 2, "counts.csv: line"),
+    ];
+    for (text, code, told) in changes {
+        dir.write("scores/contestant/counts.csv", text);
+        let run = recompute(&dir, &check);
+        assert!(run.code == code && run.stderr.contains(told), "{told}: {} {}", run.code, run.stderr);
+    }
+}
+
+#[test]
+fn groups_hold_every_query_once_in_each_kind() {
+    let dir = scored();
+    dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    let groups = table(&dir, "leaderboard/groups.csv");
+    let of = |kind: &str| -> Vec<&BTreeMap<String, String>> {
+        groups.iter().filter(|row| row["method"] == "contestant" && row["kind"] == kind).collect()
+    };
+    for kind in
+        ["all", "category", "scale", "scale_category", "temporal", "size", "occlusion", "scene", "query"]
+    {
+        let queries: usize = of(kind).iter().map(|row| row["queries"].parse::<usize>().unwrap()).sum();
+        assert_eq!(queries, 8, "{kind}");
+    }
+    let all = of("all")[0];
+    let number = |column: &str| all[column].parse::<f64>().unwrap();
+    assert!(number("miou_low") <= number("miou") && number("miou") <= number("miou_high"), "{all:?}");
+    assert_eq!((all["scenes"].as_str(), all["few_scenes"].as_str()), ("2", "true"));
+    assert!(of("scene").iter().all(|row| row["miou_low"].is_empty()), "one scene says nothing of others");
+
+    // The same from `score`.
+    let scores = dir.json(&[&["score", "--groups"], &TINY[..]].concat());
+    let method =
+        scores["methods"].as_array().unwrap().iter().find(|row| row["name"] == "contestant").unwrap();
+    let found = method["groups"].as_array().unwrap();
+    assert_eq!(found.len(), groups.iter().filter(|row| row["method"] == "contestant").count());
+    assert_eq!(found[0]["kind"], "all");
+    assert!((found[0]["miou"]["value"].as_f64().unwrap() - number("miou")).abs() < 1e-4);
+    let run = dir.succeed(&[&["score", "--groups"], &TINY[..]].concat());
+    assert!(run.stdout.contains("contestant, with 95 % intervals clustered by scene"), "{}", run.stdout);
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{}", run.stdout);
+}
+
+#[test]
+fn pairs_are_compared_and_partial_methods_are_not() {
+    let dir = scored();
+    dir.succeed(&["score", "results/none", "--profile", "tiny", "--scenes", "room_discs"]);
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert!(run.stdout.contains("ahead of the next"), "{}", run.stdout);
+    let pairs = table(&dir, "leaderboard/comparisons.csv");
+    // Six methods, one of them partial: ten pairs by three metrics.
+    assert_eq!(pairs.len(), 30);
+    assert!(pairs.iter().all(|row| row["first"] != "none" && row["second"] != "none"));
+    for row in &pairs {
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        assert!(number("p") <= number("holm_p") && number("p") >= 0.5, "two scenes tell nothing: {row:?}");
+        assert!(row["different"] == "false" && row["few_scenes"] == "true");
+    }
+    let board = dir.json(&[&["leaderboard"], &TINY[..]].concat());
+    assert_eq!(board["comparisons"].as_array().unwrap().len(), 30);
+    let page = dir.read("leaderboard/leaderboard.md");
+    assert!(page.contains("## What can be told apart") && page.contains("fewer than 8 scenes"), "{page}");
+}
+
+#[test]
+fn what_a_method_reports_stands_beside_what_is_counted() {
+    let dir = scored();
+    let card = "results/contestant/method.json";
+    dir.edit(
+        card,
+        "\"seconds\"",
+        "\"reported\": {\"miou\": 99.5, \"action miou\": 98, \"vIoU\": 0.7}, \"seconds\"",
+    );
+    dir.succeed(&[&["score"], &TINY[..]].concat());
+    dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    let rows = table(&dir, "leaderboard/reported.csv");
+    let shown: Vec<(&str, bool)> =
+        rows.iter().map(|row| (row["number"].as_str(), row["recomputed"].is_empty())).collect();
+    assert_eq!(shown, [("action miou", false), ("miou", false), ("vIoU", true)]);
+    let summary: Value = json::read(&dir.path("scores/contestant/summary.json")).unwrap();
+    assert_eq!(rows[1]["recomputed"], format!("{:.4}", summary["miou"].as_f64().unwrap()));
+    let page = dir.read("leaderboard/leaderboard.md");
+    assert!(
+        page.contains("## Reported by the methods themselves")
+            && page.contains("| contestant | miou | 99.50 |")
+    );
+    assert!(dir.read("leaderboard/leaderboard.csv").lines().nth(1).unwrap().starts_with("1,contestant,"));
+}
+
+#[test]
+fn tables_of_the_paper_stand_apart() {
+    let dir = scored();
+    for table in ["panoptic_l4d", "scales", "composites"] {
+        let text = std::fs::read(root().join(format!("benchmark/published/{table}.csv"))).unwrap();
+        dir.write(&format!("benchmark/published/{table}.csv"), text);
+    }
+    dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    let page = dir.read("leaderboard/tables/panoptic_l4d.md");
+    let (ours, reported) = page.split_once("## As reported in the paper, on its own data").unwrap();
+    assert!(ours.contains("| contestant |") && !ours.contains("LangSplat"), "{page}");
+    assert!(reported.contains("| LangSplat | 47.79 | 28.81 |") && !reported.contains("contestant"), "{page}");
+    let rows = table(&dir, "leaderboard/tables/panoptic_l4d.csv");
+    assert!(
+        rows.iter()
+            .any(|row| row["source"] == "published" && row["value"] == "47.7900" && row["low"].is_empty())
+    );
+    assert!(
+        rows.iter().any(|row| row["source"] == "measured" && !row["low"].is_empty() && row["queries"] == "8")
+    );
+    assert!(dir.read("leaderboard/tables/scales.tex").contains("contestant, room"));
+    let ranking = dir.read("leaderboard/leaderboard.csv");
+    assert!(!ranking.contains("LangSplat"), "{ranking}");
+}
+
+/// As many methods as asked, all with the counts of one.
+fn copies(dir: &Dir, count: usize) {
+    let (counts, summary) =
+        (dir.read("scores/contestant/counts.csv"), dir.read("scores/contestant/summary.json"));
+    for index in 0..count {
+        let name = format!("method{index:05}");
+        dir.write(&format!("scores/{name}/counts.csv"), &counts);
+        dir.write(
+            &format!("scores/{name}/summary.json"),
+            summary.replacen("\"contestant\"", &format!("\"{name}\""), 1),
+        );
+    }
+}
+
+#[test]
+fn hundreds_of_methods_are_ranked_and_the_first_compared() {
+    let dir = scored();
+    copies(&dir, 400);
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert!(run.stdout.contains("more methods are not compared"), "{}", run.stdout);
+    let ranked = table(&dir, "leaderboard/leaderboard.csv");
+    assert_eq!(ranked.iter().filter(|row| row["rank"] == "1").count(), 401, "equal methods share a rank");
+    let pairs = table(&dir, "leaderboard/comparisons.csv");
+    assert_eq!(pairs.len(), 3 * 50 * 49 / 2);
+    assert!(pairs.iter().all(|row| row["p"] == "1.0000" && row["difference"] == "0.0000"));
+}
+
+#[test]
+fn one_query_and_one_scene_make_a_board() {
+    let dir = Dir::with_benchmark();
+    let queries = dir.read("benchmark/queries/room_discs.jsonl");
+    dir.write("benchmark/queries/room_discs.jsonl", format!("{}\n", queries.lines().next().unwrap()));
+    let one = ["--profile", "tiny", "--scenes", "room_discs"];
+    dir.succeed(&[&["baseline"], &one[..]].concat());
+    dir.succeed(&[&["score"], &one[..]].concat());
+    let run = dir.succeed(&[&["leaderboard"], &one[..]].concat());
+    assert!(run.stdout.contains(" 1 query,"), "{}", run.stdout);
+    let rows = table(&dir, "leaderboard/leaderboard.csv");
+    assert!(rows.iter().all(|row| row["queries"] == "1" && row["miou_low"].is_empty()), "{rows:?}");
+    let pairs = table(&dir, "leaderboard/comparisons.csv");
+    assert!(pairs.iter().all(|row| row["p"] == "1.0000" && row["detectable"].is_empty()), "{pairs:?}");
 }

@@ -9,37 +9,39 @@ use l4d_data::{DataError, Query, Report, Status};
 use l4d_score::Exam;
 use l4d_score::counts::{self, FrameCount, State};
 use l4d_score::score::{counts_path, summary_path, tallies_of_counts};
-use l4d_score::{Breakdown, Missing, Options, QuerySet, Summary};
+use l4d_score::{Breakdown, Estimate, Missing, Options, QuerySet, Summary};
+use rayon::prelude::*;
 
 use crate::codes;
 use crate::error::BoardError;
 use crate::rank::Board;
 use crate::row::{BoardRow, Heading, Metric};
+use crate::statistics::Statistics;
 
 /// A board and what was odd among the scores.
 #[derive(Debug)]
 pub struct Gathered {
     /// The board.
     pub board: Board,
+    /// What its means can tell.
+    pub statistics: Statistics,
     /// Warnings.
     pub report: Report,
 }
 
-/// Reads `scores/<method>/` of every method and sorts them into a board of `exam`.
-pub fn gather(scores: &Path, exam: &Exam) -> Result<Gathered, BoardError> {
+/// Reads `scores/<method>/` of every method and sorts them into a board of `exam`. `seed` is that of the draws behind
+/// intervals.
+pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<Gathered, BoardError> {
     let mut report = Report::default();
     let summaries = read_summaries(scores, &mut report)?;
     let heading = heading(exam, &summaries);
-    let mut rows = Vec::new();
-    for summary in summaries {
-        let row = if is_of_exam(&summary, exam) {
-            counted_row(scores, summary, exam)?
-        } else {
-            row(summary, BTreeMap::new())
-        };
-        rows.push(row);
-    }
+    let of_method = |summary: Summary| match is_of_exam(&summary, exam) {
+        true => counted_row(scores, summary, exam, seed),
+        false => Ok(row(summary, None, BTreeMap::new())),
+    };
+    let rows = summaries.into_par_iter().map(of_method).collect::<Result<Vec<BoardRow>, DataError>>()?;
     let board = Board::new(heading, rows)?;
+    let statistics = Statistics::of(&board, scores, exam, seed)?;
     for row in board.others.iter().flat_map(|other| &other.rows) {
         let message = format!(
             "was scored on benchmark {} · protocol {} · profile {}",
@@ -48,7 +50,7 @@ pub fn gather(scores: &Path, exam: &Exam) -> Result<Gathered, BoardError> {
         let hint = "it stands apart and is not ranked here; score it again, or choose its --profile";
         report.warning(codes::OTHER_BOARD, &summary_path(scores, &row.name), "", message, hint);
     }
-    Ok(Gathered { board, report })
+    Ok(Gathered { board, statistics, report })
 }
 
 fn read_summaries(scores: &Path, report: &mut Report) -> Result<Vec<Summary>, DataError> {
@@ -129,10 +131,10 @@ fn protocol(summary: &Summary) -> String {
     label
 }
 
-fn counted_row(scores: &Path, mut summary: Summary, exam: &Exam) -> Result<BoardRow, DataError> {
+fn counted_row(scores: &Path, mut summary: Summary, exam: &Exam, seed: u64) -> Result<BoardRow, DataError> {
     let path = counts_path(scores, &summary.name);
     let counts = counts::read(&path)?;
-    let tallies = tallies_of_counts(&counts, exam, &summary.options)?;
+    let tallies = tallies_of_counts(&counts, exam, &summary.options);
     let derived = Breakdown::of(&tallies);
     // A method that was scored on other scenes cannot be derived from the queries of these.
     if summary.asked_queries == tallies.len() {
@@ -142,8 +144,9 @@ fn counted_row(scores: &Path, mut summary: Summary, exam: &Exam) -> Result<Board
         }
         summary.scores = derived;
     }
+    let miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, seed);
     let frames = mean_iou_of_frames(&counts, &summary.options);
-    Ok(row(summary, frames))
+    Ok(row(summary, miou, frames))
 }
 
 fn agree(derived: &Breakdown, told: &Breakdown) -> bool {
@@ -173,9 +176,9 @@ fn mean_iou_of_frames(counts: &[FrameCount], options: &Options) -> BTreeMap<u32,
     sums.into_iter().map(|(frame, (sum, queries))| (frame, 100.0 * sum / f64::from(queries))).collect()
 }
 
-fn row(summary: Summary, frames: BTreeMap<u32, f64>) -> BoardRow {
+fn row(summary: Summary, miou: Option<Estimate>, frames: BTreeMap<u32, f64>) -> BoardRow {
     let protocol = protocol(&summary);
-    let Summary { name, version, link, used, seconds, profile, .. } = summary;
+    let Summary { name, version, link, used, seconds, profile, reported, .. } = summary;
     BoardRow {
         name,
         version,
@@ -190,6 +193,8 @@ fn row(summary: Summary, frames: BTreeMap<u32, f64>) -> BoardRow {
         seconds,
         asked: summary.asked_queries,
         scores: summary.scores,
+        miou,
+        reported,
         frames,
     }
 }

@@ -1,17 +1,25 @@
 //! `leaderboard.md`: the page that a repository shows.
 
 use l4d_data::{Category, Scale};
+use l4d_score::cluster::FEW_SCENES;
+use l4d_score::groups::Kind;
+use l4d_score::{Estimate, Pair};
 
 use crate::rank::{Board, Podium};
+use crate::reported;
 use crate::row::{BoardRow, Metric};
+use crate::statistics::{Statistics, p_text};
 use crate::terminal::seconds_text;
 
+/// Pairs of methods that the page shows; of more methods each stands beside the next one only.
+const MOST_PAIRS: usize = 28;
+
 /// The page; `figures` are (path, what it shows) in order.
-pub(crate) fn page(board: &Board, figures: &[(String, &str)]) -> String {
+pub(crate) fn page(board: &Board, statistics: &Statistics, figures: &[(String, &str)]) -> String {
     let mut page = format!("# Leaderboard\n\n{}.\n\n", escape(&board.heading.line()));
     page.push_str(
         "Percentages; macro means over queries. Ranked by mIoU; equal printed values share a rank. \
-         **Best** and *second best* among ranked methods.\n\n",
+         **Best** and *second best* among ranked methods. In brackets 95 % intervals clustered by scene.\n\n",
     );
     page.push_str(&ranked_table(board));
     page.push_str(&unranked_table(board));
@@ -23,13 +31,24 @@ pub(crate) fn page(board: &Board, figures: &[(String, &str)]) -> String {
     page.push_str(&group_table("mIoU per scale", board, &scales, |row, key| {
         row.scores.scales.get(key)?.miou
     }));
+    page.push_str(&comparisons(board, statistics));
+    for (title, kind) in [
+        ("mIoU by time", Kind::Temporal),
+        ("mIoU by size of the target", Kind::Size),
+        ("mIoU by occlusion of the target", Kind::Occlusion),
+    ] {
+        page.push_str(&group_intervals(title, kind, board, statistics));
+    }
+    page.push_str(&reported_table(board));
     page.push_str(&other_tables(board));
     page.push_str("## Figures\n\n");
     for (path, caption) in figures {
         page.push_str(&format!("![{caption}]({path})\n\n"));
     }
     page.push_str(
-        "Every number stands in `leaderboard.csv`, `per_category.csv`, `per_scale.csv` and `per_scene.csv`.\n",
+        "Every number stands in `leaderboard.csv`, `per_category.csv`, `per_scale.csv` and `per_scene.csv`; intervals of \
+         every group in `groups.csv`, all pairs of methods in `comparisons.csv`, what methods report of themselves in \
+         `reported.csv`; the paper's layout, for papers too, in `tables/`.\n",
     );
     page
 }
@@ -43,9 +62,10 @@ fn ranked_table(board: &Board) -> String {
     table.numbers(["seconds"]);
     for entry in &board.ranked {
         let mut cells = vec![entry.rank.to_string(), method(&entry.row), escape(&entry.row.version)];
-        cells.extend(
-            Metric::ALL.map(|metric| honoured(metric.of(&entry.row.scores.headline), board.podium(metric))),
-        );
+        cells.extend(Metric::ALL.map(|metric| {
+            let value = honoured(metric.of(&entry.row.scores.headline), board.podium(metric));
+            format!("{value}{}", headline_interval(&entry.row, metric))
+        }));
         cells.push(seconds(&entry.row));
         table.row(cells);
     }
@@ -61,11 +81,130 @@ fn unranked_table(board: &Board) -> String {
     table.numbers(["seconds"]);
     for entry in &board.unranked {
         let mut cells = vec![method(&entry.row), entry.reason()];
-        cells.extend(Metric::ALL.map(|metric| plain(metric.of(&entry.row.scores.headline))));
+        cells.extend(Metric::ALL.map(|metric| {
+            let value = plain(metric.of(&entry.row.scores.headline));
+            format!("{value}{}", headline_interval(&entry.row, metric))
+        }));
         cells.push(seconds(&entry.row));
         table.row(cells);
     }
     format!("## Not ranked, shown for scale\n\n{}", table.finish())
+}
+
+/// Of the headline alone: the others have theirs in `groups.csv`.
+fn headline_interval(row: &BoardRow, metric: Metric) -> String {
+    let found = row.miou.filter(|_| metric == Metric::ALL[0]);
+    found.map(|found| interval(&found)).unwrap_or_default()
+}
+
+/// ` (40.1 to 50.3)`; nothing where there is none.
+fn interval(found: &Estimate) -> String {
+    found.interval.map(|[low, high]| format!(" ({low:.1} to {high:.1})")).unwrap_or_default()
+}
+
+fn comparisons(board: &Board, statistics: &Statistics) -> String {
+    let all = statistics.headline();
+    let shown: Vec<&Pair> = match all.len() <= MOST_PAIRS {
+        true => all.iter().collect(),
+        // Partial methods are in no pair, so that the next one may be further down.
+        false => statistics.neighbours(board),
+    };
+    if shown.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["first", "second", "told apart"]);
+    table.numbers(["difference", "p", "p, corrected", "detectable", "queries", "scenes"]);
+    let mut is_rough = false;
+    for pair in &shown {
+        let found = &pair.comparison;
+        is_rough |= found.difference.is_of_few_scenes();
+        let name = |index: usize| escape(&statistics.methods[index].name);
+        let verdict = match pair.is_different() {
+            true if found.difference.value > 0.0 => "the first is better",
+            true => "the second is better",
+            false => "no",
+        };
+        let mark = if found.difference.is_of_few_scenes() { "!" } else { "" };
+        table.row(vec![
+            name(pair.first),
+            name(pair.second),
+            verdict.to_owned(),
+            format!("{:+.2}{}", found.difference.value, interval(&found.difference)),
+            p_text(found.p),
+            p_text(pair.holm_p),
+            found.detectable.map_or_else(|| "–".to_owned(), |points| format!("{points:.2}")),
+            found.difference.queries.to_string(),
+            format!("{}{mark}", found.difference.scenes),
+        ]);
+    }
+    let mut text = String::from(
+        "## What can be told apart\n\nDifferences in mIoU, the first less the second, query by query, percentage points. p by \
+         flipping the signs of scenes, corrected for all pairs (Holm). A true difference of the size called detectable would \
+         be found four times in five, before correction.\n\n",
+    );
+    text.push_str(&table.finish());
+    if shown.len() < all.len() {
+        text.push_str(&format!(
+            "Each method beside the next one; all {} pairs stand in `comparisons.csv`.\n\n",
+            all.len()
+        ));
+    }
+    if statistics.left_out > 0 {
+        text.push_str(&format!(
+            "Of the first {} methods; {} more are not compared.\n\n",
+            statistics.methods.len(),
+            statistics.left_out
+        ));
+    }
+    if is_rough {
+        text.push_str(&format!("! fewer than {FEW_SCENES} scenes: intervals may be too narrow.\n\n"));
+    }
+    text
+}
+
+fn group_intervals(title: &str, kind: Kind, board: &Board, statistics: &Statistics) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for group in
+        statistics.methods.iter().flat_map(|method| &method.groups).filter(|group| group.kind == kind)
+    {
+        if !names.contains(&group.name.as_str()) {
+            names.push(&group.name);
+        }
+    }
+    if names.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["#", "method"]);
+    table.numbers(names.iter().map(|name| (*name).to_owned()));
+    for ((rank, row), method) in board.rows().zip(&statistics.methods) {
+        let mut cells =
+            vec![rank.map_or_else(|| "–".to_owned(), |rank| rank.to_string()), escape(&method.name)];
+        for name in &names {
+            let found = statistics.group(&row.name, kind, name).and_then(|group| group.estimates.miou);
+            let cell = found.map(|found| format!("{:.2}{}", found.value, interval(&found)));
+            cells.push(cell.unwrap_or_else(|| "–".to_owned()));
+        }
+        table.row(cells);
+    }
+    format!("## {title}\n\n{}.\n\n{}", escape(&board.heading.line()), table.finish())
+}
+
+fn reported_table(board: &Board) -> String {
+    let known: Vec<_> = reported::rows(board).into_iter().filter(|row| row.recomputed.is_some()).collect();
+    if known.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["method", "number"]);
+    table.numbers(["as the method reports", "as counted here"]);
+    for row in known {
+        table.row(vec![
+            escape(row.method),
+            escape(row.number),
+            plain(Some(row.reported)),
+            plain(row.recomputed),
+        ]);
+    }
+    format!("## Reported by the methods themselves\n\nNever ranked.\n\n{}", table.finish())
 }
 
 fn group_table<K>(
@@ -109,27 +248,27 @@ fn other_tables(board: &Board) -> String {
     text
 }
 
-struct Table {
+pub(crate) struct Table {
     titles: Vec<String>,
     text_columns: usize,
     rows: String,
 }
 
 impl Table {
-    fn new(text_titles: &[&str]) -> Self {
+    pub(crate) fn new(text_titles: &[&str]) -> Self {
         let titles: Vec<String> = text_titles.iter().map(|&title| title.to_owned()).collect();
         Self { text_columns: titles.len(), titles, rows: String::new() }
     }
 
-    fn numbers<S: Into<String>>(&mut self, titles: impl IntoIterator<Item = S>) {
+    pub(crate) fn numbers<S: Into<String>>(&mut self, titles: impl IntoIterator<Item = S>) {
         self.titles.extend(titles.into_iter().map(Into::into));
     }
 
-    fn row(&mut self, cells: Vec<String>) {
+    pub(crate) fn row(&mut self, cells: Vec<String>) {
         self.rows.push_str(&format!("| {} |\n", cells.join(" | ")));
     }
 
-    fn finish(self) -> String {
+    pub(crate) fn finish(self) -> String {
         let rule = |index| if index < self.text_columns { "---" } else { "---:" };
         let rules: Vec<&str> = (0..self.titles.len()).map(rule).collect();
         format!("| {} |\n| {} |\n{}\n", self.titles.join(" | "), rules.join(" | "), self.rows)
@@ -201,18 +340,18 @@ mod tests {
 
     #[test]
     fn best_is_bold_second_is_italic_and_the_unranked_are_plain() {
-        let page = page(&sample::hand_made(), &[]);
+        let page = page(&sample::hand_made(), &Statistics::default(), &[]);
         let line = |start: &str| {
             page.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}\n{page}"))
         };
         assert!(line("| 1 | alpha |").contains("| **62.50** |"), "{}", line("| 1 | alpha |"));
         assert!(line("| 3 | gamma |").contains("| *50.00* |"), "{}", line("| 3 | gamma |"));
-        assert!(line("| oracle |").contains("used ground truth | 100.00 |"));
+        assert!(line("| oracle |").contains("used ground truth | 100.00 (95.5 to 100.0) |"));
     }
 
     #[test]
     fn every_row_of_a_table_has_as_many_cells_as_its_head() {
-        let page = page(&sample::board(14), &[]);
+        let page = page(&sample::board(14), &sample::statistics(&sample::board(14)), &[]);
         let cells = |line: &str| line.replace("\\|", "").matches('|').count();
         let mut expected = None;
         for line in page.lines() {

@@ -2,31 +2,51 @@
 
 use std::path::{Path, PathBuf};
 
+use l4d_data::layout::BenchDir;
 use l4d_data::store::write_atomic;
 
+use crate::detail::Details;
 use crate::error::BoardError;
 use crate::figures::{self, Figure};
 use crate::rank::Board;
-use crate::{markdown, table};
+use crate::statistics::Statistics;
+use crate::{latex, layout, markdown, table};
 
 /// Writes tables, page and figures into `folder`, each file through a temporary neighbour and rename; gives the
-/// paths in order. Files of other names stay.
-pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
+/// paths in order. Files of other names stay. `bench` has what papers report.
+pub fn publish(
+    board: &Board,
+    statistics: &Statistics,
+    details: &Details,
+    bench: &BenchDir,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, BoardError> {
     let mut files = vec![
         ("leaderboard.csv".to_owned(), table::leaderboard(board)?),
         ("per_category.csv".to_owned(), table::per_category(board)?),
         ("per_scale.csv".to_owned(), table::per_scale(board)?),
         ("per_scene.csv".to_owned(), table::per_scene(board)?),
+        ("groups.csv".to_owned(), table::groups(board, statistics)?),
+        ("comparisons.csv".to_owned(), table::comparisons(board, statistics)?),
+        ("reported.csv".to_owned(), table::reported(board)?),
+        ("taken.csv".to_owned(), table::taken(board, details)?),
     ];
+    for table in layout::all(board, statistics, bench)? {
+        let file = |extension: &str| format!("tables/{}.{extension}", table.name);
+        files.push((file("csv"), table::layout(board, &table)?));
+        files.push((file("tex"), latex::tabular(&table, board).into_bytes()));
+        files.push((file("md"), table.markdown(board).into_bytes()));
+    }
     let mut shown = Vec::new();
-    for Figure { name, caption, drawing } in figures::all(board) {
+    let figures = figures::all(board).into_iter().chain(figures::detailed(board, details));
+    for Figure { name, caption, drawing } in figures {
         let svg = format!("figures/{name}.svg");
         files.push((svg.clone(), figures::svg(name, &drawing)?.into_bytes()));
         files.push((format!("figures/{name}.png"), figures::png(name, &drawing)?));
         shown.push((svg, caption));
     }
     // The page comes last: when it is new, so is everything that it shows.
-    files.push(("leaderboard.md".to_owned(), markdown::page(board, &shown).into_bytes()));
+    files.push(("leaderboard.md".to_owned(), markdown::page(board, statistics, &shown).into_bytes()));
 
     let mut paths = Vec::new();
     for (name, bytes) in files {
@@ -42,9 +62,13 @@ mod tests {
     use super::*;
     use crate::sample;
 
+    fn bench() -> BenchDir {
+        BenchDir::new("nowhere")
+    }
+
     fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
         let mut files = Vec::new();
-        for part in [folder.to_owned(), folder.join("figures")] {
+        for part in [folder.to_owned(), folder.join("figures"), folder.join("tables")] {
             for entry in std::fs::read_dir(part).unwrap() {
                 let path = entry.unwrap().path();
                 if path.is_file() {
@@ -61,14 +85,28 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("leaderboard.csv"), "old").unwrap();
         std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
-        let mut paths = publish(&sample::hand_made(), folder.path()).unwrap();
+        let mut paths = publish(
+            &sample::hand_made(),
+            &sample::statistics(&sample::hand_made()),
+            &sample::details(),
+            &bench(),
+            folder.path(),
+        )
+        .unwrap();
         let first = files(folder.path());
-        publish(&sample::hand_made(), folder.path()).unwrap();
+        publish(
+            &sample::hand_made(),
+            &sample::statistics(&sample::hand_made()),
+            &sample::details(),
+            &bench(),
+            folder.path(),
+        )
+        .unwrap();
         assert_eq!(files(folder.path()), first);
         paths.push(folder.path().join("notes.txt"));
         paths.sort();
         assert_eq!(first.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>(), paths);
-        assert_eq!(paths.len(), 14);
+        assert_eq!(paths.len(), 17 + 3 + 6);
     }
 
     #[test]
@@ -76,7 +114,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let blocked = folder.path().join("file");
         std::fs::write(&blocked, "a file").unwrap();
-        let error = publish(&sample::hand_made(), &blocked).unwrap_err();
+        let error = publish(
+            &sample::hand_made(),
+            &sample::statistics(&sample::hand_made()),
+            &sample::details(),
+            &bench(),
+            &blocked,
+        )
+        .unwrap_err();
         assert!(error.to_string().contains("file"), "{error}");
     }
 }

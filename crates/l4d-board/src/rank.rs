@@ -115,6 +115,12 @@ impl Board {
         ranked.chain(self.unranked.iter().map(|entry| (None, &entry.row)))
     }
 
+    /// Why a method of this board is not ranked; nothing for those that are.
+    pub(crate) fn why_unranked(&self, row: &BoardRow) -> String {
+        let entry = self.unranked.iter().find(|entry| entry.row.name == row.name);
+        entry.map(Unranked::reason).unwrap_or_default()
+    }
+
     /// Best and second-best printed value of a metric among ranked methods.
     pub(crate) fn podium(&self, metric: Metric) -> Podium {
         Podium::of(self.ranked.iter().filter_map(|entry| metric.of(&entry.row.scores.headline)), metric)

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use l4d_data::{Name, Profile};
-use l4d_score::{Breakdown, Metrics};
+use l4d_score::metrics::Ratios;
+use l4d_score::{Breakdown, Estimate, Estimates, Metrics};
 
 use crate::error::BoardError;
 
@@ -103,7 +104,33 @@ impl Metric {
         self != Self::FalsePositiveRate
     }
 
-    /// The value of this metric.
+    /// The value of this metric, 0 to 1.
+    pub fn of_ratios(self, ratios: &Ratios) -> Option<f64> {
+        match self {
+            Self::Miou => ratios.miou,
+            Self::Macc => ratios.macc,
+            Self::Acc25 => ratios.acc25,
+            Self::Acc50 => ratios.acc50,
+            Self::TubeIou => ratios.tube_iou,
+            Self::Select => ratios.select,
+            Self::FalsePositiveRate => ratios.false_positive_rate,
+        }
+    }
+
+    /// The value of this metric with its interval, percent.
+    pub fn of_estimates(self, estimates: &Estimates) -> Option<Estimate> {
+        match self {
+            Self::Miou => estimates.miou,
+            Self::Macc => estimates.macc,
+            Self::Acc25 => estimates.acc25,
+            Self::Acc50 => estimates.acc50,
+            Self::TubeIou => estimates.tube_iou,
+            Self::Select => estimates.select,
+            Self::FalsePositiveRate => estimates.false_positive_rate,
+        }
+    }
+
+    /// The value of this metric, percent.
     pub fn of(self, metrics: &Metrics) -> Option<f64> {
         match self {
             Self::Miou => metrics.miou,
@@ -146,11 +173,20 @@ pub struct BoardRow {
     pub asked: usize,
     /// Its numbers: headline, per group, other averages.
     pub scores: Breakdown,
+    /// mIoU with its interval; none for methods of other boards, whose counts are not read.
+    pub miou: Option<Estimate>,
+    /// Numbers that the method reports of itself, by name; shown beside ours and never ranked.
+    pub reported: BTreeMap<String, f64>,
     /// Canonical frame -> mean IoU, percent, over the queries with a true or predicted pixel in that frame.
     pub frames: BTreeMap<u32, f64>,
 }
 
 impl BoardRow {
+    /// Whether it answered exactly what the board asks, so that it can be compared.
+    pub fn is_complete(&self, heading: &Heading) -> bool {
+        !self.partial && self.asked == heading.queries
+    }
+
     /// Refuses values that are no percentages and times that are no times.
     pub(crate) fn check(&self) -> Result<(), BoardError> {
         let Breakdown { headline, categories, scales, scenes, averages } = &self.scores;

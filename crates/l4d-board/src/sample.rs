@@ -3,10 +3,13 @@
 use std::collections::BTreeMap;
 
 use l4d_data::{Category, Name, Profile, Scale};
-use l4d_score::{Average, Breakdown, Metrics};
+use l4d_score::groups::Kind;
+use l4d_score::{Average, Breakdown, Comparison, Estimate, Estimates, Group, Metrics, Pair};
 
+use crate::detail::{Asked, Details};
 use crate::rank::Board;
-use crate::row::{BoardRow, Heading};
+use crate::row::{BoardRow, Heading, Metric};
+use crate::statistics::{Comparisons, MethodGroups, Statistics};
 
 pub(crate) fn heading(queries: usize, verified: usize) -> Heading {
     Heading {
@@ -53,8 +56,21 @@ pub(crate) fn row(name: &str, queries: usize, value: f64) -> BoardRow {
             scenes: BTreeMap::from([(Name::new("room_living_cats").unwrap(), all(queries))]),
             averages: BTreeMap::from([(Average::Micro, all(queries))]),
         },
+        miou: Some(Estimate {
+            value,
+            standard_error: Some(2.0),
+            interval: Some([(value - 4.5).max(0.0), (value + 4.0).min(100.0)]),
+            queries,
+            scenes: 21,
+        }),
+        reported: BTreeMap::new(),
         frames: (0..=96).step_by(2).map(|frame| (frame, value)).collect(),
     }
+}
+
+/// Nothing known query by query.
+pub(crate) fn details() -> Details<'static> {
+    Details { asked: Asked { scenes: Vec::new() }, methods: Vec::new() }
 }
 
 /// Two tied methods, a third, an oracle, a partial one, and one of another profile; four queries.
@@ -127,6 +143,69 @@ pub(crate) fn long_names() -> Board {
     rows.push(row(&"x".repeat(80), 289, 100.0));
     rows.push(row("none", 289, 0.0));
     Board::new(heading(289, 289), rows).unwrap()
+}
+
+/// What could be said of a board whose standard errors are all 2, by 21 scenes.
+pub(crate) fn statistics(board: &Board) -> Statistics {
+    let estimate = |value: f64, queries| Estimate {
+        value,
+        standard_error: Some(2.0),
+        interval: Some([value - 4.5, value + 4.5]),
+        queries,
+        scenes: 21,
+    };
+    let percent =
+        |value: Option<f64>, queries| value.map(|value| estimate(value, queries).within(0.0, 100.0));
+    let group = |kind: Kind, name: &str, found: &Metrics| Group {
+        kind,
+        name: name.to_owned(),
+        queries: found.queries,
+        scenes: 21,
+        few_scenes: false,
+        estimates: Estimates {
+            miou: percent(found.miou, found.queries),
+            macc: percent(found.macc, found.queries),
+            tube_iou: percent(found.tube_iou, found.queries),
+            ..Estimates::default()
+        },
+    };
+    let groups = |row: &BoardRow| {
+        let mut groups = vec![group(Kind::All, "all", &row.scores.headline)];
+        for (category, found) in &row.scores.categories {
+            groups.push(group(Kind::Category, category.as_str(), found));
+        }
+        for (scale, found) in &row.scores.scales {
+            groups.push(group(Kind::Scale, scale.as_str(), found));
+            for category in row.scores.categories.keys() {
+                let name = format!("{} {}", scale.as_str(), category.as_str());
+                groups.push(group(Kind::ScaleCategory, &name, found));
+            }
+        }
+        for name in ["whole", "while"] {
+            groups.push(group(Kind::Temporal, name, &row.scores.headline));
+        }
+        groups
+    };
+    let rows: Vec<&BoardRow> = board.rows().map(|(_, row)| row).collect();
+    let complete = |index: &usize| rows[*index].is_complete(&board.heading);
+    let value = |index: usize| rows[index].scores.headline.miou.unwrap_or_default();
+    let compare = |first: usize, second: usize| {
+        let difference = estimate(value(first) - value(second), 4).within(-100.0, 100.0);
+        let p = if difference.value.abs() < 4.5 { 1.0 } else { 0.000_5 };
+        let comparison = Comparison { difference, p, least_p: 1e-6, detectable: Some(6.2) };
+        Pair { first, second, comparison, holm_p: p }
+    };
+    let pairs = (0..rows.len()).filter(complete).flat_map(|first| {
+        (first + 1..rows.len()).filter(complete).map(move |second| compare(first, second)).collect::<Vec<_>>()
+    });
+    Statistics {
+        methods: rows
+            .iter()
+            .map(|row| MethodGroups { name: row.name.clone(), groups: groups(row) })
+            .collect(),
+        comparisons: vec![Comparisons { metric: Metric::Miou, pairs: pairs.collect() }],
+        left_out: 0,
+    }
 }
 
 fn varied(name: &str, value: f64, phase: f64) -> BoardRow {

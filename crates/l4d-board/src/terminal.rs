@@ -1,9 +1,11 @@
 //! The board as aligned text for a terminal, at most [`WIDTH`] columns wide.
 
 use l4d_data::Category;
+use l4d_score::cluster::FEW_SCENES;
 
 use crate::rank::Board;
 use crate::row::{BoardRow, Metric};
+use crate::statistics::{Statistics, p_text};
 
 /// No line is wider.
 pub(crate) const WIDTH: usize = 100;
@@ -45,6 +47,62 @@ pub fn text_table(board: &Board) -> String {
         for row in &other.rows {
             lines.extend(row_lines("-", row, name_width));
         }
+    }
+    lines.join("\n")
+}
+
+/// What the means of the board can tell, as lines of text: intervals, and by how much each method is ahead of the next.
+/// Empty without a method whose counts were read.
+pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
+    const VALUE_WIDTH: usize = 22;
+    const SHORT_WIDTH: usize = 9;
+    let neighbours = statistics.neighbours(board);
+    let room = WIDTH - RANK_WIDTH - 1 - 2 * VALUE_WIDTH - 2 * SHORT_WIDTH;
+    let longest = statistics.methods.iter().map(|method| method.name.len()).max().unwrap_or(0);
+    if longest == 0 {
+        return String::new();
+    }
+    let name_width = longest.clamp("method".len(), room);
+    let mut lines = vec![format!(
+        "{:>RANK_WIDTH$} {:name_width$}{:>VALUE_WIDTH$}{:>VALUE_WIDTH$}{:>SHORT_WIDTH$}{:>SHORT_WIDTH$}",
+        "rank", "method", "mIoU (95 % interval)", "ahead of the next", "p", "detect."
+    )];
+    let mut is_rough = false;
+    for (index, ((rank, row), method)) in board.rows().zip(&statistics.methods).enumerate() {
+        let interval = |[low, high]: [f64; 2]| format!(" ({low:.1} to {high:.1})");
+        let with_interval =
+            |text: String, found: Option<[f64; 2]>| text + &found.map(interval).unwrap_or_default();
+        let own = row.miou.map(|found| with_interval(format!("{:.2}", found.value), found.interval));
+        let pair = neighbours.iter().find(|pair| pair.first == index);
+        let [ahead, p, detectable] = pair.map_or_else(Default::default, |pair| {
+            let found = &pair.comparison;
+            is_rough |= found.difference.is_of_few_scenes();
+            [
+                with_interval(format!("{:+.2}", found.difference.value), found.difference.interval),
+                p_text(pair.holm_p),
+                found.detectable.map(|points| format!("{points:.2}")).unwrap_or_default(),
+            ]
+        });
+        let rank = rank.map_or_else(|| "-".to_owned(), |rank| rank.to_string());
+        let mut name_lines = split(&method.name, name_width).into_iter();
+        let first = name_lines.next().unwrap_or_default();
+        let line = format!(
+            "{rank:>RANK_WIDTH$} {first:name_width$}{:>VALUE_WIDTH$}{ahead:>VALUE_WIDTH$}{p:>SHORT_WIDTH$}{detectable:>SHORT_WIDTH$}",
+            own.unwrap_or_else(|| "-".to_owned())
+        );
+        lines.push(line.trim_end().to_owned());
+        lines.extend(name_lines.map(|rest| format!("{:RANK_WIDTH$} {rest}", "")));
+    }
+    lines.extend(wrap(
+        "Intervals are clustered by scene. p: by flipping the signs of scenes, corrected for all pairs (Holm); detect.: a true \
+         difference of so many points would be found four times in five.",
+        WIDTH,
+    ));
+    if is_rough {
+        lines.push(format!("Fewer than {FEW_SCENES} scenes: intervals may be too narrow."));
+    }
+    if statistics.left_out > 0 {
+        lines.push(format!("{} more methods are not compared.", statistics.left_out));
     }
     lines.join("\n")
 }
@@ -135,6 +193,23 @@ mod tests {
                 assert!(glued.contains(&start), "{} is not in\n{text}", row.name);
             }
         }
+    }
+
+    #[test]
+    fn no_line_of_statistics_is_wider_than_the_terminal() {
+        for board in [sample::board(1), sample::board(14), sample::long_names()] {
+            let text = text_statistics(&board, &sample::statistics(&board));
+            for line in text.lines() {
+                assert!(line.chars().count() <= WIDTH, "{} columns: {line}", line.chars().count());
+            }
+        }
+        let board = sample::hand_made();
+        let text = text_statistics(&board, &sample::statistics(&board));
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "rank method  mIoU (95 % interval)     ahead of the next        p  detect.");
+        assert_eq!(lines[1], "   1 alpha   62.50 (58.0 to 66.5)   +0.00 (-4.5 to 4.5)   1.0000     6.20");
+        assert_eq!(lines[5], "   - half    80.00 (75.5 to 84.0)", "a partial method is compared with none");
+        assert_eq!(text_statistics(&board, &Statistics::default()), "");
     }
 
     #[test]

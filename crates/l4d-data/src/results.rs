@@ -55,6 +55,11 @@ pub struct MethodCard {
     pub used: Used,
     /// Wall seconds that the method took for all queries; null where it was not measured.
     pub seconds: Option<f64>,
+    /// Numbers that the method reports of itself, or that its own evaluation wrote: what is measured -> value. They are
+    /// shown beside what is counted here and never become a score. Percent, where the name is that of a metric
+    /// (`miou`, `tube_iou`) or of a group and a metric (`action miou`, `room_gym macc`).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reported: BTreeMap<String, f64>,
     /// How foreign files became these masks; none for results that were written as such.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub import: Option<Import>,
@@ -74,9 +79,6 @@ pub struct Import {
     pub assumptions: BTreeMap<String, String>,
     /// What was read -> SHA-256.
     pub inputs: BTreeMap<String, String>,
-    /// Numbers that the method's own evaluation wrote. They are shown and never scored.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub claimed: BTreeMap<String, f64>,
 }
 
 impl MethodCard {

@@ -66,6 +66,7 @@ impl ResultsWriter {
             protocol: PROTOCOL.to_owned(),
             used: Used { ground_truth, test_view, endpoints: endpoints.unwrap_or_default() },
             seconds: None,
+            reported: BTreeMap::new(),
             import: None,
         };
         let dir = ResultsDir::new(path);
@@ -163,7 +164,7 @@ fn claim(dir: &ResultsDir, card: &MethodCard, overwrite: bool) -> Result<()> {
         return Ok(json::write(&path, card)?);
     }
     if path.exists() {
-        let before = MethodCard { seconds: None, ..MethodCard::read(&path)? };
+        let before = MethodCard { seconds: None, reported: BTreeMap::new(), ..MethodCard::read(&path)? };
         return match difference(&before, card) {
             None => Ok(()),
             Some(field) => Err(DataError::invalid(

@@ -139,6 +139,7 @@ impl Setting<'_> {
             protocol: "l4d".to_owned(),
             used: Used::default(),
             seconds: None,
+            reported: BTreeMap::new(),
             import: None,
         };
         let mut files = Files::from([("method.json".to_owned(), pretty("method.json", &card)?)]);

@@ -1,6 +1,7 @@
 //! Baselines that bracket the scale: made from the truth and a seed, to show what the metrics can and cannot tell
 //! apart.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -129,6 +130,7 @@ fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
         protocol: PROTOCOL.to_owned(),
         used: Used { ground_truth: baseline.uses_truth(), test_view: false, endpoints: Vec::new() },
         seconds: None,
+        reported: BTreeMap::new(),
         import: None,
     }
 }

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use l4d_data::benchmark::how_truth_is_made;
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Status};
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale, Status};
 use serde::{Deserialize, Serialize};
 
 use crate::codes;
+use crate::traits::Traits;
 use crate::truth::SceneTruth;
 
 /// Which sentences are asked. Those that nothing satisfies are none of them: they have no truth to hit.
@@ -66,8 +67,12 @@ pub struct Exam {
 pub struct SceneExam {
     /// The scene.
     pub name: Name,
+    /// Its spatial scale.
+    pub scale: Scale,
     /// All its queries, rejected ones included.
     pub queries: Vec<Query>,
+    /// How the targets of these queries look, in the same order.
+    pub traits: Vec<Traits>,
     /// The file that they come from.
     pub queries_path: PathBuf,
     /// Numbers of the queries of the other sets: a method may answer them, and they are not judged here.
@@ -111,14 +116,18 @@ impl Exam {
             let queries = set.of_scene(&bench, &name)?;
             let not_asked = not_asked(&bench, &name, &queries)?;
             let queries_path = set.path(&bench, &name);
-            let (clip, unannotated, size) = match profile.is_rendered() {
-                true => (profile.frames().collect(), Vec::new(), (profile.width(), profile.height())),
-                false => {
-                    let truth = bench.truth(profile, &name)?;
-                    (truth.clip(), truth.unannotated, (truth.width, truth.height))
-                }
-            };
-            scenes.push(SceneExam { queries, queries_path, not_asked, clip, unannotated, size, name });
+            let truth = bench.truth(profile, &name)?;
+            scenes.push(SceneExam {
+                scale: truth.scale,
+                traits: queries.iter().map(|query| Traits::of(query, &truth)).collect(),
+                queries,
+                queries_path,
+                not_asked,
+                clip: truth.clip(),
+                size: (truth.width, truth.height),
+                unannotated: truth.unannotated,
+                name,
+            });
         }
         if scenes.is_empty() {
             let message = format!("no scene has both {} and truth of profile {profile}", set.as_str());

@@ -1,10 +1,11 @@
 //! Scores methods: reads their masks, counts, writes `counts.csv` and sums up.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::{DataError, Query, Report, json as file};
+use l4d_data::{DataError, Query, QueryId, Report, json as file};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -175,21 +176,19 @@ fn count(
 }
 
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.
-pub fn tallies_of_counts(
-    counts: &[FrameCount],
-    exam: &Exam,
-    options: &Options,
-) -> Result<Vec<QueryTally>, DataError> {
+pub fn tallies_of_counts(counts: &[FrameCount], exam: &Exam, options: &Options) -> Vec<QueryTally> {
+    let mut rows: BTreeMap<&QueryId, Vec<FrameCount>> = BTreeMap::new();
+    for count in counts {
+        rows.entry(&count.query).or_default().push(count.clone());
+    }
     let mut tallies = Vec::new();
     for scene in &exam.scenes {
-        let scale = exam.bench.truth(exam.profile, &scene.name)?.scale;
         for query in scene.queries.iter().filter(|query| options.takes(query)) {
-            let rows: Vec<FrameCount> =
-                counts.iter().filter(|count| count.query == query.id).cloned().collect();
-            tallies.push(QueryTally::of(QueryFacts::of(query, scale), &rows, options));
+            let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice);
+            tallies.push(QueryTally::of(QueryFacts::of(query, scene.scale), rows, options));
         }
     }
-    Ok(tallies)
+    tallies
 }
 
 fn report_never_present(summary: &Summary, exam: &Exam, report: &mut Report) {

@@ -1,6 +1,7 @@
 //! `summary.json`: the scores of one method with everything that they depend on. Derived from `counts.csv`, kept so
 //! that a leaderboard needs neither truth nor queries.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::results::{MethodCard, Used};
@@ -33,6 +34,9 @@ pub struct Summary {
     pub used: Used,
     /// Wall seconds that the method took for all queries.
     pub seconds: Option<f64>,
+    /// What the method reports of itself; never scored.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reported: BTreeMap<String, f64>,
     /// Protocol of the scores.
     pub protocol: String,
     /// Profile of truth and masks.
@@ -75,6 +79,7 @@ impl Summary {
             link: card.link,
             used: card.used,
             seconds: card.seconds,
+            reported: card.reported,
             protocol: card.protocol,
             profile: exam.profile,
             benchmark_version: card.benchmark_version,

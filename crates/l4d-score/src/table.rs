@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use l4d_data::{Category, Scale};
 
+use crate::cluster::{Estimate, FEW_SCENES};
+use crate::groups::{Group, Kind};
 use crate::metrics::Metrics;
 use crate::summary::Summary;
 
@@ -22,6 +24,40 @@ pub fn render(summaries: &[Summary]) -> String {
         });
     }
     text
+}
+
+/// Groups of one method with 95 % intervals, a line each; single queries are left out.
+pub fn render_groups(name: &str, groups: &[Group]) -> String {
+    const COLUMNS: [&str; 3] = ["mIoU", "mAcc", "tube"];
+    let mut text = format!("{name}, with 95 % intervals clustered by scene\n");
+    let titles = COLUMNS.iter().map(|title| format!("{title:>20}"));
+    line(&mut text, "group", ["  queries scenes".to_owned()].into_iter().chain(titles));
+    let mut is_rough = false;
+    for group in groups.iter().filter(|group| group.kind != Kind::Query) {
+        let name = match group.kind {
+            Kind::All | Kind::Scene | Kind::ScaleCategory => group.name.clone(),
+            kind => format!("{} {}", kind.as_str(), group.name),
+        };
+        // A single scene has no interval to distrust.
+        let is_few = group.few_scenes && group.scenes > 1;
+        is_rough |= is_few;
+        let scenes = format!("{:>9}{:>6}{}", group.queries, group.scenes, if is_few { "!" } else { " " });
+        let values = [group.estimates.miou, group.estimates.macc, group.estimates.tube_iou];
+        let cells = values.map(|value| format!("{:>20}", value.map_or_else(|| "-".to_owned(), estimate)));
+        line(&mut text, &name, [scenes].into_iter().chain(cells));
+    }
+    if is_rough {
+        text.push_str(&format!("! fewer than {FEW_SCENES} scenes: the interval may be too narrow\n"));
+    }
+    text
+}
+
+/// `45.2 [40.1, 50.3]`.
+fn estimate(found: Estimate) -> String {
+    match found.interval {
+        Some([low, high]) => format!("{:.1} [{low:.1}, {high:.1}]", found.value),
+        None => format!("{:.1}", found.value),
+    }
 }
 
 fn headline(text: &mut String, summaries: &[Summary]) {

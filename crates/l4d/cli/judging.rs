@@ -131,6 +131,12 @@ pub(crate) struct ScoreArgs {
     /// Score only queries that people have verified
     #[arg(long)]
     pub(crate) verified_only: bool,
+    /// Print means with intervals by category, scale, time, size, occlusion and scene; as JSON by query, too
+    #[arg(long, conflicts_with_all = ["protocol", "sweep"])]
+    pub(crate) groups: bool,
+    /// Seed of the draws behind intervals
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -138,14 +144,31 @@ pub(crate) struct ScoreArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct LeaderboardArgs {
-    /// Folder of scored methods
-    #[arg(default_value = "scores")]
-    pub(crate) scores: PathBuf,
+    /// Folder of scored methods; default: scores, or scores-composites
+    pub(crate) scores: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
-    /// Folder that receives tables and figures
-    #[arg(long, short, value_name = "DIR", default_value = "leaderboard")]
-    pub(crate) output: PathBuf,
+    /// Which sentences were judged
+    #[arg(long, value_enum, default_value = "queries")]
+    pub(crate) set: JudgedSetArg,
+    /// Folder that receives tables and figures; default: leaderboard, or leaderboard-composites
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Seed of the draws behind intervals
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Folder of what solvers left on their way: how sure they were becomes a figure
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+    /// Write index.html too: the board as one page with masks and pictures, which needs no network
+    #[arg(long)]
+    pub(crate) html: bool,
+    /// Folder of the results whose masks the page shows
+    #[arg(long, value_name = "DIR", default_value = "results", requires = "html")]
+    pub(crate) results: PathBuf,
+    /// Folder of rendered scenes whose held-out pictures lie under the masks of the page; default: none
+    #[arg(long, value_name = "DIR", requires = "html")]
+    pub(crate) data: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,43 +1,74 @@
-//! `l4d leaderboard`: scores of methods in, ranked tables and figures out.
+//! `l4d leaderboard`: scores of methods in, ranked tables, figures and a page out.
+
+mod page;
+mod reliability;
+
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_board::{Board, BoardError, Gathered, gather, publish, text_table};
+use l4d_board::{
+    Board, BoardError, Details, Gathered, Statistics, gather, publish, publish_reliability, text_statistics,
+    text_table,
+};
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
 use serde_json::{Value, json};
 
+use super::score::default_scores;
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let exam = Exam::open(bench, args.bench.profile, QuerySet::Queries, &args.bench.scenes, &mut report)?;
-    let Gathered { board, report: found } =
-        gather(&args.scores, &exam).map_err(|error| with_hint(error, args))?;
+    let set: QuerySet = args.set.into();
+    let exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
+    let scores = args.scores.clone().unwrap_or_else(|| default_scores(set));
+    let output = args.output.clone().unwrap_or_else(|| default_output(set));
+    let Gathered { board, statistics, report: found } =
+        gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
-    let paths = publish(&board, &args.output).map_err(|error| with_hint(error, args))?;
+    let details = Details::read(&board, &scores, &exam)?;
+    let mut paths = publish(&board, &statistics, &details, &exam.bench.dir, &output)
+        .map_err(|error| with_hint(error, &scores))?;
+    let certainties = reliability::of_methods(args, &exam, &details)?;
+    if !certainties.is_empty() {
+        let figures = output.join("figures");
+        paths.extend(publish_reliability(&certainties, &reliability::about(&board), &figures)?);
+    }
+    if args.html {
+        paths.push(page::write(args, &exam, &board, &statistics, &details, [&scores, &output], out)?);
+    }
 
     for finding in report.into_sorted() {
         out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
     }
     if args.json {
-        out.json(&as_json(&board))?;
+        out.json(&as_json(&board, &statistics))?;
     } else {
         out.data(text_table(&board))?;
+        out.data(format!("\n{}", text_statistics(&board, &statistics)))?;
     }
-    out.note(format!("\n{} files in {}:", paths.len(), args.output.display()));
+    out.note(format!("\n{} files in {}:", paths.len(), output.display()));
     for path in paths {
         out.note(format!("  {}", path.display()));
     }
     Ok(ExitStatus::Success)
 }
 
-fn with_hint(error: BoardError, args: &LeaderboardArgs) -> anyhow::Error {
-    let scores = args.scores.display();
+/// Boards of several sets never share a folder.
+fn default_output(set: QuerySet) -> PathBuf {
+    match set {
+        QuerySet::Queries => "leaderboard".into(),
+        QuerySet::Composites => "leaderboard-composites".into(),
+    }
+}
+
+fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {
+    let scores = folder.display();
     let message = error.to_string();
     match error {
-        _ if !args.scores.exists() => refusal(
+        _ if !folder.exists() => refusal(
             format!("{scores}: there is no such folder"),
             "run `l4d score` first, or name the folder of scores",
         ),
@@ -54,14 +85,26 @@ fn with_hint(error: BoardError, args: &LeaderboardArgs) -> anyhow::Error {
     }
 }
 
-fn as_json(board: &Board) -> Value {
+fn as_json(board: &Board, statistics: &Statistics) -> Value {
     let heading = &board.heading;
     let ranked = board.ranked.iter().map(|entry| json!({
         "name": entry.row.name, "rank": entry.rank, "seconds": entry.row.seconds, "scores": entry.row.scores,
+        "miou": entry.row.miou, "reported": entry.row.reported,
     }));
     let unranked = board.unranked.iter().map(|entry| json!({
         "name": entry.row.name, "unranked_because": entry.reasons, "seconds": entry.row.seconds, "scores": entry.row.scores,
+        "miou": entry.row.miou, "reported": entry.row.reported,
     }));
+    let name = |index: usize| &statistics.methods[index].name;
+    let pairs = statistics.comparisons.iter().flat_map(|found| {
+        found.pairs.iter().map(|pair| {
+            json!({
+                "metric": found.metric.key(), "first": name(pair.first), "second": name(pair.second),
+                "difference": pair.comparison.difference, "p": pair.comparison.p, "holm_p": pair.holm_p,
+                "detectable": pair.comparison.detectable, "different": pair.is_different(),
+            })
+        })
+    });
     json!({
         "benchmark": heading.benchmark,
         "benchmark_version": heading.version,
@@ -72,5 +115,6 @@ fn as_json(board: &Board) -> Value {
         "rejected_queries": heading.rejected,
         "ranked": ranked.collect::<Vec<_>>(),
         "unranked": unranked.collect::<Vec<_>>(),
+        "comparisons": pairs.collect::<Vec<_>>(),
     })
 }

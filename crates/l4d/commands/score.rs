@@ -3,11 +3,15 @@
 mod protocol;
 mod sweep;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_data::{Benchmark, Report};
-use l4d_score::{Exam, Missing, Options, QuerySet, Scored, Summary, score_results, table};
+use l4d_data::{Benchmark, DataError, Report};
+use l4d_score::score::{counts_path, tallies_of_counts};
+use l4d_score::{
+    Exam, Group, Missing, Options, QuerySet, Scored, Summary, counts, groups, score_results, table,
+};
+use serde_json::Value;
 
 use crate::cli::judging::{JudgedSetArg, MissingArg, ProtocolArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
@@ -43,13 +47,22 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
     report.extend(std::mem::take(&mut scored.report));
     let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+    let grouped: Vec<Vec<Group>> = match args.groups {
+        true => grouped(&scored.summaries, &exam, &scores, args.seed)?,
+        false => Vec::new(),
+    };
     if args.json {
-        out.json(&Scored { report, ..scored }.into_document(&exam))?;
+        let mut document = Scored { report, ..scored }.into_document(&exam);
+        add_groups(&mut document, &grouped)?;
+        out.json(&document)?;
         return Ok(status);
     }
     let summaries = scored.summaries;
     if !summaries.is_empty() {
         out.data(table::render(&summaries))?;
+        for (summary, groups) in summaries.iter().zip(&grouped) {
+            out.data(table::render_groups(&summary.name, groups))?;
+        }
         out.data(footer(&summaries, &exam))?;
     }
     if !report.is_empty() {
@@ -59,6 +72,29 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(format!("counts and summaries stand in {}/<method>/", scores.display()));
     }
     Ok(status)
+}
+
+/// From the rows that were just written, as anyone else has them.
+fn grouped(
+    summaries: &[Summary],
+    exam: &Exam,
+    scores: &Path,
+    seed: u64,
+) -> Result<Vec<Vec<Group>>, DataError> {
+    let of_method = |summary: &Summary| {
+        let rows = counts::read(&counts_path(scores, &summary.name))?;
+        Ok(groups(&tallies_of_counts(&rows, exam, &summary.options), exam, seed))
+    };
+    summaries.iter().map(of_method).collect()
+}
+
+/// Beside the other numbers of each method.
+fn add_groups(document: &mut Value, grouped: &[Vec<Group>]) -> Result<()> {
+    let methods = document["methods"].as_array_mut().into_iter().flatten();
+    for (method, groups) in methods.zip(grouped) {
+        method["groups"] = serde_json::to_value(groups)?;
+    }
+    Ok(())
 }
 
 impl From<JudgedSetArg> for QuerySet {
@@ -71,7 +107,7 @@ impl From<JudgedSetArg> for QuerySet {
 }
 
 /// Sets never share a folder: scores of one would replace those of the other.
-fn default_scores(set: QuerySet) -> PathBuf {
+pub(super) fn default_scores(set: QuerySet) -> PathBuf {
     match set {
         QuerySet::Queries => "scores".into(),
         QuerySet::Composites => "scores-composites".into(),

@@ -1,6 +1,6 @@
 //! Numbers that a method's own evaluation wrote: logs of LangSplat and 4D LangSplat, and the CSV of the latter.
 //!
-//! They are taken as claims: they stand in `method.json` beside what is counted here, and never become a score. The
+//! They are taken as claims: they stand in `method.json` (`reported`), are shown beside what is counted here, and never become a score. The
 //! cells of the CSV are how torch prints numbers, four decimals of them, so a mean of cells is not the mean that was
 //! written beside them.
 

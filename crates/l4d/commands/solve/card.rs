@@ -1,5 +1,7 @@
 //! `method.json` of the solver's results.
 
+use std::collections::BTreeMap;
+
 use anyhow::Result;
 use l4d_data::Benchmark;
 use l4d_data::json;
@@ -41,11 +43,14 @@ impl Card {
                 endpoints: run.grounders.endpoints(),
             },
             seconds: None,
+            reported: BTreeMap::new(),
             import: None,
         };
         let path = run.results.card();
         if path.exists() && !run.args.overwrite {
             let mut before = MethodCard { seconds: None, ..MethodCard::read(&path)? };
+            // What somebody wrote beside what a run knows stays.
+            card.reported.clone_from(&before.reported);
             match truth_digest {
                 None => card.truth_digest.clone_from(&before.truth_digest),
                 Some(digest) if before.truth_digest.is_empty() => before.truth_digest = digest,

@@ -64,11 +64,11 @@ pub fn write(
         protocol: PROTOCOL.to_owned(),
         used: Used { ground_truth: false, test_view: identity.test_view, endpoints: Vec::new() },
         seconds: None,
+        reported: imported.claimed.clone(),
         import: Some(Import {
             format: request.preset.name.clone(),
             assumptions: imported.assumptions.clone(),
             inputs: imported.inputs.clone(),
-            claimed: imported.claimed.clone(),
         }),
     };
     json::write(&dir.card(), &card)?;

@@ -1,0 +1,112 @@
+"""How long `l4d leaderboard` takes from counts.csv to tables and figures.
+
+Makes a folder of scores of many made-up methods (the oracle's counts on the shipped queries, each query spoilt by its own
+share) and runs the verb on it.
+
+    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 50
+    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 50 -- --html
+
+prints one JSON object with the best wall time; what follows `--` goes to the verb. Needs no render, and Python's standard
+library alone.
+"""
+
+import argparse
+import csv
+import importlib.util
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+BENCHMARK = Path(__file__).resolve().parents[1]
+
+
+def recompute_module():
+    """The script that derives numbers from counts: a summary has to agree with its rows."""
+    spec = importlib.util.spec_from_file_location("recompute", BENCHMARK / "recompute.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def spoil(rows: list[dict], number: int) -> list[dict]:
+    """The oracle's rows with a share of each target missed and as much marked beside it; some queries go wrong."""
+    skill = 0.2 + 0.7 * random.Random(number).random()
+    spoilt = []
+    for row in rows:
+        row = dict(row)
+        query = random.Random(f"{number}/{row['scene']}/{row['query']}")
+        truth = int(row["truth"])
+        found = min(skill + query.gauss(0, 0.15), 1.0) if query.random() < skill + 0.3 else 0.0
+        overlap = int(truth * max(found, 0.0))
+        if truth:
+            row["state"] = "hit" if overlap else "miss"
+            row["intersection"], row["predicted"], row["union"] = overlap, truth, 2 * truth - overlap
+            row["instance"], row["instance_overlap"] = (row["instance"], overlap) if overlap else ("", 0)
+        spoilt.append(row)
+    return spoilt
+
+
+def write_method(scores: Path, name: str, rows: list[dict], summary: dict) -> None:
+    folder = scores / name
+    folder.mkdir()
+    with (folder / "counts.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    recompute = recompute_module()
+    referents = recompute.read_referents(BENCHMARK)
+    headline = recompute.headline(folder, referents, argparse.Namespace(missing="zero", hit_iou=0.0))
+    headline.pop("miou_error")
+    used = {**summary["used"], "ground_truth": False}
+    seconds = 10.0 * len(name) + headline["miou"]
+    document = {**summary, **headline, "name": name, "used": used, "seconds": seconds}
+    (folder / "summary.json").write_text(json.dumps(document), encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--l4d", type=Path, required=True, help="the binary, built with --release")
+    parser.add_argument("--methods", type=int, default=50)
+    parser.add_argument("--profile", default="small")
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("rest", nargs="*", help="arguments of `l4d leaderboard`")
+    options = parser.parse_args()
+    l4d = options.l4d.resolve()
+    bench = ["--bench", str(BENCHMARK), "--profile", options.profile]
+    with tempfile.TemporaryDirectory() as root:
+
+        def run(*arguments: str) -> float:
+            start = time.perf_counter()
+            subprocess.run([l4d, *arguments, *bench], cwd=root, check=True, stdout=subprocess.DEVNULL, stderr=sys.stderr)
+            return time.perf_counter() - start
+
+        run("-q", "baseline", "oracle")
+        run("-q", "score")
+        scores = Path(root) / "scores"
+        with (scores / "oracle/counts.csv").open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        summary = json.loads((scores / "oracle/summary.json").read_text(encoding="utf-8"))
+        for number in range(options.methods - 1):
+            write_method(scores, f"method-{number:04}", spoil(rows, number), summary)
+        seconds = [run("-q", "leaderboard", *options.rest) for _ in range(options.repeat)]
+        files = [path for path in (Path(root) / "leaderboard").rglob("*") if path.is_file()]
+        report = {
+            "methods": options.methods,
+            "queries": summary["queries"],
+            "rows": len(rows),
+            "profile": options.profile,
+            "arguments": options.rest,
+            "cores": os.cpu_count(),
+            "files": len(files),
+            "seconds": round(min(seconds), 3),
+        }
+        print(json.dumps(report))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,166 @@
+//! Tables for papers: `tabular` environments that need `booktabs` and nothing else.
+
+use crate::layout::{Cell, Layout, Line, METRICS, PUBLISHED_TITLE};
+use crate::rank::{Board, Podium};
+
+/// The table, ready for `\input`.
+pub(crate) fn tabular(layout: &Layout, board: &Board) -> String {
+    let numbers = layout.columns.len() * METRICS.len();
+    let mut text = format!(
+        "% {}: {}\n% Percent, macro means over queries; below, 95 % intervals clustered by scene.\n% Best bold, second best \
+         underlined among ranked methods; a dagger marks methods that are not ranked.\n% Needs \\usepackage{{booktabs}}.\n\
+         \\begin{{tabular}}{{l{}}}\n\\toprule\n",
+        comment(layout.title),
+        comment(&board.heading.line()),
+        "r".repeat(numbers)
+    );
+    let heads = layout.columns.iter().map(|column| format!("\\multicolumn{{2}}{{c}}{{{}}}", escape(column)));
+    text.push_str(&row(std::iter::once(String::new()).chain(heads)));
+    let rules = (0..layout.columns.len())
+        .map(|column| format!("\\cmidrule(lr){{{}-{}}}", 2 * column + 2, 2 * column + 3));
+    text.push_str(&format!("{}\n", rules.collect::<String>()));
+    let titles = layout.columns.iter().flat_map(|_| METRICS.map(|metric| metric.title().to_owned()));
+    text.push_str(&row(std::iter::once("method".to_owned()).chain(titles)));
+    text.push_str("\\midrule\n");
+    for (index, line) in layout.rows.iter().enumerate() {
+        let is_first_unranked = index > 0 && line.rank.is_none() && layout.rows[index - 1].rank.is_some();
+        if is_first_unranked {
+            text.push_str("\\midrule\n");
+        }
+        text.push_str(&line_text(layout, line));
+    }
+    if !layout.published.is_empty() {
+        text.push_str(&format!(
+            "\\midrule\n\\multicolumn{{{}}}{{l}}{{\\emph{{{PUBLISHED_TITLE}}}}} \\\\\n",
+            numbers + 1
+        ));
+        layout.published.iter().for_each(|line| text.push_str(&line_text(layout, line)));
+    }
+    text.push_str("\\bottomrule\n\\end{tabular}\n");
+    text
+}
+
+fn row(cells: impl Iterator<Item = String>) -> String {
+    format!("{} \\\\\n", cells.collect::<Vec<_>>().join(" & "))
+}
+
+fn line_text(layout: &Layout, line: &Line) -> String {
+    let mark = if line.unranked_because.is_empty() { "" } else { "$^{\\dagger}$" };
+    let cells = line.cells.iter().enumerate().flat_map(|(column, pair)| {
+        pair.iter().enumerate().map(move |(metric, cell)| {
+            let podium = line.rank.map(|_| layout.podium(column, metric));
+            cell.map_or_else(|| "--".to_owned(), |cell| cell_text(cell, podium))
+        })
+    });
+    row(std::iter::once(format!("{}{mark}", escape(&line.label))).chain(cells))
+}
+
+fn cell_text(cell: Cell, podium: Option<Podium>) -> String {
+    let value = match podium {
+        Some(podium) if podium.is_best(cell.value) => format!("\\textbf{{{:.2}}}", cell.value),
+        Some(podium) if podium.is_second(cell.value) => format!("\\underline{{{:.2}}}", cell.value),
+        _ => format!("{:.2}", cell.value),
+    };
+    match cell.interval {
+        Some([low, high]) => format!("\\shortstack[r]{{{value}\\\\{{\\tiny {low:.1}--{high:.1}}}}}"),
+        None => value,
+    }
+}
+
+/// Text that LaTeX prints as it is. What it has no command for becomes a question mark: method names are ASCII.
+pub(crate) fn escape(text: &str) -> String {
+    let mut escaped = String::new();
+    for character in text.chars() {
+        match character {
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => escaped.extend(['\\', character]),
+            '~' => escaped.push_str("\\textasciitilde{}"),
+            '^' => escaped.push_str("\\textasciicircum{}"),
+            '\\' => escaped.push_str("\\textbackslash{}"),
+            '<' => escaped.push_str("\\textless{}"),
+            '>' => escaped.push_str("\\textgreater{}"),
+            '|' => escaped.push_str("\\textbar{}"),
+            '"' => escaped.push_str("\\textquotedbl{}"),
+            ' '..='~' => escaped.push(character),
+            control if control.is_control() => escaped.push(' '),
+            _ => escaped.push('?'),
+        }
+    }
+    escaped
+}
+
+/// Text for a comment: one line of ASCII.
+fn comment(text: &str) -> String {
+    text.chars().map(|character| if character == '·' { '-' } else { character }).map(ascii).collect()
+}
+
+fn ascii(character: char) -> char {
+    match character {
+        ' '..='~' => character,
+        _ => ' ',
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::layout::BenchDir;
+
+    use super::*;
+    use crate::layout;
+    use crate::sample;
+
+    fn tables(board: &Board) -> Vec<String> {
+        let shipped = BenchDir::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark"));
+        let layouts = layout::all(board, &sample::statistics(board), &shipped).unwrap();
+        layouts.iter().map(|layout| tabular(layout, board)).collect()
+    }
+
+    /// Cells of a row; those that span several count as many.
+    fn cells(line: &str) -> usize {
+        let spans = line.split("\\multicolumn{").skip(1);
+        let wide: usize =
+            spans.map(|rest| rest.split('}').next().unwrap().parse::<usize>().unwrap() - 1).sum();
+        line.replace("\\&", "").matches('&').count() + 1 + wide
+    }
+
+    #[test]
+    fn every_row_has_as_many_cells_as_the_table_has_columns() {
+        for board in [sample::hand_made(), sample::board(14), sample::long_names()] {
+            for text in tables(&board) {
+                let head = text.lines().find(|line| line.starts_with("\\begin{tabular}")).unwrap();
+                let columns = head.trim_start_matches("\\begin{tabular}{").trim_end_matches('}').len();
+                let rows: Vec<&str> = text.lines().filter(|line| line.ends_with(" \\\\")).collect();
+                assert!(rows.len() > 3, "{text}");
+                for row in rows {
+                    assert_eq!(cells(row), columns, "{row}");
+                }
+                assert_eq!(text.matches('{').count(), text.matches('}').count());
+                assert_eq!(text.matches("\\midrule").count(), text.matches("\\midrule\n").count());
+                assert!(text.ends_with("\\bottomrule\n\\end{tabular}\n") && text.is_ascii(), "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn best_is_bold_and_the_paper_stands_apart() {
+        let text = &tables(&sample::hand_made())[0];
+        let line = |start: &str| text.lines().position(|line| line.starts_with(start)).unwrap();
+        let [alpha, oracle, apart, paper] = [
+            line("alpha &"),
+            line("oracle$^{\\dagger}$ &"),
+            line("\\multicolumn{11}{l}{\\emph{As reported"),
+            line("LangSplat &"),
+        ];
+        assert!(alpha < oracle && oracle < apart && apart < paper, "{text}");
+        let cell = "\\shortstack[r]{\\textbf{62.50}\\\\{\\tiny 58.0--67.0}}";
+        assert!(text.lines().nth(alpha).unwrap().contains(cell), "{text}");
+        assert!(!text.lines().nth(oracle).unwrap().contains("textbf"), "{text}");
+        assert!(text.contains("LangSplat & 47.79 & 28.81 &"), "{text}");
+    }
+
+    #[test]
+    fn names_stay_text() {
+        assert_eq!(escape("a_b&c%$#{}"), "a\\_b\\&c\\%\\$\\#\\{\\}");
+        assert_eq!(escape("~^\\é\n"), "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}? ");
+        assert_eq!(comment("a · b\n\\end{x}é"), "a - b \\end{x} ");
+    }
+}
