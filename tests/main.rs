@@ -13,6 +13,7 @@ mod hosting;
 mod interop;
 mod leaderboard;
 mod model_grounder;
+mod page;
 mod proposing;
 mod protocols;
 mod python;
