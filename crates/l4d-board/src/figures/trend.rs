@@ -98,7 +98,7 @@ fn range(trend: &Trend) -> (f64, f64) {
     let (low, high) =
         values.fold((100.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     let (low, high) = ((low / 10.0).floor() * 10.0, ((high / 10.0).ceil() * 10.0).min(100.0));
-    if high - low > 50.0 { (0.0, 100.0) } else { (low, f64::max(high, low + 10.0)) }
+    if high - low >= 50.0 { (0.0, 100.0) } else { (low, f64::max(high, low + 10.0)) }
 }
 
 fn axes(
