@@ -199,6 +199,20 @@ pub(crate) fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
             .collect();
         InstanceTruth { name: Name::new(name).unwrap(), id, role, category: category.to_owned(), masks }
     };
+    let instances = vec![
+        instance("disc_a", 1, Role::Object, "disc"),
+        instance("disc_b", 2, Role::Object, "disc"),
+        instance("disc_c", 3, Role::Object, "disc"),
+        instance("ball_d", 4, Role::Object, "ball"),
+        instance("floor", 1001, Role::Landmark, "floor"),
+    ];
+    let seen = |id: u32| -> Vec<u32> {
+        let pixels =
+            |frame| Mask::from_fn(width, height, |col, row| id_at(col, row, frame) == id).area() as u32;
+        PROFILE.frames().map(pixels).collect()
+    };
+    let view = Name::new("test").unwrap();
+    let visible = instances.iter().map(|instance| (instance.name.clone(), seen(instance.id))).collect();
     Truth {
         unannotated: Vec::new(),
         schema: SCHEMA.to_owned(),
@@ -208,16 +222,10 @@ pub(crate) fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
         profile: PROFILE,
         width,
         height,
-        test_view: Name::new("test").unwrap(),
+        test_view: view.clone(),
         frames: PROFILE.frames().collect(),
-        instances: vec![
-            instance("disc_a", 1, Role::Object, "disc"),
-            instance("disc_b", 2, Role::Object, "disc"),
-            instance("disc_c", 3, Role::Object, "disc"),
-            instance("ball_d", 4, Role::Object, "ball"),
-            instance("floor", 1001, Role::Landmark, "floor"),
-        ],
-        visible: BTreeMap::new(),
+        instances,
+        visible: BTreeMap::from([(view, visible)]),
     }
 }
 

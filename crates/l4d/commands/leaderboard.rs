@@ -72,9 +72,10 @@ fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {
             format!("{scores}: there is no such folder"),
             "run `l4d score` first, or name the folder of scores",
         ),
-        BoardError::NoMethods => {
-            refusal(format!("{scores}: {message}"), "run `l4d score` first, or name the folder of scores")
-        }
+        BoardError::NoMethods => refusal(
+            format!("{scores}: {message}"),
+            "run `l4d score` first, or name the folder of scores; what `--protocol` wrote is never ranked",
+        ),
         BoardError::NoneHere { .. } => refusal(
             message,
             "choose the --profile and --bench that the scores were made with, or run `l4d score` again",
