@@ -35,8 +35,6 @@ impl Order {
                 .ok_or_else(|| refusal("there is no scene", "name a scene, or --model, --cameras and --out"))
         };
         let model = place(&args.model, WorkDir::splats)?;
-        let source = Source::open(&model)?;
-        let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
         let own = || scene.as_ref().map(|scene| scene_rig(args, scene)).transpose();
         let rig = match &args.cameras {
             Some(path) => Rig::read(path)?,
@@ -48,6 +46,8 @@ impl Order {
             Some(_) => own().ok().flatten().unwrap_or_else(|| rig.clone()),
             None => rig.clone(),
         };
+        let source = Source::open(&model)?;
+        let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
         let (size, camera_size) = match args.size {
             Some(size) => (size.0, rig.size()),
             None if rig.size() == clip.size() => sampling.sizes(rig.size()),
