@@ -190,15 +190,26 @@ fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
         let disc = starts.iter().position(inside).map(|index| index as u32 + 1);
         disc.unwrap_or(if row > 70 { 1001 } else { 0 })
     };
+    let mask = |id: u32, frame: u32| Mask::from_fn(width, height, |col, row| id_at(col, row, frame) == id);
+    let pixels = |id: u32| PROFILE.frames().map(|frame| mask(id, frame).area() as u32).collect::<Vec<u32>>();
     let instance = |name: &str, id: u32, role: Role, category: &str| {
         let masks: BTreeMap<String, String> = PROFILE
             .frames()
-            .map(|frame| (frame, Mask::from_fn(width, height, |col, row| id_at(col, row, frame) == id)))
+            .map(|frame| (frame, mask(id, frame)))
             .filter(|(_, mask)| !mask.is_empty())
             .map(|(frame, mask)| (frame_key(frame), rle::encode(&mask)))
             .collect();
         InstanceTruth { name: Name::new(name).unwrap(), id, role, category: category.to_owned(), masks }
     };
+    let instances = vec![
+        instance("disc_a", 1, Role::Object, "disc"),
+        instance("disc_b", 2, Role::Object, "disc"),
+        instance("disc_c", 3, Role::Object, "disc"),
+        instance("ball_d", 4, Role::Object, "ball"),
+        instance("floor", 1001, Role::Landmark, "floor"),
+    ];
+    let test_view = Name::new("test").unwrap();
+    let seen = instances.iter().map(|instance| (instance.name.clone(), pixels(instance.id))).collect();
     Truth {
         unannotated: Vec::new(),
         schema: SCHEMA.to_owned(),
@@ -208,16 +219,10 @@ fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
         profile: PROFILE,
         width,
         height,
-        test_view: Name::new("test").unwrap(),
+        visible: BTreeMap::from([(test_view.clone(), seen)]),
+        test_view,
         frames: PROFILE.frames().collect(),
-        instances: vec![
-            instance("disc_a", 1, Role::Object, "disc"),
-            instance("disc_b", 2, Role::Object, "disc"),
-            instance("disc_c", 3, Role::Object, "disc"),
-            instance("ball_d", 4, Role::Object, "ball"),
-            instance("floor", 1001, Role::Landmark, "floor"),
-        ],
-        visible: BTreeMap::new(),
+        instances,
     }
 }
 
