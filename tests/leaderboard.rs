@@ -55,7 +55,18 @@ fn scores_become_tables_and_figures() {
     let oracle = csv.lines().find(|line| line.contains(",oracle,")).unwrap();
     assert!(oracle.starts_with(',') && oracle.contains("used ground truth,8,100.0000,"), "{oracle}");
 
-    for name in ["per_category", "per_scale", "metrics", "over_time"] {
+    let taken = dir.read("leaderboard/taken.csv");
+    assert!(taken.starts_with("method,scene,query,meant,taken,which_is,"), "{taken}");
+    let of = |method: &str, which: &str| {
+        let row = |line: &&str| {
+            line.starts_with(&format!("{method},")) && line.contains(&format!(",{which},Discs"))
+        };
+        taken.lines().filter(row).count()
+    };
+    assert_eq!((of("oracle", "meant"), of("none", "nothing")), (8, 8), "{taken}");
+    assert_eq!(of("contestant", "meant") + of("contestant", "look_alike"), 8, "{taken}");
+
+    for name in ["per_category", "per_scale", "metrics", "over_time", "taken", "queries"] {
         let svg = dir.read(&format!("leaderboard/figures/{name}.svg"));
         assert!(svg.starts_with("<svg ") && svg.contains("profile tiny"), "{name}");
         let png = std::fs::read(dir.path(format!("leaderboard/figures/{name}.png"))).unwrap();

@@ -207,7 +207,7 @@ fn a_capture_goes_out_in_the_layouts_of_others_without_its_held_out_view() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("a capture: there is no depth"), "{}", run.stderr);
     let cameras: Value = serde_json::from_str(&dir.read("plain/cameras.json")).unwrap();
-    assert_eq!((&cameras["frames_per_second"], &cameras["frames"][3]["time"]), (&json!(30.0), &json!(1.0)));
+    assert_eq!((&cameras["frames_per_second"], &cameras["times"][3]["time"]), (&json!(30.0), &json!(1.0)));
     let bytes = |path: &str| std::fs::read(dir.path(path)).unwrap();
     let picture = bytes("data/captures/table/frames/cam01/0002.png");
     assert_eq!(bytes("plain/images/cam01/0002.png"), picture);
@@ -288,7 +288,7 @@ fn people_verify_prompts_on_the_pictures_of_a_capture() {
 #[test]
 fn verbs_that_need_renderings_refuse_real_scenes_and_folders_never_mix() {
     let dir = authored();
-    for verb in ["build-scenes", "check-scenes", "solve", "stats"] {
+    for verb in ["build-scenes", "check-scenes", "stats"] {
         let run = dir.run(&real(&[verb]));
         assert_eq!(run.code, 2, "{verb}: {}", run.stdout);
         assert!(run.stderr.contains("real scenes are not rendered"), "{verb}: {}", run.stderr);

@@ -176,7 +176,7 @@ pub(crate) fn write_benchmark(root: &Path) {
     }
 }
 
-fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
+pub(crate) fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
     let mut noise = Noise::new(seed + 1);
     let (width, height) = (PROFILE.width(), PROFILE.height());
     let starts: Vec<(i64, i64, i64)> = (0..4)

@@ -15,7 +15,7 @@ use l4d_frames::{Frame, Mask, Surfaces, rle};
 
 pub(crate) const SCENE: &str = "ball";
 
-const SIZE: [u32; 2] = [128, 96];
+pub(crate) const SIZE: [u32; 2] = [128, 96];
 const RADIUS_M: f64 = 0.25;
 
 /// A ball on the floor.
@@ -56,14 +56,8 @@ fn write(data: &Path, balls: &[Ball]) {
     let cameras: Vec<Camera> = [-0.9, -0.3, 0.3, 0.9, 0.1]
         .into_iter()
         .enumerate()
-        .map(|(index, x)| Camera {
-            name: Name::new(format!("cam{index:02}")).unwrap(),
-            split: if index == 4 { Split::Test } else { Split::Train },
-            fx: 140.0,
-            fy: 140.0,
-            cx: 64.0,
-            cy: 48.0,
-            world_from_camera: vec![looking_at(DVec3::new(x, -3.0, 1.2), DVec3::new(0.0, 0.5, 0.2))],
+        .map(|(index, x)| {
+            camera_at(&format!("cam{index:02}"), if index == 4 { Split::Test } else { Split::Train }, x)
         })
         .collect();
     for camera in &cameras {
@@ -110,6 +104,24 @@ pub(crate) fn blacken(data: &Path, camera: &str) {
         let mut picture = read_frame(&path, UVec2::from_array(SIZE)).unwrap();
         picture.rgb.fill([f16::ZERO; 3]);
         write_frame(&path, &picture).unwrap();
+    }
+}
+
+/// What a camera sees of the twins at a canonical frame, with ids.
+pub(crate) fn twins_seen_by(camera: &Camera, frame: u32) -> Frame {
+    drawn(camera, frame, &[ROLLING, RESTING])
+}
+
+/// A camera of the twins, at x metres on the arc.
+pub(crate) fn camera_at(name: &str, split: Split, x: f64) -> Camera {
+    Camera {
+        name: Name::new(name).unwrap(),
+        split,
+        fx: 140.0,
+        fy: 140.0,
+        cx: 64.0,
+        cy: 48.0,
+        world_from_camera: vec![looking_at(DVec3::new(x, -3.0, 1.2), DVec3::new(0.0, 0.5, 0.2))],
     }
 }
 

@@ -1,14 +1,15 @@
-"""Speed of `l4d score` against a numpy + Pillow loop, against pycocotools and against decoding alone, in one run.
+"""Speed of scoring against a numpy + Pillow loop, against pycocotools and against decoding alone, in one run.
 
-    cargo build --release && cargo build --release -p l4d-score --example decode_masks
+    cargo build --release -p l4d-score --examples
     python benchmark/perf/score.py                       # small: 256x192, 49 frames, 14161 masks
     python benchmark/perf/score.py --profile full        # 640x480, 97 frames, 28033 masks
+    python benchmark/perf/score.py --profile full --scenes 3 --queries 42      # a seventh of it
 
-Needs numpy, Pillow and pycocotools. Makes a benchmark of 21 scenes and 289 queries with the results of one method as PNG
-(8-bit, as Pillow writes them) and as RLE, checks that all count the same pixels, and prints JSON. `l4d` is timed as whole
-processes, with start-up, truth, checks and `counts.csv`; the loops in this process, without start-up, truth or files of
-run lengths, which favours them. pycocotools gets the same strings, one pair of target and prediction at a time, and finds
-their IoU alone, where `l4d score` also finds the instance that is overlapped most.
+Needs numpy, Pillow and pycocotools. Makes a benchmark (of 21 scenes and 289 queries) with the results of one method as PNG
+(8-bit, as Pillow writes them) and as RLE, checks that all count the same pixels, and prints JSON. `score_masks` is what
+`l4d score` calls, in a binary without the rest, and is timed as whole processes, with start-up, truth, checks and
+`counts.csv`; the loops in this process, without start-up, truth or files of run lengths, which favours them. pycocotools gets the same strings, one pair of target and prediction at a time, and finds
+their IoU alone, where scoring also finds the instance that is overlapped most.
 
 Targets: PNG at least 5 times the loop and within 1.5 times of decoding alone; RLE at least 20 times the loop and 3 times
 pycocotools; memory that does not grow with the number of queries.
@@ -19,12 +20,14 @@ import csv
 import hashlib
 import json
 import os
-import statistics
+import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from PIL import Image
@@ -32,8 +35,8 @@ from pycocotools import mask as coco
 
 from reference_score import Scene
 
+T = TypeVar("T")
 PROFILES = {"small": (256, 192, 2), "full": (640, 480, 1)}
-SCENES, QUERIES = 21, 289
 OBJECTS, LANDMARKS = 6, 2
 
 
@@ -146,13 +149,12 @@ def write_scene(
     (bench / "queries" / f"{name}.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
 
 
-def write_all(clip: Clip, root: Path) -> list[str]:
+def write_all(clip: Clip, root: Path, scenes: int, queries: int) -> list[str]:
     bench, results = root / "benchmark", {form: root / "results" / form for form in ("png", "rle")}
-    names = [f"scene_{index:02}" for index in range(SCENES)]
+    names = [f"scene_{index:02}" for index in range(scenes)]
     rng = np.random.default_rng(0)
     for index, name in enumerate(names):
-        queries = QUERIES // SCENES + (index < QUERIES % SCENES)
-        write_scene(clip, bench, results, name, queries, rng)
+        write_scene(clip, bench, results, name, queries // scenes + (index < queries % scenes), rng)
     listed = ", ".join(f'"{name}"' for name in names)
     manifest = f'name = "Speed"\nversion = "0.1.0"\nlicence = "CC0-1.0"\nscenes = [{listed}]\n'
     (bench / "panoptic-l4d.toml").write_text(manifest)
@@ -214,12 +216,32 @@ def coco_loop(pairs: list[tuple[dict | None, dict]]) -> list[float]:
     return [0.0 if target is None else float(coco.iou([predicted], [target], [0])[0, 0]) for target, predicted in pairs]
 
 
-def run(command: list[str | Path], folder: Path, threads: int | None = None) -> float:
-    """Wall seconds of a process."""
+class Clock:
+    """Wall and processor seconds of jobs. The latter can be compared on a machine that others use as well."""
+
+    def __init__(self) -> None:
+        self.wall: dict[str, list[float]] = {}
+        self.processor: dict[str, list[float]] = {}
+
+    def time(self, job: str, work: Callable[[], T]) -> T:
+        start, spent = time.perf_counter(), processor_seconds()
+        result = work()
+        self.wall.setdefault(job, []).append(time.perf_counter() - start)
+        self.processor.setdefault(job, []).append(processor_seconds() - spent)
+        return result
+
+
+def processor_seconds() -> float:
+    """Of this process and its finished children."""
+    return sum(
+        usage.ru_utime + usage.ru_stime
+        for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    )
+
+
+def run(command: list[str | Path], folder: Path, threads: int | None = None) -> None:
     environment = os.environ | ({"RAYON_NUM_THREADS": str(threads)} if threads else {})
-    start = time.perf_counter()
     subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=True, env=environment)
-    return time.perf_counter() - start
 
 
 def peak_memory_mib(command: list[str | Path], folder: Path) -> float:
@@ -239,66 +261,69 @@ def read_counts(path: Path) -> list[tuple[int, ...]]:
         return [tuple(int(row[name]) for name in names) for row in csv.DictReader(file)]
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--l4d", type=Path, default=Path("target/release/l4d"))
-    parser.add_argument("--decode", type=Path, default=Path("target/release/examples/decode_masks"))
-    parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--profile", choices=PROFILES, default="small")
-    arguments = parser.parse_args()
-    l4d, decode = arguments.l4d.resolve(), arguments.decode.resolve()
-    clip = Clip(arguments.profile)
-
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
-        names = write_all(clip, root)
-        scenes = [Scene(root / "benchmark", clip.profile, name) for name in names]
-        pairs = coco_pairs(root, clip, names)
-        score = [l4d, "--quiet", "score", "--profile", clip.profile]
-        jobs = {
-            "decode_png": ([decode, "results/png"], None),
-            "score_png": ([*score, "results/png"], None),
-            "score_rle": ([*score, "results/rle"], None),
-            "score_rle_one_thread": ([*score, "results/rle", "--scores", "one"], 1),
-        }
-        times: dict[str, list[float]] = {"numpy_loop": [], "pycocotools": [], **{job: [] for job in jobs}}
-        # Turn about, so that a slow spell of the machine meets all of them. The slow loop goes once.
-        for repeat in range(arguments.repeats):
-            if repeat == 0:
-                start = time.perf_counter()
-                expected = plain_loop(root, scenes)
-                times["numpy_loop"].append(time.perf_counter() - start)
-            start = time.perf_counter()
-            ious = coco_loop(pairs)
-            times["pycocotools"].append(time.perf_counter() - start)
-            for job, (command, threads) in jobs.items():
-                times[job].append(run(command, root, threads))
-        for form in ("png", "rle"):
-            if read_counts(root / "scores" / form / "counts.csv") != expected:
-                sys.exit(f"l4d score counts other pixels from {form} than the loop")
-        ours = [intersection / union if truth else 0.0 for intersection, union, _, truth in expected]
-        if not np.allclose(ours, ious, rtol=0, atol=1e-12):
-            sys.exit("pycocotools finds another IoU")
-        few = ",".join(names[: os.cpu_count()])
-        memory = {job: peak_memory_mib(command, root) for job, (command, _) in jobs.items()}
-        for form in ("png", "rle"):
-            part = [*score, f"results/{form}", "--scenes", few, "--scores", "few"]
-            memory[f"score_{form}_of_{os.cpu_count()}_scenes"] = peak_memory_mib(part, root)
-
-    best = {job: min(seconds) for job, seconds in times.items()}
-    masks = QUERIES * len(clip.frames)
-    report = {
-        "profile": clip.profile,
-        "masks": masks,
-        "cores": os.cpu_count(),
-        "seconds_best": best,
-        "seconds_median": {job: statistics.median(seconds) for job, seconds in times.items()},
-        "microseconds_per_mask": {job: 1e6 * seconds / masks for job, seconds in best.items()},
+def ratios(seconds: dict[str, list[float]], masks: int) -> dict:
+    best = {job: min(all_seconds) for job, all_seconds in seconds.items()}
+    return {
+        "microseconds_per_mask": {job: 1e6 * job_seconds / masks for job, job_seconds in best.items()},
         "png_times_loop": best["numpy_loop"] / best["score_png"],
         "png_over_decoding": best["score_png"] / best["decode_png"],
         "rle_times_loop": best["numpy_loop"] / best["score_rle"],
         "rle_times_pycocotools": best["pycocotools"] / best["score_rle"],
         "rle_one_thread_times_pycocotools": best["pycocotools"] / best["score_rle_one_thread"],
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--score", type=Path, default=Path("target/release/examples/score_masks"))
+    parser.add_argument("--decode", type=Path, default=Path("target/release/examples/decode_masks"))
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--profile", choices=PROFILES, default="small")
+    parser.add_argument("--scenes", type=int, default=21)
+    parser.add_argument("--queries", type=int, default=289)
+    arguments = parser.parse_args()
+    binary, decode = arguments.score.resolve(), arguments.decode.resolve()
+    clip = Clip(arguments.profile)
+
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        names = write_all(clip, root, arguments.scenes, arguments.queries)
+        scenes = [Scene(root / "benchmark", clip.profile, name) for name in names]
+        pairs = coco_pairs(root, clip, names)
+        score = [binary, clip.profile]
+        jobs = {
+            "decode_png": ([decode, "results/png"], None),
+            "score_png": ([*score, "results/png", "scores"], None),
+            "score_rle": ([*score, "results/rle", "scores"], None),
+            "score_rle_one_thread": ([*score, "results/rle", "one"], 1),
+        }
+        clock = Clock()
+        # Turn about, so that a slow spell of the machine meets all of them. The slow loop goes once.
+        expected = clock.time("numpy_loop", lambda: plain_loop(root, scenes))
+        for _ in range(arguments.repeats):
+            ious = clock.time("pycocotools", lambda: coco_loop(pairs))
+            for job, (command, threads) in jobs.items():
+                clock.time(job, lambda: run(command, root, threads))
+        for form in ("png", "rle"):
+            if read_counts(root / "scores" / form / "counts.csv") != expected:
+                sys.exit(f"score_masks counts other pixels from {form} than the loop")
+        ours = [intersection / union if truth else 0.0 for intersection, union, _, truth in expected]
+        if not np.allclose(ours, ious, rtol=0, atol=1e-12):
+            sys.exit("pycocotools finds another IoU")
+        few = names[: os.cpu_count()]
+        memory = {job: peak_memory_mib(command, root) for job, (command, _) in jobs.items()}
+        for form in ("png", "rle"):
+            part = [*score, f"results/{form}", "few", *few]
+            memory[f"score_{form}_of_{os.cpu_count()}_scenes"] = peak_memory_mib(part, root)
+
+    masks = arguments.queries * len(clip.frames)
+    report = {
+        "profile": clip.profile,
+        "scenes": arguments.scenes,
+        "masks": masks,
+        "cores": os.cpu_count(),
+        "wall": ratios(clock.wall, masks),
+        "processor": ratios(clock.processor, masks),
         "peak_memory_mib": memory,
         "counts_equal": True,
     }

@@ -118,8 +118,6 @@ impl Command {
             Self::DrawVariant(args) => Some(&args.bench),
             Self::Stats(args) => Some(&args.bench),
             Self::ProposePrompts(args) => Some(&args.bench),
-            Self::Solve(args) => Some(&args.bench),
-            Self::Ablate(args) => Some(&args.bench),
             _ => None,
         }
     }
@@ -131,7 +129,7 @@ pub(crate) struct BenchArgs {
     /// Folder of the benchmark
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// tiny, small or full; real for captures, in the verbs that judge
+    /// tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
     /// Only these scenes (comma-separated or repeated); default: all

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::Result;
-use l4d_data::DataError;
 use l4d_data::store::write_atomic;
-use l4d_data::timeline::{FPS, LAST_FRAME};
+use l4d_data::{DataError, Timeline};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::preview::animated_png;
 use l4d_solve::clips::Instant;
@@ -40,8 +39,8 @@ pub(crate) struct Clip {
 
 impl Clip {
     /// A page an instant, so that the clip lasts as long as what it shows.
-    pub(crate) fn of(instants: &[Instant]) -> Self {
-        Self { pages: instants.len(), frames_per_second: frames_per_second(instants) }
+    pub(crate) fn of(instants: &[Instant], timeline: Timeline) -> Self {
+        Self { pages: instants.len(), frames_per_second: frames_per_second(instants, timeline) }
     }
 }
 
@@ -116,9 +115,9 @@ fn video(folder: &Path, stem: &str, clip: Clip, pages: &impl Pages) -> Result<Vi
     Ok(Video::Written(path))
 }
 
-fn frames_per_second(instants: &[Instant]) -> f64 {
+fn frames_per_second(instants: &[Instant], timeline: Timeline) -> f64 {
     let (Some(first), Some(last)) = (instants.first(), instants.last()) else { return 1.0 };
-    let seconds = f64::from(last.time - first.time) * f64::from(LAST_FRAME) / FPS;
+    let seconds = f64::from(last.time - first.time) * timeline.duration_s();
     let steps = instants.len() as f64 - 1.0;
     if seconds > 0.0 { (steps / seconds).clamp(1.0, 60.0) } else { 1.0 }
 }

@@ -14,6 +14,7 @@ use l4d_solve::solve::SolveSettings;
 pub(crate) use self::grounders::Grounders;
 pub(crate) use self::stage::Stage;
 use crate::cli::solver::{LiftArg, MethodArgs, PresetArg, QuerySetArg};
+use crate::cli::splats::PixelSize;
 
 /// Views that the presets look at (paper, section 5).
 const USUAL_VIEWS: u32 = 8;
@@ -47,7 +48,7 @@ fn lift(lift: LiftArg) -> LiftSettings {
 /// Which clips are looked at.
 pub(crate) fn clip_settings(args: &MethodArgs, range: Option<Interval>) -> ClipSettings {
     let usual = Preset::from(args.preset).clip_settings(args.views as usize, args.view_seed);
-    ClipSettings { range, ..usual }
+    ClipSettings { range, size: args.clip_size.map(|size| size.0), every: args.clip_every, ..usual }
 }
 
 /// `panopticquery-<grounder>`, what differs from the preset robust, and which sentences if not the queries: a folder
@@ -66,6 +67,12 @@ pub(crate) fn default_name(args: &MethodArgs, set: QuerySetArg) -> String {
     }
     if args.views != USUAL_VIEWS {
         add(&format!("v{}", args.views));
+    }
+    if let Some(PixelSize([width, height])) = args.clip_size {
+        add(&format!("{width}x{height}"));
+    }
+    if let Some(every) = args.clip_every {
+        add(&format!("every-{every}"));
     }
     if args.no_consensus {
         add("no-mvsc");

@@ -10,15 +10,23 @@ mod multiples;
 mod paint;
 mod pareto;
 mod place;
+mod queries;
+mod reliability;
+mod taken;
 mod time;
+mod trend;
 
 pub(crate) use drawing::Drawing;
 pub(crate) use multiples::draw as chart;
 pub(crate) use paint::{png, svg};
 pub(crate) use pareto::draw as tradeoff;
+pub(crate) use reliability::draw as reliability;
+pub(crate) use trend::draw as trend;
 
+use crate::detail::Details;
 use crate::rank::Board;
 use crate::row::BoardRow;
+use crate::taken::choices;
 
 /// A figure and what to call it.
 pub(crate) struct Figure {
@@ -42,6 +50,27 @@ pub(crate) fn all(board: &Board) -> Vec<Figure> {
         },
         Figure { name: "over_time", caption: "Mean IoU over the clip", drawing: time::draw(board) },
     ]
+}
+
+/// Figures of what methods did query by query.
+pub(crate) fn detailed(board: &Board, details: &Details) -> Vec<Figure> {
+    let (rows, left_out) = shown(board);
+    let is_shown = |name: &l4d_data::Name| rows.iter().any(|(_, row)| row.name == *name);
+    let choices: Vec<_> =
+        choices(board, details).into_iter().filter(|choices| is_shown(choices.method)).collect();
+    let mut figures = vec![Figure {
+        name: "taken",
+        caption: "What was taken for the thing that was meant",
+        drawing: taken::draw(board, &choices, left_out),
+    }];
+    if let Some(((_, row), detail)) = board.rows().zip(&details.methods).next() {
+        figures.push(Figure {
+            name: "queries",
+            caption: "IoU over time of the first method, query by query",
+            drawing: queries::draw(board, &row.name, details, detail),
+        });
+    }
+    figures
 }
 
 /// More methods than this make a figure that nobody reads; the tables have them all.

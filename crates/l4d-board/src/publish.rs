@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::layout::BenchDir;
 use l4d_data::store::write_atomic;
 
+use crate::detail::Details;
 use crate::error::BoardError;
 use crate::figures::{self, Figure};
 use crate::rank::Board;
@@ -16,6 +17,7 @@ use crate::{latex, layout, markdown, table};
 pub fn publish(
     board: &Board,
     statistics: &Statistics,
+    details: &Details,
     bench: &BenchDir,
     folder: &Path,
 ) -> Result<Vec<PathBuf>, BoardError> {
@@ -27,6 +29,7 @@ pub fn publish(
         ("groups.csv".to_owned(), table::groups(board, statistics)?),
         ("comparisons.csv".to_owned(), table::comparisons(board, statistics)?),
         ("reported.csv".to_owned(), table::reported(board)?),
+        ("taken.csv".to_owned(), table::taken(board, details)?),
     ];
     for table in layout::all(board, statistics, bench)? {
         let file = |extension: &str| format!("tables/{}.{extension}", table.name);
@@ -35,7 +38,8 @@ pub fn publish(
         files.push((file("md"), table.markdown(board).into_bytes()));
     }
     let mut shown = Vec::new();
-    for Figure { name, caption, drawing } in figures::all(board) {
+    let figures = figures::all(board).into_iter().chain(figures::detailed(board, details));
+    for Figure { name, caption, drawing } in figures {
         let svg = format!("figures/{name}.svg");
         files.push((svg.clone(), figures::svg(name, &drawing)?.into_bytes()));
         files.push((format!("figures/{name}.png"), figures::png(name, &drawing)?));
@@ -81,17 +85,28 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("leaderboard.csv"), "old").unwrap();
         std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
-        let mut paths =
-            publish(&sample::hand_made(), &sample::statistics(&sample::hand_made()), &bench(), folder.path())
-                .unwrap();
+        let mut paths = publish(
+            &sample::hand_made(),
+            &sample::statistics(&sample::hand_made()),
+            &sample::details(),
+            &bench(),
+            folder.path(),
+        )
+        .unwrap();
         let first = files(folder.path());
-        publish(&sample::hand_made(), &sample::statistics(&sample::hand_made()), &bench(), folder.path())
-            .unwrap();
+        publish(
+            &sample::hand_made(),
+            &sample::statistics(&sample::hand_made()),
+            &sample::details(),
+            &bench(),
+            folder.path(),
+        )
+        .unwrap();
         assert_eq!(files(folder.path()), first);
         paths.push(folder.path().join("notes.txt"));
         paths.sort();
         assert_eq!(first.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>(), paths);
-        assert_eq!(paths.len(), 14 + 3 + 6);
+        assert_eq!(paths.len(), 17 + 3 + 6);
     }
 
     #[test]
@@ -99,9 +114,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let blocked = folder.path().join("file");
         std::fs::write(&blocked, "a file").unwrap();
-        let error =
-            publish(&sample::hand_made(), &sample::statistics(&sample::hand_made()), &bench(), &blocked)
-                .unwrap_err();
+        let error = publish(
+            &sample::hand_made(),
+            &sample::statistics(&sample::hand_made()),
+            &sample::details(),
+            &bench(),
+            &blocked,
+        )
+        .unwrap_err();
         assert!(error.to_string().contains("file"), "{error}");
     }
 }

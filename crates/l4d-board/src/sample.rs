@@ -6,6 +6,7 @@ use l4d_data::{Category, Name, Profile, Scale};
 use l4d_score::groups::Kind;
 use l4d_score::{Average, Breakdown, Comparison, Estimate, Estimates, Group, Metrics, Pair};
 
+use crate::detail::{Asked, Details};
 use crate::rank::Board;
 use crate::row::{BoardRow, Heading, Metric};
 use crate::statistics::{Comparisons, MethodGroups, Statistics};
@@ -65,6 +66,11 @@ pub(crate) fn row(name: &str, queries: usize, value: f64) -> BoardRow {
         reported: BTreeMap::new(),
         frames: (0..=96).step_by(2).map(|frame| (frame, value)).collect(),
     }
+}
+
+/// Nothing known query by query.
+pub(crate) fn details() -> Details<'static> {
+    Details { asked: Asked { scenes: Vec::new() }, methods: Vec::new() }
 }
 
 /// Two tied methods, a third, an oracle, a partial one, and one of another profile; four queries.

@@ -3,15 +3,18 @@
 //! One row per method, or per method and group; percentages with four decimals, an empty field where there is no
 //! value. Each row repeats what the board is of, so that a row cut out of its file still says what it means.
 
+use l4d_data::{Name, Query};
 use l4d_score::{Average, Estimate, Group, Metrics};
 use polars::prelude::{Column, CsvWriter, DataFrame, SerWriter as _};
 
+use crate::detail::Details;
 use crate::error::BoardError;
 use crate::layout::{self, Layout, Line};
 use crate::rank::Board;
 use crate::reported;
 use crate::row::{BoardRow, Metric};
 use crate::statistics::{Statistics, p_text};
+use crate::taken::choices;
 
 const DECIMALS: usize = 4;
 
@@ -70,6 +73,27 @@ pub(crate) fn per_scene(board: &Board) -> Result<Vec<u8>, BoardError> {
     grouped("per_scene.csv", "scene", board, |row| {
         row.scores.scenes.iter().map(|(key, metrics)| (key.as_str(), *metrics)).collect()
     })
+}
+
+/// `taken.csv`: one row a method and query, with the instance that its prediction overlaps most.
+pub(crate) fn taken(board: &Board, details: &Details) -> Result<Vec<u8>, BoardError> {
+    let choices = choices(board, details);
+    let rows: Vec<_> =
+        choices.iter().flat_map(|one| one.taken.iter().map(move |taken| (one.method, taken))).collect();
+    let meant = |query: &Query| {
+        let names: Vec<&str> = query.referents.iter().map(|name| name.as_str()).collect();
+        names.join("+")
+    };
+    let mut columns = vec![
+        text("method", rows.iter().map(|(method, _)| method.to_string())),
+        text("scene", rows.iter().map(|(_, taken)| taken.query.id.scene.to_string())),
+        text("query", rows.iter().map(|(_, taken)| taken.query.id.number.to_string())),
+        text("meant", rows.iter().map(|(_, taken)| meant(taken.query))),
+        text("taken", rows.iter().map(|(_, taken)| taken.instance.map(Name::to_string).unwrap_or_default())),
+        text("which_is", rows.iter().map(|(_, taken)| taken.choice.key().to_owned())),
+    ];
+    columns.extend(context(board, rows.len()));
+    csv("taken.csv", rows.len(), columns)
 }
 
 /// `groups.csv`: one row a method and group, with standard errors and 95 % intervals.

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::capture::{Capture, SPARSE};
+use crate::capture::{CAPTURE, Capture, SPARSE};
 use crate::query::QueryId;
 use crate::timeline::Profile;
 use crate::truth::frame_key;
 
-/// A rendered scene: `<data>/<scene>`.
+/// A scene: `<data>/<scene>`.
 #[derive(Debug, Clone)]
 pub struct SceneDir(PathBuf);
 
@@ -25,6 +25,11 @@ impl SceneDir {
     /// `scene.json`.
     pub fn scene(&self) -> PathBuf {
         self.0.join("scene.json")
+    }
+
+    /// What says from where the scene is seen: `scene.json`, or `capture.json` of a scene that others recorded.
+    pub fn rig(&self, profile: Profile) -> PathBuf {
+        if profile.is_rendered() { self.scene() } else { self.0.join(CAPTURE) }
     }
 
     /// `scene.usdc`.

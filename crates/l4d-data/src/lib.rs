@@ -35,4 +35,4 @@ pub use name::Name;
 pub use query::{Category, Query, QueryId, Status, Temporal};
 pub use rig::Rig;
 pub use scene::{Event, Role, Scale, Scene};
-pub use timeline::{Interval, Profile};
+pub use timeline::{Interval, Profile, Timeline};

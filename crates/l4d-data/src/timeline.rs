@@ -1,5 +1,5 @@
-//! The one canonical timeline of the synthetic scenes and the profiles that sample it. Real scenes have timelines of
-//! their own, which their truth states.
+//! The one canonical timeline of the synthetic scenes and the profiles that sample it. Captures have timelines of their
+//! own, which their cards and their truth state.
 
 use std::fmt;
 use std::str::FromStr;
@@ -69,6 +69,60 @@ impl TryFrom<[u32; 2]> for Interval {
 impl From<Interval> for [u32; 2] {
     fn from(interval: Interval) -> Self {
         [interval.first, interval.last]
+    }
+}
+
+/// When the frames of a clip were: its first frame is at time 0, its last at time 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timeline {
+    whole: Interval,
+    frames_per_second: f64,
+}
+
+impl Timeline {
+    /// That of all rendered scenes.
+    pub const CANONICAL: Self = Self { whole: Interval::WHOLE, frames_per_second: FPS };
+
+    /// That of a capture whose moments have these numbers. Where nobody knows how fast they follow each other, they are
+    /// taken to follow as canonical frames do.
+    pub fn new(whole: Interval, frames_per_second: Option<f64>) -> Self {
+        Self { whole, frames_per_second: frames_per_second.unwrap_or(FPS) }
+    }
+
+    /// From the first frame to the last.
+    pub fn whole(self) -> Interval {
+        self.whole
+    }
+
+    /// Frames a second.
+    pub fn frames_per_second(self) -> f64 {
+        self.frames_per_second
+    }
+
+    /// Time of a frame, 0 to 1 over the clip; frames before and after the clip count as its ends.
+    pub fn time(self, frame: u32) -> f32 {
+        self.share(frame) as f32
+    }
+
+    /// Time of a frame since the first one, seconds.
+    pub fn seconds(self, frame: u32) -> f64 {
+        f64::from(frame.saturating_sub(self.whole.first)) / self.frames_per_second
+    }
+
+    /// How long the clip lasts, from its first frame to its last, seconds.
+    pub fn duration_s(self) -> f64 {
+        self.seconds(self.whole.last)
+    }
+
+    /// The canonical frame at the same time of the clip: rules that count canonical frames hold for it.
+    pub fn canonical(self, frame: u32) -> u32 {
+        (self.share(frame) * f64::from(LAST_FRAME)).round() as u32
+    }
+
+    fn share(self, frame: u32) -> f64 {
+        let Interval { first, last } = self.whole;
+        let inside = frame.clamp(first, last);
+        f64::from(inside - first) / f64::from((last - first).max(1))
     }
 }
 
@@ -195,6 +249,18 @@ mod tests {
         assert_eq!((real.width(), real.height(), real.training_views(), real.frames().count()), (0, 0, 0, 0));
         assert_eq!(serde_json::to_string(&real).unwrap(), "\"real\"");
         assert!("huge".parse::<Profile>().unwrap_err().contains("real for captures"));
+    }
+
+    #[test]
+    fn a_clip_begins_at_0_and_ends_at_1() {
+        let canonical = Timeline::CANONICAL;
+        assert_eq!([0, 48, 96, 500].map(|frame| canonical.time(frame)), [0.0, 0.5, 1.0, 1.0]);
+        assert_eq!((canonical.seconds(48), canonical.duration_s(), canonical.canonical(7)), (2.0, 4.0, 7));
+        let capture = Timeline::new(Interval::new(151, 171).unwrap(), Some(10.0));
+        assert_eq!([3, 151, 161, 171, 172].map(|frame| capture.time(frame)), [0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert_eq!((capture.seconds(161), capture.canonical(161), capture.canonical(171)), (1.0, 48, 96));
+        let picture = Timeline::new(Interval::new(5, 5).unwrap(), None);
+        assert_eq!((picture.time(5), picture.duration_s(), picture.frames_per_second()), (0.0, 0.0, FPS));
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub mod targets;
 pub mod truth;
 
 #[cfg(feature = "exr")]
+pub mod backdrop;
+#[cfg(feature = "exr")]
 pub mod check;
 #[cfg(feature = "exr")]
 pub mod clip;

@@ -20,7 +20,7 @@ use glam::UVec2;
 use half::f16;
 use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::query::{Query, read_queries};
-use l4d_data::{Category, Scene, Split};
+use l4d_data::{Category, Scene, Split, Timeline};
 use l4d_frames::Mask;
 use l4d_frames::display::Display;
 use l4d_frames::drawn::DepthMap;
@@ -129,7 +129,10 @@ fn load(scene: &Scene, directory: &SceneDir, name: &str) -> anyhow::Result<View>
         frames.push(ClipFrame { frame: number, colour, depth });
         ids.push(frame.surfaces.id);
     }
-    Ok(View { clip: ViewClip { camera, width: size.x, height: size.y, frames }, ids })
+    Ok(View {
+        clip: ViewClip { camera, width: size.x, height: size.y, timeline: Timeline::CANONICAL, frames },
+        ids,
+    })
 }
 
 /// Sums by name.

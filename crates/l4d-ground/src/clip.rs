@@ -3,7 +3,7 @@
 //! Refuses to know what drew it, and whatever only the truth knows.
 
 use glam::{DMat4, DVec2, DVec3};
-use l4d_data::Camera;
+use l4d_data::{Camera, Timeline};
 use l4d_frames::drawn::{DepthMap, RgbImage};
 
 /// A view over a clip.
@@ -15,6 +15,8 @@ pub struct ViewClip {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+    /// When its frames were.
+    pub timeline: Timeline,
     /// What is seen, by ascending frame.
     pub frames: Vec<ClipFrame>,
 }
@@ -22,7 +24,7 @@ pub struct ViewClip {
 /// A view at a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipFrame {
-    /// Canonical frame.
+    /// Number on the timeline.
     pub frame: u32,
     /// Display colour.
     pub colour: RgbImage,

@@ -121,6 +121,7 @@ fn digest_of(clip: &ViewClip) -> String {
     let numbers = [camera.fx, camera.fy, camera.cx, camera.cy];
     let poses = camera.world_from_camera.iter().flatten();
     bytes.extend(numbers.iter().chain(poses).flat_map(|number| number.to_le_bytes()));
+    bytes.extend(clip.timeline.duration_s().to_le_bytes());
     for seen in &clip.frames {
         bytes.extend(seen.frame.to_le_bytes());
         bytes.extend(seen.colour.as_raw());

@@ -25,7 +25,7 @@ use l4d_frames::{Mask, morphology};
 use serde_json::{Value, json};
 
 use self::draws::{Draws, Meant};
-pub use self::ids::{IdSource, RenderedIds};
+pub use self::ids::{DrawnIds, IdSource, RenderedIds, TrainingIds};
 pub use self::noise::{Blobs, CORRELATIONS, NoiseError, NoiseModel, NoisePreset, Span, Swap};
 pub use self::target::{Target, TargetError};
 use crate::clip::ViewClip;

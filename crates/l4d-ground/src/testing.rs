@@ -1,6 +1,6 @@
 //! Clips and questions for tests.
 
-use l4d_data::{Camera, Interval, Name, Split};
+use l4d_data::{Camera, Interval, Name, Split, Timeline};
 use l4d_frames::drawn::{DepthMap, RgbImage};
 
 use crate::clip::{ClipFrame, ViewClip};
@@ -23,7 +23,13 @@ pub(crate) fn blank_clip(view: &str, width: u32, height: u32, frames: &[u32]) ->
         colour: RgbImage::new(width, height),
         depth: DepthMap::empty(width, height),
     };
-    ViewClip { camera, width, height, frames: frames.iter().map(frame).collect() }
+    ViewClip {
+        camera,
+        width,
+        height,
+        timeline: Timeline::CANONICAL,
+        frames: frames.iter().map(frame).collect(),
+    }
 }
 
 /// A query of the benchmark.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{DMat4, DVec2, DVec3};
 use half::f16;
-use l4d_data::{Camera, Interval, Name, Split};
+use l4d_data::{Camera, Interval, Name, Split, Timeline};
 use l4d_frames::Mask;
 use l4d_frames::drawn::{DepthMap, RgbImage};
 use l4d_ground::geometric::Geometric;
@@ -107,7 +107,7 @@ fn clip() -> (ViewClip, Vec<Vec<Mask>>) {
         frames.push(ClipFrame { frame: number, colour, depth });
         truth.iter_mut().zip(masks).for_each(|(truth, mask)| truth.push(mask));
     }
-    (ViewClip { camera, width: WIDTH, height: HEIGHT, frames }, truth)
+    (ViewClip { camera, width: WIDTH, height: HEIGHT, timeline: Timeline::CANONICAL, frames }, truth)
 }
 
 fn question(text: &str) -> Question {
@@ -153,6 +153,27 @@ fn a_while_opens_only_while_it_holds() {
     for (index, frame) in frames().filter(|(_, frame)| !(40..56).contains(frame)) {
         let is_open = grounding.masks[&frame].intersects(&truth[2][index]);
         assert_eq!(is_open, frame >= 56, "frame {frame}: {:#?}", grounding.notes);
+    }
+}
+
+#[test]
+fn a_timeline_of_its_own_changes_nothing_but_the_numbers() {
+    let (clip, _) = clip();
+    let mut recorded = clip.clone();
+    // Twice as many frames a second, from 100 on.
+    recorded.timeline = Timeline::new(Interval::new(100, 292).unwrap(), Some(48.0));
+    recorded.frames.iter_mut().for_each(|seen| seen.frame = 100 + 2 * seen.frame);
+    let grounder = Geometric::<Classical>::default();
+    for text in [
+        "The block that slides",
+        "The block while it slides",
+        "The block that ends up farthest from the red block",
+        "The block that starts out closest to the green block",
+    ] {
+        let [expected, found] = [&clip, &recorded].map(|clip| grounder.ground(clip, &question(text)));
+        assert_eq!(found.outcome, expected.outcome, "{text}");
+        let renumbered = expected.masks.into_iter().map(|(frame, mask)| (100 + 2 * frame, mask)).collect();
+        assert_eq!(found.masks, renumbered, "{text}");
     }
 }
 

@@ -11,6 +11,7 @@ mod zip;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use l4d_data::benchmark::SetSplit;
 use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::Truth;
@@ -27,7 +28,7 @@ use crate::day::Day;
 use crate::documents::{licence_url, split};
 use crate::gather::{Gathered, SceneFacts};
 use crate::inspect::files_below;
-use crate::words::Statuses;
+use crate::words::{Statuses, is_public};
 
 /// The scoring program.
 const SCORER: &str = include_str!("../host/l4d_scorer.py");
@@ -75,6 +76,8 @@ impl Setting<'_> {
             "profile": self.profile,
             "truth_digest": self.truth_digest,
             "split": split(self.gathered),
+            "is_public": is_public(self.gathered),
+            "is_dev": manifest.split == SetSplit::Dev,
             "scenes": self.scenes().count(),
             "judged": statuses.judged(),
             "verified": statuses.verified,
@@ -211,4 +214,37 @@ fn unwritable(name: &str, error: &dyn std::fmt::Display) -> DataError {
 /// The files with a folder before each name.
 fn below(folder: &str, files: Files) -> impl Iterator<Item = (String, Vec<u8>)> {
     files.into_iter().map(move |(name, bytes)| (format!("{folder}/{name}"), bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::{Benchmark, Report};
+
+    use super::*;
+    use crate::gather::gather;
+
+    #[test]
+    fn what_is_private_is_not_called_public() {
+        let bench = Benchmark::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark/dev")).unwrap();
+        let mut report = Report::default();
+        let mut gathered = gather(&bench, &mut report).unwrap();
+        assert!(report.is_empty());
+        let publication = Publication {
+            date: "2026-11-22".parse().unwrap(),
+            url: "https://example.org".to_owned(),
+            creators: vec!["A".to_owned()],
+        };
+        let season = Season { publication, until: None };
+        let mut says_public = |split: SetSplit| {
+            gathered.manifest.split = split;
+            let setting = Setting { gathered: &gathered, profile: Profile::Tiny, truth_digest: "0" };
+            let pages = [
+                (codabench(&setting, &season).unwrap(), "pages/evaluation.md"),
+                (evalai(&setting, &season).unwrap(), "templates/evaluation_details.html"),
+            ];
+            pages.map(|(files, page)| String::from_utf8_lossy(&files[page]).contains("The truth is public"))
+        };
+        assert_eq!(says_public(SetSplit::Test), [true, true]);
+        assert_eq!(says_public(SetSplit::Private), [false, false]);
+    }
 }

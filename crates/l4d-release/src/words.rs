@@ -2,6 +2,7 @@
 //!
 //! A sentence that depends on the data is made from it; nothing is claimed that the files do not show.
 
+use l4d_data::benchmark::SetSplit;
 use l4d_data::{Profile, Query, Status};
 use serde::Serialize;
 
@@ -122,6 +123,11 @@ pub(crate) fn of(contents: &Contents, gathered: &Gathered) -> Words {
     }
 }
 
+/// Whether anybody can have looked at the truth: somebody's own draw is not published with the benchmark.
+pub(crate) fn is_public(gathered: &Gathered) -> bool {
+    gathered.manifest.split != SetSplit::Private
+}
+
 fn collection(rendered: usize, captures: usize) -> String {
     let mut text = Vec::new();
     if rendered > 0 {
@@ -226,7 +232,9 @@ fn limitations(contents: &Contents, gathered: &Gathered, statuses: Statuses, ren
         all.push("Clips last four seconds, with few events each.".to_owned());
     }
     all.push("One camera of each scene is held out: scores say nothing about other viewpoints.".to_owned());
-    all.push("The truth is public. A method could have seen it; a fresh draw of the scenes (`l4d draw-variant`) is the remedy.".to_owned());
+    if is_public(gathered) {
+        all.push("The truth is public. A method could have seen it; a fresh draw of the scenes (`l4d draw-variant`) is the remedy.".to_owned());
+    }
     if !gathered.profiles.contains(&Profile::Full) && rendered > 0 {
         all.push("There is no truth at the full resolution of 640x480 in this version.".to_owned());
     }

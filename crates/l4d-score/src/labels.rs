@@ -37,7 +37,8 @@ impl Labels {
             spans.extend(runs.iter().map(|&run| Span { run, instance: instances as u32 }));
             instances += 1;
         }
-        spans.sort_unstable_by_key(|span| span.run.start);
+        // Each instance brings its runs in order: a stable sort finds that and merges.
+        spans.sort_by_key(|span| span.run.start);
         if spans.windows(2).any(|pair| pair[1].run.start < pair[0].run.end) {
             return None;
         }

@@ -290,7 +290,7 @@ impl Seen {
     fn evidence(&self, id: u32, gate: Option<u32>) -> EvidenceView {
         let frames = self.masks(id).into_iter().map(|(frame, mask)| {
             let (frame, mask) = gated(frame, mask, gate);
-            EvidenceFrame { frame, view: self.view, mask }
+            EvidenceFrame { frame, time: time_of_frame(frame), view: self.view, mask }
         });
         EvidenceView { name: self.name.clone(), frames: frames.collect() }
     }

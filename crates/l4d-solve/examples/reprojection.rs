@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use glam::{DVec2, DVec3, UVec2};
 use half::f16;
 use l4d_data::scene::{OBJECT_IDS, Scene};
-use l4d_data::{Camera, Split, layout::SceneDir, store::read_bounded};
+use l4d_data::{Camera, Split, Timeline, layout::SceneDir, store::read_bounded};
 use l4d_frames::drawn::{DepthMap, RgbImage};
 use l4d_frames::exr::{decode_depth, read_surfaces};
 use l4d_frames::{Mask, Surfaces};
@@ -132,7 +132,10 @@ fn read_view(
         seen.push(ClipFrame { frame, colour: RgbImage::new(width, height), depth });
         surfaces.insert(frame, shown);
     }
-    Ok(View { clip: ViewClip { camera: camera.clone(), width, height, frames: seen }, surfaces })
+    Ok(View {
+        clip: ViewClip { camera: camera.clone(), width, height, timeline: Timeline::CANONICAL, frames: seen },
+        surfaces,
+    })
 }
 
 /// A render as a model that is sure of itself.

@@ -134,7 +134,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use l4d_data::{Camera, Name, Split};
+    use l4d_data::{Camera, Name, Split, Timeline};
     use l4d_frames::drawn::{DepthMap, RgbImage};
     use l4d_ground::ClipFrame;
 
@@ -165,7 +165,13 @@ mod tests {
         let (fx, fy, cx, cy, world_from_camera) = (4.0, 4.0, 2.0, 1.5, Vec::new());
         let camera = Camera { name, split: Split::Train, fx, fy, cx, cy, world_from_camera };
         let frame = |frame| ClipFrame { frame, colour: RgbImage::new(4, 3), depth: DepthMap::empty(4, 3) };
-        ViewClip { camera, width: 4, height: 3, frames: [0, 12].map(frame).to_vec() }
+        ViewClip {
+            camera,
+            width: 4,
+            height: 3,
+            timeline: Timeline::CANONICAL,
+            frames: [0, 12].map(frame).to_vec(),
+        }
     }
 
     /// What two runs say, one after the other, and how often they ask.

@@ -34,7 +34,7 @@ pub fn write_masks(results: &ResultsDir, id: &QueryId, file: &MaskFile) -> Resul
 
 #[cfg(test)]
 mod tests {
-    use l4d_data::{Camera, Name, Split};
+    use l4d_data::{Camera, Name, Split, Timeline};
 
     use super::*;
     use crate::clips::Instant;
@@ -50,7 +50,7 @@ mod tests {
             cy: 1.0,
             world_from_camera: vec![[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]],
         };
-        let instants = [0, 48].map(Instant::at_frame).to_vec();
+        let instants = [0, 48].map(|frame| Instant::at_frame(frame, Timeline::CANONICAL)).to_vec();
         let plan = Plan { cameras: vec![camera], camera_size: [4, 2], size: [4, 2], instants };
         let mask = |columns: u32| Mask::from_fn(4, 2, |column, _| column < columns);
         let masks = plan.shots().zip([mask(0), mask(1)]).collect();

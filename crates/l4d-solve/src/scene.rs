@@ -1,14 +1,16 @@
 //! What all answers in one scene share: the model, its clips, and from where masks are wanted.
 //!
-//! Of a rendered scene only the cameras are read. Refuses to know instances, events, and every picture of the
-//! held-out camera.
+//! Of a scene, rendered or recorded, only the cameras are read. Refuses to know instances, events, and every picture of
+//! the held-out camera.
 
 use std::path::PathBuf;
 
+use l4d_data::capture::{Capture, MASKS, MaskSet};
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{SceneDir, WorkDir};
-use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, json};
+use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, Split, Timeline, json};
 use l4d_ground::ViewClip;
+use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::raster::{RasterSettings, Rasterizer};
 use l4d_splat::source::Source;
 use serde_json::{Value, json};
@@ -30,12 +32,16 @@ pub struct ClipSettings {
     pub depth: DepthKind,
     /// Frames that are asked about; none for the whole clip.
     pub range: Option<Interval>,
+    /// Width and height of the pictures; none for those of the training pictures.
+    pub size: Option<[u32; 2]>,
+    /// Every so many frames of the clip; none for those of the training pictures.
+    pub every: Option<u32>,
 }
 
 /// Where a scene stands.
 #[derive(Debug, Clone)]
 pub struct Places {
-    /// Its rendered pictures, of which only the cameras are read.
+    /// Its pictures, of which only the cameras are read.
     pub data: SceneDir,
     /// What can be remade.
     pub work: WorkDir,
@@ -60,6 +66,10 @@ pub struct SolveScene {
     pub clip_digests: Vec<String>,
     /// Where the pictures of the clips stand: `<view>/<frame:04>.png`.
     pub clips_root: PathBuf,
+    /// What clips are of: cameras, frames, size.
+    pub plan: Plan,
+    /// When frames were.
+    pub timeline: Timeline,
     /// How pictures and masks are drawn.
     pub raster: RasterSettings,
     /// The model at the times of the clips.
@@ -85,7 +95,15 @@ impl SolveScene {
         let training = rig.training();
         let chosen = spread_views(&training, settings.views, settings.seed);
         let cameras: Vec<Camera> = chosen.iter().map(|&index| training[index].clone()).collect();
-        let mut plan = Plan::of_profile(cameras, rig.size(), profile);
+        let timeline = rig.timeline();
+        let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
+        let every = settings.every.unwrap_or(sampling.every);
+        let frames = Sampling { every, ..sampling }.moments(&rig.clip(profile));
+        let mut plan = Plan::of_frames(cameras, rig.size(), frames, timeline);
+        match settings.size {
+            Some(size) => plan.size = size,
+            None => (plan.size, plan.camera_size) = sampling.sizes(rig.size()),
+        }
         if let Some(range) = settings.range {
             plan.instants.retain(|instant| instant.frame.is_some_and(|frame| range.contains(frame)));
         }
@@ -105,14 +123,24 @@ impl SolveScene {
         };
         let folder = ClipsFolder::claim(root, look, &plan, Overwrite::Stale)?;
         clips::complete(&folder, &plan, &source.model, rasterizer, drawn)?;
+        let clip_digest = |view| {
+            let drawn = folder.view_digest(&plan, view);
+            // Rendered frames follow each other at one rate; moments of a capture do not.
+            match timeline == Timeline::CANONICAL {
+                true => drawn,
+                false => sha256_hex(format!("{drawn} {}", timeline.duration_s()).as_bytes()),
+            }
+        };
         Ok(Self {
             name: name.clone(),
             profile,
-            clips: read_views(&folder, &plan)?,
-            clip_digests: (0..plan.cameras.len()).map(|view| folder.view_digest(&plan, view)).collect(),
+            clips: read_views(&folder, &plan, timeline)?,
+            clip_digests: (0..plan.cameras.len()).map(clip_digest).collect(),
             clips_root: folder.root().to_owned(),
             raster: RasterSettings { background, ..RasterSettings::default() },
             moments: Moments::at(plan.instants.iter().map(|instant| instant.time)),
+            plan,
+            timeline,
             rig,
             source,
         })
@@ -129,34 +157,59 @@ impl SolveScene {
         sha256_hex(json::canonical(&decides).as_bytes())
     }
 
-    /// From where and when the judge wants masks: the held-out camera at the frames of the clip.
+    /// From where and when the judge wants masks: the held-out camera at the frames of the clip that it saw. A capture
+    /// may hold several out; the judge's is the one that is drawn on.
     ///
     /// # Errors
     /// A scene without a held-out camera.
     pub fn judged(&self, places: &Places) -> Result<Plan, DataError> {
-        let camera = self.rig.held_out().cloned().ok_or_else(|| {
-            let path = places.data.scene();
-            DataError::invalid(
-                &path,
-                "field `cameras`",
-                "has no camera of split `test`",
-                "build the scene again",
-            )
+        let path = places.data.rig(self.profile);
+        let held_out = self.rig.cameras.iter().filter(|camera| camera.split == Split::Test).count();
+        let drawn_on = if held_out > 1 { drawn_on(&places.data)? } else { None };
+        let camera = match &drawn_on {
+            Some(view) => self.rig.camera(view),
+            None => self.rig.held_out(),
+        };
+        let camera = camera.cloned().ok_or_else(|| {
+            let remedy = match self.profile.is_rendered() {
+                true => "build the scene again",
+                false => "import the scene again with --held-out, or name cameras with --camera",
+            };
+            DataError::invalid(&path, "field `cameras`", "has no camera of split `test`", remedy)
         })?;
-        Ok(Plan::of_profile(vec![camera], self.rig.size(), self.profile))
+        let clip = self.rig.clip(self.profile);
+        let saw: Vec<u32> = clip.into_iter().filter(|frame| self.rig.saw(&camera.name, *frame)).collect();
+        Ok(Plan::of_frames(vec![camera], self.rig.size(), saw, self.timeline))
+    }
+}
+
+/// The held-out view of a capture on which somebody drew, where there are masks.
+fn drawn_on(dir: &SceneDir) -> Result<Option<Name>, DataError> {
+    if !dir.root().join(MASKS).exists() {
+        return Ok(None);
+    }
+    let capture = Capture::read(dir.root())?;
+    let drawn = MaskSet::read(dir.root())?;
+    let is_drawn = |view: &Name| drawn.instances.iter().any(|one| one.masks.contains_key(view));
+    Ok(capture.held_out().map(|camera| camera.name.clone()).find(is_drawn))
+}
+
+/// Where a scene that is not there comes from.
+pub fn how_scenes_are_made(name: &str, profile: Profile) -> String {
+    match profile.is_rendered() {
+        true => format!("run `l4d build-scenes --profile {profile} --scenes {name}` first"),
+        false => format!("run `l4d import-scene ... --name {name}` first"),
     }
 }
 
 fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataError> {
-    let path = places.data.scene();
+    let path = places.data.rig(profile);
     if !path.exists() {
-        let remedy = format!(
-            "run `l4d build-scenes --profile {profile} --scenes {name}` first, or choose another --data"
-        );
+        let remedy = format!("{}, or choose another --data", how_scenes_are_made(name, profile));
         return Err(DataError::invalid(places.data.root(), "scene", "no scene stands there", remedy));
     }
     let rig = Rig::read(&path)?;
-    if rig.size() != [profile.width(), profile.height()] {
+    if profile.is_rendered() && rig.size() != [profile.width(), profile.height()] {
         let message = format!("pictures of {}x{} are not of profile {profile}", rig.width, rig.height);
         return Err(DataError::invalid(
             &path,
@@ -167,7 +220,7 @@ fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataE
     }
     if rig.training().is_empty() {
         let message = "has no camera of split `train`";
-        return Err(DataError::invalid(&path, "field `cameras`", message, "build the scene again"));
+        return Err(DataError::invalid(&path, "field `cameras`", message, "make the scene again"));
     }
     Ok(rig)
 }

@@ -122,7 +122,7 @@ impl Preset {
             Self::Paper => DepthKind::Sum,
             Self::Robust | Self::Off => DepthKind::Median,
         };
-        ClipSettings { views, seed, depth, range: None }
+        ClipSettings { views, seed, depth, range: None, size: None, every: None }
     }
 }
 

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use l4d_data::DataError;
-use l4d_data::timeline::LAST_FRAME;
+use l4d_data::Timeline;
 
 use crate::checkpoint::foreign::ForeignModel;
 use crate::checkpoint::own::{self, Checkpoint};
@@ -96,7 +96,7 @@ impl From<ForeignModel> for Model {
 
 /// The time of a canonical frame, 0 to 1 over the clip; frames beyond the clip count as its end.
 pub fn time_of_frame(frame: u32) -> f32 {
-    (f64::from(frame.min(LAST_FRAME)) / f64::from(LAST_FRAME)) as f32
+    Timeline::CANONICAL.time(frame)
 }
 
 #[cfg(test)]

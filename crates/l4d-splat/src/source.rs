@@ -11,6 +11,7 @@ use l4d_data::digest::sha256_file;
 use l4d_data::{DataError, Name, Profile};
 
 use crate::checkpoint::cfg_args::Literal;
+use crate::checkpoint::own::Sampling;
 use crate::checkpoint::{foreign, own, ply};
 use crate::model::Model;
 
@@ -49,6 +50,8 @@ pub struct Source {
     pub scene: Option<Name>,
     /// Profile of the pictures that it was trained on, where it says so.
     pub profile: Option<Profile>,
+    /// Which pictures of a capture it was trained on, where it says so.
+    pub sampling: Option<Sampling>,
     /// What it was trained to show where nothing is, display colour, where it says so.
     pub background: Option<[f32; 3]>,
     /// SHA-256 of the files that say everything else, by their path within the model.
@@ -85,6 +88,7 @@ impl Source {
         Ok(Self {
             scene: checkpoint.scene.clone(),
             profile: checkpoint.profile,
+            sampling: checkpoint.sampling,
             model: checkpoint.into(),
             family: Family::Own,
             background: None,
@@ -113,6 +117,7 @@ impl Source {
             family: Family::FourDGaussians,
             scene: None,
             profile: None,
+            sampling: None,
             background,
             inputs: digests(folder, &files)?,
             notes,
@@ -127,6 +132,7 @@ impl Source {
             family: Family::Ply,
             scene: None,
             profile: None,
+            sampling: None,
             background: None,
             inputs: BTreeMap::from([(name, sha256_file(file)?)]),
             notes,

@@ -157,6 +157,18 @@ pub(crate) struct LeaderboardArgs {
     /// Seed of the draws behind intervals
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
+    /// Folder of what solvers left on their way: how sure they were becomes a figure
+    #[arg(long, value_name = "DIR", default_value = "work")]
+    pub(crate) work: PathBuf,
+    /// Write index.html too: the board as one page with masks and pictures, which needs no network
+    #[arg(long)]
+    pub(crate) html: bool,
+    /// Folder of the results whose masks the page shows
+    #[arg(long, value_name = "DIR", default_value = "results", requires = "html")]
+    pub(crate) results: PathBuf,
+    /// Folder of rendered scenes whose held-out pictures lie under the masks of the page; default: none
+    #[arg(long, value_name = "DIR", requires = "html")]
+    pub(crate) data: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

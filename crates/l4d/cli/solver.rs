@@ -83,6 +83,12 @@ pub(crate) struct MethodArgs {
     /// Seed of the first view; the others are the farthest from those before
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     pub(crate) view_seed: u64,
+    /// Width and height of the clips, pixels; default: those of the pictures that the splats were trained on
+    #[arg(long, value_name = "WxH")]
+    pub(crate) clip_size: Option<PixelSize>,
+    /// Clips of every N-th frame; default: of the frames that the splats were trained on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) clip_every: Option<u32>,
     /// Believe every view that found something, without consensus
     #[arg(long)]
     pub(crate) no_consensus: bool,
@@ -96,7 +102,7 @@ pub(crate) struct MethodArgs {
 /// Where scenes and models stand.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct WorkArgs {
-    /// Folder of the rendered scenes, of which only the cameras are read; default: data/<profile>
+    /// Folder of the scenes, of which only the cameras are read; default: data/<profile>, or data/captures
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder for what can be remade: models, clips, what led to answers
@@ -161,14 +167,14 @@ pub(crate) struct QueryArgs {
     pub(crate) scene: String,
     /// The sentence
     pub(crate) text: String,
-    /// First canonical frame that is asked about
-    #[arg(long, value_name = "FRAME", default_value_t = 0)]
-    pub(crate) from: u32,
-    /// Last canonical frame that is asked about
-    #[arg(long, value_name = "FRAME", default_value_t = l4d_data::timeline::LAST_FRAME)]
-    pub(crate) to: u32,
-    /// tiny, small or full
-    #[arg(long, default_value = "small", value_parser = super::rendered)]
+    /// First frame that is asked about; default: that of the clip
+    #[arg(long, value_name = "FRAME")]
+    pub(crate) from: Option<u32>,
+    /// Last frame that is asked about; default: that of the clip
+    #[arg(long, value_name = "FRAME")]
+    pub(crate) to: Option<u32>,
+    /// tiny, small or full; real for captures
+    #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
@@ -186,10 +192,10 @@ pub(crate) struct QueryArgs {
     /// Other cameras: JSON with width, height and cameras as in scene.json
     #[arg(long, value_name = "JSON")]
     pub(crate) cameras: Option<PathBuf>,
-    /// Times at which masks are drawn, 0 (start of the clip) to 1 (its end); default: the frames of the profile
+    /// Times at which masks are drawn, 0 (start of the clip) to 1 (its end); default: the frames of the clips
     #[arg(long, value_name = "TIME", value_delimiter = ',')]
     pub(crate) time: Vec<f32>,
-    /// Width and height of the masks, pixels; default: those of the cameras
+    /// Width and height of the masks, pixels; default: those of the clips, or of --cameras
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<PixelSize>,
     /// Also say what every view said of every other one, frame by frame

@@ -12,6 +12,8 @@ use super::solver::BenchLiftArgs;
 pub(crate) enum InitArg {
     /// On the surfaces that depth shows.
     Depth,
+    /// On the surfaces that comparing pictures finds.
+    Sweep,
     /// Anywhere.
     Random,
     /// On the points of a COLMAP model.
@@ -24,6 +26,7 @@ impl std::str::FromStr for InitArg {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         Ok(match text {
             "depth" => Self::Depth,
+            "sweep" => Self::Sweep,
             "random" => Self::Random,
             path => Self::Points(path.into()),
         })
@@ -34,6 +37,7 @@ impl std::fmt::Display for InitArg {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Depth => f.write_str("depth"),
+            Self::Sweep => f.write_str("sweep"),
             Self::Random => f.write_str("random"),
             Self::Points(path) => path.display().fmt(f),
         }
@@ -44,13 +48,13 @@ impl std::fmt::Display for InitArg {
 pub(crate) struct TrainSplatsArgs {
     /// Scene to learn
     pub(crate) scene: String,
-    /// Pictures that are trained on, and where things stand by default: tiny, small or full
-    #[arg(long, default_value = "small", value_parser = super::rendered)]
+    /// Pictures that are trained on, and where things stand by default: tiny, small or full; real for captures
+    #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
     /// Folder of the benchmark: it says which draw of the scenes is meant
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// Folder of the rendered scenes; default: data/<profile>
+    /// Folder of the scenes; default: data/<profile>, or data/captures
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder for what can be remade
@@ -59,17 +63,24 @@ pub(crate) struct TrainSplatsArgs {
     /// Folder that receives the model; default: <work>/<profile>/<scene>/splats
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Where the first Gaussians stand: depth, random, or the path of COLMAP's points3D.txt or points3D.bin
-    #[arg(long, value_name = "INIT", default_value = "depth")]
-    pub(crate) init: InitArg,
-    /// Most Gaussians; default: 5000 (tiny), 18000 (small), 60000 (full)
+    /// Where the first Gaussians stand: depth, sweep (pictures are compared, and depth is not looked at), random, or the path
+    /// of COLMAP's points3D.txt or points3D.bin; default: depth, and sweep where there is none
+    #[arg(long, value_name = "INIT")]
+    pub(crate) init: Option<InitArg>,
+    /// Make squares of N x N pixels of a capture's pictures one pixel
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) shrink: u32,
+    /// Train on every N-th moment of a capture
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+    /// Most Gaussians; default: 5000 (tiny), 18000 (small), 40000 (real), 60000 (full)
     #[arg(long, value_name = "N")]
     pub(crate) gaussians: Option<usize>,
     /// Degree of the spherical harmonics, 0 to 3: how much a colour may depend on direction; default: 1
     #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(0..=3))]
     pub(crate) sh_degree: Option<u8>,
     /// Share of moments at which a place has to be seen through, or to have another colour, before it counts as dynamic;
-    /// 0: everything is dynamic, 1.1: nothing is; default: 0.05
+    /// 0: everything is dynamic, 1.1: nothing is; default: 0.05, 0.2 (real)
     #[arg(long, value_name = "SHARE")]
     pub(crate) dynamic_threshold: Option<f32>,
     /// Iterations on what stands still; default: 400 (tiny), 1000 (others)
@@ -78,13 +89,13 @@ pub(crate) struct TrainSplatsArgs {
     /// Iterations for each step in which the clip is unfolded from one moment to its ends; default: 30 (tiny), 20 (others)
     #[arg(long, value_name = "N")]
     pub(crate) unfold: Option<u64>,
-    /// Iterations on the whole clip; default: 1000 (tiny), 4000 (small), 12000 (full)
+    /// Iterations on the whole clip; default: 1000 (tiny), 4000 (small, real), 12000 (full)
     #[arg(long, value_name = "N")]
     pub(crate) fine: Option<u64>,
     /// Views of one moment that an iteration looks at; default: 2
     #[arg(long, value_name = "N")]
     pub(crate) views_per_iteration: Option<usize>,
-    /// What an error of depth costs beside one of colour; default: 0.1
+    /// What an error of depth costs beside one of colour; default: 0.1, nothing where there is no depth
     #[arg(long, value_name = "WEIGHT")]
     pub(crate) depth_weight: Option<f32>,
     /// Share of 1 - SSIM in the loss of colour, the rest is L1; default: 0
@@ -135,10 +146,10 @@ pub(crate) struct RenderSplatsArgs {
     /// Scene whose model, cameras and size are meant; not needed with --model and --cameras
     #[arg(required_unless_present_all = ["model", "cameras"])]
     pub(crate) scene: Option<String>,
-    /// Frames that are drawn, and where things stand by default: tiny, small or full
-    #[arg(long, default_value = "small", value_parser = super::rendered)]
+    /// Frames that are drawn, and where things stand by default: tiny, small or full; real for captures
+    #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
-    /// Folder of the rendered scenes; default: data/<profile>
+    /// Folder of the scenes; default: data/<profile>, or data/captures
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder for what can be remade
@@ -153,13 +164,13 @@ pub(crate) struct RenderSplatsArgs {
     /// Only these views (comma-separated or repeated); default: all training views
     #[arg(long, value_name = "VIEW", value_delimiter = ',')]
     pub(crate) views: Vec<String>,
-    /// Only these canonical frames, 0 to 96; default: those of the profile
+    /// Only these frames; default: those of the profile, or those of the capture that the model was trained on
     #[arg(long, value_name = "FRAME", value_delimiter = ',', conflicts_with = "times")]
     pub(crate) frames: Vec<u32>,
     /// Times instead of frames, 0 (start of the clip) to 1 (its end)
     #[arg(long, value_name = "TIME", value_delimiter = ',')]
     pub(crate) times: Vec<f32>,
-    /// Width and height of the pictures, pixels; default: those of the cameras
+    /// Width and height of the pictures, pixels; default: those of the cameras, or those that the model was trained on
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<PixelSize>,
     /// Which depth is written

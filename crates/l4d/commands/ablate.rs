@@ -9,10 +9,12 @@ mod grid;
 mod markdown;
 mod measure;
 mod table;
+mod trend;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use l4d_board::publish_trend;
 use l4d_data::published::Published;
 use l4d_data::store::write_atomic;
 use l4d_data::{Benchmark, Report};
@@ -27,7 +29,8 @@ use self::grid::{Noise, correlations, grid};
 use self::markdown::Page;
 use self::measure::{Measured, measure};
 use self::table::{Cell, cells, columns, csv_of};
-use crate::cli::solver::{AblateArgs, GrounderArg};
+use self::trend::trend_of_views;
+use crate::cli::solver::{AblateArgs, GridArg, GrounderArg};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
@@ -81,12 +84,17 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     for (path, bytes) in &files {
         write_atomic(path, bytes)?;
     }
+    let mut paths: Vec<PathBuf> = files.into_iter().map(|(path, _)| path).collect();
+    let trend = (args.grid == GridArg::Views).then(|| trend_of_views(&columns, &cells, &about)).flatten();
+    if let Some(trend) = trend {
+        paths.extend(publish_trend(&trend, &folder)?);
+    }
     if args.json {
         out.json(&json!({ "grid": table, "about": about, "left_out": grid.left_out, "rows": all }))?;
     } else {
         out.data(text)?;
     }
-    files.iter().for_each(|(path, _)| out.note(path.display()));
+    paths.iter().for_each(|path| out.note(path.display()));
     Ok(ExitStatus::Success)
 }
 

@@ -110,9 +110,10 @@ fn own_draw(bench: &Path) -> Draw {
     Benchmark::open(bench).map(|bench| bench.manifest.draw()).unwrap_or_default()
 }
 
-/// Where the frames of a draw stand if nobody says otherwise.
+/// Where the frames of a draw, or captures, stand if nobody says otherwise.
 pub(crate) fn data_folder(given: Option<&Path>, profile: Profile, draw: Draw) -> PathBuf {
     let default = match draw.variant {
+        _ if !profile.is_rendered() => "data/captures".to_owned(),
         0 => format!("data/{profile}"),
         variant => format!("data/{profile}-v{variant}"),
     };

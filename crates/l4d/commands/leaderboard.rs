@@ -1,9 +1,15 @@
-//! `l4d leaderboard`: scores of methods in, ranked tables and figures out.
+//! `l4d leaderboard`: scores of methods in, ranked tables, figures and a page out.
+
+mod page;
+mod reliability;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_board::{Board, BoardError, Gathered, Statistics, gather, publish, text_statistics, text_table};
+use l4d_board::{
+    Board, BoardError, Details, Gathered, Statistics, gather, publish, publish_reliability, text_statistics,
+    text_table,
+};
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
 use serde_json::{Value, json};
@@ -22,8 +28,17 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let Gathered { board, statistics, report: found } =
         gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
-    let paths =
-        publish(&board, &statistics, &exam.bench.dir, &output).map_err(|error| with_hint(error, &scores))?;
+    let details = Details::read(&board, &scores, &exam)?;
+    let mut paths = publish(&board, &statistics, &details, &exam.bench.dir, &output)
+        .map_err(|error| with_hint(error, &scores))?;
+    let certainties = reliability::of_methods(args, &exam, &details)?;
+    if !certainties.is_empty() {
+        let figures = output.join("figures");
+        paths.extend(publish_reliability(&certainties, &reliability::about(&board), &figures)?);
+    }
+    if args.html {
+        paths.push(page::write(args, &exam, &board, &statistics, &details, [&scores, &output], out)?);
+    }
 
     for finding in report.into_sorted() {
         out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));

@@ -10,8 +10,7 @@ use anyhow::Result;
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{AnswerDir, SceneDir, WorkDir};
 use l4d_data::store::write_atomic;
-use l4d_data::timeline::LAST_FRAME;
-use l4d_data::{Benchmark, Draw, Interval, Name, Query, Rig};
+use l4d_data::{Benchmark, Camera, Draw, Interval, Name, Query, Rig, Timeline};
 use l4d_frames::drawn::encode_colour;
 use l4d_ground::Question;
 use l4d_solve::account::{Account, Stage};
@@ -34,12 +33,13 @@ const CONSENSUS_COLUMNS: usize = 6;
 
 pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
-    let question = question(args, &name)?;
+    let text = sentence(args)?;
     let data = data_folder(args.work.data.as_deref(), args.profile, Draw::default());
     let work = WorkDir::new(&args.work.work, args.profile, &name);
     let places = Places { data: SceneDir::new(&data, &name), work: work.clone(), model: args.splats.clone() };
     let known = known_queries(args, &name);
-    let question = Question { number: number_of(&known, &question.text), ..question };
+    let range = range(args, timeline_of(args, &places))?;
+    let question = Question { scene: name.clone(), number: number_of(&known, &text), text, range };
     let grounders = Grounders::open(&args.method, &args.work.work, out)?;
     let settings = solver::settings(&args.method);
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
         SolveScene::open(&name, args.profile, &places, &clip_settings, draws, &drawn)
     })?;
     bar.finish_and_clear();
-    let grounder = grounders.of_scene(&name, &places.data, &known)?;
+    let grounder = grounders.of_scene(&scene, &places.data, &known)?;
     let method =
         Method { grounder: grounder.as_ref(), rasterizer: opened.rasterizer.as_ref(), settings: &settings };
     let plan = wanted(args, question.range, &scene, &places)?;
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let moving = moving_picture::write(
         &folder,
         "overlay",
-        Clip::of(&plan.instants),
+        Clip::of(&plan.instants, scene.timeline),
         |widest_px| drawn.pages(widest_px),
         out,
     )?;
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     Ok(ExitStatus::Success)
 }
 
-fn question(args: &QueryArgs, scene: &Name) -> Result<Question> {
+fn sentence(args: &QueryArgs) -> Result<String> {
     let text = args.text.trim();
     if text.is_empty() {
         return Err(refusal(
@@ -110,18 +110,30 @@ fn question(args: &QueryArgs, scene: &Name) -> Result<Question> {
             "say what is meant, for example \"the cat that jumps\"",
         ));
     }
-    if args.to > LAST_FRAME {
+    Ok(text.to_owned())
+}
+
+/// When the frames of the scene were. A scene that is not there is told later, with what makes it.
+fn timeline_of(args: &QueryArgs, places: &Places) -> Timeline {
+    Rig::read(&places.data.rig(args.profile)).map_or(Timeline::CANONICAL, |rig| rig.timeline())
+}
+
+/// The frames that are asked about; none for the whole clip.
+fn range(args: &QueryArgs, timeline: Timeline) -> Result<Option<Interval>> {
+    let whole = timeline.whole();
+    let (from, to) = (args.from.unwrap_or(whole.first()), args.to.unwrap_or(whole.last()));
+    if let Some((flag, frame)) =
+        [("--from", from), ("--to", to)].into_iter().find(|(_, frame)| !whole.contains(*frame))
+    {
         return Err(refusal(
-            format!("--to {} is beyond the clip", args.to),
-            format!("frames are 0 to {LAST_FRAME}"),
+            format!("{flag} {frame} is beyond the clip"),
+            format!("frames are {} to {}", whole.first(), whole.last()),
         ));
     }
-    let range = Interval::new(args.from, args.to).map_err(|error| {
+    let range = Interval::new(from, to).map_err(|error| {
         refusal(format!("--from, --to: {error}"), "give the first frame to --from, the last to --to")
     })?;
-    let is_whole = range == Interval::WHOLE;
-    let range = (!is_whole).then_some(range);
-    Ok(Question { scene: scene.clone(), number: None, text: text.to_owned(), range })
+    Ok((range != whole).then_some(range))
 }
 
 /// All sentences that the benchmark has about the scene; none without a benchmark.
@@ -141,9 +153,19 @@ fn number_of(known: &[Query], text: &str) -> Option<Name> {
 fn wanted(args: &QueryArgs, range: Option<Interval>, scene: &SolveScene, places: &Places) -> Result<Plan> {
     let file = args.cameras.as_deref().map(Rig::read).transpose()?;
     let rig = file.as_ref().unwrap_or(&scene.rig);
+    // Moments of the clips; `range` has been taken out of them already.
+    let of_cameras = |cameras: Vec<Camera>| match (&file, &scene.plan) {
+        // Of the scene's own cameras, pictures as large as the clips.
+        (None, Plan { camera_size, size, instants, .. }) => {
+            Plan { cameras, camera_size: *camera_size, size: *size, instants: instants.clone() }
+        }
+        (Some(file), Plan { instants, .. }) => {
+            Plan { cameras, camera_size: file.size(), size: file.size(), instants: instants.clone() }
+        }
+    };
     let mut plan = match args.camera.is_empty() {
-        true if file.is_some() => Plan::of_profile(rig.cameras.clone(), rig.size(), args.profile),
-        true => scene.judged(places)?,
+        true if file.is_some() => of_cameras(rig.cameras.clone()),
+        true => of_cameras(scene.judged(places)?.cameras),
         false => {
             let camera = |name: &String| {
                 rig.camera(name).cloned().ok_or_else(|| {
@@ -155,7 +177,7 @@ fn wanted(args: &QueryArgs, range: Option<Interval>, scene: &SolveScene, places:
                 })
             };
             let cameras = args.camera.iter().map(camera).collect::<Result<Vec<_>>>()?;
-            Plan::of_profile(cameras, rig.size(), args.profile)
+            of_cameras(cameras)
         }
     };
     if !args.time.is_empty() {
@@ -164,7 +186,7 @@ fn wanted(args: &QueryArgs, range: Option<Interval>, scene: &SolveScene, places:
         }
         if let Some(camera) = plan.cameras.iter().find(|camera| camera.world_from_camera.len() > 1) {
             return Err(refusal(
-                format!("camera {} moves, and is known at canonical frames alone", camera.name),
+                format!("camera {} moves, and is known at frames alone", camera.name),
                 "leave out --time",
             ));
         }
@@ -173,18 +195,12 @@ fn wanted(args: &QueryArgs, range: Option<Interval>, scene: &SolveScene, places:
         plan.instants.dedup_by(|a, b| a.key == b.key);
     }
     if let Some(range) = range {
-        plan.instants.retain(|instant| {
-            let frame = f64::from(instant.time) * f64::from(LAST_FRAME);
-            (f64::from(range.first())..=f64::from(range.last())).contains(&frame)
-        });
+        let ends = [range.first(), range.last()].map(|frame| scene.timeline.time(frame));
+        plan.instants.retain(|instant| (ends[0]..=ends[1]).contains(&instant.time));
         if plan.instants.is_empty() {
             return Err(refusal(
                 format!("no moment of the masks lies between frames {} and {}", range.first(), range.last()),
-                format!(
-                    "widen --from and --to, or choose another --time; profile {} has every {}th frame",
-                    args.profile,
-                    args.profile.stride()
-                ),
+                "widen --from and --to, or choose another --time; clips have some frames alone",
             ));
         }
     }

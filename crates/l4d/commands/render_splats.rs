@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use anyhow::Result;
 use l4d_solve::clips::{self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite};
-use l4d_splat::source::Source;
 
 use self::plan::Order;
 use self::preview::Preview;
@@ -17,8 +16,7 @@ use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
 
 pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> {
-    let Order { model, out: root, plan } = Order::of(args)?;
-    let source = Source::open(&model)?;
+    let Order { model, source, out: root, plan, timeline } = Order::of(args)?;
     source.notes.iter().for_each(|note| out.note(format!("{}: {note}", model.display())));
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let look = Look {
@@ -48,7 +46,13 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     out.data(folder.manifest_path().display())?;
     if args.preview {
         let lay_out = |widest_px| Preview::new(&folder, &plan, widest_px);
-        let path = moving_picture::write(folder.root(), "preview", Clip::of(&plan.instants), lay_out, out)?;
+        let path = moving_picture::write(
+            folder.root(),
+            "preview",
+            Clip::of(&plan.instants, timeline),
+            lay_out,
+            out,
+        )?;
         out.data(path.display())?;
     }
     Ok(ExitStatus::Success)

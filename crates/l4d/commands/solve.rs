@@ -99,7 +99,7 @@ impl<'a> Run<'a> {
         let scene = account.of(Stage::Clips, || self.open(&wanted.name, &places))?;
         scene.source.notes.iter().for_each(|note| out.note(format!("{}: {note}", wanted.name)));
         ledger.add_scene(account);
-        let grounder = self.grounders.of_scene(&wanted.name, &places.data, &wanted.queries)?;
+        let grounder = self.grounders.of_scene(&scene, &places.data, &wanted.queries)?;
         let judged = scene.judged(&places)?;
         let method = Method {
             grounder: grounder.as_ref(),

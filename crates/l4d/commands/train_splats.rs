@@ -3,12 +3,12 @@
 mod folder;
 mod input;
 mod report;
+mod shoot;
 
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use l4d_data::layout::{SceneDir, WorkDir};
-use l4d_data::scene::Scene;
 use l4d_data::{Benchmark, Name};
 use l4d_solve::account::peak_memory_bytes;
 use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_points};
@@ -16,9 +16,10 @@ use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_p
 use self::folder::{Claim, Origin, SplatsFolder};
 use self::input::{HeldOut, Input};
 use self::report::{Effort, Report};
+use self::shoot::Shoot;
 use super::build_scenes::data_folder;
 use crate::cli::splats::{InitArg, TrainSplatsArgs};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
 
 /// Held-out pictures that the progress shows the error of.
@@ -30,15 +31,16 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
     let data = data_folder(args.data.as_deref(), args.profile, draw);
     let dir = SceneDir::new(&data, &name);
-    let scene = read_scene(args, &dir)?;
+    let shoot = Shoot::open(args, &dir)?;
     let settings = settings(args);
     let opened = rasterizer::open(&args.adapter.adapter)?;
-    let start = start(&args.init)?;
+    let init = init(args);
+    let start = start(&init)?;
     let work = args.out.clone().unwrap_or_else(|| WorkDir::new(&args.work, args.profile, &name).splats());
 
-    let bar = out.bar(input::picture_count(&scene), "reading");
-    let input = Input::read(&dir, &scene, &|| bar.inc(1))?;
-    let held_out = HeldOut::read(&dir, &scene, &|| bar.inc(1))?;
+    let bar = out.bar(shoot.picture_count(), "reading");
+    let input = Input::read(&dir, &shoot, &|| bar.inc(1))?;
+    let held_out = HeldOut::read(&dir, &shoot, &|| bar.inc(1))?;
     bar.finish_and_clear();
     let read_seconds = begin.elapsed().as_secs_f64();
 
@@ -46,7 +48,8 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         scene: name,
         profile: args.profile,
         settings: serde_json::to_value(&settings)?,
-        init: args.init.to_string(),
+        init: init.to_string(),
+        sampling: shoot.sampling,
         rasterizer: opened.rasterizer.name(),
         adapter: opened.adapter.map(serde_json::to_value).transpose()?,
         trained_on: input.digests,
@@ -61,7 +64,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
 
     let begin = Instant::now();
     let mut trainer = Trainer::new(&input.footage, settings, &start, opened.rasterizer.as_ref())
-        .with_context(|| dir.scene().display().to_string())?;
+        .with_context(|| dir.root().display().to_string())?;
     let prepare_seconds = begin.elapsed().as_secs_f64();
     let mut before_seconds = 0.0;
     if let Claim::Resume(checkpoint) = claim {
@@ -166,32 +169,6 @@ fn all_pictures((shots, moments): (usize, usize)) -> Vec<(usize, usize)> {
     (0..shots).flat_map(|shot| (0..moments).map(move |moment| (shot, moment))).collect()
 }
 
-fn read_scene(args: &TrainSplatsArgs, dir: &SceneDir) -> Result<Scene> {
-    let path = dir.scene();
-    if !path.exists() {
-        return Err(refusal(
-            format!("{}: no scene stands there", dir.root().display()),
-            format!(
-                "run `l4d build-scenes --profile {} --scenes {}` first, or choose another --data",
-                args.profile, args.scene
-            ),
-        ));
-    }
-    let scene = Scene::read(&path)?;
-    if scene.profile != args.profile {
-        return Err(refusal(
-            format!(
-                "{}: field `profile` is {}, but {} was asked for",
-                path.display(),
-                scene.profile,
-                args.profile
-            ),
-            format!("say --profile {}, or choose another --data", scene.profile),
-        ));
-    }
-    Ok(scene)
-}
-
 fn settings(args: &TrainSplatsArgs) -> Settings {
     let default = Settings::of_profile(args.profile);
     Settings {
@@ -210,9 +187,15 @@ fn settings(args: &TrainSplatsArgs) -> Settings {
     }
 }
 
+fn init(args: &TrainSplatsArgs) -> InitArg {
+    let usual = || if args.profile.is_rendered() { InitArg::Depth } else { InitArg::Sweep };
+    args.init.clone().unwrap_or_else(usual)
+}
+
 fn start(init: &InitArg) -> Result<Start> {
     Ok(match init {
-        InitArg::Depth => Start::Depth,
+        // Footage without depth is compared.
+        InitArg::Depth | InitArg::Sweep => Start::Depth,
         InitArg::Random => Start::Random,
         InitArg::Points(path) => Start::Points(read_points(path)?),
     })

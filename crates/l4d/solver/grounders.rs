@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
+use l4d_data::Query;
 use l4d_data::layout::SceneDir;
-use l4d_data::{Name, Query};
 use l4d_ground::Grounder;
 use l4d_ground::files::Files;
 use l4d_ground::geometric::Geometric;
 use l4d_ground::geometric::classical::Classical;
-use l4d_ground::oracle::{NoisePreset, Oracle, RenderedIds, Target};
+use l4d_ground::oracle::{NoisePreset, Oracle, Target, TrainingIds};
 use l4d_ground::vlm::Vlm;
+use l4d_solve::clips::Plan;
+use l4d_solve::scene::SolveScene;
 
 use super::model;
 use crate::cli::solver::{GrounderArg, MethodArgs};
@@ -68,20 +70,22 @@ impl Grounders {
     /// The one for a scene. Queries are what the oracle knows the meaning of; the others don't look at them.
     pub(crate) fn of_scene(
         &self,
-        scene: &Name,
+        scene: &SolveScene,
         place: &SceneDir,
         queries: &[Query],
     ) -> Result<Arc<dyn Grounder + Send + Sync>> {
+        let name = scene.name.clone();
         Ok(match self {
             Self::Shared(grounder) => Arc::clone(grounder),
             Self::Vlm(vlm) => Arc::clone(vlm) as _,
-            Self::Files(root) => Arc::new(Files::open(root, scene.clone())?),
+            Self::Files(root) => Arc::new(Files::open(root, name)?),
             Self::Oracle(noise) => {
-                let ids = RenderedIds::open(place.clone())?;
-                let instances = &ids.scene().instances;
+                let Plan { size, camera_size, .. } = scene.plan;
+                let ids = TrainingIds::open(place.clone(), scene.profile, size, camera_size)?;
+                let instances = ids.instances();
                 let target = |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query)?));
                 let targets = queries.iter().map(target).collect::<Result<BTreeMap<_, _>>>()?;
-                Arc::new(Oracle::new(scene.clone(), ids, targets, noise.clone()).context("--noise")?)
+                Arc::new(Oracle::new(name, ids, targets, noise.clone()).context("--noise")?)
             }
         })
     }

@@ -74,7 +74,32 @@ pub(crate) enum Shape {
     Bar { x: f64, y: f64, width: f64, height: f64, fill: Colour },
     Line { points: Vec<(f64, f64)>, width: f64, colour: Colour },
     Dot { x: f64, y: f64, radius: f64, fill: Colour },
+    Polygon { points: Vec<(f64, f64)>, fill: Colour },
     Text { x: f64, baseline: f64, text: String, lettering: Lettering },
+}
+
+/// Shapes of points: series stay apart without their colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Marker {
+    Circle,
+    Square,
+    Triangle,
+    Diamond,
+    Wedge,
+}
+
+impl Marker {
+    /// In the order in which series take them.
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Wedge];
+}
+
+/// Which way the stripes of a bar run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Hatch {
+    Rising,
+    Falling,
+    Upright,
 }
 
 /// A rectangle: left, top, right, bottom.
@@ -185,6 +210,73 @@ impl Drawing {
 
     pub(crate) fn dot(&mut self, x: f64, y: f64, radius: f64, fill: Colour) {
         self.shapes.push(Shape::Dot { x, y, radius, fill });
+    }
+
+    pub(crate) fn polygon(&mut self, points: impl IntoIterator<Item = (f64, f64)>, fill: Colour) {
+        self.shapes.push(Shape::Polygon { points: points.into_iter().collect(), fill });
+    }
+
+    /// A point of a series, about as large as a dot of this radius.
+    pub(crate) fn marker(&mut self, marker: Marker, (x, y): (f64, f64), radius: f64, fill: Colour) {
+        let r = radius;
+        match marker {
+            Marker::Circle => self.dot(x, y, r, fill),
+            Marker::Square => self.bar(x - 0.88 * r, y - 0.88 * r, 1.76 * r, 1.76 * r, fill),
+            Marker::Triangle => {
+                self.polygon(
+                    [(x, y - 1.2 * r), (x + 1.1 * r, y + 0.8 * r), (x - 1.1 * r, y + 0.8 * r)],
+                    fill,
+                );
+            }
+            Marker::Diamond => {
+                self.polygon([(x, y - 1.3 * r), (x + 1.3 * r, y), (x, y + 1.3 * r), (x - 1.3 * r, y)], fill);
+            }
+            Marker::Wedge => {
+                self.polygon(
+                    [(x, y + 1.2 * r), (x - 1.1 * r, y - 0.8 * r), (x + 1.1 * r, y - 0.8 * r)],
+                    fill,
+                );
+            }
+        }
+    }
+
+    /// From `low` to `high` with ends across: an interval, lying or upright.
+    pub(crate) fn whisker(&mut self, low: (f64, f64), high: (f64, f64), colour: Colour) {
+        const HALF: f64 = 2.5;
+        self.line([low, high], 1.0, colour);
+        let is_lying = (low.1 - high.1).abs() < (low.0 - high.0).abs() || low == high;
+        for (x, y) in [low, high] {
+            let ends = if is_lying { [(x, y - HALF), (x, y + HALF)] } else { [(x - HALF, y), (x + HALF, y)] };
+            self.line(ends, 1.0, colour);
+        }
+    }
+
+    /// Stripes over a rectangle that was filled before.
+    pub(crate) fn stripes(&mut self, extent: Extent, hatch: Hatch, colour: Colour) {
+        const PITCH: f64 = 4.0;
+        let Extent { left, top, right, bottom } = extent;
+        let (width, height) = (right - left, bottom - top);
+        let count = ((width + height) / PITCH) as usize;
+        for index in 1..=count {
+            let along = index as f64 * PITCH;
+            // Where the diagonal that starts `along` the left and lower edges enters and leaves, from the lower left.
+            let enter = (f64::max(along - height, 0.0), f64::min(along, height));
+            let leave = (f64::min(along, width), f64::max(along - width, 0.0));
+            match hatch {
+                Hatch::Upright if along < width => {
+                    self.line([(left + along, top), (left + along, bottom)], 0.75, colour);
+                }
+                Hatch::Upright => {}
+                Hatch::Falling => {
+                    let ends = [(left + enter.0, bottom - enter.1), (left + leave.0, bottom - leave.1)];
+                    self.line(ends, 0.75, colour);
+                }
+                Hatch::Rising => {
+                    let ends = [(left + enter.0, top + enter.1), (left + leave.0, top + leave.1)];
+                    self.line(ends, 0.75, colour);
+                }
+            }
+        }
     }
 
     /// The mark of a method in a scatter: full where it is ranked, a ring where it is not.

@@ -143,6 +143,10 @@ impl<DB: DrawingBackend> Painter<'_, DB> {
                     let radius = (radius * f64::from(GRID)).round() as i32;
                     self.area.draw(&Circle::new(grid(*x, *y), radius, colour(*fill).filled()))?;
                 }
+                Shape::Polygon { points, fill } => {
+                    let points: Vec<(i32, i32)> = points.iter().map(|&(x, y)| grid(x, y)).collect();
+                    self.area.draw(&Polygon::new(points, colour(*fill).filled()))?;
+                }
                 Shape::Text { x, baseline, text, lettering } => self.text(*x, *baseline, text, *lettering)?,
             }
         }

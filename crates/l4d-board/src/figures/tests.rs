@@ -51,7 +51,7 @@ fn nothing_leaves_the_canvas() {
             for shape in &drawing.shapes {
                 let corners = match shape {
                     Shape::Bar { x, y, width, height, .. } => vec![(*x, *y), (x + width, y + height)],
-                    Shape::Line { points, .. } => points.clone(),
+                    Shape::Line { points, .. } | Shape::Polygon { points, .. } => points.clone(),
                     Shape::Dot { x, y, radius, .. } => {
                         vec![(x - radius, y - radius), (x + radius, y + radius)]
                     }
@@ -187,7 +187,14 @@ fn gallery() {
     let Some(folder) = std::env::var_os("L4D_BOARD_GALLERY") else { return };
     for (board_name, board) in boards() {
         let (statistics, bench) = (sample::statistics(&board), BenchDir::new("nowhere"));
-        crate::publish(&board, &statistics, &bench, &std::path::Path::new(&folder).join(board_name)).unwrap();
+        crate::publish(
+            &board,
+            &statistics,
+            &sample::details(),
+            &bench,
+            &std::path::Path::new(&folder).join(board_name),
+        )
+        .unwrap();
     }
 }
 

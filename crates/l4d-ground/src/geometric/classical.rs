@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 use l4d_data::Scale;
-use l4d_data::timeline::FPS;
 use serde_json::{Value, json};
 
 use super::lab::LabTable;
@@ -44,7 +43,7 @@ impl Perception for Classical {
             median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect());
         let footprint = 1.0 / clip.camera.fx.max(1e-9) as f32;
         let backdrop = Backdrop::new(clip, &surfaces, median_depth_m, settings);
-        let seconds: Vec<f64> = frames.iter().map(|&frame| f64::from(frame) / FPS).collect();
+        let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
         let mut chains = Vec::new();
         for level in Level::ALL {
             let found =
@@ -58,6 +57,7 @@ impl Perception for Classical {
         Seen {
             tracks: distinct(chains, settings),
             frames,
+            timeline: clip.timeline,
             scale: scale_of(median_depth_m, settings),
             spacing_m,
             eye,

@@ -1,7 +1,6 @@
 //! How a track moves, and how much that looks like a verb.
 
 use glam::DVec3;
-use l4d_data::timeline::FPS;
 
 use super::lexicon::Motion;
 use super::perceive::{Glimpse, Seen, Track};
@@ -24,7 +23,7 @@ pub(crate) struct Kinematics {
 
 impl Kinematics {
     pub(crate) fn new(track: &Track, seen: &Seen) -> Self {
-        let seconds: Vec<f64> = seen.frames.iter().map(|&frame| f64::from(frame) / FPS).collect();
+        let seconds: Vec<f64> = seen.frames.iter().map(|&frame| seen.timeline.seconds(frame)).collect();
         let count = seconds.len();
         let step = if count > 1 { (seconds[count - 1] - seconds[0]) / (count - 1) as f64 } else { 1.0 };
         let reach = ((WINDOW_S / step.max(1e-6)).round() as usize).max(1);

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use l4d_data::Scale;
+use l4d_data::{Scale, Timeline};
 use l4d_frames::Mask;
 use l4d_frames::mask::PixelBox;
 use serde_json::Value;
@@ -24,8 +24,10 @@ pub trait Perception: Sync {
 /// What is seen over a clip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seen {
-    /// Canonical frames of the clip, ascending.
+    /// Frames of the clip, ascending.
     pub frames: Vec<u32>,
+    /// When they were.
+    pub timeline: Timeline,
     /// Things, in an order that depends on the clip alone. Several may be readings of the same pixels: a whole and
     /// its parts.
     pub tracks: Vec<Track>,

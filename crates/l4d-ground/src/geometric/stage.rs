@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec2, DVec3};
-use l4d_data::timeline::{FPS, FRAME_COUNT};
+use l4d_data::timeline::{FRAME_COUNT, LAST_FRAME};
 use l4d_data::tracks::{Pair, SCHEMA, Track as TrackedBoxes, TrackedInstance, Tracks};
-use l4d_data::{Name, Role};
+use l4d_data::{Name, Role, Timeline};
 
 use super::motion::{Kinematics, gap_m};
 use super::perceive::{Glimpse, Seen, Track};
@@ -26,7 +26,8 @@ pub(crate) fn stage(
     subjects: &[usize],
     others: &[usize],
 ) -> Option<Tracks> {
-    let index_of: Vec<usize> = (0..FRAME_COUNT).map(|frame| nearest_index(&seen.frames, frame)).collect();
+    let canonical: Vec<u32> = seen.frames.iter().map(|&frame| seen.timeline.canonical(frame)).collect();
+    let index_of: Vec<usize> = (0..FRAME_COUNT).map(|frame| nearest_index(&canonical, frame)).collect();
     let mut all: Vec<usize> = subjects.iter().chain(others).copied().collect();
     all.sort_unstable();
     all.dedup();
@@ -63,7 +64,7 @@ pub(crate) fn stage(
         scale: seen.scale,
         variant: 0,
         seed: 0,
-        fps: FPS,
+        fps: canonical_fps(seen.timeline),
         frame_count: FRAME_COUNT,
         exposure: 1.0,
         description: String::new(),
@@ -73,6 +74,12 @@ pub(crate) fn stage(
         pairs,
         cameras: Vec::new(),
     })
+}
+
+/// Canonical frames a second, if the clip is told in as many of them as any other.
+fn canonical_fps(timeline: Timeline) -> f64 {
+    let duration_s = timeline.duration_s();
+    if duration_s > 0.0 { f64::from(LAST_FRAME) / duration_s } else { timeline.frames_per_second() }
 }
 
 /// Index of the frame of the clip that is nearest to a canonical one.

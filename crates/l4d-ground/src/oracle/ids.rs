@@ -1,4 +1,6 @@
-//! Which pixels of the training views show which instance.
+//! Which pixels of the training views show which instance: as they were rendered, or as people drew them.
+
+mod drawn;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -6,8 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::UVec2;
 use l4d_data::digest::sha256_file;
 use l4d_data::layout::SceneDir;
-use l4d_data::scene::Scene;
-use l4d_data::{DataError, Name, Split};
+use l4d_data::scene::{Instance, Scene};
+use l4d_data::{DataError, Name, Profile, Split};
 use l4d_frames::exr::read_surfaces;
 use l4d_frames::truth::Observation;
 use l4d_frames::{Mask, rle};
@@ -20,6 +22,55 @@ pub trait IdSource: Sync {
 
     /// The pixels of a picture that show any of these instances.
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError>;
+}
+
+pub use self::drawn::DrawnIds;
+
+/// The ids of one scene.
+#[derive(Debug)]
+pub enum TrainingIds {
+    /// Of a rendered scene.
+    Rendered(RenderedIds),
+    /// Of a capture.
+    Drawn(DrawnIds),
+}
+
+impl TrainingIds {
+    /// Opens a scene. Clips have `size` (width, height) pixels, and show `of` of the pictures' ones, which are at least as
+    /// many.
+    ///
+    /// # Errors
+    /// A scene that is not there; a capture of which nobody drew on a training view.
+    pub fn open(dir: SceneDir, profile: Profile, size: [u32; 2], of: [u32; 2]) -> Result<Self, DataError> {
+        Ok(match profile.is_rendered() {
+            true => Self::Rendered(RenderedIds::open(dir)?),
+            false => Self::Drawn(DrawnIds::open(dir, size, of)?),
+        })
+    }
+
+    /// What ids mean.
+    pub fn instances(&self) -> &[Instance] {
+        match self {
+            Self::Rendered(ids) => &ids.scene.instances,
+            Self::Drawn(ids) => ids.instances(),
+        }
+    }
+}
+
+impl IdSource for TrainingIds {
+    fn identity(&self) -> Value {
+        match self {
+            Self::Rendered(ids) => ids.identity(),
+            Self::Drawn(ids) => ids.identity(),
+        }
+    }
+
+    fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
+        match self {
+            Self::Rendered(source) => source.pixels_of(view, frame, ids),
+            Self::Drawn(source) => source.pixels_of(view, frame, ids),
+        }
+    }
 }
 
 /// The id channel of the rendered training views of one scene. Pictures are read once and kept as run lengths.

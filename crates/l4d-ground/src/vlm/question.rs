@@ -3,7 +3,6 @@
 //! That is the common denominator of the servers, and how models of the Qwen family were trained to see videos.
 
 use l4d_data::digest::sha256_hex;
-use l4d_data::timeline::FPS;
 use l4d_endpoint::coordinates::Scale;
 use l4d_endpoint::{Convention, Image, Message, Part, Request, Schema};
 use serde_json::{Map, Value, json};
@@ -72,7 +71,7 @@ impl<'a> Filling<'a> {
         Self {
             query: asked.sentence,
             count: watching.clock.sent().len(),
-            seconds: f64::from(asked.range.frame_count()) / FPS,
+            seconds: f64::from(asked.range.frame_count()) / watching.clip.timeline.frames_per_second(),
             key: "",
             gate: settings.gate,
             candidates: 0,

@@ -1,6 +1,6 @@
 //! Clips and questions for the tests of grounders that ask others.
 
-use l4d_data::{Camera, Name, Split};
+use l4d_data::{Camera, Name, Split, Timeline};
 use l4d_frames::drawn::{DepthMap, RgbImage};
 use l4d_ground::{ClipFrame, Grounding, Question, ViewClip};
 
@@ -16,7 +16,7 @@ pub(crate) fn clip(width: u32, height: u32, frames: &[u32]) -> ViewClip {
         colour.pixels_mut().for_each(|pixel| pixel.0 = [90, frame as u8, 60]);
         ClipFrame { frame, colour, depth: DepthMap::empty(width, height) }
     });
-    ViewClip { camera, width, height, frames: frames.collect() }
+    ViewClip { camera, width, height, timeline: Timeline::CANONICAL, frames: frames.collect() }
 }
 
 /// A sentence of the user's own.

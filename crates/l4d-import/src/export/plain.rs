@@ -15,7 +15,7 @@ struct Cameras<'a> {
     cameras: Vec<&'a Camera>,
     /// Null where nobody says.
     frames_per_second: Option<f64>,
-    frames: Vec<Time>,
+    times: Vec<Time>,
 }
 
 #[derive(Debug, Serialize)]
@@ -49,7 +49,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         height: footage.size()[1],
         cameras,
         frames_per_second: footage.frames_per_second(),
-        frames: footage.frames().iter().map(time).collect(),
+        times: footage.frames().iter().map(time).collect(),
     };
     json::write(&order.out.join("cameras.json"), &document)?;
     manifest.note("poses are world_from_camera, row by row, in OpenCV axes; pixel centres lie at halves");

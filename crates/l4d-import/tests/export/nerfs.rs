@@ -121,7 +121,7 @@ fn assert_plain(world: &World, out: &Path) {
     }
     let document = json(&out.join("cameras.json"));
     assert_eq!(
-        (document["frames"][4]["frame"].as_u64(), document["frames"][4]["time"].as_f64()),
+        (document["times"][4]["frame"].as_u64(), document["times"][4]["time"].as_f64()),
         (Some(48), Some(0.5))
     );
 }

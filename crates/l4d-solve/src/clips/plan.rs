@@ -1,8 +1,7 @@
 //! What is to be drawn: from where, when, how large.
 
 use l4d_data::truth::frame_key;
-use l4d_data::{Camera, Profile};
-use l4d_splat::model::time_of_frame;
+use l4d_data::{Camera, Timeline};
 use l4d_splat::view::View;
 
 use super::ClipsError;
@@ -21,16 +20,16 @@ pub struct Shot {
 pub struct Instant {
     /// File stem.
     pub key: String,
-    /// Canonical frame; none for times between frames, at which moving cameras have no pose.
+    /// Number on the timeline; none for times between frames, at which moving cameras have no pose.
     pub frame: Option<u32>,
     /// From 0 to 1.
     pub time: f32,
 }
 
 impl Instant {
-    /// A canonical frame.
-    pub fn at_frame(frame: u32) -> Self {
-        Self { key: frame_key(frame), frame: Some(frame), time: time_of_frame(frame) }
+    /// A frame of a clip.
+    pub fn at_frame(frame: u32, timeline: Timeline) -> Self {
+        Self { key: frame_key(frame), frame: Some(frame), time: timeline.time(frame) }
     }
 
     /// A time from 0 to 1.
@@ -53,9 +52,14 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// All frames of a profile, as large as the cameras say.
-    pub fn of_profile(cameras: Vec<Camera>, camera_size: [u32; 2], profile: Profile) -> Self {
-        let instants = profile.frames().map(Instant::at_frame).collect();
+    /// Some frames of a clip, as large as the cameras say.
+    pub fn of_frames(
+        cameras: Vec<Camera>,
+        camera_size: [u32; 2],
+        frames: impl IntoIterator<Item = u32>,
+        timeline: Timeline,
+    ) -> Self {
+        let instants = frames.into_iter().map(|frame| Instant::at_frame(frame, timeline)).collect();
         Self { cameras, camera_size, size: camera_size, instants }
     }
 

@@ -1,6 +1,6 @@
 //! From the folder of clips to what a grounder is shown.
 
-use l4d_data::DataError;
+use l4d_data::{DataError, Timeline};
 use l4d_ground::{ClipFrame, ViewClip};
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use super::plan::{Plan, Shot};
 ///
 /// # Errors
 /// A picture that is not there, or not as it was written.
-pub fn read_views(folder: &ClipsFolder, plan: &Plan) -> Result<Vec<ViewClip>, DataError> {
+pub fn read_views(folder: &ClipsFolder, plan: &Plan, timeline: Timeline) -> Result<Vec<ViewClip>, DataError> {
     let frames: Vec<(usize, u32)> =
         plan.instants.iter().enumerate().filter_map(|(at, instant)| Some((at, instant.frame?))).collect();
     let read = |view: usize| {
@@ -22,7 +22,7 @@ pub fn read_views(folder: &ClipsFolder, plan: &Plan) -> Result<Vec<ViewClip>, Da
         };
         let frames = frames.par_iter().map(frame).collect::<Result<_, DataError>>()?;
         let [width, height] = plan.size;
-        Ok(ViewClip { camera: plan.drawn_camera(view), width, height, frames })
+        Ok(ViewClip { camera: plan.drawn_camera(view), width, height, timeline, frames })
     };
     (0..plan.cameras.len()).map(read).collect()
 }

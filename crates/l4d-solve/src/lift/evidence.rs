@@ -4,10 +4,8 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::timeline::LAST_FRAME;
 use l4d_frames::Mask;
 use l4d_ground::ViewClip;
-use l4d_splat::model::time_of_frame;
 use l4d_splat::view::View;
 
 use super::error::LiftError;
@@ -31,8 +29,10 @@ pub struct EvidenceView {
 /// One view's mask at a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvidenceFrame {
-    /// Canonical frame.
+    /// Number on the timeline of the clip.
     pub frame: u32,
+    /// The same from 0 to 1.
+    pub time: f32,
     /// From where.
     pub view: View,
     /// What is meant; empty says that it is not seen.
@@ -40,7 +40,7 @@ pub struct EvidenceFrame {
 }
 
 impl EvidenceView {
-    /// The masks of a clip, by canonical frame. Frames of the clip without a mask say nothing.
+    /// The masks of a clip, by frame. Frames of the clip without a mask say nothing.
     ///
     /// # Errors
     /// A camera without a pose at a frame, a mask of another size, a mask for a frame that the clip lacks.
@@ -54,7 +54,7 @@ impl EvidenceView {
             }
             let view = View::of_camera(&clip.camera, frame, size, size)
                 .map_err(|source| LiftError::View { view: name.clone(), source })?;
-            Ok(EvidenceFrame { frame, view, mask: mask.clone() })
+            Ok(EvidenceFrame { frame, time: clip.timeline.time(frame), view, mask: mask.clone() })
         });
         Ok(Self { frames: frames.collect::<Result<_, _>>()?, name: name.clone() })
     }
@@ -82,7 +82,8 @@ impl Evidence {
     /// # Errors
     /// No picture at all; a mask that does not have the size of its view.
     pub(super) fn instants(&self) -> Result<Vec<Instant<'_>>, LiftError> {
-        let mut by_frame: BTreeMap<u32, Vec<Picture<'_>>> = BTreeMap::new();
+        // Bits of times, which are never negative, stand in the order of the times.
+        let mut by_time: BTreeMap<u32, Vec<Picture<'_>>> = BTreeMap::new();
         for view in &self.views {
             for seen in &view.frames {
                 let (size, drawn) = (seen.mask.size(), (seen.view.width(), seen.view.height()));
@@ -94,17 +95,14 @@ impl Evidence {
                     return Err(LiftError::Evidence { view: view.name.clone(), frame: seen.frame, message });
                 }
                 let picture = Picture { view: &seen.view, mask: &seen.mask };
-                // Frames beyond the clip count as its end, as times do.
-                by_frame.entry(seen.frame.min(LAST_FRAME)).or_default().push(picture);
+                by_time.entry(seen.time.to_bits()).or_default().push(picture);
             }
         }
-        if by_frame.is_empty() {
+        if by_time.is_empty() {
             return Err(LiftError::NoEvidence);
         }
-        Ok(by_frame
-            .into_iter()
-            .map(|(frame, pictures)| Instant { time: time_of_frame(frame), pictures })
-            .collect())
+        let instant = |(bits, pictures)| Instant { time: f32::from_bits(bits), pictures };
+        Ok(by_time.into_iter().map(instant).collect())
     }
 }
 

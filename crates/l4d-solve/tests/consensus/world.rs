@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec2, DVec3};
 use half::f16;
-use l4d_data::{Camera, Name, Split};
+use l4d_data::{Camera, Name, Split, Timeline};
 use l4d_frames::Mask;
 use l4d_frames::drawn::{DepthMap, Rgb, RgbImage};
 use l4d_ground::{ClipFrame, Grounding, ViewClip};
@@ -121,7 +121,7 @@ impl World {
             ClipFrame { frame, colour, depth }
         });
         let frames = frames.collect();
-        ViewClip { camera, width, height, frames }
+        ViewClip { camera, width, height, timeline: Timeline::CANONICAL, frames }
     }
 
     pub(crate) fn clips(&self) -> Vec<ViewClip> {
@@ -192,7 +192,7 @@ impl Wall {
             let frames = (0..frames as u32)
                 .map(|frame| ClipFrame { frame, colour: colour.clone(), depth: depth.clone() })
                 .collect();
-            ViewClip { camera, width, height, frames }
+            ViewClip { camera, width, height, timeline: Timeline::CANONICAL, frames }
         };
         let clips: Vec<ViewClip> =
             masks.iter().enumerate().map(|(view, frames)| clip(view, frames.len())).collect();

@@ -49,7 +49,7 @@ impl Scene {
         let frames = |(index, view): (usize, &View)| {
             let frame = |frame: u32| {
                 let mask = change(index, frame, self.truth(view, frame));
-                EvidenceFrame { frame, view: *view, mask }
+                EvidenceFrame { frame, time: frame as f32 / 96.0, view: *view, mask }
             };
             EvidenceView { name: format!("cam{index:02}"), frames: FRAMES.map(frame).to_vec() }
         };

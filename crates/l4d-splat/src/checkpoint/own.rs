@@ -15,6 +15,7 @@ use std::path::Path;
 
 use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name, Profile, json};
+use serde::{Deserialize, Serialize};
 
 use super::fault::quoted;
 use super::tensor_file::Kind;
@@ -59,10 +60,40 @@ pub struct Checkpoint {
     pub scene: Option<Name>,
     /// Profile of the training pictures, where there is one.
     pub profile: Option<Profile>,
+    /// Which pictures were trained on; none for the pictures of a profile, and where nobody knows.
+    pub sampling: Option<Sampling>,
     /// SHA-256 of what the model was made from, by name.
     pub inputs: BTreeMap<String, String>,
     /// What training needs to go on.
     pub training: Training,
+}
+
+/// Which pictures of a capture a model is trained on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sampling {
+    /// Pixels on either side of a square that becomes one; what does not fill a square at the right and lower border is
+    /// left out.
+    pub shrink: u32,
+    /// Every so many moments one, from the first on.
+    pub every: u32,
+}
+
+impl Sampling {
+    /// All of every picture.
+    pub const WHOLE: Self = Self { shrink: 1, every: 1 };
+
+    /// Width and height of shrunk pictures, and of what of the whole ones they show, pixels.
+    pub fn sizes(self, [width, height]: [u32; 2]) -> ([u32; 2], [u32; 2]) {
+        let shrink = self.shrink.max(1);
+        let small = [width / shrink, height / shrink];
+        (small, small.map(|side| side * shrink))
+    }
+
+    /// The moments that are taken.
+    pub fn moments(self, frames: &[u32]) -> Vec<u32> {
+        frames.iter().copied().step_by(self.every.max(1) as usize).collect()
+    }
 }
 
 /// State of training under names that training chooses.
@@ -84,6 +115,7 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
         schema: SCHEMA.to_owned(),
         scene: checkpoint.scene.clone(),
         profile: checkpoint.profile,
+        sampling: checkpoint.sampling,
         iteration: checkpoint.iteration,
         gaussians: checkpoint.gaussians.len(),
         dynamic: checkpoint.dynamic.len(),
@@ -125,6 +157,7 @@ fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Faul
         iteration: card.iteration,
         scene: card.scene,
         profile: card.profile,
+        sampling: card.sampling,
         inputs: card.inputs,
         training: Training { tensors: training_tensors, values: card.training },
     };

@@ -25,6 +25,12 @@ pub enum TrainError {
         /// What may stand there.
         range: &'static str,
     },
+    /// Pictures without depth that cannot be compared.
+    #[error(
+        "nothing tells how far away things are: no two cameras see the same from different places; \
+         start from the points of a COLMAP model"
+    )]
+    NothingToStartFrom,
     /// A checkpoint that was not written by this training.
     #[error("the state of training lacks `{name}`, or it has another size: train again")]
     Checkpoint {

@@ -1,11 +1,13 @@
 //! A world for tests: a wall at z = 4 m, before it a card at z = 3 m that moves along x, seen by three cameras.
 
 use half::f16;
-use l4d_data::{Camera, Name, Split};
+use l4d_data::{Camera, Name, Split, Timeline};
 
 use super::footage::{Footage, Picture};
 
 pub(super) const SIZE: [u32; 2] = [48, 32];
+/// Of the cameras, along x.
+const PLACES_M: [f64; 3] = [-0.5, 0.0, 0.5];
 
 /// What happens.
 #[derive(Debug, Clone, Copy)]
@@ -14,22 +16,42 @@ pub(super) struct World {
     pub(super) card: fn(moment: usize, moments: usize) -> Option<f64>,
     /// Light on the lower half of the wall at a moment.
     pub(super) light: fn(moment: usize, moments: usize) -> f64,
+    /// Whether wall and card have a grain: where colours repeat, comparing pictures tells nothing.
+    pub(super) grain: bool,
 }
 
 impl World {
     /// Nothing happens.
-    pub(super) const EMPTY: Self = Self { card: |_, _| None, light: |_, _| 1.0 };
+    pub(super) const EMPTY: Self = Self { card: |_, _| None, light: |_, _| 1.0, grain: false };
 
     pub(super) fn footage(&self, moments: usize) -> Footage {
         let frames =
             (0..moments).map(|moment| (moment * 96 / moments.max(2).saturating_sub(1)) as u32).collect();
-        let mut footage = Footage::new(SIZE, frames).unwrap();
-        for (index, x) in [-0.5, 0.0, 0.5].into_iter().enumerate() {
+        let mut footage = Footage::new(SIZE, frames, Timeline::CANONICAL).unwrap();
+        for (index, x) in PLACES_M.into_iter().enumerate() {
             let camera = camera(index, x);
             let pictures = (0..moments).map(|moment| self.picture(&camera, moment, moments)).collect();
             footage.add(&camera, SIZE, pictures).unwrap();
         }
         footage
+    }
+
+    /// The same, and nobody measured depth.
+    pub(super) fn bare_footage(&self, moments: usize) -> Footage {
+        let measured = Self { grain: true, ..*self }.footage(moments);
+        let whole = Timeline::CANONICAL;
+        let mut footage = Footage::new(SIZE, measured.frames().to_vec(), whole).unwrap();
+        for (index, x) in PLACES_M.into_iter().enumerate() {
+            let bare = |picture: &Picture| Picture { depth_m: Vec::new(), ..picture.clone() };
+            let pictures = measured.shots()[index].pictures().iter().map(bare).collect();
+            footage.add(&self.camera(index, x), SIZE, pictures).unwrap();
+        }
+        footage
+    }
+
+    /// One that looks at the wall from a place on the x axis.
+    pub(super) fn camera(&self, index: usize, x: f64) -> Camera {
+        camera(index, x)
     }
 
     fn picture(&self, camera: &Camera, moment: usize, moments: usize) -> Picture {
@@ -46,11 +68,21 @@ impl World {
                 let stripes = if (far.x * 2.0).floor().rem_euclid(2.0) == 0.0 { 60.0 } else { 160.0 };
                 let wall = (light * stripes) as u8;
                 picture.depth_m.push(if on_card { f16::from_f32(3.0) } else { f16::from_f32(4.0) });
-                picture.colour.push(if on_card { [220, 30, 20] } else { [wall, wall, 90] });
+                let colour = if on_card { [220, 30, 20] } else { [wall, wall, 90] };
+                let at = if on_card { near - glam::DVec3::X * card.unwrap_or_default() } else { far };
+                let shade = if self.grain { 1.0 + 0.4 * grain(at) } else { 1.0 };
+                picture.colour.push(colour.map(|value| (shade * f64::from(value)) as u8));
             }
         }
         picture
     }
+}
+
+/// About -1 to 1, nowhere the same.
+fn grain(at: glam::DVec3) -> f64 {
+    let wave =
+        |x: f64, y: f64| (7.3 * x + 2.1 * (1.9 * y).sin()).sin() * (5.9 * y + 1.7 * (3.1 * x).sin()).sin();
+    0.5 * wave(at.x, at.y) + 0.5 * wave(2.3 * at.y + 0.7, 1.7 * at.x)
 }
 
 fn camera(index: usize, x: f64) -> Camera {

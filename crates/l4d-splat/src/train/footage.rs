@@ -1,20 +1,20 @@
 //! The pictures that a model is trained on, in memory.
 //!
-//! Three bytes of colour and two of depth a pixel: 145 MB for 12 views of 49 moments at 256 x 192. Knows nothing of
-//! files, of what the pictures show, and of held-out views: those are footage of their own.
+//! Three bytes of colour and two of depth a pixel: 145 MB for 12 views of 49 moments at 256 x 192. Depth is there for all
+//! pictures or for none; a camera may have missed moments. Knows nothing of files, of what the pictures show, and of
+//! held-out views: those are footage of their own.
 
 use half::f16;
-use l4d_data::Camera;
+use l4d_data::{Camera, Interval, Timeline};
 
-use crate::model::time_of_frame;
 use crate::view::{View, ViewError};
 
-/// One camera at one moment.
+/// One camera at one moment; empty if it did not look then.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Picture {
     /// Display colour, row-major.
     pub colour: Vec<[u8; 3]>,
-    /// Planar depth, metres, row-major; +inf where nothing is hit.
+    /// Planar depth, metres, row-major; +inf where nothing is hit. Empty where nobody measured it.
     pub depth_m: Vec<f16>,
 }
 
@@ -30,10 +30,12 @@ pub struct Shot {
 }
 
 /// The same clip from all cameras.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Footage {
     size: [u32; 2],
     frames: Vec<u32>,
+    timeline: Timeline,
+    has_depth: bool,
     shots: Vec<Shot>,
 }
 
@@ -49,8 +51,13 @@ pub enum FootageError {
         remedy: &'static str,
     },
     /// Frames that are out of order, repeated or beyond the clip.
-    #[error("frame {0} is out of order or beyond the clip: frames ascend from 0 to 96")]
-    Frame(u32),
+    #[error("frame {frame} is out of order or beyond the clip: frames ascend from {} to {}", whole.first(), whole.last())]
+    Frame {
+        /// Which.
+        frame: u32,
+        /// The clip.
+        whole: Interval,
+    },
     /// A list that does not fit.
     #[error("camera `{camera}`, moment {moment}: {what} has {found} entries where {expected} are needed")]
     Length {
@@ -90,26 +97,28 @@ pub enum FootageError {
 }
 
 impl Footage {
-    /// An empty clip of pictures of `size` (width, height) at these canonical frames.
+    /// An empty clip of pictures of `size` (width, height) at these frames of a timeline.
     ///
     /// # Errors
     /// No frames, or frames that do not ascend within the clip.
-    pub fn new(size: [u32; 2], frames: Vec<u32>) -> Result<Self, FootageError> {
+    pub fn new(size: [u32; 2], frames: Vec<u32>, timeline: Timeline) -> Result<Self, FootageError> {
         if frames.is_empty() {
             return Err(FootageError::Nothing { what: "frames", remedy: "train on at least one" });
         }
-        let beyond = |&frame: &u32| frame > l4d_data::timeline::LAST_FRAME;
+        let whole = timeline.whole();
+        let beyond = |&frame: &u32| !whole.contains(frame);
         let backwards = frames.windows(2).find(|pair| pair[0] >= pair[1]).map(|pair| pair[1]);
         if let Some(frame) = backwards.or_else(|| frames.iter().copied().find(beyond)) {
-            return Err(FootageError::Frame(frame));
+            return Err(FootageError::Frame { frame, whole });
         }
-        Ok(Self { size, frames, shots: Vec::new() })
+        Ok(Self { size, frames, timeline, has_depth: false, shots: Vec::new() })
     }
 
     /// Adds what a camera saw, a picture a frame. `camera_size` is the size that its intrinsics are for.
     ///
     /// # Errors
-    /// A camera that cannot be, pictures of another size, depths that are not positive.
+    /// A camera that cannot be or saw nothing, pictures of another size, depths that are not positive or that some
+    /// pictures have and others lack.
     pub fn add(
         &mut self,
         camera: &Camera,
@@ -133,15 +142,25 @@ impl Footage {
             }
         };
         length(0, "the clip", pictures.len(), self.frames.len())?;
-        for (moment, picture) in pictures.iter().enumerate() {
+        let seen = || pictures.iter().enumerate().filter(|(_, picture)| !picture.colour.is_empty());
+        let Some((_, first)) = seen().next() else {
+            return Err(FootageError::Nothing {
+                what: "pictures of a camera",
+                remedy: "leave the camera out",
+            });
+        };
+        let has_depth = if self.shots.is_empty() { !first.depth_m.is_empty() } else { self.has_depth };
+        let depths = if has_depth { pixels } else { 0 };
+        for (moment, picture) in seen() {
             length(moment, "colour", picture.colour.len(), pixels)?;
-            length(moment, "depth", picture.depth_m.len(), pixels)?;
+            length(moment, "depth", picture.depth_m.len(), depths)?;
             let is_bad = |depth_m: &f16| depth_m.is_nan() || *depth_m <= f16::ZERO;
             if let Some(pixel) = picture.depth_m.iter().position(is_bad) {
                 let value = picture.depth_m[pixel].to_f32();
                 return Err(FootageError::Depth { camera: name, moment, pixel, value });
             }
         }
+        self.has_depth = has_depth;
         self.shots.push(Shot { name, views, pictures });
         Ok(())
     }
@@ -161,14 +180,24 @@ impl Footage {
         self.frames.len()
     }
 
-    /// Canonical frames of the moments.
+    /// Whether depth was measured. Where it was not, it is found by comparing pictures.
+    pub fn has_depth(&self) -> bool {
+        self.has_depth
+    }
+
+    /// Frames of the moments.
     pub fn frames(&self) -> &[u32] {
         &self.frames
     }
 
-    /// Time of a moment, 0 to 1 over the canonical clip.
+    /// Time of a moment, 0 to 1 over the clip.
     pub fn time(&self, moment: usize) -> f32 {
-        time_of_frame(self.frames[moment])
+        self.timeline.time(self.frames[moment])
+    }
+
+    /// Indices of the cameras that saw a moment.
+    pub fn seeing(&self, moment: usize) -> impl Iterator<Item = usize> {
+        (0..self.shots.len()).filter(move |&shot| self.shots[shot].saw(moment))
     }
 
     /// What each camera saw.
@@ -199,8 +228,8 @@ impl Footage {
 
     /// Bytes of the pictures.
     pub fn bytes(&self) -> u64 {
-        let pixels = (self.shots.len() * self.moments() * self.pixel_count()) as u64;
-        pixels * (size_of::<[u8; 3]>() + size_of::<f16>()) as u64
+        let of_picture = |picture: &Picture| size_of_val(&*picture.colour) + size_of_val(&*picture.depth_m);
+        self.shots.iter().flat_map(|shot| &shot.pictures).map(of_picture).sum::<usize>() as u64
     }
 }
 
@@ -213,6 +242,11 @@ impl Shot {
     /// The picture of a moment.
     pub fn picture(&self, moment: usize) -> &Picture {
         &self.pictures[moment]
+    }
+
+    /// Whether the camera looked at a moment.
+    pub fn saw(&self, moment: usize) -> bool {
+        !self.pictures[moment].colour.is_empty()
     }
 
     /// All pictures, by moment.
@@ -257,13 +291,17 @@ mod tests {
         }
     }
 
+    fn clip(frames: &[u32]) -> Result<Footage, FootageError> {
+        Footage::new([2, 2], frames.to_vec(), Timeline::CANONICAL)
+    }
+
     fn picture() -> Picture {
         Picture { colour: vec![[255, 0, 51]; 4], depth_m: vec![f16::ONE; 4] }
     }
 
     #[test]
     fn pictures_that_do_not_fit_are_refused_with_camera_and_moment() {
-        let mut footage = Footage::new([2, 2], vec![0, 48]).unwrap();
+        let mut footage = clip(&[0, 48]).unwrap();
         let error = footage.add(&camera(), [2, 2], vec![picture()]).unwrap_err().to_string();
         assert!(error.contains("`cam00`") && error.contains("the clip has 1"), "{error}");
         let mut torn = picture();
@@ -281,15 +319,33 @@ mod tests {
     }
 
     #[test]
+    fn all_pictures_have_depth_or_none_and_some_may_be_missing() {
+        let bare = || Picture { depth_m: Vec::new(), ..picture() };
+        let mut footage = clip(&[0, 48]).unwrap();
+        footage.add(&camera(), [2, 2], vec![Picture::default(), bare()]).unwrap();
+        assert!(!footage.has_depth() && footage.seeing(0).next().is_none());
+        assert_eq!((footage.seeing(1).collect::<Vec<_>>(), footage.bytes()), (vec![0], 4 * 3));
+        let error = footage.add(&camera(), [2, 2], vec![bare(), picture()]).unwrap_err().to_string();
+        assert!(error.contains("depth has 4 entries where 0 are needed"), "{error}");
+        let error = footage.add(&camera(), [2, 2], vec![Picture::default(); 2]).unwrap_err();
+        assert!(error.to_string().contains("no pictures of a camera"), "{error}");
+    }
+
+    #[test]
     fn frames_ascend_within_the_clip() {
-        assert!(Footage::new([2, 2], vec![]).is_err());
-        assert_eq!(Footage::new([2, 2], vec![0, 4, 4]), Err(FootageError::Frame(4)));
-        assert_eq!(Footage::new([2, 2], vec![0, 97]), Err(FootageError::Frame(97)));
+        let whole = Interval::WHOLE;
+        assert!(clip(&[]).is_err());
+        assert_eq!(clip(&[0, 4, 4]), Err(FootageError::Frame { frame: 4, whole }));
+        assert_eq!(clip(&[0, 97]), Err(FootageError::Frame { frame: 97, whole }));
+        let whole = Interval::new(151, 161).unwrap();
+        let own = |frames: &[u32]| Footage::new([2, 2], frames.to_vec(), Timeline::new(whole, None));
+        assert_eq!(own(&[151, 156]).unwrap().time(1), 0.5);
+        assert!(own(&[150]).unwrap_err().to_string().contains("frames ascend from 151 to 161"));
     }
 
     #[test]
     fn the_extent_is_the_radius_of_the_cameras() {
-        let mut footage = Footage::new([2, 2], vec![0]).unwrap();
+        let mut footage = clip(&[0]).unwrap();
         footage.add(&camera(), [2, 2], vec![picture()]).unwrap();
         assert_eq!(footage.extent_m(), 0.1);
         let mut other = camera();

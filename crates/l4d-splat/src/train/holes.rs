@@ -9,6 +9,7 @@ use super::TrainError;
 use super::footage::Footage;
 use super::motion::{Motion, tolerance};
 use super::points::{Point, of_movers, thinned};
+use super::sight::depths_at;
 
 /// Moments that are looked at.
 const MOMENTS: usize = 9;
@@ -16,6 +17,8 @@ const MOMENTS: usize = 9;
 const APART: f32 = 6.0;
 /// Less alpha than this is a hole.
 const FILLED: f32 = 0.6;
+/// Where depth was not measured, a larger difference of colour is a hole, display units.
+const OTHER_COLOUR: f32 = 0.15;
 
 /// At most `count` points where the model lacks something that moves.
 pub(super) fn holes(
@@ -37,20 +40,29 @@ pub(super) fn holes(
             .par_iter()
             .enumerate()
             .map(|(index, shot)| {
+                if !shot.saw(moment) {
+                    return Ok(Vec::new());
+                }
+                let picture = shot.picture(moment);
                 let drawing = rasterizer.prepare(&splats, shot.view(moment), &settings)?.draw()?;
                 let depth_m = drawing.depth_expected_m();
+                let is_other = |pixel: usize| match picture.depth_m.get(pixel) {
+                    Some(seen_m) => {
+                        let seen_m = seen_m.to_f32();
+                        (depth_m[pixel] - seen_m).abs() > APART * tolerance(seen_m)
+                    }
+                    None => std::iter::zip(drawing.colour[pixel], picture.colour_of(pixel))
+                        .any(|(drawn, seen)| (drawn - seen).abs() > OTHER_COLOUR),
+                };
                 let lacks = |pixel: usize| {
-                    let seen_m = shot.picture(moment).depth_m[pixel].to_f32();
                     motion.moves(footage, index, moment, pixel)
-                        && (drawing.alpha[pixel] < FILLED
-                            || (depth_m[pixel] - seen_m).abs() > APART * tolerance(seen_m))
+                        && (drawing.alpha[pixel] < FILLED || is_other(pixel))
                 };
                 Ok((0..footage.pixel_count()).map(lacks).collect())
             })
             .collect::<Result<_, TrainError>>()?;
-        points.extend(of_movers(footage, moment, |shot, pixel| {
-            lacking[shot][pixel] && inside(&lacking[shot], pixel, footage)
-        }));
+        let wanted = |shot: usize, pixel| lacking[shot][pixel] && inside(&lacking[shot], pixel, footage);
+        points.extend(of_movers(footage, moment, &depths_at(footage, moment, wanted), wanted));
     }
     Ok(thinned(&points, count))
 }

@@ -1,4 +1,5 @@
-//! What of a scene stands still, told from depth and colour alone.
+//! What of a scene stands still, told from depth and colour alone, or from colour where nobody measured depth
+//! (`by_colour`).
 //!
 //! A standing camera sees, through each pixel, a *ground*: the farthest surface that was there at enough moments.
 //! Whatever is nearer at a moment moves, since the ground was seen through the place where it is. A ground moves too
@@ -7,8 +8,11 @@
 //! for a while says nothing against it.
 //! Knows no instances: ids are never looked at.
 
+mod by_colour;
+
 use rayon::prelude::*;
 
+use self::by_colour::Bits;
 use super::footage::{Footage, Shot};
 use super::place::Placer;
 
@@ -46,7 +50,7 @@ pub enum Kind {
 /// What a standing camera sees where nothing is in the way, row-major.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ground {
-    /// Planar depth, metres; +inf where nothing is hit.
+    /// Planar depth, metres; +inf where nothing is hit, NaN where it is unknown.
     pub depth_m: Vec<f32>,
     /// Mean display colour over calm moments.
     pub colour: Vec<[f32; 3]>,
@@ -61,12 +65,17 @@ pub struct Motion {
     grounds: Vec<Option<Ground>>,
     /// Nothing is known to stand still.
     everything: bool,
+    /// Where depth was not measured: pixels that move, by camera and moment; nothing for cameras without a ground.
+    odd: Option<Vec<Vec<Bits>>>,
 }
 
 impl Motion {
     /// Looks at all pictures. `threshold` is the share of moments at which something has to be contradicted before it
     /// counts as moving; 0 makes everything dynamic, more than 1 nothing.
     pub fn of(footage: &Footage, threshold: f32) -> Self {
+        if !footage.has_depth() {
+            return by_colour::motion(footage, threshold);
+        }
         let moments = footage.moments();
         let needed = ((threshold * moments as f32).ceil() as usize).clamp(1, moments + 1);
         let grounds: Vec<Option<(Ground, Vec<Unrest>)>> = footage
@@ -85,7 +94,7 @@ impl Motion {
             found.map(|(ground, _)| Ground { kind, ..ground })
         };
         let grounds = grounds.into_iter().zip(kinds).map(judged).collect();
-        Self { grounds, everything: threshold <= 0.0 }
+        Self { grounds, everything: threshold <= 0.0, odd: None }
     }
 
     /// Whether anything is known to stand still.
@@ -101,6 +110,9 @@ impl Motion {
     /// Whether what a pixel shows at a moment is something that moves; everything is, for a moving camera.
     pub fn moves(&self, footage: &Footage, shot: usize, moment: usize, pixel: usize) -> bool {
         self.ground(shot).is_none_or(|ground| {
+            if let Some(odd) = &self.odd {
+                return odd[shot][moment].get(pixel);
+            }
             let depth_m = footage.shots()[shot].picture(moment).depth_m[pixel].to_f32();
             ground.kind[pixel] == Kind::Moves || !same_depth(depth_m, ground.depth_m[pixel])
         })

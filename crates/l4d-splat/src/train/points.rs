@@ -57,7 +57,8 @@ pub(super) fn of_grounds(footage: &Footage, motion: &Motion) -> Vec<Point> {
             sky_m: SKY * farthest,
         };
         let [width, _] = surface.size;
-        for pixel in (0..footage.pixel_count()).filter(|&pixel| ground.kind[pixel] != Kind::Moves) {
+        let is_known = |pixel: &usize| ground.kind[*pixel] != Kind::Moves && !ground.depth_m[*pixel].is_nan();
+        for pixel in (0..footage.pixel_count()).filter(is_known) {
             let spacing_px = surface.spacing_px(pixel);
             // Thinning would drop these anyway; looking at all of them is what takes long.
             let stride = (0.5 * spacing_px) as usize;
@@ -69,22 +70,23 @@ pub(super) fn of_grounds(footage: &Footage, motion: &Motion) -> Vec<Point> {
     points
 }
 
-/// Points on what moves, as it is at a moment.
+/// Points on what moves, as it is at a moment; `depths_m` is what [`depths_at`](super::sight::depths_at) says of it.
 pub(super) fn of_movers(
     footage: &Footage,
     moment: usize,
+    depths_m: &[Vec<f32>],
     wanted: impl Fn(usize, usize) -> bool,
 ) -> Vec<Point> {
     let mut points = Vec::new();
-    for (index, shot) in footage.shots().iter().enumerate() {
+    for index in footage.seeing(moment) {
+        let (shot, depth_m) = (&footage.shots()[index], &depths_m[index]);
         let picture = shot.picture(moment);
-        let depth_m: Vec<f32> = picture.depth_m.iter().map(|depth_m| depth_m.to_f32()).collect();
         let colour: Vec<[f32; 3]> =
             (0..footage.pixel_count()).map(|pixel| picture.colour_of(pixel)).collect();
         let surface = Surface {
             placer: Placer::new(shot.view(moment)),
             size: footage.size().map(|side| side as usize),
-            depth_m: &depth_m,
+            depth_m,
             colour: &colour,
             sky_m: f32::INFINITY,
         };

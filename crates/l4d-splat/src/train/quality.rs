@@ -38,7 +38,7 @@ struct Errors {
     depth_m: Vec<f32>,
 }
 
-/// Draws the pictures `(shot, moment)` of `picks` and compares.
+/// Draws the pictures `(shot, moment)` of `picks`, those apart that nobody took, and compares.
 ///
 /// # Errors
 /// A model or a view that cannot be drawn.
@@ -49,6 +49,8 @@ pub fn measure(
     picks: &[(usize, usize)],
     region: &(dyn Fn(usize, usize) -> Region + Sync),
 ) -> Result<Quality, TrainError> {
+    let picks: Vec<(usize, usize)> =
+        picks.iter().copied().filter(|&(shot, moment)| footage.shots()[shot].saw(moment)).collect();
     let mut moments: Vec<usize> = picks.iter().map(|&(_, moment)| moment).collect();
     moments.sort_unstable();
     moments.dedup();

@@ -130,7 +130,9 @@ impl Settings {
         let small = Self::default();
         match profile {
             Profile::Tiny => Self { gaussians: 5000, coarse: 400, unfold: 30, fine: 1000, ..small },
-            Profile::Small | Profile::Real => small,
+            Profile::Small => small,
+            // Colour alone says what moves, and without depth no depth can be learned.
+            Profile::Real => Self { gaussians: 40_000, dynamic_threshold: 0.2, depth_weight: 0.0, ..small },
             Profile::Full => Self { gaussians: 60_000, fine: 12_000, resolution: 64, ..small },
         }
     }

@@ -6,13 +6,19 @@ use rand_chacha::ChaCha8Rng;
 use super::footage::Footage;
 use super::motion::{Kind, Motion};
 use super::nearest::Tree;
+use super::place::Placer;
 use super::points::{Point, of_grounds, of_movers, thinned};
+use super::sight::depths_at;
+use super::stereo::sweep;
+use crate::view::View;
 
 /// Movers are given points so many times closer than grounds of the same detail.
 const MOVERS_CLOSER: f32 = 0.85;
 /// Surface points that random and given points are compared with.
 const SURFACE_POINTS: usize = 20_000;
 
+/// Distance of points of a scene of which nothing is known, pixels.
+const SCATTERED_PX: f32 = 6.0;
 /// Points of a whole ball of backdrop; those far from anything seen, radians, are left out.
 const BACKDROP_POINTS: usize = 1536;
 const BACKDROP_REACH: f32 = 0.4;
@@ -26,10 +32,11 @@ const BACKDROP_SHARE: usize = 16;
 /// What the first Gaussians are made of.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Start {
-    /// Points on the surfaces that depth shows.
+    /// Points on the surfaces that depth shows, as it was measured or found by comparing pictures.
     #[default]
     Depth,
-    /// Points anywhere in the box of the scene, of any colour.
+    /// Points anywhere in the box of the scene, of any colour; where depth was not measured, anywhere along the rays of
+    /// pixels, of their colour.
     Random,
     /// Points from elsewhere: position (world axes, metres) and display colour (0 to 1).
     Points(Vec<([f32; 3], [f32; 3])>),
@@ -47,7 +54,8 @@ impl Start {
         random: &mut ChaCha8Rng,
     ) -> (Vec<Point>, f32) {
         let mut surface = of_grounds(footage, motion);
-        let movers = of_movers(footage, anchor, |shot, pixel| motion.moves(footage, shot, anchor, pixel));
+        let moves = |shot, pixel| motion.moves(footage, shot, anchor, pixel);
+        let movers = of_movers(footage, anchor, &depths_at(footage, anchor, moves), moves);
         surface.extend(
             movers.into_iter().map(|point| Point { spacing_m: MOVERS_CLOSER * point.spacing_m, ..point }),
         );
@@ -56,6 +64,7 @@ impl Start {
         let count = count.saturating_sub(backdrop.len()).max(1);
         let mut points = match self {
             Self::Depth => thinned(&surface, count),
+            Self::Random if !footage.has_depth() => scattered(footage, motion, anchor, count, random),
             Self::Random => {
                 let surface = thinned(&surface, SURFACE_POINTS);
                 let corners = box_of(&surface);
@@ -132,6 +141,38 @@ fn backdrop(footage: &Footage, surface: &[Point], most: usize) -> (Vec<Point>, f
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Points along the rays of pixels of a moment, evenly in parallax.
+fn scattered(
+    footage: &Footage,
+    motion: &Motion,
+    moment: usize,
+    count: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<Point> {
+    let seeing: Vec<usize> = footage.seeing(moment).collect();
+    let views: Vec<&View> = seeing.iter().map(|&shot| footage.shots()[shot].view(moment)).collect();
+    let sweeps: Vec<_> = (0..views.len()).filter_map(|view| Some((view, sweep(&views, view)?))).collect();
+    let mut anywhere = || {
+        let (view, sweep) = sweeps[random.random_range(0..sweeps.len())];
+        let (shot, placer) = (seeing[view], Placer::new(views[view]));
+        let pixel = random.random_range(0..footage.pixel_count());
+        let depth_m = 1.0 / sweep.inverse_depth(random.random::<f32>() * sweep.planes() as f32);
+        let kind = match motion.ground(shot) {
+            Some(ground) if !motion.moves(footage, shot, moment, pixel) => ground.kind[pixel],
+            _ => Kind::Moves,
+        };
+        Point {
+            position: placer.world(placer.centre_of(pixel), depth_m),
+            colour: footage.shots()[shot].picture(moment).colour_of(pixel),
+            normal: views[view].rotation()[2].map(|value| -value as f32),
+            spacing_m: SCATTERED_PX * placer.footprint_m(depth_m),
+            kind,
+        }
+    };
+    let count = if sweeps.is_empty() { 0 } else { count };
+    (0..count).map(|_| anywhere()).collect()
 }
 
 /// Points with what the nearest point on a surface says of normal, spacing and motion.

@@ -14,7 +14,8 @@ use super::motion::Motion;
 pub(super) fn busiest(footage: &Footage, motion: &Motion) -> usize {
     let moments = footage.moments();
     let busy = |moment: usize| -> usize {
-        (0..footage.shots().len())
+        footage
+            .seeing(moment)
             .map(|shot| {
                 (0..footage.pixel_count()).filter(|&pixel| motion.moves(footage, shot, moment, pixel)).count()
             })

@@ -96,6 +96,9 @@ impl<'a> Trainer<'a> {
         let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
         random.set_stream(u64::MAX);
         let (points, backdrop_m) = start.points(footage, &motion, anchor, beginning.max(1), &mut random);
+        if points.is_empty() {
+            return Err(TrainError::NothingToStartFrom);
+        }
         let (movers, grounds): (Vec<Point>, Vec<Point>) =
             points.into_iter().partition(|point| point.kind == Kind::Moves);
         let extent_m = footage.extent_m();
@@ -115,7 +118,7 @@ impl<'a> Trainer<'a> {
         Ok(Self {
             weights: Weights {
                 dssim: settings.dssim_weight,
-                depth: settings.depth_weight,
+                depth: if footage.has_depth() { settings.depth_weight } else { 0.0 },
                 typical_depth_m: typical_depth_m(footage),
             },
             state: State::new(model, moves, &rates[0]),

@@ -74,6 +74,9 @@ impl Window {
 impl Part {
     /// What changes in a picture, with a margin; none if nothing does.
     pub(super) fn of_change(footage: &Footage, motion: &Motion, shot: usize, moment: usize) -> Option<Self> {
+        if !footage.shots()[shot].saw(moment) {
+            return None;
+        }
         let width = footage.size()[0] as usize;
         let changes: Vec<bool> =
             (0..footage.pixel_count()).map(|pixel| motion.changes(footage, shot, moment, pixel)).collect();

@@ -17,10 +17,11 @@ use l4d_data::published::{self, Published};
 use l4d_data::store::{read_bounded, write_atomic};
 use l4d_data::{Category, DataError, Name, Query, json};
 use l4d_frames::{Mask, drawn::DepthMap, rle};
-use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, RenderedIds, Target};
+use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, TrainingIds};
 use l4d_ground::{Grounder as _, Grounding, Outcome};
 use l4d_score::Exam;
 use l4d_solve::lift::{Evidence, EvidenceView, lift};
+use l4d_solve::scene::SolveScene;
 use l4d_solve::solve::{Method, SolveSettings};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -200,7 +201,7 @@ fn said(searches: &BTreeMap<Category, Search>) -> String {
 /// A scene with what the oracle knows of it.
 struct Subject<'a> {
     stage: Stage<'a>,
-    ids: RenderedIds,
+    ids: TrainingIds,
     targets: BTreeMap<Name, Target>,
 }
 
@@ -211,8 +212,9 @@ impl<'a> Subject<'a> {
             frame.colour = Default::default();
             frame.depth = DepthMap::empty(0, 0);
         }
-        let ids = RenderedIds::open(stage.places.data.clone())?;
-        let instances = &ids.scene().instances;
+        let SolveScene { profile, plan, .. } = &stage.scene;
+        let ids = TrainingIds::open(stage.places.data.clone(), *profile, plan.size, plan.camera_size)?;
+        let instances = ids.instances();
         let target = |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query)?));
         let targets = stage.queries().map(target).collect::<Result<_>>()?;
         Ok(Self { targets, ids, stage })
@@ -225,7 +227,7 @@ impl<'a> Subject<'a> {
 }
 
 /// Pictures of ids that many oracles share, so that they are read once.
-struct Shared<'a>(&'a RenderedIds);
+struct Shared<'a>(&'a TrainingIds);
 
 impl IdSource for Shared<'_> {
     fn identity(&self) -> Value {

@@ -8,6 +8,7 @@ use l4d_data::layout::SceneDir;
 use l4d_data::{Name, Rig};
 use l4d_ground::oracle::CORRELATIONS;
 use l4d_score::{Exam, QuerySet};
+use l4d_solve::scene::how_scenes_are_made;
 
 use crate::cli::solver::{AblateArgs, GridArg, GrounderArg, MethodArgs, QuerySetArg};
 use crate::commands::build_scenes::data_folder;
@@ -190,14 +191,11 @@ fn fewest_views(args: &AblateArgs, exam: &Exam) -> Result<(usize, Name)> {
     let data = data_folder(args.work.data.as_deref(), exam.profile, exam.bench.manifest.draw());
     let mut fewest: Option<(usize, Name)> = None;
     for scene in &exam.scenes {
-        let path = SceneDir::new(&data, &scene.name).scene();
+        let path = SceneDir::new(&data, &scene.name).rig(exam.profile);
         if !path.exists() {
             return Err(refusal(
                 format!("{}: no scene stands there", path.display()),
-                format!(
-                    "run `l4d build-scenes --profile {} --scenes {}` first, or choose another --data",
-                    exam.profile, scene.name
-                ),
+                format!("{}, or choose another --data", how_scenes_are_made(&scene.name, exam.profile)),
             ));
         }
         let count = Rig::read(&path)?.training().len();

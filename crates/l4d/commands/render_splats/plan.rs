@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::layout::{SceneDir, WorkDir};
-use l4d_data::timeline::LAST_FRAME;
-use l4d_data::{Camera, Draw, Name, Rig, Split};
+use l4d_data::{Camera, Draw, Name, Rig, Split, Timeline};
 use l4d_solve::clips::{Instant, Plan};
+use l4d_splat::checkpoint::own::Sampling;
+use l4d_splat::source::Source;
 
 use crate::cli::splats::RenderSplatsArgs;
 use crate::commands::build_scenes::data_folder;
@@ -15,9 +16,12 @@ use crate::out::refusal;
 /// A model, what is drawn of it, and where that goes.
 #[derive(Debug)]
 pub(super) struct Order {
+    /// Where the model stands.
     pub(super) model: PathBuf,
+    pub(super) source: Source,
     pub(super) out: PathBuf,
     pub(super) plan: Plan,
+    pub(super) timeline: Timeline,
 }
 
 impl Order {
@@ -30,20 +34,36 @@ impl Order {
                 .or_else(|| work.as_ref().map(default))
                 .ok_or_else(|| refusal("there is no scene", "name a scene, or --model, --cameras and --out"))
         };
+        let model = place(&args.model, WorkDir::splats)?;
+        let source = Source::open(&model)?;
+        let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
+        let own = || scene.as_ref().map(|scene| scene_rig(args, scene)).transpose();
         let rig = match &args.cameras {
             Some(path) => Rig::read(path)?,
-            None => scene_rig(args, scene.as_ref())?,
+            None => own()?
+                .ok_or_else(|| refusal("there are no cameras", "name a scene, or a file with --cameras"))?,
         };
+        // A file of cameras says nothing of time; the scene does, where it is at hand.
+        let clip = match &args.cameras {
+            Some(_) => own().ok().flatten().unwrap_or_else(|| rig.clone()),
+            None => rig.clone(),
+        };
+        let (size, camera_size) = match args.size {
+            Some(size) => (size.0, rig.size()),
+            None if rig.size() == clip.size() => sampling.sizes(rig.size()),
+            None => (rig.size(), rig.size()),
+        };
+        let timeline = clip.timeline();
         let plan = Plan {
-            camera_size: rig.size(),
-            size: args.size.map_or(rig.size(), |size| size.0),
+            camera_size,
+            size,
+            instants: instants(args, &sampling.moments(&clip.clip(args.profile)), timeline)?,
             cameras: chosen(rig.cameras, args)?,
-            instants: instants(args)?,
         };
         // Whatever cannot be drawn is refused before the first file is written.
         refuse_unknown_poses(&plan)?;
         plan.shots().try_for_each(|shot| plan.view(shot).map(drop))?;
-        Ok(Self { model: place(&args.model, WorkDir::splats)?, out: place(&args.out, WorkDir::clips)?, plan })
+        Ok(Self { model, source, out: place(&args.out, WorkDir::clips)?, plan, timeline })
     }
 }
 
@@ -58,12 +78,9 @@ fn refuse_unknown_poses(plan: &Plan) -> Result<()> {
     }
 }
 
-fn scene_rig(args: &RenderSplatsArgs, scene: Option<&Name>) -> Result<Rig> {
-    let Some(name) = scene else {
-        return Err(refusal("there are no cameras", "name a scene, or a file with --cameras"));
-    };
+fn scene_rig(args: &RenderSplatsArgs, name: &Name) -> Result<Rig> {
     let data = data_folder(args.data.as_deref(), args.profile, Draw::default());
-    Ok(Rig::read(&SceneDir::new(&data, name).scene())?)
+    Ok(Rig::read(&SceneDir::new(&data, name).rig(args.profile))?)
 }
 
 /// The views that were asked for, else all training ones; all of a file that has none.
@@ -86,11 +103,13 @@ fn chosen(cameras: Vec<Camera>, args: &RenderSplatsArgs) -> Result<Vec<Camera>> 
     Ok(cameras.into_iter().filter(is_meant).collect())
 }
 
-fn instants(args: &RenderSplatsArgs) -> Result<Vec<Instant>> {
-    if let Some(frame) = args.frames.iter().find(|frame| **frame > LAST_FRAME) {
+/// `clip` is what is drawn where nothing else is asked for.
+fn instants(args: &RenderSplatsArgs, clip: &[u32], timeline: Timeline) -> Result<Vec<Instant>> {
+    let whole = timeline.whole();
+    if let Some(frame) = args.frames.iter().find(|frame| !whole.contains(**frame)) {
         return Err(refusal(
             format!("frame {frame} is beyond the clip"),
-            format!("frames are 0 to {LAST_FRAME}"),
+            format!("frames are {} to {}", whole.first(), whole.last()),
         ));
     }
     if let Some(time) = args.times.iter().find(|time| !(0.0..=1.0).contains(*time)) {
@@ -99,10 +118,13 @@ fn instants(args: &RenderSplatsArgs) -> Result<Vec<Instant>> {
     let mut instants: Vec<Instant> = if !args.times.is_empty() {
         args.times.iter().copied().map(Instant::at_time).collect()
     } else if !args.frames.is_empty() {
-        args.frames.iter().copied().map(Instant::at_frame).collect()
+        args.frames.iter().map(|&frame| Instant::at_frame(frame, timeline)).collect()
     } else {
-        args.profile.frames().map(Instant::at_frame).collect()
+        clip.iter().map(|&frame| Instant::at_frame(frame, timeline)).collect()
     };
+    if instants.is_empty() {
+        return Err(refusal("nothing says when", "name a scene, --frames or --times"));
+    }
     instants.sort_by(|a, b| a.time.total_cmp(&b.time));
     instants.dedup_by(|a, b| a.key == b.key);
     Ok(instants)

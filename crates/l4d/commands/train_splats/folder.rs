@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use l4d_data::{Name, Profile, json};
 use l4d_splat::Model;
-use l4d_splat::checkpoint::own::{self, Checkpoint};
+use l4d_splat::checkpoint::own::{self, Checkpoint, Sampling};
 use l4d_splat::train::Trainer;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -26,6 +26,9 @@ pub(super) struct Origin {
     pub(super) settings: Value,
     /// Where the first Gaussians came from.
     pub(super) init: String,
+    /// Which pictures of a capture were trained on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) sampling: Option<Sampling>,
     pub(super) rasterizer: String,
     pub(super) adapter: Option<Value>,
     /// Files that were trained on.
@@ -133,6 +136,7 @@ pub(super) fn seconds_of(checkpoint: &Checkpoint) -> f64 {
 fn name(checkpoint: &mut Checkpoint, origin: &Origin, done: bool) -> Result<()> {
     checkpoint.scene = Some(origin.scene.clone());
     checkpoint.profile = Some(origin.profile);
+    checkpoint.sampling = origin.sampling;
     checkpoint.inputs.clone_from(&origin.trained_on);
     let values = &mut checkpoint.training.values;
     values.insert("origin".to_owned(), short(origin)?);

@@ -3,17 +3,12 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result};
-use glam::UVec2;
-use half::f16;
-use l4d_data::digest::sha256_hex;
+use l4d_data::Camera;
 use l4d_data::layout::SceneDir;
-use l4d_data::scene::{OBJECT_IDS, Scene};
-use l4d_data::{Camera, DataError, Split};
-use l4d_frames::exr::{decode_seen, read_bytes};
-use l4d_frames::{Display, Frame};
 use l4d_splat::train::{Footage, Motion, Picture, Region};
 use rayon::prelude::*;
 
+use super::shoot::{Shoot, Taken};
 use crate::out::refusal;
 
 /// Share of moments at which a place has to be seen through before it counts as moving, in reports.
@@ -37,45 +32,34 @@ pub(super) struct HeldOut {
     objects: Vec<Vec<bool>>,
 }
 
-/// Pictures that [`Input::read`] and [`HeldOut::read`] will read.
-pub(super) fn picture_count(scene: &Scene) -> u64 {
-    (scene.cameras.len() * scene.profile.frames().count()) as u64
-}
-
 impl Input {
-    pub(super) fn read(dir: &SceneDir, scene: &Scene, tick: &(dyn Fn() + Sync)) -> Result<Self> {
-        let cameras: Vec<&Camera> =
-            scene.cameras.iter().filter(|camera| camera.split == Split::Train).collect();
-        if cameras.is_empty() {
+    pub(super) fn read(dir: &SceneDir, shoot: &Shoot, tick: &(dyn Fn() + Sync)) -> Result<Self> {
+        if shoot.training().next().is_none() {
             return Err(refusal(
-                format!("{}: field `cameras`: none has split `train`", dir.scene().display()),
-                "build the scene again with `l4d build-scenes --overwrite`",
+                format!("{}: field `cameras`: none has split `train`", dir.root().display()),
+                "build the scene again with `l4d build-scenes --overwrite`, or import it again and hold fewer views out",
             ));
         }
-        let (mut footage, mut digests) = (empty(dir, scene)?, Digests::new());
-        for camera in cameras {
+        let (mut footage, mut digests) = (empty(dir, shoot)?, Digests::new());
+        for camera in shoot.training() {
             // Ids are dropped as soon as they are decoded, if there are any: training never sees them.
-            let pictures =
-                read_camera(dir, scene, camera, &mut digests, tick, |frame| picture_of(scene, &frame))?;
-            add(&mut footage, dir, scene, camera, pictures)?;
+            let pictures = read_camera(shoot, camera, &mut digests, tick, |taken| taken.picture)?;
+            add(&mut footage, dir, shoot, camera, pictures)?;
         }
         Ok(Self { footage, digests })
     }
 }
 
 impl HeldOut {
-    pub(super) fn read(dir: &SceneDir, scene: &Scene, tick: &(dyn Fn() + Sync)) -> Result<Self> {
-        let (mut footage, mut digests) = (empty(dir, scene)?, Digests::new());
+    pub(super) fn read(dir: &SceneDir, shoot: &Shoot, tick: &(dyn Fn() + Sync)) -> Result<Self> {
+        let (mut footage, mut digests) = (empty(dir, shoot)?, Digests::new());
         let mut objects = Vec::new();
-        if let Some(camera) = scene.test_camera() {
-            let of_frame = |frame: Frame| {
-                let shows = frame.surfaces.id.iter().map(|id| OBJECT_IDS.contains(id)).collect();
-                (picture_of(scene, &frame), shows)
-            };
+        if let Some(camera) = shoot.held_out() {
+            let of_taken = |taken: Taken| (taken.picture, taken.objects);
             let (pictures, shown) =
-                read_camera(dir, scene, camera, &mut digests, tick, of_frame)?.into_iter().unzip();
+                read_camera(shoot, camera, &mut digests, tick, of_taken)?.into_iter().unzip();
             objects = shown;
-            add(&mut footage, dir, scene, camera, pictures)?;
+            add(&mut footage, dir, shoot, camera, pictures)?;
         }
         let motion = Motion::of(&footage, REPORT_THRESHOLD);
         Ok(Self { footage, digests, motion, objects })
@@ -90,51 +74,42 @@ impl HeldOut {
     }
 }
 
-fn empty(dir: &SceneDir, scene: &Scene) -> Result<Footage> {
-    Footage::new([scene.width, scene.height], scene.profile.frames().collect())
-        .with_context(|| dir.scene().display().to_string())
+fn empty(dir: &SceneDir, shoot: &Shoot) -> Result<Footage> {
+    Footage::new(shoot.size, shoot.frames.clone(), shoot.timeline)
+        .with_context(|| dir.root().display().to_string())
 }
 
 fn add(
     footage: &mut Footage,
     dir: &SceneDir,
-    scene: &Scene,
+    shoot: &Shoot,
     camera: &Camera,
     pictures: Vec<Picture>,
 ) -> Result<()> {
-    footage
-        .add(camera, [scene.width, scene.height], pictures)
-        .with_context(|| dir.scene().display().to_string())
+    footage.add(camera, shoot.camera_size, pictures).with_context(|| dir.root().display().to_string())
 }
 
-fn read_camera<T: Send>(
-    dir: &SceneDir,
-    scene: &Scene,
+/// A picture a moment; empty where the camera did not look.
+fn read_camera<T: Send + Default>(
+    shoot: &Shoot,
     camera: &Camera,
     digests: &mut Digests,
     tick: &(dyn Fn() + Sync),
-    keep: impl Fn(Frame) -> T + Sync,
+    keep: impl Fn(Taken) -> T + Sync,
 ) -> Result<Vec<T>> {
-    let frames: Vec<u32> = scene.profile.frames().collect();
-    let read = |&frame: &u32| -> Result<(T, (String, String))> {
-        let path = dir.frame(&camera.name, frame);
-        let size = UVec2::new(scene.width, scene.height);
-        let bytes = read_bytes(&path, size).map_err(DataError::from)?;
-        let decoded = decode_seen(&path, &bytes, size).map_err(DataError::from)?;
-        let within = path.strip_prefix(dir.root()).unwrap_or(&path).display().to_string();
+    let read = |&frame: &u32| -> Result<(T, Option<(String, String)>)> {
+        let taken = shoot.take(camera, frame)?;
         tick();
-        Ok((keep(decoded), (within, sha256_hex(&bytes))))
+        Ok(match taken {
+            Some(mut taken) => {
+                let named = (std::mem::take(&mut taken.file), std::mem::take(&mut taken.sha256));
+                (keep(taken), Some(named))
+            }
+            None => (T::default(), None),
+        })
     };
     let (kept, named): (Vec<T>, Vec<_>) =
-        frames.par_iter().map(read).collect::<Result<Vec<_>>>()?.into_iter().unzip();
-    digests.extend(named);
+        shoot.frames.par_iter().map(read).collect::<Result<Vec<_>>>()?.into_iter().unzip();
+    digests.extend(named.into_iter().flatten());
     Ok(kept)
-}
-
-fn picture_of(scene: &Scene, frame: &Frame) -> Picture {
-    let display = Display::new(scene.exposure);
-    Picture {
-        colour: frame.rgb.iter().map(|pixel| pixel.map(|linear| display.byte(linear))).collect(),
-        depth_m: frame.surfaces.depth_m.iter().map(|&depth_m| f16::from_f32(depth_m)).collect(),
-    }
 }

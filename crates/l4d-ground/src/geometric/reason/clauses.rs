@@ -1,6 +1,5 @@
 //! How much each clause holds of each candidate at each frame.
 
-use l4d_data::timeline::FPS;
 use l4d_query::relations::related;
 use l4d_query::thresholds::{DISTANCE_MARGIN, higher_m};
 use l4d_query::{Clause, Party, Relation, Slack, Superlative, World};
@@ -263,7 +262,7 @@ impl Mind<'_> {
                     let times = [0, 1, 2].map(|slack| related(&slacks[slack], subject, kind, &to, &and));
                     let weight = (one.weight * two.weight).sqrt();
                     for (grade, &frame) in grades.iter_mut().zip(&self.seen.frames) {
-                        let frame = frame.min(l4d_data::timeline::LAST_FRAME);
+                        let frame = self.seen.timeline.canonical(frame);
                         let holds = times.iter().filter(|times| times.at(frame)).count() as f64 / 3.0;
                         *grade = grade.max(holds * weight);
                     }
@@ -292,7 +291,7 @@ impl Mind<'_> {
     fn onset(&self, grades: &[f64]) -> (f64, f64) {
         let best = best_of(grades);
         let index = grades.iter().position(|grade| *grade >= ONSET_SHARE * best).unwrap_or(0);
-        (self.seen.frames.get(index).map_or(0.0, |&frame| f64::from(frame) / FPS), best)
+        (self.seen.frames.get(index).map_or(0.0, |&frame| self.seen.timeline.seconds(frame)), best)
     }
 
     fn order(&self, inner: &Clause, candidates: &[Candidate], sign: f64) -> Vec<Grades> {

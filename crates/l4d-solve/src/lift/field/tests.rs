@@ -35,7 +35,7 @@ fn evidence(scene: &Scene) -> Evidence {
             let seen = cpu.prepare(&splats, view, &RasterSettings::default()).unwrap();
             let blend = seen.spread(&first_ball, 1).unwrap();
             let mask = Mask::from_fn(20, 15, |column, row| blend[(row * 20 + column) as usize] > 0.4);
-            EvidenceFrame { frame, view: *view, mask }
+            EvidenceFrame { frame, time: frame as f32 / 96.0, view: *view, mask }
         };
         EvidenceView { name: format!("cam{index:02}"), frames: FRAMES.map(frame).to_vec() }
     };
@@ -57,7 +57,7 @@ fn settings(normalisation: Normalisation) -> FieldSettings {
 fn shot(scene: &Scene, evidence: &Evidence, picture: usize, samples: &[u32], neighbours: usize) -> Shot {
     let (at, view) = (picture / 2, picture % 2);
     let seen = &evidence.views[view].frames[at];
-    let time = seen.frame as f32 / 96.0;
+    let time = seen.time;
     let splats = scene.model.at(time).unwrap();
     let cpu = Cpu::new();
     let projected = cpu.prepare(&splats, &seen.view, &RasterSettings::default()).unwrap();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use l4d_data::{Name, Profile};
 use serde::{Deserialize, Serialize};
 
-use super::{KIND, REMEDY};
+use super::{KIND, REMEDY, Sampling};
 use crate::checkpoint::fault::{Fault, quoted};
 use crate::checkpoint::tensor_file::TensorFile;
 use crate::deform::DeformConfig;
@@ -20,6 +20,8 @@ pub(super) struct Card {
     pub(super) schema: String,
     pub(super) scene: Option<Name>,
     pub(super) profile: Option<Profile>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) sampling: Option<Sampling>,
     pub(super) iteration: u64,
     pub(super) gaussians: usize,
     pub(super) dynamic: usize,

@@ -34,7 +34,7 @@ impl Trainer<'_> {
         let moments = self.footage.moments();
         let part = |shot: usize| self.parts[shot * moments + moment].as_ref();
         let busy: Vec<usize> =
-            (0..self.footage.shots().len()).filter(|&shot| whole || part(shot).is_some()).collect();
+            self.footage.seeing(moment).filter(|&shot| whole || part(shot).is_some()).collect();
         let target = |shot| self.clip_target(shot, moment, part(shot).filter(|_| !whole));
         // A whole picture costs several times what changes in it does, unless nothing is known to stand still.
         let is_dear = whole && self.motion.tells_apart();
@@ -52,7 +52,9 @@ impl Trainer<'_> {
         let (mut colour, mut depth_m) = (Vec::new(), Vec::new());
         for pixels in window.rows(width as usize) {
             colour.extend(picture.colour[pixels.clone()].as_flattened().iter().copied().map(unit));
-            depth_m.extend(picture.depth_m[pixels].to_f32_vec());
+            if self.footage.has_depth() {
+                depth_m.extend(picture.depth_m[pixels].to_f32_vec());
+            }
         }
         for (depth_m, marked) in depth_m.iter_mut().zip(&marked) {
             *depth_m = if *marked { *depth_m } else { f32::INFINITY };

@@ -90,7 +90,7 @@ fn one_moment_and_absurd_settings() {
     assert!(refused(|settings| settings.gaussians = 0).contains("`gaussians` is 0"));
     assert!(refused(|settings| settings.dynamic_threshold = f32::NAN).contains("`dynamic_threshold` is NaN"));
     assert!(refused(|settings| settings.views = 0).contains("`views`"));
-    let empty = Footage::new([4, 4], vec![0]).unwrap();
+    let empty = Footage::new([4, 4], vec![0], l4d_data::Timeline::CANONICAL).unwrap();
     let error = Trainer::new(&empty, settings(), &Start::Depth, &cpu).err().unwrap();
     assert!(error.to_string().contains("no cameras"), "{error}");
 }

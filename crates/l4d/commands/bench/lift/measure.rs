@@ -66,7 +66,7 @@ impl Measurement<'_> {
     /// Adds some queries of a scene to the sums, which belong to the rows of all ways in their order.
     pub(super) fn add_scene(&self, stage: &Stage<'_>, sums: &mut [Sums], progress: &dyn Fn()) -> Result<()> {
         let all: Vec<Query> = stage.queries().cloned().collect();
-        let grounder = self.grounders.of_scene(&stage.scene.name, &stage.places.data, &all)?;
+        let grounder = self.grounders.of_scene(&stage.scene, &stage.places.data, &all)?;
         let rasterizer = self.opened.rasterizer.as_ref();
         let kept = Samples::of_scene(self.samples, stage, grounder.as_ref(), rasterizer);
         let bench = Bench { stage, opened: self.opened, grounder: grounder.as_ref(), kept };

@@ -1,0 +1,56 @@
+// Two methods against each other: how far apart, how sure that is, and what could not have been seen.
+
+function drawComparison(main) {
+  const { names, pairs } = board.comparisons;
+  if (names.length < 2) return;
+  main.append(el("h2", { id: "compare" }, "Compare two methods"));
+  const told = el("div", { class: "verdict", role: "status" });
+  const state = readAddress();
+  let [a, b] = [names.includes(state.a) ? state.a : names[0], names.includes(state.b) ? state.b : names[1]];
+  const options = names.map((name) => [name, name]);
+  const update = (changes) => {
+    [a, b] = [changes.a ?? a, changes.b ?? b];
+    noteInAddress({ a, b });
+    told.replaceChildren(...verdict(a, b, pairs));
+  };
+  main.append(
+    el(
+      "div",
+      { class: "pair" },
+      choice("Method", options, a, (value) => update({ a: value })),
+      choice("against", options, b, (value) => update({ b: value })),
+    ),
+    told,
+  );
+  told.replaceChildren(...verdict(a, b, pairs));
+}
+
+function verdict(a, b, pairs) {
+  if (a === b) return [el("p", {}, "Choose two different methods.")];
+  const straight = pairs.find((pair) => pair.a === a && pair.b === b);
+  const found = straight ?? turned(pairs.find((pair) => pair.a === b && pair.b === a));
+  if (!found) return [el("p", {}, "No query was answered by both.")];
+  const [value, low, high, queries, scenes] = found.gain;
+  const { p, holm, detectable } = found;
+  const points = Math.abs(value).toFixed(2);
+  const way = value === 0 ? "as high as" : value > 0 ? "higher than" : "lower than";
+  const lead = value === 0 ? `mIoU of ${a} is ${way} that of ${b}` : `mIoU of ${a} is ${points} points ${way} that of ${b}`;
+  const range = low === null ? "no interval: all queries are of one scene" : `95 % interval ${low.toFixed(2)} to ${high.toFixed(2)}`;
+  return [
+    el("p", {}, el("strong", {}, `${lead}.`)),
+    el("p", {}, `${range}; p ${probability(p)} for this pair alone, p ${probability(holm)} corrected for all ${pairs.length} pairs of the table (Holm).`),
+    el("p", {}, holm < 0.05 ? "The difference remains after correction." : "That is no difference that these scenes can show.", detectable === null ? "" : ` A true difference of ${detectable.toFixed(2)} points would have been found four times in five.`),
+    el("p", { class: "quiet small" }, `${counted(queries, "query", "queries")} of ${counted(scenes, "scene", "scenes")}, each method against the other on the same query. `, el("span", {}, found.isHopeless ? "So few scenes differ that no outcome could have had p below 0.05." : "")),
+  ];
+}
+
+/** "= 0.012", or "< 0.001". */
+function probability(p) {
+  return p < 0.001 ? "< 0.001" : `= ${p.toFixed(3)}`;
+}
+
+function turned(pair) {
+  if (!pair) return null;
+  const [value, low, high, queries, scenes] = pair.gain;
+  return { ...pair, gain: [-value, high === null ? null : -high, low === null ? null : -low, queries, scenes] };
+}

@@ -1,0 +1,60 @@
+// Elements. Text from data only ever becomes text nodes and attribute values, never markup.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** An element; `on…` attributes are listeners, null and false ones are left out, true ones are empty. */
+function el(name, attributes = {}, ...children) {
+  return furnish(document.createElement(name), attributes, children);
+}
+
+/** The same in SVG. */
+function svg(name, attributes = {}, ...children) {
+  return furnish(document.createElementNS(SVG, name), attributes, children);
+}
+
+function furnish(element, attributes, children) {
+  for (const [key, value] of Object.entries(attributes)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else element.setAttribute(key, value === true ? "" : String(value));
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+/** Tells a reader who does not see the page what has changed. */
+function say(text) {
+  document.getElementById("said").textContent = text;
+}
+
+/** A select with a label; `options` are [value, text]. */
+function choice(label, options, chosen, change) {
+  const select = el("select", { onchange: () => change(select.value) });
+  for (const [value, text] of options) {
+    select.append(el("option", { value, selected: value === chosen }, text));
+  }
+  return el("label", {}, label, select);
+}
+
+/** 62.5 -> "62.50"; nothing -> an en dash. */
+function hundredths(value) {
+  return value === null || value === undefined ? "\u2013" : value.toFixed(2);
+}
+
+/** "58.1 to 66.9", or nothing where there is no interval. */
+function rangeText(cell) {
+  return cell && cell[1] !== null ? `${cell[1].toFixed(1)}\u2013${cell[2].toFixed(1)}` : null;
+}
+
+/** 1 -> "1 query", 2 -> "2 queries". */
+function counted(count, one, many) {
+  return `${count} ${count === 1 ? one : many}`;
+}
+
+/** Hours, minutes or seconds, as a person says it. */
+function duration(seconds) {
+  if (seconds === null || seconds === undefined) return "\u2013";
+  if (seconds < 120) return `${seconds.toFixed(1)} s`;
+  if (seconds < 7200) return `${(seconds / 60).toFixed(1)} min`;
+  return `${(seconds / 3600).toFixed(1)} h`;
+}

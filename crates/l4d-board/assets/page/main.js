@@ -1,0 +1,84 @@
+// Puts the view that the address asks for onto the page.
+
+function draw(isFirst) {
+  const state = readAddress();
+  const main = document.getElementById("main");
+  const method = board.methods[methodIndex(state.method)];
+  const scene = board.scenes[sceneIndex(state.scene)];
+  const query = scene?.queries.find((query) => query.number === state.query);
+  const view = state.method === "" ? "board" : state.scene === "" ? "method" : state.query === "" ? "scene" : "query";
+  const isThere = {
+    board: true,
+    method: method?.isDetailed,
+    scene: method?.isDetailed && scene,
+    query: method?.isDetailed && query,
+  }[view];
+  main.replaceChildren();
+  let drawn;
+  if (!isThere) drawn = drawLost(main);
+  else if (view === "board") drawn = drawBoard(main);
+  else if (view === "method") drawn = drawMethod(main, method);
+  else if (view === "scene") drawn = drawScene(main, method, scene);
+  else drawn = drawQuery(main, method, scene, query);
+  const heading = main.querySelector("h1");
+  document.title = `${heading.textContent} \u2013 ${board.benchmark} leaderboard`;
+  if (!isFirst) {
+    scrollTo(0, 0);
+    heading.focus();
+  }
+  return Promise.resolve(drawn).catch((error) => {
+    main.append(el("p", { class: "notice" }, "This part of the page could not be unpacked. A current browser is needed (DecompressionStream)."));
+    throw error;
+  });
+}
+
+function drawLost(main) {
+  main.append(
+    el("h1", { tabindex: -1 }, "There is nothing at this address"),
+    el("p", {}, "The page holds no such method, scene or query, or not what that method did. ", el("a", { href: "#" }, "Back to the leaderboard")),
+  );
+}
+
+function drawFrame() {
+  document.getElementById("brand").append(el("a", { href: "#" }, board.benchmark), el("span", {}, "leaderboard"));
+  document.getElementById("foot").append(
+    el("p", {}, `${board.line}. Truth `, el("code", {}, board.truthDigest.slice(0, 12)), "."),
+    el("p", {}, "Every number follows from ", el("code", {}, "scores/<method>/counts.csv"), "; masks and pictures are for the eye. Made by ", el("code", {}, "l4d leaderboard --html"), `, l4d ${board.software}.`),
+  );
+  // The skip link must not become the address of a view.
+  document.getElementById("skip").addEventListener("click", (event) => {
+    event.preventDefault();
+    document.getElementById("main").focus();
+  });
+}
+
+function followTheme() {
+  const select = document.getElementById("theme");
+  const apply = (theme) => {
+    document.documentElement.style.colorScheme = theme === "" ? "light dark" : theme;
+  };
+  // A browser may forbid storage to files; the choice then lasts as long as the page.
+  const remembered = (() => {
+    try {
+      return localStorage.getItem("l4d-theme") ?? "";
+    } catch {
+      return "";
+    }
+  })();
+  select.value = ["light", "dark"].includes(remembered) ? remembered : "";
+  apply(select.value);
+  select.addEventListener("change", () => {
+    apply(select.value);
+    try {
+      localStorage.setItem("l4d-theme", select.value);
+    } catch {
+      // As above.
+    }
+  });
+}
+
+followTheme();
+drawFrame();
+draw(true);
+addEventListener("hashchange", () => draw(false));
+performance.mark("interactive");

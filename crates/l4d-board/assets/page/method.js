@@ -1,0 +1,126 @@
+// One method: where it is strong and weak, scene by scene; and one scene of it, query by query.
+
+function trail(...steps) {
+  const links = steps.map(([text, target], at) => {
+    const isLast = at === steps.length - 1;
+    return el("li", {}, isLast ? el("span", { "aria-current": "page" }, text) : el("a", { href: hrefTo(target) }, text));
+  });
+  return el("nav", { class: "trail", "aria-label": "Where you are" }, el("ol", {}, links));
+}
+
+function drawMethod(main, method) {
+  main.append(trail(["Leaderboard", {}], [method.name, {}]), el("h1", { tabindex: -1 }, method.name), methodFacts(method));
+  main.append(el("h2", { id: "groups" }, "By category and scale"), groupTable(method));
+  const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "scenes" });
+  main.append(el("h2", { id: "scenes" }, "By scene"), holder);
+  fillScenes(holder, method, "name");
+}
+
+function methodFacts(method) {
+  const rank = method.rank === null ? "not ranked" : String(method.rank);
+  return facts([
+    ["Rank", method.reasons.length ? [rank, reasons(method)] : rank],
+    ["Version", method.version],
+    ["mIoU", valueCell(cellOf(method, MIOU))],
+    ["Time", duration(method.seconds)],
+    ["Paper or code", method.link ? el("a", { href: method.link, rel: "noreferrer noopener" }, method.link) : null],
+  ]);
+}
+
+/** Metrics down, groups across would be wide: groups down, one row each, with bars of mIoU. */
+function groupTable(method) {
+  const rows = [
+    ["All queries", "", ""],
+    ...CATEGORIES.map((category) => [category, category, ""]),
+    ...SCALES.map((scale) => [scale, "", scale]),
+  ].filter(([, category, scale]) => method.groups[`${category}|${scale}`]);
+  const heads = METRICS.map((metric) => el("th", { scope: "col", class: "number", title: metric.about }, metric.title));
+  const lines = rows.map(([name, category, scale]) => {
+    const cells = METRICS.map((_, at) => el("td", { class: "number" }, valueCell(cellOf(method, at, category, scale))));
+    const miou = cellOf(method, MIOU, category, scale);
+    const queries = el("td", { class: "number" }, miou ? String(miou[3]) : "\u2013");
+    return el("tr", {}, el("th", { scope: "row" }, name), queries, el("td", { class: "drawn" }, bar(miou, method.rank !== null)), cells);
+  });
+  const head = el("tr", {}, el("th", { scope: "col" }, "Group"), el("th", { scope: "col", class: "number" }, "Queries"), el("th", { scope: "col", class: "drawn" }, "mIoU, 0 to 100"), heads);
+  const table = el("table", {}, el("caption", {}, "Percent; below each number its 95 % interval over scenes"), el("thead", {}, head), el("tbody", {}, lines));
+  return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "groups" }, table);
+}
+
+function fillScenes(holder, method, sort) {
+  const rows = board.scenes.map((scene, at) => ({ scene, values: method.scenes[at] }));
+  const columns = [
+    {
+      key: "name",
+      title: "Scene",
+      isHead: true,
+      value: (row) => row.scene.name,
+      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: row.scene.name }) }, row.scene.name),
+    },
+    { key: "scale", title: "Scale", value: (row) => row.scene.scale, cell: (row) => row.scene.scale },
+    { key: "queries", title: "Queries", isNumber: true, value: (row) => row.scene.queries.length, cell: (row) => String(row.scene.queries.length) },
+    ...METRICS.map((metric, at) => ({
+      key: metric.key,
+      title: metric.title,
+      about: metric.about,
+      isNumber: true,
+      higher: metric.higher,
+      value: (row) => row.values?.[at],
+      cell: (row) => hundredths(row.values?.[at]),
+    })),
+  ];
+  const change = (next) => {
+    fillScenes(holder, method, next);
+    say(`Sorted by ${columns.find((column) => column.key === next.replace(/^-/, "")).title}.`);
+  };
+  redrawTable(holder, () => sortableTable({ caption: `${method.name}, percent, means over the queries of a scene`, columns, sections: [{ title: null, rows }], sort, change }));
+}
+
+async function drawScene(main, method, scene) {
+  const at = sceneIndex(scene.name);
+  main.append(
+    trail(["Leaderboard", {}], [method.name, { method: method.name }], [scene.name, {}]),
+    el("h1", { tabindex: -1 }, `${scene.name}, ${method.name}`),
+  );
+  const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Queries" }, el("p", {}, "Unpacking the scene."));
+  main.append(holder);
+  const data = await sceneData(at);
+  const answers = data.answers[methodIndex(method.name)];
+  fillQueries(holder, method, scene, answers, "number");
+}
+
+function fillQueries(holder, method, scene, answers, sort) {
+  const rows = scene.queries.map((query, at) => ({ query, values: answers.ratios[at], taken: answers.taken[at] }));
+  const columns = [
+    { key: "number", title: "Query", value: (row) => row.query.number, cell: (row) => row.query.number },
+    {
+      key: "text",
+      title: "Sentence",
+      isHead: true,
+      value: (row) => row.query.text,
+      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: scene.name, query: row.query.number }) }, row.query.text),
+    },
+    { key: "category", title: "Category", value: (row) => row.query.categories.join(", "), cell: (row) => row.query.categories.join(", ") },
+    ...METRICS.map((metric, at) => at).filter((at) => at !== SELECT).map((at) => ({
+      key: METRICS[at].key,
+      title: METRICS[at].title,
+      about: METRICS[at].about,
+      isNumber: true,
+      higher: METRICS[at].higher,
+      value: (row) => row.values[at],
+      cell: (row) => hundredths(row.values[at]),
+    })),
+    { key: "taken", title: "Took", about: "The thing that the prediction overlaps most over the clip", value: (row) => row.taken, cell: takenCell },
+  ];
+  const change = (next) => {
+    fillQueries(holder, method, scene, answers, next);
+    say(`Sorted by ${columns.find((column) => column.key === next.replace(/^-/, "")).title}.`);
+  };
+  redrawTable(holder, () => sortableTable({ caption: `${counted(rows.length, "query", "queries")} of ${scene.name}, percent`, columns, sections: [{ title: null, rows }], sort, change }));
+}
+
+function takenCell({ query, values, taken }) {
+  if (taken === null) return el("span", { class: "quiet" }, "nothing");
+  if (values[SELECT] === 100) return taken;
+  const isMeant = query.referents.includes(taken);
+  return [taken, " ", el("span", { class: "chip warn" }, isMeant ? "tied" : "not meant")];
+}

@@ -1,0 +1,136 @@
+//! The masks of one scene as the page carries them: every distinct one once, as COCO text, small enough to look at.
+//!
+//! Masks are for the eye: no number of the page comes from them. A mask is only shown where it has the pixels that
+//! were counted when the method was scored, so that a picture never contradicts the numbers beside it.
+
+use std::collections::HashMap;
+
+use l4d_data::layout::ResultsDir;
+use l4d_data::{Query, QueryId, Report};
+use l4d_frames::{Mask, rle};
+use l4d_score::answers::Reader;
+use l4d_score::exam::SceneExam;
+use l4d_score::judge::Answer;
+use l4d_score::results::scan_scene;
+use l4d_score::truth::SceneTruth;
+
+use crate::detail::FrameDetail;
+
+/// The page shows a frame of every so many canonical ones: no interval of a query is shorter than 13, so each is seen.
+const STEP: u32 = 8;
+/// Longest side of masks and pictures on the page, pixels.
+pub const LONGEST_SIDE_PX: u32 = 320;
+
+/// What stands in the place of a mask.
+pub(crate) const NOTHING: i64 = -1;
+/// No answer.
+pub(crate) const MISSING: i64 = -2;
+
+/// Frames of a clip that the page shows, ascending: the annotated ones nearest to every [`STEP`]th, the last included.
+pub(crate) fn shown_frames(scene: &SceneExam) -> Vec<u32> {
+    let asked: Vec<u32> = scene.asked().collect();
+    let (Some(&first), Some(&last)) = (asked.first(), asked.last()) else { return Vec::new() };
+    let wanted = (first..=last).step_by(STEP as usize).chain([last]);
+    let mut shown: Vec<u32> =
+        wanted.filter_map(|frame| asked.iter().copied().min_by_key(|other| other.abs_diff(frame))).collect();
+    shown.dedup();
+    shown
+}
+
+/// Size of masks on the page: that of the truth, or smaller by the same factor on both sides.
+pub(crate) fn shown_size((width, height): (u32, u32)) -> (u32, u32) {
+    let longest = width.max(height).max(1);
+    if longest <= LONGEST_SIDE_PX {
+        return (width, height);
+    }
+    let scaled = |side: u32| ((side * LONGEST_SIDE_PX + longest / 2) / longest).max(1);
+    (scaled(width), scaled(height))
+}
+
+/// Distinct masks of one size.
+#[derive(Debug)]
+pub(crate) struct Pool {
+    size: (u32, u32),
+    places: HashMap<String, i64>,
+    texts: Vec<String>,
+}
+
+impl Pool {
+    /// Empty, for masks of this size.
+    pub(crate) fn new(size: (u32, u32)) -> Self {
+        Self { size, places: HashMap::new(), texts: Vec::new() }
+    }
+
+    /// The place of a mask, or [`NOTHING`] if it has no pixel.
+    pub(crate) fn place(&mut self, mask: &Mask) -> i64 {
+        let (width, height) = self.size;
+        let text = match mask.size() == self.size {
+            true => rle::encode(mask),
+            false => rle::encode(&mask.resized_nearest(width, height)),
+        };
+        if mask.is_empty() {
+            return NOTHING;
+        }
+        if let Some(&place) = self.places.get(&text) {
+            return place;
+        }
+        let place = self.texts.len() as i64;
+        self.texts.push(text.clone());
+        self.places.insert(text, place);
+        place
+    }
+
+    /// The masks in the order of their places.
+    pub(crate) fn into_texts(self) -> Vec<String> {
+        self.texts
+    }
+}
+
+/// What a query asks to find, at each shown frame.
+pub(crate) fn target_places(
+    pool: &mut Pool,
+    truth: &SceneTruth,
+    query: &Query,
+    referents: &[usize],
+    shown: &[u32],
+) -> Vec<i64> {
+    let place = |&frame: &u32| {
+        let target = truth.target(query, referents, truth.position(frame)?)?;
+        Some(pool.place(target.mask()))
+    };
+    shown.iter().map(place).map(|place| place.unwrap_or(NOTHING)).collect()
+}
+
+/// The answers of one method to the queries of one scene.
+#[derive(Debug)]
+pub(crate) struct Answers<'a> {
+    reader: Reader<'a>,
+    forms: std::collections::BTreeMap<String, l4d_score::answers::Forms>,
+}
+
+impl<'a> Answers<'a> {
+    /// Looks through the results of a method. What is wrong with them was reported when they were scored.
+    pub(crate) fn open(dir: &'a ResultsDir, scene: &SceneExam, shown: &'a [u32], resize: bool) -> Self {
+        let forms = scan_scene(dir, scene, &mut Report::default());
+        Self { reader: Reader { dir, clip: shown, size: scene.size, resize }, forms }
+    }
+
+    /// The answers to a query at the shown frames; none if they are not there, or not those that were counted.
+    pub(crate) fn places(&self, pool: &mut Pool, id: &QueryId, counted: &[FrameDetail]) -> Option<Vec<i64>> {
+        let forms = self.forms.get(id.number.as_str()).copied()?;
+        let answers = self.reader.read(id, forms, &mut Report::default());
+        let is_counted = |(&frame, answer): (&u32, &Answer)| {
+            let area = answer.mask().map_or(0, |mask| mask.area());
+            counted.iter().any(|count| count.frame == frame && count.predicted == area)
+        };
+        if !self.reader.clip.iter().zip(&answers).all(is_counted) {
+            return None;
+        }
+        let place = |answer: &Answer| match answer.mask() {
+            Some(mask) => pool.place(&mask),
+            None if *answer == Answer::Missing => MISSING,
+            None => NOTHING,
+        };
+        Some(answers.iter().map(place).collect())
+    }
+}

@@ -1,0 +1,121 @@
+//! What methods took for the thing that was meant: look-alikes, other things, nothing.
+
+use l4d_data::{Name, Query, Role};
+
+use crate::detail::{AskedScene, Detail, Details};
+use crate::rank::Board;
+
+/// What the instance that a prediction overlaps most is to the query.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// It is meant, and nothing else is overlapped as much.
+    Meant,
+    /// It is meant, and something else is overlapped as much: neither was chosen.
+    Tied,
+    /// Another object of the category of what is meant.
+    LookAlike,
+    /// An object of another category.
+    OtherObject,
+    /// A thing that is never meant.
+    Landmark,
+    /// Nothing annotated is overlapped, or nothing was marked.
+    Nothing,
+}
+
+impl Choice {
+    /// In the order of bars and columns.
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Meant, Self::Tied, Self::LookAlike, Self::OtherObject, Self::Landmark, Self::Nothing];
+
+    /// In files.
+    pub(crate) fn key(self) -> &'static str {
+        match self {
+            Self::Meant => "meant",
+            Self::Tied => "tied",
+            Self::LookAlike => "look_alike",
+            Self::OtherObject => "other_object",
+            Self::Landmark => "landmark",
+            Self::Nothing => "nothing",
+        }
+    }
+
+    /// For people.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Meant => "the one meant",
+            Self::Tied => "undecided",
+            Self::LookAlike => "a look-alike",
+            Self::OtherObject => "another object",
+            Self::Landmark => "a landmark",
+            Self::Nothing => "nothing",
+        }
+    }
+}
+
+/// One query and what was taken.
+#[derive(Debug, Clone)]
+pub(crate) struct Taken<'a> {
+    pub(crate) query: &'a Query,
+    pub(crate) instance: Option<&'a Name>,
+    pub(crate) choice: Choice,
+}
+
+/// One method.
+#[derive(Debug, Clone)]
+pub(crate) struct Choices<'a> {
+    pub(crate) method: &'a Name,
+    pub(crate) is_ranked: bool,
+    /// Queries whose target is visible, in order.
+    pub(crate) taken: Vec<Taken<'a>>,
+}
+
+impl Choices<'_> {
+    /// Percent of the queries, in the order of [`Choice::ALL`].
+    pub(crate) fn shares(&self) -> impl Iterator<Item = (Choice, f64)> {
+        let all = self.taken.len().max(1) as f64;
+        Choice::ALL.into_iter().map(move |choice| {
+            let count = self.taken.iter().filter(|taken| taken.choice == choice).count();
+            (choice, 100.0 * count as f64 / all)
+        })
+    }
+}
+
+/// What each detailed method took, in the order of the board.
+pub(crate) fn choices<'a>(board: &'a Board, details: &'a Details) -> Vec<Choices<'a>> {
+    let of_method = |((rank, row), detail): ((Option<usize>, &'a crate::BoardRow), &'a Detail)| Choices {
+        method: &row.name,
+        is_ranked: rank.is_some(),
+        taken: taken(detail, details),
+    };
+    board.rows().zip(&details.methods).map(of_method).collect()
+}
+
+fn taken<'a>(detail: &'a Detail, details: &'a Details) -> Vec<Taken<'a>> {
+    let queries =
+        details.asked.scenes.iter().flat_map(|scene| scene.queries.iter().map(move |query| (scene, *query)));
+    let pairs = queries.zip(detail.tallies.iter().zip(&detail.queries));
+    let one = |((scene, query), (tally, found)): (
+        (&AskedScene, &'a Query),
+        (&l4d_score::metrics::QueryTally, &'a crate::detail::QueryDetail),
+    )| {
+        let selected = tally.ratios().select?;
+        let instance = found.taken.as_ref();
+        Some(Taken { query, instance, choice: choice(scene, query, instance, selected > 0.5) })
+    };
+    pairs.filter_map(one).collect()
+}
+
+fn choice(scene: &AskedScene, query: &Query, instance: Option<&Name>, is_selected: bool) -> Choice {
+    let Some(instance) = instance else { return Choice::Nothing };
+    if query.referents.contains(instance) {
+        return if is_selected { Choice::Meant } else { Choice::Tied };
+    }
+    let of = |name: &Name| scene.things.iter().find(|thing| thing.name == *name);
+    let is_alike =
+        |category: &str| query.referents.iter().filter_map(&of).any(|referent| referent.category == category);
+    match of(instance) {
+        Some(thing) if thing.role == Role::Landmark => Choice::Landmark,
+        Some(thing) if is_alike(&thing.category) => Choice::LookAlike,
+        _ => Choice::OtherObject,
+    }
+}

@@ -1,0 +1,64 @@
+//! What the page is made from: masks of methods, pictures of the held-out view.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use l4d_board::{Board, Details, Exhibit, LONGEST_SIDE_PX, Statistics, publish_page};
+use l4d_data::Name;
+use l4d_frames::backdrop::Backdrop;
+use l4d_score::Exam;
+
+use super::with_hint;
+use crate::cli::judging::LeaderboardArgs;
+use crate::out::Printer;
+
+pub(super) fn write(
+    args: &LeaderboardArgs,
+    exam: &Exam,
+    board: &Board,
+    statistics: &Statistics,
+    details: &Details,
+    [scores, output]: [&Path; 2],
+    out: &Printer,
+) -> Result<PathBuf> {
+    let results = args.results.is_dir().then_some(args.results.as_path());
+    if results.is_none() {
+        out.warn(format!(
+            "{}: there is no such folder, so the page shows no masks of methods; name it with --results",
+            args.results.display()
+        ));
+    }
+    let backdrops = backdrops(args, exam, out)?;
+    let jpeg = |scene: &Name, frame: u32| {
+        let found = backdrops.get(scene)?.jpeg(frame);
+        found.inspect_err(|error| tracing::warn!("no picture under the masks: {error}")).ok()
+    };
+    let exhibit = Exhibit {
+        exam,
+        board,
+        statistics,
+        details,
+        seed: args.seed,
+        results,
+        backdrop: &jpeg,
+        software: env!("CARGO_PKG_VERSION"),
+    };
+    publish_page(&exhibit, output).map_err(|error| with_hint(error, scores))
+}
+
+/// The held-out views of the scenes that are rendered.
+fn backdrops(args: &LeaderboardArgs, exam: &Exam, out: &Printer) -> Result<BTreeMap<Name, Backdrop>> {
+    let mut backdrops = BTreeMap::new();
+    let Some(data) = &args.data else { return Ok(backdrops) };
+    for scene in &exam.scenes {
+        let variant = exam.bench.truth(exam.profile, &scene.name)?.variant;
+        let found = Backdrop::open(data, &scene.name, exam.profile, variant, LONGEST_SIDE_PX)?;
+        backdrops.extend(found.map(|backdrop| (scene.name.clone(), backdrop)));
+    }
+    if backdrops.len() < exam.scenes.len() {
+        let (there, all) = (backdrops.len(), exam.scenes.len());
+        out.warn(format!("{}: holds {there} of {all} scenes; the others have no pictures", data.display()));
+    }
+    Ok(backdrops)
+}

@@ -1,0 +1,104 @@
+//! A board as crowded as one may become: many methods, many queries, masks of their own.
+
+use std::collections::BTreeMap;
+
+use l4d_data::layout::{BenchDir, ResultsDir};
+use l4d_data::query::text_digest;
+use l4d_data::results::{MaskFile, MethodCard};
+use l4d_data::scene::Scale;
+use l4d_data::truth::{Truth, frame_key};
+use l4d_data::{Name, json};
+use l4d_frames::{Mask, rle};
+use serde_json::{Value, json};
+
+use crate::support::{Dir, Noise, truth};
+
+const CATEGORIES: [&str; 4] = ["attribute", "action", "spatial", "interaction"];
+const OBJECTS: usize = 4;
+
+/// Scored methods on made-up scenes of the profile tiny, without a page yet.
+pub(crate) fn scored(methods: usize, scenes: usize, queries: usize) -> Dir {
+    let dir = Dir::new();
+    let truths = write_benchmark(&dir, scenes, queries);
+    dir.succeed(&["baseline", "none", "--profile", "tiny"]);
+    let card: MethodCard = json::read(&dir.path("results/none/method.json")).unwrap();
+    std::fs::remove_dir_all(dir.path("results/none")).unwrap();
+    for index in 0..methods {
+        write_method(&dir, index, &card, &truths, queries);
+    }
+    dir.succeed(&["score", "--profile", "tiny", "--quiet"]);
+    dir
+}
+
+fn write_benchmark(dir: &Dir, scenes: usize, queries: usize) -> Vec<Truth> {
+    let bench = BenchDir::new(dir.path("benchmark"));
+    let names: Vec<String> = (0..scenes).map(|index| format!("crowd_{index:02}")).collect();
+    let list: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    let manifest = format!(
+        "name = \"Crowd\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [{}]\n",
+        list.join(", ")
+    );
+    dir.write("benchmark/panoptic-l4d.toml", manifest);
+    let mut truths = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        let truth = truth(name, Scale::ALL[index % 3], index as u64);
+        json::write_compact(&bench.truth(truth.profile, name), &truth).unwrap();
+        let lines: Vec<Value> = (0..queries).map(|query| line(name, query, &truth)).collect();
+        json::write_lines(&bench.queries(name), &lines).unwrap();
+        truths.push(truth);
+    }
+    truths
+}
+
+fn line(scene: &str, query: usize, truth: &Truth) -> Value {
+    let text = format!("the thing that sentence number {query} of many means when it is read slowly");
+    json!({
+        "id": format!("{scene}/{:03}", query + 1),
+        "text": text,
+        "categories": [CATEGORIES[query % 4]],
+        "referents": [truth.instances[query % OBJECTS].name],
+        "temporal": "whole",
+        "frames": [[0, 96]],
+        "predicate": null,
+        "text_digest": text_digest(&text, None),
+        "provenance": { "source": "author" },
+        "status": "candidate",
+    })
+}
+
+/// The right thing more or less often, always a little beside it, so that hardly any mask occurs twice.
+fn write_method(dir: &Dir, index: usize, card: &MethodCard, truths: &[Truth], queries: usize) {
+    let name = Name::new(format!("method-{index:02}")).unwrap();
+    let results = ResultsDir::new(dir.path("results").join(name.as_str()));
+    json::write(&results.card(), &MethodCard { name, seconds: Some(60.0 + index as f64), ..card.clone() })
+        .unwrap();
+    let mut noise = Noise::new(index as u64);
+    for truth in truths {
+        for query in 0..queries {
+            let is_right = noise.below(100) < 95 - index as u32;
+            let object = if is_right { query } else { query + 1 } % OBJECTS;
+            let shift = (noise.below(9) as i64 - 4, noise.below(9) as i64 - 4);
+            let frames: BTreeMap<String, Option<String>> = truth
+                .frames
+                .iter()
+                .map(|&frame| (frame_key(frame), answer(truth, object, frame, shift)))
+                .collect();
+            let id = format!("{}/{:03}", truth.scene, query + 1).parse().unwrap();
+            let file = MaskFile { size: [truth.height, truth.width], frames };
+            let bytes = serde_json::to_vec(&file).unwrap();
+            let path = results.mask_file(&id);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        }
+    }
+}
+
+fn answer(truth: &Truth, object: usize, frame: u32, (right, down): (i64, i64)) -> Option<String> {
+    let counts = truth.instances[object].masks.get(&frame_key(frame))?;
+    let mask = rle::decode(counts, truth.width, truth.height).unwrap();
+    let inside = |col: u32, row: u32| {
+        let (col, row) = (i64::from(col) - right, i64::from(row) - down);
+        col >= 0 && row >= 0 && mask.get(col as u32, row as u32)
+    };
+    Some(rle::encode(&Mask::from_fn(truth.width, truth.height, inside)))
+}
