@@ -26,6 +26,9 @@ pub(crate) fn tabular(layout: &Layout, board: &Board) -> String {
         let is_first_unranked = index > 0 && line.rank.is_none() && layout.rows[index - 1].rank.is_some();
         if is_first_unranked {
             text.push_str("\\midrule\n");
+        } else if index > 0 {
+            // Intervals stand below their values: room between rows says which belong together.
+            text.push_str("\\addlinespace[2pt]\n");
         }
         text.push_str(&line_text(layout, line));
     }

@@ -21,6 +21,12 @@ pub(crate) fn page(board: &Board, statistics: &Statistics, figures: &[(String, &
         "Percentages; macro means over queries. Ranked by mIoU; equal printed values share a rank. \
          **Best** and *second best* among ranked methods. In brackets 95 % intervals clustered by scene.\n\n",
     );
+    if board
+        .rows()
+        .any(|(_, row)| row.miou.is_some_and(|found| found.interval.is_some() && found.is_of_few_scenes()))
+    {
+        page.push_str(&format!("Of fewer than {FEW_SCENES} scenes: intervals may be too narrow.\n\n"));
+    }
     page.push_str(&ranked_table(board));
     page.push_str(&unranked_table(board));
     let categories: Vec<_> = Category::ALL.iter().map(|key| (key.as_str(), key)).collect();

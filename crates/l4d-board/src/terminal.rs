@@ -72,6 +72,7 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
         let interval = |[low, high]: [f64; 2]| format!(" ({low:.1} to {high:.1})");
         let with_interval =
             |text: String, found: Option<[f64; 2]>| text + &found.map(interval).unwrap_or_default();
+        is_rough |= row.miou.is_some_and(|found| found.interval.is_some() && found.is_of_few_scenes());
         let own = row.miou.map(|found| with_interval(format!("{:.2}", found.value), found.interval));
         let pair = neighbours.iter().find(|pair| pair.first == index);
         let [ahead, p, detectable] = pair.map_or_else(Default::default, |pair| {
