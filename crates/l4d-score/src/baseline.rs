@@ -96,7 +96,7 @@ pub fn write_baseline(
     }
     let mut written = Written::default();
     for scene in &exam.scenes {
-        let truth = exam.truth(&scene.name)?;
+        let truth = exam.truth(scene)?;
         let write = |query: &Query| {
             let referents = truth.referents(query, &scene.queries_path)?;
             let file = answer(baseline, &truth, query, &referents, &scene.clip, seed);

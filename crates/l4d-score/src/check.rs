@@ -30,11 +30,11 @@ fn check_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
     let check = |query: &Query| {
         let mut found = Report::default();
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
-        let answers = reader.read(&query.id, forms, &mut found);
+        let is_answered = reader.read_each(&query.id, forms, &mut found, |_, _| {});
         let is_asked = query.status != Status::Rejected;
         // What could not be read has been reported and would only be repeated as missing.
         if is_asked && found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
+            report_missing(dir, &query.id, scene, |position| is_answered[position], &mut found);
         }
         found
     };

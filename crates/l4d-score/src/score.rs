@@ -13,11 +13,10 @@ use crate::answers::{Reader, report_missing};
 use crate::codes;
 use crate::counts::{CountsWriter, FrameCount, to_csv};
 use crate::exam::{Exam, SceneExam};
-use crate::judge::{Answer, judge_query};
+use crate::judge::QueryJudge;
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::results::{PROTOCOL, check_scenes, find_methods, read_card, scan_scene};
 use crate::summary::Summary;
-use crate::truth::SceneTruth;
 
 /// Scores of all methods of a folder that have no error.
 #[derive(Debug)]
@@ -141,17 +140,20 @@ fn judge_scene(
     options: &Options,
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
-    let truth = exam.truth(&scene.name)?;
+    let truth = exam.truth(scene)?;
     let forms = scan_scene(dir, scene, &mut report);
     let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
     let judge = |query: &&Query| {
         let mut found = Report::default();
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
-        let answers = reader.read(&query.id, forms, &mut found);
+        let referents = truth.referents(query, &scene.queries_path)?;
+        let mut judge = QueryJudge::new(&truth, query, &referents, &scene.clip);
+        let is_answered =
+            reader.read_each(&query.id, forms, &mut found, |position, answer| judge.take(position, answer));
         if options.missing == Missing::Error && found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
+            report_missing(dir, &query.id, scene, |position| is_answered[position], &mut found);
         }
-        let counts = count(&truth, query, scene, &answers)?;
+        let counts = judge.into_counts();
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, to_csv(&counts, false), found))
     };
@@ -163,16 +165,6 @@ fn judge_scene(
         queries.push((tally, rows));
     }
     Ok(JudgedScene { queries, report })
-}
-
-fn count(
-    truth: &SceneTruth,
-    query: &Query,
-    scene: &SceneExam,
-    answers: &[Answer],
-) -> Result<Vec<FrameCount>, DataError> {
-    let referents = truth.referents(query, &scene.queries_path)?;
-    Ok(judge_query(truth, query, &referents, &scene.clip, answers))
 }
 
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.

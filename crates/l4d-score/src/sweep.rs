@@ -20,7 +20,7 @@ use crate::answers::{Reader, report_missing};
 use crate::codes;
 use crate::exam::{Exam, SceneExam};
 use crate::folder::{Kind, kind_of, report_link};
-use crate::judge::judge_query;
+use crate::judge::{Answer, judge_query};
 use crate::metrics::Options;
 use crate::results::{check_scenes, find_methods, read_card, scan_scene};
 use crate::truth::SceneTruth;
@@ -141,7 +141,7 @@ fn sweep_scene(
     options: &Options,
     report: &mut Report,
 ) -> Result<Vec<Swept>, DataError> {
-    let truth = exam.truth(&scene.name)?;
+    let truth = exam.truth(scene)?;
     let forms = scan_scene(dir, scene, report);
     let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
     let sweep = |query: &&Query| {
@@ -149,7 +149,8 @@ fn sweep_scene(
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
         let answers = reader.read(&query.id, forms, &mut found);
         if found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
+            let is_answered = |position: usize| answers[position] != Answer::Missing;
+            report_missing(dir, &query.id, scene, is_answered, &mut found);
         }
         let referents = truth.referents(query, &scene.queries_path)?;
         let counts = judge_query(&truth, query, &referents, &scene.clip, &answers);

@@ -95,7 +95,7 @@ fn judge_method(
     let mut rows = Vec::new();
     let mut is_partial = false;
     for scene in &exam.scenes {
-        let truth = exam.truth(&scene.name)?;
+        let truth = exam.truth(scene)?;
         let queries: Vec<&Query> = scene.queries.iter().filter(|query| options.takes(query)).collect();
         let answers = read_scene(dir, scene, &truth, &queries, protocol, options, report);
         is_partial |= options.missing == Missing::Skip
@@ -125,7 +125,8 @@ fn read_scene(
         let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
         let answers = reader.read(&query.id, forms, &mut found);
         if is_refused && found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
+            let is_answered = |position: usize| answers[position] != Answer::Missing;
+            report_missing(dir, &query.id, scene, is_answered, &mut found);
         }
         let judged = scene.clip.iter().zip(answers).filter(|(frame, _)| truth.position(**frame).is_some());
         (query.id.clone(), judged.map(|(_, answer)| answer).collect(), found)

@@ -52,8 +52,7 @@ fn backdrops(args: &LeaderboardArgs, exam: &Exam, out: &Printer) -> Result<BTree
     let mut backdrops = BTreeMap::new();
     let Some(data) = &args.data else { return Ok(backdrops) };
     for scene in &exam.scenes {
-        let variant = exam.bench.truth(exam.profile, &scene.name)?.variant;
-        let found = Backdrop::open(data, &scene.name, exam.profile, variant, LONGEST_SIDE_PX)?;
+        let found = Backdrop::open(data, &scene.name, exam.profile, scene.truth.variant, LONGEST_SIDE_PX)?;
         backdrops.extend(found.map(|backdrop| (scene.name.clone(), backdrop)));
     }
     if backdrops.len() < exam.scenes.len() {
