@@ -229,6 +229,16 @@ fn links_are_refused_wherever_they_stand() {
 }
 
 #[test]
+fn the_folder_that_is_named_may_be_a_link() {
+    let dir = oracle();
+    std::fs::rename(dir.path("results"), dir.path("disk")).unwrap();
+    symlink(dir.path("disk"), dir.path("results")).unwrap();
+    dir.succeed(&["check-results", "--profile", "tiny"]);
+    dir.succeed(&["check-results", "results/oracle", "--profile", "tiny"]);
+    dir.succeed(&["score", "--profile", "tiny"]);
+}
+
+#[test]
 fn oversized_files_are_refused_unread() {
     let dir = oracle();
     std::fs::remove_file(dir.path(MASK)).unwrap();
