@@ -130,6 +130,9 @@ fn reported_mark(drawing: &mut Drawing, at: (f64, f64)) {
     drawing.marker(Marker::Square, at, 2.4, PAPER);
 }
 
+/// Draws what an entry of the legend is about, from a point to the right.
+type Sample = fn(&mut Drawing, f64, f64);
+
 /// What marks and lines mean; gives the first free height below.
 fn legend(drawing: &mut Drawing, trend: &Trend, above: f64) -> f64 {
     const LINE: f64 = 26.0;
@@ -139,7 +142,7 @@ fn legend(drawing: &mut Drawing, trend: &Trend, above: f64) -> f64 {
     let with_interval =
         |few: bool| measured().any(|point| point.interval.is_some() && point.is_of_few_scenes == few);
     let few = format!("95 % interval from fewer than {FEW_SCENES} scenes: may be too narrow");
-    let entries: [(bool, &str, fn(&mut Drawing, f64, f64)); 4] = [
+    let entries: [(bool, &str, Sample); 4] = [
         (measured().next().is_some(), "measured", |drawing, x, y| {
             drawing.line([(x, y), (x + LINE, y)], 1.75, BLUE);
             drawing.marker(Marker::Circle, (x + LINE / 2.0, y), 3.8, BLUE);
@@ -226,7 +229,7 @@ mod tests {
                     point(at, value, Some([value - 6.0, value + 6.0]))
                 })
                 .collect(),
-            reported: (0..if index % 2 == 0 { points + 1 } else { 0 })
+            reported: (0..if index.is_multiple_of(2) { points + 1 } else { 0 })
                 .map(|at| point(at, 45.0 + at as f64 / 4.0, None))
                 .collect(),
         };
