@@ -54,6 +54,11 @@ pub(crate) fn entries(folder: &Path, report: &mut Report) -> Vec<(String, Kind)>
             return Vec::new();
         }
     }
+    list(folder, report)
+}
+
+/// The same of a folder that the user named, who may have put a link there.
+pub(crate) fn list(folder: &Path, report: &mut Report) -> Vec<(String, Kind)> {
     let read = || -> io::Result<Vec<(String, Kind)>> {
         let mut found = Vec::new();
         // Hidden entries count as well: what is never read may still be without end.
@@ -79,6 +84,12 @@ pub(crate) fn entries(folder: &Path, report: &mut Report) -> Vec<(String, Kind)>
             Vec::new()
         }
     }
+}
+
+/// Size of a file that [`read_sized`] would read; none of links and of what is larger.
+pub(crate) fn sound_bytes(path: &Path, limit: u64) -> u64 {
+    let metadata = fs::symlink_metadata(path).ok().filter(fs::Metadata::is_file);
+    metadata.map(|metadata| metadata.len()).filter(|bytes| *bytes <= limit).unwrap_or_default()
 }
 
 pub(crate) fn read_sized(path: &Path, limit: u64, report: &mut Report) -> Option<Vec<u8>> {

@@ -9,13 +9,13 @@ use l4d_data::{DataError, Query, QueryId, Report, json as file};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::answers::{Reader, report_missing};
 use crate::codes;
 use crate::counts::{CountsWriter, FrameCount, to_csv};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::QueryJudge;
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
-use crate::results::{PROTOCOL, check_scenes, find_methods, read_card, scan_scene};
+use crate::reading::{Holes, SceneReader};
+use crate::results::{PROTOCOL, admit, find_methods, read_card};
 use crate::summary::Summary;
 
 /// Scores of all methods of a folder that have no error.
@@ -101,7 +101,9 @@ fn score_method(
     scores: &Path,
     report: &mut Report,
 ) -> Result<Option<Summary>, DataError> {
-    check_scenes(dir, &exam.bench.manifest.scenes, report);
+    if !admit(dir, exam, options.resize, report) {
+        return Ok(None);
+    }
     let mut writer = CountsWriter::create(&counts_path(scores, &card.name))?;
     let mut tallies = Vec::new();
     // As many scenes at once as there are threads: their truth is all that memory must hold.
@@ -141,18 +143,13 @@ fn judge_scene(
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
     let truth = exam.truth(scene)?;
-    let forms = scan_scene(dir, scene, &mut report);
-    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
+    let holes = Holes::reported_if(options.missing == Missing::Error);
+    let reader = SceneReader::open(dir, scene, options.resize, holes, &mut report);
     let judge = |query: &&Query| {
         let mut found = Report::default();
-        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
         let referents = truth.referents(query, &scene.queries_path)?;
         let mut judge = QueryJudge::new(&truth, query, &referents, &scene.clip);
-        let is_answered =
-            reader.read_each(&query.id, forms, &mut found, |position, answer| judge.take(position, answer));
-        if options.missing == Missing::Error && found.is_empty() {
-            report_missing(dir, &query.id, scene, |position| is_answered[position], &mut found);
-        }
+        reader.read_each(query, &mut found, |position, answer| judge.take(position, answer));
         let counts = judge.into_counts();
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, to_csv(&counts, false), found))
