@@ -87,7 +87,7 @@ pub(crate) fn exam(scenes: &[&str]) -> Exam {
 /// then, marks nothing, or overlaps a share of what is meant.
 pub(crate) fn details_on<'a>(exam: &'a Exam, board: &Board) -> Details<'a> {
     let options = Options::default();
-    let asked = Asked::of(exam, &options).unwrap();
+    let asked = Asked::of(exam, &options);
     let mut methods = Vec::new();
     for (place, (_, row)) in board.rows().enumerate() {
         let mut counts = Vec::new();
