@@ -79,7 +79,7 @@ fn query(number: &str, text: &str, category: &str, referent: &str, temporal: &st
 }
 
 /// A capture that was imported, with two queries.
-fn authored() -> Dir {
+pub(crate) fn authored() -> Dir {
     let dir = capture();
     dir.succeed(&[&IMPORT[..], &["tabletop"]].concat());
     let queries = [

@@ -191,6 +191,7 @@ fn gallery() {
             &board,
             &statistics,
             &sample::details(),
+            &[],
             &bench,
             &std::path::Path::new(&folder).join(board_name),
         )
