@@ -70,14 +70,31 @@ fn scores_become_tables_and_figures() {
     assert_eq!((of("oracle", "meant"), of("none", "nothing")), (8, 8), "{taken}");
     assert_eq!(of("contestant", "meant") + of("contestant", "look_alike"), 8, "{taken}");
 
-    for name in ["per_category", "per_scale", "metrics", "over_time", "taken", "queries"] {
+    for name in [
+        "per_category",
+        "per_scale",
+        "metrics",
+        "speed",
+        "over_time",
+        "taken",
+        "queries_contestant",
+        "confusion_contestant",
+    ] {
         let svg = dir.read(&format!("leaderboard/figures/{name}.svg"));
-        assert!(svg.starts_with("<svg ") && svg.contains("profile tiny"), "{name}");
+        assert!(svg.starts_with("<svg role=\"img\" ") && svg.contains("profile tiny"), "{name}");
+        assert!(svg.contains("\n<title>") && svg.contains("</title>\n<desc>Discs"), "{name}");
         let png = std::fs::read(dir.path(format!("leaderboard/figures/{name}.png"))).unwrap();
         assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n", "{name}");
     }
     let page = dir.read("leaderboard/leaderboard.md");
     assert!(page.contains("(figures/per_category.svg)") && page.contains("2 verified by people"));
+    assert!(
+        page.contains("(figures/queries_contestant.svg)") && !page.contains("(figures/queries_none.svg)")
+    );
+    let speed = dir.read("leaderboard/figures/speed.svg");
+    assert!(
+        speed.contains("No method says how long it took.") && speed.contains("No time reported: contestant")
+    );
 }
 
 #[test]
@@ -85,9 +102,15 @@ fn the_same_scores_give_the_same_bytes() {
     let dir = scored();
     dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
     dir.succeed(&[&["leaderboard", "-o", "again"], &TINY[..]].concat());
-    for file in
-        ["leaderboard.csv", "per_scene.csv", "leaderboard.md", "figures/metrics.svg", "figures/metrics.png"]
-    {
+    for file in [
+        "leaderboard.csv",
+        "per_scene.csv",
+        "leaderboard.md",
+        "figures/metrics.svg",
+        "figures/metrics.png",
+        "figures/confusion_contestant.svg",
+        "figures/queries_contestant.png",
+    ] {
         let read = |folder: &str| std::fs::read(dir.path(folder).join(file)).unwrap();
         assert_eq!(read("leaderboard"), read("again"), "{file}");
     }

@@ -158,6 +158,18 @@ fn missing_frames_are_counted_and_named() {
 }
 
 #[test]
+fn a_scene_without_any_answer_is_told_once() {
+    let dir = oracle();
+    std::fs::remove_dir_all(dir.path("results/oracle/masks/room_discs")).unwrap();
+    for command in [&["check-results"][..], &["score"], &["score", "--protocol", "davis"]] {
+        let run = dir.run(&[command, &["--profile", "tiny"]].concat());
+        assert_eq!(run.code, 1);
+        assert_eq!(run.stdout.matches("L4D308").count(), 1, "{command:?}: {}", run.stdout);
+        assert!(run.stdout.contains("queries of scene room_discs") && run.stdout.contains("--scenes"));
+    }
+}
+
+#[test]
 fn bad_run_lengths_are_named() {
     // 128x96 has 12288 pixels, written `PP<`.
     for (counts, words) in [
@@ -226,6 +238,16 @@ fn links_are_refused_wherever_they_stand() {
     symlink(dir.path("oracle"), dir.path("results/oracle")).unwrap();
     let run = dir.run(&["check-results", "--profile", "tiny"]);
     assert!(run.code == 1 && run.stdout.contains("L4D313"), "{}", run.stdout);
+}
+
+#[test]
+fn the_folder_that_is_named_may_be_a_link() {
+    let dir = oracle();
+    std::fs::rename(dir.path("results"), dir.path("disk")).unwrap();
+    symlink(dir.path("disk"), dir.path("results")).unwrap();
+    dir.succeed(&["check-results", "--profile", "tiny"]);
+    dir.succeed(&["check-results", "results/oracle", "--profile", "tiny"]);
+    dir.succeed(&["score", "--profile", "tiny"]);
 }
 
 #[test]

@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::store::write_atomic;
-
 use crate::error::BoardError;
 use crate::figures;
 
@@ -44,17 +42,9 @@ pub enum Layout {
 
 /// Writes each chart as `<name>.svg` and `<name>.png` into `folder`; gives the paths in order.
 pub fn publish_charts(charts: &[Chart], folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
-    let mut files = Vec::new();
-    for chart in charts {
-        let drawing = figures::chart(chart);
-        files.push((format!("{}.svg", chart.name), figures::svg(chart.name, &drawing)?.into_bytes()));
-        files.push((format!("{}.png", chart.name), figures::png(chart.name, &drawing)?));
-    }
     let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        write_atomic(&path, &bytes)?;
-        paths.push(path);
+    for chart in charts {
+        paths.extend(figures::write(chart.name, &figures::chart(chart), folder)?);
     }
     Ok(paths)
 }

@@ -153,8 +153,13 @@ fn options(scores: &Path, method: &Name) -> Result<Options, DataError> {
 /// Reads what a method did.
 fn read(scores: &Path, method: &Name, asked: &Asked) -> Result<Detail, DataError> {
     let options = options(scores, method)?;
+    Ok(derive(method, options, counts::read(&counts_path(scores, method))?, asked))
+}
+
+/// What counts say of a method.
+pub(crate) fn derive(method: &Name, options: Options, counts: Vec<FrameCount>, asked: &Asked) -> Detail {
     let mut rows: BTreeMap<QueryId, Vec<FrameCount>> = BTreeMap::new();
-    for count in counts::read(&counts_path(scores, method))? {
+    for count in counts {
         rows.entry(count.query.clone()).or_default().push(count);
     }
     let mut detail = Detail { method: method.clone(), options, tallies: Vec::new(), queries: Vec::new() };
@@ -164,7 +169,7 @@ fn read(scores: &Path, method: &Name, asked: &Asked) -> Result<Detail, DataError
         let frames = counts.iter().map(frame).collect();
         detail.queries.push(QueryDetail { taken: taken(query, &counts), frames });
     }
-    Ok(detail)
+    detail
 }
 
 fn frame(count: &FrameCount) -> FrameDetail {

@@ -43,7 +43,7 @@ pub enum BoardError {
     #[error("cannot draw {figure}: {message}")]
     Figure {
         /// The figure that was to be drawn.
-        figure: &'static str,
+        figure: String,
         /// The refusal.
         message: String,
     },

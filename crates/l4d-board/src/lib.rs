@@ -45,4 +45,4 @@ pub use row::{BoardRow, Heading, Metric};
 pub use statistics::{COMPARED, Comparisons, MOST_METHODS, MethodGroups, Statistics};
 pub use terminal::{text_statistics, text_table};
 pub use tradeoff::{TradePoint, Tradeoff, front, publish_tradeoff};
-pub use trend::{Trend, TrendPoint, TrendSeries, publish_trend};
+pub use trend::{Trend, TrendPanel, TrendPoint, publish_trend};

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::BenchDir;
 use l4d_data::store::write_atomic;
+use rayon::prelude::*;
 
 use crate::detail::Details;
 use crate::error::BoardError;
@@ -46,14 +47,13 @@ pub fn publish(
         files.push((page.clone(), table.markdown(board).into_bytes()));
         apart.push((page, table.protocol.as_str()));
     }
-    let mut shown = Vec::new();
-    let figures = figures::all(board).into_iter().chain(figures::detailed(board, details));
-    for Figure { name, caption, drawing } in figures {
-        let svg = format!("figures/{name}.svg");
-        files.push((svg.clone(), figures::svg(name, &drawing)?.into_bytes()));
-        files.push((format!("figures/{name}.png"), figures::png(name, &drawing)?));
-        shown.push((svg, caption));
-    }
+    let mut figures = figures::all(board, statistics);
+    figures.extend(figures::detailed(board, details));
+    let painted: Vec<_> = figures.par_iter().map(Figure::files).collect::<Result<_, BoardError>>()?;
+    files.extend(painted.into_iter().flatten().map(|(name, bytes)| (format!("figures/{name}"), bytes)));
+    let on_page = figures.iter().filter(|figure| figure.is_on_page);
+    let shown: Vec<(String, &str)> =
+        on_page.map(|figure| (format!("figures/{}.svg", figure.name), figure.caption.as_str())).collect();
     // The page comes last: when it is new, so is everything that it shows.
     files.push(("leaderboard.md".to_owned(), markdown::page(board, statistics, &apart, &shown).into_bytes()));
 
@@ -117,7 +117,7 @@ mod tests {
         paths.push(folder.path().join("notes.txt"));
         paths.sort();
         assert_eq!(first.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>(), paths);
-        assert_eq!(paths.len(), 17 + 3 + 6 + 2);
+        assert_eq!(paths.len(), 17 + 3 + 8 + 2);
     }
 
     #[test]

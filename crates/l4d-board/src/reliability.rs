@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use l4d_data::Name;
-use l4d_data::store::write_atomic;
 use l4d_score::Estimate;
 
 use crate::error::BoardError;
@@ -73,7 +72,7 @@ pub fn publish_reliability(
     folder: &Path,
 ) -> Result<Vec<PathBuf>, BoardError> {
     const NAME: &str = "reliability";
-    let failed = |message: String| BoardError::Figure { figure: NAME, message };
+    let failed = |message: String| BoardError::Figure { figure: NAME.to_owned(), message };
     let mut answers = methods.iter().flat_map(|method| &method.answers);
     if answers.clone().next().is_none() {
         return Err(failed("no answer states a certainty".to_owned()));
@@ -81,18 +80,7 @@ pub fn publish_reliability(
     if let Some(answer) = answers.find(|answer| !(0.0..=1.0).contains(&answer.certainty)) {
         return Err(failed(format!("an answer of {} is {} sure", answer.scene, answer.certainty)));
     }
-    let drawing = figures::reliability(methods, about);
-    let files = [
-        (format!("{NAME}.svg"), figures::svg(NAME, &drawing)?.into_bytes()),
-        (format!("{NAME}.png"), figures::png(NAME, &drawing)?),
-    ];
-    let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        write_atomic(&path, &bytes)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    figures::write(NAME, &figures::reliability(methods, about), folder)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use l4d_data::{Name, Query, Role};
 
-use crate::detail::{AskedScene, Detail, Details};
+use crate::detail::{AskedScene, Detail, Details, Thing};
 use crate::rank::Board;
 
 /// What the instance that a prediction overlaps most is to the query.
@@ -88,6 +88,65 @@ pub(crate) fn choices<'a>(board: &'a Board, details: &'a Details) -> Vec<Choices
         taken: taken(detail, details),
     };
     board.rows().zip(&details.methods).map(of_method).collect()
+}
+
+/// What was taken for what in one scene.
+#[derive(Debug, Clone)]
+pub(crate) struct Confusion<'a> {
+    pub(crate) scene: &'a Name,
+    /// Objects that are meant or were taken: those of a category beside each other, by name.
+    pub(crate) objects: Vec<&'a Thing>,
+    /// One entry an object: what was taken where it was meant.
+    pub(crate) meant: Vec<Instead>,
+}
+
+/// Queries that mean an object, by what was taken.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Instead {
+    /// One entry an object.
+    pub(crate) objects: Vec<usize>,
+    pub(crate) landmark: usize,
+    /// Nothing, or nothing for sure.
+    pub(crate) nothing: usize,
+}
+
+impl Instead {
+    pub(crate) fn queries(&self) -> usize {
+        self.objects.iter().sum::<usize>() + self.landmark + self.nothing
+    }
+}
+
+/// What a method took for what, scene by scene; scenes without a visible target are left out. A query that means several
+/// things counts for the one that was taken, else for the first.
+pub(crate) fn confusions<'a>(choices: &Choices<'a>, details: &'a Details) -> Vec<Confusion<'a>> {
+    let of_scene = |scene: &'a AskedScene| {
+        let taken: Vec<&Taken> =
+            choices.taken.iter().filter(|taken| taken.query.id.scene == scene.scene.name).collect();
+        (!taken.is_empty()).then(|| confusion(scene, &taken))
+    };
+    details.asked.scenes.iter().filter_map(of_scene).collect()
+}
+
+fn confusion<'a>(scene: &'a AskedScene, taken: &[&Taken<'a>]) -> Confusion<'a> {
+    let is_met = |name: &Name| {
+        taken.iter().any(|one| one.query.referents.contains(name) || one.instance == Some(name))
+    };
+    let mut objects: Vec<&Thing> =
+        scene.things.iter().filter(|thing| thing.role == Role::Object && is_met(&thing.name)).collect();
+    objects.sort_by(|a, b| (&a.category, &a.name).cmp(&(&b.category, &b.name)));
+    let place = |name: &Name| objects.iter().position(|thing| thing.name == *name);
+    let mut meant = vec![Instead { objects: vec![0; objects.len()], ..Instead::default() }; objects.len()];
+    for one in taken {
+        let own = one.instance.filter(|name| one.query.referents.contains(name));
+        let Some(row) = own.or(one.query.referents.first()).and_then(place) else { continue };
+        let chosen = one.instance.filter(|_| one.choice != Choice::Tied);
+        match chosen.map(place) {
+            Some(Some(column)) => meant[row].objects[column] += 1,
+            Some(None) => meant[row].landmark += 1,
+            None => meant[row].nothing += 1,
+        }
+    }
+    Confusion { scene: &scene.scene.name, objects, meant }
 }
 
 fn taken<'a>(detail: &'a Detail, details: &'a Details) -> Vec<Taken<'a>> {

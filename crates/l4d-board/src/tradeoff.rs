@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::store::write_atomic;
-
 use crate::error::BoardError;
 use crate::figures;
 
@@ -45,7 +43,7 @@ pub struct TradePoint {
 /// No points, a cost that is not positive, values that are not finite, and what the disk refuses.
 pub fn publish_tradeoff(tradeoff: &Tradeoff, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
     let figure = tradeoff.name;
-    let failed = |message: String| BoardError::Figure { figure, message };
+    let failed = |message: String| BoardError::Figure { figure: figure.to_owned(), message };
     if tradeoff.points.is_empty() {
         return Err(failed("there are no points".to_owned()));
     }
@@ -53,32 +51,26 @@ pub fn publish_tradeoff(tradeoff: &Tradeoff, folder: &Path) -> Result<Vec<PathBu
     if let Some(point) = tradeoff.points.iter().find(|point| !is_sound(point)) {
         return Err(failed(format!("`{}` costs {} and gives {}", point.label, point.cost, point.gain)));
     }
-    let drawing = figures::tradeoff(tradeoff);
-    let files = [
-        (format!("{figure}.svg"), figures::svg(figure, &drawing)?.into_bytes()),
-        (format!("{figure}.png"), figures::png(figure, &drawing)?),
-    ];
-    let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        write_atomic(&path, &bytes)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    figures::write(figure, &figures::tradeoff(tradeoff), folder)
 }
 
 /// The points that no other beats, cheapest first: nothing that costs as little or less gives as much or more. Of
 /// equals the first.
 pub fn front(points: &[TradePoint]) -> Vec<usize> {
+    unbeaten(&points.iter().map(|point| (point.cost, point.gain)).collect::<Vec<_>>())
+}
+
+/// The same for bare pairs of cost and gain.
+pub(crate) fn unbeaten(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
-        let (a, b) = (&points[a], &points[b]);
-        a.cost.total_cmp(&b.cost).then(b.gain.total_cmp(&a.gain))
+        let ((cost_a, gain_a), (cost_b, gain_b)) = (points[a], points[b]);
+        cost_a.total_cmp(&cost_b).then(gain_b.total_cmp(&gain_a))
     });
     let mut best = f64::NEG_INFINITY;
     order.retain(|&index| {
-        let gives_more = points[index].gain > best;
-        best = best.max(points[index].gain);
+        let gives_more = points[index].1 > best;
+        best = best.max(points[index].1);
         gives_more
     });
     order

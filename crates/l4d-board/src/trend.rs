@@ -1,8 +1,6 @@
-//! A setting against a score for other verbs: lines with intervals, and nothing that knows what was set.
+//! A setting against a score for other verbs: panels of lines with intervals, and nothing that knows what was set.
 
 use std::path::{Path, PathBuf};
-
-use l4d_data::store::write_atomic;
 
 use crate::error::BoardError;
 use crate::figures;
@@ -20,19 +18,19 @@ pub struct Trend {
     pub setting: String,
     /// What is measured, percent.
     pub score: String,
-    /// One line each; those that are reported are dashed and without intervals.
-    pub series: Vec<TrendSeries>,
+    /// One for each kind of queries, on common axes.
+    pub panels: Vec<TrendPanel>,
 }
 
-/// One line.
+/// One kind of queries.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TrendSeries {
+pub struct TrendPanel {
     /// What it is of.
-    pub name: String,
-    /// Whether somebody else printed the numbers, of other data.
-    pub is_reported: bool,
-    /// In any order.
-    pub points: Vec<TrendPoint>,
+    pub title: String,
+    /// What was measured, in any order.
+    pub measured: Vec<TrendPoint>,
+    /// What somebody else printed, of other data; in any order.
+    pub reported: Vec<TrendPoint>,
 }
 
 /// One measurement.
@@ -44,6 +42,8 @@ pub struct TrendPoint {
     pub value: f64,
     /// Low and high end of its interval, percent.
     pub interval: Option<[f64; 2]>,
+    /// Whether it rests on too few scenes for its interval to be trusted.
+    pub is_of_few_scenes: bool,
 }
 
 /// Writes the figure as `<name>.svg` and `<name>.png` into `folder`; gives the paths.
@@ -52,9 +52,11 @@ pub struct TrendPoint {
 /// No points, values that are no percentages, and what the disk refuses.
 pub fn publish_trend(trend: &Trend, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
     let figure = trend.name;
-    let failed = |message: String| BoardError::Figure { figure, message };
-    let mut points =
-        trend.series.iter().flat_map(|series| series.points.iter().map(move |point| (series, point)));
+    let failed = |message: String| BoardError::Figure { figure: figure.to_owned(), message };
+    let mut points = trend
+        .panels
+        .iter()
+        .flat_map(|panel| panel.measured.iter().chain(&panel.reported).map(move |point| (panel, point)));
     if points.clone().next().is_none() {
         return Err(failed("there are no points".to_owned()));
     }
@@ -64,19 +66,8 @@ pub fn publish_trend(trend: &Trend, folder: &Path) -> Result<Vec<PathBuf>, Board
             && is_percentage(&point.value)
             && point.interval.iter().flatten().all(is_percentage)
     };
-    if let Some((series, point)) = points.find(|(_, point)| !is_sound(point)) {
-        return Err(failed(format!("`{}` at {} is {}", series.name, point.at, point.value)));
+    if let Some((panel, point)) = points.find(|(_, point)| !is_sound(point)) {
+        return Err(failed(format!("`{}` at {} is {}", panel.title, point.at, point.value)));
     }
-    let drawing = figures::trend(trend);
-    let files = [
-        (format!("{figure}.svg"), figures::svg(figure, &drawing)?.into_bytes()),
-        (format!("{figure}.png"), figures::png(figure, &drawing)?),
-    ];
-    let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        write_atomic(&path, &bytes)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    figures::write(figure, &figures::trend(trend), folder)
 }

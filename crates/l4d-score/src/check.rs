@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
-use l4d_data::{DataError, Query, Report, Status};
+use l4d_data::{DataError, Query, Report};
 use rayon::prelude::*;
 
-use crate::answers::{Reader, report_missing};
 use crate::exam::{Exam, SceneExam};
-use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::reading::{Holes, SceneReader};
+use crate::results::{check_scenes, find_methods, read_card};
 
 /// Checks one method or a folder of them; gives the number of methods.
 pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<usize, DataError> {
@@ -25,17 +25,10 @@ pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<us
 }
 
 fn check_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
-    let forms = scan_scene(dir, scene, report);
-    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: false };
+    let reader = SceneReader::open(dir, scene, false, Holes::Reported, report);
     let check = |query: &Query| {
         let mut found = Report::default();
-        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
-        let answers = reader.read(&query.id, forms, &mut found);
-        let is_asked = query.status != Status::Rejected;
-        // What could not be read has been reported and would only be repeated as missing.
-        if is_asked && found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
-        }
+        reader.read(query, &mut found);
         found
     };
     let found: Vec<Report> = scene.queries.par_iter().map(check).collect();

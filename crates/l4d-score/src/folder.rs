@@ -54,6 +54,11 @@ pub(crate) fn entries(folder: &Path, report: &mut Report) -> Vec<(String, Kind)>
             return Vec::new();
         }
     }
+    list(folder, report)
+}
+
+/// The same of a folder that the user named, who may have put a link there.
+pub(crate) fn list(folder: &Path, report: &mut Report) -> Vec<(String, Kind)> {
     let read = || -> io::Result<Vec<(String, Kind)>> {
         let mut found = Vec::new();
         // Hidden entries count as well: what is never read may still be without end.

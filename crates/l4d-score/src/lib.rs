@@ -26,6 +26,7 @@ pub mod judge;
 pub mod labels;
 pub mod metrics;
 pub mod protocols;
+mod reading;
 pub mod results;
 pub mod score;
 pub mod summary;

@@ -16,7 +16,7 @@ use l4d_data::{DataError, Name, Report};
 use crate::answers::{Forms, frame_list};
 use crate::codes;
 use crate::exam::{Exam, SceneExam};
-use crate::folder::{Kind, entries, kind_of, report_link};
+use crate::folder::{Kind, entries, kind_of, list, report_link};
 
 /// The protocol that this judge applies.
 pub const PROTOCOL: &str = "l4d";
@@ -36,7 +36,7 @@ pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>,
         return Ok(vec![ResultsDir::new(root)]);
     }
     let mut methods = Vec::new();
-    for (name, kind) in entries(&root, report) {
+    for (name, kind) in list(&root, report) {
         let path = root.join(&name);
         match kind {
             Kind::Folder => methods.push(ResultsDir::new(path)),

@@ -9,13 +9,13 @@ use l4d_data::{DataError, Query, QueryId, Report, json as file};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::answers::{Reader, report_missing};
 use crate::codes;
 use crate::counts::{CountsWriter, FrameCount, to_csv};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::{Answer, judge_query};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
-use crate::results::{PROTOCOL, check_scenes, find_methods, read_card, scan_scene};
+use crate::reading::{Holes, SceneReader};
+use crate::results::{PROTOCOL, check_scenes, find_methods, read_card};
 use crate::summary::Summary;
 use crate::truth::SceneTruth;
 
@@ -142,15 +142,11 @@ fn judge_scene(
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
     let truth = exam.truth(&scene.name)?;
-    let forms = scan_scene(dir, scene, &mut report);
-    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
+    let holes = Holes::reported_if(options.missing == Missing::Error);
+    let reader = SceneReader::open(dir, scene, options.resize, holes, &mut report);
     let judge = |query: &&Query| {
         let mut found = Report::default();
-        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
-        let answers = reader.read(&query.id, forms, &mut found);
-        if options.missing == Missing::Error && found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
-        }
+        let answers = reader.read(query, &mut found);
         let counts = count(&truth, query, scene, &answers)?;
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, to_csv(&counts, false), found))

@@ -16,13 +16,13 @@ use l4d_frames::png;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::answers::{Reader, report_missing};
 use crate::codes;
 use crate::exam::{Exam, SceneExam};
 use crate::folder::{Kind, kind_of, report_link};
 use crate::judge::judge_query;
 use crate::metrics::Options;
-use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::reading::{Holes, SceneReader};
+use crate::results::{check_scenes, find_methods, read_card};
 use crate::truth::SceneTruth;
 
 /// Relevancy is a byte: inside is what lies strictly above one of these.
@@ -142,15 +142,10 @@ fn sweep_scene(
     report: &mut Report,
 ) -> Result<Vec<Swept>, DataError> {
     let truth = exam.truth(&scene.name)?;
-    let forms = scan_scene(dir, scene, report);
-    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
+    let reader = SceneReader::open(dir, scene, options.resize, Holes::Reported, report);
     let sweep = |query: &&Query| {
         let mut found = Report::default();
-        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
-        let answers = reader.read(&query.id, forms, &mut found);
-        if found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
-        }
+        let answers = reader.read(query, &mut found);
         let referents = truth.referents(query, &scene.queries_path)?;
         let counts = judge_query(&truth, query, &referents, &scene.clip, &answers);
         let ious: Vec<f64> = counts

@@ -1,58 +1,85 @@
-//! Bars of mIoU: one panel a group, one row a method, the value at the end of each bar.
+//! Bars of mIoU with their intervals: one panel a group, one row a method, the value in a column beside the bars.
 
 use l4d_data::{Category, Scale};
-use l4d_score::Metrics;
+use l4d_score::cluster::FEW_SCENES;
+use l4d_score::groups::Kind;
+use l4d_score::{Group, Metrics};
 
-use super::drawing::{AXIS, Anchor, BLUE, Drawing, GRID, Lettering, MARGIN, QUIET, SHADE, WIDTH, leading};
+use super::drawing::{
+    AXIS, Anchor, BLUE, Drawing, GRID, INK, Lettering, MARGIN, PAPER, QUIET, SHADE, WIDTH, leading,
+};
 use super::{lettering, shown};
 use crate::rank::{Board, Podium};
 use crate::row::{BoardRow, Metric};
+use crate::statistics::Statistics;
 
 const BAR: f64 = 11.0;
 const GAP: f64 = 18.0;
 const LONGEST_LABEL: f64 = 190.0;
 
 /// mIoU of each method in each category.
-pub(crate) fn per_category(board: &Board) -> Drawing {
-    let panels = Category::ALL
-        .map(|key| panel(board, title_case(key.as_str()), move |row| row.scores.categories.get(&key)));
+pub(crate) fn per_category(board: &Board, statistics: &Statistics) -> Drawing {
+    let panels = Category::ALL.map(|key| {
+        panel(board, statistics, (Kind::Category, key.as_str()), move |row| row.scores.categories.get(&key))
+    });
     draw("mIoU per category", board, &panels)
 }
 
 /// mIoU of each method at each spatial scale.
-pub(crate) fn per_scale(board: &Board) -> Drawing {
-    let panels =
-        Scale::ALL.map(|key| panel(board, title_case(key.as_str()), move |row| row.scores.scales.get(&key)));
+pub(crate) fn per_scale(board: &Board, statistics: &Statistics) -> Drawing {
+    let panels = Scale::ALL.map(|key| {
+        panel(board, statistics, (Kind::Scale, key.as_str()), move |row| row.scores.scales.get(&key))
+    });
     draw("mIoU per scale", board, &panels)
 }
 
 struct Panel {
     title: String,
     queries: usize,
+    scenes: Option<usize>,
     /// One for each method shown.
-    values: Vec<Option<f64>>,
+    bars: Vec<Option<Bar>>,
     podium: Podium,
 }
 
-fn panel(board: &Board, title: String, metrics_of: impl Fn(&BoardRow) -> Option<&Metrics>) -> Panel {
+/// Percent.
+struct Bar {
+    value: f64,
+    interval: Option<[f64; 2]>,
+    is_of_few_scenes: bool,
+}
+
+fn panel(
+    board: &Board,
+    statistics: &Statistics,
+    (kind, name): (Kind, &str),
+    metrics_of: impl Fn(&BoardRow) -> Option<&Metrics>,
+) -> Panel {
     let miou = |row: &BoardRow| metrics_of(row).and_then(|metrics| metrics.miou);
+    let (rows, _) = shown(board);
+    let group = |row: &BoardRow| statistics.group(&row.name, kind, name);
+    let bar = |row: &BoardRow| {
+        let found = group(row);
+        Some(Bar {
+            value: miou(row)?,
+            interval: found.and_then(|group: &Group| group.estimates.miou?.interval),
+            is_of_few_scenes: found.is_some_and(|group| group.few_scenes),
+        })
+    };
     let queries = board.rows().filter_map(|(_, row)| metrics_of(row)).map(|metrics| metrics.queries).max();
     Panel {
-        title,
+        title: title_case(name),
         queries: queries.unwrap_or(0),
-        values: shown(board).0.into_iter().map(|(_, row)| miou(row)).collect(),
+        scenes: rows.iter().filter_map(|(_, row)| group(row)).map(|group| group.scenes).max(),
+        bars: rows.iter().map(|(_, row)| bar(row)).collect(),
         podium: Podium::of(board.ranked.iter().filter_map(|entry| miou(&entry.row)), Metric::Miou),
     }
 }
 
 fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
     let (rows, left_out) = shown(board);
-    let mut notes = Vec::new();
-    if left_out > 0 {
-        notes.push(format!("{left_out} more methods stand in the tables."));
-    }
-    let (mut drawing, above) = Drawing::titled(title, board, &notes);
-    let top = legend(&mut drawing, board, above);
+    let (mut drawing, above) = Drawing::titled(title, board, &notes(panels, left_out));
+    let top = legend(&mut drawing, board, panels, above);
 
     let label = Lettering::LABEL.anchored(Anchor::End);
     let labels: Vec<Vec<String>> = rows
@@ -65,9 +92,10 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
     let count = panels.len() as f64;
     let pitch = (WIDTH - MARGIN - left + GAP) / count;
     let scale = pitch - GAP - number_room;
+    let head = if panels.iter().any(|panel| panel.scenes.is_some()) { 43.0 } else { 30.0 };
 
     // Rows: heights first, so that grid lines can go beneath the bars.
-    let mut y = top + 30.0;
+    let mut y = top + head;
     let mut middles = Vec::new();
     for (index, (rank, _)) in rows.iter().enumerate() {
         let begins_unranked = rank.is_none() && index > 0 && rows[index - 1].0.is_some();
@@ -81,26 +109,32 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
     for (index, panel) in panels.iter().enumerate() {
         let x = left + index as f64 * pitch;
         drawing.text(x, top + 8.0, &panel.title, Lettering::HEAD);
-        drawing.text(x, top + 21.0, &counted(panel.queries), Lettering::NOTE);
-        axis(&mut drawing, x, scale, top + 28.0, bottom);
-        for ((&value, &middle), (rank, _)) in panel.values.iter().zip(&middles).zip(&rows) {
-            let Some(value) = value else {
-                drawing.text(x + 4.0, middle + 3.5, "–", Lettering::NUMBER.coloured(QUIET));
+        drawing.text(x, top + 21.0, &counted(panel.queries, "query", "queries"), Lettering::NOTE);
+        if let Some(scenes) = panel.scenes {
+            let mark = if scenes < FEW_SCENES { " !" } else { "" };
+            let text = format!("{}{mark}", counted(scenes, "scene", "scenes"));
+            drawing.text(x, top + 34.0, &text, Lettering::NOTE);
+        }
+        axis(&mut drawing, x, scale, top + head - 2.0, bottom);
+        let numbers = x + scale + number_room;
+        for ((bar, &middle), (rank, _)) in panel.bars.iter().zip(&middles).zip(&rows) {
+            let Some(Bar { value, interval, is_of_few_scenes }) = bar else {
+                let number = Lettering::NUMBER.coloured(QUIET).anchored(Anchor::End);
+                drawing.text(numbers, middle + 3.5, "–", number);
                 continue;
             };
             let length = value / 100.0 * scale;
-            drawing.bar(
-                x,
-                middle - BAR / 2.0,
-                length,
-                BAR,
-                if rank.is_some() || board.ranked.is_empty() { BLUE } else { SHADE },
-            );
-            let best = rank.is_some() && panel.podium.is_best(value);
+            let fill = if rank.is_some() || board.ranked.is_empty() { BLUE } else { SHADE };
+            drawing.bar(x, middle - BAR / 2.0, length, BAR, fill);
+            if let Some(ends) = interval {
+                let [low, high] = ends.map(|end| (x + end / 100.0 * scale, middle));
+                whisker(&mut drawing, low, high, *is_of_few_scenes);
+            }
+            let best = rank.is_some() && panel.podium.is_best(*value);
             let number = if best { Lettering::NUMBER.bold() } else { Lettering::NUMBER };
-            drawing.text(x + length + 4.0, middle + 3.5, &format!("{value:.1}"), number);
+            drawing.text(numbers, middle + 3.5, &format!("{value:.1}"), number.anchored(Anchor::End));
         }
-        drawing.line([(x, top + 28.0), (x, bottom)], 0.75, AXIS);
+        drawing.line([(x, top + head - 2.0), (x, bottom)], 0.75, AXIS);
     }
     for ((lines, &middle), (rank, _)) in labels.iter().zip(&middles).zip(&rows) {
         let first = middle + 4.0 - (lines.len() as f64 - 1.0) * leading(label) / 2.0;
@@ -112,19 +146,54 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
     drawing
 }
 
-/// What the colours mean; gives the first free height below.
-fn legend(drawing: &mut Drawing, board: &Board, above: f64) -> f64 {
-    if board.unranked.is_empty() || board.ranked.is_empty() {
-        return above + 16.0;
+/// An interval that can be seen on a bar as well as beside it. One that has no length has nothing to say.
+fn whisker(drawing: &mut Drawing, low: (f64, f64), high: (f64, f64), is_of_few_scenes: bool) {
+    if high.0 - low.0 < 0.5 {
+        return;
     }
-    let baseline = above + 18.0;
+    drawing.line([low, high], 3.0, PAPER);
+    drawing.whisker(low, high, is_of_few_scenes, INK);
+}
+
+fn notes(panels: &[Panel], left_out: usize) -> Vec<String> {
+    let bars = || panels.iter().flat_map(|panel| &panel.bars).flatten();
+    let mut notes = Vec::new();
+    if bars().any(|bar| bar.interval.is_none()) && bars().any(|bar| bar.interval.is_some()) {
+        notes
+            .push("Without an interval: from a single scene, or of a method beyond the foremost.".to_owned());
+    }
+    if left_out > 0 {
+        notes.push(format!("{left_out} more methods stand in the tables."));
+    }
+    notes
+}
+
+/// What colours and lines mean; gives the first free height below.
+fn legend(drawing: &mut Drawing, board: &Board, panels: &[Panel], above: f64) -> f64 {
+    const LINE: f64 = 22.0;
+    let mut baseline = above + 18.0;
     let mut x = MARGIN;
-    for (fill, text) in [(BLUE, "ranked (bold: best)"), (SHADE, "not ranked, shown for scale")] {
-        drawing.bar(x, baseline - 8.0, 9.0, 9.0, fill);
-        drawing.text(x + 13.0, baseline, text, Lettering::NOTE);
-        x += 13.0 + Lettering::NOTE.width(text) + 14.0;
+    if !(board.unranked.is_empty() || board.ranked.is_empty()) {
+        for (fill, text) in [(BLUE, "ranked (bold: best)"), (SHADE, "not ranked, shown for scale")] {
+            drawing.bar(x, baseline - 8.0, 9.0, 9.0, fill);
+            drawing.text(x + 13.0, baseline, text, Lettering::NOTE);
+            x += 13.0 + Lettering::NOTE.width(text) + 14.0;
+        }
     }
-    baseline + 18.0
+    let few = format!("95 % interval, ! from fewer than {FEW_SCENES} scenes: may be too narrow");
+    for (is_of_few_scenes, text) in [(false, "95 % interval"), (true, few.as_str())] {
+        let mut with_interval = panels.iter().flat_map(|panel| &panel.bars).flatten();
+        if with_interval.any(|bar| bar.interval.is_some() && bar.is_of_few_scenes == is_of_few_scenes) {
+            let width = LINE + 5.0 + Lettering::NOTE.width(text);
+            if x + width > WIDTH - MARGIN {
+                (x, baseline) = (MARGIN, baseline + 16.0);
+            }
+            whisker(drawing, (x, baseline - 3.5), (x + LINE, baseline - 3.5), is_of_few_scenes);
+            drawing.text(x + LINE + 5.0, baseline, text, Lettering::NOTE);
+            x += width + 14.0;
+        }
+    }
+    if x > MARGIN { baseline + 18.0 } else { above + 16.0 }
 }
 
 fn axis(drawing: &mut Drawing, x: f64, scale: f64, top: f64, bottom: f64) {
@@ -137,11 +206,11 @@ fn axis(drawing: &mut Drawing, x: f64, scale: f64, top: f64, bottom: f64) {
     }
 }
 
-fn counted(queries: usize) -> String {
-    match queries {
-        0 => "no query".to_owned(),
-        1 => "1 query".to_owned(),
-        _ => format!("{queries} queries"),
+fn counted(count: usize, one: &str, many: &str) -> String {
+    match count {
+        0 => format!("no {one}"),
+        1 => format!("1 {one}"),
+        _ => format!("{count} {many}"),
     }
 }
 

@@ -143,6 +143,8 @@ impl Extent {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
     pub(crate) title: String,
+    /// What it shows, in words.
+    pub(crate) about: String,
     pub(crate) height: f64,
     pub(crate) shapes: Vec<Shape>,
 }
@@ -155,12 +157,14 @@ impl Drawing {
 
     /// An empty picture with its title and lines of notes. Gives the first free baseline below.
     pub(crate) fn headed(title: &str, notes: &[String]) -> (Self, f64) {
-        let mut drawing = Self { title: title.to_owned(), height: 0.0, shapes: Vec::new() };
-        let mut baseline = MARGIN + 12.0;
-        drawing.text(MARGIN, baseline, title, Lettering::TITLE);
+        let mut drawing =
+            Self { title: title.to_owned(), about: notes.join(" "), height: 0.0, shapes: Vec::new() };
+        let fits = |line: &str, lettering: Lettering| lettering.width(line) <= WIDTH - 2.0 * MARGIN;
+        let titles = lettering::wrap(title, |line| fits(line, Lettering::TITLE), " _-.");
+        drawing.lines(MARGIN, MARGIN + 12.0, &titles, Lettering::TITLE);
+        let mut baseline = MARGIN + 12.0 + (titles.len() as f64 - 1.0) * leading(Lettering::TITLE);
         for note in notes {
-            for line in lettering::wrap(note, |line| Lettering::NOTE.width(line) <= WIDTH - 2.0 * MARGIN, " ")
-            {
+            for line in lettering::wrap(note, |line| fits(line, Lettering::NOTE), " ") {
                 baseline += 15.0;
                 drawing.text(MARGIN, baseline, &line, Lettering::NOTE);
             }
@@ -195,7 +199,10 @@ impl Drawing {
 
     /// A straight line in dashes.
     pub(crate) fn dashes(&mut self, from: (f64, f64), to: (f64, f64), width: f64, colour: Colour) {
-        const DASH: f64 = 4.0;
+        self.dash_by(4.0, from, to, width, colour);
+    }
+
+    fn dash_by(&mut self, dash: f64, from: (f64, f64), to: (f64, f64), width: f64, colour: Colour) {
         let length = (to.0 - from.0).hypot(to.1 - from.1);
         let at = |along: f64| {
             let share = (along / length).min(1.0);
@@ -203,8 +210,8 @@ impl Drawing {
         };
         let mut along = 0.0;
         while along < length {
-            self.line([at(along), at(along + DASH)], width, colour);
-            along += 2.0 * DASH;
+            self.line([at(along), at(along + dash)], width, colour);
+            along += 2.0 * dash;
         }
     }
 
@@ -240,10 +247,13 @@ impl Drawing {
         }
     }
 
-    /// From `low` to `high` with ends across: an interval, lying or upright.
-    pub(crate) fn whisker(&mut self, low: (f64, f64), high: (f64, f64), colour: Colour) {
+    /// From `low` to `high` with ends across: an interval, lying or upright; in dashes where it is not to be trusted.
+    pub(crate) fn whisker(&mut self, low: (f64, f64), high: (f64, f64), is_dashed: bool, colour: Colour) {
         const HALF: f64 = 2.5;
-        self.line([low, high], 1.0, colour);
+        match is_dashed {
+            true => self.dash_by(2.0, low, high, 1.0, colour),
+            false => self.line([low, high], 1.0, colour),
+        }
         let is_lying = (low.1 - high.1).abs() < (low.0 - high.0).abs() || low == high;
         for (x, y) in [low, high] {
             let ends = if is_lying { [(x, y - HALF), (x, y + HALF)] } else { [(x - HALF, y), (x + HALF, y)] };

@@ -3,9 +3,9 @@
 //! On the dashed line both metrics say the same. Far below it in the left panel stand methods that ignore time, in
 //! the right one those that outline well what was not asked for.
 
-use super::drawing::{AXIS, Anchor, Drawing, Extent, GRID, INK, Lettering, MARGIN, QUIET, WIDTH, leading};
+use super::drawing::{AXIS, Anchor, Drawing, Extent, GRID, INK, Lettering, MARGIN, QUIET, WIDTH};
 use super::place::Leaders;
-use super::{lettering, place, shown};
+use super::{labels, place, shown};
 use crate::rank::Board;
 use crate::row::{BoardRow, Metric};
 
@@ -24,7 +24,7 @@ pub(crate) fn draw(board: &Board) -> Drawing {
         notes.push(format!("{left_out} more methods stand in the tables."));
     }
     let (mut drawing, above) = Drawing::titled("What mIoU cannot tell apart", board, &notes);
-    let top = legend(&mut drawing, board, above) + 32.0;
+    let top = labels::methods_legend(&mut drawing, board, above) + 32.0;
 
     let panels = [Metric::TubeIou, Metric::Select].map(|metric| clusters(&rows, metric));
     let names: Vec<String> = rows.iter().map(|(_, row)| row.name.to_string()).collect();
@@ -33,15 +33,15 @@ pub(crate) fn draw(board: &Board) -> Drawing {
         .iter()
         .enumerate()
         .all(|(index, clusters)| places(clusters, &names, index, top, Leaders::Avoid).is_some());
-    let labels = if by_name { &names } else { &numbers };
+    let texts = if by_name { &names } else { &numbers };
 
     for (index, (clusters, metric)) in panels.iter().zip([Metric::TubeIou, Metric::Select]).enumerate() {
         axes(&mut drawing, panel_left(index), top, metric);
-        scatter(&mut drawing, clusters, labels, index, top);
+        scatter(&mut drawing, clusters, texts, index, top);
     }
     let mut bottom = top + PLOT + 37.0;
     if !by_name {
-        bottom = key(&mut drawing, &names, bottom + 8.0);
+        bottom = labels::key(&mut drawing, &names, 3, bottom + 8.0);
     }
     drawing.height = bottom + MARGIN;
     drawing
@@ -149,40 +149,4 @@ fn axes(drawing: &mut Drawing, left: f64, top: f64, metric: Metric) {
     drawing.line([(left, top), (left, bottom), (right, bottom)], 0.75, AXIS);
     drawing.text(left - 26.0, top - 14.0, &format!("{}, %", metric.title()), Lettering::HEAD);
     drawing.text(right, bottom + 32.0, "mIoU, %", Lettering::HEAD.anchored(Anchor::End));
-}
-
-fn legend(drawing: &mut Drawing, board: &Board, above: f64) -> f64 {
-    if board.unranked.is_empty() || board.ranked.is_empty() {
-        return above + 8.0;
-    }
-    let baseline = above + 18.0;
-    let mut x = MARGIN;
-    for (ranked, text) in [(true, "ranked"), (false, "not ranked, shown for scale")] {
-        drawing.mark(x + 5.0, baseline - 3.5, ranked);
-        drawing.text(x + 14.0, baseline, text, Lettering::NOTE);
-        x += 14.0 + Lettering::NOTE.width(text) + 14.0;
-    }
-    baseline + 8.0
-}
-
-/// What the numbers stand for, in columns below the panels; gives its lower edge.
-fn key(drawing: &mut Drawing, names: &[String], top: f64) -> f64 {
-    const COLUMNS: usize = 3;
-    let pitch = (WIDTH - 2.0 * MARGIN) / COLUMNS as f64;
-    let per_column = names.len().div_ceil(COLUMNS);
-    let mut bottom = top;
-    for column in 0..COLUMNS {
-        let x = MARGIN + column as f64 * pitch;
-        let mut baseline = top + 12.0;
-        for (index, name) in names.iter().enumerate().skip(column * per_column).take(per_column) {
-            let room = pitch - 30.0;
-            let lines = lettering::wrap_name(name, |line| Lettering::NUMBER.width(line) <= room);
-            let number = Lettering::NUMBER.bold().anchored(Anchor::End);
-            drawing.text(x + 14.0, baseline, &(index + 1).to_string(), number);
-            drawing.lines(x + 19.0, baseline, &lines, Lettering::NUMBER);
-            baseline += lines.len() as f64 * leading(Lettering::NUMBER) + 3.0;
-        }
-        bottom = bottom.max(baseline - 10.0);
-    }
-    bottom
 }

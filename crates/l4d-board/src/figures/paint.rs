@@ -24,8 +24,8 @@ pub(crate) const PNG_SCALE: u32 = 2;
 /// SVG readers choose the font; the PNG has the embedded one under the same name.
 const FAMILY: FontFamily<'static> = FontFamily::SansSerif;
 
-/// The drawing as an SVG document whose text is text.
-pub(crate) fn svg(figure: &'static str, drawing: &Drawing) -> Result<String, BoardError> {
+/// The drawing as an SVG document whose text is text, with a title and a description for those who don't see it.
+pub(crate) fn svg(figure: &str, drawing: &Drawing) -> Result<String, BoardError> {
     let (width, height) = print_size(drawing);
     let (grid_width, grid_height) = (width * GRID, height * GRID);
     let mut document = String::new();
@@ -33,12 +33,15 @@ pub(crate) fn svg(figure: &'static str, drawing: &Drawing) -> Result<String, Boa
     Painter { area: &area, medium: Medium::Svg }.paint(drawing).map_err(|error| failed(figure, error))?;
     drop(area);
     let on_grid = format!("<svg width=\"{grid_width}\" height=\"{grid_height}\"");
-    let in_print = format!("<svg width=\"{width}\" height=\"{height}\"");
-    Ok(document.replacen(&on_grid, &in_print, 1))
+    let in_print = format!("<svg role=\"img\" width=\"{width}\" height=\"{height}\"");
+    let document = document.replacen(&on_grid, &in_print, 1);
+    let (root, shapes) = document.split_once('\n').ok_or_else(|| failed(figure, "the SVG has no root"))?;
+    let (title, about) = (escaped(&drawing.title), escaped(&drawing.about));
+    Ok(format!("{root}\n<title>{title}</title>\n<desc>{about}</desc>\n{shapes}"))
 }
 
 /// The drawing as a PNG of twice the print size.
-pub(crate) fn png(figure: &'static str, drawing: &Drawing) -> Result<Vec<u8>, BoardError> {
+pub(crate) fn png(figure: &str, drawing: &Drawing) -> Result<Vec<u8>, BoardError> {
     let (width, height) = print_size(drawing);
     let (grid_width, grid_height) = (width * GRID, height * GRID);
     let mut fine = vec![0; (grid_width * grid_height * 3) as usize];
@@ -61,8 +64,8 @@ fn print_size(drawing: &Drawing) -> (u32, u32) {
     (WIDTH as u32, drawing.height.ceil() as u32)
 }
 
-fn failed(figure: &'static str, error: impl Display) -> BoardError {
-    BoardError::Figure { figure, message: error.to_string() }
+fn failed(figure: &str, error: impl Display) -> BoardError {
+    BoardError::Figure { figure: figure.to_owned(), message: error.to_string() }
 }
 
 /// Means of squares of pixels, RGB.
@@ -192,12 +195,19 @@ impl<DB: DrawingBackend> Painter<'_, DB> {
         let style = TextStyle::from((FAMILY, em * self.medium.size_of_em(), style))
             .color(&ink)
             .pos(Pos::new(horizontal, VPos::Top));
-        // XML has no control characters, and a picture has no use for them.
-        let text: String =
-            text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
         let position = grid(x, baseline - self.medium.baseline_below_top() * size);
-        self.area.draw(&Text::new(text, position, style))
+        self.area.draw(&Text::new(printable(text), position, style))
     }
+}
+
+/// XML has no control characters and no noncharacters, and a picture has no use for them.
+fn printable(text: &str) -> String {
+    let is_allowed = |letter: char| !letter.is_control() && !matches!(letter, '\u{fffe}' | '\u{ffff}');
+    text.chars().map(|letter| if is_allowed(letter) { letter } else { ' ' }).collect()
+}
+
+fn escaped(text: &str) -> String {
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 /// The corners of a segment that is `width` thick.

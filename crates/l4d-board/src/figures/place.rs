@@ -58,16 +58,17 @@ pub(crate) fn beside_points(
         let foreign: Vec<Extent> = dots.iter().copied().filter(|dot| !dot.overlaps(own)).collect();
         let (place, extent) = candidates(point).find_map(|place| {
             let extent = Extent::of_text(place.x, place.baseline, label, lettering.anchored(place.anchor));
-            let leader = place.leader_to.map(|end| beads(point, end)).unwrap_or_default();
-            let clear = crossing == Leaders::Cross
-                || (!leaders.iter().flatten().any(|bead| bead.overlaps(extent))
+            let is_free = bounds.holds(extent)
+                && !taken.iter().any(|other| other.overlaps(extent))
+                && !dots.iter().any(|dot| dot.overlaps(extent));
+            // The costly question comes last.
+            let is_clear = || {
+                let leader = place.leader_to.map(|end| beads(point, end)).unwrap_or_default();
+                !leaders.iter().flatten().any(|bead| bead.overlaps(extent))
                     && !leader.iter().any(|bead| taken.iter().any(|other| other.overlaps(*bead)))
-                    && !leader.iter().any(|bead| foreign.iter().any(|dot| dot.overlaps(*bead))));
-            let free = clear
-                && bounds.holds(extent)
-                && !dots.iter().any(|dot| dot.overlaps(extent))
-                && !taken.iter().any(|other| other.overlaps(extent));
-            free.then_some((place, extent))
+                    && !leader.iter().any(|bead| foreign.iter().any(|dot| dot.overlaps(*bead)))
+            };
+            (is_free && (crossing == Leaders::Cross || is_clear())).then_some((place, extent))
         })?;
         leaders.push(place.leader_to.map(|end| beads(point, end)).unwrap_or_default());
         taken.push(extent);

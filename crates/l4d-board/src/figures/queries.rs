@@ -4,7 +4,7 @@ use l4d_data::Category;
 use l4d_score::counts::State;
 
 use super::drawing::{
-    AXIS, Anchor, Colour, Drawing, Extent, INK, Lettering, MARGIN, ORANGE, PAPER, VERMILLION, WIDTH,
+    AXIS, Anchor, Colour, Drawing, Extent, INK, Lettering, MARGIN, PAPER, VERMILLION, WIDTH,
 };
 use crate::detail::{Detail, Details, FrameDetail};
 use crate::rank::Board;
@@ -13,9 +13,10 @@ const GAP: f64 = 22.0;
 /// Height of a row where there are few, and where there are many.
 const ROWS: (f64, f64) = (9.0, 2.5);
 const TALLEST: f64 = 420.0;
-/// Light to dark: readable in grey as well.
+/// Light to dark in even steps of luminance, so that grey says the same: a miss is the lightest.
+const MISSED: Colour = (0xFB, 0xDC, 0x9C);
 const BLUES: [Colour; 5] =
-    [(0xD6, 0xE6, 0xF4), (0xAB, 0xCF, 0xE5), (0x6B, 0xAE, 0xD6), (0x2E, 0x7E, 0xBC), (0x08, 0x30, 0x6B)];
+    [(0x8F, 0xBD, 0xE0), (0x5B, 0x9B, 0xCB), (0x35, 0x79, 0xB0), (0x18, 0x53, 0x88), (0x08, 0x25, 0x52)];
 
 /// What a cell shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +47,7 @@ impl Cell {
 
 /// The figure of one method.
 pub(crate) fn draw(board: &Board, method: &str, details: &Details, detail: &Detail) -> Drawing {
-    let notes = ["One row a query, best first; frames of the clip from left to right.".to_owned()];
+    let notes = ["One row a query, best first; canonical frames from left to right.".to_owned()];
     let title = format!("IoU over time, query by query: {method}");
     let (mut drawing, above) = Drawing::titled(&title, board, &notes);
     let top = legend(&mut drawing, above) + 36.0;
@@ -118,7 +119,7 @@ fn fill(drawing: &mut Drawing, cell: Cell, extent: Extent) {
     let Extent { left, top, right, bottom } = extent;
     match cell {
         Cell::Found(step) => drawing.bar(left, top, right - left, bottom - top, BLUES[step]),
-        Cell::Missed => drawing.bar(left, top, right - left, bottom - top, ORANGE),
+        Cell::Missed => drawing.bar(left, top, right - left, bottom - top, MISSED),
         Cell::FalseAlarm => {
             let middle = f64::midpoint(top, bottom);
             drawing.line([(left, middle), (right, middle)], 1.0, VERMILLION);

@@ -1,7 +1,9 @@
 //! Certainty against being right: one panel a method. On the dashed line a method is as often right as it is sure.
 
-use super::drawing::{AXIS, Anchor, BLUE, Drawing, GRID, Lettering, MARGIN, Marker, QUIET};
-use super::lettering;
+use l4d_score::cluster::FEW_SCENES;
+
+use super::drawing::{AXIS, Anchor, BLUE, Drawing, GRID, Lettering, MARGIN, Marker, QUIET, leading};
+use super::{MOST_METHODS, lettering};
 use crate::reliability::{BINS, Reliability};
 
 const PLOT: f64 = 170.0;
@@ -11,23 +13,37 @@ const ABREAST: usize = 3;
 
 /// The figure.
 pub(crate) fn draw(methods: &[Reliability], about: &[String]) -> Drawing {
-    let (mut drawing, above) = Drawing::headed("Certainty against being right", about);
-    let mut top = above + 52.0;
-    for line in methods.chunks(ABREAST) {
-        for (index, method) in line.iter().enumerate() {
-            let left = LEFT + index as f64 * (PLOT + GAP);
-            panel(&mut drawing, method, left, top);
-        }
-        top += PLOT + 108.0;
+    let intervals = format!(
+        "Lines: 95 % intervals, clustered by scene; dashed: from fewer than {FEW_SCENES} scenes, may be too narrow."
+    );
+    let mut notes = [about, &[intervals]].concat();
+    let (methods, left_out) = methods.split_at(methods.len().min(MOST_METHODS));
+    if !left_out.is_empty() {
+        notes.push(format!("{} more methods are left out.", left_out.len()));
     }
-    drawing.height = (top - 108.0 + 48.0 + MARGIN).max(above + MARGIN);
+    let (mut drawing, above) = Drawing::headed("Certainty against being right", &notes);
+    let mut bottom = above;
+    for line in methods.chunks(ABREAST) {
+        let names: Vec<Vec<String>> = line.iter().map(|method| name(&method.method)).collect();
+        let most = names.iter().map(Vec::len).max().unwrap_or(1);
+        let top = bottom + 38.0 + most as f64 * leading(Lettering::HEAD);
+        for (index, (method, name)) in line.iter().zip(&names).enumerate() {
+            panel(&mut drawing, method, name, (LEFT + index as f64 * (PLOT + GAP), top));
+        }
+        bottom = top + PLOT + 48.0;
+    }
+    drawing.height = bottom + MARGIN;
     drawing
 }
 
-fn panel(drawing: &mut Drawing, method: &Reliability, left: f64, top: f64) {
+fn name(method: &str) -> Vec<String> {
+    lettering::wrap_name(method, |line| Lettering::HEAD.width(line) <= PLOT + 12.0)
+}
+
+fn panel(drawing: &mut Drawing, method: &Reliability, name: &[String], (left, top): (f64, f64)) {
     let (right, bottom) = (left + PLOT, top + PLOT);
-    let name = lettering::wrap_name(&method.method, |line| Lettering::HEAD.width(line) <= PLOT + 12.0);
-    drawing.text(left, top - 26.0, name.first().map_or("", String::as_str), Lettering::HEAD);
+    let first = top - 26.0 - (name.len() as f64 - 1.0) * leading(Lettering::HEAD);
+    drawing.lines(left, first, name, Lettering::HEAD);
     let without = match method.uncertain {
         0 => String::new(),
         count => format!(", {count} without a vote"),
@@ -50,7 +66,8 @@ fn panel(drawing: &mut Drawing, method: &Reliability, left: f64, top: f64) {
     drawing.line(bins.iter().map(|bin| at(bin.certainty, bin.right.value)), 1.0, QUIET);
     for bin in &bins {
         if let Some([low, high]) = bin.right.interval {
-            drawing.whisker(at(bin.certainty, low), at(bin.certainty, high), BLUE);
+            let ends = (at(bin.certainty, low), at(bin.certainty, high));
+            drawing.whisker(ends.0, ends.1, bin.right.is_of_few_scenes(), BLUE);
         }
     }
     for bin in &bins {

@@ -25,7 +25,7 @@ fn look(choice: Choice) -> (Colour, Option<Hatch>, Colour) {
 }
 
 /// The figure; one entry of `choices` a method, in the order of the board.
-pub(crate) fn draw(board: &Board, choices: &[Choices], left_out: usize) -> Drawing {
+pub(crate) fn draw(board: &Board, choices: &[&Choices], left_out: usize) -> Drawing {
     let mut notes =
         vec!["Share of queries by the thing that the prediction overlaps most over the clip, %.".to_owned()];
     if left_out > 0 {

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use image::GenericImageView as _;
+use l4d_data::Name;
 use l4d_data::layout::BenchDir;
+use l4d_score::Exam;
 
-use super::drawing::{Drawing, Extent, Shape, WIDTH};
+use super::drawing::{Drawing, Extent, INK, Shape, WIDTH};
 use super::*;
 use crate::sample;
 
@@ -30,6 +32,18 @@ fn boards() -> Vec<(&'static str, Board)> {
     ]
 }
 
+/// The figures of a board of made-up methods.
+fn all(board: &Board) -> Vec<Figure> {
+    super::all(board, &sample::statistics(board))
+}
+
+/// The same, and those of what its methods made of the queries of an exam.
+fn all_on(board: &Board, exam: &Exam) -> Vec<Figure> {
+    let mut figures = all(board);
+    figures.extend(detailed(board, &sample::details_on(exam, board)));
+    figures
+}
+
 fn texts(drawing: &Drawing) -> Vec<(Extent, &str)> {
     let text = |shape| match shape {
         &Shape::Text { x, baseline, ref text, lettering } => {
@@ -42,8 +56,9 @@ fn texts(drawing: &Drawing) -> Vec<(Extent, &str)> {
 
 #[test]
 fn nothing_leaves_the_canvas() {
+    let exam = sample::exam(&[]);
     for (board_name, board) in boards() {
-        for Figure { name, drawing, .. } in all(&board) {
+        for Figure { name, drawing, .. } in all_on(&board, &exam) {
             let canvas = Extent { left: 0.0, top: 0.0, right: WIDTH, bottom: drawing.height };
             for (extent, text) in texts(&drawing) {
                 assert!(canvas.holds(extent), "{board_name}/{name}: `{text}` at {extent:?}");
@@ -68,8 +83,9 @@ fn nothing_leaves_the_canvas() {
 
 #[test]
 fn no_text_overlaps_another() {
+    let exam = sample::exam(&[]);
     for (board_name, board) in boards() {
-        for Figure { name, drawing, .. } in all(&board) {
+        for Figure { name, drawing, .. } in all_on(&board, &exam) {
             let texts = texts(&drawing);
             for (index, (extent, text)) in texts.iter().enumerate() {
                 let hit = texts[..index].iter().find(|(other, _)| other.overlaps(*extent));
@@ -83,7 +99,7 @@ fn no_text_overlaps_another() {
 fn every_method_and_group_is_named_in_the_svg() {
     for (board_name, board) in boards() {
         for Figure { name, drawing, .. } in all(&board) {
-            let svg = svg(name, &drawing).unwrap();
+            let svg = paint::svg(&name, &drawing).unwrap();
             // Names may be broken into lines; all text of the document in order, without spaces.
             let glued: String = svg_texts(&svg).concat().split_whitespace().collect();
             let (rows, _) = shown(&board);
@@ -94,10 +110,11 @@ fn every_method_and_group_is_named_in_the_svg() {
                 }
                 assert!(glued.contains(row.name.as_str()), "{board_name}/{name} lacks {}: {glued}", row.name);
             }
-            let groups: &[&str] = match name {
+            let groups: &[&str] = match name.as_str() {
                 "per_category" => &["Attribute", "Action", "Spatial", "Interaction"],
                 "per_scale" => &["Outdoor", "Room", "Tabletop"],
                 "metrics" => &["mIoU,%", "tubeIoU,%", "select,%"],
+                "speed" => &["Wallsecondsaquery"],
                 _ => &["meanIoU,%", "canonicalframe"],
             };
             for group in groups {
@@ -114,7 +131,7 @@ fn every_method_and_group_is_named_in_the_svg() {
 fn an_svg_is_well_formed_and_keeps_to_its_viewbox() {
     for (board_name, board) in boards() {
         for Figure { name, drawing, .. } in all(&board) {
-            let svg = svg(name, &drawing).unwrap();
+            let svg = paint::svg(&name, &drawing).unwrap();
             let tags = svg_tags(&svg);
             let (root, attributes) = &tags[0];
             assert_eq!(*root, "svg", "{board_name}/{name}");
@@ -148,8 +165,8 @@ fn an_svg_is_well_formed_and_keeps_to_its_viewbox() {
 fn the_same_board_gives_the_same_bytes() {
     let board = sample::board(6);
     for (first, second) in all(&board).into_iter().zip(all(&board)) {
-        assert_eq!(svg("x", &first.drawing).unwrap(), svg("x", &second.drawing).unwrap());
-        assert_eq!(png("x", &first.drawing).unwrap(), png("x", &second.drawing).unwrap());
+        assert_eq!(paint::svg("x", &first.drawing).unwrap(), paint::svg("x", &second.drawing).unwrap());
+        assert_eq!(paint::png("x", &first.drawing).unwrap(), paint::png("x", &second.drawing).unwrap());
     }
 }
 
@@ -157,7 +174,7 @@ fn the_same_board_gives_the_same_bytes() {
 fn a_png_has_twice_the_print_size_and_carries_ink_and_accent() {
     let board = sample::board(6);
     for Figure { name, drawing, .. } in all(&board) {
-        let picture = image::load_from_memory(&png(name, &drawing).unwrap()).unwrap();
+        let picture = image::load_from_memory(&paint::png(&name, &drawing).unwrap()).unwrap();
         assert_eq!(picture.dimensions(), (2 * WIDTH as u32, 2 * drawing.height.ceil() as u32), "{name}");
         let pixels = picture.to_rgb8();
         let count = |colour: (u8, u8, u8)| {
@@ -175,22 +192,200 @@ fn hostile_titles_stay_text() {
     heading.benchmark = "<script>\u{0}&\"</script> ".repeat(20);
     let board = Board::new(heading, vec![sample::row("a", 1, 10.0)]).unwrap();
     for Figure { name, drawing, .. } in all(&board) {
-        let svg = svg(name, &drawing).unwrap();
+        let svg = paint::svg(&name, &drawing).unwrap();
         assert!(!svg.contains("<script") && !svg.contains('\0'), "{name}");
-        png(name, &drawing).unwrap();
+        paint::png(&name, &drawing).unwrap();
     }
+}
+
+#[test]
+fn the_type_is_large_enough_for_print() {
+    let exam = sample::exam(&[]);
+    let board = sample::board(6);
+    for Figure { name, drawing, .. } in all_on(&board, &exam) {
+        for shape in &drawing.shapes {
+            if let Shape::Text { text, lettering, .. } = shape {
+                // Two columns of a paper are 6.9 inches, a point is a 72nd of one.
+                let points = lettering.size * 6.9 * 72.0 / WIDTH;
+                assert!(points >= 6.0, "{name}: `{text}` is {points} pt");
+            }
+        }
+    }
+}
+
+/// The lying lines in ink: stems of whiskers, from their low to their high end.
+fn stems(drawing: &Drawing) -> Vec<(f64, f64)> {
+    let stem = |shape: &Shape| match shape {
+        Shape::Line { points, width: 1.0, colour: INK } if points[0].1 == points[1].1 => {
+            Some((points[0].0, points[1].0))
+        }
+        _ => None,
+    };
+    drawing.shapes.iter().filter_map(stem).collect()
+}
+
+#[test]
+fn whiskers_end_where_the_interval_does() {
+    let board = Board::new(sample::heading(4, 0), vec![sample::row("a", 4, 40.0)]).unwrap();
+    let statistics = sample::statistics(&board);
+    let drawing = bars::per_category(&board, &statistics);
+    let bars: Vec<(f64, f64)> = drawing
+        .shapes
+        .iter()
+        .filter_map(|shape| match shape {
+            Shape::Bar { x, width, fill: drawing::BLUE, .. } => Some((*x, *width)),
+            _ => None,
+        })
+        .collect();
+    // One is the legend's.
+    let stems = &stems(&drawing)[1..];
+    assert_eq!((bars.len(), stems.len()), (4, 4));
+    for ((x, width), (low, high)) in bars.iter().zip(stems) {
+        let scale = width / 40.0;
+        assert!((low - (x + 35.5 * scale)).abs() < 1e-9 && (high - (x + 44.5 * scale)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn few_scenes_are_marked_and_a_single_one_has_no_whisker() {
+    let board = Board::new(sample::heading(4, 0), vec![sample::row("a", 4, 40.0)]).unwrap();
+    let mut statistics = sample::statistics(&board);
+    let few = |statistics: &mut Statistics, scenes| {
+        for group in &mut statistics.methods[0].groups {
+            (group.scenes, group.few_scenes) = (scenes, true);
+        }
+    };
+    let says = |drawing: &Drawing, what: &str| texts(drawing).iter().any(|(_, text)| text.contains(what));
+    let sure = bars::per_scale(&board, &statistics);
+    assert!(says(&sure, "21 scenes") && !says(&sure, "!"));
+    few(&mut statistics, 6);
+    let unsure = bars::per_scale(&board, &statistics);
+    assert!(says(&unsure, "6 scenes !") && says(&unsure, "! from fewer than 8 scenes"));
+    assert!(stems(&unsure).len() > 2 * stems(&sure).len(), "not in dashes");
+    few(&mut statistics, 1);
+    for group in &mut statistics.methods[0].groups {
+        group.estimates.miou.as_mut().unwrap().interval = None;
+    }
+    assert!(stems(&bars::per_scale(&board, &statistics)).is_empty());
+}
+
+/// A board of complete methods with these seconds in all and this mIoU; the last is not ranked.
+fn timed(methods: &[(&str, Option<f64>, f64)]) -> Board {
+    let mut rows = Vec::new();
+    for (place, &(name, seconds, miou)) in methods.iter().enumerate() {
+        let mut row = sample::row(name, 10, miou);
+        row.seconds = seconds;
+        if place + 1 == methods.len() {
+            row.unranked_because = vec!["used ground truth"];
+        }
+        rows.push(row);
+    }
+    Board::new(sample::heading(10, 0), rows).unwrap()
+}
+
+#[test]
+fn the_front_is_of_ranked_methods_and_the_untimed_are_named() {
+    let board = timed(&[
+        ("slow", Some(1000.0), 70.0),
+        ("beaten", Some(1000.0), 60.0),
+        ("quick", Some(10.0), 40.0),
+        ("worse", Some(20.0), 30.0),
+        ("silent", None, 50.0),
+        ("instant", Some(0.0), 20.0),
+        ("seer", Some(1.0), 100.0),
+    ]);
+    let drawing = speed::draw(&board);
+    let named = texts(&drawing);
+    assert!(named.iter().any(|(_, text)| *text == "No time reported: silent, instant."), "{named:?}");
+    // Quick and slow: right from the one, up to the other, and on.
+    let stairs: Vec<&Vec<(f64, f64)>> = drawing
+        .shapes
+        .iter()
+        .filter_map(|shape| match shape {
+            Shape::Line { points, colour: drawing::SHADE, .. } => Some(points),
+            _ => None,
+        })
+        .collect();
+    let [points] = stairs[..] else { panic!("{stairs:?}") };
+    let dot_of = |name: &str| {
+        let dots: Vec<(f64, f64)> = drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                Shape::Dot { x, y, radius: 5.0, .. } => Some((*x, *y)),
+                _ => None,
+            })
+            .collect();
+        // The legend has two of its own; then the methods in the order of the board.
+        dots[2 + ["slow", "beaten", "quick", "worse", "seer"]
+            .iter()
+            .position(|other| *other == name)
+            .unwrap()]
+    };
+    let (quick, slow) = (dot_of("quick"), dot_of("slow"));
+    assert_eq!(points[..3], [quick, (slow.0, quick.1), slow]);
+    assert_eq!((points.len(), points[3].1), (4, slow.1));
+}
+
+#[test]
+fn speed_without_a_time_says_so() {
+    let board = timed(&[("a", None, 10.0), ("b", Some(0.0), 20.0)]);
+    let drawing = speed::draw(&board);
+    let named = texts(&drawing);
+    assert!(named.iter().any(|(_, text)| *text == "No method says how long it took."), "{named:?}");
+    assert!(named.iter().any(|(_, text)| *text == "No time reported: a, b."), "{named:?}");
+}
+
+#[test]
+fn a_confusion_says_which_look_alike_was_taken() {
+    let (exam, board) = (sample::exam(&["room_living_cats"]), sample::board(1));
+    let mut details = sample::details_on(&exam, &board);
+    let queries: Vec<_> = details.asked.queries().map(|(query, _)| query.clone()).collect();
+    let name = |text: &str| Some(Name::new(text).unwrap());
+    for (query, found) in queries.iter().zip(&mut details.methods[0].queries) {
+        found.taken = match query.referents[0].as_str() {
+            "cat_walker" => name("cat_sleeper"),
+            "cat_player" => name("sofa"),
+            "cat_sleeper" => name("yarn_ball_still"),
+            _ => None,
+        };
+    }
+    let choices = choices(&board, &details);
+    let confusions = confusions(&choices[0], &details);
+    let [confusion] = &confusions[..] else { panic!("{confusions:?}") };
+    let objects: Vec<&str> = confusion.objects.iter().map(|thing| thing.name.as_str()).collect();
+    let place = |name: &str| objects.iter().position(|other| *other == name).unwrap();
+    let counted = |name: &str| queries.iter().filter(|query| query.referents[0].as_str() == name).count();
+    assert!(objects[..3].iter().all(|name| name.starts_with("cat_")), "{objects:?}");
+    let row = |name: &str| &confusion.meant[place(name)];
+    assert_eq!(row("cat_walker").objects[place("cat_sleeper")], counted("cat_walker"));
+    assert_eq!(row("cat_player").landmark, counted("cat_player"));
+    assert_eq!(row("cat_sleeper").objects[place("yarn_ball_still")], counted("cat_sleeper"));
+    assert_eq!(row("yarn_ball_played").nothing, counted("yarn_ball_played"));
+    let all: usize = confusion.meant.iter().map(crate::taken::Instead::queries).sum();
+    assert_eq!(all, queries.len());
+}
+
+#[test]
+fn boards_without_a_query_have_figures_that_say_so() {
+    let board = sample::board(2);
+    let figures = detailed(&board, &sample::details());
+    assert_eq!(figures.iter().map(|figure| figure.name.as_str()).collect::<Vec<_>>(), ["taken"]);
+    let drawing = confusion::draw(&board, "m", &[]);
+    assert!(texts(&drawing).iter().any(|(_, text)| *text == "No query has a visible target."));
 }
 
 /// Writes every figure of every board where `L4D_BOARD_GALLERY` says, to be looked at.
 #[test]
 fn gallery() {
     let Some(folder) = std::env::var_os("L4D_BOARD_GALLERY") else { return };
+    let exam = sample::exam(&[]);
     for (board_name, board) in boards() {
         let (statistics, bench) = (sample::statistics(&board), BenchDir::new("nowhere"));
         crate::publish(
             &board,
             &statistics,
-            &sample::details(),
+            &sample::details_on(&exam, &board),
             &[],
             &bench,
             &std::path::Path::new(&folder).join(board_name),

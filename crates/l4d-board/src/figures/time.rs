@@ -1,10 +1,10 @@
 //! Mean IoU over the clip: when methods find the target and when they see what is not there.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::drawing::{
-    AXIS, Anchor, BLUE, Colour, Drawing, GREEN, GRID, Lettering, MARGIN, ORANGE, PURPLE, QUIET, SHADE, SKY,
-    VERMILLION, WIDTH, leading,
+    AXIS, Anchor, BLUE, Colour, Drawing, GREEN, GRID, Lettering, MARGIN, Marker, ORANGE, PAPER, PURPLE,
+    QUIET, SHADE, SKY, VERMILLION, WIDTH, leading,
 };
 use super::{lettering, place, shown};
 use crate::rank::Board;
@@ -24,9 +24,9 @@ pub(crate) fn draw(board: &Board) -> Drawing {
             .to_owned(),
     ];
     if board.ranked.len() > COLOURS.len() {
-        notes.push(format!("Colour: the best {}; grey: the others.", COLOURS.len()));
+        notes.push(format!("Colour and shape: the best {}; grey: the others.", COLOURS.len()));
     } else if !board.unranked.is_empty() && !board.ranked.is_empty() {
-        notes.push("Colour: ranked; grey: not ranked, shown for scale.".to_owned());
+        notes.push("Colour and shape: ranked; grey: not ranked, shown for scale.".to_owned());
     }
     if left_out > 0 {
         notes.push(format!("{left_out} more methods stand in the tables."));
@@ -44,7 +44,7 @@ pub(crate) fn draw(board: &Board) -> Drawing {
         .flat_map(|curve| &curve.label)
         .map(|line| Lettering::NUMBER.width(line))
         .fold(0.0, f64::max);
-    let right = WIDTH - MARGIN - label_width - LEADER - 4.0;
+    let right = WIDTH - MARGIN - label_width - LEADER - 6.0;
     let label_heights: f64 = curves.iter().map(Curve::label_height).sum();
     let plot = LEAST_PLOT.max(label_heights - 8.0);
     let bottom = top + plot;
@@ -81,6 +81,12 @@ pub(crate) fn draw(board: &Board) -> Drawing {
             }
         }
     }
+    for curve in curves.iter().rev() {
+        let Some(shape) = curve.shape else { continue };
+        for (frame, value) in marked(&curve.row.frames, shape) {
+            point(&mut drawing, shape, (x_of(frame), y_of(value)), curve.colour);
+        }
+    }
     end_labels(&mut drawing, &curves, right, top - 8.0, bottom + 8.0, y_of);
     drawing.height = bottom + 34.0 + MARGIN;
     drawing
@@ -90,6 +96,8 @@ struct Curve<'a> {
     row: &'a BoardRow,
     label: Vec<String>,
     colour: Colour,
+    /// Place among the curves in colour: which shape its points have.
+    shape: Option<usize>,
     ink: Colour,
     stroke: f64,
     /// Value at the last frame that has one.
@@ -104,7 +112,24 @@ fn curve<'a>(index: usize, is_in_colour: bool, row: &'a BoardRow) -> Option<Curv
         (true, None) => (QUIET, QUIET, 1.0),
         (false, _) => (SHADE, QUIET, 1.25),
     };
-    Some(Curve { row, label, colour, ink, stroke, end })
+    let shape = (is_in_colour && index < COLOURS.len()).then_some(index);
+    Some(Curve { row, label, colour, shape, ink, stroke, end })
+}
+
+/// Points by which a curve is told from others without its colour: about eight, at other frames than those of the
+/// curves before it where there are enough.
+fn marked(frames: &BTreeMap<u32, f64>, shape: usize) -> impl Iterator<Item = (u32, f64)> {
+    let step = frames.len().div_ceil(8).max(1);
+    frames.iter().map(|(&frame, &value)| (frame, value)).skip(shape % step).step_by(step)
+}
+
+fn point(drawing: &mut Drawing, shape: usize, at: (f64, f64), colour: Colour) {
+    let marker = Marker::ALL[shape % Marker::ALL.len()];
+    drawing.marker(marker, at, 3.6, colour);
+    // Beyond the shapes there are, hollow ones.
+    if shape >= Marker::ALL.len() {
+        drawing.marker(marker, at, 2.0, PAPER);
+    }
 }
 
 impl Curve<'_> {
@@ -157,8 +182,11 @@ fn end_labels(
     {
         let bend = [(right + 3.0, *from), (right + LEADER - 7.0, middle), (right + LEADER - 1.0, middle)];
         drawing.line(bend, 0.75, curve.colour);
+        if let Some(shape) = curve.shape {
+            point(drawing, shape, (right + LEADER - 3.0, middle), curve.colour);
+        }
         let first = middle + 3.5 - (curve.label.len() as f64 - 1.0) * leading(Lettering::NUMBER) / 2.0;
-        drawing.lines(right + LEADER + 2.0, first, &curve.label, Lettering::NUMBER.coloured(curve.ink));
+        drawing.lines(right + LEADER + 4.0, first, &curve.label, Lettering::NUMBER.coloured(curve.ink));
     }
 }
 

@@ -14,11 +14,11 @@ use super::record::{Origin, Record};
 use super::seen::{Clip, Summits};
 use super::sheet::{Row, Sheet};
 use super::{OnMissing, Protocol};
-use crate::answers::{Reader, report_missing};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::Answer;
 use crate::metrics::{Missing, Options};
-use crate::results::{check_scenes, find_methods, read_card, scan_scene};
+use crate::reading::{Holes, SceneReader};
+use crate::results::{check_scenes, find_methods, read_card};
 use crate::truth::SceneTruth;
 
 const COUNTED: &str = "have no answer and count as empty, where the source would stop or take another frame";
@@ -118,16 +118,11 @@ fn read_scene(
     options: &Options,
     report: &mut Report,
 ) -> BTreeMap<QueryId, Vec<Answer>> {
-    let forms = scan_scene(dir, scene, report);
-    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize: options.resize };
     let is_refused = options.missing == Missing::Error && protocol.on_missing() == OnMissing::Stops;
+    let reader = SceneReader::open(dir, scene, options.resize, Holes::reported_if(is_refused), report);
     let read = |query: &&Query| {
         let mut found = Report::default();
-        let forms = forms.get(query.id.number.as_str()).copied().unwrap_or_default();
-        let answers = reader.read(&query.id, forms, &mut found);
-        if is_refused && found.is_empty() {
-            report_missing(dir, &query.id, scene, &answers, &mut found);
-        }
+        let answers = reader.read(query, &mut found);
         let judged = scene.clip.iter().zip(answers).filter(|(frame, _)| truth.position(**frame).is_some());
         (query.id.clone(), judged.map(|(_, answer)| answer).collect(), found)
     };
