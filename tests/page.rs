@@ -365,6 +365,31 @@ fn pictures_of_a_capture_lie_under_its_masks() {
 }
 
 #[test]
+fn one_frame_and_one_query_make_a_page() {
+    let dir = crate::real_scenes::authored_on(&["0000"]);
+    let queries = dir.read("captures/queries/table.jsonl");
+    dir.write("captures/queries/table.jsonl", format!("{}\n", queries.lines().next().unwrap()));
+    let real = ["--bench", "captures", "--profile", "real"];
+    dir.succeed(&[&["baseline"], &real[..]].concat());
+    dir.succeed(&[&["score"], &real[..]].concat());
+    dir.succeed(&[&["score", "--protocol", "davis"], &real[..]].concat());
+    dir.succeed(&[&["leaderboard", "--html"], &real[..]].concat());
+    let mut browser = open(&dir, "");
+    // Baselines alone: nobody is ranked, and the page says so.
+    assert!(browser.text("document.querySelector('main').textContent").contains("No method is ranked yet"));
+    assert_eq!(browser.text("document.querySelector('.count').textContent"), "6 methods, 1 query");
+    // A clip of one frame has no number under davis: dashes, and why.
+    choose(&mut browser, "Protocol", "davis");
+    let told = browser.text("document.querySelector('ul.plain').textContent");
+    assert!(told.contains("Every method: 1 frame of 1 query belong to clips of one or two frames"), "{told}");
+    browser.open(&file(&dir), "#method=oracle&scene=table&query=001");
+    browser.until("document.querySelector('.stage canvas')?.width > 200");
+    assert_eq!(browser.text("document.querySelector('output').textContent"), "frame 0: IoU 100.0 %");
+    assert!(browser.evaluate("document.querySelectorAll('.strip li').length") == 1);
+    assert_quiet(&mut browser);
+}
+
+#[test]
 fn the_whole_way_to_a_frame_and_back_by_keys_alone() {
     let dir = page();
     let mut browser = open(&dir, "");

@@ -142,11 +142,7 @@ impl ProtocolRow {
             link: origin.link,
             remarks,
             numbers: numbers(&sheet),
-            scenes: sheet
-                .scenes()
-                .keys()
-                .map(|&scene| (scene.clone(), numbers(&sheet.of(|id| id.scene == *scene))))
-                .collect(),
+            scenes: by_scene(&sheet),
             queries: sheet.queries(),
             left_out: sheet.left_out.clone(),
             sheet: is_detailed.then_some(sheet),
@@ -158,6 +154,12 @@ impl ProtocolRow {
 pub(crate) fn numbers(sheet: &Sheet) -> Vec<Option<f64>> {
     let measures = 0..sheet.protocol.measures().len();
     measures.map(|measure| sheet.number(measure).map(|ratio| 100.0 * ratio)).collect()
+}
+
+/// The same of each scene alone.
+pub(crate) fn by_scene(sheet: &Sheet) -> BTreeMap<Name, Vec<Option<f64>>> {
+    let of_scene = |scene: &Name| (scene.clone(), numbers(&sheet.of(|id| id.scene == *scene)));
+    sheet.scenes().into_keys().map(of_scene).collect()
 }
 
 impl ProtocolTable {

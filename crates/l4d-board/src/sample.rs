@@ -12,7 +12,7 @@ use l4d_score::{
 };
 
 use crate::detail::{self, Asked, Details};
-use crate::protocols::{ProtocolRow, ProtocolTable, numbers};
+use crate::protocols::{ProtocolRow, ProtocolTable, by_scene, numbers};
 use crate::rank::Board;
 use crate::row::{BoardRow, Heading, Metric};
 use crate::statistics::{Comparisons, MethodGroups, Statistics};
@@ -86,15 +86,13 @@ pub(crate) fn protocol() -> ProtocolTable {
         let rows = [("room_living_cats/001", 0.75), ("outdoor_dog_park/001", 0.25)]
             .map(|(id, mean)| Row { id: id.parse().unwrap(), judged: judged(mean) });
         let sheet = Sheet::new(Protocol::LangSplat, Name::new(name).unwrap(), rows.into(), false);
-        let scenes =
-            sheet.scenes().keys().map(|&scene| (scene.clone(), numbers(&sheet.of(|id| id.scene == *scene))));
         ProtocolRow {
             name: sheet.method.clone(),
             version: "1".to_owned(),
             link: "javascript:alert(1)".to_owned(),
             remarks: remarks.to_vec(),
             numbers: numbers(&sheet),
-            scenes: scenes.collect(),
+            scenes: by_scene(&sheet),
             queries: sheet.queries(),
             left_out: sheet.left_out.clone(),
             sheet: Some(sheet),
