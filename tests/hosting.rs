@@ -267,6 +267,8 @@ fn hostile_submissions_are_refused_in_words() {
         ("\"0000\":\"", "\"0000\":\"~~~~~~~~~~~~~~~~", "frame 0000"),
         ("\"0000\":\"", "\"0000\":\"5", "pixels instead of 12288"),
         ("\"size\":", "\"size\":NaN,\"sise\":", "no number"),
+        ("[96,128]", "[96,111111111111111111111]", "20 digits"),
+        ("\"0012\":", "\"0000\":null,\"0012\":", "'0000' stands there twice"),
         ("{", "[[[[", "no JSON"),
     ] {
         let text = sound_mask.replace([' ', '\n'], "");
@@ -279,6 +281,16 @@ fn hostile_submissions_are_refused_in_words() {
     std::fs::remove_file(dir.path(mask)).unwrap();
     std::fs::remove_file(dir.path("results/like-all/masks/room_discs/002.json")).unwrap();
     refused(&["001.json: is missing", "002.json: is missing"]);
+    // Everything that is wrong is said at once.
+    dir.edit(card, "\"tiny\"", "\"small\"");
+    dir.edit(card, "\"l4d\"", "\"davis\"");
+    refused(&["field `profile`", "field `protocol`", "001.json: is missing", "002.json: is missing"]);
+    dir.write(card, &sound_card);
+    // Folders that climb down are not followed to their end.
+    std::fs::create_dir_all(dir.path(format!("results/all/{}", "d/".repeat(1500)))).unwrap();
+    refused(&["001.json: is missing"]);
+    // The standard library would run out of file handles on the way down.
+    assert!(Command::new("rm").arg("-rf").arg(dir.path("results/all/d")).status().unwrap().success());
     // A link could lead to the truth.
     std::os::unix::fs::symlink(dir.path("results/oracle/masks/room_discs/001.json"), dir.path(mask)).unwrap();
     refused(&["001.json: is missing"]);
@@ -300,12 +312,27 @@ fn hostile_submissions_are_refused_in_words() {
 with zipfile.ZipFile('climbing.zip', 'w') as archive:
     archive.writestr('../../method.json', '{}')
 with zipfile.ZipFile('bomb.zip', 'w', zipfile.ZIP_DEFLATED) as archive:
-    archive.writestr('method.json', b' ' * (70 << 20))";
+    archive.writestr('method.json', b' ' * (70 << 20))
+with zipfile.ZipFile('lzma.zip', 'w', zipfile.ZIP_LZMA) as archive:
+    archive.write('results/all/method.json', 'method.json')
+with zipfile.ZipFile('many.zip', 'w') as archive:
+    [archive.writestr('m/%d' % number, b'') for number in range(20001)]
+with zipfile.ZipFile('twice.zip', 'w') as archive:
+    [archive.write('results/all/method.json', 'method.json') for _ in range(2)]
+with zipfile.ZipFile('list.zip', 'w') as archive:
+    for number in range(200):
+        entry = zipfile.ZipInfo('m/%d' % number)
+        entry.comment = b' ' * 50000
+        archive.writestr(entry, b'')";
     assert!(python(&dir, &["-c", script]).status.success());
     for (archive, word) in [
         ("torn.zip", "cannot be read"),
         ("climbing.zip", "stands there 0 times"),
         ("bomb.zip", "larger than"),
+        ("lzma.zip", "stored or deflated"),
+        ("many.zip", "more than 20000"),
+        ("twice.zip", "stands in the archive twice"),
+        ("list.zip", "list of files"),
     ] {
         let run = score(&dir, archive);
         let said = String::from_utf8_lossy(&run.stderr).into_owned();

@@ -18,7 +18,7 @@ use crate::exam::{Exam, SceneExam};
 use crate::judge::Answer;
 use crate::metrics::{Missing, Options};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{check_scenes, find_methods, read_card};
+use crate::results::{admit, find_methods, read_card};
 use crate::truth::SceneTruth;
 
 const COUNTED: &str = "have no answer and count as empty, where the source would stop or take another frame";
@@ -69,8 +69,9 @@ pub fn judge_results(
     let resize = options.resize || protocol.resizes();
     for dir in find_methods(root, &mut report)? {
         let mut found = Report::default();
-        if let Some(card) = read_card(&dir, exam, resize, &mut found) {
-            check_scenes(&dir, &exam.bench.manifest.scenes, &mut found);
+        if let Some(card) = read_card(&dir, exam, resize, &mut found)
+            && admit(&dir, exam, resize, &mut found)
+        {
             let options = Options { resize, ..*options };
             let sheet = judge_method(&dir, &card, exam, protocol, &options, &mut found)?;
             if !found.has_errors() {
