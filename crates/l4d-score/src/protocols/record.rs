@@ -203,11 +203,12 @@ fn row(fields: &[&str], protocol: Protocol) -> Result<Row, String> {
     let id: QueryId = format!("{scene}/{query}").parse().map_err(|error| format!("{error}"))?;
     let value = |pair: &[&str]| {
         let [value, frames] = pair else { return Err("has too few fields".to_owned()) };
-        let frames: u64 = frames.parse().map_err(|_| format!("`{frames}` is no number of frames"))?;
+        let frames: u64 =
+            frames.parse().map_err(|error| format!("`{frames}` is no number of frames: {error}"))?;
         if value.is_empty() {
             return Ok(None);
         }
-        let percent: f64 = value.parse().map_err(|_| format!("`{value}` is no percentage"))?;
+        let percent: f64 = value.parse().map_err(|error| format!("`{value}` is no percentage: {error}"))?;
         match (-100.0 - TOLERANCE..=100.0 + TOLERANCE).contains(&percent) {
             true => Ok(Some(Value { mean: percent / 100.0, frames })),
             false => Err(format!("`{value}` is no percentage")),
