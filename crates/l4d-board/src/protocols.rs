@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::store::list_folder;
 use l4d_data::{DataError, Name, Report};
-use l4d_score::protocols::{LeftOut, Measure, Record, Sheet};
+use l4d_score::protocols::{LeftOut, Measure, Origin, Record, Sheet};
 use l4d_score::{Exam, Protocol};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -72,7 +72,7 @@ pub fn gather_protocols(
         let read = |(index, name): (usize, &String)| {
             let Some(record) = Record::read(&folder, name, protocol)? else { return Ok(Err(Odd::NotJudged)) };
             if !record.origin.is_of(exam) {
-                return Ok(Err(Odd::Elsewhere(record)));
+                return Ok(Err(Odd::Elsewhere(Box::new(record.origin))));
             }
             Ok(Ok(ProtocolRow::of(record, exam, index < MOST_DETAILED)))
         };
@@ -106,7 +106,7 @@ fn folder(scores: &Path, protocol: Protocol) -> Option<PathBuf> {
 /// A folder that is left out.
 enum Odd {
     NotJudged,
-    Elsewhere(Record),
+    Elsewhere(Box<Origin>),
 }
 
 impl Odd {
@@ -117,7 +117,7 @@ impl Odd {
                 let hint = format!("run `l4d score --protocol {protocol}`, or remove the folder");
                 report.warning(codes::NOT_SCORED, folder, "", message, hint);
             }
-            Self::Elsewhere(Record { origin, .. }) => {
+            Self::Elsewhere(origin) => {
                 let message = format!(
                     "was judged on benchmark {} · profile {} · {}, so it is left out",
                     origin.benchmark_version,
