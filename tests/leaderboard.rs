@@ -193,7 +193,7 @@ fn protocols_of_others_have_tables_apart_and_change_nothing_here() {
     assert_eq!(of(""), format!("{:.4}", kept["measures"]["j_and_f"].as_f64().unwrap()));
     assert_eq!(of("room_discs"), format!("{:.4}", kept["scenes"]["room_discs"]["j_and_f"].as_f64().unwrap()));
     let board = dir.json(&[&["leaderboard"], &TINY[..]].concat());
-    assert_eq!(board["protocols"][0]["methods"][0]["measures"]["j_and_f"].is_number(), true);
+    assert!(board["protocols"][0]["methods"][0]["measures"]["j_and_f"].is_number());
     assert_eq!(
         (&board["protocols"][0]["is_headline"], board["protocols"].as_array().unwrap().len()),
         (&false.into(), 2)
