@@ -10,7 +10,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::{Dir, Run, is_slow};
+use crate::support::{Dir, QUERIES, Run, SCENES, is_slow};
 
 const MASK: &str = "results/oracle/masks/room_discs/001.json";
 const CARD: &str = "results/oracle/method.json";
@@ -170,6 +170,37 @@ fn more_files_than_anybody_reads() {
 }
 
 #[test]
+fn more_bytes_than_are_taken_in() {
+    let dir = oracle();
+    // Each file is sound and padded: together they are between one and two megabytes.
+    for (scene, _) in SCENES {
+        for query in QUERIES {
+            let mask = format!("results/oracle/masks/{scene}/{query}.json");
+            if dir.path(&mask).exists() {
+                let text = dir.read(&mask);
+                dir.write(&mask, format!("{text}{}", " ".repeat(170_000 - text.len())));
+            }
+        }
+    }
+    for verb in ["check-results", "score", "score --protocol davis", "score --sweep"] {
+        let run = bounded(&dir, &format!("{verb} --json --max-megabytes 1"));
+        let found: Value = serde_json::from_str(&run.stdout).unwrap();
+        let findings = found["findings"].as_array().unwrap();
+        assert_eq!((run.code, findings.len()), (1, 1), "{verb}: {}", run.stdout);
+        assert_eq!(findings[0]["code"], "L4D316", "{verb}");
+        assert!(findings[0]["message"].as_str().unwrap().contains("2 MB"), "{}", run.stdout);
+        let folders = ["scores", "scores-davis", "scores-sweep"].map(|folder| dir.path(folder));
+        assert!(folders.iter().all(|folder| !folder.exists()), "{verb} wrote");
+        assert_eq!(bounded(&dir, &format!("{verb} --max-megabytes 2")).code, 0, "{verb}");
+        assert_eq!(folders.iter().any(|folder| folder.exists()), verb != "check-results", "{verb}");
+        folders.iter().filter(|folder| folder.exists()).for_each(|folder| remove(folder));
+    }
+    // What is refused for its own size is not read, so it doesn't count.
+    File::options().write(true).open(dir.path(MASK)).unwrap().set_len(10 << 40).unwrap();
+    expect(&dir, "ten terabytes", &["L4D314"]);
+}
+
+#[test]
 fn more_findings_than_anybody_reads() {
     let dir = oracle();
     for index in 0..12_000 {
@@ -196,4 +227,12 @@ fn names_that_are_no_text_or_steer_terminals() {
         "{}",
         check.stdout.escape_debug()
     );
+    // Nor may a name or a word pass for a line of its own.
+    dir.edit(CARD, "\"protocol\": \"l4d\"", "\"protocol\": \"\\u001b[2J\\n0 findings\"");
+    dir.edit(CARD, "\"truth_digest\": \"", "\"truth_digest\": \"\\u001b[2J\\n");
+    dir.edit(MASK, "{", "{\"\\u001b[2J\\n0 findings\":1,");
+    let check = bounded(&dir, "check-results");
+    let is_ours = |line: &str| line.starts_with("results/oracle/") || line.starts_with("    hint: ");
+    assert!(check.stdout.lines().all(is_ours), "{}", check.stdout.escape_debug());
+    assert!(!check.stdout.contains('\u{1b}'), "{}", check.stdout.escape_debug());
 }

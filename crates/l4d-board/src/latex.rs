@@ -65,7 +65,10 @@ fn cell_text(cell: Cell, podium: Option<Podium>) -> String {
         _ => format!("{:.2}", cell.value),
     };
     match cell.interval {
-        Some([low, high]) => format!("\\shortstack[r]{{{value}\\\\{{\\tiny {low:.1}--{high:.1}}}}}"),
+        // Aligned at its first line: a name stands beside the value, not beside the interval.
+        Some([low, high]) => format!(
+            "\\begin{{tabular}}[t]{{@{{}}r@{{}}}}{value}\\\\[-4pt]{{\\tiny {low:.1}--{high:.1}}}\\end{{tabular}}"
+        ),
         None => value,
     }
 }
@@ -82,7 +85,11 @@ pub(crate) fn escape(text: &str) -> String {
             '<' => escaped.push_str("\\textless{}"),
             '>' => escaped.push_str("\\textgreater{}"),
             '|' => escaped.push_str("\\textbar{}"),
-            '"' => escaped.push_str("\\textquotedbl{}"),
+            // A straight one is not in the fonts that LaTeX starts with.
+            '"' => escaped.push_str("{''}"),
+            // Two would join into a dash, and a row that starts with one of these would be read as an argument of `\\`.
+            '-' if escaped.ends_with('-') => escaped.push_str("{}-"),
+            '[' | '*' => escaped.extend(['{', character, '}']),
             ' '..='~' => escaped.push(character),
             control if control.is_control() => escaped.push(' '),
             _ => escaped.push('?'),
@@ -154,16 +161,42 @@ mod tests {
             line("LangSplat &"),
         ];
         assert!(alpha < oracle && oracle < apart && apart < paper, "{text}");
-        let cell = "\\shortstack[r]{\\textbf{62.50}\\\\{\\tiny 58.0--67.0}}";
+        let cell = "\\begin{tabular}[t]{@{}r@{}}\\textbf{62.50}\\\\[-4pt]{\\tiny 58.0--67.0}\\end{tabular}";
         assert!(text.lines().nth(alpha).unwrap().contains(cell), "{text}");
         assert!(!text.lines().nth(oracle).unwrap().contains("textbf"), "{text}");
         assert!(text.contains("LangSplat & 47.79 & 28.81 &"), "{text}");
     }
 
     #[test]
+    #[ignore = "needs pdflatex, or another LaTeX in L4D_LATEX, with booktabs"]
+    fn latex_takes_the_tables() {
+        let program = std::env::var_os("L4D_LATEX").unwrap_or_else(|| "pdflatex".into());
+        let printable: String = (' '..='~').collect();
+        let mut texts = tables(&sample::hand_made());
+        for label in [printable.as_str(), "[x] first", "*", "--- ''``", "a_b--c.d-"] {
+            texts.push(format!(
+                "\\begin{{tabular}}{{lr}}\n{}\\end{{tabular}}\n",
+                row([label; 2].map(escape).into_iter()).repeat(2)
+            ));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("tables.tex");
+        let head = "\\documentclass{article}\n\\usepackage{booktabs}\n\\begin{document}\n";
+        std::fs::write(&path, format!("{head}{}\\end{{document}}\n", texts.join("\n\n\\clearpage\n")))
+            .unwrap();
+        let mut latex = std::process::Command::new(program);
+        let run = latex
+            .args(["-halt-on-error", "-interaction=nonstopmode", "tables.tex"])
+            .current_dir(folder.path());
+        let output = run.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    }
+
+    #[test]
     fn names_stay_text() {
         assert_eq!(escape("a_b&c%$#{}"), "a\\_b\\&c\\%\\$\\#\\{\\}");
         assert_eq!(escape("~^\\é\n"), "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}? ");
+        assert_eq!(escape("[a]--*b\"<|>"), "{[}a]-{}-{*}b{''}\\textless{}\\textbar{}\\textgreater{}");
         assert_eq!(comment("a · b\n\\end{x}é"), "a - b \\end{x} ");
     }
 }

@@ -45,6 +45,11 @@ pub fn inert(text: &str) -> String {
     text.replace(|character: char| character.is_control() && character != '\n', "\u{fffd}")
 }
 
+/// The same for a name, which must not look like a line of its own either.
+pub fn inert_name(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
 impl DataError {
     /// An I/O error that knows its path.
     pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::error::{DataError, inert};
+use crate::error::{DataError, inert, inert_name};
 
 /// More findings than this are counted and not kept: nobody reads them, and what a stranger sends must not fill the
 /// memory with them.
@@ -145,14 +145,14 @@ impl Report {
         message: String,
         hint: String,
     ) {
-        // Names of strangers end up in paths and places: they must not steer a terminal.
+        // Names of strangers end up everywhere: they must not steer a terminal, nor pass for another finding.
         self.add(Finding {
-            path: inert(&path.display().to_string()),
-            location: inert(&location),
+            path: inert_name(&path.display().to_string()),
+            location: inert_name(&location),
             code,
             severity,
-            message,
-            hint,
+            message: inert(&message),
+            hint: inert(&hint),
         });
     }
 }
@@ -180,9 +180,12 @@ mod tests {
     #[test]
     fn names_cannot_steer_a_terminal() {
         let mut report = Report::default();
-        report.error("L4D998", Path::new("a\u{1b}]0;gotcha\u{7}"), "frame \u{9b}2J", "bad", "");
-        let found = report.into_sorted();
-        assert!(found[0].path.contains("gotcha") && !found[0].path.contains(char::is_control), "{found:?}");
-        assert!(!found[0].location.contains(char::is_control), "{found:?}");
+        let name = Path::new("a\u{1b}]0;gotcha\u{7}\n0 findings");
+        report.error("L4D998", name, "frame \u{9b}2J\nb", "bad \u{1b}[2J", "mend \u{1b}[2J");
+        let found = report.into_sorted().remove(0);
+        assert!(found.path.contains("gotcha"), "{found:?}");
+        for text in [found.path, found.location, found.message, found.hint] {
+            assert!(!text.contains(char::is_control), "{text:?}");
+        }
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::error::{DataError, inert};
+use crate::error::{DataError, inert_name};
 use crate::store::{read_bounded, write_atomic};
 
 /// No JSON file of the project is larger.
@@ -32,13 +32,13 @@ pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<(usize, T)>, D
 pub fn parse<T: DeserializeOwned>(path: &Path, line: Option<usize>, bytes: &[u8]) -> Result<T, DataError> {
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let field = inert(&error.path().to_string());
+        let field = inert_name(&error.path().to_string());
         let field = if field == "." { "top level".to_owned() } else { format!("field `{field}`") };
         let location = match line {
             Some(line) => format!("line {line}, {field}"),
             None => field,
         };
-        DataError::Format { path: path.to_owned(), location, message: inert(&error.inner().to_string()) }
+        DataError::Format { path: path.to_owned(), location, message: inert_name(&error.inner().to_string()) }
     })?;
     reader.end().map_err(|error| DataError::Format {
         path: path.to_owned(),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
+use crate::store::read_bounded;
 use crate::timeline::Profile;
 
 /// What a method looked at beyond the training views and the sentence.
@@ -53,6 +54,9 @@ pub struct MethodCard {
     pub protocol: String,
     /// What the method looked at.
     pub used: Used,
+    /// A baseline, which is there for the scale: shown, never ranked. Left out of the file where it is not so.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub baseline: bool,
     /// Wall seconds that the method took for all queries; null where it was not measured.
     pub seconds: Option<f64>,
     /// Numbers that the method reports of itself, or that its own evaluation wrote: what is measured -> value. They are
@@ -84,7 +88,12 @@ pub struct Import {
 impl MethodCard {
     /// Reads a card and checks it against its folder.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let card: Self = json::read(path)?;
+        Self::parse(path, &read_bounded(path, json::MAX_BYTES)?)
+    }
+
+    /// Parses and checks bytes that came from `path`.
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, DataError> {
+        let card: Self = json::parse(path, None, bytes)?;
         let folder =
             path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
         if card.name.as_str() != folder {

@@ -2,7 +2,7 @@
 
 mod atomic;
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -11,11 +11,23 @@ use crate::error::DataError;
 
 /// Reads a file of at most `limit` bytes.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
-    // Asked before it is opened: opening a pipe waits for somebody to write into it.
-    let metadata = fs::metadata(path).map_err(|source| DataError::io(path, "open", source))?;
-    if !metadata.is_file() {
-        return Err(DataError::invalid(path, "file", "is not a regular file", "put a regular file there"));
-    }
+    let require_file = |metadata: io::Result<Metadata>| {
+        let metadata = metadata.map_err(|source| DataError::io(path, "open", source))?;
+        if !metadata.is_file() {
+            return Err(DataError::invalid(
+                path,
+                "file",
+                "is not a regular file",
+                "put a regular file there",
+            ));
+        }
+        Ok(metadata)
+    };
+    // Asked before it is opened, since opening a pipe waits for somebody to write into it, and once more of what was
+    // opened, since it may have been exchanged.
+    require_file(fs::metadata(path))?;
+    let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
+    let metadata = require_file(file.metadata())?;
     let too_large = || {
         DataError::invalid(
             path,
@@ -27,7 +39,6 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
     if metadata.len() > limit {
         return Err(too_large());
     }
-    let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
     let mut bytes = Vec::with_capacity(metadata.len() as usize + 1);
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|source| DataError::io(path, "read", source))?;
     if bytes.len() as u64 > limit {

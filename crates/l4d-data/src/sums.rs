@@ -27,11 +27,26 @@ pub fn read(path: &Path) -> Result<BTreeMap<String, String>, DataError> {
         let (digest, file) = parse_line(line).ok_or_else(|| DataError::Format {
             path: path.to_owned(),
             location: format!("line {}", index + 1),
-            message: format!("`{}` is not `<sha256>  <relative path>`", inert(line)),
+            message: format!("`{}` is not `<sha256>  <relative path>`", inert(&shortened(line))),
         })?;
-        sums.insert(file.to_owned(), digest.to_owned());
+        if sums.insert(file.to_owned(), digest.to_owned()).is_some() {
+            return Err(DataError::Format {
+                path: path.to_owned(),
+                location: format!("line {}", index + 1),
+                message: format!("lists {} a second time", inert(file)),
+            });
+        }
     }
     Ok(sums)
+}
+
+/// As much of a line as a person wants to see.
+fn shortened(line: &str) -> String {
+    const SHOWN: usize = 100;
+    match line.chars().nth(SHOWN) {
+        Some(_) => line.chars().take(SHOWN).chain("...".chars()).collect(),
+        None => line.to_owned(),
+    }
 }
 
 /// The list as text, sorted by path.
@@ -71,5 +86,9 @@ mod tests {
         assert_eq!(read(&path).unwrap(), sums);
         std::fs::write(&path, format!("{}nonsense\n", to_text(&sums))).unwrap();
         assert!(read(&path).unwrap_err().to_string().contains("line 3"));
+        std::fs::write(&path, format!("{}{}  c/d\n", to_text(&sums), "0".repeat(64))).unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("c/d a second time"));
+        std::fs::write(&path, "x".repeat(1000)).unwrap();
+        assert!(read(&path).unwrap_err().to_string().len() < 300);
     }
 }

@@ -212,7 +212,7 @@ impl Header {
             (0, 1 | 8) => return Ok(()),
             (0, depth) => format!("{depth}-bit grayscale"),
             (2, depth) => format!("{depth}-bit RGB"),
-            (3, depth) => format!("a {depth}-bit palette picture"),
+            (3, depth) => format!("{depth}-bit with a palette"),
             (4, depth) => format!("{depth}-bit grayscale with alpha"),
             (6, depth) => format!("{depth}-bit RGBA"),
             (other, _) => format!("of the unknown colour type {other}"),

@@ -10,18 +10,30 @@ REFERENCE and SUBMISSION are folders or zip files, OUTPUT receives scores.json a
 Needs Python 3.7.
 """
 
+import io
 import json
 import os
+import struct
 import sys
 import zipfile
+import zlib
 
-# No sound file is larger. A submission that is, is refused before it is read.
-MAX_FILE_BYTES = 64 << 20
-MAX_FILES = 200000
+# No sound submission has more. One that has is refused before more of it is read.
+MAX_ENTRIES = 20000
+MAX_CARD_BYTES = 1 << 20
+MAX_TOTAL_BYTES = 64 << 20
+# Of the list of files at the end of a zip.
+MAX_LIST_BYTES = 8 << 20
+# Folders below which nothing is looked for: masks stand in <folder>/masks/<scene>/.
+DEEPEST = 3
+# Digits of a number; more take Python long to read.
+MAX_DIGITS = 20
 HEADER = "scene,query,frame,state,intersection,union,predicted,truth,instance,instance_overlap"
 CATEGORIES = ["attribute", "action", "spatial", "interaction"]
 SCALES = ["outdoor", "room", "tabletop"]
 COLUMNS = ["miou", "macc", "acc25", "acc50", "tube_iou", "select", "fpr"]
+# Nobody competes under these names.
+BASELINES = ["oracle", "time-agnostic", "look-alike-union", "random-look-alike", "all", "none"]
 # More problems than a person reads.
 MAX_PROBLEMS = 40
 
@@ -39,47 +51,87 @@ class Folder:
     def __init__(self, root):
         self.root = root
         self.sizes = {}
-        for place, folders, files in os.walk(root, followlinks=False):
-            folders.sort()
-            for name in files:
-                path = os.path.join(place, name)
-                if not os.path.islink(path) and os.path.isfile(path):
-                    relative = os.path.relpath(path, root).replace(os.sep, "/")
-                    self.sizes[relative] = os.path.getsize(path)
-            if len(self.sizes) > MAX_FILES:
-                raise Refusal("there are more than %d files" % MAX_FILES)
+        pending, entries = [""], 0
+        while pending:
+            inside = pending.pop()
+            try:
+                with os.scandir(os.path.join(root, inside)) as listed:
+                    for entry in listed:
+                        entries += 1
+                        require_few(entries)
+                        name = inside + entry.name
+                        if entry.is_dir(follow_symlinks=False):
+                            if name.count("/") < DEEPEST:
+                                pending.append(name + "/")
+                        elif entry.is_file(follow_symlinks=False):
+                            self.sizes[name] = entry.stat(follow_symlinks=False).st_size
+            except OSError as error:
+                raise Refusal("%s cannot be listed: %s" % (shown(inside), shown(error.strerror)))
 
-    def read(self, name):
-        with open(os.path.join(self.root, *name.split("/")), "rb") as file:
-            return bounded(name, file)
+    def read(self, name, most):
+        try:
+            with open(os.path.join(self.root, *name.split("/")), "rb") as file:
+                return bounded(file, most)
+        except OSError as error:
+            raise Refusal("cannot be read: %s" % shown(error.strerror))
+
+
+class ZipFile(io.FileIO):
+    """A zip on disk. `zipfile` reads the list of entries at once, before anybody can see how long it is."""
+
+    is_listed = False
+
+    def read(self, size=-1):
+        if self.is_listed:
+            return super().read(size)
+        data = super().read(MAX_LIST_BYTES + 1 if size < 0 else min(size, MAX_LIST_BYTES + 1))
+        if len(data) > MAX_LIST_BYTES:
+            raise Refusal("the list of files in the archive is longer than %d bytes" % MAX_LIST_BYTES)
+        return data
 
 
 class Archive:
     """Files of a zip, by path; they are read one by one and never unpacked to a disk."""
 
+    # What `zipfile` raises over bytes that are no zip.
+    BROKEN = (zipfile.BadZipFile, zlib.error, struct.error, OSError, EOFError, RuntimeError, ValueError, IndexError, OverflowError)
+
     def __init__(self, path):
         try:
-            self.archive = zipfile.ZipFile(path)
-            entries = self.archive.infolist()
-        except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
-            raise Refusal("the archive cannot be read: %s" % error)
-        if len(entries) > MAX_FILES:
-            raise Refusal("there are more than %d files" % MAX_FILES)
-        self.sizes = {entry.filename: entry.file_size for entry in entries if not entry.filename.endswith("/")}
+            file = ZipFile(path)
+            self.archive = zipfile.ZipFile(file)
+            file.is_listed = True
+        except self.BROKEN as error:
+            raise Refusal("the archive cannot be read: %s" % shown(error))
+        entries = self.archive.infolist()
+        require_few(len(entries))
+        self.sizes = {}
+        for entry in entries:
+            if entry.filename in self.sizes:
+                raise Refusal("%s stands in the archive twice" % shown(entry.filename))
+            if not entry.filename.endswith("/"):
+                self.sizes[entry.filename] = entry.file_size
 
-    def read(self, name):
+    def read(self, name, most):
+        if self.archive.getinfo(name).compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise Refusal("cannot be read: it has to be stored or deflated")
         try:
             with self.archive.open(name) as file:
-                return bounded(name, file)
-        except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, EOFError, ValueError) as error:
-            raise Refusal("%s cannot be read: %s" % (shown(name), error))
+                return bounded(file, most)
+        except self.BROKEN as error:
+            raise Refusal("cannot be read: %s" % shown(error))
 
 
-def bounded(name, file):
+def require_few(entries):
+    if entries > MAX_ENTRIES:
+        raise Refusal("there are more than %d files and folders" % MAX_ENTRIES)
+
+
+def bounded(file, most):
     # A header may lie about the size of what is packed.
-    data = file.read(MAX_FILE_BYTES + 1)
-    if len(data) > MAX_FILE_BYTES:
-        raise Refusal("%s is larger than %d bytes" % (shown(name), MAX_FILE_BYTES))
+    data = file.read(most + 1)
+    if len(data) > most:
+        raise Refusal("is larger than %d bytes" % most)
     return data
 
 
@@ -87,15 +139,39 @@ def open_files(path):
     return Folder(path) if os.path.isdir(path) else Archive(path)
 
 
-def read_json(files, name):
+def read_json(files, name, most):
     try:
-        return json.loads(files.read(name).decode("utf-8"), parse_constant=refuse_constant)
+        return parse(files.read(name, most))
+    except Refusal as refusal:
+        raise Refusal("%s: %s" % (name, refusal))
+
+
+def parse(data):
+    try:
+        return json.loads(
+            data.decode("utf-8"), parse_constant=refuse_constant, parse_int=short_number, object_pairs_hook=unique
+        )
     except (ValueError, RecursionError) as error:
-        raise Refusal("%s is no JSON: %s" % (shown(name), error))
+        raise Refusal("is no JSON: %s" % error)
 
 
 def refuse_constant(name):
     raise ValueError("%s is no number" % name)
+
+
+def short_number(digits):
+    if len(digits) > MAX_DIGITS:
+        raise ValueError("a number has more than %d digits" % MAX_DIGITS)
+    return int(digits)
+
+
+def unique(pairs):
+    found = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError("%s stands there twice" % shown(key))
+        found[key] = value
+    return found
 
 
 def shown(text):
@@ -130,6 +206,8 @@ def decode(text, pixels):
         if value < 0:
             raise ValueError("a negative run")
         counts.append(value)
+        if len(counts) > pixels + 1:
+            raise ValueError("more runs than pixels")
     if sum(counts) != pixels:
         raise ValueError("%d pixels instead of %d" % (sum(counts), pixels))
     runs = []
@@ -180,7 +258,7 @@ class Scene:
     """Truth and queries of a scene."""
 
     def __init__(self, files, name):
-        truth = read_json(files, "truth/%s.json" % name)
+        truth = read_json(files, "truth/%s.json" % name, MAX_TOTAL_BYTES)
         self.name = name
         self.scale = truth["scale"]
         self.size = [truth["height"], truth["width"]]
@@ -191,7 +269,7 @@ class Scene:
         for instance in sorted(truth["instances"], key=lambda instance: instance["id"]):
             masks = {int(key): decode(counts, self.pixels) for key, counts in instance["masks"].items()}
             self.instances.append((instance["name"], masks))
-        lines = files.read("queries/%s.jsonl" % name).decode("utf-8").splitlines()
+        lines = files.read("queries/%s.jsonl" % name, MAX_TOTAL_BYTES).decode("utf-8").splitlines()
         queries = [json.loads(line) for line in lines if line.strip()]
         self.queries = [query for query in queries if query["status"] != "rejected"]
 
@@ -210,74 +288,91 @@ def holds(query, frame):
 
 
 class Submission:
-    """method.json and masks/<scene>/<nnn>.json, at the top or in one folder."""
+    """method.json and masks/<scene>/<nnn>.json, at the top or in one folder. What is wrong is added to `problems`."""
 
-    def __init__(self, files, reference):
+    def __init__(self, files, reference, problems):
         self.files = files
+        self.problems = problems
+        self.left = MAX_TOTAL_BYTES
         cards = [name for name in files.sizes if name == "method.json" or name.count("/") == 1 and name.endswith("/method.json")]
         if len(cards) != 1:
             raise Refusal("method.json has to stand once, at the top or in one folder; it stands there %d times" % len(cards))
         self.prefix = cards[0][: -len("method.json")]
-        card = read_json(files, cards[0])
+        try:
+            self.check_card(parse(files.read(cards[0], MAX_CARD_BYTES)), reference)
+        except Refusal as refusal:
+            problems.append("method.json: %s" % refusal)
+
+    def check_card(self, card, reference):
         if not isinstance(card, dict):
-            raise Refusal("method.json is no object")
-        for field, meaning in [("profile", "profile"), ("truth_digest", "truth")]:
-            if card.get(field) != reference[field]:
-                raise Refusal(
-                    "method.json: field `%s` is %s, but the %s here is %s" % (field, shown(card.get(field)), meaning, reference[field])
-                )
-        if not isinstance(card.get("benchmark_version"), str) or card["benchmark_version"] != reference["version"]:
-            raise Refusal("method.json: field `benchmark_version` is %s, but this is version %s" % (shown(card.get("benchmark_version")), reference["version"]))
-        if card.get("protocol") != "l4d":
-            raise Refusal("method.json: field `protocol` has to be l4d")
+            raise Refusal("is no object")
+        expected = [
+            ("profile", reference["profile"], "the profile here is"),
+            ("truth_digest", reference["truth_digest"], "the truth here is"),
+            ("benchmark_version", reference["version"], "the version here is"),
+            ("protocol", "l4d", "it has to be"),
+        ]
+        for field, value, meaning in expected:
+            if card.get(field) != value:
+                self.problems.append("method.json: field `%s` is %s, but %s %s" % (field, shown(card.get(field)), meaning, value))
         used = card.get("used")
         if not isinstance(used, dict) or not isinstance(used.get("ground_truth"), bool) or not isinstance(used.get("test_view"), bool):
-            raise Refusal("method.json: field `used` has to say whether ground_truth and test_view were used")
-        if used["ground_truth"]:
-            raise Refusal("method.json: results that used the ground truth are not ranked")
+            self.problems.append("method.json: field `used` has to say whether ground_truth and test_view were used")
+        elif used["ground_truth"]:
+            self.problems.append("method.json: results that used the ground truth are not ranked")
+        if card.get("baseline", False) is not False or card.get("name") in BASELINES:
+            self.problems.append("method.json: baselines are not ranked; the names %s are theirs" % ", ".join(BASELINES))
 
-    def answers(self, scene, query, problems):
-        """Frame -> runs, or None for absent; frames without an answer are not in it."""
-        number = query["id"].split("/")[1]
-        name = "%smasks/%s/%s.json" % (self.prefix, scene.name, number)
-        place = "masks/%s/%s.json" % (scene.name, number)
-        if name not in self.files.sizes:
-            problems.append("%s: is missing" % place)
-            return {}
+    def answers(self, scene, query):
+        """Frame -> runs, or None for absent, one frame after another; what has no answer is not among them."""
+        place = "masks/%s/%s.json" % (scene.name, query["id"].split("/")[1])
+        if self.left < 0:
+            return
         try:
-            document = read_json(self.files, name)
-            if not isinstance(document, dict) or set(document) != {"size", "frames"}:
-                raise Refusal("has to hold `size` and `frames`, nothing else")
-            if document["size"] != scene.size or not isinstance(document["frames"], dict):
-                raise Refusal("`size` is %s, but the truth has %s" % (shown(document["size"]), scene.size))
-            answers = {}
-            for key, counts in document["frames"].items():
-                if len(key) != 4 or not key.isdigit() or not key.isascii() or int(key) not in scene.clip:
-                    raise Refusal("%s is no frame of the clip" % shown(key))
-                if counts is not None and not isinstance(counts, str):
-                    raise Refusal("frame %s is neither run lengths nor null" % key)
+            for frame, counts in self.frames(scene, place).items():
                 try:
-                    answers[int(key)] = None if counts is None else decode(counts, scene.pixels)
+                    yield frame, None if counts is None else decode(counts, scene.pixels)
                 except ValueError as error:
-                    raise Refusal("frame %s: %s" % (key, error))
+                    raise Refusal("frame %04d: %s" % (frame, error))
         except Refusal as refusal:
-            problems.append("%s: %s" % (place, refusal))
-            return {}
-        missing = [frame for frame in scene.frames if frame not in answers]
+            self.problems.append("%s: %s" % (place, refusal))
+
+    def frames(self, scene, place):
+        """Frame -> run lengths as they were sent."""
+        if self.prefix + place not in self.files.sizes:
+            raise Refusal("is missing")
+        # Run lengths of pure noise take one character a pixel, and all else takes less.
+        data = self.files.read(self.prefix + place, len(scene.clip) * (scene.pixels + 16) + (64 << 10))
+        self.left -= len(data)
+        if self.left < 0:
+            raise Refusal("with it all masks are larger than %d bytes; nothing more was read" % MAX_TOTAL_BYTES)
+        document = parse(data)
+        if not isinstance(document, dict) or set(document) != {"size", "frames"}:
+            raise Refusal("has to hold `size` and `frames`, nothing else")
+        if document["size"] != scene.size or not isinstance(document["frames"], dict):
+            raise Refusal("`size` is %s, but the truth has %s" % (shown(document["size"]), scene.size))
+        frames = {}
+        for key, counts in document["frames"].items():
+            if len(key) != 4 or not key.isdigit() or not key.isascii() or int(key) not in scene.clip:
+                raise Refusal("%s is no frame of the clip" % shown(key))
+            if counts is not None and not isinstance(counts, str):
+                raise Refusal("frame %s is neither run lengths nor null" % key)
+            frames[int(key)] = counts
+        missing = [frame for frame in scene.frames if frame not in frames]
         if missing:
-            problems.append("%s: %d frames have no answer, the first is %04d" % (place, len(missing), missing[0]))
-        return answers
+            raise Refusal("%d frames have no answer, the first is %04d" % (len(missing), missing[0]))
+        return frames
 
 
 # ---- counts and ratios -----------------------------------------------------------------------------------------
 
 
-def count(scene, query, frame, answers):
+def count(scene, query, frame, answer):
     """A row of counts.csv: state, intersection, union, predicted, truth, instance, instance_overlap."""
     if frame not in scene.frames:
         return ("not_annotated", 0, 0, 0, 0, "", 0)
     target = scene.target(query, frame)
-    predicted = answers.get(frame) or []
+    predicted = answer or []
     shared = overlap(target, predicted)
     wanted, found = area(target), area(predicted)
     leader, most = "", 0
@@ -330,18 +425,20 @@ def mean(scored, column):
 def score(reference_path, submission_path):
     """Scores in percent by column, and the text of counts.csv. Raises Refusal with everything that is wrong."""
     files = open_files(reference_path)
-    reference = read_json(files, "reference.json")
-    submission = Submission(open_files(submission_path), reference)
+    reference = read_json(files, "reference.json", MAX_CARD_BYTES)
     problems, rows, scored = [], [HEADER], []
+    submission = Submission(open_files(submission_path), reference, problems)
     for name in reference["scenes"]:
         scene = Scene(files, name)
         for query in scene.queries:
-            answers = submission.answers(scene, query, problems)
-            counted = [count(scene, query, frame, answers) for frame in scene.clip]
+            counted = {frame: count(scene, query, frame, answer) for frame, answer in submission.answers(scene, query)}
+            for frame in scene.clip:
+                if frame not in counted:
+                    counted[frame] = count(scene, query, frame, None)
             number = query["id"].split("/")[1]
-            for frame, row in zip(scene.clip, counted):
-                rows.append("%s,%s,%d,%s" % (name, number, frame, ",".join(map(str, row))))
-            scored.append((query, scene, ratios(query, counted)))
+            for frame in scene.clip:
+                rows.append("%s,%s,%d,%s" % (name, number, frame, ",".join(map(str, counted[frame]))))
+            scored.append((query, scene, ratios(query, [counted[frame] for frame in scene.clip])))
     if problems:
         more = len(problems) - MAX_PROBLEMS
         tail = ["and %d more" % more] if more > 0 else []

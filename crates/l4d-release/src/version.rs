@@ -67,13 +67,16 @@ pub fn changes(before: &Contents, now: &Contents) -> Vec<Change> {
     }
     let renders = |contents: &Contents| contents.renders.as_ref().map(|renders| renders.profile);
     match (renders(before), renders(now)) {
-        (old, Some(new)) if old != Some(new) => {
-            add(Step::Minor, format!("renders of profile {new} were added"));
+        (old, new) if old == new => {
+            if before.renders != now.renders {
+                add(Step::Patch, "renders differ".to_owned());
+            }
         }
-        (Some(_), _) | (None, None) if before.renders != now.renders => {
-            add(Step::Patch, "renders differ".to_owned());
+        (old, new) => {
+            old.into_iter()
+                .for_each(|old| add(Step::Major, format!("renders of profile {old} were removed")));
+            new.into_iter().for_each(|new| add(Step::Minor, format!("renders of profile {new} were added")));
         }
-        _ => {}
     }
     let listed = |contents: &Contents| (contents.name.clone(), contents.licence.clone());
     if listed(before) != listed(now) {
@@ -179,7 +182,7 @@ pub(crate) fn check(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contents::{Publication, QueryContents, SCHEMA};
+    use crate::contents::{Publication, QueryContents, RenderContents, SCHEMA};
     use std::collections::BTreeMap;
     use std::path::Path;
 
@@ -267,6 +270,24 @@ mod tests {
             (Step::Major, Step::Minor),
             "the gravest first"
         );
+    }
+
+    #[test]
+    fn renders_that_are_gone_are_missed() {
+        let with = |profile: Option<Profile>, digest: &str| {
+            let scenes = BTreeMap::from([(Name::new("a").unwrap(), digest.to_owned())]);
+            let mut contents = contents("0.2.0");
+            contents.renders = profile.map(|profile| RenderContents { profile, scenes });
+            contents
+        };
+        let steps = |before: &Contents, now: &Contents| -> Vec<Step> {
+            changes(before, now).iter().map(|change| change.step).collect()
+        };
+        let (none, tiny) = (with(None, ""), with(Some(Profile::Tiny), "1"));
+        assert_eq!(steps(&none, &tiny), [Step::Minor]);
+        assert_eq!(steps(&tiny, &with(Some(Profile::Tiny), "2")), [Step::Patch]);
+        assert_eq!(steps(&tiny, &with(Some(Profile::Full), "1")), [Step::Major, Step::Minor]);
+        assert_eq!(steps(&tiny, &none), [Step::Major]);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::codes;
 use crate::exam::SceneExam;
-use crate::folder::{Kind, entries, read_sized, report_link};
+use crate::folder::{Kind, entries, read_sized, report_link, sound_bytes};
 use crate::judge::Answer;
 
 /// Room for what a file holds beside pixels: names, headers, remarks.
@@ -62,12 +62,26 @@ impl Reader<'_> {
         }
     }
 
+    /// Bytes that [`Self::read`] would read.
+    pub(crate) fn bytes(&self, id: &QueryId, forms: Forms) -> u64 {
+        match forms {
+            Forms { json: true, folder: false } => sound_bytes(&self.dir.mask_file(id), self.largest_json()),
+            Forms { json: false, folder: true } => {
+                let folder = self.dir.mask_folder(id);
+                let is_mask =
+                    |name: &str| name.strip_suffix(".png").and_then(|key| self.position(key)).is_some();
+                let found = entries(&folder, &mut Report::default());
+                let masks = found.iter().filter(|(name, _)| is_mask(name));
+                masks.map(|(name, _)| sound_bytes(&folder.join(name), self.largest_png())).sum()
+            }
+            Forms { json: true, folder: true } | Forms { json: false, folder: false } => 0,
+        }
+    }
+
     fn read_json(&self, id: &QueryId, report: &mut Report) -> Vec<Answer> {
         let path = self.dir.mask_file(id);
         let mut answers = vec![Answer::Missing; self.clip.len()];
-        // Run lengths of pure noise take one character a pixel, and all else takes less.
-        let limit = self.clip.len() as u64 * (self.largest_pixels() + 16) + BESIDES_BYTES;
-        let Some(bytes) = read_sized(&path, limit, report) else { return answers };
+        let Some(bytes) = read_sized(&path, self.largest_json(), report) else { return answers };
         let file: AnswerFile = match json::parse(&path, None, &bytes) {
             Ok(file) => file,
             Err(error) => {
@@ -136,9 +150,7 @@ impl Reader<'_> {
     }
 
     fn read_png(&self, path: &Path, report: &mut Report) -> Option<Mask> {
-        // Without compression, a byte a pixel.
-        let limit = self.largest_pixels() + self.largest_pixels() / 64 + BESIDES_BYTES;
-        let bytes = read_sized(path, limit, report)?;
+        let bytes = read_sized(path, self.largest_png(), report)?;
         let (width, height) = self.size;
         let decoded = if self.resize {
             let checked = png::size(&bytes).map(|size| self.check_size(size));
@@ -173,6 +185,16 @@ impl Reader<'_> {
                 None
             }
         }
+    }
+
+    /// Bytes of the largest sound JSON: run lengths of pure noise take one character a pixel, and all else takes less.
+    fn largest_json(&self) -> u64 {
+        self.clip.len() as u64 * (self.largest_pixels() + 16) + BESIDES_BYTES
+    }
+
+    /// Bytes of the largest sound PNG: without compression, a byte a pixel.
+    fn largest_png(&self) -> u64 {
+        self.largest_pixels() + self.largest_pixels() / 64 + BESIDES_BYTES
     }
 
     /// Pixels of the largest mask that is taken.
@@ -299,6 +321,7 @@ pub(crate) fn frame_list(frames: &[u32]) -> String {
     }
 }
 
-fn printable(key: &str) -> String {
-    key.chars().take(40).flat_map(char::escape_default).collect()
+/// What a stranger wrote, short and without effect.
+pub(crate) fn printable(text: &str) -> String {
+    text.chars().take(40).flat_map(char::escape_default).collect()
 }

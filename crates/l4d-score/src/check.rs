@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::exam::{Exam, SceneExam};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{check_scenes, find_methods, read_card};
+use crate::results::{admit, find_methods, read_card};
 
 /// Checks one method or a folder of them; gives the number of methods.
 pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<usize, DataError> {
@@ -16,9 +16,8 @@ pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<us
     for dir in &methods {
         // Masks are worth reading even when the card is wrong: all problems shall be known at once.
         read_card(dir, exam, false, report);
-        check_scenes(dir, &exam.bench.manifest.scenes, report);
-        for scene in &exam.scenes {
-            check_scene(dir, scene, report);
+        if admit(dir, exam, false, report) {
+            exam.scenes.iter().for_each(|scene| check_scene(dir, scene, report));
         }
     }
     Ok(methods.len())

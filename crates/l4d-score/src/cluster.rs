@@ -21,7 +21,7 @@ use crate::metrics::{QueryTally, Ratios};
 
 /// Draws behind each interval.
 pub const RESAMPLES: usize = 4000;
-/// Intervals from fewer scenes than this may be too narrow: simulated ones hold the true mean 88 to 95 times in 100.
+/// Intervals from fewer scenes than this may be too narrow: simulated ones hold the true mean 85 to 95 times in 100.
 pub const FEW_SCENES: usize = 8;
 /// Share that lies below an interval, and above it.
 pub(crate) const TAIL: f64 = 0.025;

@@ -30,6 +30,8 @@ pub const LINK: &str = "L4D313";
 pub const TOO_LARGE: &str = "L4D314";
 /// A folder with more entries, or a file with more frames, than any sound one.
 pub const TOO_MANY: &str = "L4D315";
+/// More bytes of masks than are taken in.
+pub const TOO_MUCH: &str = "L4D316";
 /// A query whose referent is visible in no frame.
 pub const NEVER_PRESENT: &str = "L4D401";
 /// A scene of the benchmark that this profile has no truth or queries for.

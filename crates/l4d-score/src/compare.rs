@@ -337,6 +337,27 @@ mod tests {
     }
 
     #[test]
+    fn every_p_is_as_likely_as_it_says() {
+        // If no method is better, each way to flip a study is as likely: all of them together have to give every p
+        // twice, one for each side, from the least to one.
+        let sizes = [1_u32, 4, 2, 7, 1, 3, 5, 2];
+        let totals = [3.1, -20.3, 8.7, 40.9, 6.2, -11.4, 0.9, 17.3];
+        let of_flip = |signs: usize| {
+            let signed = |scene: usize| if signs >> scene & 1 == 0 { totals[scene] } else { -totals[scene] };
+            let queries = |scene: usize| {
+                let share = signed(scene) / f64::from(sizes[scene]);
+                (0..sizes[scene]).map(move |_| (scene, share))
+            };
+            compare(&(0..sizes.len()).flat_map(queries).collect::<Vec<_>>()).p
+        };
+        let ways = 1 << sizes.len();
+        let mut found: Vec<f64> = (0..ways).map(of_flip).collect();
+        found.sort_by(f64::total_cmp);
+        let expected = (0..ways).map(|rank| (rank / 2 + 1) as f64 * 2.0 / ways as f64);
+        assert!(found.into_iter().eq(expected));
+    }
+
+    #[test]
     fn drawn_signs_come_near_counted_ones() {
         // Tiny scenes more push the number over what is counted, and change nearly nothing.
         let mut differences: Vec<f64> = (0..20).map(|scene| f64::from(scene * 13 % 20) - 6.0).collect();

@@ -7,6 +7,7 @@ use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale, Status
 use serde::{Deserialize, Serialize};
 
 use crate::codes;
+use crate::results::MOST_BYTES;
 use crate::traits::Traits;
 use crate::truth::SceneTruth;
 
@@ -60,6 +61,8 @@ pub struct Exam {
     pub clip: Vec<u32>,
     /// The scenes asked about, in table order.
     pub scenes: Vec<SceneExam>,
+    /// Bytes of masks that a method may have: [`MOST_BYTES`], until whoever judges says otherwise.
+    pub most_bytes: u64,
 }
 
 /// One scene of an exam.
@@ -134,7 +137,15 @@ impl Exam {
             let remedy = "choose another --profile or build the scenes";
             return Err(DataError::invalid(bench.root(), "folder", message, remedy));
         }
-        Ok(Self { truth_digest, clip: profile.frames().collect(), bench, profile, set, scenes })
+        Ok(Self {
+            truth_digest,
+            clip: profile.frames().collect(),
+            bench,
+            profile,
+            set,
+            scenes,
+            most_bytes: MOST_BYTES,
+        })
     }
 
     /// Reads and decodes the truth of a scene.

@@ -86,6 +86,12 @@ pub(crate) fn list(folder: &Path, report: &mut Report) -> Vec<(String, Kind)> {
     }
 }
 
+/// Size of a file that [`read_sized`] would read; none of links and of what is larger.
+pub(crate) fn sound_bytes(path: &Path, limit: u64) -> u64 {
+    let metadata = fs::symlink_metadata(path).ok().filter(fs::Metadata::is_file);
+    metadata.map(|metadata| metadata.len()).filter(|bytes| *bytes <= limit).unwrap_or_default()
+}
+
 pub(crate) fn read_sized(path: &Path, limit: u64, report: &mut Report) -> Option<Vec<u8>> {
     match read_bounded(path, limit) {
         Ok(bytes) => Some(bytes),

@@ -11,9 +11,10 @@ use std::path::Path;
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
 use l4d_data::store::read_bounded;
-use l4d_data::{DataError, Name, Report};
+use l4d_data::{DataError, Name, Query, Report};
+use rayon::prelude::*;
 
-use crate::answers::{Forms, frame_list};
+use crate::answers::{Forms, Reader, frame_list, printable};
 use crate::codes;
 use crate::exam::{Exam, SceneExam};
 use crate::folder::{Kind, entries, kind_of, list, report_link};
@@ -22,6 +23,11 @@ use crate::folder::{Kind, entries, kind_of, list, report_link};
 pub const PROTOCOL: &str = "l4d";
 /// No card is larger.
 const MAX_CARD_BYTES: u64 = 1 << 20;
+/// Unit in which people are told.
+pub const MEGABYTE: u64 = 1_000_000;
+/// Bytes of masks that one method may have unless whoever judges says otherwise. Noise in every frame of the profile full
+/// takes a quarter of it as 1-bit PNG.
+pub const MOST_BYTES: u64 = 4000 * MEGABYTE;
 
 /// Finds the methods in a folder: the folder itself if it holds a card or masks, else each of its folders.
 pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>, DataError> {
@@ -72,7 +78,7 @@ pub fn read_card(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Repor
             return None;
         }
     }
-    let card = read_bounded(&path, MAX_CARD_BYTES).and_then(|_| MethodCard::read(&path));
+    let card = read_bounded(&path, MAX_CARD_BYTES).and_then(|bytes| MethodCard::parse(&path, &bytes));
     let card = match card {
         Ok(card) => card,
         Err(error) => {
@@ -100,13 +106,13 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
     check(
         "protocol",
         card.protocol == PROTOCOL,
-        format!("is `{}`, but `{PROTOCOL}` is scored here", card.protocol),
+        format!("is `{}`, but `{PROTOCOL}` is scored here", printable(&card.protocol)),
         format!("write `{PROTOCOL}` if the masks answer the whole clip of the held-out view"),
     );
     check(
         "benchmark_version",
         card.benchmark_version == *version,
-        format!("is {}, but the benchmark is {version}", card.benchmark_version),
+        format!("is {}, but the benchmark is {version}", printable(&card.benchmark_version)),
         again.to_owned(),
     );
     let profile = exam.profile;
@@ -118,7 +124,7 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
     }
     let digest = |text: &str| match text {
         "" => "no truth".to_owned(),
-        text => text.chars().take(12).chain("...".chars()).collect::<String>(),
+        text => format!("{}...", printable(&text.chars().take(12).collect::<String>())),
     };
     check(
         "truth_digest",
@@ -145,8 +151,35 @@ fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str
     found
 }
 
-/// Reports folders of masks for scenes that the benchmark does not have, and anything else that is out of place.
-pub fn check_scenes(dir: &ResultsDir, known: &[Name], report: &mut Report) {
+/// Looks through the folder of masks before any of them is read: reports folders for scenes that the benchmark does not
+/// have and anything else that is out of place. False, and reported, if there are more bytes than are taken in.
+pub fn admit(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -> bool {
+    check_scenes(dir, &exam.bench.manifest.scenes, report);
+    let bytes: u64 = exam.scenes.par_iter().map(|scene| scene_bytes(dir, scene, resize)).sum();
+    let is_admitted = bytes <= exam.most_bytes;
+    if !is_admitted {
+        let message = format!(
+            "holds {} MB of masks, more than the {} MB that are taken in, so none of them was read",
+            bytes.div_ceil(MEGABYTE),
+            exam.most_bytes / MEGABYTE
+        );
+        let hint = "write run lengths or 1-bit PNG; who judges may raise --max-megabytes";
+        report.error(codes::TOO_MUCH, &dir.masks(), "folder", message, hint);
+    }
+    is_admitted
+}
+
+/// Bytes of the masks that would be read. What is wrong with them is for those to say who read them.
+fn scene_bytes(dir: &ResultsDir, scene: &SceneExam, resize: bool) -> u64 {
+    let forms = scan_scene(dir, scene, &mut Report::default());
+    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize };
+    let bytes = |query: &Query| {
+        forms.get(query.id.number.as_str()).map_or(0, |forms| reader.bytes(&query.id, *forms))
+    };
+    scene.queries.iter().map(bytes).sum()
+}
+
+fn check_scenes(dir: &ResultsDir, known: &[Name], report: &mut Report) {
     let masks = dir.masks();
     for (name, kind) in entries(&masks, report) {
         let path = masks.join(&name);

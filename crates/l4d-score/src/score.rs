@@ -15,7 +15,7 @@ use crate::exam::{Exam, SceneExam};
 use crate::judge::{Answer, judge_query};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{PROTOCOL, check_scenes, find_methods, read_card};
+use crate::results::{PROTOCOL, admit, find_methods, read_card};
 use crate::summary::Summary;
 use crate::truth::SceneTruth;
 
@@ -102,7 +102,9 @@ fn score_method(
     scores: &Path,
     report: &mut Report,
 ) -> Result<Option<Summary>, DataError> {
-    check_scenes(dir, &exam.bench.manifest.scenes, report);
+    if !admit(dir, exam, options.resize, report) {
+        return Ok(None);
+    }
     let mut writer = CountsWriter::create(&counts_path(scores, &card.name))?;
     let mut tallies = Vec::new();
     // As many scenes at once as there are threads: their truth is all that memory must hold.

@@ -22,7 +22,7 @@ use crate::folder::{Kind, kind_of, report_link};
 use crate::judge::judge_query;
 use crate::metrics::Options;
 use crate::reading::{Holes, SceneReader};
-use crate::results::{check_scenes, find_methods, read_card};
+use crate::results::{admit, find_methods, read_card};
 use crate::truth::SceneTruth;
 
 /// Relevancy is a byte: inside is what lies strictly above one of these.
@@ -115,9 +115,9 @@ pub fn sweep_results(
     for dir in find_methods(root, report)? {
         let mut problems = Report::default();
         if let Some(card) = read_card(&dir, exam, options.resize, &mut problems) {
-            check_scenes(&dir, &exam.bench.manifest.scenes, &mut problems);
+            let is_admitted = admit(&dir, exam, options.resize, &mut problems);
             let mut scenes = Vec::new();
-            for scene in &exam.scenes {
+            for scene in exam.scenes.iter().filter(|_| is_admitted) {
                 scenes.push(sweep_scene(&dir, scene, exam, options, &mut problems)?);
             }
             if !problems.has_errors() {

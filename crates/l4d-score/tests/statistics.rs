@@ -1,16 +1,23 @@
-//! What intervals, p values and detectable differences promise, on studies whose truth is known.
+//! What intervals, p values and detectable differences promise, on studies whose truth is known, and the numbers
+//! themselves against those of statsmodels and SciPy (`statistics/reference.py`).
 //!
 //! Scenes differ in how hard they are and in how many queries they have; values are like IoUs: some are zero, because the
 //! wrong thing or nothing was marked, and the rest lie below 100.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
+use std::path::Path;
+use std::process::Command;
+
 use l4d_data::Name;
-use l4d_score::compare::ALPHA;
+use l4d_score::compare::{ALPHA, holm};
 use l4d_score::{Comparison, Estimate};
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Beta, Distribution as _, StandardNormal};
+use serde::Deserialize;
+
+const REFERENCE: &str = include_str!("statistics/reference.json");
 
 /// Queries of a scene, from few to many.
 const SIZES: [usize; 21] = [4, 5, 6, 7, 8, 8, 9, 10, 11, 12, 13, 14, 14, 15, 16, 17, 19, 20, 22, 24, 27];
@@ -127,17 +134,126 @@ fn comparisons(
     (0..studies).map(|study| compare(design, kind, ahead(study), study, &mut random)).collect()
 }
 
-/// Of p values that should be uniform: share below [`ALPHA`], and the largest distance of their distribution (of
-/// Kolmogorov and Smirnov).
-fn uniformity(mut p: Vec<f64>) -> (f64, f64) {
-    p.sort_by(f64::total_cmp);
-    let count = p.len() as f64;
-    let rejected = p.iter().filter(|p| **p < ALPHA).count() as f64 / count;
-    let distance = p.iter().enumerate().map(|(rank, p)| {
-        let rank = rank as f64;
-        (p - rank / count).abs().max((p - (rank + 1.0) / count).abs())
-    });
-    (rejected, distance.fold(0.0, f64::max))
+/// How far p values are from uniform ones.
+#[derive(Debug)]
+struct Uniformity {
+    /// Share below [`ALPHA`].
+    rejected: f64,
+    /// How large that share is of uniform ones: p has as many values as there are ways to flip, over two.
+    expected: f64,
+    /// How far `rejected` may be off `expected`, 99 times in 100.
+    most_off: f64,
+    /// Of Kolmogorov and Smirnov, looked at where p can be.
+    distance: f64,
+    /// What it stays below 99 times in 100.
+    most_distance: f64,
+}
+
+impl Uniformity {
+    fn of(p: &[f64], scenes: usize) -> Self {
+        let (count, ways) = (p.len() as f64, f64::from(1_u32 << (scenes - 1)));
+        let share = |is: &dyn Fn(f64) -> bool| p.iter().filter(|p| is(**p)).count() as f64 / count;
+        let mut ascending = p.to_vec();
+        ascending.sort_by(f64::total_cmp);
+        let distance = (1..=ways as u32).map(|way| {
+            let at = f64::from(way) / ways;
+            (ascending.partition_point(|p| *p <= at) as f64 / count - at).abs()
+        });
+        let expected = ((ALPHA * ways).ceil() - 1.0) / ways;
+        Self {
+            rejected: share(&|p| p < ALPHA),
+            expected,
+            most_off: 2.576 * (expected * (1.0 - expected) / count).sqrt(),
+            distance: distance.fold(0.0, f64::max),
+            most_distance: 1.628 / count.sqrt(),
+        }
+    }
+
+    fn is_plausible(&self) -> bool {
+        (self.rejected - self.expected).abs() <= self.most_off && self.distance < self.most_distance
+    }
+}
+
+#[derive(Deserialize)]
+struct Study {
+    scenes: Vec<usize>,
+    values: Vec<Vec<f64>>,
+    estimates: Vec<Reference>,
+    pairs: Vec<ReferencePair>,
+}
+
+#[derive(Deserialize)]
+struct Reference {
+    value: f64,
+    standard_error: f64,
+    /// Between what the lower end lies: the same twice where nothing is drawn.
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+#[derive(Deserialize)]
+struct ReferencePair {
+    first: usize,
+    second: usize,
+    difference: Reference,
+    p: f64,
+    holm_p: f64,
+    detectable: f64,
+}
+
+fn assert_near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} is not {expected}");
+}
+
+fn assert_estimate(found: Estimate, expected: &Reference) {
+    assert_near(found.value, expected.value, 1e-8);
+    let error = found.standard_error.unwrap();
+    assert_near(error, expected.standard_error, 1e-8);
+    let rounding = 1e-6 * error;
+    for (end, [least, most]) in found.interval.unwrap().into_iter().zip([expected.low, expected.high]) {
+        assert!((least - rounding..=most + rounding).contains(&end), "{end} is not in {least} to {most}");
+    }
+}
+
+#[test]
+fn numbers_are_those_of_statsmodels_and_scipy() {
+    let names = names();
+    let studies: Vec<Study> = serde_json::from_str(REFERENCE).unwrap();
+    let is_drawn = |study: &Study| study.estimates[0].low[0] < study.estimates[0].low[1];
+    assert_eq!(
+        [true, false].map(|drawn| studies.iter().filter(|study| is_drawn(study) == drawn).count()),
+        [2, 4]
+    );
+    for study in studies {
+        let of_scenes = |values: Vec<f64>| study.scenes.iter().map(|scene| &names[*scene]).zip(values);
+        for (values, expected) in study.values.iter().zip(&study.estimates) {
+            assert_estimate(Estimate::of(of_scenes(values.clone()), 0).unwrap(), expected);
+        }
+        let mut p_values = Vec::new();
+        for pair in &study.pairs {
+            let [first, second] = [pair.first, pair.second].map(|method| &study.values[method]);
+            let differences = first.iter().zip(second).map(|(first, second)| first - second).collect();
+            let found = Comparison::of_differences(of_scenes(differences), 0).unwrap();
+            assert_estimate(found.difference, &pair.difference);
+            assert_near(found.p, pair.p, 1e-8);
+            assert_near(found.detectable.unwrap(), pair.detectable, 1e-6 * pair.detectable);
+            p_values.push(found.p);
+        }
+        for (found, pair) in holm(&p_values).into_iter().zip(&study.pairs) {
+            assert_near(found, pair.holm_p, 1e-8);
+        }
+    }
+}
+
+/// The committed reference is what the script writes.
+#[test]
+#[ignore = "needs Python with numpy, scipy and statsmodels in L4D_REFERENCE_PYTHON"]
+fn the_reference_is_reproducible() {
+    let python = std::env::var_os("L4D_REFERENCE_PYTHON").unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/statistics/reference.py");
+    let output = Command::new(python).arg(script).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), REFERENCE);
 }
 
 #[test]
@@ -163,11 +279,15 @@ fn coverage_of_every_kind_of_study() {
 }
 
 #[test]
-fn p_values_of_the_same_method_twice_are_uniform() {
-    let found = comparisons(Design { scenes: 12, zeros: 0.4 }, Difference::Exchangeable, |_| 0.0, 2000);
-    let (rejected, distance) = uniformity(found.iter().map(|found| found.p).collect());
-    // Of 2000 uniform ones, 95 in 100 times: 0.040 to 0.060, and a distance below 0.030.
-    assert!((0.038..=0.062).contains(&rejected) && distance < 0.034, "{rejected} {distance}");
+fn p_values_of_the_same_method_twice_are_uniform_on_the_values_that_they_can_have() {
+    for scenes in [3, 5, 6, 8, 12] {
+        let found = comparisons(Design { scenes, zeros: 0.4 }, Difference::Exchangeable, |_| 0.0, 3000);
+        let p: Vec<f64> = found.iter().map(|found| found.p).collect();
+        let uniformity = Uniformity::of(&p, scenes);
+        assert!(uniformity.is_plausible(), "{scenes} scenes: {uniformity:?}");
+        // Too few scenes to tell anything apart: then nothing ever is.
+        assert!(scenes > 5 || (uniformity.expected, uniformity.rejected) == (0.0, 0.0), "{uniformity:?}");
+    }
 }
 
 #[test]
@@ -186,17 +306,22 @@ fn what_is_called_detectable_is_found_four_times_in_five() {
 #[test]
 #[ignore = "minutes: thousands of comparisons for each kind"]
 fn p_values_of_every_kind_of_pair() {
-    println!("scenes  kind          p < 0.05  distance");
-    for scenes in [8, 12, 16, 21] {
+    println!("scenes  kind          p < 0.05  if uniform  distance  99 in 100");
+    for scenes in [3, 5, 6, 8, 12, 16, 21] {
         for kind in [Difference::Exchangeable, Difference::Skewed] {
             let found = comparisons(Design { scenes, zeros: 0.4 }, kind, |_| 0.0, 5000);
-            let (rejected, distance) = uniformity(found.iter().map(|found| found.p).collect());
-            println!("{scenes:>6}  {:<13} {rejected:>8.4} {distance:>9.4}", format!("{kind:?}"));
-            if scenes == 21 {
-                assert!(
-                    (0.04..=0.06).contains(&rejected) && distance < 0.03,
-                    "{kind:?} {rejected} {distance}"
-                );
+            let found = Uniformity::of(&found.iter().map(|found| found.p).collect::<Vec<_>>(), scenes);
+            println!(
+                "{scenes:>6}  {:<13} {:>8.4} {:>11.4} {:>9.4} {:>10.4}",
+                format!("{kind:?}"),
+                found.rejected,
+                found.expected,
+                found.distance,
+                found.most_distance
+            );
+            // Skewed differences are not symmetric, so that p is right only of many scenes.
+            if matches!(kind, Difference::Exchangeable) || scenes == 21 {
+                assert!(found.is_plausible(), "{kind:?} of {scenes} scenes: {found:?}");
             }
         }
     }

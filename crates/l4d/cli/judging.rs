@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use l4d_score::Protocol;
 use l4d_score::protocols::UnknownProtocol;
-use l4d_score::results::PROTOCOL;
+use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
 
 use super::BenchArgs;
 
@@ -54,6 +54,9 @@ pub(crate) struct CheckResultsArgs {
     /// Which sentences are judged
     #[arg(long, value_enum, default_value = "queries")]
     pub(crate) set: JudgedSetArg,
+    /// Most bytes of masks that a method may have, in MB; one with more is not read
+    #[arg(long, value_name = "MB", default_value_t = MOST_BYTES / MEGABYTE)]
+    pub(crate) max_megabytes: u64,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -128,6 +131,9 @@ pub(crate) struct ScoreArgs {
     /// Resize predicted masks (nearest) to the size of the truth
     #[arg(long)]
     pub(crate) resize: bool,
+    /// Most bytes of masks that a method may have, in MB; one with more is not read
+    #[arg(long, value_name = "MB", default_value_t = MOST_BYTES / MEGABYTE)]
+    pub(crate) max_megabytes: u64,
     /// Score only queries that people have verified
     #[arg(long)]
     pub(crate) verified_only: bool,

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
+use l4d_score::results::MEGABYTE;
 use l4d_score::{Exam, check_results};
 
 use crate::cli::judging::CheckResultsArgs;
@@ -10,7 +11,8 @@ use crate::out::{ExitStatus, Printer};
 pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    let mut exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     let methods = check_results(&args.results, &exam, &mut report)?;
     out.note(format!("checked {methods} method{}", if methods == 1 { "" } else { "s" }));
     out.findings(report, args.json)

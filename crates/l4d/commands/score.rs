@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::{Benchmark, DataError, Report};
+use l4d_score::results::MEGABYTE;
 use l4d_score::score::{counts_path, tallies_of_counts};
 use l4d_score::{
     Exam, Group, Missing, Options, QuerySet, Scored, Summary, counts, groups, score_results, table,
@@ -35,7 +36,8 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     };
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    let mut exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     if let ProtocolArg::Other(protocol) = args.protocol {
         return protocol::run(args, protocol, &exam, &options, report, out);
     }
