@@ -58,7 +58,9 @@ pub(crate) fn draw(board: &Board, method: &str, scenes: &[Confusion]) -> Drawing
             (column, top) = (0, bottom + 30.0);
         }
         let left = MARGIN + column as f64 * PITCH;
-        let label_room = room(span) - cells_width(scene, cell);
+        let left_for_labels = room(span) - cells_width(scene, cell);
+        // Panels of one column line up at their right; others stand below their title.
+        let label_room = if span == 1 { left_for_labels } else { left_for_labels.min(wished_label(scene)) };
         bottom = f64::max(bottom, panel(&mut drawing, scene, (left, top), label_room, cell));
         column += span;
     }
@@ -77,9 +79,14 @@ fn cells_width(scene: &Confusion, cell: f64) -> f64 {
 
 /// Columns that a panel takes so that its names need not be broken much.
 fn span(scene: &Confusion, cell: f64) -> usize {
-    let names = scene.objects.iter().map(|object| Lettering::NUMBER.width(&object.name));
-    let wanted = (names.fold(0.0, f64::max) + NUMBER_ROOM).clamp(LEAST_LABEL, EASY_LABEL);
+    let wanted = wished_label(scene).clamp(LEAST_LABEL, EASY_LABEL);
     (1..ABREAST).find(|&span| room(span) - cells_width(scene, cell) >= wanted).unwrap_or(ABREAST)
+}
+
+/// Room in which no name of a scene has to be broken.
+fn wished_label(scene: &Confusion) -> f64 {
+    let names = scene.objects.iter().map(|object| Lettering::NUMBER.width(&object.name));
+    names.fold(0.0, f64::max) + NUMBER_ROOM
 }
 
 fn cell_width(scenes: &[Confusion]) -> f64 {
