@@ -71,7 +71,7 @@ def write_method(scores: Path, name: str, rows: list[dict], summary: dict) -> No
     headline.pop("miou_error")
     used = {**summary["used"], "ground_truth": False}
     seconds = 10.0 * len(name) + headline["miou"]
-    document = {**summary, **headline, "name": name, "used": used, "seconds": seconds}
+    document = {**summary, **headline, "name": name, "used": used, "baseline": False, "seconds": seconds}
     (folder / "summary.json").write_text(json.dumps(document), encoding="utf-8")
 
 
