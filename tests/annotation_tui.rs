@@ -1,6 +1,6 @@
 //! The annotation screen, driven by keys alone in a real terminal.
 
-mod data;
+pub(crate) mod data;
 pub(crate) mod tmux;
 
 use std::collections::BTreeMap;

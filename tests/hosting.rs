@@ -57,12 +57,18 @@ fn score(dir: &Dir, submission: &str) -> Output {
     python(dir, &words[1..])
 }
 
-/// A baseline that says that it did not look at the truth, so that it is ranked: the numbers are what is compared.
+/// The masks of a baseline as a method of their own would submit them: the numbers are what is compared.
 fn submission(dir: &Dir, baseline: &str) -> String {
-    let card = format!("results/{baseline}/method.json");
-    let text = dir.read(&card);
-    dir.write(&card, text.replace("\"ground_truth\": true", "\"ground_truth\": false"));
-    format!("results/{baseline}")
+    let method = format!("like-{baseline}");
+    std::fs::rename(dir.path(format!("results/{baseline}")), dir.path(format!("results/{method}"))).unwrap();
+    let card = format!("results/{method}/method.json");
+    let text = dir.read(&card).replace("\"ground_truth\": true", "\"ground_truth\": false");
+    dir.write(
+        &card,
+        text.replace("  \"baseline\": true,\n", "")
+            .replace(&format!("\"{baseline}\""), &format!("\"{method}\"")),
+    );
+    format!("results/{method}")
 }
 
 #[test]
@@ -72,6 +78,16 @@ fn the_program_of_codabench_says_what_l4d_says() {
     dir.succeed(&["baseline", "--profile", "tiny"]);
     dir.succeed(&["score", "--profile", "tiny"]);
     for baseline in ["oracle", "none", "all", "time-agnostic", "random-look-alike", "look-alike-union"] {
+        // By its word, and by its name alone as in cards of before there was the word.
+        let refused = || {
+            let run = score(&dir, &format!("results/{baseline}"));
+            let said = String::from_utf8_lossy(&run.stderr).into_owned();
+            assert!(run.status.code() == Some(1) && said.contains("not ranked"), "{baseline}: {said}");
+        };
+        refused();
+        let card = format!("results/{baseline}/method.json");
+        dir.edit(&card, "  \"baseline\": true,\n", "");
+        refused();
         let run = score(&dir, &submission(&dir, baseline));
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
         assert_eq!(
@@ -206,11 +222,10 @@ fn the_challenge_of_evalai_has_what_the_platform_reads_and_scores() {
     let script = format!(
         "import json, shutil, sys, zipfile
 zipfile.ZipFile('hosting/evalai/evaluation_script.zip').extractall('worker/challenge')
-shutil.make_archive('submitted', 'zip', 'results', 'look-alike-union')
+shutil.make_archive('submitted', 'zip', '{results}')
 sys.path.insert(0, 'worker')
 import challenge
-print(json.dumps(challenge.evaluate('hosting/evalai/annotations/reference.zip', 'submitted.zip', 'masks', submission_metadata={{}})))
-# {results}"
+print(json.dumps(challenge.evaluate('hosting/evalai/annotations/reference.zip', 'submitted.zip', 'masks', submission_metadata={{}})))"
     );
     let run = python(&dir, &["-c", &script]);
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -232,11 +247,12 @@ fn hostile_submissions_are_refused_in_words() {
     let dir = bench();
     host(&dir, "codabench", &SEASON);
     dir.succeed(&["baseline", "all", "oracle", "--profile", "tiny"]);
-    let mask = "results/all/masks/room_discs/001.json";
-    let card = "results/all/method.json";
+    submission(&dir, "all");
+    let mask = "results/like-all/masks/room_discs/001.json";
+    let card = "results/like-all/method.json";
     let (sound_mask, sound_card) = (dir.read(mask), dir.read(card));
     let refused = |words: &[&str]| {
-        let run = score(&dir, "results/all");
+        let run = score(&dir, "results/like-all");
         let said = String::from_utf8_lossy(&run.stderr).into_owned();
         assert_eq!(run.status.code(), Some(1), "{said}");
         for word in words {
@@ -263,7 +279,7 @@ fn hostile_submissions_are_refused_in_words() {
     dir.write(mask, "[".repeat(200_000));
     refused(&["masks/room_discs/001.json"]);
     std::fs::remove_file(dir.path(mask)).unwrap();
-    std::fs::remove_file(dir.path("results/all/masks/room_discs/002.json")).unwrap();
+    std::fs::remove_file(dir.path("results/like-all/masks/room_discs/002.json")).unwrap();
     refused(&["001.json: is missing", "002.json: is missing"]);
     // Everything that is wrong is said at once.
     dir.edit(card, "\"tiny\"", "\"small\"");
@@ -271,10 +287,10 @@ fn hostile_submissions_are_refused_in_words() {
     refused(&["field `profile`", "field `protocol`", "001.json: is missing", "002.json: is missing"]);
     dir.write(card, &sound_card);
     // Folders that climb down are not followed to their end.
-    std::fs::create_dir_all(dir.path(format!("results/all/{}", "d/".repeat(1500)))).unwrap();
+    std::fs::create_dir_all(dir.path(format!("results/like-all/{}", "d/".repeat(1500)))).unwrap();
     refused(&["001.json: is missing"]);
     // The standard library would run out of file handles on the way down.
-    assert!(Command::new("rm").arg("-rf").arg(dir.path("results/all/d")).status().unwrap().success());
+    assert!(Command::new("rm").arg("-rf").arg(dir.path("results/like-all/d")).status().unwrap().success());
     // A link could lead to the truth.
     std::os::unix::fs::symlink(dir.path("results/oracle/masks/room_discs/001.json"), dir.path(mask)).unwrap();
     refused(&["001.json: is missing"]);
@@ -283,7 +299,8 @@ fn hostile_submissions_are_refused_in_words() {
     for (from, to, word) in [
         ("\"tiny\"", "\"small\"", "profile"),
         ("\"0.1.0\",\n  \"truth", "\"9.9.9\",\n  \"truth", "9.9.9"),
-        ("false", "true", "ground truth"),
+        ("\"ground_truth\": false", "\"ground_truth\": true", "ground truth"),
+        ("\"seconds\"", "\"baseline\": true, \"seconds\"", "baselines are not ranked"),
     ] {
         assert!(sound_card.contains(from), "{from} {sound_card}");
         dir.write(card, sound_card.replacen(from, to, 1));
@@ -297,11 +314,11 @@ with zipfile.ZipFile('climbing.zip', 'w') as archive:
 with zipfile.ZipFile('bomb.zip', 'w', zipfile.ZIP_DEFLATED) as archive:
     archive.writestr('method.json', b' ' * (70 << 20))
 with zipfile.ZipFile('lzma.zip', 'w', zipfile.ZIP_LZMA) as archive:
-    archive.write('results/all/method.json', 'method.json')
+    archive.write('results/like-all/method.json', 'method.json')
 with zipfile.ZipFile('many.zip', 'w') as archive:
     [archive.writestr('m/%d' % number, b'') for number in range(20001)]
 with zipfile.ZipFile('twice.zip', 'w') as archive:
-    [archive.write('results/all/method.json', 'method.json') for _ in range(2)]
+    [archive.write('results/like-all/method.json', 'method.json') for _ in range(2)]
 with zipfile.ZipFile('list.zip', 'w') as archive:
     for number in range(200):
         entry = zipfile.ZipInfo('m/%d' % number)
@@ -330,7 +347,9 @@ with zipfile.ZipFile('list.zip', 'w') as archive:
 fn the_hub_gets_tasks_a_leaderboard_and_results() {
     let dir = bench();
     dir.succeed(&["baseline", "--profile", "tiny"]);
-    dir.edit("results/all/method.json", "\"link\": \"\"", "\"link\": \"https://example.org/a: \\\"b\\\"\"");
+    let card = format!("{}/method.json", submission(&dir, "all"));
+    dir.edit(&card, "\"link\": \"\"", "\"link\": \"https://example.org/a: \\\"b\\\"\"");
+    dir.succeed(&["baseline", "all", "--profile", "tiny"]);
     dir.succeed(&["score", "--profile", "tiny"]);
     host(&dir, "huggingface", &["--dataset", "lab/discs"]);
     let root = "hosting/huggingface";
@@ -338,16 +357,16 @@ fn the_hub_gets_tasks_a_leaderboard_and_results() {
     assert_eq!(keys(&tasks), BTreeSet::from(["name", "description", "evaluation_framework", "tasks"]));
     let task = &tasks["tasks"][0]["id"];
 
-    let results = yaml(&dir, &format!("{root}/methods/all/.eval_results/discs-tiny.yaml"));
+    let results = yaml(&dir, &format!("{root}/methods/like-all/.eval_results/discs-tiny.yaml"));
     assert_eq!(
         (&results[0]["dataset"]["id"], &results[0]["dataset"]["task_id"]),
         (&json!("lab/discs"), task)
     );
     assert_eq!(results[0]["source"]["url"], "https://example.org/a: \"b\"");
-    let summary: Value = serde_json::from_str(&dir.read("scores/all/summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&dir.read("scores/like-all/summary.json")).unwrap();
     assert_eq!(results[0]["value"], summary["miou"]);
 
-    let card = dir.read(&format!("{root}/methods/all/README.md"));
+    let card = dir.read(&format!("{root}/methods/like-all/README.md"));
     let front: Value = serde_yaml_ng::from_str(card.split("---\n").nth(1).unwrap()).unwrap();
     let entry = &front["model-index"][0]["results"][0];
     assert!(entry["task"]["type"].is_string() && entry["dataset"]["name"].is_string());
@@ -357,18 +376,22 @@ fn the_hub_gets_tasks_a_leaderboard_and_results() {
         (&json!("miou"), &summary["miou"])
     );
 
-    // The leaderboard has all methods; those that looked at the truth have no rank and no card.
+    // The leaderboard has all methods; baselines and those that looked at the truth have no rank and no card.
     let rows = dir.read(&format!("{root}/leaderboard/leaderboard.jsonl"));
     let rows: Vec<Value> = rows.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(rows.len(), 6);
+    assert_eq!(rows.len(), 7);
     let ranked: Vec<&str> =
         rows.iter().filter(|row| row["rank"].is_u64()).map(|row| row["method"].as_str().unwrap()).collect();
-    assert_eq!(ranked, ["all", "none"]);
+    assert_eq!(ranked, ["like-all"]);
+    let none = rows.iter().find(|row| row["method"] == "none").unwrap();
+    assert_eq!(none["unranked_because"], "baseline");
     let csv = dir.read(&format!("{root}/leaderboard/leaderboard.csv"));
     let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     assert_eq!(header.into_iter().collect::<BTreeSet<_>>(), keys(&rows[0]));
     assert!(csv.contains("\"https://example.org/a: \"\"b\"\"\""), "{csv}");
-    assert!(!dir.path(format!("{root}/methods/oracle")).exists());
+    for baseline in ["oracle", "all", "none"] {
+        assert!(!dir.path(format!("{root}/methods/{baseline}")).exists(), "{baseline}");
+    }
     dir.succeed(&["score", "--profile", "tiny", "--scores", "elsewhere"]);
     dir.edit("benchmark/panoptic-l4d.toml", "0.1.0", "0.2.0");
     let run = dir.run(&[

@@ -23,6 +23,7 @@ fn scored() -> Dir {
     rename(&dir, "results/random-look-alike", "results/contestant");
     dir.edit("results/contestant/method.json", "random-look-alike", "contestant");
     dir.edit("results/contestant/method.json", "\"ground_truth\": true", "\"ground_truth\": false");
+    dir.edit("results/contestant/method.json", "\"baseline\": true", "\"baseline\": false");
     dir.succeed(&[&["score"], &TINY[..]].concat());
     dir
 }
@@ -53,7 +54,10 @@ fn scores_become_tables_and_figures() {
     assert!(first.starts_with("1,contestant,"), "{first}");
     assert!(first.contains(&format!(",8,{miou:.4},")), "{first}");
     let oracle = csv.lines().find(|line| line.contains(",oracle,")).unwrap();
-    assert!(oracle.starts_with(',') && oracle.contains("used ground truth,8,100.0000,"), "{oracle}");
+    assert!(
+        oracle.starts_with(',') && oracle.contains("\"baseline, used ground truth\",8,100.0000,"),
+        "{oracle}"
+    );
 
     let taken = dir.read("leaderboard/taken.csv");
     assert!(taken.starts_with("method,scene,query,meant,taken,which_is,"), "{taken}");
@@ -122,8 +126,98 @@ fn json_says_who_is_ranked_and_why_others_are_not() {
     assert_eq!(board["rejected_queries"], 2);
     let oracle =
         board["unranked"].as_array().unwrap().iter().find(|method| method["name"] == "oracle").unwrap();
-    assert_eq!(oracle["unranked_because"][0], "used ground truth");
+    assert_eq!(oracle["unranked_because"], serde_json::json!(["baseline", "used ground truth"]));
     assert_eq!(oracle["scores"]["miou"], 100.0);
+}
+
+#[test]
+fn no_baseline_is_ranked_whatever_its_card_says() {
+    let dir = scored();
+    dir.succeed(&["baseline", "random-look-alike", "--profile", "tiny"]);
+    // A card of before there was the word: its name says what it is.
+    for name in BASELINES {
+        let card = format!("results/{name}/method.json");
+        assert!(dir.read(&card).contains("\"baseline\": true"), "{name}");
+        let text = dir.read(&card).replace("  \"baseline\": true,\n", "");
+        dir.write(&card, text.replace("\"ground_truth\": true", "\"ground_truth\": false"));
+    }
+    // The word alone is enough, under any name.
+    rename(&dir, "results/all", "results/everything");
+    dir.edit("results/everything/method.json", "\"all\"", "\"everything\"");
+    dir.edit("results/everything/method.json", "\"seconds\"", "\"baseline\": true, \"seconds\"");
+    std::fs::remove_dir_all(dir.path("scores")).unwrap();
+    dir.succeed(&[&["score"], &TINY[..]].concat());
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert_eq!(run.stdout.matches("(baseline)").count(), 6, "{}", run.stdout);
+    let rows = table(&dir, "leaderboard/leaderboard.csv");
+    let ranked: Vec<&str> =
+        rows.iter().filter(|row| !row["rank"].is_empty()).map(|row| row["method"].as_str()).collect();
+    assert_eq!(ranked, ["contestant"]);
+    assert!(rows.iter().all(|row| row["rank"].is_empty() == (row["unranked_because"] == "baseline")));
+    let page = dir.read("leaderboard/leaderboard.md");
+    let (_, unranked) = page.split_once("## Not ranked, shown for scale").unwrap();
+    assert!(unranked.contains("| everything | baseline |"), "{page}");
+    assert!(dir.read("leaderboard/tables/panoptic_l4d.tex").contains("everything$^{\\dagger}$"));
+}
+
+#[test]
+fn protocols_of_others_have_tables_apart_and_change_nothing_here() {
+    let dir = scored();
+    dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    let ranking = dir.read("leaderboard/leaderboard.csv");
+    for protocol in ["davis", "hc-stvg"] {
+        dir.succeed(&[&["score", "--protocol", protocol], &TINY[..]].concat());
+    }
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert!(
+        run.stdout.contains("Apart and never ranked, in leaderboard/protocols: davis, hc-stvg."),
+        "{}",
+        run.stdout
+    );
+    assert_eq!(dir.read("leaderboard/leaderboard.csv"), ranking);
+    assert!(dir.read("leaderboard/leaderboard.md").contains("[davis](protocols/davis.md)"));
+    let page = dir.read("leaderboard/protocols/davis.md");
+    assert!(
+        page.contains("| davis: J&F |") && page.contains("frames of 6 queries are first or last"),
+        "{page}"
+    );
+    assert!(page.contains("| oracle | 0.1.0 | baseline, used ground truth | 100.00 |"), "{page}");
+    let rows = table(&dir, "leaderboard/protocols/davis.csv");
+    // Whole, and of each of two scenes.
+    assert_eq!(rows.len(), 6 * 3);
+    assert!(rows.iter().all(|row| row["protocol"] == "davis" && row.contains_key("davis j_and_f")));
+    let kept: Value = json::read(&dir.path("scores-davis/contestant/protocol-davis.json")).unwrap();
+    let of = |scene: &str| {
+        rows.iter().find(|row| row["method"] == "contestant" && row["scene"] == scene).unwrap()["davis j_and_f"].clone()
+    };
+    assert_eq!(of(""), format!("{:.4}", kept["measures"]["j_and_f"].as_f64().unwrap()));
+    assert_eq!(of("room_discs"), format!("{:.4}", kept["scenes"]["room_discs"]["j_and_f"].as_f64().unwrap()));
+    let board = dir.json(&[&["leaderboard"], &TINY[..]].concat());
+    assert!(board["protocols"][0]["methods"][0]["measures"]["j_and_f"].is_number());
+    assert_eq!(
+        (&board["protocols"][0]["is_headline"], board["protocols"].as_array().unwrap().len()),
+        (&false.into(), 2)
+    );
+
+    // What was judged against something else is told and left out, what is damaged stops.
+    let card = "scores-davis/none/protocol-davis.json";
+    dir.edit(card, "\"benchmark_version\": \"0.1.0\"", "\"benchmark_version\": \"0.0.9\"");
+    std::fs::create_dir(dir.path("scores-davis/empty")).unwrap();
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert!(run.stderr.contains("scores-davis/none: was judged on benchmark 0.0.9"), "{}", run.stderr);
+    assert!(run.stderr.contains("scores-davis/empty: holds nothing of the protocol davis"), "{}", run.stderr);
+    assert!(!dir.read("leaderboard/protocols/davis.csv").contains("none,"));
+    let part = ["--profile", "tiny", "--scenes", "room_discs"];
+    dir.succeed(&[&["score", "results/all", "--protocol", "davis"], &part[..]].concat());
+    dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert!(dir.read("leaderboard/protocols/davis.md").contains("| all | 0.1.0 | baseline, partial |"));
+    dir.edit("scores-davis/oracle/protocol-davis.csv", ",100,", ",NaN,");
+    let run = leaderboard(&dir);
+    assert!(
+        run.code == 2 && run.stderr.contains("protocol-davis.csv: line ") && run.stderr.contains("hint:"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
@@ -386,7 +480,7 @@ fn tables_of_the_paper_stand_apart() {
 }
 
 /// As many methods as asked, all with the counts of one.
-fn copies(dir: &Dir, count: usize) {
+pub(crate) fn copies(dir: &Dir, count: usize) {
     let (counts, summary) =
         (dir.read("scores/contestant/counts.csv"), dir.read("scores/contestant/summary.json"));
     for index in 0..count {

@@ -7,9 +7,12 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
+use l4d_data::truth::Truth;
+use l4d_frames::{Display, Mask};
 use serde_json::Value;
 
 use self::browser::Browser;
+use crate::annotation_tui::data;
 use crate::support::{Dir, root};
 
 const PROFILE: [&str; 2] = ["--profile", "tiny"];
@@ -23,6 +26,7 @@ fn page() -> Dir {
     std::fs::rename(dir.path("results/random-look-alike"), dir.path("results/contestant")).unwrap();
     dir.edit("results/contestant/method.json", "random-look-alike", "contestant");
     dir.edit("results/contestant/method.json", "\"ground_truth\": true", "\"ground_truth\": false");
+    dir.edit("results/contestant/method.json", "\"baseline\": true", "\"baseline\": false");
     dir.succeed(&[&["score"], &PROFILE[..]].concat());
     make(&dir);
     dir
@@ -75,7 +79,7 @@ fn assert_quiet(browser: &mut Browser) {
 fn the_head_of_a_column_sorts_by_click_and_by_key() {
     let dir = page();
     let mut browser = open(&dir, "");
-    // Ranked first, whatever the order: the contestant and the two baselines that use no truth.
+    // Ranked first, whatever the order: the contestant. Baselines below it.
     let start = order(&mut browser);
     assert_eq!(start.len(), 6, "{start:?}");
     assert_eq!(start[0], "contestant");
@@ -88,13 +92,13 @@ fn the_head_of_a_column_sorts_by_click_and_by_key() {
     click(&mut browser, "[data-sort=name]");
     assert_eq!(state(&mut browser, "name"), "ascending");
     assert_eq!(state(&mut browser, "miou"), "none");
-    let mut ranked: Vec<String> = order(&mut browser)[..3].to_vec();
-    assert!(ranked.is_sorted(), "{ranked:?}");
+    let mut sorted = order(&mut browser);
+    assert!(sorted[0] == "contestant" && sorted[1..].is_sorted(), "{sorted:?}");
     browser.press("Enter");
     // The head kept the focus through the redraw, so the key pressed it again.
     assert_eq!(state(&mut browser, "name"), "descending");
-    ranked.reverse();
-    assert_eq!(order(&mut browser)[..3], ranked);
+    sorted[1..].reverse();
+    assert_eq!(order(&mut browser), sorted);
     assert!(browser.text("location.hash").contains("sort=-name"));
     assert!(browser.text("document.getElementById('said').textContent").contains("Sorted by Method"));
     assert_quiet(&mut browser);
@@ -145,6 +149,82 @@ fn methods_that_were_scored_on_something_else_stand_behind_the_filter_of_protoco
     assert_quiet(&mut browser);
 }
 
+/// The same masks under the rules of others, beside the scores.
+fn judge(dir: &Dir, protocols: &[&str]) {
+    for protocol in protocols {
+        dir.succeed(&[&["score", "--protocol", protocol], &PROFILE[..]].concat());
+    }
+}
+
+#[test]
+fn a_protocol_of_others_has_a_table_of_its_own_down_to_the_query() {
+    let dir = page();
+    judge(&dir, &["davis", "4d-langsplat"]);
+    make(&dir);
+    let mut browser = open(&dir, "");
+    let ours = browser.text(&format!("{BOARD}.textContent"));
+    assert!(!ours.contains("J&F"), "a protocol is mixed into the ranking");
+    choose(&mut browser, "Protocol", "davis");
+    assert_eq!(order(&mut browser).len(), 6);
+    assert!(browser.text("location.hash").contains("board=davis"));
+    let table = browser.text(&format!("{BOARD}.textContent"));
+    assert!(table.contains("protocol davis (DAVIS 2017, semi-supervised)"), "{table}");
+    assert!(table.contains("never ranked") && !table.contains("mIoU"), "{table}");
+    // Every head of a number names the protocol, so that a picture of a part cannot be taken for another table.
+    let heads = browser.evaluate(&format!(
+        "[...{BOARD}.querySelectorAll('thead th.number .over')].map((one) => one.textContent)"
+    ));
+    assert_eq!(heads, serde_json::json!(vec!["davis"; 7]));
+    let said = browser.text("document.getElementById('said').textContent");
+    assert!(said.contains("Under the rules of others: davis"), "{said}");
+    assert!(browser.text("document.querySelector('main .notice').textContent").contains("never ranked"));
+    let left_out = browser.text("document.querySelector('ul.plain').textContent");
+    assert!(left_out.contains("Every method: 12 frames of 6 queries are first or last"), "{left_out}");
+
+    // The numbers are those of the files, whole and in a group.
+    let kept: Value = l4d_data::json::read(&dir.path("scores-davis/contestant/protocol-davis.json")).unwrap();
+    let shown = |browser: &mut Browser, name: &str| {
+        browser.text(&format!(
+            "[...{BOARD}.querySelectorAll('tbody tr')].find((row) => row.querySelector('th.name').firstElementChild.textContent === {name:?}).querySelector('td.number').textContent"
+        ))
+    };
+    let printed = |value: &Value| value.as_f64().map_or("–".to_owned(), |value| format!("{value:.2}"));
+    assert_eq!(shown(&mut browser, "contestant"), printed(&kept["measures"]["j_and_f"]));
+    choose(&mut browser, "Scale", "room");
+    assert_eq!(shown(&mut browser, "contestant"), printed(&kept["scenes"]["room_discs"]["j_and_f"]));
+    choose(&mut browser, "Scale", "");
+
+    // Down to a scene, a query and its frames.
+    browser.open(&file(&dir), "#board=davis&method=contestant");
+    assert_eq!(browser.text("document.querySelector('h1').textContent"), "contestant under davis");
+    click(&mut browser, "a[href*='scene=room_discs']");
+    browser.until("document.querySelectorAll('tbody tr').length === 4");
+    let csv = dir.read("scores-davis/contestant/protocol-davis.csv");
+    let line = csv.lines().find(|line| line.contains(",room_discs,001,")).unwrap();
+    let value: f64 = line.split(',').nth(3).unwrap().parse().unwrap();
+    let cells = browser.text(
+        "[...document.querySelectorAll('tbody tr')].find((row) => row.cells[0].textContent === '001').cells[3].textContent",
+    );
+    assert_eq!(cells, format!("{value:.2}"));
+    click(&mut browser, "a[href*='query=001']");
+    browser.until("document.querySelector('.stage canvas')");
+    let facts = browser.text("document.querySelector('.facts').textContent");
+    assert!(facts.contains(&format!("davis: J&F{value:.2}")), "{facts}");
+    // Methods that a protocol never judged, and scenes that are none, are nothing.
+    for address in ["#board=davis&method=nobody", "#board=davis&method=contestant&scene=nowhere"] {
+        browser.open(&file(&dir), address);
+        assert_eq!(
+            browser.text("document.querySelector('h1').textContent"),
+            "There is nothing at this address"
+        );
+    }
+    // From a method of the board to what others would say of it.
+    browser.open(&file(&dir), "#method=contestant");
+    click(&mut browser, "a[href*='board=4d-langsplat']");
+    browser.until("document.querySelector('h1').textContent === 'contestant under 4d-langsplat'");
+    assert_quiet(&mut browser);
+}
+
 #[test]
 fn a_query_shows_the_pixels_that_were_counted() {
     let dir = page();
@@ -185,6 +265,127 @@ fn a_query_shows_the_pixels_that_were_counted() {
     browser.open(&file(&dir), "#method=oracle&scene=room_discs&query=001");
     browser
         .until("document.querySelector('.stage figcaption')?.textContent.includes('truth is shown alone')");
+    assert_quiet(&mut browser);
+}
+
+/// Red, green and blue of the middle of a pixel of the mask, on the large picture of a query.
+fn colour_at(browser: &mut Browser, [width, column, row]: [u32; 3]) -> [f64; 3] {
+    let found = browser.evaluate(&format!(
+        "(() => {{ const canvas = document.querySelector('.stage canvas');
+            const factor = canvas.width / {width};
+            const at = (place) => Math.floor((place + 0.5) * factor);
+            return [...canvas.getContext('2d').getImageData(at({column}), at({row}), 1, 1).data.slice(0, 3)]; }})()"
+    ));
+    serde_json::from_value(found).unwrap()
+}
+
+/// What the page makes of a colour of a picture: grey, darker, so that the overlay is what is coloured.
+fn greyed([red, green, blue]: [f64; 3]) -> f64 {
+    0.62 * (0.299 * red + 0.587 * green + 0.114 * blue) + 12.0
+}
+
+/// As close as JPEG keeps flat colours.
+fn assert_close(found: [f64; 3], expected: [f64; 3]) {
+    let is_close = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= 6.0);
+    assert!(is_close, "{found:?} instead of {expected:?}");
+}
+
+#[test]
+fn a_picture_of_the_held_out_view_lies_under_the_masks() {
+    let dir = page();
+    let truth = Truth::read(&dir.path("benchmark/truth/tiny/room_discs.json")).unwrap();
+    data::render(&dir, &truth);
+    let run = dir.succeed(&[&["leaderboard", "--html", "--data", "data/tiny"], &PROFILE[..]].concat());
+    assert!(run.stderr.contains("holds 1 of 2 scenes"), "{}", run.stderr);
+
+    let frame = data::picture(&truth, 48);
+    let display = Display::new(1.0).picture(&frame);
+    let mask = |name: &str| {
+        let disc = truth.instances.iter().find(|one| one.name.as_str() == name).unwrap();
+        l4d_frames::rle::decode(&disc.masks["0048"], truth.width, truth.height).unwrap()
+    };
+    // In the middle of what is flat, where JPEG changes little.
+    let inside = |mask: &Mask| {
+        let is_deep = |&(column, row): &(u32, u32)| {
+            (column.saturating_sub(4)..=column + 4).all(|column| {
+                (row.saturating_sub(4)..=row + 4)
+                    .all(|row| column < truth.width && row < truth.height && mask.get(column, row))
+            })
+        };
+        mask.pixels().find(is_deep).unwrap()
+    };
+    let below = |(column, row): (u32, u32)| greyed(display.get_pixel(column, row).0.map(f64::from));
+    let (target, floor) = (inside(&mask("disc_a")), inside(&mask("floor")));
+    assert!((below(target) - below(floor)).abs() > 12.0, "both look the same, so nothing is proved");
+
+    let mut browser = Browser::start(1280, 900);
+    browser.open(&file(&dir), "#method=oracle&scene=room_discs&query=001&frame=48");
+    browser.until("document.querySelector('.stage canvas')?.width > 300");
+    // Painted when the picture is decoded.
+    browser.until("document.querySelector('.stage canvas').dataset.picture === 'shown'");
+    let at =
+        |browser: &mut Browser, (column, row): (u32, u32)| colour_at(browser, [truth.width, column, row]);
+    assert_close(at(&mut browser, floor), [below(floor); 3]);
+    let found = [86.0, 180.0, 233.0].map(|colour| below(target) + 0.72 * (colour - below(target)));
+    assert_close(at(&mut browser, target), found);
+    // Without the picture: the dark ground with what else is there.
+    click(&mut browser, ".layers label:nth-of-type(3) input");
+    browser.until("document.querySelector('.stage canvas').dataset.picture !== 'shown'");
+    assert_close(at(&mut browser, floor), [50.0, 56.0, 63.0]);
+    // The scene that is not rendered has no such switch, and its masks.
+    browser.open(&file(&dir), "#method=oracle&scene=outdoor_discs&query=001");
+    browser.until("document.querySelectorAll('.layers input').length === 2");
+    assert_quiet(&mut browser);
+
+    // A damaged picture is told and left out.
+    dir.write("data/tiny/room_discs/frames/test/0048.exr", "torn");
+    let run = dir.succeed(&[&["leaderboard", "--html", "--data", "data/tiny"], &PROFILE[..]].concat());
+    assert!(run.stderr.contains("0048.exr"), "{}", run.stderr);
+    browser.open(&file(&dir), "#method=oracle&scene=room_discs&query=001&frame=48");
+    browser.until("document.querySelector('.stage canvas')?.width > 300");
+    assert_close(at(&mut browser, floor), [50.0, 56.0, 63.0]);
+}
+
+#[test]
+fn pictures_of_a_capture_lie_under_its_masks() {
+    let dir = crate::real_scenes::authored();
+    let real = ["--bench", "captures", "--profile", "real"];
+    dir.succeed(&[&["baseline", "oracle"], &real[..]].concat());
+    dir.succeed(&[&["score"], &real[..]].concat());
+    dir.succeed(&[&["leaderboard", "--html", "--data", "data/captures"], &real[..]].concat());
+    let mut browser = Browser::start(1280, 900);
+    browser.open(&file(&dir), "#method=oracle&scene=table&query=001&frame=2");
+    browser.until("document.querySelector('.stage canvas')?.dataset.picture === 'shown'");
+    // The pictures of frame 2 are [120, 90, 120] around the cups; the red cup is what is meant.
+    assert_close(colour_at(&mut browser, [64, 32, 40]), [greyed([120.0, 90.0, 120.0]); 3]);
+    let cup = greyed([200.0, 30.0, 30.0]);
+    let found = [86.0, 180.0, 233.0].map(|colour| cup + 0.72 * (colour - cup));
+    assert_close(colour_at(&mut browser, [64, 16, 16]), found);
+    assert_quiet(&mut browser);
+}
+
+#[test]
+fn one_frame_and_one_query_make_a_page() {
+    let dir = crate::real_scenes::authored_on(&["0000"]);
+    let queries = dir.read("captures/queries/table.jsonl");
+    dir.write("captures/queries/table.jsonl", format!("{}\n", queries.lines().next().unwrap()));
+    let real = ["--bench", "captures", "--profile", "real"];
+    dir.succeed(&[&["baseline"], &real[..]].concat());
+    dir.succeed(&[&["score"], &real[..]].concat());
+    dir.succeed(&[&["score", "--protocol", "davis"], &real[..]].concat());
+    dir.succeed(&[&["leaderboard", "--html"], &real[..]].concat());
+    let mut browser = open(&dir, "");
+    // Baselines alone: nobody is ranked, and the page says so.
+    assert!(browser.text("document.querySelector('main').textContent").contains("No method is ranked yet"));
+    assert_eq!(browser.text("document.querySelector('.count').textContent"), "6 methods, 1 query");
+    // A clip of one frame has no number under davis: dashes, and why.
+    choose(&mut browser, "Protocol", "davis");
+    let told = browser.text("document.querySelector('ul.plain').textContent");
+    assert!(told.contains("Every method: 1 frame of 1 query belong to clips of one or two frames"), "{told}");
+    browser.open(&file(&dir), "#method=oracle&scene=table&query=001");
+    browser.until("document.querySelector('.stage canvas')?.width > 200");
+    assert_eq!(browser.text("document.querySelector('output').textContent"), "frame 0: IoU 100.0 %");
+    assert!(browser.evaluate("document.querySelectorAll('.strip li').length") == 1);
     assert_quiet(&mut browser);
 }
 
@@ -229,7 +430,61 @@ fn the_whole_way_to_a_frame_and_back_by_keys_alone() {
     browser.evaluate("history.back()");
     browser.until("document.querySelectorAll('tbody tr').length === 4");
     assert_eq!(browser.text("document.activeElement.tagName"), "H1");
+    // Escape leads up the trail, step by step, and nowhere from the top or out of a field that it clears.
+    browser.press("Escape");
+    browser.until("document.querySelector('h1').textContent === 'contestant'");
+    browser.press("Escape");
+    browser.until("document.querySelector('[aria-labelledby=ranking] table')");
+    let top = browser.text("location.hash");
+    browser.press("Escape");
+    assert_eq!(browser.text("location.hash"), top);
     assert_quiet(&mut browser);
+}
+
+#[test]
+fn an_order_is_of_all_methods_though_the_first_alone_are_drawn() {
+    let dir = page();
+    crate::leaderboard::copies(&dir, 300);
+    make(&dir);
+    let mut browser = open(&dir, "#sort=-name");
+    let drawn = order(&mut browser);
+    assert_eq!((drawn.len(), drawn[0].as_str()), (250, "method00299"));
+    browser.evaluate("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Show all 306')).click()");
+    assert_eq!(order(&mut browser).len(), 306);
+    assert_quiet(&mut browser);
+}
+
+#[test]
+fn no_view_is_wider_than_a_phone() {
+    let dir = page();
+    judge(&dir, &["davis"]);
+    // As long as a name can be, without and with seams.
+    for long in ["x".repeat(80), "a-name_of.".repeat(8)] {
+        std::fs::rename(dir.path("scores/contestant"), dir.path(format!("scores/{long}"))).unwrap();
+        dir.edit(&format!("scores/{long}/summary.json"), "\"contestant\"", &format!("\"{long}\""));
+        make(&dir);
+        let mut browser = Browser::start(1280, 900);
+        for (width, height) in [(400, 800), (320, 640)] {
+            browser.resize(width, height);
+            for view in [
+                "".to_owned(),
+                "#board=davis".to_owned(),
+                "#board=davis&method=oracle".to_owned(),
+                "#board=davis&method=oracle&scene=room_discs".to_owned(),
+                format!("#method={long}"),
+                format!("#method={long}&scene=room_discs"),
+                format!("#method={long}&scene=room_discs&query=001"),
+            ] {
+                browser.open(&file(&dir), &view);
+                browser.until("!document.getElementById('main').textContent.includes('Unpacking')");
+                let widths = browser.evaluate("[document.documentElement.scrollWidth, innerWidth]");
+                assert_eq!(widths, serde_json::json!([width, width]), "{view}");
+            }
+        }
+        assert_quiet(&mut browser);
+        std::fs::rename(dir.path(format!("scores/{long}")), dir.path("scores/contestant")).unwrap();
+        dir.edit("scores/contestant/summary.json", &format!("\"{long}\""), "\"contestant\"");
+    }
 }
 
 fn has_ring(browser: &mut Browser) -> bool {
@@ -294,6 +549,8 @@ fn the_theme_follows_the_system_until_it_is_chosen() {
 #[test]
 fn axe_finds_nothing_in_any_view_and_theme() {
     let dir = page();
+    judge(&dir, &["davis"]);
+    make(&dir);
     let axe = std::fs::read_to_string(axe()).unwrap();
     let mut browser = Browser::start(1280, 900);
     let views = [
@@ -302,6 +559,10 @@ fn axe_finds_nothing_in_any_view_and_theme() {
         "#method=contestant",
         "#method=contestant&scene=room_discs",
         "#method=contestant&scene=room_discs&query=002",
+        "#board=davis",
+        "#board=davis&method=contestant",
+        "#board=davis&method=contestant&scene=room_discs",
+        "#board=davis&method=contestant&scene=room_discs&query=002",
         "#method=nobody",
     ];
     for theme in ["light", "dark"] {

@@ -23,6 +23,10 @@ fn cup([first, end]: [u32; 2]) -> Mask {
 
 /// A data set in the layout of Neural 3D Video: two cameras, four moments. Two of the held-out pictures were drawn on.
 fn capture() -> Dir {
+    capture_drawn_on(&JUDGED)
+}
+
+fn capture_drawn_on(judged: &[&str]) -> Dir {
     let dir = Dir::new();
     let mut poses = Vec::new();
     for number in 0..2 {
@@ -42,7 +46,7 @@ fn capture() -> Dir {
     }
     dir.write("table/poses_bounds.npy", npy::encode_f64(&[2, 17], &poses));
     let shape = |label: &str, [first, end]: [u32; 2]| json!({"label": label, "shape_type": "rectangle", "points": [[first, 8], [end, 24]]});
-    for frame in JUDGED {
+    for frame in judged {
         let drawn = json!({"imagePath": "x", "imageWidth": WIDTH, "imageHeight": HEIGHT,
                            "shapes": [shape("cup: red", RED), shape("cup: blue", BLUE)]});
         dir.write(&format!("drawn/cam00/{frame}.json"), drawn.to_string());
@@ -79,8 +83,13 @@ fn query(number: &str, text: &str, category: &str, referent: &str, temporal: &st
 }
 
 /// A capture that was imported, with two queries.
-fn authored() -> Dir {
-    let dir = capture();
+pub(crate) fn authored() -> Dir {
+    authored_on(&JUDGED)
+}
+
+/// The same with truth at these frames.
+pub(crate) fn authored_on(judged: &[&str]) -> Dir {
+    let dir = capture_drawn_on(judged);
     dir.succeed(&[&IMPORT[..], &["tabletop"]].concat());
     let queries = [
         query("001", "the red cup", "attribute", "cup__red", "whole", json!([[0, 3]])),

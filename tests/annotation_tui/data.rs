@@ -23,7 +23,8 @@ pub(super) fn dir() -> Dir {
             let file = format!("benchmark/{}", file.replace("{}", scene));
             dir.write(&file, std::fs::read(root().join(&file)).unwrap());
         }
-        render(&dir, scene);
+        let bench = BenchDir::new(root().join("benchmark"));
+        render(&dir, &Truth::read(&bench.truth(PROFILE, scene)).unwrap());
     }
     let scenes = SCENES.map(|scene| format!("\"{scene}\"")).join(", ");
     let manifest =
@@ -32,12 +33,12 @@ pub(super) fn dir() -> Dir {
     dir
 }
 
-fn render(dir: &Dir, scene: &str) {
-    let truth = Truth::read(&BenchDir::new(root().join("benchmark")).truth(PROFILE, scene)).unwrap();
-    let to = SceneDir::new(&dir.path("data/tiny"), scene);
-    json::write(&to.scene(), &description(&truth)).unwrap();
+/// What the held-out camera would have seen, into `data/tiny`.
+pub(crate) fn render(dir: &Dir, truth: &Truth) {
+    let to = SceneDir::new(&dir.path("data/tiny"), &truth.scene);
+    json::write(&to.scene(), &description(truth)).unwrap();
     for &frame in &truth.frames {
-        write_frame(&to.frame(&truth.test_view, frame), &picture(&truth, frame)).unwrap();
+        write_frame(&to.frame(&truth.test_view, frame), &picture(truth, frame)).unwrap();
     }
 }
 
@@ -81,7 +82,7 @@ fn description(truth: &Truth) -> Scene {
     }
 }
 
-fn picture(truth: &Truth, frame: u32) -> Frame {
+pub(crate) fn picture(truth: &Truth, frame: u32) -> Frame {
     let mut surfaces = Surfaces::empty(truth.width, truth.height);
     surfaces.depth_m.fill(1.0);
     for instance in &truth.instances {

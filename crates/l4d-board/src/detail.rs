@@ -32,7 +32,7 @@ impl<'a> Details<'a> {
         let names: Vec<&Name> = board.rows().map(|(_, row)| &row.name).take(MOST_DETAILED).collect();
         // All methods of a board were asked the same queries.
         let options = names.first().map(|name| options(scores, name)).transpose()?.unwrap_or_default();
-        let asked = Asked::of(exam, &options)?;
+        let asked = Asked::of(exam, &options);
         let methods = names.par_iter().map(|name| read(scores, name, &asked));
         Ok(Self { methods: methods.collect::<Result<_, DataError>>()?, asked })
     }
@@ -125,18 +125,17 @@ pub(crate) struct Thing {
 
 impl<'a> Asked<'a> {
     /// The queries that methods scored with these options were asked.
-    pub(crate) fn of(exam: &'a Exam, options: &Options) -> Result<Self, DataError> {
+    pub(crate) fn of(exam: &'a Exam, options: &Options) -> Self {
         let scenes = exam.scenes.iter().map(|scene| {
-            let truth = exam.bench.truth(exam.profile, &scene.name)?;
             let queries = scene.queries.iter().filter(|query| options.takes(query)).collect();
-            let thing = |instance: InstanceTruth| {
+            let thing = |instance: &InstanceTruth| {
                 let InstanceTruth { name, role, category, .. } = instance;
-                Thing { name, role, category }
+                Thing { name: name.clone(), role: *role, category: category.clone() }
             };
-            let things = truth.instances.into_iter().map(thing).collect();
-            Ok(AskedScene { scene, scale: truth.scale, queries, things })
+            let things = scene.truth.instances.iter().map(thing).collect();
+            AskedScene { scene, scale: scene.scale, queries, things }
         });
-        Ok(Self { scenes: scenes.collect::<Result<_, DataError>>()? })
+        Self { scenes: scenes.collect() }
     }
 
     /// All queries with the scale of their scene.

@@ -178,7 +178,8 @@ fn mean_iou_of_frames(counts: &[FrameCount], options: &Options) -> BTreeMap<u32,
 
 fn row(summary: Summary, miou: Option<Estimate>, frames: BTreeMap<u32, f64>) -> BoardRow {
     let protocol = protocol(&summary);
-    let Summary { name, version, link, used, seconds, profile, reported, .. } = summary;
+    let unranked_because = summary.unranked_because();
+    let Summary { name, version, link, seconds, profile, reported, .. } = summary;
     BoardRow {
         name,
         version,
@@ -187,8 +188,7 @@ fn row(summary: Summary, miou: Option<Estimate>, frames: BTreeMap<u32, f64>) -> 
         protocol,
         benchmark_version: summary.benchmark_version,
         truth_digest: summary.truth_digest,
-        ground_truth: used.ground_truth,
-        test_view: used.test_view,
+        unranked_because,
         partial: summary.partial,
         seconds,
         asked: summary.asked_queries,

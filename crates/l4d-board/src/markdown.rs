@@ -14,8 +14,13 @@ use crate::terminal::seconds_text;
 /// Pairs of methods that the page shows; of more methods each stands beside the next one only.
 const MOST_PAIRS: usize = 28;
 
-/// The page; `figures` are (path, what it shows) in order.
-pub(crate) fn page(board: &Board, statistics: &Statistics, figures: &[(String, &str)]) -> String {
+/// The page; `protocols` are (path, name) of tables that stand apart, `figures` (path, what it shows), in order.
+pub(crate) fn page(
+    board: &Board,
+    statistics: &Statistics,
+    protocols: &[(String, &str)],
+    figures: &[(String, &str)],
+) -> String {
     let mut page = format!("# Leaderboard\n\n{}.\n\n", escape(&board.heading.line()));
     page.push_str(
         "Percentages; macro means over queries. Ranked by mIoU; equal printed values share a rank. \
@@ -47,6 +52,13 @@ pub(crate) fn page(board: &Board, statistics: &Statistics, figures: &[(String, &
     }
     page.push_str(&reported_table(board));
     page.push_str(&other_tables(board));
+    if !protocols.is_empty() {
+        let links: Vec<String> = protocols.iter().map(|(path, name)| format!("[{name}]({path})")).collect();
+        page.push_str(&format!(
+            "## Under the rules of others\n\nApart, and never ranked: {}.\n\n",
+            links.join(", ")
+        ));
+    }
     page.push_str("## Figures\n\n");
     for (path, caption) in figures {
         page.push_str(&format!("![{caption}]({path})\n\n"));
@@ -286,8 +298,13 @@ fn metric_title(metric: Metric) -> String {
 }
 
 fn method(row: &BoardRow) -> String {
-    let name = escape(&row.name);
-    if is_plain_url(&row.link) { format!("[{name}]({})", row.link) } else { name }
+    linked(&row.name, &row.link)
+}
+
+/// A name that leads to paper or code, where they have an address.
+pub(crate) fn linked(name: &str, link: &str) -> String {
+    let name = escape(name);
+    if is_plain_url(link) { format!("[{name}]({link})") } else { name }
 }
 
 fn plain(value: Option<f64>) -> String {
@@ -346,18 +363,18 @@ mod tests {
 
     #[test]
     fn best_is_bold_second_is_italic_and_the_unranked_are_plain() {
-        let page = page(&sample::hand_made(), &Statistics::default(), &[]);
+        let page = page(&sample::hand_made(), &Statistics::default(), &[], &[]);
         let line = |start: &str| {
             page.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}\n{page}"))
         };
         assert!(line("| 1 | alpha |").contains("| **62.50** |"), "{}", line("| 1 | alpha |"));
         assert!(line("| 3 | gamma |").contains("| *50.00* |"), "{}", line("| 3 | gamma |"));
-        assert!(line("| oracle |").contains("used ground truth | 100.00 (95.5 to 100.0) |"));
+        assert!(line("| oracle |").contains("baseline, used ground truth | 100.00 (95.5 to 100.0) |"));
     }
 
     #[test]
     fn every_row_of_a_table_has_as_many_cells_as_its_head() {
-        let page = page(&sample::board(14), &sample::statistics(&sample::board(14)), &[]);
+        let page = page(&sample::board(14), &sample::statistics(&sample::board(14)), &[], &[]);
         let cells = |line: &str| line.replace("\\|", "").matches('|').count();
         let mut expected = None;
         for line in page.lines() {

@@ -7,6 +7,7 @@ mod document;
 mod embed;
 mod masks;
 mod overview;
+mod protocols;
 mod published;
 mod scene;
 
@@ -23,6 +24,7 @@ pub use scene::Backdrop;
 
 use crate::detail::{Asked, AskedScene, Detail, Details};
 use crate::error::BoardError;
+use crate::protocols::ProtocolTable;
 use crate::rank::Board;
 use crate::statistics::Statistics;
 
@@ -38,6 +40,8 @@ pub struct Exhibit<'a> {
     pub seed: u64,
     /// What they did, query by query.
     pub details: &'a Details<'a>,
+    /// What protocols of others say of them.
+    pub protocols: &'a [ProtocolTable],
     /// Folder of results; without it the page shows numbers and truth, and no masks of methods.
     pub results: Option<&'a Path>,
     /// Pictures of the held-out camera.
@@ -70,7 +74,14 @@ fn page(exhibit: &Exhibit) -> Result<String, BoardError> {
 
 fn overview(exhibit: &Exhibit) -> Result<Value, BoardError> {
     let Exhibit {
-        exam, board, statistics, seed, software, details: Details { asked, methods: details }, ..
+        exam,
+        board,
+        statistics,
+        seed,
+        protocols,
+        software,
+        details: Details { asked, methods: details },
+        ..
     } = exhibit;
     let heading = &board.heading;
     Ok(json!({
@@ -88,6 +99,7 @@ fn overview(exhibit: &Exhibit) -> Result<Value, BoardError> {
         "methods": overview::methods(board, asked, details, *seed),
         "comparisons": overview::comparisons(statistics),
         "others": overview::others(board),
+        "protocols": protocols::overview(protocols, board, asked),
         "scenes": overview::scenes(asked),
         "published": published::tables(&exam.bench)?,
     }))
@@ -107,8 +119,9 @@ fn scenes(
     }
     let scenes: Vec<_> = asked.scenes.iter().zip(firsts).enumerate().collect();
     let pack = |(index, (scene, first)): &(usize, (&AskedScene, usize))| {
-        let Exhibit { exam, results, backdrop, .. } = exhibit;
-        let value = scene::scene(exam, scene, *first, methods, *results, *backdrop)?;
+        let Exhibit { exam, results, backdrop, protocols, .. } = exhibit;
+        let mut value = scene::scene(exam, scene, *first, methods, *results, *backdrop)?;
+        value["protocols"] = protocols::scene(protocols, scene);
         let failed =
             |error: std::io::Error| BoardError::Table { file: "index.html", message: error.to_string() };
         Ok((format!("scene-{index}"), "text/plain", embed::packed(&value).map_err(failed)?))

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::detail::Details;
 use crate::error::BoardError;
 use crate::figures::{self, Figure};
+use crate::protocols::ProtocolTable;
 use crate::rank::Board;
 use crate::statistics::Statistics;
 use crate::{latex, layout, markdown, table};
@@ -19,6 +20,7 @@ pub fn publish(
     board: &Board,
     statistics: &Statistics,
     details: &Details,
+    protocols: &[ProtocolTable],
     bench: &BenchDir,
     folder: &Path,
 ) -> Result<Vec<PathBuf>, BoardError> {
@@ -38,6 +40,13 @@ pub fn publish(
         files.push((file("tex"), latex::tabular(&table, board).into_bytes()));
         files.push((file("md"), table.markdown(board).into_bytes()));
     }
+    let mut apart = Vec::new();
+    for table in protocols {
+        let page = format!("protocols/{}.md", table.protocol);
+        files.push((format!("protocols/{}.csv", table.protocol), table::protocol(board, table)?));
+        files.push((page.clone(), table.markdown(board).into_bytes()));
+        apart.push((page, table.protocol.as_str()));
+    }
     let mut figures = figures::all(board, statistics);
     figures.extend(figures::detailed(board, details));
     let painted: Vec<_> = figures.par_iter().map(Figure::files).collect::<Result<_, BoardError>>()?;
@@ -46,7 +55,7 @@ pub fn publish(
     let shown: Vec<(String, &str)> =
         on_page.map(|figure| (format!("figures/{}.svg", figure.name), figure.caption.as_str())).collect();
     // The page comes last: when it is new, so is everything that it shows.
-    files.push(("leaderboard.md".to_owned(), markdown::page(board, statistics, &shown).into_bytes()));
+    files.push(("leaderboard.md".to_owned(), markdown::page(board, statistics, &apart, &shown).into_bytes()));
 
     let mut paths = Vec::new();
     for (name, bytes) in files {
@@ -68,7 +77,7 @@ mod tests {
 
     fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
         let mut files = Vec::new();
-        for part in [folder.to_owned(), folder.join("figures"), folder.join("tables")] {
+        for part in ["", "figures", "protocols", "tables"].map(|part| folder.join(part)) {
             for entry in std::fs::read_dir(part).unwrap() {
                 let path = entry.unwrap().path();
                 if path.is_file() {
@@ -89,6 +98,7 @@ mod tests {
             &sample::hand_made(),
             &sample::statistics(&sample::hand_made()),
             &sample::details(),
+            &[sample::protocol()],
             &bench(),
             folder.path(),
         )
@@ -98,6 +108,7 @@ mod tests {
             &sample::hand_made(),
             &sample::statistics(&sample::hand_made()),
             &sample::details(),
+            &[sample::protocol()],
             &bench(),
             folder.path(),
         )
@@ -106,7 +117,7 @@ mod tests {
         paths.push(folder.path().join("notes.txt"));
         paths.sort();
         assert_eq!(first.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>(), paths);
-        assert_eq!(paths.len(), 17 + 3 + 8);
+        assert_eq!(paths.len(), 17 + 3 + 8 + 2);
     }
 
     #[test]
@@ -118,6 +129,7 @@ mod tests {
             &sample::hand_made(),
             &sample::statistics(&sample::hand_made()),
             &sample::details(),
+            &[sample::protocol()],
             &bench(),
             &blocked,
         )

@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::Profile;
+use l4d_score::summary::PARTIAL;
 
 use crate::error::BoardError;
 use crate::row::{BoardRow, Heading, Metric};
@@ -170,21 +171,12 @@ fn belongs(row: &BoardRow, heading: &Heading) -> bool {
 }
 
 fn reasons_against(row: &BoardRow, heading: &Heading) -> Vec<&'static str> {
-    let mut reasons = Vec::new();
-    if row.ground_truth {
-        reasons.push("used ground truth");
-    }
-    if row.test_view {
-        reasons.push("saw the held-out view");
-    }
-    if row.partial || row.asked < heading.queries {
-        reasons.push("partial");
+    let mut reasons = row.unranked_because.clone();
+    if row.asked < heading.queries && !reasons.contains(&PARTIAL) {
+        reasons.push(PARTIAL);
     }
     if row.asked > heading.queries {
         reasons.push("scored on more queries");
-    }
-    if row.scores.headline.miou.is_none() {
-        reasons.push("no query with a target");
     }
     reasons
 }
@@ -229,7 +221,10 @@ mod tests {
         assert_eq!(ranks(&board), [(1, "alpha"), (1, "beta"), (3, "gamma")]);
         let unranked: Vec<_> =
             board.unranked.iter().map(|entry| (entry.row.name.as_str(), entry.reason())).collect();
-        assert_eq!(unranked, [("oracle", "used ground truth".to_owned()), ("half", "partial".to_owned())]);
+        assert_eq!(
+            unranked,
+            [("oracle", "baseline, used ground truth".to_owned()), ("half", "partial".to_owned())]
+        );
         assert_eq!(board.others.len(), 1);
         assert_eq!(board.others[0].rows[0].name.as_str(), "elsewhere");
     }
@@ -237,9 +232,10 @@ mod tests {
     #[test]
     fn several_reasons_are_all_named() {
         let mut row = sample::row("seer", 3, 50.0);
-        (row.ground_truth, row.test_view, row.partial) = (true, true, true);
+        row.unranked_because = vec!["used ground truth", "saw the held-out view"];
         let mut empty = sample::row("empty", 4, 1.0);
         empty.scores.headline.miou = None;
+        empty.unranked_because = vec!["no query with a target"];
         let board = Board::new(sample::heading(4, 0), vec![row, empty]).unwrap();
         assert_eq!(board.unranked[0].reason(), "used ground truth, saw the held-out view, partial");
         assert_eq!(board.unranked[1].reason(), "no query with a target");

@@ -161,10 +161,8 @@ pub struct BoardRow {
     pub benchmark_version: String,
     /// Digest of the truth that it was scored against.
     pub truth_digest: String,
-    /// It used ground truth.
-    pub ground_truth: bool,
-    /// It looked at pictures of the held-out view.
-    pub test_view: bool,
+    /// Why it is not ranked on any board ([`l4d_score::Summary::unranked_because`]); empty for a method that competes.
+    pub unranked_because: Vec<&'static str>,
     /// Some answers were missing and skipped.
     pub partial: bool,
     /// Wall seconds of the method, where measured.

@@ -5,11 +5,14 @@ use std::collections::BTreeMap;
 use l4d_data::{Benchmark, Category, Name, Profile, Report, Scale};
 use l4d_score::counts::{FrameCount, State};
 use l4d_score::groups::Kind;
+use l4d_score::protocols::{Judged, Row, Sheet, Value};
 use l4d_score::{
-    Average, Breakdown, Comparison, Estimate, Estimates, Exam, Group, Metrics, Options, Pair, QuerySet,
+    Average, Breakdown, Comparison, Estimate, Estimates, Exam, Group, Metrics, Options, Pair, Protocol,
+    QuerySet,
 };
 
 use crate::detail::{self, Asked, Details};
+use crate::protocols::{ProtocolRow, ProtocolTable, by_scene, numbers};
 use crate::rank::Board;
 use crate::row::{BoardRow, Heading, Metric};
 use crate::statistics::{Comparisons, MethodGroups, Statistics};
@@ -47,8 +50,7 @@ pub(crate) fn row(name: &str, queries: usize, value: f64) -> BoardRow {
         protocol: "l4d".to_owned(),
         benchmark_version: "1.0.0".to_owned(),
         truth_digest: "3f2a91c0".to_owned(),
-        ground_truth: false,
-        test_view: false,
+        unranked_because: Vec::new(),
         partial: false,
         seconds: None,
         asked: queries,
@@ -76,6 +78,30 @@ pub(crate) fn details() -> Details<'static> {
     Details { asked: Asked { scenes: Vec::new() }, methods: Vec::new() }
 }
 
+/// Two methods under a protocol, two queries of two scenes.
+pub(crate) fn protocol() -> ProtocolTable {
+    let row = |(name, remarks): (&str, &[&'static str])| {
+        let value = |mean| Some(Value { mean, frames: 3 });
+        let judged = |mean| Judged::new([value(mean), None]).leaving_out("are dropped", 4);
+        let rows = [("room_living_cats/001", 0.75), ("outdoor_dog_park/001", 0.25)]
+            .map(|(id, mean)| Row { id: id.parse().unwrap(), judged: judged(mean) });
+        let sheet = Sheet::new(Protocol::LangSplat, Name::new(name).unwrap(), rows.into(), false);
+        ProtocolRow {
+            name: sheet.method.clone(),
+            version: "1".to_owned(),
+            link: "javascript:alert(1)".to_owned(),
+            remarks: remarks.to_vec(),
+            numbers: numbers(&sheet),
+            scenes: by_scene(&sheet),
+            queries: sheet.queries(),
+            left_out: sheet.left_out.clone(),
+            sheet: Some(sheet),
+        }
+    };
+    let rows = [("alpha", [].as_slice()), ("b_b", &["baseline"])].map(row);
+    ProtocolTable { protocol: Protocol::LangSplat, rows: rows.into() }
+}
+
 /// The shipped queries, of these scenes or of all.
 pub(crate) fn exam(scenes: &[&str]) -> Exam {
     let bench = Benchmark::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark")).unwrap();
@@ -87,7 +113,7 @@ pub(crate) fn exam(scenes: &[&str]) -> Exam {
 /// then, marks nothing, or overlaps a share of what is meant.
 pub(crate) fn details_on<'a>(exam: &'a Exam, board: &Board) -> Details<'a> {
     let options = Options::default();
-    let asked = Asked::of(exam, &options).unwrap();
+    let asked = Asked::of(exam, &options);
     let mut methods = Vec::new();
     for (place, (_, row)) in board.rows().enumerate() {
         let mut counts = Vec::new();
@@ -143,7 +169,7 @@ pub(crate) fn hand_made() -> Board {
     gamma.scores.headline.select = None;
     gamma.scores.categories.remove(&Category::Spatial);
     let mut oracle = row("oracle", 4, 100.0);
-    oracle.ground_truth = true;
+    oracle.unranked_because = vec!["baseline", "used ground truth"];
     let partial = row("half", 2, 80.0);
     let mut foreign = row("elsewhere", 4, 99.0);
     foreign.profile = Profile::Tiny;
@@ -180,7 +206,7 @@ pub(crate) fn board(methods: usize) -> Board {
     ];
     for (name, miou, tube, select) in baselines.into_iter().take(methods.saturating_sub(1)) {
         let mut row = varied(name, miou, 0.0);
-        row.ground_truth = true;
+        row.unranked_because = vec!["baseline", "used ground truth"];
         row.scores.headline.tube_iou = Some(tube);
         row.scores.headline.select = Some(select);
         rows.push(row);

@@ -10,6 +10,7 @@ use polars::prelude::{Column, CsvWriter, DataFrame, SerWriter as _};
 use crate::detail::Details;
 use crate::error::BoardError;
 use crate::layout::{self, Layout, Line};
+use crate::protocols::{ProtocolRow, ProtocolTable};
 use crate::rank::Board;
 use crate::reported;
 use crate::row::{BoardRow, Metric};
@@ -214,6 +215,31 @@ pub(crate) fn layout(board: &Board, layout: &Layout) -> Result<Vec<u8>, BoardErr
     csv("tables", cells.len(), columns)
 }
 
+/// `protocols/<protocol>.csv`: one row a method, and one a method and scene. Columns of numbers bear the name of the
+/// protocol, so that none can be taken for one of the board.
+pub(crate) fn protocol(board: &Board, table: &ProtocolTable) -> Result<Vec<u8>, BoardError> {
+    let rows: Vec<(&ProtocolRow, &str, &[Option<f64>])> = table
+        .rows
+        .iter()
+        .flat_map(|row| {
+            let scenes = row.scenes.iter().map(move |(scene, found)| (row, scene.as_str(), found.as_slice()));
+            std::iter::once((row, "", row.numbers.as_slice())).chain(scenes)
+        })
+        .collect();
+    let mut columns = vec![
+        text("method", rows.iter().map(|(row, ..)| row.name.to_string())),
+        text("version", rows.iter().map(|(row, ..)| row.version.clone())),
+        text("remarks", rows.iter().map(|(row, ..)| row.remarks.join(", "))),
+        text("scene", rows.iter().map(|(_, scene, _)| (*scene).to_owned())),
+    ];
+    for (index, measure) in table.protocol.measures().iter().enumerate() {
+        let name = format!("{} {}", table.protocol, measure.key);
+        columns.push(numbers(&name, rows.iter().map(|(.., found)| found[index])));
+    }
+    columns.extend(context_of(board, table.protocol.as_str(), rows.len()));
+    csv("protocols", rows.len(), columns)
+}
+
 struct Entry<'a> {
     rank: Option<usize>,
     row: &'a BoardRow,
@@ -258,13 +284,17 @@ fn metrics(entries: &[Entry]) -> Vec<Column> {
 }
 
 fn context(board: &Board, height: usize) -> Vec<Column> {
+    context_of(board, &board.heading.protocol, height)
+}
+
+fn context_of(board: &Board, protocol: &str, height: usize) -> Vec<Column> {
     let heading = &board.heading;
     let repeat = |name: &str, value: &str| text(name, std::iter::repeat_n(value.to_owned(), height));
     let count = |name: &str, value: usize| Column::new(name.into(), vec![value as u64; height]);
     vec![
         repeat("benchmark", &heading.benchmark),
         repeat("benchmark_version", &heading.version),
-        repeat("protocol", &heading.protocol),
+        repeat("protocol", protocol),
         repeat("profile", heading.profile.as_str()),
         count("board_queries", heading.queries),
         count("verified_queries", heading.verified),
@@ -329,7 +359,7 @@ rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,sele
 1,alpha,0.1,\"\",4,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,58.0000,66.5000,62.5000,,,12.3400,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
 1,beta,0.1,\"\",4,62.5000,75.0000,62.5000,62.5000,62.5000,62.5000,37.5000,58.0000,66.5000,62.5000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
 3,gamma,0.1,\"\",4,50.0000,50.0000,50.0000,50.0000,50.0000,,50.0000,45.5000,54.0000,50.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
-,oracle,0.1,used ground truth,4,100.0000,100.0000,100.0000,100.0000,100.0000,100.0000,0.0000,95.5000,100.0000,100.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+,oracle,0.1,\"baseline, used ground truth\",4,100.0000,100.0000,100.0000,100.0000,100.0000,100.0000,0.0000,95.5000,100.0000,100.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
 ,half,0.1,partial,2,80.0000,80.0000,80.0000,80.0000,80.0000,80.0000,20.0000,75.5000,84.0000,80.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0";
         let found = lines(leaderboard(&sample::hand_made()).unwrap());
         assert_eq!(found, expected.lines().collect::<Vec<_>>());

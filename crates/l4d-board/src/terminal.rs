@@ -244,7 +244,7 @@ mod tests {
             "   3 gamma       50.00   50.00   50.00       -   50.00   50.00       -   50.00        -"
         );
         assert!(text.contains("   - oracle     100.00  100.00"), "{text}");
-        assert!(text.contains("     (used ground truth)\n"), "{text}");
+        assert!(text.contains("     (baseline, used ground truth)\n"), "{text}");
         assert!(text.contains("not of this board: benchmark 1.0.0 · protocol l4d · profile tiny"), "{text}");
     }
 }

@@ -30,6 +30,15 @@ pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<(usize, T)>, D
 
 /// Parses bytes that came from `path` (at line `line` of a JSON Lines file).
 pub fn parse<T: DeserializeOwned>(path: &Path, line: Option<usize>, bytes: &[u8]) -> Result<T, DataError> {
+    // Keeping track of the place costs time: it is done when there is something to say of it.
+    serde_json::from_slice(bytes).or_else(|_| parse_tracked(path, line, bytes))
+}
+
+fn parse_tracked<T: DeserializeOwned>(
+    path: &Path,
+    line: Option<usize>,
+    bytes: &[u8],
+) -> Result<T, DataError> {
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let field = inert_name(&error.path().to_string());

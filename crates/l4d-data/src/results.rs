@@ -54,6 +54,9 @@ pub struct MethodCard {
     pub protocol: String,
     /// What the method looked at.
     pub used: Used,
+    /// A baseline, which is there for the scale: shown, never ranked. Left out of the file where it is not so.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub baseline: bool,
     /// Wall seconds that the method took for all queries; null where it was not measured.
     pub seconds: Option<f64>,
     /// Numbers that the method reports of itself, or that its own evaluation wrote: what is measured -> value. They are

@@ -2,7 +2,7 @@
 //!
 //! Scoring needs only this file and the queries: no render.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -115,11 +115,9 @@ impl Truth {
         if let Some(problem) = if self.profile.is_rendered() { self.misfit() } else { self.real_problem() } {
             return Some(problem);
         }
+        let keys: BTreeSet<String> = self.frames.iter().map(|&frame| frame_key(frame)).collect();
         self.instances.iter().find_map(|instance| {
-            let frame = instance
-                .masks
-                .keys()
-                .find(|key| !self.frames.iter().any(|&frame| frame_key(frame) == **key))?;
+            let frame = instance.masks.keys().find(|key| !keys.contains(*key))?;
             Some((
                 format!("instance {}", instance.name),
                 format!("has a mask at `{frame}`, which is no frame of the clip"),

@@ -378,8 +378,8 @@ mod tests {
     fn other_kinds_are_refused_with_a_remedy() {
         use png::{BitDepth, ColorType};
         let cases = [
-            (ColorType::Indexed, BitDepth::One, vec![0x80], "1-bit palette"),
-            (ColorType::Indexed, BitDepth::Eight, vec![0, 1], "8-bit palette"),
+            (ColorType::Indexed, BitDepth::One, vec![0x80], "1-bit with a palette"),
+            (ColorType::Indexed, BitDepth::Eight, vec![0, 1], "8-bit with a palette"),
             (ColorType::Grayscale, BitDepth::Sixteen, vec![0, 0, 255, 255], "16-bit grayscale"),
             (ColorType::Grayscale, BitDepth::Two, vec![0], "2-bit grayscale"),
             (ColorType::GrayscaleAlpha, BitDepth::Eight, vec![0; 4], "with alpha"),

@@ -5,8 +5,15 @@
 //! to the one two before it; numbers are written in groups of five bits, least significant first, as characters
 //! `0` to `o`. Text that pycocotools writes decodes here, and masks encode here to the very same text.
 
+mod canonical;
+
 use crate::mask::Mask;
 use crate::runs::Runs;
+
+/// The character of zero.
+const ZERO: u8 = b'0';
+/// Characters that a number may have, five bits each: a run fits 32 bits, a difference of runs 33.
+const LONGEST: usize = 7;
 
 /// Why a text is no mask of the size that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -70,14 +77,29 @@ pub fn decode(counts: &str, width: u32, height: u32) -> Result<Mask, RleError> {
 
 /// Decodes compressed counts to runs; refuses what [`decode`] refuses.
 pub fn decode_runs(counts: &str, width: u32, height: u32) -> Result<Runs, RleError> {
+    let mut runs = Runs::new(width, height);
+    decode_runs_into(counts, &mut runs)?;
+    Ok(runs)
+}
+
+/// Decodes compressed counts in the place of other runs of the same size, which saves making room for one mask after
+/// another. What is refused leaves no runs.
+pub fn decode_runs_into(counts: &str, runs: &mut Runs) -> Result<(), RleError> {
+    let (width, height) = runs.size();
     if !Mask::is_sane_size(width, height) {
         return Err(RleError::Size { width, height });
     }
-    let mut runs = Runs::new(width, height);
-    // A number takes one character or two, and every other one is a run inside.
-    runs.reserve(counts.len() / 3);
-    read(counts, width, height, |start, end| runs.push(start, end))?;
-    Ok(runs)
+    // Sane sizes have less than 2^32 pixels.
+    let is_canonical = runs.refill(|edges| canonical::read_edges(counts, width * height, edges));
+    if is_canonical { Ok(()) } else { read_runs(counts, runs) }
+}
+
+/// [`decode_runs_into`] of any text, character by character: the reference.
+fn read_runs(counts: &str, runs: &mut Runs) -> Result<(), RleError> {
+    let (width, height) = runs.size();
+    runs.clear();
+    let read = read(counts, width, height, |start, end| runs.push(start, end));
+    read.inspect_err(|_| runs.clear())
 }
 
 /// The runs of a mask.
@@ -98,7 +120,7 @@ pub(crate) fn runs_of(mask: &Mask) -> Runs {
 pub(crate) fn draw(runs: &Runs) -> Mask {
     let (width, height) = runs.size();
     let mut columns = Columns::empty(width, height);
-    runs.runs().iter().for_each(|run| columns.fill(run.start.into(), run.end.into()));
+    runs.runs().iter().for_each(|&[start, end]| columns.fill(start.into(), end.into()));
     columns.into_mask()
 }
 
@@ -170,14 +192,13 @@ impl Numbers<'_> {
         let mut value = 0_i64;
         let mut shift = 0;
         while let Some(&byte) = self.bytes.get(self.offset) {
-            if !(b'0'..=b'o').contains(&byte) {
+            if !(ZERO..=b'o').contains(&byte) {
                 return Err(RleError::Byte { offset: self.offset, byte });
             }
-            // A run fits 32 bits, a difference of runs 33: seven groups hold any, an eighth is damage.
-            if shift == 35 {
+            if self.offset - first == LONGEST {
                 return Err(RleError::Overflow { offset: first });
             }
-            let group = i64::from(byte - b'0');
+            let group = i64::from(byte - ZERO);
             value |= (group & 0x1f) << shift;
             shift += 5;
             self.offset += 1;
@@ -195,7 +216,7 @@ fn push_number(text: &mut String, mut value: i64) {
         let group = (value & 0x1f) as u8;
         value >>= 5;
         let is_last = if group & 0x10 != 0 { value == -1 } else { value == 0 };
-        text.push(char::from(b'0' + group + if is_last { 0 } else { 0x20 }));
+        text.push(char::from(ZERO + group + if is_last { 0 } else { 0x20 }));
         if is_last {
             return;
         }
@@ -344,7 +365,7 @@ mod tests {
             let mask = Mask::from_bools(width, height, &pixels).unwrap();
             let runs = decode_runs(&encode(&mask), width, height).unwrap();
             prop_assert_eq!(runs.area(), mask.area());
-            prop_assert!(runs.runs().is_sorted_by(|one, next| one.end < next.start));
+            prop_assert!(runs.runs().as_flattened().is_sorted_by(|one, next| one < next));
             prop_assert_eq!(&runs.to_mask(), &mask);
             prop_assert_eq!(&Runs::of(&mask), &runs);
             prop_assert_eq!(decode(&encode(&mask), width, height).unwrap(), mask);

@@ -65,6 +65,7 @@ impl ResultsWriter {
             frames: profile.frames().collect(),
             protocol: PROTOCOL.to_owned(),
             used: Used { ground_truth, test_view, endpoints: endpoints.unwrap_or_default() },
+            baseline: false,
             seconds: None,
             reported: BTreeMap::new(),
             import: None,

@@ -32,6 +32,8 @@ HEADER = "scene,query,frame,state,intersection,union,predicted,truth,instance,in
 CATEGORIES = ["attribute", "action", "spatial", "interaction"]
 SCALES = ["outdoor", "room", "tabletop"]
 COLUMNS = ["miou", "macc", "acc25", "acc50", "tube_iou", "select", "fpr"]
+# Nobody competes under these names.
+BASELINES = ["oracle", "time-agnostic", "look-alike-union", "random-look-alike", "all", "none"]
 # More problems than a person reads.
 MAX_PROBLEMS = 40
 
@@ -318,6 +320,8 @@ class Submission:
             self.problems.append("method.json: field `used` has to say whether ground_truth and test_view were used")
         elif used["ground_truth"]:
             self.problems.append("method.json: results that used the ground truth are not ranked")
+        if card.get("baseline", False) is not False or card.get("name") in BASELINES:
+            self.problems.append("method.json: baselines are not ranked; the names %s are theirs" % ", ".join(BASELINES))
 
     def answers(self, scene, query):
         """Frame -> runs, or None for absent, one frame after another; what has no answer is not among them."""

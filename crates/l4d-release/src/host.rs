@@ -138,6 +138,7 @@ impl Setting<'_> {
             frames: self.profile.frames().collect(),
             protocol: "l4d".to_owned(),
             used: Used::default(),
+            baseline: false,
             seconds: None,
             reported: BTreeMap::new(),
             import: None,

@@ -7,7 +7,7 @@
 
 use std::path::PathBuf;
 
-use l4d_data::{Benchmark, Report};
+use l4d_data::{Benchmark, Report, Severity};
 use l4d_score::{Exam, Options, QuerySet, score_results};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut report = Report::default();
     let exam = Exam::open(Benchmark::open("benchmark")?, profile, QuerySet::Queries, &scenes, &mut report)?;
     let scored = score_results(&results, &exam, &Options::default(), &scores, |_| {})?;
-    match scored.report.into_sorted().first() {
+    match scored.report.into_sorted().iter().find(|finding| finding.severity == Severity::Error) {
         None => Ok(()),
         Some(finding) => Err(format!("{}: {}", finding.path, finding.message).into()),
     }

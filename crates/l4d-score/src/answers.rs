@@ -3,15 +3,16 @@
 //! A mask's size is checked before it is decoded; frames are compared with those that are asked for.
 
 use std::fmt;
+use std::ops::Range;
 use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::truth::frame_key;
 use l4d_data::{QueryId, Report, json};
-use l4d_frames::Mask;
 use l4d_frames::png::{self, PngError};
 use l4d_frames::rle::{self, RleError};
-use serde::de::{Error as _, MapAccess, Visitor};
+use l4d_frames::{Mask, Runs};
+use serde::de::{DeserializeSeed, Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::codes;
@@ -49,17 +50,36 @@ pub struct Reader<'a> {
 impl Reader<'_> {
     /// One answer per frame of the clip. What cannot be read is reported and counts as missing.
     pub fn read(&self, id: &QueryId, forms: Forms, report: &mut Report) -> Vec<Answer> {
+        let mut answers = vec![Answer::Missing; self.clip.len()];
+        self.read_each(id, forms, report, |position, answer| answers[position] = answer.clone());
+        answers
+    }
+
+    /// Tells the answers one after another, each with its position in the clip. What cannot be read is reported and not
+    /// told. Gives which frames were answered.
+    pub fn read_each(
+        &self,
+        id: &QueryId,
+        forms: Forms,
+        report: &mut Report,
+        mut tell: impl FnMut(usize, &Answer),
+    ) -> Vec<bool> {
+        let mut is_answered = vec![false; self.clip.len()];
+        let tell = |position: usize, answer: &Answer| {
+            is_answered[position] = true;
+            tell(position, answer);
+        };
         match forms {
             Forms { json: true, folder: true } => {
                 let message = format!("{} and the folder {} answer the same query", id.number, id.number);
                 let hint = "keep either the JSON file or the PNG folder";
                 report.error(codes::DUPLICATE, &self.dir.mask_file(id), "file", message, hint);
-                vec![Answer::Missing; self.clip.len()]
             }
-            Forms { json: true, folder: false } => self.read_json(id, report),
-            Forms { json: false, folder: true } => self.read_pngs(id, report),
-            Forms { json: false, folder: false } => vec![Answer::Missing; self.clip.len()],
+            Forms { json: true, folder: false } => self.read_json(id, report, tell),
+            Forms { json: false, folder: true } => self.read_pngs(id, report, tell),
+            Forms { json: false, folder: false } => {}
         }
+        is_answered
     }
 
     /// Bytes that [`Self::read`] would read.
@@ -78,27 +98,27 @@ impl Reader<'_> {
         }
     }
 
-    fn read_json(&self, id: &QueryId, report: &mut Report) -> Vec<Answer> {
+    fn read_json(&self, id: &QueryId, report: &mut Report, mut tell: impl FnMut(usize, &Answer)) {
         let path = self.dir.mask_file(id);
-        let mut answers = vec![Answer::Missing; self.clip.len()];
-        let Some(bytes) = read_sized(&path, self.largest_json(), report) else { return answers };
+        let Some(bytes) = read_sized(&path, self.largest_json(), report) else { return };
         let file: AnswerFile = match json::parse(&path, None, &bytes) {
             Ok(file) => file,
             Err(error) => {
                 report.data_error(codes::UNREADABLE, &error);
-                return answers;
+                return;
             }
         };
         let [height, width] = file.size;
         if let Err(message) = self.check_size((width, height)) {
             let hint = "write [height, width] of the held-out pictures, or pass --resize";
             report.error(codes::WRONG_SIZE, &path, "field `size`", message, hint);
-            return answers;
+            return;
         }
         let mut is_seen = vec![false; self.clip.len()];
-        for (key, counts) in file.frames.0 {
-            let place = || format!("frame `{}`", printable(&key));
-            let Some(position) = self.position(&key) else {
+        let mut answer = Answer::Missing;
+        for (key, counts) in file.frames.iter() {
+            let place = || format!("frame `{}`", printable(key));
+            let Some(position) = self.position(key) else {
                 let hint = format!("use the frames {}", frame_list(self.clip));
                 report.error(codes::UNKNOWN_ENTRY, &path, place(), "is no frame of the clip", hint);
                 continue;
@@ -107,30 +127,36 @@ impl Reader<'_> {
                 report.error(codes::DUPLICATE, &path, place(), "stands there twice", "keep one of them");
                 continue;
             }
-            let runs = counts.map(|counts| rle::decode_runs(&counts, width, height)).transpose();
-            answers[position] = match runs {
-                Ok(None) => Answer::Absent,
-                Ok(Some(runs)) if runs.size() == self.size => Answer::Runs(runs),
-                Ok(Some(runs)) => Answer::Pixels(self.resized(runs.to_mask())),
-                Err(error) => {
-                    report.error(codes::BAD_RLE, &path, place(), error.to_string(), rle_remedy(&error));
-                    Answer::Missing
-                }
+            let Some(counts) = counts else {
+                tell(position, &Answer::Absent);
+                continue;
             };
+            // One buffer for all masks of the file.
+            let mut runs = match std::mem::replace(&mut answer, Answer::Missing) {
+                Answer::Runs(runs) => runs,
+                _ => Runs::new(width, height),
+            };
+            if let Err(error) = rle::decode_runs_into(counts, &mut runs) {
+                report.error(codes::BAD_RLE, &path, place(), error.to_string(), rle_remedy(&error));
+                continue;
+            }
+            answer = match runs.size() == self.size {
+                true => Answer::Runs(runs),
+                false => Answer::Pixels(self.resized(runs.to_mask())),
+            };
+            tell(position, &answer);
         }
-        answers
     }
 
-    fn read_pngs(&self, id: &QueryId, report: &mut Report) -> Vec<Answer> {
+    fn read_pngs(&self, id: &QueryId, report: &mut Report, mut tell: impl FnMut(usize, &Answer)) {
         let folder = self.dir.mask_folder(id);
-        let mut answers = vec![Answer::Missing; self.clip.len()];
         for (name, kind) in entries(&folder, report) {
             let path = folder.join(&name);
             let position = name.strip_suffix(".png").and_then(|key| self.position(key));
             match (kind, position) {
                 (Kind::File, Some(position)) => {
                     if let Some(mask) = self.read_png(&path, report) {
-                        answers[position] = Answer::Pixels(mask);
+                        tell(position, &Answer::Pixels(mask));
                     }
                 }
                 (Kind::Link | Kind::Other, _) => report_link(&path, report),
@@ -146,7 +172,6 @@ impl Reader<'_> {
                 }
             }
         }
-        answers
     }
 
     fn read_png(&self, path: &Path, report: &mut Report) -> Option<Mask> {
@@ -239,20 +264,20 @@ impl Reader<'_> {
     }
 }
 
-/// Reports the frames that are asked for and have no answer.
+/// Reports the frames that are asked for and have no answer; `is_answered` holds one entry per frame of the clip.
 pub fn report_missing(
     dir: &ResultsDir,
     id: &QueryId,
     scene: &SceneExam,
-    answers: &[Answer],
+    is_answered: &[bool],
     report: &mut Report,
 ) {
     let asked: Vec<u32> = scene.asked().collect();
     let missing: Vec<u32> = scene
         .clip
         .iter()
-        .zip(answers)
-        .filter(|(frame, answer)| **answer == Answer::Missing && asked.binary_search(frame).is_ok())
+        .zip(is_answered)
+        .filter(|(frame, is_answered)| !**is_answered && asked.binary_search(frame).is_ok())
         .map(|(frame, _)| *frame)
         .collect();
     if missing.is_empty() {
@@ -274,8 +299,20 @@ struct AnswerFile {
     frames: Pairs,
 }
 
+/// Frames and their counts, null for absent, in one buffer: a file holds hundreds of texts.
 #[derive(Debug)]
-struct Pairs(Vec<(String, Option<String>)>);
+struct Pairs {
+    text: String,
+    /// Where keys and values stand in it.
+    places: Vec<(Range<usize>, Option<Range<usize>>)>,
+}
+
+impl Pairs {
+    fn iter(&self) -> impl Iterator<Item = (&str, Option<&str>)> {
+        let text = |place: &Range<usize>| &self.text[place.clone()];
+        self.places.iter().map(move |(key, counts)| (text(key), counts.as_ref().map(text)))
+    }
+}
 
 impl<'de> Deserialize<'de> for Pairs {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -289,18 +326,73 @@ impl<'de> Deserialize<'de> for Pairs {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Pairs, A::Error> {
-                let mut pairs = Vec::new();
-                while let Some(pair) = map.next_entry()? {
-                    if pairs.len() == MAX_FRAMES {
+                /// What the masks of a clip at full size take; more is made room for as it comes.
+                const USUAL_BYTES: usize = 256 << 10;
+                let mut pairs = Pairs { text: String::with_capacity(USUAL_BYTES), places: Vec::new() };
+                while let Some(key) = map.next_key_seed(Append(&mut pairs.text))? {
+                    if pairs.places.len() == MAX_FRAMES {
                         return Err(A::Error::custom("more frames than four digits can name"));
                     }
-                    pairs.push(pair);
+                    let counts = map.next_value_seed(AppendIfAny(&mut pairs.text))?;
+                    pairs.places.push((key, counts));
                 }
-                Ok(Pairs(pairs))
+                Ok(pairs)
             }
         }
 
         deserializer.deserialize_map(Collect)
+    }
+}
+
+/// Appends a text to others, and says where it stands.
+struct Append<'a>(&'a mut String);
+
+impl<'de> DeserializeSeed<'de> for Append<'_> {
+    type Value = Range<usize>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Range<usize>, D::Error> {
+        deserializer.deserialize_str(self)
+    }
+}
+
+impl Visitor<'_> for Append<'_> {
+    type Value = Range<usize>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a string")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Range<usize>, E> {
+        let start = self.0.len();
+        self.0.push_str(text);
+        Ok(start..self.0.len())
+    }
+}
+
+/// The same where null may stand.
+struct AppendIfAny<'a>(&'a mut String);
+
+impl<'de> DeserializeSeed<'de> for AppendIfAny<'_> {
+    type Value = Option<Range<usize>>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_option(self)
+    }
+}
+
+impl<'de> Visitor<'de> for AppendIfAny<'_> {
+    type Value = Option<Range<usize>>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a string or null")
+    }
+
+    fn visit_none<E: serde::de::Error>(self) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        Append(self.0).deserialize(deserializer).map(Some)
     }
 }
 

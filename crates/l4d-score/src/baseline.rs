@@ -63,6 +63,12 @@ impl Baseline {
         }
     }
 
+    /// Whether a name is that of a baseline. No method may compete under it: cards of versions before the field
+    /// `baseline` say by their name alone what they are.
+    pub fn is_name_of_one(name: &Name) -> bool {
+        Self::ALL.iter().any(|baseline| baseline.as_str() == name.as_str())
+    }
+
     fn uses_truth(self) -> bool {
         !matches!(self, Self::None | Self::All)
     }
@@ -96,7 +102,7 @@ pub fn write_baseline(
     }
     let mut written = Written::default();
     for scene in &exam.scenes {
-        let truth = exam.truth(&scene.name)?;
+        let truth = exam.truth(scene)?;
         let write = |query: &Query| {
             let referents = truth.referents(query, &scene.queries_path)?;
             let file = answer(baseline, &truth, query, &referents, &scene.clip, seed);
@@ -129,6 +135,7 @@ fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
         frames: exam.clip.clone(),
         protocol: PROTOCOL.to_owned(),
         used: Used { ground_truth: baseline.uses_truth(), test_view: false, endpoints: Vec::new() },
+        baseline: true,
         seconds: None,
         reported: BTreeMap::new(),
         import: None,

@@ -27,7 +27,7 @@ fn check_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
     let reader = SceneReader::open(dir, scene, false, Holes::Reported, report);
     let check = |query: &Query| {
         let mut found = Report::default();
-        reader.read(query, &mut found);
+        reader.read_each(query, &mut found, |_, _| {});
         found
     };
     let found: Vec<Report> = scene.queries.par_iter().map(check).collect();

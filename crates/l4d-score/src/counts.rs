@@ -66,39 +66,39 @@ pub struct FrameCount {
     pub instance_overlap: u64,
 }
 
-/// A row as it stands in the file.
+/// A row as it stands in the file, with names that are checked when it is read.
 #[derive(Debug, Serialize, Deserialize)]
-struct Row {
-    scene: Name,
-    query: Name,
+struct Row<N> {
+    scene: N,
+    query: N,
     frame: u32,
     state: State,
     intersection: u64,
     union: u64,
     predicted: u64,
     truth: u64,
-    instance: Option<Name>,
+    instance: Option<N>,
     instance_overlap: u64,
 }
 
-impl From<&FrameCount> for Row {
-    fn from(count: &FrameCount) -> Self {
+impl<'a> From<&'a FrameCount> for Row<&'a str> {
+    fn from(count: &'a FrameCount) -> Self {
         Self {
-            scene: count.query.scene.clone(),
-            query: count.query.number.clone(),
+            scene: count.query.scene.as_str(),
+            query: count.query.number.as_str(),
             frame: count.frame,
             state: count.state,
             intersection: count.intersection,
             union: count.union,
             predicted: count.predicted,
             truth: count.truth,
-            instance: count.instance.clone(),
+            instance: count.instance.as_ref().map(Name::as_str),
             instance_overlap: count.instance_overlap,
         }
     }
 }
 
-impl Row {
+impl Row<Name> {
     fn into_count(self) -> Result<FrameCount, String> {
         let query = format!("{}/{}", self.scene, self.query).parse().map_err(|error| format!("{error}"))?;
         // Sums in u64, so that no value can overflow them: pixel counts stay far below 2^40.
@@ -196,7 +196,7 @@ pub fn read(path: &Path) -> Result<Vec<FrameCount>, DataError> {
         let remedy = "run `l4d score` again";
         DataError::invalid(path, format!("line {line}"), message, remedy)
     };
-    let counts = rows.deserialize::<Row>().enumerate().map(|(index, row)| {
+    let counts = rows.deserialize::<Row<Name>>().enumerate().map(|(index, row)| {
         // The header is line 1.
         let line = index + 2;
         let row = row.map_err(|error| invalid(line, error.to_string()))?;

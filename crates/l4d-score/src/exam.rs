@@ -1,9 +1,12 @@
 //! What is asked: version, truth digest, profile, scenes and their queries.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use l4d_data::benchmark::how_truth_is_made;
+use l4d_data::truth::Truth;
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale, Status};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::codes;
@@ -86,9 +89,47 @@ pub struct SceneExam {
     pub unannotated: Vec<u32>,
     /// Mask size, pixels.
     pub size: (u32, u32),
+    /// What the held-out view sees, masks encoded.
+    pub truth: Arc<Truth>,
 }
 
 impl SceneExam {
+    /// None, and a finding, if a file is lacking and `may_lack` one.
+    fn open(
+        bench: &Benchmark,
+        profile: Profile,
+        set: QuerySet,
+        name: Name,
+        may_lack: bool,
+    ) -> Result<(Option<Self>, Report), DataError> {
+        let mut report = Report::default();
+        let queries_path = set.path(bench, &name);
+        let truth_path = bench.dir.truth(profile, &name);
+        let lacking = [&truth_path, &queries_path].into_iter().find(|path| !path.exists());
+        if let (Some(path), true) = (lacking, may_lack) {
+            let message = format!("is not there, so scene {name} is left out");
+            let hint = format!("{}, or write its queries", how_truth_is_made(profile, &name));
+            report.warning(codes::SCENE_LEFT_OUT, path, "", message, hint);
+            return Ok((None, report));
+        }
+        let queries = set.of_scene(bench, &name)?;
+        let not_asked = not_asked(bench, &name, &queries)?;
+        let truth = Arc::new(bench.truth(profile, &name)?);
+        let scene = Self {
+            scale: truth.scale,
+            traits: queries.iter().map(|query| Traits::of(query, &truth)).collect(),
+            queries,
+            queries_path,
+            not_asked,
+            clip: truth.clip(),
+            size: (truth.width, truth.height),
+            unannotated: truth.unannotated.clone(),
+            truth,
+            name,
+        };
+        Ok((Some(scene), report))
+    }
+
     /// Frames that have to be answered, ascending.
     pub fn asked(&self) -> impl Iterator<Item = u32> {
         self.clip.iter().copied().filter(|frame| self.unannotated.binary_search(frame).is_err())
@@ -106,31 +147,16 @@ impl Exam {
         report: &mut Report,
     ) -> Result<Self, DataError> {
         let truth_digest = bench.truth_digest(profile)?;
+        let opened: Vec<Result<(Option<SceneExam>, Report), DataError>> = bench
+            .select(wanted)?
+            .into_par_iter()
+            .map(|name| SceneExam::open(&bench, profile, set, name, wanted.is_empty()))
+            .collect();
         let mut scenes = Vec::new();
-        for name in bench.select(wanted)? {
-            let files = [bench.dir.truth(profile, &name), set.path(&bench, &name)];
-            let lacking = files.iter().find(|path| !path.exists());
-            if let (Some(path), true) = (lacking, wanted.is_empty()) {
-                let message = format!("is not there, so scene {name} is left out");
-                let hint = format!("{}, or write its queries", how_truth_is_made(profile, &name));
-                report.warning(codes::SCENE_LEFT_OUT, path, "", message, hint);
-                continue;
-            }
-            let queries = set.of_scene(&bench, &name)?;
-            let not_asked = not_asked(&bench, &name, &queries)?;
-            let queries_path = set.path(&bench, &name);
-            let truth = bench.truth(profile, &name)?;
-            scenes.push(SceneExam {
-                scale: truth.scale,
-                traits: queries.iter().map(|query| Traits::of(query, &truth)).collect(),
-                queries,
-                queries_path,
-                not_asked,
-                clip: truth.clip(),
-                size: (truth.width, truth.height),
-                unannotated: truth.unannotated,
-                name,
-            });
+        for opened in opened {
+            let (scene, found) = opened?;
+            report.extend(found);
+            scenes.extend(scene);
         }
         if scenes.is_empty() {
             let message = format!("no scene has both {} and truth of profile {profile}", set.as_str());
@@ -148,9 +174,9 @@ impl Exam {
         })
     }
 
-    /// Reads and decodes the truth of a scene.
-    pub fn truth(&self, scene: &Name) -> Result<SceneTruth, DataError> {
-        SceneTruth::load(&self.bench, self.profile, scene)
+    /// Decodes the truth of a scene.
+    pub fn truth(&self, scene: &SceneExam) -> Result<SceneTruth, DataError> {
+        SceneTruth::decode(&scene.truth, &self.bench.dir.truth(self.profile, &scene.name))
     }
 
     /// Queries that people have rejected: never scored, but counted, so that a table can say what it lacks.

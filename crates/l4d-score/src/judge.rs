@@ -53,6 +53,42 @@ impl Answer {
     }
 }
 
+/// One query under judgement: answers come one at a time, in any order, and none is kept.
+#[derive(Debug)]
+pub struct QueryJudge<'a> {
+    truth: &'a SceneTruth,
+    query: &'a Query,
+    referents: &'a [usize],
+    clip: &'a [u32],
+    /// One per frame of the clip, none until its answer came.
+    counts: Vec<Option<FrameCount>>,
+}
+
+impl<'a> QueryJudge<'a> {
+    /// Nothing is answered yet. `referents` are positions among the instances of the truth.
+    pub fn new(truth: &'a SceneTruth, query: &'a Query, referents: &'a [usize], clip: &'a [u32]) -> Self {
+        Self { truth, query, referents, clip, counts: vec![None; clip.len()] }
+    }
+
+    /// Counts the pixels of an answer to the frame at a position of the clip.
+    pub fn take(&mut self, position: usize, answer: &Answer) {
+        self.counts[position] = Some(self.judge(self.clip[position], answer));
+    }
+
+    /// One per frame of the clip; those without an answer are missing.
+    pub fn into_counts(mut self) -> Vec<FrameCount> {
+        let counts = std::mem::take(&mut self.counts).into_iter();
+        let judge = |(count, &frame): (Option<FrameCount>, &u32)| {
+            count.unwrap_or_else(|| self.judge(frame, &Answer::Missing))
+        };
+        counts.zip(self.clip).map(judge).collect()
+    }
+
+    fn judge(&self, frame: u32, answer: &Answer) -> FrameCount {
+        judge_frame(self.truth, self.query, self.referents, frame, answer)
+    }
+}
+
 /// Counts the pixels of every answer. `answers` holds one per frame of `clip`.
 pub fn judge_query(
     truth: &SceneTruth,
@@ -260,5 +296,22 @@ mod tests {
             let judged = answers.map(|answer| judge_query(&truth, &query(holds), &[0, 2], &[0], &[answer]));
             prop_assert_eq!(&judged[0], &judged[1]);
         }
+    }
+
+    #[test]
+    fn answers_in_any_order_are_counted_as_all_at_once() {
+        let mut truth = truth(2, 2, &[0, 1, 2, 4], false);
+        truth.frames = vec![6];
+        let (query, clip) = (query(true), [0, 6, 12]);
+        let pixels = |bits: [bool; 4]| Answer::Pixels(Mask::from_bools(2, 2, &bits).unwrap());
+        let answers = [pixels([true; 4]), pixels([true, true, false, false]), Answer::Missing];
+        let mut judge = QueryJudge::new(&truth, &query, &[0, 2], &clip);
+        judge.take(1, &answers[1]);
+        judge.take(0, &answers[0]);
+        let counts = judge.into_counts();
+        assert_eq!(counts, judge_query(&truth, &query, &[0, 2], &clip, &answers));
+        let states: Vec<State> = counts.iter().map(|count| count.state).collect();
+        assert_eq!(states, [State::NotAnnotated, State::Hit, State::NotAnnotated]);
+        assert_eq!((counts[1].intersection, counts[1].union), (1, 3));
     }
 }

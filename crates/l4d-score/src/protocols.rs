@@ -17,6 +17,7 @@ mod judged;
 mod langsplat;
 mod mevis;
 mod opengaussian;
+mod record;
 mod region;
 mod run;
 mod seen;
@@ -26,6 +27,7 @@ use std::fmt;
 use std::str::FromStr;
 
 pub use judged::{Judged, LeftOut, Value};
+pub use record::{Origin, Record};
 pub use run::{Protocolled, judge_answers, judge_results};
 pub use seen::{Clip, Seen, Summits};
 pub use sheet::{Row, Sheet, file_stem, render};

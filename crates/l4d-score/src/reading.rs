@@ -60,15 +60,21 @@ impl<'a> SceneReader<'a> {
 
     /// One answer per frame of the clip; what is wrong with them is reported.
     pub(crate) fn read(&self, query: &Query, report: &mut Report) -> Vec<Answer> {
+        let mut answers = vec![Answer::Missing; self.scene.clip.len()];
+        self.read_each(query, report, |position, answer| answers[position] = answer.clone());
+        answers
+    }
+
+    /// Tells the answers one after another, each with its position in the clip; what is wrong with them is reported.
+    pub(crate) fn read_each(&self, query: &Query, report: &mut Report, tell: impl FnMut(usize, &Answer)) {
         let forms = self.forms.get(query.id.number.as_str()).copied().unwrap_or_default();
         let mut found = Report::default();
-        let answers = self.reader.read(&query.id, forms, &mut found);
+        let is_answered = self.reader.read_each(&query.id, forms, &mut found, tell);
         // What could not be read has been reported and would only be repeated as missing.
         if self.holes == Holes::Reported && is_asked(query) && found.is_empty() {
-            report_missing(self.dir, &query.id, self.scene, &answers, &mut found);
+            report_missing(self.dir, &query.id, self.scene, &is_answered, &mut found);
         }
         report.extend(found);
-        answers
     }
 }
 

@@ -12,12 +12,11 @@ use serde_json::{Value, json};
 use crate::codes;
 use crate::counts::{CountsWriter, FrameCount, to_csv};
 use crate::exam::{Exam, SceneExam};
-use crate::judge::{Answer, judge_query};
+use crate::judge::QueryJudge;
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::reading::{Holes, SceneReader};
 use crate::results::{PROTOCOL, admit, find_methods, read_card};
 use crate::summary::Summary;
-use crate::truth::SceneTruth;
 
 /// Scores of all methods of a folder that have no error.
 #[derive(Debug)]
@@ -143,13 +142,15 @@ fn judge_scene(
     options: &Options,
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
-    let truth = exam.truth(&scene.name)?;
+    let truth = exam.truth(scene)?;
     let holes = Holes::reported_if(options.missing == Missing::Error);
     let reader = SceneReader::open(dir, scene, options.resize, holes, &mut report);
     let judge = |query: &&Query| {
         let mut found = Report::default();
-        let answers = reader.read(query, &mut found);
-        let counts = count(&truth, query, scene, &answers)?;
+        let referents = truth.referents(query, &scene.queries_path)?;
+        let mut judge = QueryJudge::new(&truth, query, &referents, &scene.clip);
+        reader.read_each(query, &mut found, |position, answer| judge.take(position, answer));
+        let counts = judge.into_counts();
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, to_csv(&counts, false), found))
     };
@@ -161,16 +162,6 @@ fn judge_scene(
         queries.push((tally, rows));
     }
     Ok(JudgedScene { queries, report })
-}
-
-fn count(
-    truth: &SceneTruth,
-    query: &Query,
-    scene: &SceneExam,
-    answers: &[Answer],
-) -> Result<Vec<FrameCount>, DataError> {
-    let referents = truth.referents(query, &scene.queries_path)?;
-    Ok(judge_query(truth, query, &referents, &scene.clip, answers))
 }
 
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.

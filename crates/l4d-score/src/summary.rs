@@ -9,11 +9,14 @@ use l4d_data::{DataError, Name, Profile, QueryId, json};
 use serde::{Deserialize, Serialize};
 
 use crate::averages::Breakdown;
+use crate::baseline::Baseline;
 use crate::exam::{Exam, QuerySet};
 use crate::metrics::{Missing, Options, QueryTally};
 
 /// Schema tag of a summary.
 pub const SCHEMA: &str = "l4d/score/1";
+/// Of a method that did not answer everything that is asked.
+pub const PARTIAL: &str = "partial";
 
 fn is_headline(set: &QuerySet) -> bool {
     *set == QuerySet::default()
@@ -32,6 +35,9 @@ pub struct Summary {
     pub link: String,
     /// What the method looked at.
     pub used: Used,
+    /// The card says that it is a baseline.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub baseline: bool,
     /// Wall seconds that the method took for all queries.
     pub seconds: Option<f64>,
     /// What the method reports of itself; never scored.
@@ -68,6 +74,16 @@ pub struct Summary {
     pub scores: Breakdown,
 }
 
+/// What keeps a method from being compared with others as an equal, by its card.
+pub(crate) fn handicaps(name: &Name, is_baseline: bool, used: &Used) -> Vec<&'static str> {
+    let found = [
+        (is_baseline || Baseline::is_name_of_one(name), "baseline"),
+        (used.ground_truth, "used ground truth"),
+        (used.test_view, "saw the held-out view"),
+    ];
+    found.into_iter().filter(|(holds, _)| *holds).map(|(_, reason)| reason).collect()
+}
+
 impl Summary {
     /// Sums up the queries of a method.
     pub fn new(card: MethodCard, exam: &Exam, options: &Options, tallies: &[QueryTally]) -> Self {
@@ -78,6 +94,7 @@ impl Summary {
             version: card.version,
             link: card.link,
             used: card.used,
+            baseline: card.baseline,
             seconds: card.seconds,
             reported: card.reported,
             protocol: card.protocol,
@@ -98,6 +115,14 @@ impl Summary {
                 .collect(),
             scores: Breakdown::of(tallies),
         }
+    }
+
+    /// Why the method is shown for scale and never ranked, whoever it is compared with; nothing for one that competes.
+    pub fn unranked_because(&self) -> Vec<&'static str> {
+        let mut reasons = handicaps(&self.name, self.baseline, &self.used);
+        reasons.extend(self.partial.then_some(PARTIAL));
+        reasons.extend(self.scores.headline.miou.is_none().then_some("no query with a target"));
+        reasons
     }
 
     /// Reads a summary.

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use l4d_data::scene::Role;
-use l4d_data::truth::frame_key;
+use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, Scale, Temporal};
 use l4d_frames::{Mask, Runs, rle};
 use rayon::prelude::*;
@@ -44,8 +44,9 @@ impl TruthMask {
     }
 
     /// None if there is no pixel.
-    pub fn of_runs(runs: Runs) -> Option<Self> {
+    pub fn of_runs(mut runs: Runs) -> Option<Self> {
         let area = runs.area();
+        runs.shrink_to_fit();
         (area > 0).then(|| Self { runs: OnceLock::from(runs), drawn: OnceLock::new(), area })
     }
 
@@ -125,23 +126,26 @@ impl SceneTruth {
 
     /// Reads and decodes the truth of a scene.
     pub fn load(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
-        let path = bench.dir.truth(profile, scene);
-        let file = bench.truth(profile, scene)?;
+        Self::decode(&bench.truth(profile, scene)?, &bench.dir.truth(profile, scene))
+    }
+
+    /// Decodes what was read. `path` is the file to blame.
+    pub fn decode(file: &Truth, path: &Path) -> Result<Self, DataError> {
         let (width, height) = (file.width, file.height);
-        let decode = |frame: &u32, name: &Name, counts: Option<&String>| {
+        let keys: Vec<String> = file.frames.iter().map(|&frame| frame_key(frame)).collect();
+        let decode = |key: &String, name: &Name, counts: Option<&String>| {
             let runs = counts.map(|counts| rle::decode_runs(counts, width, height)).transpose().map_err(
                 |error| {
-                    let place = format!("instance {name}, frame {}", frame_key(*frame));
-                    DataError::invalid(&path, place, error.to_string(), "restore the file from the release")
+                    let place = format!("instance {name}, frame {key}");
+                    DataError::invalid(path, place, error.to_string(), "restore the file from the release")
                 },
             )?;
             Ok(runs.and_then(TruthMask::of_runs))
         };
         let instances = file.instances.par_iter().map(|instance| {
-            let masks = file
-                .frames
+            let masks = keys
                 .iter()
-                .map(|frame| decode(frame, &instance.name, instance.masks.get(&frame_key(*frame))))
+                .map(|key| decode(key, &instance.name, instance.masks.get(key)))
                 .collect::<Result<Vec<_>, DataError>>()?;
             Ok(TruthInstance {
                 name: instance.name.clone(),
@@ -153,7 +157,7 @@ impl SceneTruth {
         });
         let mut instances = instances.collect::<Result<Vec<_>, DataError>>()?;
         instances.sort_by_key(|instance| instance.id);
-        Ok(Self::new((scene.clone(), file.scale), (width, height), file.frames, instances))
+        Ok(Self::new((file.scene.clone(), file.scale), (width, height), file.frames.clone(), instances))
     }
 
     /// Who shows where at an annotated frame; none if instances overlap there, as hand-drawn ones may.

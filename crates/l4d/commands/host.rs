@@ -128,12 +128,7 @@ fn entry(summary: Summary) -> Entry {
         let miou = summary.scores.categories.get(&category).and_then(|metrics| metrics.miou);
         scores.insert(format!("miou_{}", category.as_str()), miou);
     }
-    let because = match () {
-        () if summary.used.ground_truth => Some("used the ground truth"),
-        () if summary.partial => Some("left frames out"),
-        () if all.miou.is_none() => Some("no query has a score"),
-        () => None,
-    };
+    let because = summary.unranked_because();
     Entry {
         name: summary.name.to_string(),
         version: summary.version,
@@ -141,6 +136,6 @@ fn entry(summary: Summary) -> Entry {
         scores,
         queries: all.queries,
         seconds: summary.seconds,
-        unranked_because: because.map(str::to_owned),
+        unranked_because: (!because.is_empty()).then(|| because.join(", ")),
     }
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_board::{
-    Board, BoardError, Details, Gathered, Statistics, gather, publish, publish_reliability, text_statistics,
-    text_table,
+    Board, BoardError, Details, Gathered, ProtocolTable, Statistics, gather, gather_protocols, publish,
+    publish_reliability, text_statistics, text_table,
 };
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
@@ -17,6 +17,14 @@ use serde_json::{Value, json};
 use super::score::default_scores;
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::{ExitStatus, Printer, refusal};
+
+/// What the scores became.
+struct Made<'a> {
+    board: &'a Board,
+    statistics: &'a Statistics,
+    details: &'a Details<'a>,
+    protocols: &'a [ProtocolTable],
+}
 
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
@@ -29,7 +37,8 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
         gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
     let details = Details::read(&board, &scores, &exam)?;
-    let mut paths = publish(&board, &statistics, &details, &exam.bench.dir, &output)
+    let protocols = gather_protocols(&scores, &board, &exam, &mut report)?;
+    let mut paths = publish(&board, &statistics, &details, &protocols, &exam.bench.dir, &output)
         .map_err(|error| with_hint(error, &scores))?;
     let certainties = reliability::of_methods(args, &exam, &details)?;
     if !certainties.is_empty() {
@@ -37,17 +46,23 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
         paths.extend(publish_reliability(&certainties, &reliability::about(&board), &figures)?);
     }
     if args.html {
-        paths.push(page::write(args, &exam, &board, &statistics, &details, [&scores, &output], out)?);
+        let made = Made { board: &board, statistics: &statistics, details: &details, protocols: &protocols };
+        paths.push(page::write(args, &exam, &made, [&scores, &output], out)?);
     }
 
     for finding in report.into_sorted() {
         out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
     }
     if args.json {
-        out.json(&as_json(&board, &statistics))?;
+        out.json(&as_json(&board, &statistics, &protocols))?;
     } else {
         out.data(text_table(&board))?;
         out.data(format!("\n{}", text_statistics(&board, &statistics)))?;
+        if !protocols.is_empty() {
+            let names: Vec<&str> = protocols.iter().map(|table| table.protocol.as_str()).collect();
+            let folder = output.join("protocols");
+            out.data(format!("\nApart and never ranked, in {}: {}.", folder.display(), names.join(", ")))?;
+        }
     }
     out.note(format!("\n{} files in {}:", paths.len(), output.display()));
     for path in paths {
@@ -86,7 +101,7 @@ fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {
     }
 }
 
-fn as_json(board: &Board, statistics: &Statistics) -> Value {
+fn as_json(board: &Board, statistics: &Statistics, protocols: &[ProtocolTable]) -> Value {
     let heading = &board.heading;
     let ranked = board.ranked.iter().map(|entry| json!({
         "name": entry.row.name, "rank": entry.rank, "seconds": entry.row.seconds, "scores": entry.row.scores,
@@ -117,5 +132,6 @@ fn as_json(board: &Board, statistics: &Statistics) -> Value {
         "ranked": ranked.collect::<Vec<_>>(),
         "unranked": unranked.collect::<Vec<_>>(),
         "comparisons": pairs.collect::<Vec<_>>(),
+        "protocols": protocols.iter().map(ProtocolTable::to_json).collect::<Value>(),
     })
 }

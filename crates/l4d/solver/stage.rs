@@ -46,7 +46,7 @@ impl<'a> Stage<'a> {
         let adapter = opened.adapter.as_ref().map(serde_json::to_value).transpose()?;
         let draws = (opened.rasterizer.as_ref(), adapter);
         let scene = SolveScene::open(name, profile, &places, clips, draws, &|| {})?;
-        Ok(Self { judged: scene.judged(&places)?, truth: exam.truth(name)?, places, scene, exam: asked })
+        Ok(Self { judged: scene.judged(&places)?, truth: exam.truth(asked)?, places, scene, exam: asked })
     }
 
     /// The queries that are judged.

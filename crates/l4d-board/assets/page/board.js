@@ -1,32 +1,73 @@
 // The board: who stands where, in the group of queries that the filters choose.
 
 function drawBoard(main) {
-  main.append(
-    el("h1", { tabindex: -1 }, `${board.benchmark} ${board.version}`),
-    headingFacts(),
-    el("h2", { id: "ranking" }, "Ranking"),
-    el("p", { class: "quiet" }, "Percent, means over queries; below each number its 95 % interval, clustered by scene. Ranked by mIoU; equal printed values share a rank. Choose a method to see what it did."),
-  );
+  const title = el("h2", { id: "ranking" });
+  const about = el("div", {});
+  const told = el("div", {});
+  main.append(el("h1", { tabindex: -1 }, `${board.benchmark} ${board.version}`), told, title, about);
   const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "ranking" });
+  const below = el("div", {});
   const count = el("p", { class: "count quiet small" });
+  const fill = () => {
+    const table = chosenTable(readAddress());
+    title.textContent = table.title;
+    told.replaceChildren(headingFacts(table));
+    about.replaceChildren(table.about);
+    fillBoard(holder, count, table);
+    below.replaceChildren();
+    if (table.protocol) below.append(...(leftOut(table.methods) ?? []));
+    else if (!table.isElsewhere) drawComparison(below);
+  };
   const redraw = (changes) => {
     noteInAddress(changes);
-    fillBoard(holder, count);
-    say(count.textContent);
+    fill();
+    say(`${title.textContent}: ${count.textContent}`);
   };
-  main.append(filters(redraw, count), holder);
-  fillBoard(holder, count);
-  drawComparison(main);
+  main.append(filters(redraw, count), holder, below);
+  fill();
   drawPublished(main);
 }
 
-function headingFacts() {
+/** What the first filter chooses: the board, the sums of another protocol, or methods that were scored on something else. */
+function chosenTable(state) {
+  const protocol = protocolOf(state);
+  if (protocol) {
+    const none = protocol.measures.map(() => null);
+    return {
+      protocol,
+      title: `Under the rules of others: ${protocol.name}`,
+      about: protocolNotice(protocol),
+      line: protocol.line,
+      methods: protocol.methods,
+      metrics: protocol.measures,
+      cells: (method) => (method.groups[`${state.category}|${state.scale}`] ?? none).map((value) => (value === null ? null : [value, null, null])),
+      queries: (method) => method.queries,
+    };
+  }
+  const other = state.board === "" ? undefined : board.others[Number(state.board)];
+  const line = (text) => el("p", { class: "quiet" }, text);
+  return {
+    isElsewhere: Boolean(other),
+    title: other ? "Not of this board" : "Ranking",
+    about: other
+      ? line("Scored on something else than this board, so that no number here can be compared with one there.")
+      : line("Percent, means over queries; below each number its 95 % interval, clustered by scene. Ranked by mIoU; equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
+    line: other ? other.line : board.line,
+    methods: other ? other.methods : board.methods,
+    metrics: METRICS,
+    cells: (method) => METRICS.map((_, metric) => cellOf(method, metric, state.category, state.scale)),
+    queries: (method) => cellOf(method, MIOU, state.category, state.scale)?.[3] ?? 0,
+  };
+}
+
+function headingFacts({ protocol, isElsewhere }) {
   const share = board.queries > 0 ? board.verified / board.queries : 0;
   const meter = svg("svg", { class: "share", viewBox: "0 0 100 6", preserveAspectRatio: "none", "aria-hidden": "true" });
   meter.append(svg("rect", { class: "dot", x: 0, y: 0, width: 100 * share, height: 6 }));
   const verified = [meter, `${board.verified} of ${board.queries} (${Math.round(100 * share)} %)`];
+  if (isElsewhere) return facts([["Of this board", board.line]]);
   return facts([
-    ["Protocol", board.protocol],
+    ["Protocol", protocol ? protocol.name : board.protocol],
     ["Profile", board.profile],
     ["Queries", `${board.queries} in ${counted(board.scenes.length, "scene", "scenes")}${board.rejected ? `; ${board.rejected} rejected by people are left out` : ""}`],
     ["Prompts verified by people", verified],
@@ -39,17 +80,18 @@ function facts(pairs) {
   return el("dl", { class: "facts" }, entries.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", {}, value))));
 }
 
-/** This board first, then those that were scored on something else, by their place. */
+/** This board first, then the protocols of others, then methods that were scored on something else, by their place. */
 function boardOptions() {
   const own = ["", `${board.protocol} \u00b7 ${board.profile} \u00b7 ${board.version}`];
-  return [own, ...board.others.map((other, at) => [String(at), other.line])];
+  const protocols = board.protocols.map(({ name }) => [name, `${name} \u00b7 ${board.profile} \u00b7 never ranked`]);
+  return [own, ...protocols, ...board.others.map((other, at) => [String(at), other.line])];
 }
 
 function filters(redraw, count) {
   const state = readAddress();
   const capital = (word) => [word, word[0].toUpperCase() + word.slice(1)];
   const search = el("input", { type: "search", value: state.find, oninput: () => redraw({ find: search.value }) });
-  const hasOthers = board.others.length > 0;
+  const hasOthers = board.others.length + board.protocols.length > 0;
   return el(
     "form",
     { class: "filters", onsubmit: (event) => event.preventDefault() },
@@ -65,44 +107,39 @@ function filters(redraw, count) {
 /** More rows than these are drawn only when they are asked for. */
 const MANY = 250;
 
-function fillBoard(holder, count, most = MANY) {
+function fillBoard(holder, count, table, most = MANY) {
   const state = readAddress();
-  const other = state.board === "" ? null : board.others[Number(state.board)];
   const wanted = state.find.trim().toLowerCase();
-  const isWanted = (method) => method.name.toLowerCase().includes(wanted);
-  const methods = (other ? other.methods : board.methods).filter(isWanted);
-  const rows = methods.slice(0, most).map((method) => ({
-    method,
-    isOwn: !other,
-    cells: METRICS.map((_, metric) => cellOf(method, metric, state.category, state.scale)),
-  }));
+  const methods = table.methods.filter((method) => method.name.toLowerCase().includes(wanted));
+  const rows = methods.map((method) => ({ method, isOwn: !table.isElsewhere, cells: table.cells(method) }));
   const ranked = rows.filter((row) => row.method.rank !== null);
   const unranked = rows.filter((row) => row.method.rank === null);
-  const sections = other
-    ? [{ title: "Not of this board: scored on something else", rows }]
+  const sections = table.protocol || table.isElsewhere
+    ? [{ title: null, rows }]
     : [{ title: null, rows: ranked }, { title: "Not ranked, shown for scale", rows: unranked }];
-  const columns = boardColumns(bestValues(ranked), state);
-  const sort = state.sort || "-miou";
+  const columns = table.protocol ? protocolColumns(table.protocol) : boardColumns(bestValues(ranked), state);
+  // An order by a column that this table lacks is an order of another one.
+  const hasColumn = columns.some((column) => column.key === state.sort.replace(/^-/, ""));
+  const sort = hasColumn ? state.sort : table.protocol ? "" : "-miou";
   const change = (next) => {
     noteInAddress({ sort: next });
-    fillBoard(holder, count, most);
-    const column = columns.find((column) => column.key === next.replace(/^-/, ""));
-    say(`Sorted by ${column.title}, ${next.startsWith("-") ? "highest" : "lowest"} first.`);
+    fillBoard(holder, count, table, most);
+    say(sortedBy(columns, next));
   };
-  const queries = Math.max(0, ...rows.map((row) => row.cells[MIOU]?.[3] ?? 0));
+  const queries = Math.max(0, ...methods.map(table.queries));
   const group = [state.category, state.scale].filter(Boolean).join(", ") || "all queries";
-  const caption = `${other ? other.line : board.line}. Shown: ${group} (${queries}).`;
+  const caption = table.protocol ? `${table.line}. Shown: ${group}.` : `${table.line}. Shown: ${group} (${queries}).`;
   const shown = sections.filter((section) => section.rows.length > 0);
   redrawTable(holder, () => {
     if (shown.length === 0) return el("p", {}, "No method matches.");
-    const table = sortableTable({ caption, columns, sections: shown, sort, change });
-    return table;
+    return sortableTable({ caption, columns, sections: shown, sort, change, most });
   });
-  if (methods.length > rows.length) {
-    const all = () => fillBoard(holder, count, methods.length);
+  if (methods.length > most) {
+    const all = () => fillBoard(holder, count, table, methods.length);
     holder.append(el("button", { type: "button", onclick: all }, `Show all ${methods.length} methods`));
   }
-  count.textContent = `${counted(methods.length, "method", "methods")}, ${counted(queries, "query", "queries")}`;
+  const asked = table.protocol ? "" : `, ${counted(queries, "query", "queries")}`;
+  count.textContent = counted(methods.length, "method", "methods") + asked;
 }
 
 /** The best printed value of each metric among ranked methods. */
@@ -151,8 +188,16 @@ function boardColumns(best, state) {
   ];
 }
 
+function protocolColumns(protocol) {
+  return [
+    { key: "name", title: "Method", about: "Name and version", isHead: true, value: (row) => row.method.name, cell: methodCell },
+    ...measureColumns(protocol, (row, at) => row.cells[at]?.[0]),
+    { key: "queries", title: "Queries", about: "Queries that enter at least one number", isNumber: true, value: (row) => row.method.queries, cell: (row) => String(row.method.queries) },
+  ];
+}
+
 function methodCell({ method, isOwn }) {
-  const name = isOwn && method.isDetailed ? el("a", { href: hrefTo({ method: method.name }) }, method.name) : el("span", {}, method.name);
+  const name = isOwn && (method.isDetailed || method.leftOut) ? el("a", { href: hrefTo({ method: method.name }) }, breakable(method.name)) : el("span", {}, breakable(method.name));
   const version = method.version ? el("span", { class: "quiet small" }, ` ${method.version}`) : null;
   return [name, version, reasons(method)];
 }
@@ -176,7 +221,7 @@ function drawPublished(main) {
       el("tr", {}, el("th", { scope: "row" }, row.setting), row.values.map((value) => el("td", { class: "number" }, hundredths(value)))),
     );
     const head = el("thead", {}, el("tr", {}, el("th", { scope: "col", rowspan: 2 }, "Setting"), heads), el("tr", {}, units));
-    const caption = el("caption", {}, "As reported, percent");
+    const caption = captionOf("As reported, percent");
     main.append(
       el("details", {}, el("summary", {}, table.title), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.title }, el("table", {}, caption, head, el("tbody", {}, rows)))),
     );

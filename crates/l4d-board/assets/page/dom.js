@@ -22,6 +22,11 @@ function furnish(element, attributes, children) {
   return element;
 }
 
+/** A name that may be broken behind its seams. */
+function breakable(name) {
+  return name.split(/(?<=[_.-])/).flatMap((part, at) => (at > 0 ? [el("wbr"), part] : [part]));
+}
+
 /** Tells a reader who does not see the page what has changed. */
 function say(text) {
   document.getElementById("said").textContent = text;

@@ -3,20 +3,24 @@
 function draw(isFirst) {
   const state = readAddress();
   const main = document.getElementById("main");
+  const protocol = protocolOf(state);
   const method = board.methods[methodIndex(state.method)];
+  const judged = protocol?.methods.find((other) => other.name === state.method);
   const scene = board.scenes[sceneIndex(state.scene)];
   const query = scene?.queries.find((query) => query.number === state.query);
   const view = state.method === "" ? "board" : state.scene === "" ? "method" : state.query === "" ? "scene" : "query";
   const isThere = {
     board: true,
-    method: method?.isDetailed,
-    scene: method?.isDetailed && scene,
+    method: protocol ? judged : method?.isDetailed,
+    scene: (protocol ? judged : method)?.isDetailed && scene,
     query: method?.isDetailed && query,
   }[view];
   main.replaceChildren();
   let drawn;
   if (!isThere) drawn = drawLost(main);
   else if (view === "board") drawn = drawBoard(main);
+  else if (view === "method" && protocol) drawn = drawProtocolMethod(main, protocol, judged);
+  else if (view === "scene" && protocol) drawn = drawProtocolScene(main, protocol, judged, scene);
   else if (view === "method") drawn = drawMethod(main, method);
   else if (view === "scene") drawn = drawScene(main, method, scene);
   else drawn = drawQuery(main, method, scene, query);
@@ -52,6 +56,13 @@ function drawFrame() {
   });
 }
 
+/** Escape leads one step up the trail, except where it means something already. */
+function goUp(event) {
+  if (event.key !== "Escape" || event.defaultPrevented || event.target.closest("select, input[type=search]")) return;
+  const up = document.querySelector(".trail li:nth-last-child(2) a");
+  if (up) location.hash = up.hash;
+}
+
 function followTheme() {
   const select = document.getElementById("theme");
   const apply = (theme) => {
@@ -81,4 +92,5 @@ followTheme();
 drawFrame();
 draw(true);
 addEventListener("hashchange", () => draw(false));
+addEventListener("keydown", goUp);
 performance.mark("interactive");

@@ -1,6 +1,13 @@
 // One method: where it is strong and weak, scene by scene; and one scene of it, query by query.
 
+/** The steps to a view; those of a protocol lead over its table. */
 function trail(...steps) {
+  const protocol = protocolOf(readAddress());
+  const first = protocol ? [["Leaderboard", { board: "" }], [protocol.name, {}]] : [["Leaderboard", {}]];
+  return trailOf([...first, ...steps]);
+}
+
+function trailOf(steps) {
   const links = steps.map(([text, target], at) => {
     const isLast = at === steps.length - 1;
     return el("li", {}, isLast ? el("span", { "aria-current": "page" }, text) : el("a", { href: hrefTo(target) }, text));
@@ -9,11 +16,11 @@ function trail(...steps) {
 }
 
 function drawMethod(main, method) {
-  main.append(trail(["Leaderboard", {}], [method.name, {}]), el("h1", { tabindex: -1 }, method.name), methodFacts(method));
+  main.append(trail([method.name, {}]), el("h1", { tabindex: -1 }, method.name), methodFacts(method));
   main.append(el("h2", { id: "groups" }, "By category and scale"), groupTable(method));
   const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "scenes" });
   main.append(el("h2", { id: "scenes" }, "By scene"), holder);
-  fillScenes(holder, method, "name");
+  fillScenes(holder, method);
 }
 
 function methodFacts(method) {
@@ -23,17 +30,34 @@ function methodFacts(method) {
     ["Version", method.version],
     ["mIoU", valueCell(cellOf(method, MIOU))],
     ["Time", duration(method.seconds)],
-    ["Paper or code", method.link ? el("a", { href: method.link, rel: "noreferrer noopener" }, method.link) : null],
+    ["Paper or code", linkTo(method.link)],
+    ["Under the rules of others", otherProtocols(method)],
   ]);
+}
+
+function linkTo(link) {
+  return link ? el("a", { href: link, rel: "noreferrer noopener" }, link) : null;
+}
+
+/** Protocols that judged a method, as links. */
+function otherProtocols(method) {
+  const judging = board.protocols.filter((protocol) => protocol.methods.some((other) => other.name === method.name));
+  if (judging.length === 0) return null;
+  return judging.flatMap((protocol, at) => [at > 0 ? ", " : null, el("a", { href: hrefTo({ board: protocol.name, method: method.name }) }, protocol.name)]);
+}
+
+/** Groups of queries that tables go down: `[name, category, scale]`. */
+function groupNames() {
+  return [
+    ["All queries", "", ""],
+    ...CATEGORIES.map((category) => [category, category, ""]),
+    ...SCALES.map((scale) => [scale, "", scale]),
+  ];
 }
 
 /** Metrics down, groups across would be wide: groups down, one row each, with bars of mIoU. */
 function groupTable(method) {
-  const rows = [
-    ["All queries", "", ""],
-    ...CATEGORIES.map((category) => [category, category, ""]),
-    ...SCALES.map((scale) => [scale, "", scale]),
-  ].filter(([, category, scale]) => method.groups[`${category}|${scale}`]);
+  const rows = groupNames().filter(([, category, scale]) => method.groups[`${category}|${scale}`]);
   const heads = METRICS.map((metric) => el("th", { scope: "col", class: "number", title: metric.about }, metric.title));
   const lines = rows.map(([name, category, scale]) => {
     const cells = METRICS.map((_, at) => el("td", { class: "number" }, valueCell(cellOf(method, at, category, scale))));
@@ -42,11 +66,11 @@ function groupTable(method) {
     return el("tr", {}, el("th", { scope: "row" }, name), queries, el("td", { class: "drawn" }, bar(miou, method.rank !== null)), cells);
   });
   const head = el("tr", {}, el("th", { scope: "col" }, "Group"), el("th", { scope: "col", class: "number" }, "Queries"), el("th", { scope: "col", class: "drawn" }, "mIoU, 0 to 100"), heads);
-  const table = el("table", {}, el("caption", {}, "Percent; below each number its 95 % interval over scenes"), el("thead", {}, head), el("tbody", {}, lines));
+  const table = el("table", {}, captionOf("Percent; below each number its 95 % interval over scenes"), el("thead", {}, head), el("tbody", {}, lines));
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "groups" }, table);
 }
 
-function fillScenes(holder, method, sort) {
+function fillScenes(holder, method) {
   const rows = board.scenes.map((scene, at) => ({ scene, values: method.scenes[at] }));
   const columns = [
     {
@@ -54,7 +78,7 @@ function fillScenes(holder, method, sort) {
       title: "Scene",
       isHead: true,
       value: (row) => row.scene.name,
-      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: row.scene.name }) }, row.scene.name),
+      cell: (row) => el("a", { href: hrefTo({ method: method.name, scene: row.scene.name }) }, breakable(row.scene.name)),
     },
     { key: "scale", title: "Scale", value: (row) => row.scene.scale, cell: (row) => row.scene.scale },
     { key: "queries", title: "Queries", isNumber: true, value: (row) => row.scene.queries.length, cell: (row) => String(row.scene.queries.length) },
@@ -68,27 +92,23 @@ function fillScenes(holder, method, sort) {
       cell: (row) => hundredths(row.values?.[at]),
     })),
   ];
-  const change = (next) => {
-    fillScenes(holder, method, next);
-    say(`Sorted by ${columns.find((column) => column.key === next.replace(/^-/, "")).title}.`);
-  };
-  redrawTable(holder, () => sortableTable({ caption: `${method.name}, percent, means over the queries of a scene`, columns, sections: [{ title: null, rows }], sort, change }));
+  fillSorted(holder, { caption: `${method.name}, percent, means over the queries of a scene`, columns, rows, sort: "name" });
 }
 
 async function drawScene(main, method, scene) {
   const at = sceneIndex(scene.name);
   main.append(
-    trail(["Leaderboard", {}], [method.name, { method: method.name }], [scene.name, {}]),
+    trail([method.name, { method: method.name }], [scene.name, {}]),
     el("h1", { tabindex: -1 }, `${scene.name}, ${method.name}`),
   );
   const holder = el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Queries" }, el("p", {}, "Unpacking the scene."));
   main.append(holder);
   const data = await sceneData(at);
   const answers = data.answers[methodIndex(method.name)];
-  fillQueries(holder, method, scene, answers, "number");
+  fillQueries(holder, method, scene, answers);
 }
 
-function fillQueries(holder, method, scene, answers, sort) {
+function fillQueries(holder, method, scene, answers) {
   const rows = scene.queries.map((query, at) => ({ query, values: answers.ratios[at], taken: answers.taken[at] }));
   const columns = [
     { key: "number", title: "Query", value: (row) => row.query.number, cell: (row) => row.query.number },
@@ -111,11 +131,7 @@ function fillQueries(holder, method, scene, answers, sort) {
     })),
     { key: "taken", title: "Took", about: "The thing that the prediction overlaps most over the clip", value: (row) => row.taken, cell: takenCell },
   ];
-  const change = (next) => {
-    fillQueries(holder, method, scene, answers, next);
-    say(`Sorted by ${columns.find((column) => column.key === next.replace(/^-/, "")).title}.`);
-  };
-  redrawTable(holder, () => sortableTable({ caption: `${counted(rows.length, "query", "queries")} of ${scene.name}, percent`, columns, sections: [{ title: null, rows }], sort, change }));
+  fillSorted(holder, { caption: `${counted(rows.length, "query", "queries")} of ${scene.name}, percent`, columns, rows, sort: "number" });
 }
 
 function takenCell({ query, values, taken }) {

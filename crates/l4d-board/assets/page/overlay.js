@@ -19,7 +19,8 @@ function sightOf(data, query, answers, place, scene) {
     target: mask(data.targets[query][place]),
     answer: answers ? mask(answers[place]) : null,
     backdrop: data.backdrops[place],
-    things: data.backdrops[place] ? [] : data.things.map((thing) => ({ colour: thing.isObject ? OBJECT : LANDMARK, mask: mask(thing.places[place]) })),
+    // Decoded only where no picture shows them.
+    things: () => data.things.map((thing) => ({ colour: thing.isObject ? OBJECT : LANDMARK, mask: mask(thing.places[place]) })),
   };
 }
 
@@ -44,12 +45,14 @@ async function paint(canvas, sight, layers, factor) {
   const image = layers.picture && sight.backdrop ? await pictureOf(sight.backdrop) : null;
   // While the picture was decoded something newer may have been asked for.
   if (turns.get(canvas) !== turn) return;
+  canvas.dataset.picture = image ? "shown" : "none";
   canvas.width = width * factor;
   canvas.height = height * factor;
   const context = canvas.getContext("2d", { willReadFrequently: true });
   context.fillStyle = `rgb(${GROUND})`;
   context.fillRect(0, 0, canvas.width, canvas.height);
   if (image) context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  const things = image ? [] : sight.things();
   const drawn = context.getImageData(0, 0, canvas.width, canvas.height);
   const pixels = drawn.data;
   const stripe = 3 * factor;
@@ -63,7 +66,7 @@ async function paint(canvas, sight, layers, factor) {
         const grey = 0.62 * (0.299 * pixels[at] + 0.587 * pixels[at + 1] + 0.114 * pixels[at + 2]) + 12;
         pixels[at] = pixels[at + 1] = pixels[at + 2] = grey;
       } else {
-        const thing = sight.things.find((thing) => thing.mask !== null && thing.mask[inside] === 1);
+        const thing = things.find((thing) => thing.mask !== null && thing.mask[inside] === 1);
         if (thing) pixels.set(thing.colour, at);
       }
       const meant = layers.truth && target !== null && target[inside] === 1;
@@ -93,12 +96,23 @@ function whenSeen(element, draw) {
   return element;
 }
 
+/** Paper shows all of it, whatever was in sight. */
+addEventListener("beforeprint", () => {
+  for (const element of document.querySelectorAll("canvas")) {
+    if (!element.draw) continue;
+    seen.unobserve(element);
+    element.draw();
+    element.draw = null;
+  }
+});
+
 const seen = new IntersectionObserver(
   (entries) => {
     for (const { isIntersecting, target } of entries) {
       if (!isIntersecting) continue;
       seen.unobserve(target);
       target.draw();
+      target.draw = null;
     }
   },
   { rootMargin: "200px" },

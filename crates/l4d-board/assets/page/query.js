@@ -3,7 +3,7 @@
 async function drawQuery(main, method, scene, query) {
   const place = scene.queries.indexOf(query);
   main.append(
-    trail(["Leaderboard", {}], [method.name, { method: method.name }], [scene.name, { method: method.name, scene: scene.name }], [query.number, {}]),
+    trail([method.name, { method: method.name }], [scene.name, { method: method.name, scene: scene.name }], [query.number, {}]),
     el("h1", { tabindex: -1 }, `\u201c${query.text}\u201d`),
   );
   const waiting = el("p", {}, "Unpacking the scene.");
@@ -16,7 +16,9 @@ async function drawQuery(main, method, scene, query) {
   main.append(neighbours(view));
 }
 
-function queryFacts({ method, scene, query, place, answers }) {
+function queryFacts({ method, scene, query, place, data, answers }) {
+  const protocol = protocolOf(readAddress());
+  const own = protocol ? `${board.protocol}: ` : "";
   const spans = query.frames.map(([first, last]) => `${first} to ${last}`).join(", ");
   const values = answers.ratios[place];
   return facts([
@@ -25,8 +27,9 @@ function queryFacts({ method, scene, query, place, answers }) {
     ["Means", query.referents.join(", ")],
     ["Asked for in frames", query.gated ? spans : "the whole clip"],
     ["Prompt", query.verified ? "verified by people" : "not verified by people"],
-    ["mIoU", hundredths(values[MIOU])],
-    ["tube IoU", hundredths(values[METRICS.findIndex((metric) => metric.key === "tube_iou")])],
+    [`${own}mIoU`, hundredths(values[MIOU])],
+    [`${own}tube IoU`, hundredths(values[METRICS.findIndex((metric) => metric.key === "tube_iou")])],
+    ...(protocol ? protocolFacts(protocol, method, data, place) : []),
     ["Took", el("span", {}, takenCell({ query, values, taken: answers.taken[place] }))],
   ]);
 }
@@ -47,6 +50,8 @@ function drawFrames(main, view) {
   const codes = answers.frames[place];
   const layers = { truth: true, prediction: true, picture: true };
   const hasPictures = data.backdrops.some(Boolean);
+  // Ready before they are asked for: paper does not wait.
+  data.backdrops.filter(Boolean).forEach(pictureOf);
   const canvas = el("canvas", { role: "img", width: scene.width, height: scene.height });
   const legend = el("figcaption", {});
   const chart = el("div", {});
@@ -133,7 +138,7 @@ function layerSwitches(layers, hasPictures, redraw) {
 function frameTable(scene, codes) {
   const rows = scene.frames.map((frame, at) => el("tr", {}, el("th", { scope: "row" }, String(frame)), el("td", {}, stateOf(codes[at]))));
   const head = el("tr", {}, el("th", { scope: "col" }, "Frame"), el("th", { scope: "col" }, "What happened"));
-  return el("details", {}, el("summary", {}, "Every frame in words"), el("table", {}, el("caption", {}, "Frames of the clip"), el("thead", {}, head), el("tbody", {}, rows)));
+  return el("details", {}, el("summary", {}, "Every frame in words"), el("table", {}, captionOf("Frames of the clip"), el("thead", {}, head), el("tbody", {}, rows)));
 }
 
 function fillStrip(strip, { scene, place, data, answers }, layers, codeAt, move) {
@@ -157,8 +162,8 @@ function fillOthers(list, { method, scene, query, place, data }, at, layers) {
     whenSeen(canvas, () => paint(canvas, sightOf(data, place, answers.masks[place], at, scene), layers, 1));
     const isThis = other.name === method.name;
     const name = isThis
-      ? el("strong", {}, other.name)
-      : el("a", { href: hrefWith({ method: other.name, scene: scene.name, query: query.number, frame: String(frame) }) }, other.name);
+      ? el("strong", {}, breakable(other.name))
+      : el("a", { href: hrefWith({ method: other.name, scene: scene.name, query: query.number, frame: String(frame) }) }, breakable(other.name));
     const score = ` mIoU ${hundredths(answers.ratios[place][MIOU])}; here ${stateOf(answers.frames[place][frameAt])}`;
     return el("li", {}, canvas, el("span", { class: "name" }, name), el("span", { class: "quiet" }, score), other.rank === null ? el("span", { class: "chips" }, el("span", { class: "chip" }, "not ranked")) : null);
   });

@@ -9,17 +9,27 @@ use crate::rank::Board;
 use crate::taken::{Choice, Confusion, Instead};
 
 const GAP: f64 = 14.0;
-/// Side of a cell; cells with numbers of three digits are wider.
+/// Side of a cell; cells with long numbers are wider.
 const CELL: f64 = 13.0;
 /// More scenes than this make a figure that nobody reads, and so do more objects in one of them.
 const MOST_SCENES: usize = 24;
-const MOST_OBJECTS: usize = 30;
+const MOST_OBJECTS: usize = 24;
+/// Panels are laid out in so many columns; wide ones take more than one.
+const ABREAST: usize = 3;
+const PITCH: f64 = (WIDTH - 2.0 * MARGIN + GAP) / ABREAST as f64;
+/// Room for names: at least, and where they may be broken.
 const LEAST_LABEL: f64 = 70.0;
+const EASY_LABEL: f64 = 104.0;
+/// Room for the number of a row and the gaps around it.
+const NUMBER_ROOM: f64 = 22.0;
 
 /// The figure of one method.
 pub(crate) fn draw(board: &Board, method: &str, scenes: &[Confusion]) -> Drawing {
-    let small = |scene: &&Confusion| scene.objects.len() <= MOST_OBJECTS;
-    let shown: Vec<&Confusion> = scenes.iter().filter(small).take(MOST_SCENES).collect();
+    let cell = cell_width(scenes);
+    let fits = |scene: &&Confusion| {
+        scene.objects.len() <= MOST_OBJECTS && LEAST_LABEL + cells_width(scene, cell) <= room(ABREAST)
+    };
+    let shown: Vec<&Confusion> = scenes.iter().filter(fits).take(MOST_SCENES).collect();
     let mut notes = vec![
         "A row a thing that is meant, a column a thing that was taken: the number of its row, L a landmark, – nothing. \
          Cells count queries. Frames hold things of one category: what stands in a frame beside its diagonal is a \
@@ -32,34 +42,57 @@ pub(crate) fn draw(board: &Board, method: &str, scenes: &[Confusion]) -> Drawing
     let (mut drawing, above) =
         Drawing::titled(&format!("Which thing was taken for which: {method}"), board, &notes);
     if shown.is_empty() {
-        drawing.text(MARGIN, above + 36.0, "No query has a visible target.", Lettering::LABEL);
+        let reason = match scenes.is_empty() {
+            true => "No query has a visible target.",
+            false => "Every scene has too many things for a picture.",
+        };
+        drawing.text(MARGIN, above + 36.0, reason, Lettering::LABEL);
         drawing.height = above + 48.0 + MARGIN;
         return drawing;
     }
     let mut top = legend(&mut drawing, above) + 28.0;
-    let cell = cell_width(&shown);
-    let columns = shown.iter().map(|scene| scene.objects.len()).max().unwrap_or(0) + 2;
-    let least = LEAST_LABEL + columns as f64 * cell;
-    let abreast = [3, 2, 1].into_iter().find(|&count| pitch(count) - GAP >= least).unwrap_or(1);
-    for line in shown.chunks(abreast) {
-        let mut bottom = top;
-        for (index, scene) in line.iter().enumerate() {
-            let left = MARGIN + index as f64 * pitch(abreast);
-            let label_room = pitch(abreast) - GAP - (scene.objects.len() + 2) as f64 * cell;
-            bottom = f64::max(bottom, panel(&mut drawing, scene, (left, top), label_room, cell));
+    let (mut column, mut bottom) = (0, top);
+    for scene in shown {
+        let span = span(scene, cell);
+        if column + span > ABREAST {
+            (column, top) = (0, bottom + 30.0);
         }
-        top = bottom + 30.0;
+        let left = MARGIN + column as f64 * PITCH;
+        let left_for_labels = room(span) - cells_width(scene, cell);
+        // Panels of one column line up at their right; others stand below their title.
+        let label_room = if span == 1 { left_for_labels } else { left_for_labels.min(wished_label(scene)) };
+        bottom = f64::max(bottom, panel(&mut drawing, scene, (left, top), label_room, cell));
+        column += span;
     }
-    drawing.height = top - 30.0 + MARGIN;
+    drawing.height = bottom + MARGIN;
     drawing
 }
 
-fn pitch(abreast: usize) -> f64 {
-    (WIDTH - 2.0 * MARGIN + GAP) / abreast as f64
+/// Width of so many columns of panels.
+fn room(span: usize) -> f64 {
+    span as f64 * PITCH - GAP
 }
 
-fn cell_width(scenes: &[&Confusion]) -> f64 {
-    let most = scenes.iter().flat_map(|scene| &scene.meant).map(Instead::queries).max().unwrap_or(0);
+fn cells_width(scene: &Confusion, cell: f64) -> f64 {
+    (scene.objects.len() + 2) as f64 * cell
+}
+
+/// Columns that a panel takes so that its names need not be broken much.
+fn span(scene: &Confusion, cell: f64) -> usize {
+    let wanted = wished_label(scene).clamp(LEAST_LABEL, EASY_LABEL);
+    (1..ABREAST).find(|&span| room(span) - cells_width(scene, cell) >= wanted).unwrap_or(ABREAST)
+}
+
+/// Room in which no name of a scene has to be broken.
+fn wished_label(scene: &Confusion) -> f64 {
+    let names = scene.objects.iter().map(|object| Lettering::NUMBER.width(&object.name));
+    names.fold(0.0, f64::max) + NUMBER_ROOM
+}
+
+fn cell_width(scenes: &[Confusion]) -> f64 {
+    let queries = scenes.iter().flat_map(|scene| &scene.meant).map(Instead::queries);
+    let numbers = queries.chain(scenes.iter().map(|scene| scene.objects.len()));
+    let most = numbers.max().unwrap_or(0);
     f64::max(CELL, Lettering::NUMBER.width(&most.to_string()) + 3.0)
 }
 
@@ -72,7 +105,7 @@ fn panel(
     cell: f64,
 ) -> f64 {
     let label = Lettering::NUMBER.anchored(Anchor::End);
-    let number = Lettering::NOTE.width("00") + 2.0;
+    let names = left + label_room - NUMBER_ROOM;
     let cells = left + label_room;
     let count = scene.objects.len();
     let x_of = |column: usize| cells + column as f64 * cell;
@@ -89,14 +122,14 @@ fn panel(
 
     let mut edges = vec![head + 4.0];
     for (place, (object, instead)) in scene.objects.iter().zip(&scene.meant).enumerate() {
-        let fits = |line: &str| label.width(line) <= label_room - number - 6.0;
+        let fits = |line: &str| label.width(line) <= label_room - NUMBER_ROOM;
         let lines = lettering::wrap_name(&object.name, fits);
         let y = edges[place];
         let height = f64::max(CELL, lines.len() as f64 * leading(label) + 3.0);
         let middle = y + height / 2.0;
         let first = middle + 3.5 - (lines.len() as f64 - 1.0) * leading(label) / 2.0;
         let ink = if instead.queries() > 0 { INK } else { QUIET };
-        drawing.lines(cells - number - 4.0, first, &lines, label.coloured(ink));
+        drawing.lines(names, first, &lines, label.coloured(ink));
         let own = Lettering::NOTE.anchored(Anchor::End);
         drawing.text(cells - 4.0, middle + 3.5, &(place + 1).to_string(), own);
         for (column, (choice, queries)) in row(scene, place).into_iter().enumerate() {

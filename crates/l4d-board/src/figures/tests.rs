@@ -9,6 +9,7 @@ use l4d_score::Exam;
 
 use super::drawing::{Drawing, Extent, INK, Shape, WIDTH};
 use super::*;
+use crate::detail::Thing;
 use crate::sample;
 
 fn boards() -> Vec<(&'static str, Board)> {
@@ -274,7 +275,10 @@ fn timed(methods: &[(&str, Option<f64>, f64)]) -> Board {
     let mut rows = Vec::new();
     for (place, &(name, seconds, miou)) in methods.iter().enumerate() {
         let mut row = sample::row(name, 10, miou);
-        (row.seconds, row.ground_truth) = (seconds, place + 1 == methods.len());
+        row.seconds = seconds;
+        if place + 1 == methods.len() {
+            row.unranked_because = vec!["used ground truth"];
+        }
         rows.push(row);
     }
     Board::new(sample::heading(10, 0), rows).unwrap()
@@ -364,6 +368,40 @@ fn a_confusion_says_which_look_alike_was_taken() {
 }
 
 #[test]
+fn confusions_of_many_things_with_long_names_have_room() {
+    let scene = Name::new("s".repeat(80)).unwrap();
+    for (count, queries) in [(1, 1), (10, 9), (24, 100), (24, 1000), (25, 1)] {
+        let things: Vec<Thing> = (0..count)
+            .map(|place| Thing {
+                name: Name::new(format!("{}-{place}", "a-long-name_".repeat(6))).unwrap(),
+                role: l4d_data::Role::Object,
+                category: format!("kind {}", place / 3),
+            })
+            .collect();
+        let row = |place: usize| {
+            let mut objects = vec![0; count];
+            objects[place] = queries;
+            crate::taken::Instead { objects, landmark: 1, nothing: 2 }
+        };
+        let confusion = crate::taken::Confusion {
+            scene: &scene,
+            objects: things.iter().collect(),
+            meant: (0..count).map(row).collect(),
+        };
+        let drawing = confusion::draw(&sample::board(1), "m", &vec![confusion; 3]);
+        let canvas = Extent { left: 0.0, top: 0.0, right: WIDTH, bottom: drawing.height };
+        let texts = texts(&drawing);
+        for (index, (extent, text)) in texts.iter().enumerate() {
+            assert!(canvas.holds(*extent), "{count} {queries}: `{text}` at {extent:?}");
+            let hit = texts[..index].iter().find(|(other, _)| other.overlaps(*extent));
+            assert!(hit.is_none(), "{count} {queries}: `{text}` on {hit:?}");
+        }
+        let is_refused = texts.iter().any(|(_, text)| text.contains("too many things"));
+        assert_eq!(is_refused, count == 25 || queries == 1000, "{count} {queries}");
+    }
+}
+
+#[test]
 fn boards_without_a_query_have_figures_that_say_so() {
     let board = sample::board(2);
     let figures = detailed(&board, &sample::details());
@@ -383,6 +421,7 @@ fn gallery() {
             &board,
             &statistics,
             &sample::details_on(&exam, &board),
+            &[],
             &bench,
             &std::path::Path::new(&folder).join(board_name),
         )

@@ -7,7 +7,7 @@ use super::embed::{base64, html};
 const SHELL: &str = include_str!("../../assets/page/page.html");
 const STYLE: &str = include_str!("../../assets/page/page.css");
 /// In the order in which one uses the other.
-const SCRIPTS: [&str; 12] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("../../assets/page/dom.js"),
     include_str!("../../assets/page/store.js"),
     include_str!("../../assets/page/address.js"),
@@ -18,6 +18,7 @@ const SCRIPTS: [&str; 12] = [
     include_str!("../../assets/page/board.js"),
     include_str!("../../assets/page/method.js"),
     include_str!("../../assets/page/query.js"),
+    include_str!("../../assets/page/protocol.js"),
     include_str!("../../assets/page/compare.js"),
     include_str!("../../assets/page/main.js"),
 ];

@@ -89,7 +89,7 @@ pub(crate) fn methods(board: &Board, asked: &Asked, details: &[Detail], seed: u6
         json!({
             "name": row.name,
             "version": row.version,
-            "link": link(row),
+            "link": link(&row.link),
             "rank": rank,
             "reasons": reasons[index],
             "seconds": row.seconds,
@@ -109,13 +109,12 @@ fn values(metrics: &Metrics) -> Value {
 }
 
 /// A link is only shown if it leads to the web: a page must not run what a method's card says.
-fn link(row: &BoardRow) -> Option<&str> {
-    let link = row.link.as_str();
+pub(crate) fn link(link: &str) -> Option<&str> {
     (link.starts_with("https://") || link.starts_with("http://")).then_some(link)
 }
 
 /// The name of a group of queries: `category|scale`, each empty where all are meant.
-fn group_key(category: Option<Category>, scale: Option<Scale>) -> String {
+pub(crate) fn group_key(category: Option<Category>, scale: Option<Scale>) -> String {
     format!("{}|{}", category.map_or("", Category::as_str), scale.map_or("", Scale::as_str))
 }
 
@@ -201,7 +200,7 @@ pub(crate) fn others(board: &Board) -> Value {
             json!({
                 "name": row.name,
                 "version": row.version,
-                "link": link(row),
+                "link": link(&row.link),
                 "rank": null,
                 "reasons": ["scored on something else"],
                 "seconds": row.seconds,

@@ -50,7 +50,8 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
             .then_with(|| b_miou.unwrap_or(-1.0).total_cmp(&a_miou.unwrap_or(-1.0)))
             .then_with(|| a.name.cmp(&b.name))
     });
-    let rows: Vec<Value> = entries.iter().enumerate().map(|(place, entry)| row(place, entry)).collect();
+    let rows: Vec<Value> =
+        ranks(&entries).into_iter().zip(&entries).map(|(rank, entry)| row(rank, entry)).collect();
     let mut values = setting.values();
     values["dataset"] = dataset.into();
     values["task"] = task.as_str().into();
@@ -85,10 +86,25 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
     Ok(files)
 }
 
-/// A row of the leaderboard; every row has the same columns. The rank is that of the headline.
-fn row(place: usize, entry: &Entry) -> Value {
+/// Ranks of entries that stand in order, by the digits of the headline that tables print: equals share one.
+fn ranks(entries: &[Entry]) -> Vec<Option<usize>> {
+    let printed = |entry: &Entry| {
+        let miou = entry.scores.get("miou").copied().flatten();
+        miou.map(|percent| (100.0 * percent).round() as i64)
+    };
+    let mut ranks: Vec<Option<usize>> = Vec::new();
+    for (place, entry) in entries.iter().enumerate() {
+        let tied = place.checked_sub(1).filter(|&before| printed(&entries[before]) == printed(entry));
+        let rank = tied.and_then(|before| ranks[before]).unwrap_or(place + 1);
+        ranks.push(entry.unranked_because.is_none().then_some(rank));
+    }
+    ranks
+}
+
+/// A row of the leaderboard; every row has the same columns.
+fn row(rank: Option<usize>, entry: &Entry) -> Value {
     let mut row = json!({
-        "rank": entry.unranked_because.is_none().then_some(place + 1),
+        "rank": rank,
         "method": entry.name,
         "version": entry.version,
         "link": entry.link,

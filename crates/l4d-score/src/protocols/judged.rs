@@ -1,6 +1,8 @@
 //! What a protocol says of one query, and what it leaves out.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 /// A mean over frames of one query, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,10 +33,10 @@ impl Value {
 }
 
 /// What the source leaves out or counts without an answer, and how much of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct LeftOut {
     /// In words.
-    pub what: &'static str,
+    pub what: Cow<'static, str>,
     /// Queries that are concerned.
     pub queries: u64,
     /// Frames that are concerned.
@@ -59,7 +61,7 @@ impl Judged {
     /// Tells that frames were left out, if there were any.
     pub fn leaving_out(mut self, what: &'static str, frames: usize) -> Self {
         if frames > 0 {
-            self.left_out.push(LeftOut { what, queries: 1, frames: frames as u64 });
+            self.left_out.push(LeftOut { what: what.into(), queries: 1, frames: frames as u64 });
         }
         self
     }

@@ -1,18 +1,18 @@
 //! Masks of methods in, sheets of a protocol out.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::store::write_atomic;
-use l4d_data::{DataError, Name, Query, QueryId, Report, json as file};
+use l4d_data::{DataError, Name, Query, QueryId, Report};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::judged::Judged;
+use super::record::{Origin, Record};
 use super::seen::{Clip, Summits};
-use super::sheet::{Row, Sheet, file_stem};
+use super::sheet::{Row, Sheet};
 use super::{OnMissing, Protocol};
 use crate::exam::{Exam, SceneExam};
 use crate::judge::Answer;
@@ -72,11 +72,12 @@ pub fn judge_results(
         if let Some(card) = read_card(&dir, exam, resize, &mut found)
             && admit(&dir, exam, resize, &mut found)
         {
-            let sheet =
-                judge_method(&dir, card, exam, protocol, &Options { resize, ..*options }, &mut found)?;
+            let options = Options { resize, ..*options };
+            let sheet = judge_method(&dir, &card, exam, protocol, &options, &mut found)?;
             if !found.has_errors() {
-                write(&sheet, scores)?;
-                sheets.push(sheet);
+                let record = Record { origin: Origin::new(card, exam, &options), sheet };
+                record.write(scores)?;
+                sheets.push(record.sheet);
             }
         }
         report.extend(found);
@@ -87,7 +88,7 @@ pub fn judge_results(
 
 fn judge_method(
     dir: &ResultsDir,
-    card: MethodCard,
+    card: &MethodCard,
     exam: &Exam,
     protocol: Protocol,
     options: &Options,
@@ -96,7 +97,7 @@ fn judge_method(
     let mut rows = Vec::new();
     let mut is_partial = false;
     for scene in &exam.scenes {
-        let truth = exam.truth(&scene.name)?;
+        let truth = exam.truth(scene)?;
         let queries: Vec<&Query> = scene.queries.iter().filter(|query| options.takes(query)).collect();
         let answers = read_scene(dir, scene, &truth, &queries, protocol, options, report);
         is_partial |= options.missing == Missing::Skip
@@ -105,7 +106,7 @@ fn judge_method(
             Asked { truth: &truth, queries: &queries, path: &scene.queries_path, missing: options.missing };
         rows.extend(judge_scene(protocol, &asked, &answers, &Summits::new())?);
     }
-    Ok(Sheet { protocol, method: card.name, rows, is_partial })
+    Ok(Sheet::new(protocol, card.name.clone(), rows, is_partial))
 }
 
 /// The answers of a method to the queries of a scene, one per annotated frame.
@@ -158,7 +159,7 @@ pub fn judge_answers(
     let asked = Asked { truth, queries, path: queries_path, missing: Missing::Zero };
     let judge = |&protocol: &Protocol| {
         let rows = judge_scene(protocol, &asked, answers, summits)?;
-        Ok(Sheet { protocol, method: method.clone(), rows, is_partial: false })
+        Ok(Sheet::new(protocol, method.clone(), rows, false))
     };
     protocols.iter().map(judge).collect()
 }
@@ -194,12 +195,4 @@ fn judge(protocol: Protocol, mut clip: Clip<'_>, missing: Missing) -> Judged {
         }
         Missing::Zero | Missing::Error => protocol.judge(&clip).leaving_out(COUNTED, count),
     }
-}
-
-fn write(sheet: &Sheet, scores: &Path) -> Result<(), DataError> {
-    let path = |ending: &str| -> PathBuf {
-        scores.join(sheet.method.as_str()).join(format!("{}.{ending}", file_stem(sheet.protocol)))
-    };
-    write_atomic(&path("csv"), sheet.to_csv().as_bytes())?;
-    file::write(&path("json"), &sheet.to_json())
 }

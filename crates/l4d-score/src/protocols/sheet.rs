@@ -28,12 +28,26 @@ pub struct Sheet {
     pub method: Name,
     /// One row a query, in the order of scenes and queries.
     pub rows: Vec<Row>,
+    /// What was left out, summed over all queries, in the order of the protocol.
+    pub left_out: Vec<LeftOut>,
     /// Whether frames without an answer were left out by request, so that the numbers rest on other frames than those
     /// of other methods.
     pub is_partial: bool,
 }
 
 impl Sheet {
+    /// Sums up queries.
+    pub fn new(protocol: Protocol, method: Name, rows: Vec<Row>, is_partial: bool) -> Self {
+        let left_out = sum(rows.iter().flat_map(|row| &row.judged.left_out));
+        Self { protocol, method, rows, left_out, is_partial }
+    }
+
+    /// The same of some of its queries alone.
+    pub fn of(&self, is_wanted: impl Fn(&QueryId) -> bool) -> Self {
+        let rows = self.rows.iter().filter(|row| is_wanted(&row.id)).cloned().collect();
+        Self::new(self.protocol, self.method.clone(), rows, self.is_partial)
+    }
+
     /// The number of a measure, 0 to 1; none where nothing is to be averaged.
     pub fn number(&self, measure: usize) -> Option<f64> {
         let scenes = self.scenes();
@@ -51,21 +65,6 @@ impl Sheet {
         self.number(measure)
     }
 
-    /// What was left out, summed over all queries, in the order of the protocol.
-    pub fn left_out(&self) -> Vec<LeftOut> {
-        let mut all: Vec<LeftOut> = Vec::new();
-        for one in self.rows.iter().flat_map(|row| &row.judged.left_out) {
-            match all.iter_mut().find(|other| other.what == one.what) {
-                Some(other) => {
-                    other.queries += one.queries;
-                    other.frames += one.frames;
-                }
-                None => all.push(*one),
-            }
-        }
-        all
-    }
-
     /// Queries that enter at least one number.
     pub fn queries(&self) -> usize {
         self.rows.iter().filter(|row| row.judged.values.iter().any(Option::is_some)).count()
@@ -73,10 +72,7 @@ impl Sheet {
 
     /// One row a query: each value, percent, with the frames that it rests on.
     pub fn to_csv(&self) -> String {
-        let mut text = String::from("protocol,scene,query");
-        for measure in self.protocol.measures() {
-            text.push_str(&format!(",{0},{0}_frames", measure.key));
-        }
+        let mut text = columns(self.protocol).join(",");
         text.push('\n');
         for Row { id, judged } in &self.rows {
             text.push_str(&format!("{},{},{}", self.protocol, id.scene, id.number));
@@ -105,7 +101,7 @@ impl Sheet {
             "scenes": scenes,
             "queries": self.queries(),
             "asked_queries": self.rows.len(),
-            "left_out": self.left_out(),
+            "left_out": self.left_out,
             "partial": self.is_partial,
         })
     }
@@ -133,13 +129,35 @@ impl Sheet {
         }
     }
 
-    fn scenes(&self) -> BTreeMap<&Name, Vec<&Row>> {
+    /// Its rows by scene.
+    pub fn scenes(&self) -> BTreeMap<&Name, Vec<&Row>> {
         let mut scenes: BTreeMap<&Name, Vec<&Row>> = BTreeMap::new();
         for row in &self.rows {
             scenes.entry(&row.id.scene).or_default().push(row);
         }
         scenes
     }
+}
+
+fn sum<'a>(parts: impl Iterator<Item = &'a LeftOut>) -> Vec<LeftOut> {
+    let mut all: Vec<LeftOut> = Vec::new();
+    for one in parts {
+        match all.iter_mut().find(|other| other.what == one.what) {
+            Some(other) => {
+                other.queries += one.queries;
+                other.frames += one.frames;
+            }
+            None => all.push(one.clone()),
+        }
+    }
+    all
+}
+
+/// Columns of the CSV file.
+pub(super) fn columns(protocol: Protocol) -> Vec<String> {
+    let measures = protocol.measures().iter();
+    let pairs = measures.flat_map(|measure| [measure.key.to_owned(), format!("{}_frames", measure.key)]);
+    ["protocol", "scene", "query"].map(str::to_owned).into_iter().chain(pairs).collect()
 }
 
 /// Stem of the files of a protocol, so that none can be taken for another.
@@ -161,7 +179,14 @@ pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
         };
         let cells = protocol.measures().iter().enumerate().map(cell);
         let mark = if sheet.is_partial { " partial" } else { "" };
-        line(&mut text, sheet.method.as_str(), cells.chain([format!("{:>9}{mark}", sheet.queries())]));
+        let cells = cells.chain([format!("{:>9}{mark}", sheet.queries())]);
+        if sheet.method.len() <= NAME_WIDTH {
+            line(&mut text, &sheet.method, cells);
+        } else {
+            // Whole, so that no two methods look the same: above its numbers.
+            text.push_str(&format!("{}\n", sheet.method));
+            line(&mut text, "", cells);
+        }
     }
     for (LeftOut { what, queries, frames }, methods) in shared(sheets) {
         let who = match methods.len() == sheets.len() && sheets.len() > 1 {
@@ -178,10 +203,10 @@ pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
 fn shared(sheets: &[Sheet]) -> Vec<(LeftOut, Vec<&str>)> {
     let mut all: Vec<(LeftOut, Vec<&str>)> = Vec::new();
     for sheet in sheets {
-        for one in sheet.left_out() {
-            match all.iter_mut().find(|(other, _)| *other == one) {
+        for one in &sheet.left_out {
+            match all.iter_mut().find(|(other, _)| other == one) {
                 Some((_, methods)) => methods.push(sheet.method.as_str()),
-                None => all.push((one, vec![sheet.method.as_str()])),
+                None => all.push((one.clone(), vec![sheet.method.as_str()])),
             }
         }
     }
@@ -189,8 +214,7 @@ fn shared(sheets: &[Sheet]) -> Vec<(LeftOut, Vec<&str>)> {
 }
 
 fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
-    let short: String = name.chars().take(NAME_WIDTH).collect();
-    let row = format!("{short:<NAME_WIDTH$}{}", cells.collect::<String>());
+    let row = format!("{name:<NAME_WIDTH$}{}", cells.collect::<String>());
     text.push_str(row.trim_end());
     text.push('\n');
 }

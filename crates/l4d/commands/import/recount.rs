@@ -57,7 +57,7 @@ impl Recounted {
             let document = |sheet: &Sheet| {
                 let numbers: Map<String, Value> =
                     numbers(sheet).into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect();
-                json!({"measures": numbers, "left_out": sheet.left_out()})
+                json!({"measures": numbers, "left_out": sheet.left_out})
             };
             sheets.iter().map(|sheet| (sheet.protocol.to_string(), document(sheet))).collect()
         };

@@ -4,21 +4,19 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_board::{Board, Details, Exhibit, LONGEST_SIDE_PX, Statistics, publish_page};
+use l4d_board::{Exhibit, LONGEST_SIDE_PX, publish_page};
 use l4d_data::Name;
 use l4d_frames::backdrop::Backdrop;
 use l4d_score::Exam;
 
-use super::with_hint;
+use super::{Made, with_hint};
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::Printer;
 
 pub(super) fn write(
     args: &LeaderboardArgs,
     exam: &Exam,
-    board: &Board,
-    statistics: &Statistics,
-    details: &Details,
+    made: &Made,
     [scores, output]: [&Path; 2],
     out: &Printer,
 ) -> Result<PathBuf> {
@@ -34,11 +32,13 @@ pub(super) fn write(
         let found = backdrops.get(scene)?.jpeg(frame);
         found.inspect_err(|error| tracing::warn!("no picture under the masks: {error}")).ok()
     };
+    let &Made { board, statistics, details, protocols } = made;
     let exhibit = Exhibit {
         exam,
         board,
         statistics,
         details,
+        protocols,
         seed: args.seed,
         results,
         backdrop: &jpeg,
@@ -52,8 +52,7 @@ fn backdrops(args: &LeaderboardArgs, exam: &Exam, out: &Printer) -> Result<BTree
     let mut backdrops = BTreeMap::new();
     let Some(data) = &args.data else { return Ok(backdrops) };
     for scene in &exam.scenes {
-        let variant = exam.bench.truth(exam.profile, &scene.name)?.variant;
-        let found = Backdrop::open(data, &scene.name, exam.profile, variant, LONGEST_SIDE_PX)?;
+        let found = Backdrop::open(data, &scene.name, exam.profile, scene.truth.variant, LONGEST_SIDE_PX)?;
         backdrops.extend(found.map(|backdrop| (scene.name.clone(), backdrop)));
     }
     if backdrops.len() < exam.scenes.len() {

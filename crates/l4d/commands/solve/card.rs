@@ -42,6 +42,7 @@ impl Card {
                 test_view: false,
                 endpoints: run.grounders.endpoints(),
             },
+            baseline: false,
             seconds: None,
             reported: BTreeMap::new(),
             import: None,

@@ -63,6 +63,7 @@ pub fn write(
         frames: profile.frames().collect(),
         protocol: PROTOCOL.to_owned(),
         used: Used { ground_truth: false, test_view: identity.test_view, endpoints: Vec::new() },
+        baseline: false,
         seconds: None,
         reported: imported.claimed.clone(),
         import: Some(Import {
