@@ -137,6 +137,19 @@ fn filters_show_the_numbers_of_the_tables() {
 }
 
 #[test]
+fn what_few_scenes_cannot_say_is_told() {
+    let dir = page();
+    let mut browser = open(&dir, "#a=oracle&b=none");
+    let range = browser.text(&format!("{BOARD}.querySelector('.range').textContent"));
+    assert!(range.ends_with(" ! of fewer than 8 scenes"), "{range}");
+    let verdict = browser.text("document.querySelector('.verdict').textContent");
+    assert!(verdict.contains("100.00 points higher than that of none"), "{verdict}");
+    assert!(verdict.contains("no outcome could have had p below 0.05"), "{verdict}");
+    assert!(!verdict.contains("four times in five"), "{verdict}");
+    assert_quiet(&mut browser);
+}
+
+#[test]
 fn methods_that_were_scored_on_something_else_stand_behind_the_filter_of_protocols() {
     let dir = page();
     dir.succeed(&["score", "results/all", "--profile", "tiny", "--hit-iou", "0.5"]);

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::Name;
 use l4d_data::store::write_atomic;
 use l4d_score::Exam;
+use l4d_score::cluster::FEW_SCENES;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -96,6 +97,7 @@ fn overview(exhibit: &Exhibit) -> Result<Value, BoardError> {
         "rejected": heading.rejected,
         "line": heading.line(),
         "metrics": overview::metrics(),
+        "fewScenes": FEW_SCENES,
         "methods": overview::methods(board, asked, details, *seed),
         "comparisons": overview::comparisons(statistics),
         "others": overview::others(board),

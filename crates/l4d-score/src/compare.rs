@@ -41,7 +41,7 @@ pub struct Comparison {
     /// The least p that so many differing scenes can give.
     pub least_p: f64,
     /// The true difference that would be found four times in five, percentage points, at [`ALPHA`] without
-    /// correction; none from a single scene.
+    /// correction; none from so few scenes that no p value is below it.
     pub detectable: Option<f64>,
 }
 
@@ -70,14 +70,12 @@ impl Comparison {
         Some(Self {
             difference,
             p: flips.p(seed),
-            least_p: flips.least_p(),
-            detectable: difference.standard_error.map(|error| reach * error),
+            least_p: least_p(flips.scenes.len()),
+            detectable: difference
+                .standard_error
+                .filter(|_| least_p(sample.scenes.len()) < ALPHA)
+                .map(|error| reach * error),
         })
-    }
-
-    /// Whether no outcome on so few differing scenes could have had a p value below [`ALPHA`].
-    pub fn is_hopeless(&self) -> bool {
-        self.least_p >= ALPHA
     }
 }
 
@@ -139,6 +137,14 @@ pub fn holm(p_values: &[f64]) -> Vec<f64> {
     corrected
 }
 
+/// The least p value that so many scenes that differ can give.
+fn least_p(differing: usize) -> f64 {
+    if differing > MOST_EXACT {
+        return 1.0 / (f64::from(DRAWS) + 1.0);
+    }
+    (2.0 * 0.5_f64.powi(differing as i32)).min(1.0)
+}
+
 /// What flipping the sign of a scene changes. Queries that do not differ count in the mean and in its standard error,
 /// whatever the signs.
 struct Flips {
@@ -185,14 +191,6 @@ impl Flips {
             squared_queries: sample.scenes.iter().map(|scene| scene.queries * scene.queries).sum(),
             scenes,
         }
-    }
-
-    fn least_p(&self) -> f64 {
-        let differing = self.scenes.len() as i32;
-        if differing > MOST_EXACT as i32 {
-            return 1.0 / (f64::from(DRAWS) + 1.0);
-        }
-        (2.0 * 0.5_f64.powi(differing)).min(1.0)
     }
 
     fn p(&self, seed: u64) -> f64 {
@@ -300,8 +298,8 @@ mod tests {
         assert_eq!(single(&[5.0]).p, 1.0);
         // The same difference everywhere has no standard error, and nothing is clearer.
         let same = single(&[3.0; 6]);
-        assert_eq!((same.p, same.least_p, same.is_hopeless()), (2.0 / 64.0, 2.0 / 64.0, false));
-        assert!(single(&[3.0; 5]).is_hopeless());
+        assert_eq!((same.p, same.least_p), (2.0 / 64.0, 2.0 / 64.0));
+        assert_eq!(single(&[3.0; 5]).least_p, 2.0 / 32.0);
     }
 
     #[test]
@@ -386,6 +384,8 @@ mod tests {
         let reach = 2.570_581_8 + 0.919_543_8;
         let error = found.difference.standard_error.unwrap();
         assert!((found.detectable.unwrap() / error - reach).abs() < 1e-5, "{found:?}");
+        // Of five scenes no p value is below 0.05, so nothing is detectable.
+        assert_eq!(single(&[1.0, 2.0, -3.0, 4.0, 2.0]).detectable, None);
         assert_eq!(single(&[1.0]).detectable, None);
     }
 }

@@ -236,7 +236,11 @@ fn numbers_are_those_of_statsmodels_and_scipy() {
             let found = Comparison::of_differences(of_scenes(differences), 0).unwrap();
             assert_estimate(found.difference, &pair.difference);
             assert_near(found.p, pair.p, 1e-8);
-            assert_near(found.detectable.unwrap(), pair.detectable, 1e-6 * pair.detectable);
+            // From five scenes or fewer no p value is below 0.05, whatever the difference.
+            assert_eq!(found.detectable.is_some(), found.difference.scenes > 5);
+            if let Some(detectable) = found.detectable {
+                assert_near(detectable, pair.detectable, 1e-6 * pair.detectable);
+            }
             p_values.push(found.p);
         }
         for (found, pair) in holm(&p_values).into_iter().zip(&study.pairs) {

@@ -51,7 +51,7 @@ function chosenTable(state) {
     title: other ? "Not of this board" : "Ranking",
     about: other
       ? line("Scored on something else than this board, so that no number here can be compared with one there.")
-      : line("Percent, means over queries; below each number its 95 % interval, clustered by scene. Ranked by mIoU; equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
+      : line("Percent, means over queries; below each number its 95 % interval, clustered by scene, " + fewNote() + " Ranked by mIoU; equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
     line: other ? other.line : board.line,
     methods: other ? other.methods : board.methods,
     metrics: METRICS,

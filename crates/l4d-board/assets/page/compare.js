@@ -31,17 +31,25 @@ function verdict(a, b, pairs) {
   const found = straight ?? turned(pairs.find((pair) => pair.a === b && pair.b === a));
   if (!found) return [el("p", {}, "No query was answered by both.")];
   const [value, low, high, queries, scenes] = found.gain;
-  const { p, holm, detectable } = found;
   const points = Math.abs(value).toFixed(2);
   const way = value === 0 ? "as high as" : value > 0 ? "higher than" : "lower than";
   const lead = value === 0 ? `mIoU of ${a} is ${way} that of ${b}` : `mIoU of ${a} is ${points} points ${way} that of ${b}`;
-  const range = low === null ? "no interval: all queries are of one scene" : `95 % interval ${low.toFixed(2)} to ${high.toFixed(2)}`;
+  const few = scenes < board.fewScenes ? `, which may be too narrow from fewer than ${board.fewScenes} scenes` : "";
+  const range = low === null ? "no interval: all queries are of one scene" : `95 % interval ${low.toFixed(2)} to ${high.toFixed(2)}${few}`;
   return [
     el("p", {}, el("strong", {}, `${lead}.`)),
-    el("p", {}, `${range}; p ${probability(p)} for this pair alone, p ${probability(holm)} corrected for all ${pairs.length} pairs of the table (Holm).`),
-    el("p", {}, holm < 0.05 ? "The difference remains after correction." : "That is no difference that these scenes can show.", detectable === null ? "" : ` A true difference of ${detectable.toFixed(2)} points would have been found four times in five.`),
-    el("p", { class: "quiet small" }, `${counted(queries, "query", "queries")} of ${counted(scenes, "scene", "scenes")}, each method against the other on the same query. `, el("span", {}, found.isHopeless ? "So few scenes differ that no outcome could have had p below 0.05." : "")),
+    el("p", {}, `${range}; p ${probability(found.p)} for this pair alone, p ${probability(found.holm)} corrected for all ${pairs.length} pairs of the table (Holm).`),
+    el("p", {}, outcome(found, pairs.length), found.detectable === null ? "" : ` A true difference of ${found.detectable.toFixed(2)} points would have p below 0.05 four times in five, before correction.`),
+    el("p", { class: "quiet small" }, `${counted(queries, "query", "queries")} of ${counted(scenes, "scene", "scenes")}, each method against the other on the same query.`),
   ];
+}
+
+/** What the corrected p says, and where it could have said nothing else. */
+function outcome({ holm, leastP }, pairs) {
+  if (holm < 0.05) return "The difference remains after correction.";
+  if (leastP >= 0.05) return "So few scenes differ that no outcome could have had p below 0.05.";
+  if (pairs * leastP >= 0.05) return `From so few scenes and among ${pairs} pairs, hardly any difference can remain after correction, however large it is.`;
+  return "That is no difference that these scenes can show.";
 }
 
 /** "= 0.012", or "< 0.001". */

@@ -51,6 +51,20 @@ function rangeText(cell) {
   return cell && cell[1] !== null ? `${cell[1].toFixed(1)}\u2013${cell[2].toFixed(1)}` : null;
 }
 
+/** Whether an interval rests on so few scenes that it may be too narrow. */
+function isOfFewScenes(cell) {
+  return cell[4] < board.fewScenes;
+}
+
+function fewMark() {
+  return [el("span", { "aria-hidden": "true" }, " !"), el("span", { class: "unseen" }, ` of fewer than ${board.fewScenes} scenes`)];
+}
+
+/** What the mark means, for whoever sees it. */
+function fewNote() {
+  return `marked ! where it rests on fewer than ${board.fewScenes} scenes and may be too narrow.`;
+}
+
 /** 1 -> "1 query", 2 -> "2 queries". */
 function counted(count, one, many) {
   return `${count} ${count === 1 ? one : many}`;

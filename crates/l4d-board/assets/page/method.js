@@ -66,7 +66,7 @@ function groupTable(method) {
     return el("tr", {}, el("th", { scope: "row" }, name), queries, el("td", { class: "drawn" }, bar(miou, method.rank !== null)), cells);
   });
   const head = el("tr", {}, el("th", { scope: "col" }, "Group"), el("th", { scope: "col", class: "number" }, "Queries"), el("th", { scope: "col", class: "drawn" }, "mIoU, 0 to 100"), heads);
-  const table = el("table", {}, captionOf("Percent; below each number its 95 % interval over scenes"), el("thead", {}, head), el("tbody", {}, lines));
+  const table = el("table", {}, captionOf(`Percent; below each number its 95 % interval over scenes, ${fewNote()}`), el("thead", {}, head), el("tbody", {}, lines));
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "groups" }, table);
 }
 

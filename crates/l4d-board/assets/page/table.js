@@ -59,7 +59,7 @@ function valueCell(cell, isBest = false) {
   const range = rangeText(cell);
   return [
     el("span", { class: isBest ? "best" : null }, hundredths(cell[0])),
-    range ? el("span", { class: "range" }, el("span", { class: "unseen" }, "95 % interval "), range) : null,
+    range ? el("span", { class: "range" }, el("span", { class: "unseen" }, "95 % interval "), range, isOfFewScenes(cell) ? fewMark() : null) : null,
   ];
 }
 

@@ -176,7 +176,7 @@ pub(crate) fn hundredths(value: f64) -> f64 {
 pub(crate) fn comparisons(statistics: &Statistics) -> Value {
     let name = |index: usize| &statistics.methods[index].name;
     let pair = |pair: &Pair| {
-        let Comparison { difference, p, detectable, .. } = &pair.comparison;
+        let Comparison { difference, p, least_p, detectable } = &pair.comparison;
         json!({
             "a": name(pair.first),
             "b": name(pair.second),
@@ -184,7 +184,7 @@ pub(crate) fn comparisons(statistics: &Statistics) -> Value {
             "p": p,
             "holm": pair.holm_p,
             "detectable": detectable.map(hundredths),
-            "isHopeless": pair.comparison.is_hopeless(),
+            "leastP": least_p,
         })
     };
     let pairs = statistics.headline();
