@@ -3,44 +3,62 @@
 //! It reads what encoders write, canonical text: every run but the first has a pixel, and the runs end where the mask
 //! does. All else, damage included, it leaves to the reference, which goes character by character and says what is wrong.
 
-use super::{LONGEST, ZERO};
+use super::ZERO;
 
 /// Numbers that a window of eight characters nearly always holds.
 const USUAL: usize = 4;
+/// Characters of the longest number that is read here: 30 bits, more than any run of a sane mask needs.
+const LONGEST: u8 = 6;
 
 /// Puts in `edges` where the runs of canonical text start and end in turn, the first outside left out. Gives false for
-/// other text, and then `edges` means nothing.
+/// other text, and then `edges` means nothing. `pixels` are those of a mask of sane size.
 pub(super) fn read_edges(counts: &str, pixels: u32, edges: &mut Vec<u32>) -> bool {
     let text = counts.as_bytes();
     edges.clear();
     // Without an early end, so that it goes sixteen at a time.
-    let is_sound = text.iter().fold(true, |sound, byte| sound & (byte.wrapping_sub(ZERO) < 64));
+    let is_sound = text.iter().fold(0, |bits, byte| bits | byte.wrapping_sub(ZERO)) < 64;
     // No more runs than pixels, but for an empty one at first: longer text need not be looked at.
     let most = pixels as usize + 1;
-    if !is_sound || text.len() > LONGEST * most {
+    if !is_sound || text.len() > usize::from(LONGEST) * most {
         return false;
     }
     // Numbers of one character each.
     edges.reserve(text.len().min(most));
-    let mut sums = Sums { edges, end: 0, last: 0, before: 0, soundness: 0 };
-    let mut offset = 0;
-    while offset < text.len() {
-        let window = Window::at(text, offset);
-        let count = window.cuts.count();
-        if count == 0 || window.cuts.used[0] as usize > LONGEST {
-            return false;
+    let Some((mut sums, mut offset)) = Sums::start(&Window::at(text, 0), edges) else { return false };
+    while let Some(stretch) = text[offset..].first_chunk() {
+        // Where numbers end is known before it is known where they begin: one window need not wait for the one before.
+        let mut stops = stops_of(stretch);
+        let mut read = 0;
+        while let Some(&window) = stretch[read..].first_chunk() {
+            let Some(used) = sums.take(&Window::new(window, stops as u8)) else { return false };
+            stops >>= used;
+            read += used;
         }
-        // A fixed count of steps is one that a processor need not guess.
-        let count = if count < USUAL {
-            (0..count).for_each(|index| sums.push(window.number(index)));
-            count
-        } else {
-            (0..USUAL).for_each(|index| sums.push(window.number(index)));
-            USUAL
-        };
-        offset += usize::from(window.cuts.used[count - 1]);
+        offset += read;
+    }
+    while offset < text.len() {
+        let Some(used) = sums.take(&Window::at(text, offset)) else { return false };
+        offset += used;
     }
     sums.finish(pixels)
+}
+
+/// Which of 64 characters end a number: bit 0 for the first.
+fn stops_of(text: &[u8; 64]) -> u64 {
+    let of_window = |(index, window): (usize, &[u8; 8])| u64::from(stops_of_window(*window)) << (8 * index);
+    text.as_chunks().0.iter().enumerate().map(of_window).fold(0, |stops, window| stops | window)
+}
+
+fn stops_of_window(window: [u8; 8]) -> u8 {
+    const GOES_ON: u64 = u64::from_le_bytes([0x20; 8]);
+    let stops = (!groups(window) & GOES_ON) >> 5;
+    // The lowest bits of all bytes, side by side.
+    (stops.wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
+}
+
+/// The values of eight characters, the first lowest.
+fn groups(window: [u8; 8]) -> u64 {
+    u64::from_le_bytes(window).wrapping_sub(u64::from_le_bytes([ZERO; 8]))
 }
 
 /// Eight characters of sound text.
@@ -52,24 +70,23 @@ struct Window {
 }
 
 impl Window {
+    fn new(window: [u8; 8], stops: u8) -> Self {
+        Self { bits: packed(groups(window)), cuts: &CUTS[usize::from(stops)] }
+    }
+
     fn at(text: &[u8], offset: usize) -> Self {
-        const GOES_ON: u64 = u64::from_le_bytes([0x20; 8]);
         let window = text[offset..].first_chunk().copied().unwrap_or_else(|| {
             // Past the end numbers go on: none seems to stop there.
             let mut window = [ZERO + 0x20; 8];
             window[..text.len() - offset].copy_from_slice(&text[offset..]);
             window
         });
-        let groups = u64::from_le_bytes(window).wrapping_sub(u64::from_le_bytes([ZERO; 8]));
-        let stops = (!groups & GOES_ON) >> 5;
-        // The lowest bits of all bytes, side by side.
-        let stops = stops.wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        Self { bits: packed(groups), cuts: &CUTS[stops as usize] }
+        Self::new(window, stops_of_window(window))
     }
 
-    fn number(&self, index: usize) -> i64 {
+    fn number(&self, index: usize) -> i32 {
         // Its last bit is the sign.
-        (self.bits << self.cuts.left[index]) as i64 >> self.cuts.right[index]
+        ((self.bits << self.cuts.left[index]) as i64 >> self.cuts.right[index]) as i32
     }
 }
 
@@ -82,19 +99,16 @@ fn packed(bytes: u64) -> u64 {
 
 /// How to cut the packed bits of a window into numbers.
 #[derive(Clone, Copy)]
+// A power of two, so that finding one takes a shift.
+#[repr(align(32))]
 struct Cuts {
     /// Shifts to the left that leave a number at the top of a word, and back to the right.
     left: [u8; 8],
     right: [u8; 8],
     /// Characters up to the end of each number; 0 where there is none.
     used: [u8; 8],
+    /// None from the first that is too long.
     count: u8,
-}
-
-impl Cuts {
-    fn count(&self) -> usize {
-        self.count.into()
-    }
 }
 
 /// Of all windows, by which characters end a number: bit 0 for the first.
@@ -107,7 +121,7 @@ const fn cuts() -> [Cuts; 256] {
         let cuts = &mut all[stops];
         let mut read = 0;
         let mut used = 1;
-        while used <= 8 {
+        while used <= 8 && used - read <= LONGEST {
             if stops >> (used - 1) & 1 == 1 {
                 let number = cuts.count as usize;
                 cuts.left[number] = 64 - 5 * used;
@@ -123,37 +137,61 @@ const fn cuts() -> [Cuts; 256] {
     all
 }
 
-/// Sums up run lengths.
+/// Sums up run lengths, modulo 2^32. Nothing is lost by that: if the ends ascend to the pixels of a mask, every length
+/// lies between none and all of them. It is a number of 30 bits more than such a length, and no other sum of the two
+/// leaves the same remainder.
 struct Sums<'a> {
     edges: &'a mut Vec<u32>,
-    end: i64,
+    end: i32,
     /// The length of the last run and of the one before, which the next is a difference to; zero for the first run,
     /// from which none is counted.
-    last: i64,
-    before: i64,
-    /// Negative once a run was empty or less.
-    soundness: i64,
+    last: i32,
+    before: i32,
 }
 
-impl Sums<'_> {
-    fn push(&mut self, number: i64) {
-        let is_first = self.edges.is_empty();
-        // Sums of numbers of 35 bits, as many as fit a file: far from overflow.
-        let length = number + self.before;
-        self.end += length;
-        self.soundness |= length - i64::from(!is_first);
+impl<'a> Sums<'a> {
+    /// Takes the first number, and gives how many characters it has.
+    fn start(window: &Window, edges: &'a mut Vec<u32>) -> Option<(Self, usize)> {
+        let first = (window.cuts.count > 0).then(|| window.number(0))?;
+        edges.push(first as u32);
+        Some((Self { edges, end: first, last: 0, before: 0 }, window.cuts.used[0].into()))
+    }
+
+    /// Takes numbers from a window, and gives how many characters they have; none if the first is too long.
+    #[inline(always)]
+    fn take(&mut self, window: &Window) -> Option<usize> {
+        let count = usize::from(window.cuts.count);
+        if count >= USUAL {
+            // A fixed count of steps is one that a processor need not guess.
+            let ends: [u32; USUAL] = std::array::from_fn(|index| self.add(window.number(index)));
+            self.edges.extend_from_slice(&ends);
+            return Some(window.cuts.used[USUAL - 1].into());
+        }
+        let last = count.checked_sub(1)?;
+        for index in 0..count {
+            let end = self.add(window.number(index));
+            self.edges.push(end);
+        }
+        Some(window.cuts.used[last].into())
+    }
+
+    fn add(&mut self, number: i32) -> u32 {
+        let length = number.wrapping_add(self.before);
+        self.end = self.end.wrapping_add(length);
         self.before = self.last;
-        self.last = if is_first { 0 } else { length };
-        // What does not fit is no edge of a mask, and is thrown away at the end.
-        self.edges.push(self.end as u32);
+        self.last = length;
+        self.end as u32
     }
 
     fn finish(self, pixels: u32) -> bool {
+        let begins = self.edges[0] as i32 >= 0;
+        let steps = self.edges.iter().zip(&self.edges[1..]);
+        let ascends = steps.fold(true, |ascends, (&one, &next)| ascends & ((one as i32) < next as i32));
         if self.edges.len() % 2 == 1 {
             // Outside to the end.
             self.edges.pop();
         }
-        self.soundness >= 0 && self.end == i64::from(pixels)
+        begins && ascends && self.end as u32 == pixels
     }
 }
 
@@ -253,17 +291,26 @@ mod tests {
 
     #[test]
     fn what_is_not_canonical_is_left_to_the_reference() {
-        // Empty runs, a number of eight characters, an end inside a number, another size.
-        for (text, is_read) in
-            [("2004", true), ("60", true), ("6P0", true), ("6PPPPPPP0", false), ("6P", false), ("5", false)]
-        {
+        // Empty runs, numbers of eight and seven characters, an end inside a number, another size, a run below zero.
+        for (text, is_read) in [
+            ("2004", true),
+            ("60", true),
+            ("6P0", true),
+            ("6PPPPPPP0", false),
+            ("0VPPPPPP0", false),
+            ("0VPPPPP0", true),
+            ("VPPPPP0", true),
+            ("6P", false),
+            ("5", false),
+            ("O7", false),
+        ] {
             assert_eq!(reference(text, 3, 2).is_ok(), is_read, "{text}");
             assert_eq!(decode_runs(text, 3, 2), reference(text, 3, 2), "{text}");
             assert_eq!(edges(text, 6), None, "{text}");
         }
         assert_eq!(edges("6", 6), Some(Vec::new()));
         assert_eq!(edges("06", 6), Some(vec![0, 6]));
-        // More characters than a number needs, up to seven, are no other number.
-        assert_eq!(edges("0VPPPPP0", 6), Some(vec![0, 6]));
+        // More characters than a number needs, up to six, are no other number.
+        assert_eq!(edges("0VPPPP0", 6), Some(vec![0, 6]));
     }
 }
