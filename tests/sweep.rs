@@ -111,6 +111,27 @@ fn masks_alone_have_a_curve_of_hits() {
 }
 
 #[test]
+fn imports_keep_the_relevancy_that_masks_are_cut_from() {
+    let dir = with_relevancy();
+    let import = ["import", "generic", "results/oracle/soft", "--name", "maps", "--profile", "tiny"];
+    let refused = dir.run(&[&import[..], &["--soft"]].concat());
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("not cut from relevancy") && refused.stderr.contains("--inside"));
+    dir.succeed(&[&import[..], &["--inside", "relative 0.2", "--soft"]].concat());
+    let card: Value = serde_json::from_str(&dir.read("results/maps/method.json")).unwrap();
+    assert_eq!(card["import"]["assumptions"]["relevancy"], "over its own range, 0 to 255");
+    let swept = dir.json(&["score", "--sweep", "--profile", "tiny"]);
+    let curves = |name: &str| {
+        let methods = swept["methods"].as_array().unwrap();
+        methods.iter().find(|method| method["name"] == name).unwrap()["relevancy"].clone()
+    };
+    assert_eq!(curves("maps")["queries"], curves("oracle")["queries"]);
+    // 0.6 of the range, where the masks were cut, and the half that is no mask.
+    let miou = |threshold: usize| curves("maps")["curve"][threshold]["miou"].as_f64().unwrap();
+    assert!(miou(153) == 100.0 && miou(127) < 100.0, "{} and {}", miou(153), miou(127));
+}
+
+#[test]
 fn relevancy_that_is_none_is_told() {
     let map = "results/oracle/soft/room_discs/001/0048.png";
     let expect = |dir: &Dir, code: &str| {

@@ -253,9 +253,19 @@ impl ResultsDir {
         self.masks().join(id.scene.as_str()).join(id.number.as_str())
     }
 
+    /// `soft`: relevancy, beside masks.
+    pub fn soft(&self) -> PathBuf {
+        self.0.join("soft")
+    }
+
     /// `soft/<scene>/<nnn>`: the folder of relevancy, one picture a frame.
     pub fn soft_folder(&self, id: &QueryId) -> PathBuf {
-        self.0.join("soft").join(id.scene.as_str()).join(id.number.as_str())
+        self.soft().join(id.scene.as_str()).join(id.number.as_str())
+    }
+
+    /// `soft/<scene>/<nnn>/<frame:04>.png`.
+    pub fn soft_png(&self, id: &QueryId, frame: u32) -> PathBuf {
+        self.soft_folder(id).join(format!("{}.png", frame_key(frame)))
     }
 
     /// `masks/<scene>/<nnn>/<frame:04>.png`.

@@ -177,12 +177,25 @@ pub fn encode(mask: &Mask) -> Vec<u8> {
         let bytes = mask.row_words(row).iter().flat_map(|word| word.reverse_bits().to_be_bytes());
         pixels.extend(bytes.take(width.div_ceil(8) as usize));
     }
+    encode_rows(&pixels, (width, height), png::BitDepth::One)
+}
+
+/// Encodes a map as 8-bit grayscale; the same map gives the same bytes.
+///
+/// # Panics
+/// If there is not one value a pixel.
+pub fn encode_grey(values: &[u8], width: u32, height: u32) -> Vec<u8> {
+    assert_eq!(values.len(), width as usize * height as usize, "one value a pixel");
+    encode_rows(values, (width, height), png::BitDepth::Eight)
+}
+
+fn encode_rows(rows: &[u8], (width, height): (u32, u32), depth: png::BitDepth) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::One);
+    encoder.set_depth(depth);
     let written = encoder.write_header().and_then(|mut writer| {
-        writer.write_image_data(&pixels)?;
+        writer.write_image_data(rows)?;
         writer.finish()
     });
     written.expect("writing to memory with as many bytes as the header says cannot fail");

@@ -10,7 +10,6 @@ use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Query, Report, json as file};
 use l4d_frames::png;
 use rayon::prelude::*;
@@ -192,7 +191,7 @@ fn soft(
     }
     let mut sums = Soft::new();
     for (position, &frame) in truth.frames.iter().enumerate() {
-        let path = folder.join(format!("{}.png", frame_key(frame)));
+        let path = dir.soft_png(&query.id, frame);
         let values = read_map(&path, (truth.width, truth.height), report)?;
         let target = truth.target(query, referents, position);
         let mut counts = [[0_u64; 256]; 2];

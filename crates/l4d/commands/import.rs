@@ -9,7 +9,9 @@ use anyhow::Result;
 use l4d_data::store::read_bounded;
 use l4d_data::{Benchmark, DataError, Name, Report, json};
 use l4d_import::results::codec::{Axis, Codec, Reading};
-use l4d_import::results::import::{Encoders, Identity, Images, Imported, Order, Request, import, write};
+use l4d_import::results::import::{
+    Encoders, Identity, Images, Imported, Order, Request, SoftStage, import, write,
+};
 use l4d_import::results::preset::Preset;
 use l4d_import::results::probe::probe;
 use l4d_import::results::relevancy::TextsFile;
@@ -27,12 +29,18 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
         return look(&args.source, args.json, out);
     }
     let bench = Benchmark::open(&args.bench.bench)?;
-    let request = request(args, &bench)?;
-    let identity = Identity {
-        name: args.name.clone().map_or_else(|| Name::new(&request.preset.name), Ok)?,
-        version: args.method_version.clone(),
-        test_view: args.test_view,
-    };
+    let mut request = request(args, &bench)?;
+    let name = args.name.clone().map_or_else(|| Name::new(&request.preset.name), Ok)?;
+    if args.soft {
+        if !request.has_relevancy() {
+            return Err(refusal(
+                format!("--soft: masks of {} are not cut from relevancy", request.preset.name),
+                "leave --soft out, or say where relevancy is cut: --inside \"langsplat 0.4\", \"4d-langsplat 0.4\" or \"relative 0.4\"",
+            ));
+        }
+        request.soft = Some(SoftStage::open(&args.results, &name)?);
+    }
+    let identity = Identity { name, version: args.method_version.clone(), test_view: args.test_view };
     let mut report = Report::default();
     let imported = import(&request, |scene| out.note(format!("reading {scene}")), &mut report)?;
     let is_written = !imported.answers.is_empty() && (args.partial || !report.has_errors());
@@ -110,6 +118,7 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
         images: files.images.as_deref().map(|path| Images::read(path, files.images_first)).transpose()?,
         encoders: encoders(&args.encoders)?,
         claims: args.claims.clone(),
+        soft: None,
     })
 }
 

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use l4d_frames::Mask;
 use serde::{Deserialize, Serialize};
 
-use super::relevancy::{self, Rules, Smoothing};
+use super::relevancy::{self, Rules, Smoothing, over_range};
 
 /// The rule, as presets and the command line write it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -97,6 +97,8 @@ pub struct Cut {
     pub mask: Mask,
     /// The highest number, after smoothing where the rule smooths.
     pub peak: f32,
+    /// The numbers over their own range, where the rule cuts them there.
+    pub soft: Option<Vec<u8>>,
 }
 
 /// Why numbers are no mask.
@@ -121,6 +123,16 @@ pub enum CutError {
 }
 
 impl Inside {
+    /// Whether numbers are cut somewhere in their own range, so that another place in it would give another mask.
+    pub fn has_range(&self) -> bool {
+        matches!(self, Self::Relative(_) | Self::LangSplat(_) | Self::FourDLangSplat(_))
+    }
+
+    /// Whether numbers are smoothed before they are cut, and masks by the majority of neighbours after.
+    pub fn is_smoothed(&self) -> bool {
+        matches!(self, Self::LangSplat(_) | Self::FourDLangSplat(_))
+    }
+
     /// The pixels that belong to the mask. `selected` are the ids that count under [`Inside::Selected`].
     ///
     /// # Errors
@@ -169,14 +181,15 @@ impl Inside {
                 return Ok(smoothed(values, width, height, Smoothing::Pool29, threshold));
             }
         };
-        Ok(Cut { mask, peak })
+        let soft = self.has_range().then(|| over_range(values, floor, peak));
+        Ok(Cut { mask, peak, soft })
     }
 }
 
 fn smoothed(values: &[f32], width: u32, height: u32, smoothing: Smoothing, threshold: f32) -> Cut {
     let rules = Rules { smoothing, threshold, stretch_positive: false };
     let found = relevancy::of_map(values.to_vec(), width, height, &rules);
-    Cut { mask: found.mask, peak: found.peak }
+    Cut { mask: found.mask, peak: found.peak, soft: Some(found.soft) }
 }
 
 #[cfg(test)]

@@ -98,6 +98,7 @@ pub(crate) fn request<'a>(bench: &'a Benchmark, preset: &str, root: &Path) -> Re
         images: None,
         encoders: Encoders::default(),
         claims: Vec::new(),
+        soft: None,
     }
 }
 

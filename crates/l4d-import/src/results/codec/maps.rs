@@ -119,12 +119,18 @@ fn best_level(
         name: own.or_else(|| name.clone()),
         place,
         mask: Some(cut.mask),
+        soft: cut.soft,
     };
     Ok(best.into_iter().map(piece).collect())
 }
 
 fn cut_all(values: &[f32], size: (u32, u32), reading: &Reading) -> Result<Vec<Piece>, Problem> {
-    let piece = |(name, cut): (Option<String>, Cut)| Piece { name, place: None, mask: Some(cut.mask) };
+    let piece = |(name, cut): (Option<String>, Cut)| Piece {
+        name,
+        place: None,
+        mask: Some(cut.mask),
+        soft: cut.soft,
+    };
     Ok(cuts(values, size, reading)?.into_iter().map(piece).collect())
 }
 

@@ -48,8 +48,12 @@ fn frame_in(name: &str) -> Option<u32> {
 
 fn pieces(picture: &AnnotatedPicture, place: Option<Place>) -> Vec<Piece> {
     let labels = picture.labels().into_iter().filter(|label| *label != HOLE);
-    let piece =
-        |label: &str| Piece { name: Some(label.to_owned()), place, mask: Some(picture.union_of(label)) };
+    let piece = |label: &str| Piece {
+        name: Some(label.to_owned()),
+        place,
+        mask: Some(picture.union_of(label)),
+        soft: None,
+    };
     labels.map(piece).collect()
 }
 

@@ -49,7 +49,9 @@ fn walk(value: &Value, trail: &Trail, pieces: &mut Vec<Piece>) -> Result<(), Pro
         return Err(fault("is nested deeper than sentence and frame"));
     }
     match value {
-        Value::Null => pieces.push(Piece { name: trail.name.clone(), place: trail.place, mask: None }),
+        Value::Null => {
+            pieces.push(Piece { name: trail.name.clone(), place: trail.place, mask: None, soft: None });
+        }
         Value::Array(items) => {
             if trail.place.is_some() {
                 return Err(fault("is a list within a frame"));
@@ -61,7 +63,7 @@ fn walk(value: &Value, trail: &Trail, pieces: &mut Vec<Piece>) -> Result<(), Pro
         }
         Value::Object(fields) if fields.contains_key("counts") => {
             let mask = mask(fields, trail)?;
-            pieces.push(Piece { name: trail.name.clone(), place: trail.place, mask: Some(mask) });
+            pieces.push(Piece { name: trail.name.clone(), place: trail.place, mask: Some(mask), soft: None });
         }
         Value::Object(fields) => {
             for (key, item) in fields {

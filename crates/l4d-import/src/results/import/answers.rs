@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use l4d_data::{Query, QueryId, Report, Severity};
+use l4d_data::{DataError, Query, QueryId, Report, Severity};
 use l4d_frames::{Mask, rle};
 
 use super::super::codec::{Piece, Place};
 use super::super::codes;
 use super::super::prompts::{NoQuery, Prompts};
+use super::super::relevancy::Found;
 use super::super::shift::{Answers, Summits};
 use super::super::template::Hit;
 use super::Request;
 use super::pictures::Pictures;
+use super::soft;
 
 /// Findings of one code that a scene lists one by one.
 const LISTED: usize = 12;
@@ -24,6 +26,8 @@ pub(super) struct Answer {
     frame: u32,
     /// Run lengths; none where the method says that nothing is there.
     counts: Option<String>,
+    /// Relevancy as PNG, where it is kept.
+    soft: Option<Vec<u8>>,
 }
 
 /// Collects the answers of a scene.
@@ -171,11 +175,19 @@ impl<'a> Collector<'a> {
     pub(super) fn place(&self, hit: &Hit, piece: Piece, report: &mut Report) -> Option<Answer> {
         let query = self.query(hit, piece.name.as_deref(), report)?;
         let frame = self.frame(hit, piece.place, report)?;
-        let counts = match piece.mask {
-            None => None,
-            Some(mask) => Some(rle::encode(&self.sized(&hit.path, mask, report)?)),
+        let (counts, soft) = match piece.mask {
+            None => (None, None),
+            Some(mask) => {
+                let soft = piece.soft.and_then(|soft| self.picture(&soft, mask.size()));
+                (Some(rle::encode(&self.sized(&hit.path, mask, report)?)), soft)
+            }
         };
-        Some(Answer { query: query.id.clone(), frame, counts })
+        Some(Answer { query: query.id.clone(), frame, counts, soft })
+    }
+
+    /// Relevancy as PNG, if it is kept and will fit.
+    fn picture(&self, soft: &[u8], size: (u32, u32)) -> Option<Vec<u8>> {
+        self.request.soft.as_ref().map(|_| soft::picture(soft, size, self.pictures.size))
     }
 
     fn sized(&self, path: &Path, mask: Mask, report: &mut Report) -> Option<Mask> {
@@ -206,7 +218,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Takes an answer, unless there is one already.
-    pub(super) fn take(&mut self, path: &Path, answer: Answer) {
+    pub(super) fn take(&mut self, path: &Path, answer: Answer) -> Result<(), DataError> {
         let key = (answer.query.clone(), answer.frame);
         if let Some(other) = self.from.get(&key) {
             let message =
@@ -214,23 +226,30 @@ impl<'a> Collector<'a> {
             let hint =
                 "keep one of them: sentences of one category, or of one file name, overwrite each other";
             self.findings.error(codes::COLLISION, path, "answer", message, hint);
-            return;
+            return Ok(());
+        }
+        if let (Some(stage), Some(soft)) = (&self.request.soft, &answer.soft) {
+            stage.keep(&answer.query, answer.frame, soft)?;
         }
         self.from.insert(key, path.to_owned());
         self.answers.entry(answer.query).or_default().insert(answer.frame, answer.counts);
+        Ok(())
     }
 
-    /// Takes a mask of a query in a frame.
-    pub(super) fn take_mask(&mut self, path: &Path, query: &Query, frame: u32, mask: Option<Mask>) {
+    /// Takes what was found of a query in a frame.
+    pub(super) fn take_found(
+        &mut self,
+        path: &Path,
+        query: &Query,
+        frame: u32,
+        found: Found,
+    ) -> Result<(), DataError> {
+        let soft = self.picture(&found.soft, found.mask.size());
         let mut report = Report::default();
-        let counts = match mask {
-            None => Some(None),
-            Some(mask) => self.sized(path, mask, &mut report).map(|mask| Some(rle::encode(&mask))),
-        };
+        let mask = self.sized(path, found.mask, &mut report);
         self.findings.extend(report);
-        if let Some(counts) = counts {
-            self.take(path, Answer { query: query.id.clone(), frame, counts });
-        }
+        let Some(mask) = mask else { return Ok(()) };
+        self.take(path, Answer { query: query.id.clone(), frame, counts: Some(rle::encode(&mask)), soft })
     }
 
     /// Takes where the relevancy of a query is highest in a frame.
@@ -239,12 +258,20 @@ impl<'a> Collector<'a> {
     }
 
     /// Says of frames that nothing is there, whatever was answered.
-    pub(super) fn empty(&mut self, query: &QueryId, frames: impl Iterator<Item = u32>) {
-        if let Some(answers) = self.answers.get_mut(query) {
-            frames.for_each(|frame| {
-                answers.entry(frame).and_modify(|counts| *counts = None);
-            });
+    pub(super) fn empty(
+        &mut self,
+        query: &QueryId,
+        frames: impl Iterator<Item = u32>,
+    ) -> Result<(), DataError> {
+        let Some(answers) = self.answers.get_mut(query) else { return Ok(()) };
+        for frame in frames {
+            let Some(counts) = answers.get_mut(&frame) else { continue };
+            *counts = None;
+            if let Some(stage) = &self.request.soft {
+                stage.keep(query, frame, &soft::picture(&[0], (1, 1), self.pictures.size))?;
+            }
         }
+        Ok(())
     }
 
     /// The answers, and where relevancy is highest; what was found wrong goes to the report, at most a dozen of a kind.

@@ -35,14 +35,15 @@ pub fn write(
     force: bool,
 ) -> Result<PathBuf, DataError> {
     let dir = ResultsDir::new(results.join(identity.name.as_str()));
-    if dir.masks().exists() {
+    if dir.masks().exists() || dir.soft().exists() {
         if !force {
             let remedy = "give another --name, or replace what stands there with --force";
-            return Err(DataError::invalid(dir.root(), "folder", "holds masks already", remedy));
+            return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
         }
         // Old answers must not mix with new ones.
-        std::fs::remove_dir_all(dir.masks())
-            .map_err(|source| DataError::io(&dir.masks(), "remove", source))?;
+        for old in [dir.masks(), dir.soft()].into_iter().filter(|old| old.exists()) {
+            std::fs::remove_dir_all(&old).map_err(|source| DataError::io(&old, "remove", source))?;
+        }
     }
     let profile = request.profile;
     for (query, answers) in &imported.answers {
@@ -50,6 +51,9 @@ pub fn write(
         let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
         let file = MaskFile { size: [height, width], frames };
         json::write_compact(&dir.mask_file(query), &file)?;
+    }
+    if let Some(stage) = &request.soft {
+        stage.put(&dir)?;
     }
     let card = MethodCard {
         name: identity.name.clone(),

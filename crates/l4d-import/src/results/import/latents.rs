@@ -81,14 +81,13 @@ pub(super) fn read(
                 time.look(frame, &asked, &answers, inputs, &mut report)?;
                 for ((query, _), chosen) in asked.iter().zip(answers) {
                     collector.take_summit(query, frame, chosen.summit.at);
-                    collector.take_mask(path, query, frame, Some(chosen.found.mask));
+                    collector.take_found(path, query, frame, chosen.found)?;
                 }
             }
         }
         collector.findings().extend(report);
     }
-    time.close(&asked, collector);
-    Ok(())
+    time.close(&asked, collector)
 }
 
 /// Queries with the number of their sentence among the embeddings.
@@ -363,12 +362,13 @@ impl<'a> Time<'a> {
     }
 
     /// Takes back the masks of frames whose gate is shut.
-    fn close(self, asked: &[(&Query, usize)], collector: &mut Collector<'_>) {
+    fn close(self, asked: &[(&Query, usize)], collector: &mut Collector<'_>) -> Result<(), DataError> {
         for (place, similarities) in self.similarities {
             let values: Vec<f64> = similarities.values().copied().collect();
             let open = gate(&values, true).open;
             let shut = similarities.keys().zip(open).filter(|(_, is_open)| !is_open).map(|(&frame, _)| frame);
-            collector.empty(&asked[place].0.id, shut);
+            collector.empty(&asked[place].0.id, shut)?;
         }
+        Ok(())
     }
 }

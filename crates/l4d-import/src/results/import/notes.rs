@@ -48,6 +48,14 @@ pub(super) fn assumptions(request: &Request<'_>) -> BTreeMap<String, String> {
             Codec::Picture | Codec::Array | Codec::Latents | Codec::CocoRle => {}
         }
     }
+    if request.soft.is_some() {
+        let range = if request.reading.inside.is_smoothed() || request.preset.latents.is_some() {
+            "smoothed, over its own range; no majority"
+        } else {
+            "over its own range"
+        };
+        say("relevancy", format!("{range}, 0 to 255"));
+    }
     let resize = if request.resize { "nearest, predictions only, proportions within 1 %" } else { "refused" };
     say("other sizes", resize.to_owned());
     for (field, value) in &request.choices {
