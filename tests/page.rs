@@ -146,6 +146,9 @@ fn what_few_scenes_cannot_say_is_told() {
     assert!(verdict.contains("100.00 points higher than that of none"), "{verdict}");
     assert!(verdict.contains("no outcome could have had p below 0.05"), "{verdict}");
     assert!(!verdict.contains("four times in five"), "{verdict}");
+    browser.open(&file(&dir), "#a=oracle&b=time-agnostic");
+    let verdict = browser.text("document.querySelector('.verdict').textContent");
+    assert!(verdict.contains("They do not differ in any scene."), "{verdict}");
     assert_quiet(&mut browser);
 }
 

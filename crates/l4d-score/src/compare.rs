@@ -41,7 +41,8 @@ pub struct Comparison {
     /// The least p that so many differing scenes can give.
     pub least_p: f64,
     /// The true difference that would be found four times in five, percentage points, at [`ALPHA`] without
-    /// correction; none from so few scenes that no p value is below it.
+    /// correction; none from so few scenes that no p value is below it, and where all scenes differ alike, since then
+    /// nothing says how much they vary.
     pub detectable: Option<f64>,
 }
 
@@ -73,7 +74,7 @@ impl Comparison {
             least_p: least_p(flips.scenes.len()),
             detectable: difference
                 .standard_error
-                .filter(|_| least_p(sample.scenes.len()) < ALPHA)
+                .filter(|&error| error > 0.0 && least_p(sample.scenes.len()) < ALPHA)
                 .map(|error| reach * error),
         })
     }
@@ -387,5 +388,7 @@ mod tests {
         // Of five scenes no p value is below 0.05, so nothing is detectable.
         assert_eq!(single(&[1.0, 2.0, -3.0, 4.0, 2.0]).detectable, None);
         assert_eq!(single(&[1.0]).detectable, None);
+        // A method and itself: no difference varies, which does not mean that any would have been seen.
+        assert_eq!(single(&[0.0; 9]).detectable, None);
     }
 }

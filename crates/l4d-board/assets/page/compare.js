@@ -45,7 +45,8 @@ function verdict(a, b, pairs) {
 }
 
 /** What the corrected p says, and where it could have said nothing else. */
-function outcome({ holm, leastP }, pairs) {
+function outcome({ holm, leastP, gain: [, low, high] }, pairs) {
+  if (low === 0 && high === 0) return "They do not differ in any scene.";
   if (holm < 0.05) return "The difference remains after correction.";
   if (leastP >= 0.05) return "So few scenes differ that no outcome could have had p below 0.05.";
   if (pairs * leastP >= 0.05) return `From so few scenes and among ${pairs} pairs, hardly any difference can remain after correction, however large it is.`;
