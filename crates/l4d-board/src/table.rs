@@ -324,7 +324,12 @@ fn estimates(name: &str, found: &[Option<Estimate>]) -> Vec<Column> {
 }
 
 fn text(name: &str, values: impl IntoIterator<Item = String>) -> Column {
-    Column::new(name.into(), values.into_iter().collect::<Vec<String>>())
+    Column::new(name.into(), values.into_iter().map(inert).collect::<Vec<String>>())
+}
+
+/// What strangers wrote, so that no spreadsheet takes it for a formula and runs it.
+fn inert(text: String) -> String {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}") } else { text }
 }
 
 fn numbers(name: &str, values: impl Iterator<Item = Option<f64>>) -> Column {
@@ -391,5 +396,14 @@ rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,sele
         let board = Board::new(sample::heading(4, 0), vec![row]).unwrap();
         let text = String::from_utf8(leaderboard(&board).unwrap()).unwrap();
         assert!(text.contains("1,a,\"1,\"\"x\"\"\ny\",\"\","), "{text}");
+    }
+
+    #[test]
+    fn no_spreadsheet_runs_what_strangers_wrote() {
+        let mut row = sample::row("a", 4, 1.0);
+        (row.version, row.link) = ("=1+1".to_owned(), "@SUM(A1)".to_owned());
+        let board = Board::new(sample::heading(4, 0), vec![row]).unwrap();
+        let text = String::from_utf8(leaderboard(&board).unwrap()).unwrap();
+        assert!(text.contains("1,a,'=1+1,") && text.contains(",'@SUM(A1),"), "{text}");
     }
 }
