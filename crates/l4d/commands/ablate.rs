@@ -135,12 +135,12 @@ fn noises(
 fn about(args: &AblateArgs, exam: &Exam, noises: &[Noise]) -> Vec<String> {
     let queries: usize = exam.scenes.iter().map(|scene| scene.queries.len()).sum();
     let mut about = vec![format!(
-        "{} {}, profile {}: {} scenes, {queries} queries of the set `{}`.",
+        "{} {}, profile {}, set {}; scenes: {}, queries: {queries}.",
         exam.bench.manifest.name,
         exam.bench.manifest.version,
         exam.profile,
-        exam.scenes.len(),
-        exam.set.as_str()
+        exam.set.as_str(),
+        exam.scenes.len()
     )];
     let method = &args.method;
     let preset = Preset::from(method.preset).word();
