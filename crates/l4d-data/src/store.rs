@@ -69,6 +69,16 @@ pub fn make_folder(path: &Path) -> Result<(), DataError> {
     fs::create_dir_all(path).map_err(|source| DataError::io(path, "create the folder", source))
 }
 
+/// Removes a folder with all that it holds; one that is not there is no error.
+pub fn remove_folder(path: &Path) -> Result<(), DataError> {
+    match fs::remove_dir_all(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(DataError::io(path, "remove the folder", source))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Names of the visible entries of a folder, sorted. A missing folder is an error.
 pub fn list_folder(path: &Path) -> Result<Vec<String>, DataError> {
     let read = || -> io::Result<Vec<String>> {

@@ -9,7 +9,7 @@ use glam::{UVec2, Vec2};
 use image::Rgb;
 use image::imageops::{FilterType, crop_imm, resize};
 
-use crate::mask::PixelBox;
+use crate::mask::{PixelBox, nearest};
 use crate::overlay::{Mark, label_of_size};
 use crate::text::blend;
 
@@ -280,7 +280,7 @@ impl IdGrid<'_> {
 fn span(index: u32, to: u32, from: u32) -> (u32, u32) {
     let scaled = |position: u64| position * u64::from(from) / u64::from(to);
     if from <= to {
-        let centre = ((2 * u64::from(index) + 1) * u64::from(from) / (2 * u64::from(to))) as u32;
+        let centre = nearest(index, from, to);
         return (centre, centre + 1);
     }
     let (first, last) = (scaled(u64::from(index)), scaled(u64::from(index) + 1));

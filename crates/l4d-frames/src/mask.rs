@@ -209,12 +209,8 @@ impl Mask {
 
     /// The same picture at another size: each pixel takes the nearest one of this mask.
     pub fn resized_nearest(&self, width: u32, height: u32) -> Self {
-        let source = |index: u32, from: u32, to: u32| {
-            // Centre of the target pixel, in source pixels, rounded down: exact in integers.
-            ((2 * u64::from(index) + 1) * u64::from(from) / (2 * u64::from(to))) as u32
-        };
         Self::from_fn(width, height, |col, row| {
-            self.get(source(col, self.width, width), source(row, self.height, height))
+            self.get(nearest(col, self.width, width), nearest(row, self.height, height))
         })
     }
 
@@ -277,6 +273,12 @@ fn set_bits(mut word: u64) -> impl Iterator<Item = u32> {
         word &= word - 1;
         Some(bit)
     })
+}
+
+/// Where a side of `from` pixels is shown with `to`: the pixel of `from` in which the centre of pixel `index` of `to` lies.
+pub fn nearest(index: u32, from: u32, to: u32) -> u32 {
+    // Exact in integers.
+    ((2 * u64::from(index) + 1) * u64::from(from) / (2 * u64::from(to))) as u32
 }
 
 #[cfg(test)]

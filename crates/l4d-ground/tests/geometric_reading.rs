@@ -102,7 +102,7 @@ fn the_dev_split_is_read() {
 }
 
 #[test]
-#[ignore = "a measurement"]
+#[ignore = "a measurement: prints how much of the benchmark is read, and nothing may be tuned on that"]
 fn the_benchmark_is_counted() {
     println!("{:?}", count(&repository().join("benchmark")));
 }

@@ -4,11 +4,11 @@
 //! its own, and is refused in any other. Every file appears whole or not at all.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::PathBuf;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MaskFile, MethodCard, Used};
+use l4d_data::store::remove_folder;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, QueryId, json};
 use l4d_frames::{Mask, rle};
@@ -161,7 +161,7 @@ impl ResultsWriter {
 fn claim(dir: &ResultsDir, card: &MethodCard, overwrite: bool) -> Result<()> {
     let path = dir.card();
     if overwrite {
-        remove_if_there(&dir.masks())?;
+        remove_folder(&dir.masks())?;
         return Ok(json::write(&path, card)?);
     }
     if path.exists() {
@@ -182,15 +182,6 @@ fn claim(dir: &ResultsDir, card: &MethodCard, overwrite: bool) -> Result<()> {
         return Err(Failure::file(dir.root(), "holds masks, and no method.json says of what", remedy));
     }
     Ok(json::write(&path, card)?)
-}
-
-fn remove_if_there(folder: &std::path::Path) -> Result<()> {
-    match fs::remove_dir_all(folder) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(DataError::io(folder, "remove", source).into())
-        }
-        _ => Ok(()),
-    }
 }
 
 /// The first field in which two cards differ.

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use l4d_data::store::{list_folder, make_folder, write_atomic};
+use l4d_data::store::{list_folder, make_folder, remove_folder, write_atomic};
 use l4d_data::{Benchmark, DataError, Profile, Report, json, sums};
 use rayon::prelude::*;
 
@@ -208,8 +208,8 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
 /// empty.
 fn enter(staging: &Path, contents: &Contents) -> Result<(), DataError> {
     let is_same = json::read::<Contents>(&staging.join(FILE)).is_ok_and(|there| there == *contents);
-    if !is_same && staging.exists() {
-        fs::remove_dir_all(staging).map_err(|source| DataError::io(staging, "remove the folder", source))?;
+    if !is_same {
+        remove_folder(staging)?;
     }
     make_folder(staging)?;
     remove_temporaries(staging)?;

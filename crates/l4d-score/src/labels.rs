@@ -88,7 +88,7 @@ impl Labels {
         let (of_first, of_next) = sums.split_at_mut(kinds);
         for &[start, end] in predicted.runs() {
             let stretches = &self.stretches[self.blocks[(start / BLOCK) as usize] as usize..];
-            let Some(ahead) = stretches.first_chunk::<AHEAD>() else { break };
+            let ahead = stretches.first_chunk::<AHEAD>().expect("so many come after the last of the picture");
             // Without a branch: whether there is an edge before or in a run is a toss-up that no processor can guess.
             let skipped = usize::from(ahead[0].end <= start) + usize::from(ahead[1].end <= start);
             let (first, next) = (ahead[skipped], ahead[skipped + 1]);

@@ -34,7 +34,7 @@ function verdict(a, b, pairs) {
   const points = Math.abs(value).toFixed(2);
   const way = value === 0 ? "as high as" : value > 0 ? "higher than" : "lower than";
   const lead = value === 0 ? `mIoU of ${a} is ${way} that of ${b}` : `mIoU of ${a} is ${points} points ${way} that of ${b}`;
-  const few = scenes < board.fewScenes ? `, which may be too narrow from fewer than ${board.fewScenes} scenes` : "";
+  const few = isOfFewScenes(found.gain) ? `, which may be too narrow from fewer than ${board.fewScenes} scenes` : "";
   const range = low === null ? "no interval: all queries are of one scene" : `95 % interval ${low.toFixed(2)} to ${high.toFixed(2)}${few}`;
   return [
     el("p", {}, el("strong", {}, `${lead}.`)),

@@ -7,7 +7,7 @@ use glam::DVec2;
 use l4d_data::capture::{CAPTURE, Capture, Depth, MASKS, SCHEMA, SPARSE, Substitution};
 use l4d_data::digest::sha256_file;
 use l4d_data::error::inert;
-use l4d_data::store::{list_folder, make_folder, read_bounded, write_atomic};
+use l4d_data::store::{list_folder, make_folder, read_bounded, remove_folder, write_atomic};
 use l4d_data::{Camera, DataError, json};
 use l4d_frames::drawn::{RgbImage, encode_colour};
 use l4d_frames::photo::{self, PhotoError};
@@ -51,9 +51,7 @@ pub(super) fn write(
     let substituted: Vec<Vec<Substitution>> =
         plan.views.par_iter().map(|view| write_view(order, view, size, tick)).collect::<Result<_, _>>()?;
     write_points(order, &plan, &frames, size)?;
-    if let Some(scratch) = plan.scratch.as_deref().filter(|scratch| scratch.is_dir()) {
-        std::fs::remove_dir_all(scratch).map_err(|source| DataError::io(scratch, "remove", source))?;
-    }
+    plan.scratch.as_deref().map_or(Ok(()), remove_folder)?;
     let unseen = |view: &View| {
         let missing: Vec<u32> =
             frames.iter().copied().filter(|frame| !view.pictures.contains_key(frame)).collect();

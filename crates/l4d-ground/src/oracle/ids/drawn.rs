@@ -9,6 +9,7 @@ use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Instance, Role};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Split};
+use l4d_frames::mask::nearest;
 use l4d_frames::{Mask, rle};
 use serde_json::{Value, json};
 
@@ -73,10 +74,7 @@ impl DrawnIds {
 
     /// A mask of a picture as clips show it: a pixel is what stands at its centre.
     fn shown(&self, mask: &Mask) -> Mask {
-        let from = |place: u32, axis: usize| {
-            let whole = (2 * u64::from(place) + 1) * u64::from(self.of[axis]);
-            (whole / (2 * u64::from(self.size[axis]))) as u32
-        };
+        let from = |place: u32, axis: usize| nearest(place, self.of[axis], self.size[axis]);
         let [width, height] = self.size;
         Mask::from_fn(width, height, |column, row| mask.get(from(column, 0), from(row, 1)))
     }

@@ -175,19 +175,27 @@ impl<'a> Collector<'a> {
     pub(super) fn place(&self, hit: &Hit, piece: Piece, report: &mut Report) -> Option<Answer> {
         let query = self.query(hit, piece.name.as_deref(), report)?;
         let frame = self.frame(hit, piece.place, report)?;
-        let (counts, soft) = match piece.mask {
-            None => (None, None),
-            Some(mask) => {
-                let soft = piece.soft.and_then(|soft| self.picture(&soft, mask.size()));
-                (Some(rle::encode(&self.sized(&hit.path, mask, report)?)), soft)
-            }
-        };
-        Some(Answer { query: query.id.clone(), frame, counts, soft })
+        match piece.mask {
+            None => Some(Answer { query: query.id.clone(), frame, counts: None, soft: None }),
+            Some(mask) => self.answer(&hit.path, query, frame, mask, piece.soft.as_deref(), report),
+        }
     }
 
-    /// Relevancy as PNG, if it is kept and will fit.
-    fn picture(&self, soft: &[u8], size: (u32, u32)) -> Option<Vec<u8>> {
-        self.request.soft.as_ref().map(|_| soft::picture(soft, size, self.pictures.size))
+    /// A mask, and the relevancy that it was cut from where that is kept, at the size of the profile.
+    fn answer(
+        &self,
+        path: &Path,
+        query: &Query,
+        frame: u32,
+        mask: Mask,
+        soft: Option<&[u8]>,
+        report: &mut Report,
+    ) -> Option<Answer> {
+        let size = mask.size();
+        let counts = rle::encode(&self.sized(path, mask, report)?);
+        let kept = soft.filter(|_| self.request.soft.is_some());
+        let soft = kept.map(|soft| soft::picture(soft, size, self.pictures.size));
+        Some(Answer { query: query.id.clone(), frame, counts: Some(counts), soft })
     }
 
     fn sized(&self, path: &Path, mask: Mask, report: &mut Report) -> Option<Mask> {
@@ -244,12 +252,10 @@ impl<'a> Collector<'a> {
         frame: u32,
         found: Found,
     ) -> Result<(), DataError> {
-        let soft = self.picture(&found.soft, found.mask.size());
         let mut report = Report::default();
-        let mask = self.sized(path, found.mask, &mut report);
+        let answer = self.answer(path, query, frame, found.mask, Some(&found.soft), &mut report);
         self.findings.extend(report);
-        let Some(mask) = mask else { return Ok(()) };
-        self.take(path, Answer { query: query.id.clone(), frame, counts: Some(rle::encode(&mask)), soft })
+        answer.map_or(Ok(()), |answer| self.take(path, answer))
     }
 
     /// Takes where the relevancy of a query is highest in a frame.

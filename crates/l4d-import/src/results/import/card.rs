@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{Import, MaskFile, MethodCard, Used};
+use l4d_data::store::remove_folder;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, json};
 
@@ -41,9 +42,8 @@ pub fn write(
             return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
         }
         // Old answers must not mix with new ones.
-        for old in [dir.masks(), dir.soft()].into_iter().filter(|old| old.exists()) {
-            std::fs::remove_dir_all(&old).map_err(|source| DataError::io(&old, "remove", source))?;
-        }
+        remove_folder(&dir.masks())?;
+        remove_folder(&dir.soft())?;
     }
     let profile = request.profile;
     for (query, answers) in &imported.answers {

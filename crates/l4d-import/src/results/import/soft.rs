@@ -7,7 +7,9 @@ use std::fs;
 use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
+use l4d_data::store::{make_folder, remove_folder};
 use l4d_data::{DataError, Name, QueryId};
+use l4d_frames::mask::nearest;
 use l4d_frames::png;
 
 /// Relevancy on its way into results; what has not been put in place is removed with it.
@@ -24,14 +26,13 @@ impl SoftStage {
     pub fn open(results: &Path, name: &Name) -> Result<Self, DataError> {
         // No list of methods shows what begins with a dot.
         let dir = ResultsDir::new(results.join(format!(".{name}.soft")));
-        remove(dir.root())?;
+        remove_folder(dir.root())?;
         Ok(Self { dir })
     }
 
     /// Keeps the map of a query in a frame, as PNG.
     pub(super) fn keep(&self, query: &QueryId, frame: u32, picture: &[u8]) -> Result<(), DataError> {
-        let folder = self.dir.soft_folder(query);
-        fs::create_dir_all(&folder).map_err(|source| DataError::io(&folder, "create", source))?;
+        make_folder(&self.dir.soft_folder(query))?;
         let path = self.dir.soft_png(query, frame);
         fs::write(&path, picture).map_err(|source| DataError::io(&path, "write", source))
     }
@@ -49,30 +50,17 @@ impl SoftStage {
 impl Drop for SoftStage {
     fn drop(&mut self) {
         // The next import removes what cannot be removed now.
-        let _ = remove(self.dir.root());
+        let _ = remove_folder(self.dir.root());
     }
 }
 
 /// A map as PNG at the size of the profile; the nearest pixel where it has another, as for masks.
 pub(super) fn picture(map: &[u8], size: (u32, u32), wanted: (u32, u32)) -> Vec<u8> {
-    // Centre of the wanted pixel, in pixels of the map, rounded down.
-    let source = |index: u32, from: u32, to: u32| {
-        ((2 * u64::from(index) + 1) * u64::from(from) / (2 * u64::from(to))) as usize
-    };
-    let row = |row: u32| &map[source(row, size.1, wanted.1) * size.0 as usize..][..size.0 as usize];
+    let row = |row: u32| &map[(nearest(row, size.1, wanted.1) * size.0) as usize..][..size.0 as usize];
     let values: Vec<u8> = (0..wanted.1)
-        .flat_map(|at| (0..wanted.0).map(move |col| row(at)[source(col, size.0, wanted.0)]))
+        .flat_map(|at| (0..wanted.0).map(move |col| row(at)[nearest(col, size.0, wanted.0) as usize]))
         .collect();
     png::encode_grey(&values, wanted.0, wanted.1)
-}
-
-fn remove(folder: &Path) -> Result<(), DataError> {
-    match fs::remove_dir_all(folder) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(DataError::io(folder, "remove", source))
-        }
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]
