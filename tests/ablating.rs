@@ -95,8 +95,14 @@ fn consensus_is_compared_query_by_query_for_each_correlation() {
     // Rows are what `score` says of the same masks, and differences are those of the rows.
     let scored = dir.json(&["score", &format!("{folder}/results"), "--profile", "tiny", "--scores", "again"]);
     for method in scored["methods"].as_array().unwrap() {
-        let (row, rho) = method["name"].as_str().unwrap().split_once("-mvsc-rho-").unwrap();
-        let setting = format!("{} MVSC, rho {rho}", if row == "with" { "with" } else { "w/o" });
+        let (row, rho) = method["name"].as_str().unwrap().split_once("-rho-").unwrap();
+        let row = match row {
+            "without-mvsc" => "w/o MVSC",
+            "with-mvsc" => "with MVSC",
+            "with-mvsc-abstaining" => "with MVSC, abstaining",
+            other => panic!("{other}"),
+        };
+        let setting = format!("{row}, rho {rho}");
         for (metric, name) in
             [("miou", "miou"), ("macc", "macc"), ("tube_iou", "tube_iou"), ("select", "select")]
         {
@@ -110,6 +116,8 @@ fn consensus_is_compared_query_by_query_for_each_correlation() {
                 ["w/o", "with"].map(|word| value(&found, &format!("{word} MVSC, rho {rho}"), column, "miou"));
             let gain = value(&found, &format!("with MVSC - w/o MVSC, rho {rho}"), column, "miou");
             assert!((with - without - gain).abs() < 1e-3, "{column} at {rho}: {with} {without} {gain}");
+            let abstaining = value(&found, &format!("with MVSC, abstaining, rho {rho}"), column, "miou");
+            assert!(abstaining <= with, "an empty answer is no better: {column} at {rho}");
         }
     }
 

@@ -17,6 +17,8 @@ use serde_json::Value;
 use crate::support::{blender_python, is_slow, l4d, root, succeed};
 
 const SCENE: &str = "tabletop_mouse_cups";
+/// The default of `quickstart`.
+const FIRST_SCENE: &str = "room_playroom";
 
 fn build(data: &Path, bench: &Path, more: &[&str]) -> Command {
     let mut command = l4d(&["build-scenes", "--profile", "tiny", "--scenes", SCENE]);
@@ -50,12 +52,10 @@ fn the_python_suite_passes() {
 fn the_quickstart_ends_with_a_leaderboard() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("quickstart");
-    let mut quickstart = l4d(&["quickstart", "--scene", SCENE, "--out"]);
+    let mut quickstart = l4d(&["quickstart", "--out"]);
     quickstart.arg(&out);
-    succeed(&mut quickstart);
-    for file in
-        ["data/tabletop_mouse_cups/sheet.png", "leaderboard/leaderboard.csv", "leaderboard/leaderboard.md"]
-    {
+    let said = succeed(&mut quickstart);
+    for file in ["data/room_playroom/sheet.png", "leaderboard/leaderboard.csv", "leaderboard/index.html"] {
         assert!(out.join(file).metadata().is_ok_and(|metadata| metadata.len() > 0), "{file} is not there");
     }
     let scores = methods(&out);
@@ -68,9 +68,40 @@ fn the_quickstart_ends_with_a_leaderboard() {
     assert_eq!(scores["time-agnostic"]["miou"], 100.0, "the paper's mIoU was expected to be blind to time");
     assert!(tube("random-look-alike") < tube("look-alike-union").max(tube("time-agnostic")));
 
+    let solver = &scores["panopticquery-geometric"];
+    assert!(solver["miou"].as_f64().unwrap() > 10.0, "the ranked row says nothing: {solver}");
+    assert!(scores["panopticquery-oracle"]["miou"].as_f64().unwrap() > 60.0);
+    assert!(said.contains("leaderboard/index.html"), "the page is not named:\n{said}");
+    every_query_has_its_ending(&said);
+    proposed_sentences_are_answered(&said);
+
     check_against_shipped_truth(&out.join("benchmark"));
     let again = succeed(&mut quickstart);
     assert!(again.contains("rendered 0 pictures"), "a second quickstart rendered again:\n{again}");
+}
+
+fn every_query_has_its_ending(said: &str) {
+    let queries = Benchmark::open(root().join("benchmark")).unwrap();
+    let queries = queries.queries(&Name::new(FIRST_SCENE).unwrap()).unwrap();
+    let endings = ["right", "not read", "not found", "outvoted", "wrong object", "no answer"];
+    for query in &queries {
+        let ended = |line: &str| {
+            endings.iter().any(|ending| line.contains(&format!(" IoU  {}: {ending}", query.text)))
+        };
+        assert!(said.lines().any(ended), "how did `{}` end?\n{said}", query.text);
+    }
+}
+
+/// The two commands are typed as they are printed; what they find is what the referent is.
+fn proposed_sentences_are_answered(said: &str) {
+    let commands: Vec<&str> =
+        said.lines().map(str::trim).filter(|line| line.contains(&format!(" query {FIRST_SCENE} "))).collect();
+    assert_eq!(commands.len(), 2, "{said}");
+    for command in commands {
+        let mut shell = Command::new("bash");
+        let told = succeed(shell.current_dir(root()).args(["-c", command]));
+        assert!(told.contains("answer: "), "{command}\n{told}");
+    }
 }
 
 fn methods(out: &Path) -> BTreeMap<String, Value> {
@@ -85,7 +116,7 @@ fn methods(out: &Path) -> BTreeMap<String, Value> {
 /// The shipped truth is what these scripts render: at most a stray edge pixel of another processor may differ.
 fn check_against_shipped_truth(bench: &Path) {
     let shipped = Benchmark::open(root().join("benchmark")).unwrap();
-    let scene = Name::new(SCENE).unwrap();
+    let scene = Name::new(FIRST_SCENE).unwrap();
     let shipped = shipped.truth(Profile::Tiny, &scene).unwrap();
     let rendered = Benchmark::open(bench).unwrap().truth(Profile::Tiny, &scene).unwrap();
     assert_eq!(shipped.test_view, rendered.test_view);

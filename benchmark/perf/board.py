@@ -83,6 +83,20 @@ def copy_method(scores: Path, source: str, name: str) -> None:
     (folder / "summary.json").write_text(json.dumps({**summary, "name": name}), encoding="utf-8")
 
 
+def make_methods(scores: Path, count: int) -> tuple[dict, int]:
+    """Methods beside the oracle that stands in a folder of scores, `count` with it; gives its summary and rows."""
+    with (scores / "oracle/counts.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    summary = json.loads((scores / "oracle/summary.json").read_text(encoding="utf-8"))
+    for number in range(count - 1):
+        name = f"method-{number:05}"
+        if number < MADE_UP:
+            write_method(scores, name, spoil(rows, number), summary)
+        else:
+            copy_method(scores, f"method-{number % MADE_UP:05}", name)
+    return summary, len(rows)
+
+
 def processor_seconds() -> float:
     """Of finished children."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -112,21 +126,13 @@ def main() -> None:
         run("-q", "baseline", "oracle")
         run("-q", "score")
         scores = Path(root) / "scores"
-        with (scores / "oracle/counts.csv").open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        summary = json.loads((scores / "oracle/summary.json").read_text(encoding="utf-8"))
-        for number in range(options.methods - 1):
-            name = f"method-{number:05}"
-            if number < MADE_UP:
-                write_method(scores, name, spoil(rows, number), summary)
-            else:
-                copy_method(scores, f"method-{number % MADE_UP:05}", name)
+        summary, rows = make_methods(scores, options.methods)
         seconds = [run("-q", "leaderboard", *options.rest) for _ in range(options.repeat)]
         files = [path for path in (Path(root) / "leaderboard").rglob("*") if path.is_file()]
         report = {
             "methods": options.methods,
             "queries": summary["queries"],
-            "rows": len(rows),
+            "rows": rows,
             "profile": options.profile,
             "arguments": options.rest,
             "cores": os.cpu_count(),

@@ -155,7 +155,7 @@ pub(crate) struct QuickstartArgs {
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
     /// Scene to render
-    #[arg(long, value_name = "NAME", default_value = "tabletop_mouse_cups")]
+    #[arg(long, value_name = "NAME", default_value = "room_playroom")]
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) python: PythonArgs,

@@ -7,6 +7,7 @@ mod stage;
 
 use l4d_data::Interval;
 use l4d_solve::consensus::Preset;
+use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::lift::{ClosedSettings, DistilSettings, FieldSettings, LiftSettings};
 use l4d_solve::scene::ClipSettings;
 use l4d_solve::solve::SolveSettings;
@@ -31,7 +32,10 @@ impl From<PresetArg> for Preset {
 /// Consensus and lifting.
 pub(crate) fn settings(args: &MethodArgs) -> SolveSettings {
     let preset = Preset::from(args.preset).solve_settings();
-    let consensus = if args.no_consensus { Preset::Off.settings() } else { preset.consensus };
+    let mut consensus = if args.no_consensus { Preset::Off.settings() } else { preset.consensus };
+    if args.abstain {
+        consensus.undecided = Undecided::Abstain;
+    }
     SolveSettings { consensus, lift: args.lift.map_or(preset.lift, lift) }
 }
 
@@ -76,6 +80,9 @@ pub(crate) fn default_name(args: &MethodArgs, set: QuerySetArg) -> String {
     }
     if args.no_consensus {
         add("no-mvsc");
+    }
+    if args.abstain {
+        add("abstain");
     }
     match args.lift {
         Some(LiftArg::Closed) => add("closed"),

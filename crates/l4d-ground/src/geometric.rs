@@ -46,7 +46,7 @@ pub struct Geometric<P = Classical> {
 }
 
 impl<P: Perception> Geometric<P> {
-    /// Over this perception, with the thresholds tuned on the dev split.
+    /// Over this perception, with the usual thresholds.
     pub fn new(perception: P) -> Self {
         Self::with_settings(perception, ReasonSettings::default())
     }

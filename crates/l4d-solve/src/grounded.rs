@@ -66,6 +66,17 @@ pub fn ground_all(
     })
 }
 
+/// What the views said, in the order of their names.
+///
+/// # Errors
+/// A folder or a file that cannot be read.
+pub fn outcomes(folder: &Path) -> Result<Vec<Outcome>, DataError> {
+    let entries = std::fs::read_dir(folder).map_err(|error| DataError::io(folder, "list", error))?;
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.sort();
+    paths.iter().map(|path| Ok(json::read::<File>(path)?.outcome)).collect()
+}
+
 /// The clips that [`ground_all`] would ask about.
 pub fn unanswered<'a>(
     grounder: &dyn Grounder,

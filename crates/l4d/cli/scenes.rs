@@ -119,7 +119,8 @@ pub(crate) struct DrawVariantArgs {
     /// Folder of the new set
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// What the new set is for: private or dev
+    /// What the manifest calls the new set: private or dev; a variant shows the same scenes with other looks, and is
+    /// neither a training set nor a private test
     #[arg(long, default_value = "private", value_parser = set_split)]
     pub(crate) split: SetSplit,
     /// Folder that receives the plans; default: data/<profile>-v<variant>

@@ -92,6 +92,9 @@ pub(crate) struct MethodArgs {
     /// Believe every view that found something, without consensus
     #[arg(long)]
     pub(crate) no_consensus: bool,
+    /// Give no answer where the votes of the views decide nothing; default of the preset robust: lift all candidate masks
+    #[arg(long, conflicts_with = "no_consensus")]
+    pub(crate) abstain: bool,
     /// How masks become an answer; default: what the preset says
     #[arg(long, value_enum)]
     pub(crate) lift: Option<LiftArg>,

@@ -1,25 +1,34 @@
 //! `l4d quickstart`: the whole flow on one tiny scene, by calling the verbs that a user would call.
 
-use std::path::Path;
+mod endings;
+
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 use clap::Parser as _;
 use l4d_data::benchmark::Manifest;
-use l4d_data::layout::BenchDir;
+use l4d_data::layout::{BenchDir, WorkDir};
 use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::{Benchmark, Name};
+use l4d_data::{Benchmark, Name, Profile, Report};
+use l4d_score::{Exam, QuerySet};
 
+use self::endings::{Ending, Why, endings};
 use crate::cli::{Cli, QuickstartArgs};
 use crate::out::{ExitStatus, Printer};
+
+/// The method that is ranked; what `solve` calls its results by default.
+const METHOD: &str = "panopticquery-geometric";
+/// Sentences that the last lines propose to ask.
+const PROPOSED: usize = 2;
 
 pub(crate) fn run(args: &QuickstartArgs, out: &Printer) -> Result<ExitStatus> {
     let started = Instant::now();
     let source = Benchmark::open(&args.bench)?;
     let scene = source.scene(&args.scene)?.clone();
-    let bench = args.out.join("benchmark");
-    copy_queries(&source, &scene, &BenchDir::new(&bench))?;
-    for (what, verb) in steps(args, &scene, &bench) {
+    let folders = Folders::in_folder(&args.out);
+    copy_queries(&source, &scene, &BenchDir::new(&folders.bench))?;
+    for (what, verb) in steps(args, &scene, &folders) {
         let line: Vec<String> = std::iter::once("l4d".to_owned()).chain(verb).collect();
         out.note(format!("\n# {what}\n$ {}", line.join(" ")));
         let cli = Cli::try_parse_from(&line).context("a step of the quickstart does not parse")?;
@@ -28,59 +37,152 @@ pub(crate) fn run(args: &QuickstartArgs, out: &Printer) -> Result<ExitStatus> {
             return Ok(ExitStatus::Findings);
         }
     }
-    let out_dir = args.out.display();
-    out.note(format!("\ndone in {:.0} s. Where to look:", started.elapsed().as_secs_f64()));
-    out.note(format!(
-        "  {out_dir}/data/{scene}/sheet.png       what the cameras saw, with outlines and queries"
-    ));
-    out.note(format!(
-        "  {out_dir}/work/tiny/{scene}/           the model, its clips, and what led to each answer"
-    ));
-    out.note(format!(
-        "  {out_dir}/leaderboard/                 tables (CSV, Markdown) and figures (SVG, PNG)"
-    ));
-    out.note(format!("  {out_dir}/scores/<method>/counts.csv   the counts behind every number"));
+    let mut report = Report::default();
+    let bench = Benchmark::open(&folders.bench)?;
+    let exam = Exam::open(bench, Profile::Tiny, QuerySet::default(), &[], &mut report)?;
+    let work = WorkDir::new(&folders.work, Profile::Tiny, &scene);
+    let endings = endings(&exam, &scene, &Name::new(METHOD)?, &work, &folders.scores)?;
+    tell_endings(&endings, out);
+    tell_what_is_next(&endings, &scene, &folders, started.elapsed().as_secs_f64(), out);
     Ok(ExitStatus::Success)
 }
 
+/// Where everything goes.
+struct Folders {
+    bench: PathBuf,
+    data: PathBuf,
+    work: PathBuf,
+    results: PathBuf,
+    scores: PathBuf,
+    board: PathBuf,
+}
+
+impl Folders {
+    fn in_folder(root: &Path) -> Self {
+        Self {
+            bench: root.join("benchmark"),
+            data: root.join("data"),
+            work: root.join("work"),
+            results: root.join("results"),
+            scores: root.join("scores"),
+            board: root.join("leaderboard"),
+        }
+    }
+}
+
 /// What is done, in order: a sentence and the command line.
-fn steps(args: &QuickstartArgs, scene: &Name, bench: &Path) -> Vec<(&'static str, Vec<String>)> {
-    let text = |path: &Path| path.display().to_string();
-    let data = text(&args.out.join("data"));
-    let results = text(&args.out.join("results"));
-    let scores = text(&args.out.join("scores"));
-    let board = text(&args.out.join("leaderboard"));
+fn steps(args: &QuickstartArgs, scene: &Name, folders: &Folders) -> Vec<(&'static str, Vec<String>)> {
+    let [data, work, results, scores, board] =
+        [&folders.data, &folders.work, &folders.results, &folders.scores, &folders.board]
+            .map(|path| text(path));
     let common = |verb: &str, extra: &[&str]| -> Vec<String> {
         let head = [verb].into_iter().chain(extra.iter().copied()).map(str::to_owned);
-        let tail = ["--bench".to_owned(), text(bench), "--profile".to_owned(), "tiny".to_owned()];
+        let tail = ["--bench".to_owned(), text(&folders.bench), "--profile".to_owned(), "tiny".to_owned()];
         head.chain(tail).collect()
     };
-    let out_work = text(&args.out.join("work"));
-    let scripts = text(&args.python.blender_scripts);
-    let work = text(&args.python.work);
+    let [scripts, blender] = [&args.python.blender_scripts, &args.python.work].map(|path| text(path));
     let mut build = common(
         "build-scenes",
-        &["--scenes", scene, "--data", &data, "--blender-scripts", &scripts, "--work", &work],
+        &["--scenes", scene, "--data", &data, "--blender-scripts", &scripts, "--work", &blender],
     );
     // The folder is the quickstart's own, so what an older version left there may go.
     build.extend(["--overwrite".to_owned(), "--update-benchmark".to_owned()]);
     if let Some(python) = &args.python.python {
         build.extend(["--python".to_owned(), text(python)]);
     }
-    let train = common("train-splats", &[scene, "--data", &data, "--work", &out_work]);
-    let solve =
-        common("solve", &["--data", &data, "--work", &out_work, "--results", &results, "--overwrite"]);
+    let solve = |grounder: &str| {
+        let folders = ["--data", &data, "--work", &work, "--results", &results];
+        common("solve", &[&["--grounder", grounder][..], &folders, &["--overwrite"]].concat())
+    };
     vec![
         ("Blender renders RGB, depth and instance ids from five cameras; one is held out", build),
         ("Cameras, depth and ids agree across views", common("check-scenes", &["--data", &data])),
         ("Each query has exactly one referent among look-alikes", common("check-queries", &[])),
         ("A picture of it all", common("sheet", &[scene, "--data", &data])),
-        ("The training cameras become 4D Gaussians", train),
-        ("PanopticQuery answers every sentence, without a model and without the truth", solve),
+        (
+            "The training cameras become 4D Gaussians",
+            common("train-splats", &[scene, "--data", &data, "--work", &work]),
+        ),
+        (
+            "PanopticQuery answers every sentence, without a downloaded model and without instance ids",
+            solve("geometric"),
+        ),
+        (
+            "The same from the true masks of the training cameras: what a perfect grounder would reach",
+            solve("oracle"),
+        ),
         ("Baselines that bracket the scale", common("baseline", &["--results", &results, "--force"])),
         ("Counts, then ratios", common("score", &[&results, "--scores", &scores])),
-        ("Tables and figures", common("leaderboard", &[&scores, "--output", &board])),
+        ("Tables, figures and a page", common("leaderboard", &[&scores, "--output", &board, "--html"])),
     ]
+}
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Why each query ended as it did, a line each.
+fn tell_endings(endings: &[Ending<'_>], out: &Printer) {
+    out.note(format!("\n# How the {} queries ended for {METHOD}", endings.len()));
+    for Ending { query, why, miou } in endings {
+        let why = l4d_data::error::inert(&why.to_string());
+        out.note(format!("  {:>5.1} IoU  {}: {why}", 100.0 * miou, query.text));
+    }
+    let right = endings.iter().filter(|ending| ending.why == Why::Right).count();
+    out.note(format!(
+        "  {right} of {} right; this grounder has no model and knows no kinds of things",
+        endings.len()
+    ));
+}
+
+fn tell_what_is_next(endings: &[Ending<'_>], scene: &Name, folders: &Folders, seconds: f64, out: &Printer) {
+    let program = std::env::args().next().unwrap_or_else(|| "l4d".to_owned());
+    out.note(format!("\ndone in {seconds:.0} s. Where to look:"));
+    let places = [
+        (folders.board.join("index.html"), "the page: ranking, queries, every mask; open it in a browser"),
+        (
+            folders.data.join(scene.as_str()).join("sheet.png"),
+            "what the cameras saw, with outlines and queries",
+        ),
+        (folders.work.join("tiny").join(scene.as_str()), "the model, its clips, and what led to each answer"),
+    ];
+    for (path, what) in places {
+        out.note(format!("  {:<44} {what}", path.display()));
+    }
+    let proposed = proposals(endings);
+    if !proposed.is_empty() {
+        out.note("\nAsk it yourself; these are answered rightly:");
+    }
+    let [bench, data, work] = [&folders.bench, &folders.data, &folders.work].map(|path| path.display());
+    for query in proposed {
+        out.note(format!(
+            "  {program} query {scene} \"{}\" --profile tiny --bench {bench} --data {data} --work {work}",
+            query.text
+        ));
+    }
+    out.note("\nWhat to do next:");
+    out.note("  score a method of your own       README.md, \"Score your own method\"; needs no render");
+    out.note(format!(
+        "  the scenes at 256x192            {program} build-scenes --profile small --scenes {scene}"
+    ));
+    out.note(format!("  what this machine has and lacks  {program} doctor"));
+}
+
+/// Queries that were answered rightly, the best masks first, each of another referent as long as there is one.
+fn proposals<'a>(endings: &[Ending<'a>]) -> Vec<&'a l4d_data::Query> {
+    let mut right: Vec<&Ending<'a>> = endings.iter().filter(|ending| ending.why == Why::Right).collect();
+    right.sort_by(|a, b| b.miou.total_cmp(&a.miou));
+    let mut proposed: Vec<&l4d_data::Query> = Vec::new();
+    for is_repeat in [false, true] {
+        for ending in &right {
+            let repeats = proposed.iter().any(|query| query.referents == ending.query.referents);
+            let is_known = proposed.iter().any(|query| query.id == ending.query.id);
+            if proposed.len() < PROPOSED && !is_known && repeats == is_repeat {
+                proposed.push(ending.query);
+            }
+        }
+    }
+    proposed
 }
 
 /// A benchmark of one scene: the shipped queries; tracks and truth come from what is about to be rendered.

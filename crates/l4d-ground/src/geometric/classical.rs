@@ -22,7 +22,7 @@ pub struct Classical {
 }
 
 impl Classical {
-    /// With other thresholds than those tuned on the dev split.
+    /// With other thresholds than the usual ones.
     pub fn new(settings: PerceptionSettings) -> Self {
         Self { settings, table: LabTable::new() }
     }

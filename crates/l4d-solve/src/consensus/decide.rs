@@ -3,7 +3,7 @@
 use super::camps::{Fate, Relations};
 use super::candidate::{Part, Proposal};
 use super::record::{Camp, Consensus, Decision, PairRecord, PairVerdict, Standing, ViewRecord};
-use super::settings::{Camps, ConsensusSettings, Judges, NoneReliable};
+use super::settings::{Camps, ConsensusSettings, Judges, NoneReliable, Undecided};
 
 /// What follows from the pairs.
 pub(super) fn decide(
@@ -57,12 +57,27 @@ pub(super) fn decide(
         decision = Decision::BestView;
     }
 
-    let goes_on = |record: &ViewRecord| matches!(record.standing, Standing::Reliable | Standing::Best);
+    if settings.undecided == Undecided::AllCandidates {
+        decision = match decision {
+            Decision::Tied => Decision::TiedAll,
+            Decision::NoneReliable => Decision::NoneReliableAll,
+            decided => decided,
+        };
+    }
+
+    let evidence = match decision {
+        Decision::TiedAll | Decision::NoneReliableAll => found,
+        _ => {
+            let goes_on =
+                |record: &ViewRecord| matches!(record.standing, Standing::Reliable | Standing::Best);
+            (0..views.len()).filter(|&view| views.get(view).is_some_and(goes_on)).collect()
+        }
+    };
     Consensus {
         preset: settings.preset(),
         settings: *settings,
         decision,
-        evidence: (0..views.len()).filter(|&view| views.get(view).is_some_and(goes_on)).collect(),
+        evidence,
         camps: camps(&relations, groups),
         views,
         pairs,

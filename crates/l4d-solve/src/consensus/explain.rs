@@ -162,7 +162,9 @@ impl Decision {
             Self::Reliable => "enough others vote for them",
             Self::BestView => "no view is reliable, this is the best that has a vote",
             Self::NoneReliable => "no view is reliable, so there is no answer",
+            Self::NoneReliableAll => "no view is reliable, so all that found something",
             Self::Tied => "camps of equal size contradict each other, so there is no answer",
+            Self::TiedAll => "camps of equal size contradict each other, so all that found something",
             Self::Absent => "all views that answered say that it is not there",
             Self::NoAnswer => "no view answered",
         }

@@ -42,8 +42,12 @@ pub enum Decision {
     BestView,
     /// No view is reliable, and nothing goes on.
     NoneReliable,
+    /// No view is reliable; all that found something go on.
+    NoneReliableAll,
     /// Camps of equal size contradict each other; nothing goes on.
     Tied,
+    /// Camps of equal size contradict each other; all views that found something go on.
+    TiedAll,
     /// All views that answered say that it is not there.
     Absent,
     /// No view answered.

@@ -51,6 +51,10 @@ pub struct ConsensusSettings {
     pub camps: Camps,
     /// What goes on if no view is reliable.
     pub none_reliable: NoneReliable,
+    /// What goes on if the votes decide nothing: camps tie, or no view is reliable and there is no best one. `paper`
+    /// abstains: its words end at "pruned". `robust` keeps all candidates: an empty answer is never better than they
+    /// are (docs/panopticquery.md, "Consensus against none").
+    pub undecided: Undecided,
 }
 
 /// How masks are carried from view to view.
@@ -120,7 +124,7 @@ pub enum Judges {
 pub enum Camps {
     /// They are shown, and decide nothing: two of them can be reliable at once.
     Shown,
-    /// The largest wins; a tie abstains.
+    /// The largest wins; a tie decides nothing.
     LargestWins,
 }
 
@@ -132,6 +136,16 @@ pub enum NoneReliable {
     Abstain,
     /// The best view that has a vote.
     BestView,
+}
+
+/// The paper does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Undecided {
+    /// Nothing: the answer is empty.
+    Abstain,
+    /// Every view that found something, as without consensus.
+    AllCandidates,
 }
 
 /// A setting that decides nothing sensible.
@@ -186,6 +200,7 @@ impl ConsensusSettings {
             min_votes: 1,
             camps: Camps::Shown,
             none_reliable: NoneReliable::Abstain,
+            undecided: Undecided::Abstain,
         }
     }
 
@@ -206,6 +221,7 @@ impl ConsensusSettings {
             min_votes: 2,
             camps: Camps::LargestWins,
             none_reliable: NoneReliable::BestView,
+            undecided: Undecided::AllCandidates,
             ..Self::paper()
         }
     }

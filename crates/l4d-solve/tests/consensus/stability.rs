@@ -6,6 +6,7 @@ use glam::DVec3;
 use half::f16;
 use l4d_frames::Mask;
 use l4d_ground::{Grounding, Outcome, ViewClip};
+use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::consensus::{Consensus, ConsensusSettings, Decision, Preset, Standing};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -58,8 +59,23 @@ fn of_ids(world: &World, clips: &[ViewClip], ids: &[u32]) -> Vec<Grounding> {
     ids.iter().enumerate().map(|(view, &id)| world.marking(clips, view, id)).collect()
 }
 
+/// Checks that the votes decided nothing, and that what follows is what the preset says: nothing, or every view that
+/// found something. Gives the number of those views.
+fn undecided(consensus: &Consensus) -> usize {
+    let found = consensus.views.iter().filter(|view| view.marked_frames > 0).count();
+    match consensus.settings.undecided {
+        Undecided::Abstain => {
+            assert_eq!((consensus.decision, consensus.evidence.len()), (Decision::NoneReliable, 0));
+        }
+        Undecided::AllCandidates => {
+            assert_eq!((consensus.decision, consensus.evidence.len()), (Decision::NoneReliableAll, found));
+        }
+    }
+    found
+}
+
 #[test]
-fn all_views_wrong_gives_no_answer() {
+fn all_views_wrong_decide_nothing() {
     let world = twins(8);
     let clips = world.clips();
     for settings in presets() {
@@ -67,8 +83,7 @@ fn all_views_wrong_gives_no_answer() {
             let groundings: Vec<Grounding> =
                 clips.iter().zip(0..).map(|(clip, view)| blobs(clip, 100 * seed + view)).collect();
             let consensus = decide(&clips, &groundings, &settings);
-            assert_eq!(consensus.evidence.len(), 0, "seed {seed}\n{}", consensus.summary());
-            assert_eq!(consensus.decision, Decision::NoneReliable);
+            assert_eq!(undecided(&consensus), 8, "seed {seed}\n{}", consensus.summary());
         }
     }
 }
@@ -82,7 +97,7 @@ fn one_view_right_is_not_told_from_the_wrong_ones() {
     groundings[3] = world.marking(&clips, 3, 1);
     for settings in presets() {
         let consensus = decide(&clips, &groundings, &settings);
-        assert_eq!((consensus.decision, consensus.evidence.len()), (Decision::NoneReliable, 0));
+        assert_eq!(undecided(&consensus), 8);
         assert_eq!(consensus.views[3].standing, Standing::FewVotes);
     }
 }
@@ -93,7 +108,15 @@ fn twins_that_views_confuse_make_camps() {
     let clips = world.clips();
     let four = of_ids(&world, &clips, &[1, 2, 1, 2, 1, 2, 1, 2]);
     let robust = decide(&clips, &four, &ConsensusSettings::robust());
-    assert_eq!((robust.decision, robust.evidence.len()), (Decision::Tied, 0), "{}", robust.summary());
+    assert_eq!((robust.decision, robust.evidence.len()), (Decision::TiedAll, 8), "{}", robust.summary());
+    let abstaining = ConsensusSettings { undecided: Undecided::Abstain, ..ConsensusSettings::robust() };
+    let tied = decide(&clips, &four, &abstaining);
+    assert_eq!((tied.decision, tied.evidence.len()), (Decision::Tied, 0));
+    assert_eq!(
+        (tied.views, tied.pairs),
+        (robust.views.clone(), robust.pairs.clone()),
+        "the votes are the same"
+    );
     assert_eq!(
         robust.camps.iter().map(|camp| &camp.views[..]).collect::<Vec<_>>(),
         [[0, 2, 4, 6], [1, 3, 5, 7]]
@@ -236,7 +259,7 @@ fn no_view_is_reliable_where_everyone_means_something_else() {
     let groundings = of_ids(&world, &clips, &[1, 2, 3, 4]);
     for settings in presets() {
         let consensus = decide(&clips, &groundings, &settings);
-        assert_eq!((consensus.decision, consensus.evidence.len()), (Decision::NoneReliable, 0));
+        assert_eq!(undecided(&consensus), 4);
         assert!(consensus.camps.is_empty());
     }
 }

@@ -221,7 +221,7 @@ fn camps_are_shown_by_both_presets_and_decide_in_one() {
     assert_eq!(paper.evidence.len(), 8, "both are reliable, and contradict each other");
     assert!(paper.has_conflict());
     let robust = of_wall(&camps(4, 4), ConsensusSettings::robust());
-    assert_eq!((robust.decision, robust.evidence.len()), (Decision::Tied, 0));
+    assert_eq!((robust.decision, robust.evidence.len()), (Decision::TiedAll, 8));
     assert_eq!(robust.camps[0].views, [0, 1, 2, 3]);
     assert_eq!((&robust.camps[0].against[..], &robust.camps[1].against[..]), (&[1][..], &[0][..]));
     assert!(robust.views.iter().all(|view| view.standing == Standing::Tied));

@@ -14,6 +14,8 @@ use super::table::{Cell, Column, Metric};
 /// A difference of one kind of queries.
 #[derive(Debug, Clone)]
 pub(super) struct Gain {
+    /// The row with consensus.
+    pub(super) row: &'static str,
     /// Of the errors of the views, where they are made up.
     pub(super) correlation: Option<f64>,
     pub(super) column: String,
@@ -48,9 +50,9 @@ impl Gain {
     }
 
     pub(super) fn cell(&self) -> Cell {
-        let row = self.correlation.map(|rho| format!(", rho {rho}")).unwrap_or_default();
+        let rho = self.correlation.map(|rho| format!(", rho {rho}")).unwrap_or_default();
         Cell::measured(
-            &format!("{WITH} - {WITHOUT}{row}"),
+            &format!("{} - {WITHOUT}{rho}", self.row),
             &self.column,
             self.metric,
             &self.found,
@@ -78,11 +80,12 @@ pub(super) fn gains(
                 let found = Estimate::of_gain(&before, &after, |ratios| metric.of(ratios), seed);
                 let printed = |setting| published?.value(setting, &column.name, metric.published()?);
                 gains.extend(found.map(|found| Gain {
+                    row: pair.row,
                     correlation: pair.correlation,
                     column: column.name.clone(),
                     metric,
                     found,
-                    published: printed(WITH).zip(printed(WITHOUT)).map(|(with, without)| with - without),
+                    published: printed(pair.row).zip(printed(WITHOUT)).map(|(with, without)| with - without),
                     used_truth: with.uses_truth,
                 }));
             }
@@ -91,10 +94,10 @@ pub(super) fn gains(
     gains
 }
 
-/// The scenes that lose, worst first.
+/// The scenes that lose with consensus as users get it, worst first.
 pub(super) fn losing_scenes(pairs: &[Pair], rows: &[Measured]) -> Vec<LosingScene> {
     let mut losing = Vec::new();
-    for (pair, without, with) in both(pairs, rows) {
+    for (pair, without, with) in both(pairs, rows).filter(|(pair, ..)| pair.row == WITH) {
         let mut scenes: BTreeMap<&Name, (f64, usize)> = BTreeMap::new();
         let before: BTreeMap<_, _> =
             without.tallies.iter().map(|tally| (&tally.facts.id, tally.ratios().miou)).collect();

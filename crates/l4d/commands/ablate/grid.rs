@@ -8,15 +8,19 @@ use l4d_data::layout::SceneDir;
 use l4d_data::{Name, Rig};
 use l4d_ground::oracle::CORRELATIONS;
 use l4d_score::{Exam, QuerySet};
+use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::scene::how_scenes_are_made;
 
 use crate::cli::solver::{AblateArgs, GridArg, GrounderArg, MethodArgs, QuerySetArg};
 use crate::commands::build_scenes::data_folder;
 use crate::out::refusal;
+use crate::solver;
 
 /// The rows of the ablation of consensus, as the paper calls them.
 pub(super) const WITHOUT: &str = "w/o MVSC";
 pub(super) const WITH: &str = "with MVSC";
+/// Consensus that gives no answer where its votes decide nothing.
+pub(super) const ABSTAINING: &str = "with MVSC, abstaining";
 
 /// One run of the solver.
 #[derive(Debug)]
@@ -33,6 +37,8 @@ pub(super) struct Variant {
 pub(super) struct Pair {
     pub(super) without: usize,
     pub(super) with: usize,
+    /// The row with consensus, as the table calls it.
+    pub(super) row: &'static str,
     /// Of the errors of the views, where they are made up.
     pub(super) correlation: Option<f64>,
 }
@@ -141,6 +147,7 @@ fn mvsc(args: &AblateArgs, noises: &[Noise]) -> Result<Grid> {
     if args.method.no_consensus {
         return Err(refusal("--no-consensus is one of the rows of the grid mvsc", "leave it out"));
     }
+    let has_fallback = solver::settings(&args.method).consensus.undecided == Undecided::AllCandidates;
     let mut grid = Grid::default();
     let mut pair = |correlation: Option<f64>, noise: Option<PathBuf>| -> Result<()> {
         let suffix = correlation.map(|rho| format!("-rho-{rho}")).unwrap_or_default();
@@ -149,8 +156,14 @@ fn mvsc(args: &AblateArgs, noises: &[Noise]) -> Result<Grid> {
         let without = MethodArgs { no_consensus: true, ..with.clone() };
         let first = grid.variants.len();
         grid.variants.push(variant(&format!("without-mvsc{suffix}"), &format!("{WITHOUT}{row}"), without)?);
-        grid.variants.push(variant(&format!("with-mvsc{suffix}"), &format!("{WITH}{row}"), with)?);
-        grid.pairs.push(Pair { without: first, with: first + 1, correlation });
+        grid.variants.push(variant(&format!("with-mvsc{suffix}"), &format!("{WITH}{row}"), with.clone())?);
+        grid.pairs.push(Pair { without: first, with: first + 1, row: WITH, correlation });
+        if has_fallback {
+            let abstaining = MethodArgs { abstain: true, ..with };
+            let name = format!("with-mvsc-abstaining{suffix}");
+            grid.variants.push(variant(&name, &format!("{ABSTAINING}{row}"), abstaining)?);
+            grid.pairs.push(Pair { without: first, with: first + 2, row: ABSTAINING, correlation });
+        }
         Ok(())
     };
     if noises.is_empty() {

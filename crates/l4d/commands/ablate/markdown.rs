@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use l4d_score::cluster::{FEW_SCENES, RESAMPLES};
 
 use super::gain::{Gain, LosingScene};
+use super::grid::ABSTAINING;
 use super::table::{ALL, Cell, Column, Metric, Source, cell, settings};
 
 /// Losing scenes that are named, for each correlation.
@@ -140,10 +141,11 @@ impl Page<'_> {
 
     fn changes(&self, text: &mut String) {
         text.push_str(
-            "## What consensus changes\n\nDifference of the two rows, query by query, percentage points: with consensus less \
+            "## What consensus changes\n\nDifference of two rows, query by query, percentage points: with consensus less \
              without it. `gains` and `loses` where the whole interval lies on one side of zero.\n\n",
         );
         let titles = [
+            "row",
             "rho",
             "queries of",
             "number",
@@ -159,6 +161,7 @@ impl Page<'_> {
             let same = |metric| {
                 self.gains.iter().find(|other| {
                     other.metric == metric
+                        && other.row == gain.row
                         && other.correlation == gain.correlation
                         && other.column == gain.column
                 })
@@ -170,6 +173,7 @@ impl Page<'_> {
             row(
                 text,
                 [
+                    gain.row.to_owned(),
                     gain.correlation.map_or_else(|| "-".to_owned(), |rho| rho.to_string()),
                     gain.column.clone(),
                     gain.found.queries.to_string(),
@@ -203,7 +207,8 @@ impl Page<'_> {
                 Some(_) => "the interval holds zero",
                 None => "one scene, no interval",
             };
-            let errors = correlated(gain.correlation);
+            let abstaining = if gain.row == ABSTAINING { ", abstaining" } else { "" };
+            let errors = format!("{}{abstaining}", correlated(gain.correlation));
             let value = signed_with_interval(&gain.cell());
             writeln!(text, "- {kind}{errors}: {} {value}; {certainty}.", gain.metric.title()).ok();
         }
