@@ -261,7 +261,7 @@ fn one_sentence_is_answered_without_masks_and_without_a_benchmark() {
     refused(&dir.run(&query(&["--to", "11"])), &["--to 11 is beyond the clip", "frames are 2 to 10"]);
     refused(
         &dir.run(&query(&["--grounder", "oracle"])),
-        &["nobody has drawn on the capture", "choose another grounder"],
+        &["benchmark has none about scene twins", "ask with --grounder geometric"],
     );
 }
 

@@ -12,7 +12,7 @@ use l4d_data::Profile;
 use l4d_data::layout::SceneDir;
 use l4d_frames::exr::read_surfaces;
 use l4d_frames::{Mask, png};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::support::{Dir, Run};
 use crate::world::{SCENE, write_twins, write_twins_benchmark};
@@ -21,6 +21,11 @@ const SOLVE: [&str; 5] = ["solve", "--profile", "tiny", "--data", "data"];
 /// One sentence about the scene; the rest of the command line follows.
 const QUERY: [&str; 9] =
     ["query", SCENE, "The ball that rolls", "--profile", "tiny", "--data", "data", "--grounder", "oracle"];
+
+/// Another sentence, for the grounder that needs nothing.
+fn query<'a>(text: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["query", SCENE, text, "--profile", "tiny", "--data", "data"], more].concat()
+}
 
 /// Enough iterations for two balls, so that they have an outline.
 const LEARNED: [&str; 8] = ["--gaussians", "2500", "--coarse", "150", "--unfold", "20", "--fine", "400"];
@@ -187,6 +192,12 @@ fn a_sentence_is_answered_from_any_camera_at_any_time() {
         assert!(dir.path("asked").join(file).exists(), "{file}");
     }
     assert!(dir.path("asked/overlay.png").exists() || dir.path("asked/overlay.mp4").exists());
+    let last = run.stdout.lines().last().unwrap();
+    assert!(
+        last.starts_with("answer: seen in 9 of 9 frames of the held-out camera cam04, at most "),
+        "{last}"
+    );
+    assert!(last.ends_with(" pixels (4 of 4 views agree); picture: asked/sheet.png"), "{last}");
 
     let truth = |view: &str, frame: u32| {
         let scene = SceneDir::new(&dir.path("data"), SCENE);
@@ -202,6 +213,9 @@ fn a_sentence_is_answered_from_any_camera_at_any_time() {
     let elsewhere = ["--camera", "cam01,cam02", "--time", "0.5,0.3", "--out", "elsewhere"];
     let document = dir.json(&[&QUERY[..], &elsewhere].concat());
     assert_eq!(document["decision"], "reliable");
+    assert_eq!(document["answer"]["status"], "answered");
+    assert!(document["answer"]["message"].as_str().unwrap().starts_with("answer: seen in 4 of 4 frames"));
+    assert_eq!(document["answer"].as_object().unwrap().len(), 2, "{}", document["answer"]);
     assert_eq!(document["frames"]["cam01"].as_object().unwrap().len(), 2);
     assert!(iou(&mask("elsewhere", "cam01", "t0.500000"), &truth("cam01", 48)) > 0.7);
 
@@ -240,13 +254,72 @@ fn sentences_of_any_length_and_script_come_to_an_end() {
     for (text, folder) in
         [("ball ".repeat(10_000), "long"), ("球 🎾 \u{202e}\u{1b}[2J что".to_owned(), "strange")]
     {
-        let run =
-            dir.succeed(&["query", SCENE, &text, "--profile", "tiny", "--data", "data", "--out", folder]);
-        assert!(run.stdout.contains("unsupported") && !run.stdout.contains('\u{1b}'), "{}", run.stdout);
-        assert!(run.stdout.contains("seen in 0 of 9 frames"), "{}", run.stdout);
-        let sheet = std::fs::metadata(dir.path(folder).join("sheet.png")).unwrap().len();
-        assert!(sheet < 2_000_000, "{sheet} bytes");
+        let run = dir.run(&query(&text, &["--out", folder]));
+        assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
+        assert!(run.stdout.starts_with("no answer: ") && !run.stdout.contains('\u{1b}'), "{}", run.stdout);
+        assert!(run.stdout.lines().count() == 1 && run.stdout.len() < 500, "{}", run.stdout);
+        assert!(!dir.path(folder).exists(), "{folder}");
     }
+}
+
+#[test]
+fn a_sentence_that_cannot_be_read_is_answered_by_what_can() {
+    let dir = world();
+    let ask = |text: &str, more: &[&str]| dir.run(&query(text, more));
+    let run = ask("The flurb that rolls", &["--out", "asked"]);
+    assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
+    let [line] = run.stdout.lines().collect::<Vec<_>>()[..] else { panic!("{}", run.stdout) };
+    for part in ["no answer: cannot read \"flurb\"; ", "verbs such as walk", "reads: \"The ball that rolls\""]
+    {
+        assert!(line.contains(part), "no `{part}` in {line}");
+    }
+    assert!(line.len() < 400, "{line}");
+    for written in [dir.path("asked"), dir.path(format!("work/tiny/{SCENE}/asked"))] {
+        assert!(!written.exists(), "{}", written.display());
+    }
+
+    let document = dir.json(&query("The ball nearest to the zorple", &[]));
+    let answer = &document["answer"];
+    assert_eq!((&answer["status"], &answer["unread_words"]), (&json!("unread"), &json!(["zorple"])));
+    assert_eq!(answer["nearest"], "The ball nearest to the wall");
+    assert_eq!((&document["folder"], &document["frames"]), (&Value::Null, &json!({})));
+    let last = |text: &str, more: &[&str]| ask(text, more).stdout.lines().last().unwrap().to_owned();
+    let unmeasured = last("The ball with the ribbon", &[]);
+    assert!(unmeasured.starts_with("no answer: reads \"ribbon\", but measures nothing"), "{unmeasured}");
+    let alone = last("The ball", &["--bench", "nowhere"]);
+    assert!(
+        alone.contains("\"the ball\" says nothing beside the kind") && !alone.contains("nearest"),
+        "{alone}"
+    );
+}
+
+#[test]
+fn an_answer_of_ones_own_sentence_ends_with_a_line() {
+    let dir = world();
+    let run = dir.run(&query("The ball that moves", &[]));
+    let last = run.stdout.lines().last().unwrap();
+    assert!(last.starts_with("answer: ") && last.contains("; picture: work/tiny/ball/"), "{}", run.stdout);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let absent = dir.run(&query("The red bus", &["--out", "absent"]));
+    assert_eq!(absent.stdout.lines().last(), Some("no answer: no view shows it"), "{}", absent.stdout);
+    assert_eq!(absent.code, 1);
+    assert!(dir.path("absent/masks/cam04/0048.png").exists(), "that nothing is there is in masks, too");
+}
+
+#[test]
+fn grounders_that_know_the_benchmark_alone_refuse_other_sentences_once() {
+    let dir = world();
+    for more in [&["--grounder", "oracle"][..], &["--grounder", "files", "--masks", "made"]] {
+        let run = dir.run(&query("The ball that jumps", more));
+        refused(&run, &["about scene ball", "ask \"The ball that rolls\"", "--grounder geometric"]);
+        assert_eq!(run.stderr.matches("error:").count(), 1, "{}", run.stderr);
+        assert!(run.stderr.contains("answers only sentences of the benchmark") && run.stdout.is_empty());
+        refused(
+            &dir.run(&query("The ball that rolls", &[more, &["--bench", "nowhere"]].concat())),
+            &["nowhere has none about scene ball", "--bench"],
+        );
+    }
+    assert!(!dir.path(format!("work/tiny/{SCENE}/clips")).exists(), "nothing is drawn");
 }
 
 #[test]

@@ -81,6 +81,8 @@ pub(crate) enum Command {
     /// Answer queries with PanopticQuery: clips, grounding, consensus, lifting, masks of the held-out view
     Solve(SolveArgs),
     /// Ask one sentence about one scene: what each stage decides, masks, pictures
+    #[command(after_help = "The last line on stdout says what came of it, `answer` of --json the same.\n\
+        Exit codes: 0 there is an answer, 1 there is none, 2 failure.")]
     Query(QueryArgs),
     /// Run the ablations of the paper: consensus, views, models, composites, scales
     Ablate(AblateArgs),

@@ -5,9 +5,24 @@ use l4d_frames::Mask;
 
 use crate::clip::ViewClip;
 use crate::grounder::{Outcome, Question};
+use crate::unread::Unread;
 
 /// Longer texts are no sentence about a clip, characters.
 const LONGEST_SENTENCE: usize = 2000;
+
+/// The sentence without blanks around it, if a model can be asked it.
+pub(crate) fn sentence(text: &str) -> Result<&str, Unread> {
+    let sentence = text.trim();
+    if sentence.is_empty() {
+        return Err(Unread::whole("the sentence is empty"));
+    }
+    let length = sentence.chars().count();
+    if length > LONGEST_SENTENCE {
+        let why = format!("the sentence has {length} characters, and at most {LONGEST_SENTENCE} are sent");
+        return Err(Unread::whole(why));
+    }
+    Ok(sentence)
+}
 
 /// A question that can be asked of a clip.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,15 +38,7 @@ pub(crate) struct Asked<'a> {
 impl<'a> Asked<'a> {
     /// Checks question and clip; the outcome says why there is nothing to ask.
     pub(crate) fn new(clip: &ViewClip, question: &'a Question) -> Result<Self, Outcome> {
-        let sentence = question.text.trim();
-        if sentence.is_empty() {
-            return Err(Outcome::Unsupported(vec!["an empty sentence".to_owned()]));
-        }
-        let length = sentence.chars().count();
-        if length > LONGEST_SENTENCE {
-            let words = format!("a sentence of {length} characters, where {LONGEST_SENTENCE} are the most");
-            return Err(Outcome::Unsupported(vec![words]));
-        }
+        let sentence = sentence(&question.text).map_err(Outcome::Unsupported)?;
         if !Mask::is_sane_size(clip.width, clip.height) {
             let size = format!("{}x{}", clip.width, clip.height);
             return Err(Outcome::Error(format!(

@@ -17,6 +17,7 @@ mod segment;
 pub mod settings;
 mod stage;
 mod surface;
+mod vocabulary;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -27,11 +28,12 @@ use serde_json::{Value, json};
 
 use self::classical::Classical;
 use self::lexicon::Lexicon;
-use self::parse::parse;
+use self::parse::{Parsed, parse};
 use self::perceive::{Perception, Seen};
 use self::settings::ReasonSettings;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::unread::Unread;
 
 /// Clips whose findings are kept: the views of one scene and some more.
 const REMEMBERED: usize = 16;
@@ -87,19 +89,24 @@ impl<P: Perception> Grounder for Geometric<P> {
         })
     }
 
+    fn reads(&self, text: &str) -> Result<(), Unread> {
+        // A damaged lexicon is an error of every view, and no fault of the sentence.
+        Lexicon::shipped().map_or(Ok(()), |lexicon| understood(lexicon, text).map(|_| ()))
+    }
+
+    fn knows(&self) -> Option<String> {
+        Lexicon::shipped().ok().map(vocabulary::summary)
+    }
+
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
         let lexicon = match Lexicon::shipped() {
             Ok(lexicon) => lexicon,
             Err(message) => return Grounding::without_answer(Outcome::Error(message)),
         };
-        let parsed = match parse(lexicon, &question.text) {
+        let parsed = match understood(lexicon, &question.text) {
             Ok(parsed) => parsed,
-            Err(words) => return Grounding::without_answer(Outcome::Unsupported(words)),
+            Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
         };
-        let blind = reason::unseen_properties(lexicon, &parsed.predicate);
-        if !blind.is_empty() {
-            return Grounding::without_answer(Outcome::Unsupported(blind));
-        }
         let seen = self.prepare(clip);
         let answer = reason::answer(&seen, lexicon, &self.settings, &parsed);
         let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
@@ -109,6 +116,15 @@ impl<P: Perception> Grounder for Geometric<P> {
             }
         }
         Grounding::of_masks(clip, masks, answer.notes)
+    }
+}
+
+/// What a sentence means, if that can be looked for.
+fn understood(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unread> {
+    let parsed = parse(lexicon, text)?;
+    match reason::unmeasured(lexicon, &parsed) {
+        Some(unread) => Err(unread),
+        None => Ok(parsed),
     }
 }
 

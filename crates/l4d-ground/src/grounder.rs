@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::clip::ViewClip;
+use crate::unread::Unread;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,8 +46,8 @@ pub enum Outcome {
     Truncated,
     /// The model would not say.
     Refused(String),
-    /// The sentence says more than the grounder understands, and always will: these words.
-    Unsupported(Vec<String>),
+    /// The grounder cannot read the sentence, and never will.
+    Unsupported(Unread),
     /// No reply: the connection, the process, the file.
     Error(String),
 }
@@ -74,7 +75,7 @@ impl Outcome {
         match self {
             Self::Found | Self::Absent | Self::Truncated => None,
             Self::Unparsed(why) | Self::Refused(why) | Self::Error(why) => Some(why.clone()),
-            Self::Unsupported(words) => Some(words.join(", ")),
+            Self::Unsupported(unread) => Some(unread.to_string()),
         }
     }
 
@@ -130,6 +131,20 @@ pub trait Grounder: Sync {
     /// Whether it looks at the truth. Such answers are marked, and never ranked.
     fn uses_truth(&self) -> bool {
         false
+    }
+
+    /// Whether it can read a sentence, as far as that can be told without a clip. Where it cannot, [`Self::ground`]
+    /// answers [`Outcome::Unsupported`] in every view.
+    ///
+    /// # Errors
+    /// What it cannot read.
+    fn reads(&self, _text: &str) -> Result<(), Unread> {
+        Ok(())
+    }
+
+    /// What it can read, as a list that follows "it knows"; none where that is not limited to a list.
+    fn knows(&self) -> Option<String> {
+        None
     }
 
     /// Asks about one view. Whatever goes wrong is an outcome.

@@ -10,12 +10,16 @@ pub mod clip;
 pub mod files;
 pub mod geometric;
 pub mod grounder;
+mod nearest;
 pub mod oracle;
 pub mod plan;
 #[cfg(test)]
 mod testing;
+mod unread;
 pub mod vlm;
 pub mod worker;
 
 pub use clip::{ClipFrame, ViewClip};
 pub use grounder::{Grounder, Grounding, Outcome, Question};
+pub use nearest::nearest;
+pub use unread::{Reason, Unread, Word};

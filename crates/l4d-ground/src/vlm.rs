@@ -24,9 +24,10 @@ pub use coupling::Coupling;
 use self::account::Books;
 use self::ground::Stop;
 use self::question::Watching;
-use crate::asked::Asked;
+use crate::asked::{self, Asked};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::unread::Unread;
 use crate::worker::{Segmenter, WorkerError};
 
 /// How a model is asked.
@@ -187,6 +188,10 @@ impl Grounder for Vlm {
             "settings": self.settings,
             "segmenter": self.segmenter.identity(),
         })
+    }
+
+    fn reads(&self, text: &str) -> Result<(), Unread> {
+        asked::sentence(text).map(|_| ())
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {

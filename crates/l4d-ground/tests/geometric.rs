@@ -11,7 +11,7 @@ use l4d_frames::Mask;
 use l4d_frames::drawn::{DepthMap, RgbImage};
 use l4d_ground::geometric::Geometric;
 use l4d_ground::geometric::classical::Classical;
-use l4d_ground::{ClipFrame, Grounder, Outcome, Question, ViewClip};
+use l4d_ground::{ClipFrame, Grounder, Outcome, Question, Reason, ViewClip};
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 120;
@@ -192,9 +192,22 @@ fn what_is_not_understood_is_no_answer() {
     let (clip, _) = clip();
     let grounder = Geometric::<Classical>::default();
     let outcome = |text: &str| grounder.ground(&clip, &question(text)).outcome;
-    assert_eq!(outcome("The zorple block"), Outcome::Unsupported(vec!["zorple".to_owned()]));
-    // Understood, but nothing that is measured tells of it.
-    assert_eq!(outcome("The person with the ponytail"), Outcome::Unsupported(vec!["ponytail".to_owned()]));
+    let unread = |text: &str| {
+        let unread = grounder.reads(text).unwrap_err();
+        assert_eq!(outcome(text), Outcome::Unsupported(unread.clone()), "{text}");
+        (unread.reason.clone(), unread.texts().join(" "))
+    };
+    assert_eq!(unread("The zorple block"), (Reason::Unknown, "zorple".to_owned()));
+    for (text, words) in [
+        ("The person with the ponytail", "ponytail"),
+        ("The cup without a lid", "lid"),
+        ("The pot with a wooden knob on its lid", "wooden knob"),
+        ("The long-haired, shiny cat", "long-haired shiny"),
+        ("The closed box", "closed"),
+    ] {
+        assert_eq!(unread(text), (Reason::Unmeasured, words.to_owned()), "{text}");
+    }
+    assert_eq!(grounder.reads("The red person with the ponytail"), Ok(()), "the colour can decide");
     for strange in ["", "\u{1f431}\u{1f431}", "\u{0414}\u{043e}\u{043c}", &"block ".repeat(10_000)] {
         assert!(matches!(outcome(strange), Outcome::Unsupported(_)), "{strange:.20}");
     }

@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use l4d_data::{Camera, Name, Split, Timeline};
     use l4d_frames::drawn::{DepthMap, RgbImage};
-    use l4d_ground::ClipFrame;
+    use l4d_ground::{ClipFrame, Reason, Unread, Word};
 
     /// Says always the same, and counts how often it is asked.
     struct Stubborn {
@@ -201,8 +201,9 @@ mod tests {
 
     #[test]
     fn what_is_final_is_asked_once_and_everything_else_again() {
-        let words = vec!["zorple".to_owned()];
-        for outcome in [Outcome::Found, Outcome::Absent, Outcome::Unsupported(words)] {
+        let word = Word { text: "zorple".to_owned(), bytes: [4, 10] };
+        let unread = Unread::words(Reason::Unknown, [&word]);
+        for outcome in [Outcome::Found, Outcome::Absent, Outcome::Unsupported(unread)] {
             let (groundings, asked) = ask_twice(outcome.clone());
             assert_eq!(asked, 2, "{outcome:?}");
             for grounding in groundings {

@@ -147,3 +147,25 @@ fn put(page: &mut RgbImage, picture: &RgbImage, left: u32, top: u32) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn titles_of_any_length_and_script_leave_room_for_the_pictures() {
+        let picture = RgbImage::new(64, 48);
+        let shown = Shown {
+            scene: picture.clone(),
+            mask: Mask::empty(64, 48),
+            highlighted: picture.clone(),
+            extracted: picture.clone(),
+            removed: picture,
+        };
+        let height = |title: &str| sheet(title, &[("cam00".to_owned(), shown.clone())]).height();
+        let most = height("") + MOST_TITLE_LINES as u32 * TITLE_PX;
+        for title in ["ball ".repeat(10_000), "\u{7403} \u{1f3be} \u{202e}\u{1b}[2J".to_owned()] {
+            assert!(height(&title) <= most, "{title:.20}");
+        }
+    }
+}

@@ -1,26 +1,32 @@
 //! `l4d query`: one sentence about one scene, now.
 
+mod answer;
+mod known;
 mod overlay;
 mod written;
 
-use std::path::PathBuf;
-use std::time::Instant;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{AnswerDir, SceneDir, WorkDir};
 use l4d_data::store::write_atomic;
-use l4d_data::{Benchmark, Camera, Draw, Interval, Name, Query, Rig, Timeline};
+use l4d_data::{Camera, Draw, Interval, Name, Rig, Timeline};
+use l4d_frames::Mask;
 use l4d_frames::drawn::encode_colour;
-use l4d_ground::Question;
+use l4d_ground::{Question, Unread};
 use l4d_solve::account::{Account, Stage};
-use l4d_solve::clips::{self, Plan};
+use l4d_solve::clips::{self, Plan, Shot};
 use l4d_solve::consensus::{Proposal, picture};
 use l4d_solve::scene::{Places, SolveScene};
 use l4d_solve::solve::{Method, Solved};
 use serde_json::json;
 
+use self::answer::Answer;
+use self::known::Known;
 use self::overlay::Overlay;
+use self::written::sights;
 use super::build_scenes::data_folder;
 use crate::cli::solver::QueryArgs;
 use crate::moving_picture::{self, Clip};
@@ -30,21 +36,59 @@ use crate::solver::{self, Grounders};
 
 /// Frames of a view that the picture of consensus shows.
 const CONSENSUS_COLUMNS: usize = 6;
+/// The answer at some moments.
+const SHEET: &str = "sheet.png";
 
 pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
     let text = sentence(args)?;
     let data = data_folder(args.work.data.as_deref(), args.profile, Draw::default());
     let work = WorkDir::new(&args.work.work, args.profile, &name);
-    let places = Places { data: SceneDir::new(&data, &name), work: work.clone(), model: args.splats.clone() };
-    let known = known_queries(args, &name);
+    let places = Places { data: SceneDir::new(&data, &name), work, model: args.splats.clone() };
+    let known = Known::read(&args.bench, &name);
     let range = range(args, timeline_of(args, &places))?;
-    let question = Question { scene: name.clone(), number: number_of(&known, &text), text, range };
+    let question = Question { scene: name, number: known.number_of(&text), text, range };
     let grounders = Grounders::open(&args.method, &args.work.work, out)?;
+    if question.number.is_none() && grounders.answer_known_queries_alone() {
+        return Err(known.refusal(args.method.grounder.as_str(), &question.text));
+    }
+    // Nothing is drawn for a sentence that cannot be read.
+    if let Some(grounder) = grounders.of_any_scene()
+        && let Err(unread) = grounder.reads(&question.text)
+    {
+        let answer = Answer::unread(&unread, &question.text, &known, grounder);
+        return tell_unasked(args, &question, &answer, out);
+    }
+    ask(args, &question, &grounders, &known, &places, out)
+}
+
+fn tell_unasked(args: &QueryArgs, question: &Question, answer: &Answer, out: &Printer) -> Result<ExitStatus> {
+    match args.json {
+        true => out.json(&json!({
+            "question": question,
+            "answer": answer,
+            "decision": null,
+            "evidence": [],
+            "frames": {},
+            "stages": [],
+            "folder": null,
+        }))?,
+        false => out.data(&answer.message)?,
+    }
+    Ok(answer.exit_status())
+}
+
+/// From clips to masks.
+fn ask(
+    args: &QueryArgs,
+    question: &Question,
+    grounders: &Grounders,
+    known: &Known,
+    places: &Places,
+    out: &Printer,
+) -> Result<ExitStatus> {
     let settings = solver::settings(&args.method);
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
-
-    let begin = Instant::now();
     let mut account = Account::default();
     let adapter = opened.adapter.as_ref().map(serde_json::to_value).transpose()?;
     let clip_settings = solver::clip_settings(&args.method, question.range);
@@ -52,54 +96,86 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let scene = account.of(Stage::Clips, || {
         let drawn = || bar.inc(1);
         let draws = (opened.rasterizer.as_ref(), adapter);
-        SolveScene::open(&name, args.profile, &places, &clip_settings, draws, &drawn)
+        SolveScene::open(&question.scene, args.profile, places, &clip_settings, draws, &drawn)
     })?;
     bar.finish_and_clear();
-    let grounder = grounders.of_scene(&scene, &places.data, &known)?;
+    let grounder = grounders.of_scene(&scene, &places.data, &known.queries)?;
     let method =
         Method { grounder: grounder.as_ref(), rasterizer: opened.rasterizer.as_ref(), settings: &settings };
-    let plan = wanted(args, question.range, &scene, &places)?;
-    let folder = out_folder(args, &work, &method.made_from(&scene, &question));
+    let plan = wanted(args, question.range, &scene, places)?;
+    let folder = out_folder(args, &places.work, &method.made_from(&scene, question));
     let dir = AnswerDir::new(&folder);
     let bar = out.bar(scene.clips.len() as u64, "grounding");
-    let mut solved = method.solve(&scene, &question, &dir, &|| bar.inc(1))?;
+    let mut solved = method.solve(&scene, question, &dir, &|| bar.inc(1))?;
     bar.finish_and_clear();
-    let lifted = solved.lifted.take();
-    let masks = solved.account.of(Stage::Masks, || method.masks(&scene, lifted.as_ref(), &plan))?;
-    solved.account.0.splice(0..0, account.0);
-    let answer_seconds = begin.elapsed().as_secs_f64();
 
-    written::masks(&folder, &plan, &masks)?;
-    method.record(&scene, &question, &solved, &dir)?;
-    draw_consensus(&folder, &scene, &solved)?;
-    let sheet = overlay::sheet(&method, &scene, lifted.as_ref(), &plan, &masks, &question.text)?;
-    write_atomic(&folder.join("sheet.png"), &encode_colour(&sheet))?;
-    let drawn = Overlay { method: &method, scene: &scene, plan: &plan, masks: &masks };
-    let moving = moving_picture::write(
-        &folder,
-        "overlay",
-        Clip::of(&plan.instants, scene.timeline),
-        |widest_px| drawn.pages(widest_px),
-        out,
-    )?;
+    let unread = |unread: &Unread| Answer::unread(unread, &question.text, known, grounder.as_ref());
+    let missing = Answer::missing(&solved, unread);
+    let shown = Shown { method: &method, scene: &scene, plan: &plan, folder: &folder };
+    let pictures = match missing.as_ref().is_none_or(Answer::has_masks) {
+        true => Some(shown.draw(question, &mut solved, out)?),
+        false => None,
+    };
+    solved.account.0.splice(0..0, account.0);
+    method.record(&scene, question, &solved, &dir)?;
+    let nothing = BTreeMap::new();
+    let masks = pictures.as_ref().map_or(&nothing, |pictures| &pictures.masks);
+    let sights = if pictures.is_some() { sights(&plan, masks) } else { Vec::new() };
+    let answer = missing.unwrap_or_else(|| Answer::seen(&sights, &solved, &folder.join(SHEET)));
 
     if args.json {
+        let named = |&view: &usize| Some(&solved.consensus.views.get(view)?.view);
         out.json(&json!({
             "question": question,
+            "answer": answer,
             "decision": solved.consensus.decision,
-            "evidence": solved.consensus.evidence.iter().filter_map(|&view| Some(&solved.consensus.views.get(view)?.view)).collect::<Vec<_>>(),
-            "frames": written::pixels(&plan, &masks),
+            "evidence": solved.consensus.evidence.iter().filter_map(named).collect::<Vec<_>>(),
+            "frames": written::pixels(&plan, masks),
             "stages": solved.account,
             "folder": folder,
         }))?;
-        return Ok(ExitStatus::Success);
+        return Ok(answer.exit_status());
     }
-    written::tell(args, &scene, &solved, &plan, &masks, out)?;
-    out.note(format!("{answer_seconds:.1} s from the sentence to the masks"));
-    out.data(folder.join("masks").display())?;
-    out.data(folder.join("sheet.png").display())?;
-    out.data(moving.display())?;
-    Ok(ExitStatus::Success)
+    written::tell(args, &scene, &solved, &sights, out)?;
+    if let Some(pictures) = pictures {
+        out.note(format!("{:.1} s from the sentence to the masks", solved.account.seconds()));
+        out.data(folder.join("masks").display())?;
+        out.data(folder.join(SHEET).display())?;
+        out.data(pictures.moving.display())?;
+    }
+    out.data(&answer.message)?;
+    Ok(answer.exit_status())
+}
+
+/// An answer on its way to the disk.
+struct Shown<'a> {
+    method: &'a Method<'a>,
+    scene: &'a SolveScene,
+    plan: &'a Plan,
+    folder: &'a Path,
+}
+
+/// What was written.
+struct Pictures {
+    masks: BTreeMap<Shot, Mask>,
+    moving: PathBuf,
+}
+
+impl Shown<'_> {
+    /// Masks, sheet, consensus, moving picture. Takes the answer out of `solved`: it may be large.
+    fn draw(&self, question: &Question, solved: &mut Solved, out: &Printer) -> Result<Pictures> {
+        let Self { method, scene, plan, folder } = *self;
+        let lifted = solved.lifted.take();
+        let masks = solved.account.of(Stage::Masks, || method.masks(scene, lifted.as_ref(), plan))?;
+        written::masks(folder, plan, &masks)?;
+        draw_consensus(folder, scene, solved)?;
+        let sheet = overlay::sheet(method, scene, lifted.as_ref(), plan, &masks, &question.text)?;
+        write_atomic(&folder.join(SHEET), &encode_colour(&sheet))?;
+        let drawn = Overlay { method, scene, plan, masks: &masks };
+        let clip = Clip::of(&plan.instants, scene.timeline);
+        let moving = moving_picture::write(folder, "overlay", clip, |widest_px| drawn.pages(widest_px), out)?;
+        Ok(Pictures { masks, moving })
+    }
 }
 
 fn sentence(args: &QueryArgs) -> Result<String> {
@@ -134,19 +210,6 @@ fn range(args: &QueryArgs, timeline: Timeline) -> Result<Option<Interval>> {
         refusal(format!("--from, --to: {error}"), "give the first frame to --from, the last to --to")
     })?;
     Ok((range != whole).then_some(range))
-}
-
-/// All sentences that the benchmark has about the scene; none without a benchmark.
-fn known_queries(args: &QueryArgs, scene: &Name) -> Vec<Query> {
-    let Ok(bench) = Benchmark::open(&args.bench) else { return Vec::new() };
-    let sets = [bench.queries(scene), bench.composites(scene), bench.absents(scene)];
-    sets.into_iter().flatten().flatten().collect()
-}
-
-/// The number of the query with this sentence.
-fn number_of(known: &[Query], text: &str) -> Option<Name> {
-    let plain = |text: &str| text.trim().trim_end_matches('.').to_lowercase();
-    known.iter().find(|query| plain(&query.text) == plain(text)).map(|query| query.id.number.clone())
 }
 
 /// From where and when masks are wanted.
@@ -216,7 +279,7 @@ fn out_folder(args: &QueryArgs, work: &WorkDir, made_from: &str) -> PathBuf {
     args.out.clone().unwrap_or_else(|| work.answer("asked", &short).root().to_owned())
 }
 
-fn draw_consensus(folder: &std::path::Path, scene: &SolveScene, solved: &Solved) -> Result<()> {
+fn draw_consensus(folder: &Path, scene: &SolveScene, solved: &Solved) -> Result<()> {
     let pairs = scene.clips.iter().zip(&solved.groundings);
     let proposals: Vec<Proposal<'_>> = pairs.map(|(clip, grounding)| Proposal { clip, grounding }).collect();
     let page = picture(&proposals, &solved.consensus, CONSENSUS_COLUMNS);

@@ -67,6 +67,20 @@ impl Grounders {
         })
     }
 
+    /// The one that is the same for all scenes, if it is.
+    pub(crate) fn of_any_scene(&self) -> Option<&dyn Grounder> {
+        match self {
+            Self::Shared(grounder) => Some(grounder.as_ref()),
+            Self::Vlm(vlm) => Some(vlm.as_ref()),
+            Self::Oracle(_) | Self::Files(_) => None,
+        }
+    }
+
+    /// Whether it knows queries by their numbers, and so has nothing to say to any other sentence.
+    pub(crate) fn answer_known_queries_alone(&self) -> bool {
+        matches!(self, Self::Oracle(_) | Self::Files(_))
+    }
+
     /// The one for a scene. Queries are what the oracle knows the meaning of; the others don't look at them.
     pub(crate) fn of_scene(
         &self,

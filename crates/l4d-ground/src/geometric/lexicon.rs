@@ -88,6 +88,8 @@ impl Motion {
 pub struct Verb {
     /// Base form as predicates spell it.
     pub name: String,
+    /// Base forms that mean it, with their particles.
+    pub words: Vec<String>,
     /// What it looks like.
     pub motion: Motion,
 }
@@ -243,7 +245,8 @@ impl Lexicon {
 
     fn add_verb(&mut self, key: String, entry: VerbEntry) {
         let verb = self.verbs.len();
-        self.verbs.push(Verb { name: entry.name.unwrap_or(key), motion: entry.motion });
+        let name = entry.name.unwrap_or(key);
+        self.verbs.push(Verb { name, words: entry.words.clone(), motion: entry.motion });
         for phrase in &entry.words {
             let mut words = phrase.split(' ').map(str::to_owned);
             let Some(head) = words.next() else { continue };
@@ -280,6 +283,16 @@ impl Lexicon {
         self.nouns.get(name)
     }
 
+    /// All kinds of things by name, and the other words for each.
+    pub fn kinds(&self) -> impl Iterator<Item = (&str, &[String])> {
+        self.nouns.iter().map(|(name, noun)| (name.as_str(), noun.words.as_slice()))
+    }
+
+    /// All verbs, by name; "move" and "move something" are two.
+    pub fn verbs(&self) -> &[Verb] {
+        &self.verbs
+    }
+
     /// Readings of a word as a verb.
     pub fn verbs_at(&self, word: &str) -> &[VerbReading] {
         self.verb_heads.get(word).map_or(&[], Vec::as_slice)
@@ -299,6 +312,22 @@ impl Lexicon {
     /// Property and value that an adjective means.
     pub fn attribute(&self, word: &str) -> Option<(&str, &str)> {
         self.attributes.get(word).map(|(key, value)| (key.as_str(), value.as_str()))
+    }
+
+    /// Properties -> values -> words, by name.
+    #[cfg(test)]
+    pub(super) fn properties(&self) -> BTreeMap<&str, BTreeMap<&str, Vec<&str>>> {
+        let mut properties: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
+        for (word, (key, value)) in &self.attributes {
+            properties.entry(key).or_default().entry(value).or_default().push(word);
+        }
+        properties
+    }
+
+    /// Other words for colours, each with the colour.
+    #[cfg(test)]
+    pub(super) fn colour_words(&self) -> &BTreeMap<String, String> {
+        &self.colour_words
     }
 
     /// What can be seen of a property.

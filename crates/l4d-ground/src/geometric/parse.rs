@@ -11,7 +11,10 @@ mod verbs;
 use l4d_data::{Name, Temporal};
 use l4d_query::{Clause, Party, Predicate};
 
+#[cfg(test)]
+pub(super) use self::places::place_words;
 use super::lexicon::Lexicon;
+use crate::unread::{Reason, Unread, Word};
 
 /// Longest sentence that is read, words: nobody describes one thing in more.
 const MAX_WORDS: usize = 60;
@@ -21,10 +24,6 @@ const MAX_BYTES: usize = 600;
 const MAX_STEPS: u32 = 20_000;
 /// Deepest description within a description.
 const MAX_NESTING: u32 = 4;
-/// Most words that a refusal names.
-const MAX_NAMED: usize = 8;
-/// Longest word that a refusal repeats, characters.
-const MAX_NAMED_LENGTH: usize = 32;
 
 /// The noun of somebody who is not described: "somebody", "nobody".
 pub const ANYBODY: &str = "somebody";
@@ -38,49 +37,79 @@ pub struct Parsed {
     pub temporal: Temporal,
     /// Whether it speaks of several ("the hens").
     pub is_plural: bool,
+    /// The words of the sentence.
+    pub words: Vec<Word>,
 }
 
-/// Reads a sentence; otherwise the words that it does not understand.
-pub fn parse(lexicon: &Lexicon, text: &str) -> Result<Parsed, Vec<String>> {
-    if text.len() > MAX_BYTES {
-        let message = format!("({} bytes; at most {MAX_BYTES} are read)", text.len());
-        return Err(vec![message]);
-    }
-    let words = words_of(text);
-    if words.is_empty() || words.len() > MAX_WORDS {
-        return Err(vec![format!("({} words; 1 to {MAX_WORDS} are read)", words.len())]);
-    }
-    let mut reader = Reader::new(lexicon, words);
+/// Reads a sentence.
+///
+/// # Errors
+/// The words that it does not understand.
+pub fn parse(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unread> {
+    let words = words_of(text)?;
+    let mut reader = Reader::new(lexicon, words.iter().map(|word| word.text.clone()).collect());
     let unknown = reader.unknown_words();
     if !unknown.is_empty() {
-        return Err(unknown);
+        return Err(Unread::words(Reason::Unknown, unknown.into_iter().map(|index| &words[index])));
     }
-    match reader.sentence() {
-        Some(parsed) if Predicate::from_json(&json_of(&parsed.predicate)).is_ok() => Ok(parsed),
-        Some(_) => Err(named(&reader.words)),
-        None => {
-            let from = reader.furthest.min(reader.words.len() - 1);
-            Err(named(&reader.words[from..]))
-        }
+    let Some(Phrase { noun, clauses, temporal, is_plural, .. }) = reader.sentence() else {
+        let from = reader.furthest.min(words.len() - 1);
+        return Err(Unread::words(Reason::Grammar, &words[from..]));
+    };
+    if clauses.is_empty() {
+        return Err(Unread::words(Reason::Bare, &words));
+    }
+    let all = std::iter::once(Clause::Category(noun)).chain(clauses);
+    let predicate = Predicate(all.collect());
+    match Predicate::from_json(&serde_json::to_value(&predicate).unwrap_or_default()) {
+        Ok(_) => Ok(Parsed { predicate, temporal, is_plural, words }),
+        Err(why) => Err(Unread::words(Reason::Other(format!("the sentence {why}")), &words)),
     }
 }
 
-fn json_of(predicate: &Predicate) -> serde_json::Value {
-    serde_json::to_value(predicate).unwrap_or_default()
+/// The words of a sentence that is not too long to be read.
+fn words_of(text: &str) -> Result<Vec<Word>, Unread> {
+    let has = |count: usize, unit: &str, most: usize| {
+        Err(Unread::whole(format!("the sentence has {count} {unit}, and at most {most} are read")))
+    };
+    let count = text.split_whitespace().count();
+    if count > MAX_WORDS {
+        return has(count, "words", MAX_WORDS);
+    }
+    if text.len() > MAX_BYTES {
+        return has(text.len(), "bytes", MAX_BYTES);
+    }
+    let words = split(text);
+    match words.len() {
+        0 => Err(Unread::whole("the sentence has no words")),
+        count if count > MAX_WORDS => has(count, "words and commas", MAX_WORDS),
+        _ => Ok(words),
+    }
 }
 
 /// Lower-case words without punctuation; a comma is a word.
-fn words_of(text: &str) -> Vec<String> {
-    let text = text.to_lowercase().replace('\u{2019}', "'").replace(',', " , ");
-    let words = text.split_whitespace();
-    let bare = words
-        .map(|word| if word == "," { word } else { word.trim_matches(|c: char| ".!?;:\"()".contains(c)) });
-    bare.filter(|word| !word.is_empty()).map(str::to_owned).collect()
+fn split(text: &str) -> Vec<Word> {
+    let mut words = Vec::new();
+    let mut from = 0;
+    for piece in text.split_inclusive(|letter: char| letter.is_whitespace() || letter == ',') {
+        let end = from + piece.len();
+        words.extend(word_at(piece.trim_end_matches(',').trim_end(), from));
+        if piece.ends_with(',') {
+            words.push(Word { text: ",".to_owned(), bytes: [end - 1, end] });
+        }
+        from = end;
+    }
+    words
 }
 
-fn named(words: &[String]) -> Vec<String> {
-    let cut = |word: &String| word.chars().take(MAX_NAMED_LENGTH).collect();
-    words.iter().take(MAX_NAMED).map(cut).collect()
+/// The word in a piece of the sentence that begins at this byte, if there is one.
+fn word_at(piece: &str, begin: usize) -> Option<Word> {
+    let is_mark = |letter: char| ".!?;:\"()".contains(letter);
+    let word = piece.trim_start_matches(is_mark);
+    let from = begin + piece.len() - word.len();
+    let word = word.trim_end_matches(is_mark);
+    let text = word.to_lowercase().replace('\u{2019}', "'");
+    (!word.is_empty()).then(|| Word { text, bytes: [from, from + word.len()] })
 }
 
 /// A place in a sentence, and what has been learned on the way.
@@ -127,8 +156,8 @@ impl<'l> Reader<'l> {
         Self { lexicon, words, at: 0, furthest: 0, steps: 0, nesting: 0, nouns: Vec::new() }
     }
 
-    /// Words that stand nowhere in grammar or lexicon.
-    fn unknown_words(&self) -> Vec<String> {
+    /// Which words are neither in the grammar nor in the lexicon.
+    fn unknown_words(&self) -> Vec<usize> {
         let known = |index: usize| {
             let word = self.words[index].as_str();
             self.lexicon.is_grammar(word)
@@ -146,11 +175,7 @@ impl<'l> Reader<'l> {
                         .is_some_and(|(_, _, length)| from + length > index)
                 })
         };
-        let unknown: Vec<String> = (0..self.words.len())
-            .filter(|&index| !known(index))
-            .map(|index| self.words[index].clone())
-            .collect();
-        named(&unknown)
+        (0..self.words.len()).filter(|&index| !known(index)).collect()
     }
 
     /// "chef's": whose kind of hat it is says nothing of how it looks.
@@ -159,16 +184,13 @@ impl<'l> Reader<'l> {
         owner.is_some_and(|owner| self.lexicon.noun_at(&[owner.to_owned()]).is_some())
     }
 
-    fn sentence(&mut self) -> Option<Parsed> {
+    fn sentence(&mut self) -> Option<Phrase> {
         let phrase = self.description(true)?;
         if self.at < self.words.len() || phrase.order.is_some() {
             self.furthest = self.furthest.max(self.at);
             return None;
         }
-        let Phrase { noun, clauses, temporal, is_plural, .. } = phrase;
-        let mut all = vec![Clause::Category(noun)];
-        all.extend(clauses);
-        Some(Parsed { predicate: Predicate(all), temporal, is_plural })
+        Some(phrase)
     }
 
     fn word(&self) -> &str {
@@ -248,8 +270,14 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<(String, Temporal), Vec<String>> {
-        let parsed = parse(Lexicon::shipped().unwrap(), text)?;
-        Ok((parsed.predicate.to_string(), parsed.temporal))
+        match parse(Lexicon::shipped().unwrap(), text) {
+            Ok(parsed) => Ok((parsed.predicate.to_string(), parsed.temporal)),
+            Err(unread) => Err(unread.texts().into_iter().map(str::to_owned).collect()),
+        }
+    }
+
+    fn unread(text: &str) -> Unread {
+        parse(Lexicon::shipped().unwrap(), text).unwrap_err()
     }
 
     fn whole(text: &str) -> String {
@@ -306,16 +334,36 @@ mod tests {
     }
 
     #[test]
+    fn what_is_wrong_with_a_sentence_is_told_with_its_place() {
+        let cases = [
+            ("The flurb that (Zorples)", Reason::Unknown, "flurb|Zorples"),
+            ("\u{c4}h,the dog that r\u{fc}ns", Reason::Unknown, "\u{c4}h|r\u{fc}ns"),
+            ("The dog that sleeps while the cat plays.", Reason::Grammar, "plays"),
+            ("The dog, that the of a cat", Reason::Grammar, "of|a|cat"),
+            ("The Dog!", Reason::Bare, "The|Dog"),
+        ];
+        for (text, reason, places) in cases {
+            let unread = unread(text);
+            let found: Vec<&str> =
+                unread.words.iter().map(|word| &text[word.bytes[0]..word.bytes[1]]).collect();
+            assert_eq!((unread.reason, found.join("|").as_str()), (reason, places), "{text}");
+        }
+    }
+
+    #[test]
     fn what_it_cannot_read_is_named_in_bounded_time() {
         assert_eq!(read("The flurb that walks"), Err(vec!["flurb".to_owned()]));
         assert_eq!(read("Der rote Eimer"), Err(vec!["der".into(), "rote".into(), "eimer".into()]));
         assert_eq!(read("\u{8d64}\u{3044}\u{30d0}\u{30b1}\u{30c4}").unwrap_err().len(), 1);
         assert_eq!(read("the \u{1f431}"), Err(vec!["\u{1f431}".to_owned()]));
         for empty in ["", "  \n\t ", "...", "?!"] {
-            assert_eq!(read(empty), Err(vec!["(0 words; 1 to 60 are read)".to_owned()]), "{empty:?}");
+            assert_eq!(unread(empty), Unread::whole("the sentence has no words"), "{empty:?}");
         }
-        assert!(read("the bucket").is_err(), "nothing discriminates");
-        assert!(read(&"the dog that chases ".repeat(2500)).is_err());
+        assert!(
+            unread(&"the dog that chases ".repeat(2500)).to_string().contains("10000 words, and at most 60")
+        );
+        assert!(unread(&"dog,".repeat(40)).to_string().contains("80 words and commas"));
+        assert!(unread(&"d".repeat(10_000)).to_string().contains("10000 bytes"));
         for hostile in [
             "the dog that a dog that a dog that ",
             "with a and a and a and ",

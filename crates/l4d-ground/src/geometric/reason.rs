@@ -20,6 +20,7 @@ use super::motion::Kinematics;
 use super::parse::Parsed;
 use super::perceive::{Seen, Track};
 use super::settings::ReasonSettings;
+use crate::unread::{Reason, Unread, Word};
 
 /// Most candidates that are looked at closely.
 const MOST_CANDIDATES: usize = 50;
@@ -59,20 +60,30 @@ struct Mind<'s> {
     same: RefCell<BTreeMap<(usize, usize), bool>>,
 }
 
-/// Properties on which the whole answer hangs although nothing measured tells of them, as words; empty if something
-/// else can decide.
-pub(crate) fn unseen_properties(lexicon: &Lexicon, predicate: &Predicate) -> Vec<String> {
-    let blind = |clause: &Clause| !can_judge(lexicon, clause);
-    if predicate.discriminating().any(|clause| !blind(clause)) {
-        return Vec::new();
+/// The words on which the whole answer depends although nothing measured tells of them; none if something else can
+/// decide.
+pub(crate) fn unmeasured(lexicon: &Lexicon, parsed: &Parsed) -> Option<Unread> {
+    let predicate = &parsed.predicate;
+    if predicate.discriminating().any(|clause| can_judge(lexicon, clause)) {
+        return None;
     }
-    let word = |clause: &&Clause| match clause {
-        Clause::Attribute { key, value } if value == "any" => Some(key.clone()),
-        Clause::Attribute { value, .. } => Some(value.clone()),
-        _ => None,
-    };
     let clauses = predicate.clauses();
-    clauses.iter().filter_map(word).map(|word| word.replace('_', " ")).collect()
+    let is_meant = |word: &&Word| clauses.iter().any(|clause| says(lexicon, &word.text, clause));
+    let mut words: Vec<&Word> = parsed.words.iter().filter(is_meant).collect();
+    if words.is_empty() {
+        words.extend(&parsed.words);
+    }
+    Some(Unread::words(Reason::Unmeasured, words))
+}
+
+/// Whether a property comes from this word: "closed" of (state, shut), "knob" and "wooden" of (knob, wood), "ponytail"
+/// of (hair, ponytail), "lid" of (lid, any).
+fn says(lexicon: &Lexicon, word: &str, clause: &Clause) -> bool {
+    let Clause::Attribute { key, value } = clause else { return false };
+    let is_value = word == value
+        || word.split_once('-').is_some_and(|(first, _)| first == value)
+        || lexicon.attribute(word).is_some_and(|(_, meant)| meant == value);
+    word == key || (is_value && value != "any")
 }
 
 /// Whether anything measured tells of a clause.

@@ -216,10 +216,9 @@ impl Vlm {
         self.books.note_segmenting(result.is_ok(), started.elapsed());
         let outcome = |error: WorkerError| match error.outcome() {
             // These are the model's words, not the user's: asked again it may find others.
-            Outcome::Unsupported(words) => Outcome::Unparsed(format!(
-                "the segmenter cannot take what the model says: {}",
-                words.join(", ")
-            )),
+            Outcome::Unsupported(unread) => {
+                Outcome::Unparsed(format!("the segmenter cannot take what the model says: {unread}"))
+            }
             outcome => outcome,
         };
         result.map_err(|error| Stop { outcome: outcome(error), notes: plan.notes.clone() })

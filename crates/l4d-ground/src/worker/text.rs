@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use super::error::WorkerError;
 use super::segmenter::{ClipPrompt, Segmenter};
-use crate::asked::Asked;
+use crate::asked::{self, Asked};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Question};
+use crate::unread::Unread;
 
 /// Answers with whatever the segmenter makes of the sentence (`no-vlm`).
 #[derive(Debug)]
@@ -27,6 +28,10 @@ impl TextGrounder {
 impl Grounder for TextGrounder {
     fn identity(&self) -> Value {
         json!({ "grounder": "no-vlm", "version": 1, "segmenter": self.segmenter.identity() })
+    }
+
+    fn reads(&self, text: &str) -> Result<(), Unread> {
+        asked::sentence(text).map(|_| ())
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {

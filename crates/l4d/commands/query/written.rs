@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
+use l4d_data::Camera;
 use l4d_data::store::write_atomic;
 use l4d_frames::{Mask, png};
 use l4d_solve::clips::{Plan, Shot};
@@ -35,13 +36,38 @@ pub(super) fn pixels(plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> Value {
     Value::Object(cameras)
 }
 
+/// What a camera sees of the answer.
+pub(super) struct Sight<'p> {
+    pub(super) camera: &'p Camera,
+    /// Frames in which it is seen.
+    pub(super) seen: usize,
+    /// All frames.
+    pub(super) frames: usize,
+    /// Pixels in the frame with the most.
+    pub(super) most_px: u64,
+}
+
+/// Camera by camera.
+pub(super) fn sights<'p>(plan: &'p Plan, masks: &BTreeMap<Shot, Mask>) -> Vec<Sight<'p>> {
+    let of_camera = |(view, camera): (usize, &'p Camera)| {
+        let areas: Vec<u64> =
+            masks.iter().filter(|(shot, _)| shot.view == view).map(|(_, mask)| mask.area()).collect();
+        Sight {
+            camera,
+            seen: areas.iter().filter(|&&pixels| pixels > 0).count(),
+            frames: areas.len(),
+            most_px: areas.iter().copied().max().unwrap_or(0),
+        }
+    };
+    plan.cameras.iter().enumerate().map(of_camera).collect()
+}
+
 /// Stage by stage.
 pub(super) fn tell(
     args: &QueryArgs,
     scene: &SolveScene,
     solved: &Solved,
-    plan: &Plan,
-    masks: &BTreeMap<Shot, Mask>,
+    sights: &[Sight<'_>],
     out: &Printer,
 ) -> Result<()> {
     out.data(format!(
@@ -71,16 +97,12 @@ pub(super) fn tell(
     for line in table.lines() {
         out.data(format!("  {line}"))?;
     }
-    out.data("\nmasks")?;
-    for (view, camera) in plan.cameras.iter().enumerate() {
-        let of_view = || masks.iter().filter(|(shot, _)| shot.view == view).map(|(_, mask)| mask.area());
-        let seen = of_view().filter(|&pixels| pixels > 0).count();
-        let most = of_view().max().unwrap_or(0);
-        out.data(format!(
-            "  {:<8} seen in {seen} of {} frames, at most {most} pixels",
-            camera.name.as_str(),
-            of_view().count()
-        ))?;
+    if !sights.is_empty() {
+        out.data("\nmasks")?;
+    }
+    for Sight { camera, seen, frames, most_px } in sights {
+        let name = camera.name.as_str();
+        out.data(format!("  {name:<8} seen in {seen} of {frames} frames, at most {most_px} pixels"))?;
     }
     out.data("\nseconds")?;
     for entry in &solved.account.0 {

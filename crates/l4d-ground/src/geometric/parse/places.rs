@@ -180,6 +180,12 @@ impl ClipEnd {
     }
 }
 
+/// How relations and extremes are spelled.
+#[cfg(test)]
+pub(in super::super) fn place_words() -> impl Iterator<Item = &'static str> {
+    RELATIONS.iter().map(|(text, _)| *text).chain(EXTREMES.iter().map(|(text, _)| *text))
+}
+
 impl Reader<'_> {
     /// "at the beginning", "when the clip ends".
     pub(super) fn clip_end(&mut self) -> Option<ClipEnd> {

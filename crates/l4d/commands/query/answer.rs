@@ -1,0 +1,156 @@
+//! What came of the sentence: one line for people, fields for scripts, and the exit code.
+//!
+//! Refuses to know how views decide: where consensus lets any view go on there is an answer, whatever its reasons.
+
+use std::path::Path;
+
+use l4d_data::Split;
+use l4d_data::error::inert_name;
+use l4d_ground::{Grounder, Grounding, Outcome, Reason, Unread};
+use l4d_solve::solve::Solved;
+use serde::Serialize;
+
+use super::known::Known;
+use super::written::Sight;
+use crate::out::ExitStatus;
+
+/// Longest reason of a failure that is repeated, characters.
+const LONGEST_REASON: usize = 200;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Status {
+    /// Some view goes on.
+    Answered,
+    /// The grounder cannot read the sentence.
+    Unread,
+    /// Every view that answered says that it is not there.
+    Absent,
+    /// Views found something, and none goes on.
+    Disagreement,
+    /// Views failed, and no other found anything.
+    Failed,
+}
+
+/// `answer` of `--json`; its message is the last line otherwise.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(super) struct Answer {
+    pub(super) status: Status,
+    pub(super) message: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    unread_words: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nearest: Option<String>,
+}
+
+impl Answer {
+    fn new(status: Status, message: &str) -> Self {
+        // Of whatever it is made, it stays one line.
+        Self { status, message: inert_name(message), unread_words: Vec::new(), nearest: None }
+    }
+
+    /// Why there is none; nothing where there is one.
+    pub(super) fn missing(solved: &Solved, unread: impl FnOnce(&Unread) -> Self) -> Option<Self> {
+        if !solved.consensus.evidence.is_empty() {
+            return None;
+        }
+        let groundings = &solved.groundings;
+        let any = |outcome: &Outcome| groundings.iter().any(|grounding| grounding.outcome == *outcome);
+        if any(&Outcome::Found) {
+            return Some(Self::new(Status::Disagreement, "no answer: the views disagree"));
+        }
+        if let Some(failures) = failures(groundings, any(&Outcome::Absent)) {
+            return Some(Self::new(Status::Failed, &failures));
+        }
+        let reason = groundings.iter().find_map(|grounding| match &grounding.outcome {
+            Outcome::Unsupported(unread) => Some(unread),
+            _ => None,
+        });
+        match reason {
+            Some(reason) if !any(&Outcome::Absent) => Some(unread(reason)),
+            _ => Some(Self::new(Status::Absent, "no answer: no view shows it")),
+        }
+    }
+
+    /// The sentence cannot be read.
+    pub(super) fn unread(unread: &Unread, text: &str, known: &Known, grounder: &dyn Grounder) -> Self {
+        let nearest = known.nearest(text, |sentence| grounder.reads(sentence).is_ok());
+        let mut message = format!("no answer: {unread}");
+        let is_about_words = matches!(unread.reason, Reason::Unknown | Reason::Grammar | Reason::Bare);
+        if let Some(knows) = grounder.knows().filter(|_| is_about_words) {
+            message += &format!("; it knows {knows}");
+        }
+        if let Some(nearest) = nearest {
+            message += &format!("; nearest sentence that it reads: \"{nearest}\"");
+        }
+        Self {
+            unread_words: unread.texts().into_iter().map(str::to_owned).collect(),
+            nearest: nearest.map(str::to_owned),
+            ..Self::new(Status::Unread, &message)
+        }
+    }
+
+    /// What the cameras see of it.
+    pub(super) fn seen(sights: &[Sight<'_>], solved: &Solved, picture: &Path) -> Self {
+        let message =
+            format!("answer: {} ({}); picture: {}", visible(sights), support(solved), picture.display());
+        Self::new(Status::Answered, &message)
+    }
+
+    /// Whether masks say something: an answer, or that there is nothing to be seen.
+    pub(super) fn has_masks(&self) -> bool {
+        !matches!(self.status, Status::Unread | Status::Failed)
+    }
+
+    pub(super) fn exit_status(&self) -> ExitStatus {
+        if self.status == Status::Answered { ExitStatus::Success } else { ExitStatus::Findings }
+    }
+}
+
+fn visible(sights: &[Sight<'_>]) -> String {
+    let sum = |of: fn(&Sight<'_>) -> usize| sights.iter().map(of).sum::<usize>();
+    let (seen, frames) = (sum(|sight| sight.seen), sum(|sight| sight.frames));
+    let most = sights.iter().map(|sight| sight.most_px).max().unwrap_or(0);
+    let cameras = match sights {
+        [sight] if sight.camera.split == Split::Test => format!("the held-out camera {}", sight.camera.name),
+        [sight] => format!("camera {}", sight.camera.name),
+        _ => format!("{} cameras", sights.len()),
+    };
+    match (seen, sights.len()) {
+        (0, 1) => format!("found, but {cameras} never shows it"),
+        (0, _) => format!("found, but none of {cameras} shows it"),
+        _ => format!("seen in {seen} of {frames} frames of {cameras}, at most {most} pixels"),
+    }
+}
+
+/// How many views are behind it.
+fn support(solved: &Solved) -> String {
+    let (behind, all) = (solved.consensus.evidence.len(), solved.groundings.len());
+    let verb = if solved.consensus.settings.is_on { "agree" } else { "show it, unchecked" };
+    let support = if behind == 1 {
+        format!("1 of {all} views alone")
+    } else {
+        format!("{behind} of {all} views {verb}")
+    };
+    match failed(&solved.groundings).count() {
+        0 => support,
+        count => format!("{support}, {count} failed"),
+    }
+}
+
+/// The views that failed, which say nothing about the scene.
+fn failed(groundings: &[Grounding]) -> impl Iterator<Item = &Outcome> {
+    groundings.iter().map(|grounding| &grounding.outcome).filter(|outcome| !outcome.is_final())
+}
+
+fn failures(groundings: &[Grounding], others_deny: bool) -> Option<String> {
+    let first = failed(groundings).next()?;
+    let why = first.why().unwrap_or_else(|| first.word().to_owned());
+    let why: String = why.lines().next().unwrap_or_default().chars().take(LONGEST_REASON).collect();
+    let (count, all) = (failed(groundings).count(), groundings.len());
+    let others = if others_deny { ", and no other shows it" } else { "" };
+    Some(format!("no answer: {count} of {all} views failed{others}: {why}"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,61 @@
+//! The sentences that the benchmark has about a scene: which one was asked, and which is the nearest to it.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::error::inert_name;
+use l4d_data::{Benchmark, Name, Query, Status};
+use l4d_ground::nearest;
+
+use crate::out::refusal;
+
+/// All sentences that the benchmark has about a scene; none without a benchmark.
+pub(super) struct Known {
+    bench: PathBuf,
+    scene: Name,
+    pub(super) queries: Vec<Query>,
+}
+
+impl Known {
+    pub(super) fn read(bench: &Path, scene: &Name) -> Self {
+        let queries = Benchmark::open(bench).map_or_else(
+            |_| Vec::new(),
+            |found| {
+                let sets = [found.queries(scene), found.composites(scene), found.absents(scene)];
+                sets.into_iter().flatten().flatten().collect()
+            },
+        );
+        Self { bench: bench.to_owned(), scene: scene.clone(), queries }
+    }
+
+    /// The number of the query with this sentence.
+    pub(super) fn number_of(&self, text: &str) -> Option<Name> {
+        let plain = |text: &str| text.trim().trim_end_matches('.').to_lowercase();
+        let found = self.queries.iter().find(|query| plain(&query.text) == plain(text));
+        found.map(|query| query.id.number.clone())
+    }
+
+    /// The sentence with the most words in common, of those that mean something in the scene and can be read.
+    pub(super) fn nearest(&self, text: &str, can_be_read: impl Fn(&str) -> bool) -> Option<&str> {
+        let means_something =
+            |query: &&Query| !query.referents.is_empty() && query.status != Status::Rejected;
+        let sentences = self.queries.iter().filter(means_something).map(|query| query.text.as_str());
+        nearest(text, sentences.filter(|sentence| can_be_read(sentence)))
+    }
+
+    /// Why a grounder that answers these sentences alone is not asked another one.
+    pub(super) fn refusal(&self, grounder: &str, text: &str) -> anyhow::Error {
+        let (scene, bench) = (&self.scene, self.bench.display());
+        let rule = format!("grounder {grounder} answers only sentences of the benchmark");
+        let (message, hint) = match self.nearest(text, |_| true) {
+            Some(nearest) => (
+                format!("{rule}, and this is none of those about scene {scene}"),
+                format!("ask \"{}\", or ask with --grounder geometric", inert_name(nearest)),
+            ),
+            None => (
+                format!("{rule}, and {bench} has none about scene {scene}"),
+                "name the folder of the benchmark with --bench, or ask with --grounder geometric".to_owned(),
+            ),
+        };
+        refusal(message, hint)
+    }
+}
