@@ -55,7 +55,7 @@ pub(crate) enum Command {
     CheckScenes(CheckScenesArgs),
     /// Draw a contact sheet of a scene: views, moments, outlines, queries
     Sheet(SheetArgs),
-    /// Draw the scenes anew and keep the queries that still mean one thing: a fresh test set
+    /// Show the scenes with other looks and keep the queries that still mean one thing
     DrawVariant(DrawVariantArgs),
     /// Prove that each query has exactly one referent and real distractors
     CheckQueries(CheckQueriesArgs),

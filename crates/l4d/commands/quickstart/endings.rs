@@ -29,8 +29,8 @@ pub(super) struct Ending<'a> {
 pub(super) enum Why {
     /// The referent is what the answer overlaps most.
     Right,
-    /// The grounder cannot read these words, or this sentence.
-    NotRead(Vec<String>),
+    /// The grounder cannot read it, and says why.
+    NotRead(String),
     /// No view shows it, says the grounder.
     NotFound,
     /// A view failed: this is what it said.
@@ -51,8 +51,7 @@ impl fmt::Display for Why {
         };
         match self {
             Self::Right => write!(f, "right"),
-            Self::NotRead(words) if words.is_empty() => write!(f, "not read"),
-            Self::NotRead(words) => write!(f, "not read: {}", words.join(", ")),
+            Self::NotRead(why) => write!(f, "not read: {why}"),
             Self::NotFound => write!(f, "not found: no view shows it"),
             Self::Failed(why) => write!(f, "no answer: {why}"),
             Self::Undecided => write!(f, "no answer: the views disagree"),
@@ -100,13 +99,13 @@ fn reason(dir: &AnswerDir, taken: Option<Name>) -> Result<Why> {
     let agreed: Consensus = json::read(&dir.consensus())?;
     let said = outcomes(&dir.grounded())?;
     let unread = said.iter().find_map(|outcome| match outcome {
-        Outcome::Unsupported(words) => Some(words.clone()),
+        Outcome::Unsupported(unread) => Some(unread.to_string()),
         _ => None,
     });
     Ok(match agreed.decision {
         Decision::Absent => Why::NotFound,
         Decision::NoAnswer => match unread {
-            Some(words) => Why::NotRead(words),
+            Some(why) => Why::NotRead(why),
             None => Why::Failed(said.iter().find_map(Outcome::why).unwrap_or_default()),
         },
         _ if agreed.evidence.is_empty() => Why::Undecided,
