@@ -179,6 +179,24 @@ fn a_bundle_of_codabench_has_what_the_platform_reads() {
 }
 
 #[test]
+fn a_competition_is_of_one_track() {
+    let dir = bench();
+    host(&dir, "codabench", &[&SEASON[..], &["--track", "colour+depth"]].concat());
+    let run = score(&dir, "hosting/codabench/starting_kit/submission.zip");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let document = yaml(&dir, "hosting/codabench/competition.yaml");
+    assert!(document["title"].as_str().unwrap().ends_with("track colour + depth"), "{document}");
+    assert!(dir.read("hosting/codabench/pages/evaluation.md").contains("of the track colour + depth:"));
+    dir.succeed(&["baseline", "all", "--profile", "tiny"]);
+    let folder = submission(&dir, "all");
+    let said = |run: Output| String::from_utf8_lossy(&run.stderr).into_owned();
+    let run = score(&dir, &folder);
+    assert!(run.status.code() == Some(1) && said(run).contains("did not learn from rendered depth"));
+    dir.edit(&format!("{folder}/method.json"), "\"depth\": false", "\"depth\": true");
+    assert!(score(&dir, &folder).status.success());
+}
+
+#[test]
 fn the_challenge_of_evalai_has_what_the_platform_reads_and_scores() {
     let dir = bench();
     host(&dir, "evalai", &SEASON);
@@ -301,6 +319,8 @@ fn hostile_submissions_are_refused_in_words() {
         ("\"0.1.0\",\n  \"truth", "\"9.9.9\",\n  \"truth", "9.9.9"),
         ("\"ground_truth\": false", "\"ground_truth\": true", "ground truth"),
         ("\"seconds\"", "\"baseline\": true, \"seconds\"", "baselines are not ranked"),
+        ("\"depth\": false", "\"depth\": true", "is ranked in another track"),
+        ("\"depth\": false", "\"depth\": 1", "has to be true or false"),
     ] {
         assert!(sound_card.contains(from), "{from} {sound_card}");
         dir.write(card, sound_card.replacen(from, to, 1));
@@ -349,7 +369,9 @@ fn the_hub_gets_tasks_a_leaderboard_and_results() {
     dir.succeed(&["baseline", "--profile", "tiny"]);
     let card = format!("{}/method.json", submission(&dir, "all"));
     dir.edit(&card, "\"link\": \"\"", "\"link\": \"https://example.org/a: \\\"b\\\"\"");
-    dir.succeed(&["baseline", "all", "--profile", "tiny"]);
+    let deep = submission(&dir, "oracle");
+    dir.edit(&format!("{deep}/method.json"), "\"depth\": false", "\"depth\": true");
+    dir.succeed(&["baseline", "all", "oracle", "--profile", "tiny"]);
     dir.succeed(&["score", "--profile", "tiny"]);
     host(&dir, "huggingface", &["--dataset", "lab/discs"]);
     let root = "hosting/huggingface";
@@ -379,10 +401,26 @@ fn the_hub_gets_tasks_a_leaderboard_and_results() {
     // The leaderboard has all methods; baselines and those that looked at the truth have no rank and no card.
     let rows = dir.read(&format!("{root}/leaderboard/leaderboard.jsonl"));
     let rows: Vec<Value> = rows.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(rows.len(), 7);
-    let ranked: Vec<&str> =
-        rows.iter().filter(|row| row["rank"].is_u64()).map(|row| row["method"].as_str().unwrap()).collect();
-    assert_eq!(ranked, ["like-all"]);
+    assert_eq!(rows.len(), 8);
+    let ranked: Vec<Value> = rows
+        .iter()
+        .filter(|row| row["rank"].is_u64())
+        .map(|row| json!([row["track"], row["rank"], row["method"]]))
+        .collect();
+    assert_eq!(ranked, [json!(["colour", 1, "like-all"]), json!(["colour+depth", 1, "like-oracle"])]);
+    let page = dir.read(&format!("{root}/leaderboard/README.md"));
+    let (colour, depth) = page.split_once("## Track: colour + depth").unwrap();
+    assert!(
+        colour.contains("\n\n## Track: colour\n\n| rank |") && colour.contains("| 1 | like-all |"),
+        "{page}"
+    );
+    assert!(
+        depth.contains("| 1 | like-oracle |") && depth.contains("\n\n## Not ranked\n\n| rank |"),
+        "{page}"
+    );
+    // Its result is of a task of its own, since the Hub ranks all results of a task.
+    let results = yaml(&dir, &format!("{root}/methods/like-oracle/.eval_results/discs-tiny-depth.yaml"));
+    assert_eq!(results[0]["dataset"]["task_id"], tasks["tasks"][1]["id"]);
     let none = rows.iter().find(|row| row["method"] == "none").unwrap();
     assert_eq!(none["unranked_because"], "baseline");
     let csv = dir.read(&format!("{root}/leaderboard/leaderboard.csv"));

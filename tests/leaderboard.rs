@@ -51,7 +51,7 @@ fn scores_become_tables_and_figures() {
     let summary: Value = json::read(&dir.path("scores/contestant/summary.json")).unwrap();
     let miou = summary["miou"].as_f64().unwrap();
     let first = csv.lines().nth(1).unwrap();
-    assert!(first.starts_with("1,contestant,"), "{first}");
+    assert!(first.starts_with("1,colour,contestant,"), "{first}");
     assert!(first.contains(&format!(",8,{miou:.4},")), "{first}");
     let oracle = csv.lines().find(|line| line.contains(",oracle,")).unwrap();
     assert!(
@@ -451,7 +451,9 @@ fn what_a_method_reports_stands_beside_what_is_counted() {
         page.contains("## Reported by the methods themselves")
             && page.contains("| contestant | miou | 99.50 |")
     );
-    assert!(dir.read("leaderboard/leaderboard.csv").lines().nth(1).unwrap().starts_with("1,contestant,"));
+    assert!(
+        dir.read("leaderboard/leaderboard.csv").lines().nth(1).unwrap().starts_with("1,colour,contestant,")
+    );
 }
 
 #[test]
@@ -518,6 +520,97 @@ fn one_query_and_one_scene_make_a_board() {
     assert!(run.stdout.contains(" 1 query,"), "{}", run.stdout);
     let rows = table(&dir, "leaderboard/leaderboard.csv");
     assert!(rows.iter().all(|row| row["queries"] == "1" && row["miou_low"].is_empty()), "{rows:?}");
+    assert!(table(&dir, "leaderboard/comparisons.csv").is_empty(), "one scene is no test");
+    assert!(run.stdout.contains("One scene says nothing of others"), "{}", run.stdout);
+    assert!(!run.stdout.contains(" p:") && !run.stdout.contains("detect."), "{}", run.stdout);
+    let page = dir.read("leaderboard/leaderboard.md");
+    assert!(!page.contains("What can be told apart") && !page.contains("In brackets"), "{page}");
+}
+
+/// A baseline as a method of its own that says what it looked at.
+fn contestant(dir: &Dir, baseline: &str, name: &str, saw_depth: bool) {
+    crate::solving::copy(&dir.path(format!("results/{baseline}")), &dir.path(format!("results/{name}")));
+    let path = format!("results/{name}/method.json");
+    let card = dir.read(&path);
+    let card = card.replacen(&format!("\"{baseline}\""), &format!("\"{name}\""), 1);
+    let card = card.replace("\"ground_truth\": true", "\"ground_truth\": false");
+    let card = card.replace("  \"baseline\": true,\n", "");
+    dir.write(&path, card.replace("\"depth\": false", &format!("\"depth\": {saw_depth}")));
+}
+
+/// Two methods of each track; those that learned from depth are ahead of both others.
+fn tracked() -> Dir {
+    let dir = scored();
+    contestant(&dir, "none", "blank", false);
+    contestant(&dir, "oracle", "deep", true);
+    contestant(&dir, "all", "flat", true);
+    dir.succeed(&[&["score"], &TINY[..]].concat());
+    dir
+}
+
+#[test]
+fn who_learned_from_depth_is_ranked_among_its_own() {
+    let dir = tracked();
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    let (colour, depth) = run.stdout.split_once("track: colour + depth\n").unwrap();
+    assert!(colour.contains("track: colour\n   1 contestant"), "{}", run.stdout);
+    assert!(depth.contains("   1 deep ") && depth.contains("   2 flat "), "{}", run.stdout);
+    let rows = table(&dir, "leaderboard/leaderboard.csv");
+    let ranks: Vec<[&str; 3]> = rows
+        .iter()
+        .filter(|row| !row["rank"].is_empty())
+        .map(|row| ["track", "rank", "method"].map(|column| row[column].as_str()))
+        .collect();
+    let expected = [
+        ["colour", "1", "contestant"],
+        ["colour", "2", "blank"],
+        ["colour+depth", "1", "deep"],
+        ["colour+depth", "2", "flat"],
+    ];
+    assert_eq!(ranks, expected);
+    let miou =
+        |name: &str| rows.iter().find(|row| row["method"] == name).unwrap()["miou"].parse::<f64>().unwrap();
+    assert!(miou("deep") > miou("contestant"), "a higher number has no rank among the others");
+
+    let track_of: BTreeMap<&str, &str> =
+        rows.iter().map(|row| (row["method"].as_str(), row["track"].as_str())).collect();
     let pairs = table(&dir, "leaderboard/comparisons.csv");
-    assert!(pairs.iter().all(|row| row["p"] == "1.0000" && row["detectable"].is_empty()), "{pairs:?}");
+    assert!(pairs.iter().any(|row| row["first"] == "deep" && row["second"] == "flat"));
+    for row in &pairs {
+        assert_eq!(track_of[row["first"].as_str()], track_of[row["second"].as_str()], "{row:?}");
+        assert_eq!(track_of[row["first"].as_str()], row["track"], "{row:?}");
+    }
+    let page = dir.read("leaderboard/leaderboard.md");
+    let (colour, depth) = page.split_once("## Track: colour + depth\n").unwrap();
+    assert!(colour.contains("| 1 | contestant |") && !colour.contains("| deep |"), "{page}");
+    assert!(depth.contains("| 1 | deep |") && depth.contains("**100.00**"), "{page}");
+    assert!(dir.read("leaderboard/tables/panoptic_l4d.tex").contains("\\emph{Track: colour + depth}"));
+    for figure in ["per_category", "metrics", "over_time", "taken"] {
+        assert!(dir.read(&format!("leaderboard/figures/{figure}.svg")).contains("deep + depth"), "{figure}");
+    }
+    let board = dir.json(&[&["leaderboard"], &TINY[..]].concat());
+    let deep = board["ranked"].as_array().unwrap().iter().find(|method| method["name"] == "deep").unwrap();
+    assert_eq!((&deep["track"], &deep["rank"]), (&"colour+depth".into(), &1.into()));
+    let run = dir.succeed(&[&["score"], &TINY[..]].concat());
+    assert!(run.stdout.contains("track colour + depth, learned from rendered depth"), "{}", run.stdout);
+    assert!(
+        run.stdout.lines().any(|line| line.starts_with("deep ") && line.ends_with(" *")),
+        "{}",
+        run.stdout
+    );
+    assert!(!run.stdout.lines().any(|line| line.starts_with("contestant ") && line.ends_with('*')));
+}
+
+#[test]
+fn a_method_without_rivals_in_its_track_is_not_called_best() {
+    let dir = scored();
+    contestant(&dir, "oracle", "deep", true);
+    dir.succeed(&[&["score"], &TINY[..]].concat());
+    let run = dir.succeed(&[&["leaderboard"], &TINY[..]].concat());
+    assert_eq!(run.stdout.matches("   1 ").count(), 4, "one in each track, in two tables: {}", run.stdout);
+    let page = dir.read("leaderboard/leaderboard.md");
+    assert!(!page.contains("**") && !page.contains("Best"), "{page}");
+    let table = dir.read("leaderboard/tables/panoptic_l4d.tex");
+    assert!(!table.contains("textbf") && !table.contains("underline"), "{table}");
+    assert!(!dir.read("leaderboard/tables/panoptic_l4d.md").contains("**"));
 }

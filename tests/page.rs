@@ -119,8 +119,8 @@ fn filters_show_the_numbers_of_the_tables() {
         let csv = dir.read(&format!("leaderboard/{table}"));
         for line in csv.lines().filter(|line| line.contains(&format!(",{group},"))) {
             let fields: Vec<&str> = line.split(',').collect();
-            let expected = format!("{:.2}", fields[4].parse::<f64>().unwrap());
-            let cell = shown(&mut browser, fields[1]);
+            let expected = format!("{:.2}", fields[5].parse::<f64>().unwrap());
+            let cell = shown(&mut browser, fields[2]);
             // The first number of an unranked row is its miou as well: its rank is a dash without a span.
             assert_eq!(cell, expected, "{line}");
         }
@@ -133,6 +133,49 @@ fn filters_show_the_numbers_of_the_tables() {
     assert_eq!(order(&mut browser), ["time-agnostic"]);
     choose(&mut browser, "Method", "no such");
     assert!(browser.text(&format!("{BOARD}.textContent")).contains("No method matches"));
+    assert_quiet(&mut browser);
+}
+
+#[test]
+fn tracks_are_apart_and_have_their_own_best() {
+    let dir = page();
+    // A method without rivals in its track is not called best.
+    let mut browser = open(&dir, "");
+    assert!(browser.evaluate(&format!("{BOARD}.querySelector('.best') === null")) == true);
+    let added = [("none", "blank", false), ("oracle", "deep", true), ("all", "flat", true)];
+    for (baseline, name, depth) in added {
+        crate::solving::copy(&dir.path(format!("results/{baseline}")), &dir.path(format!("results/{name}")));
+        let path = format!("results/{name}/method.json");
+        let card = dir.read(&path).replacen(&format!("\"{baseline}\""), &format!("\"{name}\""), 1);
+        let card = card.replace("\"ground_truth\": true", "\"ground_truth\": false");
+        let card = card.replace("  \"baseline\": true,\n", "");
+        dir.write(&path, card.replace("\"depth\": false", &format!("\"depth\": {depth}")));
+    }
+    dir.succeed(&[&["score"], &PROFILE[..]].concat());
+    make(&dir);
+    browser.open(&file(&dir), "#a=contestant&b=deep");
+    assert_eq!(order(&mut browser)[..4], ["contestant", "blank", "deep", "flat"]);
+    let heads =
+        browser.evaluate(&format!("[...{BOARD}.querySelectorAll('tr.rule')].map((one) => one.textContent)"));
+    assert_eq!(
+        heads,
+        serde_json::json!(["Track: colour", "Track: colour + depth", "Not ranked, shown for scale"])
+    );
+    let best = browser.evaluate(&format!(
+        "[...new Set([...{BOARD}.querySelectorAll('.best')].map((one) => one.closest('tbody').rows[0].textContent))]"
+    ));
+    assert_eq!(best, serde_json::json!(["Track: colour", "Track: colour + depth"]));
+    let verdict = browser.text("document.querySelector('.verdict').textContent");
+    assert!(verdict.contains("methods of two tracks are not compared"), "{verdict}");
+    click(&mut browser, "[data-sort=name]");
+    assert_eq!(
+        order(&mut browser)[..4],
+        ["blank", "contestant", "deep", "flat"],
+        "groups stay apart in any order"
+    );
+    browser.open(&file(&dir), "#method=deep");
+    let facts = browser.text("document.querySelector('.facts').textContent");
+    assert!(facts.contains("Rank1") && facts.contains("Trackcolour + depth"), "{facts}");
     assert_quiet(&mut browser);
 }
 
@@ -394,6 +437,14 @@ fn one_frame_and_one_query_make_a_page() {
     // Baselines alone: nobody is ranked, and the page says so.
     assert!(browser.text("document.querySelector('main').textContent").contains("No method is ranked yet"));
     assert_eq!(browser.text("document.querySelector('.count').textContent"), "6 methods, 1 query");
+    // One scene: nothing is compared, and nothing looks like an interval.
+    let main = browser.text("document.querySelector('main').textContent");
+    assert!(main.contains("One scene") || main.contains("one scene says nothing of others"), "{main}");
+    assert!(
+        browser.evaluate(
+            "document.getElementById('compare') === null && !document.querySelector('.range, .best')"
+        ) == true
+    );
     // A clip of one frame has no number under davis: dashes, and why.
     choose(&mut browser, "Protocol", "davis");
     let told = browser.text("document.querySelector('ul.plain').textContent");

@@ -109,6 +109,7 @@ fn what_the_training_views_show_becomes_masks_of_the_held_out_one() {
         (&card["used"]["ground_truth"], &card["used"]["test_view"]),
         (&Value::from(true), &Value::from(false))
     );
+    assert_eq!(card["used"]["depth"], true, "train-splats learns from depth unless it is told not to");
     let scored = score(&dir, "panopticquery-oracle");
     let number = |field: &str| scored[field].as_f64().unwrap();
     assert!(number("miou") > 75.0 && number("macc") > 99.0 && number("select") > 99.0, "{scored}");
@@ -320,6 +321,33 @@ fn grounders_that_know_the_benchmark_alone_refuse_other_sentences_once() {
         );
     }
     assert!(!dir.path(format!("work/tiny/{SCENE}/clips")).exists(), "nothing is drawn");
+}
+
+#[test]
+fn a_card_says_whether_the_splats_saw_depth() {
+    let dir = world();
+    let model = format!("work/tiny/{SCENE}/splats/checkpoint.json");
+    let answer = |name: &str, more: &[&str]| {
+        let one = ["--grounder", "oracle", "--queries", "ball/001", "--name", name];
+        let run = dir.succeed(&solve(&[&one, more].concat()));
+        let card: Value = serde_json::from_str(&dir.read(&format!("results/{name}/method.json"))).unwrap();
+        (
+            card["used"]["depth"].as_bool().unwrap(),
+            run.stderr.contains("not known whether the splats of ball"),
+        )
+    };
+    assert_eq!(answer("deep", &[]), (true, false));
+    // A model of before there was the field: how it was trained says it.
+    dir.edit(&model, "  \"saw_depth\": true,\n", "");
+    assert_eq!(answer("older", &[]), (true, false));
+    dir.edit(&model, "\"init\": \"depth\"", "\"init\": \"sweep\"");
+    assert_eq!(answer("bright", &[]), (false, false));
+    assert_eq!(answer("masks", &["--used-depth"]), (true, false));
+    // A model from elsewhere says nothing, so the user has to.
+    dir.edit(&model, "\"init\": \"sweep\"", "\"began\": \"somewhere\"");
+    assert_eq!(answer("foreign", &[]), (false, true));
+    assert_eq!(answer("foreign", &["--used-depth"]), (true, false), "a card learns what was not known");
+    assert_eq!(answer("foreign", &[]), (true, true), "and does not forget it");
 }
 
 #[test]

@@ -75,6 +75,8 @@ fn a_scene_is_learned_from_its_training_cameras_alone() {
     assert!(compared.iter().all(|path| path.starts_with("frames/cam04/")), "{compared:?}");
     let card: Value = serde_json::from_str(&dir.read(&format!("{SPLATS}/checkpoint.json"))).unwrap();
     assert_eq!(card["inputs"], manifest["trained_on"]);
+    let said = [&card["saw_depth"], &manifest["saw_depth"], &manifest["track"]];
+    assert_eq!(said, [&json!(true), &json!(true), &json!("colour+depth")]);
 
     // What is learned does not change when the held-out pictures do.
     let tensors = card["tensors"]["sha256"].clone();
@@ -159,6 +161,38 @@ fn a_folder_with_another_model_is_left_alone() {
 }
 
 #[test]
+fn training_ends_with_the_track_of_its_model() {
+    let dir = scene();
+    let few = ["--coarse", "5", "--unfold", "1", "--fine", "5", "--gaussians", "300"];
+    let depth = "track: colour + depth (learned from rendered depth)\n";
+    let run = dir.succeed(&arguments(&few));
+    assert!(run.stderr.ends_with(depth), "{}", run.stderr);
+    // A model of before there was the word is still known, and told in the same way.
+    for file in ["manifest.json", "checkpoint.json"] {
+        let text = dir.read(&format!("{SPLATS}/{file}"));
+        let older: Vec<&str> = text
+            .lines()
+            .filter(|line| !line.contains("\"saw_depth\"") && !line.contains("\"track\""))
+            .collect();
+        assert!(older.len() < text.lines().count(), "{file}");
+        dir.write(&format!("{SPLATS}/{file}"), older.join("\n"));
+    }
+    let run = dir.succeed(&arguments(&few));
+    assert!(run.stderr.contains("holds this model already") && run.stderr.ends_with(depth), "{}", run.stderr);
+    assert_eq!(dir.json(&arguments(&few))["track"], "colour+depth");
+
+    let blind = [few.as_slice(), &["--init", "random", "--depth-weight", "0"]].concat();
+    let run = dir.succeed(&arguments(&[blind.as_slice(), &["--out", "blind"]].concat()));
+    assert!(run.stderr.ends_with("track: colour\n"), "{}", run.stderr);
+    let manifest = dir.json(&arguments(&[blind.as_slice(), &["--out", "blind"]].concat()));
+    assert_eq!((&manifest["saw_depth"], &manifest["track"]), (&json!(false), &json!("colour")));
+    // One that was shown depth is not passed off as one that was not.
+    dir.edit("blind/checkpoint.json", "\"saw_depth\": false", "\"saw_depth\": true");
+    let again = arguments(&[blind.as_slice(), &["--out", "blind"]].concat());
+    refused(&dir.run(&again), &["it was shown depth", "--overwrite"]);
+}
+
+#[test]
 fn scenes_that_cannot_be_learned_are_refused_with_the_place_and_a_remedy() {
     let dir = scene();
     let scene_json = "data/ball/scene.json";
@@ -208,7 +242,7 @@ fn training_begins_at_random_and_given_points_too() {
     for init in ["random", "points3D.txt"] {
         let manifest = dir
             .json(&arguments(&[few.as_slice(), &["--init", init, "--out", &format!("m_{init}")]].concat()));
-        assert_eq!(manifest["init"], json!(init));
+        assert_eq!((&manifest["init"], &manifest["saw_depth"]), (&json!(init), &json!(true)));
         assert!(manifest["report"]["test"]["psnr_db"].as_f64().unwrap() > 5.0);
     }
 }

@@ -28,6 +28,8 @@ pub(crate) use trend::draw as trend;
 
 use std::path::{Path, PathBuf};
 
+use l4d_data::Name;
+use l4d_data::results::Track;
 use l4d_data::store::write_atomic;
 
 use crate::detail::{Detail, Details};
@@ -94,7 +96,7 @@ pub(crate) fn all(board: &Board, statistics: &Statistics) -> Vec<Figure> {
 /// Figures of what methods did query by query.
 pub(crate) fn detailed(board: &Board, details: &Details) -> Vec<Figure> {
     let (rows, left_out) = shown(board);
-    let is_shown = |name: &l4d_data::Name| rows.iter().any(|(_, row)| row.name == *name);
+    let is_shown = |name: &Name| rows.iter().any(|(_, row)| row.name == *name);
     let all: Vec<Choices> = choices(board, details);
     let shown: Vec<&Choices> = all.iter().filter(|choices| is_shown(choices.method)).collect();
     let taken = taken::draw(board, &shown, left_out);
@@ -130,6 +132,23 @@ fn alone(
             drawing: confusion::draw(board, method, &confusions(choices, details)),
         },
     ]
+}
+
+/// The name of a method with its track, unless that is the headline: no two of different tracks compete.
+fn named(row: &BoardRow) -> String {
+    name_in(&row.name, row.track)
+}
+
+fn name_in(name: &Name, track: Track) -> String {
+    match track {
+        Track::Colour => name.to_string(),
+        Track::ColourDepth => format!("{name} + depth"),
+    }
+}
+
+/// The track in which a row is ranked; none for rows without a rank.
+fn group_of((rank, row): &(Option<usize>, &BoardRow)) -> Option<Track> {
+    rank.map(|_| row.track)
 }
 
 /// Ranked methods that have figures of their own; those that come first.

@@ -8,6 +8,7 @@ use l4d_data::store::list_folder;
 use l4d_data::{DataError, Query, Report, Status};
 use l4d_score::Exam;
 use l4d_score::counts::{self, FrameCount, State};
+use l4d_score::exam::SceneExam;
 use l4d_score::score::{counts_path, summary_path, tallies_of_counts};
 use l4d_score::{Breakdown, Estimate, Missing, Options, QuerySet, Summary};
 use rayon::prelude::*;
@@ -104,6 +105,7 @@ fn heading(exam: &Exam, summaries: &[Summary]) -> Heading {
         chosen.unwrap_or_else(|| (l4d_score::results::PROTOCOL.to_owned(), 0, Options::default()));
     let asked = || exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query));
     let is_verified = |query: &&Query| query.status == Status::Verified;
+    let has_any = |scene: &&SceneExam| scene.queries.iter().any(|query| options.takes(query));
     Heading {
         benchmark: exam.bench.manifest.name.clone(),
         version: exam.bench.manifest.version.clone(),
@@ -111,6 +113,7 @@ fn heading(exam: &Exam, summaries: &[Summary]) -> Heading {
         protocol,
         profile: exam.profile,
         queries: asked().count(),
+        scenes: exam.scenes.iter().filter(has_any).count(),
         verified: asked().filter(is_verified).count(),
         rejected: exam.rejected(),
     }
@@ -188,6 +191,7 @@ fn row(summary: Summary, miou: Option<Estimate>, frames: BTreeMap<u32, f64>) -> 
         protocol,
         benchmark_version: summary.benchmark_version,
         truth_digest: summary.truth_digest,
+        track: summary.used.track(),
         unranked_because,
         partial: summary.partial,
         seconds,

@@ -7,11 +7,11 @@ use crate::rank::{Board, Podium};
 pub(crate) fn tabular(layout: &Layout, board: &Board) -> String {
     let numbers = layout.columns.len() * METRICS.len();
     let mut text = format!(
-        "% {}: {}\n% Percent, macro means over queries; below, 95 % intervals clustered by scene.\n% Best bold, second best \
-         underlined among ranked methods; a dagger marks methods that are not ranked.\n% Needs \\usepackage{{booktabs}}.\n\
-         \\begin{{tabular}}{{l{}}}\n\\toprule\n",
+        "% {}: {}\n% Percent, macro means over queries.{}\n% A dagger marks methods that are not ranked.\n\
+         % Needs \\usepackage{{booktabs}}.\n\\begin{{tabular}}{{l{}}}\n\\toprule\n",
         comment(layout.title),
         comment(&board.heading.line()),
+        reading_note(board),
         "r".repeat(numbers)
     );
     let heads = layout.columns.iter().map(|column| format!("\\multicolumn{{2}}{{c}}{{{}}}", escape(column)));
@@ -21,26 +21,37 @@ pub(crate) fn tabular(layout: &Layout, board: &Board) -> String {
     text.push_str(&format!("{}\n", rules.collect::<String>()));
     let titles = layout.columns.iter().flat_map(|_| METRICS.map(|metric| metric.title().to_owned()));
     text.push_str(&row(std::iter::once("method".to_owned()).chain(titles)));
-    text.push_str("\\midrule\n");
-    for (index, line) in layout.rows.iter().enumerate() {
-        let is_first_unranked = index > 0 && line.rank.is_none() && layout.rows[index - 1].rank.is_some();
-        if is_first_unranked {
-            text.push_str("\\midrule\n");
-        } else if index > 0 {
-            // Intervals stand below their values: room between rows says which belong together.
-            text.push_str("\\addlinespace[2pt]\n");
-        }
-        text.push_str(&line_text(layout, line));
+    let title_row = |title: &str| row(std::iter::once(span(numbers + 1, title)));
+    for (track, lines) in layout.groups() {
+        text.push_str("\\midrule\n");
+        text.extend(track.map(|track| title_row(&format!("Track: {}", track.title()))));
+        // Intervals stand below their values: room between rows says which belong together.
+        let lines: Vec<String> = lines.iter().map(|line| line_text(layout, line)).collect();
+        text.push_str(&lines.join("\\addlinespace[2pt]\n"));
     }
     if !layout.published.is_empty() {
-        text.push_str(&format!(
-            "\\midrule\n\\multicolumn{{{}}}{{l}}{{\\emph{{{PUBLISHED_TITLE}}}}} \\\\\n",
-            numbers + 1
-        ));
+        text.push_str("\\midrule\n");
+        text.push_str(&title_row(PUBLISHED_TITLE));
         layout.published.iter().for_each(|line| text.push_str(&line_text(layout, line)));
     }
     text.push_str("\\bottomrule\n\\end{tabular}\n");
     text
+}
+
+/// What bold letters and small ones mean, where there are any.
+fn reading_note(board: &Board) -> &'static str {
+    match (board.is_of_one_scene(), board.has_rivals()) {
+        (true, _) => " One scene: no intervals, and no method is called best.",
+        (false, true) => {
+            " Below, 95 % intervals clustered by scene.\n% Best bold, second best underlined among the ranked methods of a track."
+        }
+        (false, false) => " Below, 95 % intervals clustered by scene.",
+    }
+}
+
+/// A line across all columns.
+fn span(columns: usize, title: &str) -> String {
+    format!("\\multicolumn{{{columns}}}{{l}}{{\\emph{{{title}}}}}")
 }
 
 fn row(cells: impl Iterator<Item = String>) -> String {
@@ -51,7 +62,7 @@ fn line_text(layout: &Layout, line: &Line) -> String {
     let mark = if line.unranked_because.is_empty() { "" } else { "$^{\\dagger}$" };
     let cells = line.cells.iter().enumerate().flat_map(|(column, pair)| {
         pair.iter().enumerate().map(move |(metric, cell)| {
-            let podium = line.rank.map(|_| layout.podium(column, metric));
+            let podium = line.rank.map(|_| layout.podium(line.track, column, metric));
             cell.map_or_else(|| "--".to_owned(), |cell| cell_text(cell, podium))
         })
     });
@@ -134,7 +145,7 @@ mod tests {
 
     #[test]
     fn every_row_has_as_many_cells_as_the_table_has_columns() {
-        for board in [sample::hand_made(), sample::board(14), sample::long_names()] {
+        for board in [sample::hand_made(), sample::board(14), sample::long_names(), sample::tracks()] {
             for text in tables(&board) {
                 let head = text.lines().find(|line| line.starts_with("\\begin{tabular}")).unwrap();
                 let columns = head.trim_start_matches("\\begin{tabular}{").trim_end_matches('}').len();
@@ -165,6 +176,15 @@ mod tests {
         assert!(text.lines().nth(alpha).unwrap().contains(cell), "{text}");
         assert!(!text.lines().nth(oracle).unwrap().contains("textbf"), "{text}");
         assert!(text.contains("LangSplat & 47.79 & 28.81 &"), "{text}");
+    }
+
+    #[test]
+    fn tracks_have_their_own_heading_and_best() {
+        let text = &tables(&sample::tracks())[0];
+        let (colour, depth) = text.split_once("{l}{\\emph{Track: colour + depth}} \\\\\n").unwrap();
+        assert!(colour.contains("{l}{\\emph{Track: colour}} \\\\\n"), "{text}");
+        assert!(colour.contains("\\textbf{40.00}") && depth.contains("\\textbf{95.00}"), "{text}");
+        assert!(!tables(&sample::board(1))[0].contains("textbf"), "one method is not better than others");
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! Tables in the layout of the paper: mAcc and mIoU of each kind of queries, with intervals. What the paper reports of its
-//! own data stands below ours, apart: it is of other scenes and takes part in no comparison.
+//! own data stands below ours, apart: it is of other scenes and takes part in no comparison. So are the tracks apart.
 
 use std::collections::BTreeSet;
 
 use l4d_data::layout::BenchDir;
 use l4d_data::published::{self, Published};
+use l4d_data::results::Track;
 use l4d_data::{Category, DataError, Name, Scale};
 use l4d_score::groups::Kind;
 use l4d_score::{Estimate, Group};
@@ -41,6 +42,8 @@ pub(crate) struct Line {
     /// Method, or method and scale; a setting of the paper.
     pub(crate) label: String,
     pub(crate) rank: Option<usize>,
+    /// None for what is reported.
+    pub(crate) track: Option<Track>,
     pub(crate) unranked_because: String,
     /// One entry a column, of [`METRICS`].
     pub(crate) cells: Vec<[Option<Cell>; 2]>,
@@ -148,6 +151,7 @@ fn per_method<'a>(
         let line = |((rank, row), method): ((Option<usize>, &crate::BoardRow), &crate::MethodGroups)| Line {
             label: row.name.to_string(),
             rank,
+            track: Some(row.track),
             unranked_because: board.why_unranked(row),
             cells: cells(&method.name),
         };
@@ -170,6 +174,7 @@ fn reported(table: &Layout, bench: &BenchDir) -> Result<Vec<Line>, DataError> {
     let line = |setting: &str| Line {
         label: setting.to_owned(),
         rank: None,
+        track: None,
         unranked_because: String::new(),
         cells: table
             .columns
@@ -189,23 +194,48 @@ fn same_column(one: &str, other: &str) -> bool {
     parts(one) == parts(other)
 }
 
+impl Line {
+    /// With whom it is ranked; none for what has no rank.
+    fn group(&self) -> Option<Track> {
+        self.rank.and(self.track)
+    }
+}
+
+impl Cell {
+    /// A value of one scene says nothing of others.
+    fn is_of_one_scene(&self) -> bool {
+        self.counts.is_some_and(|[_, scenes]| scenes < 2)
+    }
+}
+
 impl Layout {
-    /// Best and second-best printed value of each number among ranked rows. Rows of several scales are no rivals.
-    pub(crate) fn podium(&self, column: usize, metric: usize) -> Podium {
-        let rivals = self.rows.iter().filter(|line| line.rank.is_some() && self.name != "scales");
-        let values = rivals.filter_map(|line| line.cells[column][metric].map(|cell| cell.value));
+    /// Our rows in groups: those of each track that are ranked with each other, then those that have no rank.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = (Option<Track>, &[Line])> {
+        let alike = |a: &Line, b: &Line| a.group() == b.group();
+        self.rows.chunk_by(alike).map(|lines| (lines[0].group(), lines))
+    }
+
+    /// Best and second-best printed value of each number among the ranked rows of a track. Rows of several scales are no
+    /// rivals.
+    pub(crate) fn podium(&self, track: Option<Track>, column: usize, metric: usize) -> Podium {
+        let is_rival = |line: &&Line| line.rank.is_some() && line.track == track && self.name != "scales";
+        let cells = self.rows.iter().filter(is_rival).filter_map(|line| line.cells[column][metric]);
+        let values = cells.filter(|cell| !cell.is_of_one_scene()).map(|cell| cell.value);
         Podium::of(values, METRICS[metric])
     }
 
     /// The table as a page.
     pub(crate) fn markdown(&self, board: &Board) -> String {
         let mut text = format!(
-            "# {}\n\n{}.\n\nPercent, macro means over queries, with 95 % intervals clustered by scene. \
-             **Best** and *second best* among ranked methods; † not ranked.\n\n",
+            "# {}\n\n{}.\n\nPercent, macro means over queries.{} † not ranked.\n\n",
             self.title,
-            escape(&board.heading.line())
+            escape(&board.heading.line()),
+            markdown::reading_note(board)
         );
-        text.push_str(&self.markdown_table(&self.rows));
+        for (track, lines) in self.groups() {
+            text.push_str(&track.map_or_else(|| "## Not ranked\n\n".to_owned(), markdown::track_heading));
+            text.push_str(&self.markdown_table(lines));
+        }
         if !self.published.is_empty() {
             text.push_str(&format!(
                 "## {PUBLISHED_TITLE}\n\nNumbers of arXiv 2604.05638. Scenes, prompts and masks are the authors' own: no \
@@ -226,7 +256,7 @@ impl Layout {
             let mut cells = vec![format!("{}{mark}", escape(&line.label))];
             for (column, pair) in line.cells.iter().enumerate() {
                 for (metric, cell) in pair.iter().enumerate() {
-                    let podium = line.rank.map(|_| self.podium(column, metric));
+                    let podium = line.rank.map(|_| self.podium(line.track, column, metric));
                     cells.push(cell.map_or_else(|| "–".to_owned(), |cell| markdown_cell(cell, podium)));
                 }
             }
@@ -290,6 +320,37 @@ mod tests {
         assert_eq!((tables.len(), tables[0].name), (1, "composites"));
         assert_eq!(tables[0].columns, ["action+spatial", "all"]);
         assert!(tables[0].published.iter().all(|line| line.cells[0].iter().all(Option::is_some)));
+    }
+
+    #[test]
+    fn tracks_are_apart_in_every_table() {
+        let board = sample::tracks();
+        for table in all(&board, &sample::statistics(&board), &shipped()).unwrap() {
+            let groups: Vec<_> = table.groups().map(|(track, _)| track).collect();
+            assert_eq!(groups, [Some(Track::Colour), Some(Track::ColourDepth), None], "{}", table.name);
+            let page = table.markdown(&board);
+            let (colour, depth) = page.split_once("## Track: colour + depth\n").unwrap();
+            let has_best = |text: &str, value: &str| text.contains(&format!("**{value}**"));
+            let is_ranking = table.name != "scales";
+            assert_eq!((has_best(colour, "40.00"), has_best(depth, "95.00")), (is_ranking, is_ranking));
+        }
+    }
+
+    #[test]
+    fn one_method_or_one_scene_has_no_best() {
+        let board = sample::board(1);
+        let table = &all(&board, &sample::statistics(&board), &shipped()).unwrap()[0];
+        assert!(!table.markdown(&board).contains("**"));
+        let mut board = sample::tracks();
+        board.heading.scenes = 1;
+        let mut statistics = sample::statistics(&board);
+        let groups = statistics.methods.iter_mut().flat_map(|method| &mut method.groups);
+        for estimate in groups.flat_map(|group| [&mut group.estimates.miou, &mut group.estimates.macc]) {
+            let estimate = estimate.as_mut().unwrap();
+            (estimate.scenes, estimate.interval) = (1, None);
+        }
+        let page = all(&board, &statistics, &shipped()).unwrap()[0].markdown(&board);
+        assert!(!page.contains("**") && !page.contains("In brackets"), "{page}");
     }
 
     #[test]

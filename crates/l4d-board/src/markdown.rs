@@ -1,15 +1,18 @@
 //! `leaderboard.md`: the page that a repository shows.
 
+use std::collections::BTreeMap;
+
+use l4d_data::results::Track;
 use l4d_data::{Category, Scale};
 use l4d_score::cluster::FEW_SCENES;
 use l4d_score::groups::Kind;
 use l4d_score::{Estimate, Pair};
 
-use crate::rank::{Board, Podium};
+use crate::rank::{Board, Podium, Ranked};
 use crate::reported;
 use crate::row::{BoardRow, Metric};
 use crate::statistics::{Statistics, p_text};
-use crate::terminal::seconds_text;
+use crate::terminal::{ONE_SCENE, seconds_text};
 
 /// Pairs of methods that the page shows; of more methods each stands beside the next one only.
 const MOST_PAIRS: usize = 28;
@@ -23,16 +26,17 @@ pub(crate) fn page(
 ) -> String {
     let mut page = format!("# Leaderboard\n\n{}.\n\n", escape(&board.heading.line()));
     page.push_str(
-        "Percentages; macro means over queries. Ranked by mIoU; equal printed values share a rank. \
-         **Best** and *second best* among ranked methods. In brackets 95 % intervals clustered by scene.\n\n",
+        "Percentages; macro means over queries. Ranked by mIoU; equal printed values share a rank.",
     );
+    page.push_str(&reading_note(board));
+    page.push_str("\n\n");
     if board
         .rows()
         .any(|(_, row)| row.miou.is_some_and(|found| found.interval.is_some() && found.is_of_few_scenes()))
     {
         page.push_str(&format!("Of fewer than {FEW_SCENES} scenes: intervals may be too narrow.\n\n"));
     }
-    page.push_str(&ranked_table(board));
+    page.push_str(&ranked_tables(board));
     page.push_str(&unranked_table(board));
     let categories: Vec<_> = Category::ALL.iter().map(|key| (key.as_str(), key)).collect();
     page.push_str(&group_table("mIoU per category", board, &categories, |row, key| {
@@ -71,23 +75,49 @@ pub(crate) fn page(
     page
 }
 
-fn ranked_table(board: &Board) -> String {
+/// What bold letters and brackets mean, where there are any.
+pub(crate) fn reading_note(board: &Board) -> String {
+    if board.is_of_one_scene() {
+        return format!(" {ONE_SCENE}");
+    }
+    let best = " **Best** and *second best* among the ranked methods of a track.";
+    let best = if board.has_rivals() { best } else { "" };
+    format!("{best} In brackets 95 % intervals clustered by scene.")
+}
+
+fn ranked_tables(board: &Board) -> String {
     if board.ranked.is_empty() {
         return "No method is ranked.\n\n".to_owned();
     }
+    board.tracks().map(|(track, group)| ranked_table(board, track, group)).collect()
+}
+
+fn ranked_table(board: &Board, track: Track, group: &[Ranked]) -> String {
     let mut table = Table::new(&["#", "method", "version"]);
     table.numbers(Metric::ALL.map(metric_title));
     table.numbers(["seconds"]);
-    for entry in &board.ranked {
+    let podiums = Metric::ALL
+        .map(|metric| (metric, board.podium(track, metric, |row| metric.of(&row.scores.headline))));
+    for entry in group {
         let mut cells = vec![entry.rank.to_string(), method(&entry.row), escape(&entry.row.version)];
-        cells.extend(Metric::ALL.map(|metric| {
-            let value = honoured(metric.of(&entry.row.scores.headline), board.podium(metric));
+        cells.extend(podiums.map(|(metric, podium)| {
+            let value = honoured(metric.of(&entry.row.scores.headline), podium);
             format!("{value}{}", headline_interval(&entry.row, metric))
         }));
         cells.push(seconds(&entry.row));
         table.row(cells);
     }
-    table.finish()
+    format!("{}{}", track_heading(track), table.finish())
+}
+
+/// Above the methods that are ranked with each other.
+pub(crate) fn track_heading(track: Track) -> String {
+    format!("## Track: {}\n\n", track.title())
+}
+
+/// Rank and track of a row, as cells.
+fn place(rank: Option<usize>, row: &BoardRow) -> [String; 2] {
+    [rank.map_or_else(|| "–".to_owned(), |rank| rank.to_string()), row.track.title().to_owned()]
 }
 
 fn unranked_table(board: &Board) -> String {
@@ -130,7 +160,8 @@ fn comparisons(board: &Board, statistics: &Statistics) -> String {
     if shown.is_empty() {
         return String::new();
     }
-    let mut table = Table::new(&["first", "second", "told apart"]);
+    let tracks: Vec<Track> = board.rows().map(|(_, row)| row.track).collect();
+    let mut table = Table::new(&["track", "first", "second", "told apart"]);
     table.numbers(["difference", "p", "p, corrected", "detectable", "queries", "scenes"]);
     let mut is_rough = false;
     for pair in &shown {
@@ -144,6 +175,7 @@ fn comparisons(board: &Board, statistics: &Statistics) -> String {
         };
         let mark = if found.difference.is_of_few_scenes() { "!" } else { "" };
         table.row(vec![
+            tracks[pair.first].title().to_owned(),
             name(pair.first),
             name(pair.second),
             verdict.to_owned(),
@@ -157,8 +189,8 @@ fn comparisons(board: &Board, statistics: &Statistics) -> String {
     }
     let mut text = String::from(
         "## What can be told apart\n\nDifferences in mIoU, the first less the second, query by query, percentage points. p by \
-         flipping the signs of scenes, corrected for all pairs (Holm). A true difference of the size called detectable would \
-         be found four times in five, before correction.\n\n",
+         flipping the signs of scenes, corrected for all pairs of the track (Holm); methods of two tracks are not compared. A \
+         true difference of the size called detectable would be found four times in five, before correction.\n\n",
     );
     text.push_str(&table.finish());
     if shown.len() < all.len() {
@@ -192,11 +224,10 @@ fn group_intervals(title: &str, kind: Kind, board: &Board, statistics: &Statisti
     if names.is_empty() {
         return String::new();
     }
-    let mut table = Table::new(&["#", "method"]);
+    let mut table = Table::new(&["#", "track", "method"]);
     table.numbers(names.iter().map(|name| (*name).to_owned()));
     for ((rank, row), method) in board.rows().zip(&statistics.methods) {
-        let mut cells =
-            vec![rank.map_or_else(|| "–".to_owned(), |rank| rank.to_string()), escape(&method.name)];
+        let mut cells = [&place(rank, row)[..], &[escape(&method.name)]].concat();
         for name in &names {
             let found = statistics.group(&row.name, kind, name).and_then(|group| group.estimates.miou);
             let cell = found.map(|found| format!("{:.2}{}", found.value, interval(&found)));
@@ -231,19 +262,20 @@ fn group_table<K>(
     groups: &[(&str, &K)],
     miou: impl Fn(&BoardRow, &K) -> Option<f64>,
 ) -> String {
-    let mut table = Table::new(&["#", "method"]);
+    let mut table = Table::new(&["#", "track", "method"]);
     table.numbers(groups.iter().map(|(name, _)| (*name).to_owned()));
-    let podiums: Vec<Podium> = groups
-        .iter()
-        .map(|(_, key)| {
-            Podium::of(board.ranked.iter().filter_map(|entry| miou(&entry.row, key)), Metric::Miou)
-        })
-        .collect();
+    let podiums_of = |track| -> Vec<Podium> {
+        let podium = |(_, key): &(&str, &K)| board.podium(track, Metric::Miou, |row| miou(row, key));
+        groups.iter().map(podium).collect()
+    };
+    let podiums: BTreeMap<Track, Vec<Podium>> =
+        board.tracks().map(|(track, _)| (track, podiums_of(track))).collect();
     for (rank, row) in board.rows() {
-        let mut cells = vec![rank.map_or_else(|| "–".to_owned(), |rank| rank.to_string()), method(row)];
-        for ((_, key), &podium) in groups.iter().zip(&podiums) {
-            let value = miou(row, key);
-            cells.push(if rank.is_some() { honoured(value, podium) } else { plain(value) });
+        let mut cells = [&place(rank, row)[..], &[method(row)]].concat();
+        let podiums = rank.and_then(|_| podiums.get(&row.track));
+        for (index, (_, key)) in groups.iter().enumerate() {
+            let podium = podiums.map(|podiums| podiums[index]).unwrap_or_default();
+            cells.push(honoured(miou(row, key), podium));
         }
         table.row(cells);
     }
@@ -370,6 +402,32 @@ mod tests {
         assert!(line("| 1 | alpha |").contains("| **62.50** |"), "{}", line("| 1 | alpha |"));
         assert!(line("| 3 | gamma |").contains("| *50.00* |"), "{}", line("| 3 | gamma |"));
         assert!(line("| oracle |").contains("baseline, used ground truth | 100.00 (95.5 to 100.0) |"));
+    }
+
+    #[test]
+    fn each_track_has_a_table_and_its_own_best() {
+        let board = sample::tracks();
+        let page = page(&board, &sample::statistics(&board), &[], &[]);
+        let (colour, rest) = page.split_once("## Track: colour + depth\n").unwrap();
+        assert!(colour.contains("## Track: colour\n") && colour.contains("| 1 | bright |"), "{page}");
+        assert!(colour.contains("| **40.00**") && !colour.contains("| deep"), "{page}");
+        assert!(rest.contains("| 1 | deeper |") && rest.contains("| **95.00**"), "{page}");
+        let tests = page.split_once("## What can be told apart").unwrap().1;
+        assert!(tests.contains("| colour | bright | dim |"), "{page}");
+        assert!(tests.contains("| colour + depth | deeper | deep |"), "{page}");
+        assert!(!tests.contains("| bright | deep"), "{page}");
+    }
+
+    #[test]
+    fn one_scene_has_no_best_and_no_tests() {
+        let mut board = sample::tracks();
+        board.heading.scenes = 1;
+        let one_scene = page(&board, &Statistics::default(), &[], &[]);
+        assert!(one_scene.contains(ONE_SCENE) && !one_scene.contains("**"), "{one_scene}");
+        assert!(!one_scene.contains("told apart") && !one_scene.contains("In brackets"), "{one_scene}");
+        let alone = Board::new(sample::heading(4, 0), vec![sample::row("a", 4, 50.0)]).unwrap();
+        let page = page(&alone, &sample::statistics(&alone), &[], &[]);
+        assert!(!page.contains("**") && !page.contains("told apart"), "{page}");
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! Who is ranked, who is only shown, and who belongs to another board.
 //!
-//! Ranks are shared by methods whose headline is equal in the digits that the tables print: a rank never claims a
-//! difference that the reader cannot see.
+//! Ranks are given within a track: who learned from rendered depth is not ranked with who did not. They are shared by
+//! methods whose headline is equal in the digits that the tables print: a rank never claims a difference that the reader
+//! cannot see.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::Profile;
+use l4d_data::results::Track;
 use l4d_score::summary::PARTIAL;
 
 use crate::error::BoardError;
@@ -14,7 +16,7 @@ use crate::row::{BoardRow, Heading, Metric};
 /// A method that competes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
-    /// From 1; equal headlines share it, and the next rank counts them all ("1 1 3").
+    /// From 1 in each track; equal headlines share it, and the next rank counts them all ("1 1 3").
     pub rank: usize,
     /// The method.
     pub row: BoardRow,
@@ -65,7 +67,7 @@ impl OtherBoard {
 pub struct Board {
     /// What it is a board of.
     pub heading: Heading,
-    /// Best first; equal ranks by name.
+    /// By track, the headline track first; within a track best first, equal ranks by name.
     pub ranked: Vec<Ranked>,
     /// Best first, then by name.
     pub unranked: Vec<Unranked>,
@@ -94,20 +96,25 @@ impl Board {
             let found: Vec<String> = other_boards(foreign).iter().map(OtherBoard::line).collect();
             return Err(BoardError::NoneHere { wanted: heading.line(), found: found.join("; ") });
         }
-        let mut ranked: Vec<Ranked> = Vec::new();
-        let mut unranked = Vec::new();
+        let (mut competing, mut unranked) = (Vec::new(), Vec::new());
         for row in mine {
             let reasons = reasons_against(&row, &heading);
             if reasons.is_empty() {
-                let tied =
-                    ranked.last().filter(|last| headline(&last.row) == headline(&row)).map(|last| last.rank);
-                let rank = tied.unwrap_or(ranked.len() + 1);
-                ranked.push(Ranked { rank, row });
+                competing.push(row);
             } else {
                 unranked.push(Unranked { reasons, row });
             }
         }
+        // Sorting is stable: the best of a track stay first.
+        competing.sort_by_key(|row| row.track);
+        let ranked = competing.chunk_by(|a, b| a.track == b.track).flat_map(ranked_in_order).collect();
         Ok(Self { heading, ranked, unranked, others: other_boards(foreign) })
+    }
+
+    /// The ranked methods of each track that has any.
+    pub fn tracks(&self) -> impl Iterator<Item = (Track, &[Ranked])> {
+        let alike = |a: &Ranked, b: &Ranked| a.row.track == b.row.track;
+        self.ranked.chunk_by(alike).map(|group| (group[0].row.track, group))
     }
 
     /// The methods of this board: the ranked, then the others; with their rank.
@@ -122,9 +129,29 @@ impl Board {
         entry.map(Unranked::reason).unwrap_or_default()
     }
 
-    /// Best and second-best printed value of a metric among ranked methods.
-    pub(crate) fn podium(&self, metric: Metric) -> Podium {
-        Podium::of(self.ranked.iter().filter_map(|entry| metric.of(&entry.row.scores.headline)), metric)
+    /// Best and second-best printed value among the ranked methods of a track. One scene says nothing of others, so
+    /// that no method of it is called best.
+    pub(crate) fn podium(
+        &self,
+        track: Track,
+        metric: Metric,
+        value: impl Fn(&BoardRow) -> Option<f64>,
+    ) -> Podium {
+        if self.is_of_one_scene() {
+            return Podium::default();
+        }
+        let rivals = self.ranked.iter().map(|entry| &entry.row).filter(|row| row.track == track);
+        Podium::of(rivals.filter_map(value), metric)
+    }
+
+    /// Whether nothing on it says how much scenes differ: then it has no intervals and no tests.
+    pub(crate) fn is_of_one_scene(&self) -> bool {
+        self.heading.scenes < 2
+    }
+
+    /// Whether some track has rivals, so that a method can be called best.
+    pub(crate) fn has_rivals(&self) -> bool {
+        !self.is_of_one_scene() && self.tracks().any(|(_, group)| group.len() > 1)
     }
 }
 
@@ -133,8 +160,8 @@ pub(crate) fn printed(value: f64) -> i64 {
     (value * 100.0).round() as i64
 }
 
-/// The two best printed values of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The two best printed values of a column; neither where there are no two values to compare.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Podium {
     best: Option<i64>,
     second: Option<i64>,
@@ -142,7 +169,11 @@ pub(crate) struct Podium {
 
 impl Podium {
     pub(crate) fn of(values: impl Iterator<Item = f64>, metric: Metric) -> Self {
-        let distinct: BTreeSet<i64> = values.map(printed).collect();
+        let values: Vec<i64> = values.map(printed).collect();
+        if values.len() < 2 {
+            return Self::default();
+        }
+        let distinct: BTreeSet<i64> = values.into_iter().collect();
         let mut best_first: Vec<i64> = distinct.into_iter().collect();
         if metric.higher_is_better() {
             best_first.reverse();
@@ -161,6 +192,17 @@ impl Podium {
 
 fn headline(row: &BoardRow) -> Option<i64> {
     Metric::ALL[0].of(&row.scores.headline).map(printed)
+}
+
+/// The ranks of rows of one track that are sorted.
+fn ranked_in_order(rows: &[BoardRow]) -> Vec<Ranked> {
+    let mut ranked: Vec<Ranked> = Vec::new();
+    for row in rows {
+        let tied = ranked.last().filter(|last| headline(&last.row) == headline(row)).map(|last| last.rank);
+        let rank = tied.unwrap_or(ranked.len() + 1);
+        ranked.push(Ranked { rank, row: row.clone() });
+    }
+    ranked
 }
 
 fn belongs(row: &BoardRow, heading: &Heading) -> bool {
@@ -213,6 +255,34 @@ mod tests {
         let rows = rows.map(|(name, value)| sample::row(name, 4, value)).to_vec();
         let board = Board::new(sample::heading(4, 0), rows).unwrap();
         assert_eq!(ranks(&board), [(1, "c"), (2, "a"), (2, "b"), (4, "e"), (5, "d")]);
+    }
+
+    #[test]
+    fn who_learned_from_depth_is_ranked_apart_however_good() {
+        let board = sample::tracks();
+        assert_eq!(ranks(&board), [(1, "bright"), (2, "dim"), (1, "deeper"), (2, "deep")]);
+        let groups: Vec<_> = board.tracks().map(|(track, group)| (track.as_str(), group.len())).collect();
+        assert_eq!(groups, [("colour", 2), ("colour+depth", 2)]);
+        let best = |track| {
+            let podium = board.podium(track, Metric::Miou, |row| row.scores.headline.miou);
+            [30.0, 40.0, 90.0, 95.0].map(|value| podium.is_best(value))
+        };
+        assert_eq!(best(Track::Colour), [false, true, false, false]);
+        assert_eq!(best(Track::ColourDepth), [false, false, false, true]);
+        assert_eq!(sample::board(14).tracks().count(), 1, "a track without a method is no group");
+    }
+
+    #[test]
+    fn no_method_is_best_alone_or_of_one_scene() {
+        let alone = Board::new(sample::heading(4, 0), vec![sample::row("a", 4, 50.0)]).unwrap();
+        let mut one_scene = sample::tracks();
+        one_scene.heading.scenes = 1;
+        for board in [alone, one_scene] {
+            let podium = board.podium(Track::Colour, Metric::Miou, |row| row.scores.headline.miou);
+            assert!(podium == Podium::default() && !podium.is_best(50.0) && !board.has_rivals());
+        }
+        assert!(sample::tracks().has_rivals());
+        assert_eq!(Podium::of([50.0].into_iter(), Metric::Miou), Podium::default());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use l4d_data::results::Track;
 use l4d_data::{Name, Profile};
 use l4d_score::metrics::Ratios;
 use l4d_score::{Breakdown, Estimate, Estimates, Metrics};
@@ -23,6 +24,8 @@ pub struct Heading {
     pub profile: Profile,
     /// Queries that a complete method answers.
     pub queries: usize,
+    /// Scenes that they are of.
+    pub scenes: usize,
     /// How many of them people have verified.
     pub verified: usize,
     /// Queries that nobody is asked, because people rejected them.
@@ -161,6 +164,8 @@ pub struct BoardRow {
     pub benchmark_version: String,
     /// Digest of the truth that it was scored against.
     pub truth_digest: String,
+    /// With whom it is ranked, if at all.
+    pub track: Track,
     /// Why it is not ranked on any board ([`l4d_score::Summary::unranked_because`]); empty for a method that competes.
     pub unranked_because: Vec<&'static str>,
     /// Some answers were missing and skipped.

@@ -6,9 +6,10 @@
 
 use std::path::Path;
 
+use l4d_data::results::Track;
 use l4d_data::{DataError, Name};
 use l4d_score::compare::Pair;
-use l4d_score::metrics::QueryTally;
+use l4d_score::metrics::{QueryTally, Ratios};
 use l4d_score::score::{counts_path, summary_path, tallies_of_counts};
 use l4d_score::{Exam, Group, Summary, all_pairs, counts, groups};
 use rayon::prelude::*;
@@ -41,12 +42,13 @@ pub struct MethodGroups {
     pub groups: Vec<Group>,
 }
 
-/// All pairs of complete methods by one metric.
+/// All pairs of complete methods of a track by one metric; p values are corrected for those of the track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparisons {
     /// By what.
     pub metric: Metric,
-    /// `first` and `second` index [`Statistics::methods`]. Partial methods are in none: they rest on other frames.
+    /// By track. `first` and `second` index [`Statistics::methods`]. Partial methods are in none: they rest on other
+    /// frames.
     pub pairs: Vec<Pair>,
 }
 
@@ -62,15 +64,15 @@ impl Statistics {
             name: row.name.clone(),
             groups: groups(tallies, exam, seed),
         };
-        let complete: Vec<usize> =
-            (0..shown.len()).filter(|&index| shown[index].is_complete(&board.heading)).collect();
-        let compared: Vec<&[QueryTally]> = complete.iter().map(|&index| tallies[index].as_slice()).collect();
+        let complete_of = |track| -> Vec<usize> {
+            let is_rival =
+                |&index: &usize| shown[index].track == track && shown[index].is_complete(&board.heading);
+            (0..shown.len()).filter(is_rival).collect()
+        };
         let comparisons = COMPARED.map(|metric| {
-            let mut pairs = all_pairs(&compared, |ratios| metric.of_ratios(ratios), seed);
-            for pair in &mut pairs {
-                (pair.first, pair.second) = (complete[pair.first], complete[pair.second]);
-            }
-            Comparisons { metric, pairs }
+            let of_track =
+                |track| pairs_among(&complete_of(track), &tallies, |ratios| metric.of_ratios(ratios), seed);
+            Comparisons { metric, pairs: Track::ALL.into_iter().flat_map(of_track).collect() }
         });
         Ok(Self {
             methods: shown.par_iter().zip(&tallies).map(of_method).collect(),
@@ -98,6 +100,21 @@ impl Statistics {
         let found = self.methods.iter().find(|found| found.name == *method)?;
         found.groups.iter().find(|group| group.kind == kind && group.name == name)
     }
+}
+
+/// Compares some of the methods with each other.
+fn pairs_among(
+    members: &[usize],
+    tallies: &[Vec<QueryTally>],
+    ratio: impl Fn(&Ratios) -> Option<f64> + Sync,
+    seed: u64,
+) -> Vec<Pair> {
+    let compared: Vec<&[QueryTally]> = members.iter().map(|&index| tallies[index].as_slice()).collect();
+    let mut pairs = all_pairs(&compared, ratio, seed);
+    for pair in &mut pairs {
+        (pair.first, pair.second) = (members[pair.first], members[pair.second]);
+    }
+    pairs
 }
 
 fn tallies(scores: &Path, name: &Name, exam: &Exam) -> Result<Vec<QueryTally>, DataError> {

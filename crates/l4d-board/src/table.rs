@@ -3,6 +3,7 @@
 //! One row per method, or per method and group; percentages with four decimals, an empty field where there is no
 //! value. Each row repeats what the board is of, so that a row cut out of its file still says what it means.
 
+use l4d_data::results::Track;
 use l4d_data::{Name, Query};
 use l4d_score::{Average, Estimate, Group, Metrics};
 use polars::prelude::{Column, CsvWriter, DataFrame, SerWriter as _};
@@ -39,7 +40,7 @@ pub(crate) fn leaderboard(board: &Board) -> Result<Vec<u8>, BoardError> {
         .chain(board.unranked.iter().map(|entry| entry.reason()))
         .collect();
     let mut columns = identity(&entries);
-    columns.insert(2, text("version", entries.iter().map(|entry| entry.row.version.clone())));
+    columns.insert(3, text("version", entries.iter().map(|entry| entry.row.version.clone())));
     columns.push(text("unranked_because", reasons));
     columns.extend(metrics(&entries));
     let end = |end: usize| move |entry: &Entry| Some(entry.row.miou?.interval?[end]);
@@ -112,6 +113,7 @@ pub(crate) fn groups(board: &Board, statistics: &Statistics) -> Result<Vec<u8>, 
     };
     let mut columns = vec![
         ranks("rank", entries.iter().map(|(rank, ..)| *rank)),
+        text("track", rows(&|row, _| row.track.as_str().to_owned())),
         text("method", rows(&|row, _| row.name.to_string())),
         text("unranked_because", rows(&|row, _| board.why_unranked(row))),
         text("kind", rows(&|_, group| group.kind.as_str().to_owned())),
@@ -132,6 +134,7 @@ pub(crate) fn groups(board: &Board, statistics: &Statistics) -> Result<Vec<u8>, 
 /// `comparisons.csv`: one row a metric and pair of methods.
 pub(crate) fn comparisons(board: &Board, statistics: &Statistics) -> Result<Vec<u8>, BoardError> {
     let ranked: Vec<Option<usize>> = board.rows().map(|(rank, _)| rank).collect();
+    let tracks: Vec<Track> = board.rows().map(|(_, row)| row.track).collect();
     let pairs: Vec<_> = statistics
         .comparisons
         .iter()
@@ -146,6 +149,7 @@ pub(crate) fn comparisons(board: &Board, statistics: &Statistics) -> Result<Vec<
     };
     let mut columns = vec![
         text("metric", pairs.iter().map(|(metric, _)| metric.key().to_owned())),
+        text("track", pairs.iter().map(|(_, pair)| tracks[pair.first].as_str().to_owned())),
         ranks("first_rank", pairs.iter().map(|(_, pair)| ranked[pair.first])),
         text("first", pairs.iter().map(|(_, pair)| name(pair.first))),
         ranks("second_rank", pairs.iter().map(|(_, pair)| ranked[pair.second])),
@@ -201,6 +205,10 @@ pub(crate) fn layout(board: &Board, layout: &Layout) -> Result<Vec<u8>, BoardErr
     let mut columns = vec![
         text("source", cells.iter().map(|(source, ..)| (*source).to_owned())),
         ranks("rank", cells.iter().map(|(_, line, ..)| line.rank)),
+        text(
+            "track",
+            cells.iter().map(|(_, line, ..)| line.track.map(Track::as_str).unwrap_or_default().to_owned()),
+        ),
         text("setting", cells.iter().map(|(_, line, ..)| line.label.clone())),
         text("unranked_because", cells.iter().map(|(_, line, ..)| line.unranked_because.clone())),
         text("column", cells.iter().map(|(_, _, column, ..)| (*column).clone())),
@@ -269,6 +277,7 @@ fn grouped<'a>(
 fn identity(entries: &[Entry]) -> Vec<Column> {
     vec![
         ranks("rank", entries.iter().map(|entry| entry.rank)),
+        text("track", entries.iter().map(|entry| entry.row.track.as_str().to_owned())),
         text("method", entries.iter().map(|entry| entry.row.name.to_string())),
     ]
 }
@@ -360,12 +369,12 @@ mod tests {
     #[test]
     fn the_leaderboard_is_the_hand_made_one() {
         let expected = "\
-rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,miou_low,miou_high,miou_micro,miou_macro_scene,miou_macro_category,seconds,link,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries,rejected_queries
-1,alpha,0.1,\"\",4,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,58.0000,66.5000,62.5000,,,12.3400,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
-1,beta,0.1,\"\",4,62.5000,75.0000,62.5000,62.5000,62.5000,62.5000,37.5000,58.0000,66.5000,62.5000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
-3,gamma,0.1,\"\",4,50.0000,50.0000,50.0000,50.0000,50.0000,,50.0000,45.5000,54.0000,50.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
-,oracle,0.1,\"baseline, used ground truth\",4,100.0000,100.0000,100.0000,100.0000,100.0000,100.0000,0.0000,95.5000,100.0000,100.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
-,half,0.1,partial,2,80.0000,80.0000,80.0000,80.0000,80.0000,80.0000,20.0000,75.5000,84.0000,80.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0";
+rank,track,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,miou_low,miou_high,miou_micro,miou_macro_scene,miou_macro_category,seconds,link,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries,rejected_queries
+1,colour,alpha,0.1,\"\",4,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,58.0000,66.5000,62.5000,,,12.3400,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+1,colour,beta,0.1,\"\",4,62.5000,75.0000,62.5000,62.5000,62.5000,62.5000,37.5000,58.0000,66.5000,62.5000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+3,colour,gamma,0.1,\"\",4,50.0000,50.0000,50.0000,50.0000,50.0000,,50.0000,45.5000,54.0000,50.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+,colour,oracle,0.1,\"baseline, used ground truth\",4,100.0000,100.0000,100.0000,100.0000,100.0000,100.0000,0.0000,95.5000,100.0000,100.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0
+,colour,half,0.1,partial,2,80.0000,80.0000,80.0000,80.0000,80.0000,80.0000,20.0000,75.5000,84.0000,80.0000,,,,\"\",Panoptic-L4D,1.0.0,l4d,small,4,1,0";
         let found = lines(leaderboard(&sample::hand_made()).unwrap());
         assert_eq!(found, expected.lines().collect::<Vec<_>>());
     }
@@ -376,17 +385,33 @@ rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,sele
         assert_eq!(
             found[..2],
             [
-                "rank,method,category,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries,rejected_queries",
-                "1,alpha,attribute,1,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,Panoptic-L4D,1.0.0,l4d,small,4,1,0",
+                "rank,track,method,category,queries,miou,macc,acc25,acc50,tube_iou,select,false_positive_rate,benchmark,benchmark_version,protocol,profile,board_queries,verified_queries,rejected_queries",
+                "1,colour,alpha,attribute,1,62.5000,62.5000,62.5000,62.5000,62.5000,62.5000,37.5000,Panoptic-L4D,1.0.0,l4d,small,4,1,0",
             ]
         );
         // Five methods, four categories, one missing.
         assert_eq!(found.len(), 1 + 5 * 4 - 1);
-        assert!(!found.iter().any(|line| line.starts_with("3,gamma,spatial")));
+        assert!(!found.iter().any(|line| line.starts_with("3,colour,gamma,spatial")));
         assert_eq!(lines(per_scale(&sample::hand_made()).unwrap()).len(), 1 + 5 * 3);
         assert!(
-            lines(per_scene(&sample::hand_made()).unwrap())[1].starts_with("1,alpha,room_living_cats,4,")
+            lines(per_scene(&sample::hand_made()).unwrap())[1]
+                .starts_with("1,colour,alpha,room_living_cats,4,")
         );
+    }
+
+    #[test]
+    fn every_row_says_its_track_and_ranks_begin_anew_in_each() {
+        let found = lines(leaderboard(&sample::tracks()).unwrap());
+        let starts: Vec<String> =
+            found[1..].iter().map(|line| line.splitn(4, ',').take(3).collect::<Vec<_>>().join(",")).collect();
+        let expected = [
+            "1,colour,bright",
+            "2,colour,dim",
+            "1,colour+depth,deeper",
+            "2,colour+depth,deep",
+            ",colour,oracle",
+        ];
+        assert_eq!(starts, expected);
     }
 
     #[test]
@@ -395,7 +420,7 @@ rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,sele
         row.version = "1,\"x\"\ny".to_owned();
         let board = Board::new(sample::heading(4, 0), vec![row]).unwrap();
         let text = String::from_utf8(leaderboard(&board).unwrap()).unwrap();
-        assert!(text.contains("1,a,\"1,\"\"x\"\"\ny\",\"\","), "{text}");
+        assert!(text.contains("1,colour,a,\"1,\"\"x\"\"\ny\",\"\","), "{text}");
     }
 
     #[test]
@@ -404,6 +429,6 @@ rank,method,version,unranked_because,queries,miou,macc,acc25,acc50,tube_iou,sele
         (row.version, row.link) = ("=1+1".to_owned(), "@SUM(A1)".to_owned());
         let board = Board::new(sample::heading(4, 0), vec![row]).unwrap();
         let text = String::from_utf8(leaderboard(&board).unwrap()).unwrap();
-        assert!(text.contains("1,a,'=1+1,") && text.contains(",'@SUM(A1),"), "{text}");
+        assert!(text.contains("1,colour,a,'=1+1,") && text.contains(",'@SUM(A1),"), "{text}");
     }
 }

@@ -1,5 +1,6 @@
 //! What methods took for the thing that was meant: look-alikes, other things, nothing.
 
+use l4d_data::results::Track;
 use l4d_data::{Name, Query, Role};
 
 use crate::detail::{AskedScene, Detail, Details, Thing};
@@ -65,6 +66,7 @@ pub(crate) struct Taken<'a> {
 pub(crate) struct Choices<'a> {
     pub(crate) method: &'a Name,
     pub(crate) is_ranked: bool,
+    pub(crate) track: Track,
     /// Queries whose target is visible, in order.
     pub(crate) taken: Vec<Taken<'a>>,
 }
@@ -85,6 +87,7 @@ pub(crate) fn choices<'a>(board: &'a Board, details: &'a Details) -> Vec<Choices
     let of_method = |((rank, row), detail): ((Option<usize>, &'a crate::BoardRow), &'a Detail)| Choices {
         method: &row.name,
         is_ranked: rank.is_some(),
+        track: row.track,
         taken: taken(detail, details),
     };
     board.rows().zip(&details.methods).map(of_method).collect()

@@ -1,6 +1,7 @@
 //! The board as aligned text for a terminal, at most [`WIDTH`] columns wide.
 
 use l4d_data::Category;
+use l4d_data::results::Track;
 use l4d_score::cluster::FEW_SCENES;
 
 use crate::rank::Board;
@@ -14,6 +15,10 @@ const HEADLINES: [Metric; 4] = [Metric::Miou, Metric::Macc, Metric::TubeIou, Met
 const NUMBER_WIDTH: usize = 8;
 const RANK_WIDTH: usize = 4;
 const SECONDS_WIDTH: usize = 9;
+const UNRANKED: &str = "not ranked, shown for scale";
+/// In place of intervals and tests.
+pub(crate) const ONE_SCENE: &str =
+    "One scene says nothing of others: no intervals, no p values, and no method is called best.";
 
 /// The board as lines of text: ranked methods, then those that are only shown, then other boards'.
 pub fn text_table(board: &Board) -> String {
@@ -30,12 +35,16 @@ pub fn text_table(board: &Board) -> String {
     if board.ranked.is_empty() {
         lines.push("   - no method is ranked".to_owned());
     }
-    for entry in &board.ranked {
-        lines.extend(row_lines(&entry.rank.to_string(), &entry.row, name_width));
+    for (index, (track, group)) in board.tracks().enumerate() {
+        lines.extend((index > 0).then(String::new));
+        lines.push(track_line(track));
+        for entry in group {
+            lines.extend(row_lines(&entry.rank.to_string(), &entry.row, name_width));
+        }
     }
     if !board.unranked.is_empty() {
         lines.push(String::new());
-        lines.push("not ranked, shown for scale".to_owned());
+        lines.push(UNRANKED.to_owned());
         for entry in &board.unranked {
             lines.extend(row_lines("-", &entry.row, name_width));
             lines.push(format!("{:RANK_WIDTH$} ({})", "", entry.reason()));
@@ -51,8 +60,8 @@ pub fn text_table(board: &Board) -> String {
     lines.join("\n")
 }
 
-/// What the means of the board can tell, as lines of text: intervals, and by how much each method is ahead of the next.
-/// Empty without a method whose counts were read.
+/// What the means of the board can tell, as lines of text: intervals, and by how much each method is ahead of the next
+/// of its track. Empty without a method whose counts were read.
 pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
     const VALUE_WIDTH: usize = 22;
     const SHORT_WIDTH: usize = 9;
@@ -62,13 +71,28 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
     if longest == 0 {
         return String::new();
     }
+    if board.is_of_one_scene() {
+        return ONE_SCENE.to_owned();
+    }
     let name_width = longest.clamp("method".len(), room);
+    let tests = match neighbours.is_empty() {
+        true => String::new(),
+        false => {
+            format!("{:>VALUE_WIDTH$}{:>SHORT_WIDTH$}{:>SHORT_WIDTH$}", "ahead of the next", "p", "detect.")
+        }
+    };
     let mut lines = vec![format!(
-        "{:>RANK_WIDTH$} {:name_width$}{:>VALUE_WIDTH$}{:>VALUE_WIDTH$}{:>SHORT_WIDTH$}{:>SHORT_WIDTH$}",
-        "rank", "method", "mIoU (95 % interval)", "ahead of the next", "p", "detect."
+        "{:>RANK_WIDTH$} {:name_width$}{:>VALUE_WIDTH$}{tests}",
+        "rank", "method", "mIoU (95 % interval)"
     )];
     let mut is_rough = false;
+    let mut group = None;
     for (index, ((rank, row), method)) in board.rows().zip(&statistics.methods).enumerate() {
+        let track = rank.map(|_| row.track);
+        if track != group || index == 0 {
+            lines.push(track.map_or_else(|| UNRANKED.to_owned(), track_line));
+            group = track;
+        }
         let interval = |[low, high]: [f64; 2]| format!(" ({low:.1} to {high:.1})");
         let with_interval =
             |text: String, found: Option<[f64; 2]>| text + &found.map(interval).unwrap_or_default();
@@ -94,11 +118,14 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
         lines.push(line.trim_end().to_owned());
         lines.extend(name_lines.map(|rest| format!("{:RANK_WIDTH$} {rest}", "")));
     }
-    lines.extend(wrap(
-        "Intervals are clustered by scene. p: by flipping the signs of scenes, corrected for all pairs (Holm); detect.: a true \
-         difference of so many points would be found four times in five.",
-        WIDTH,
-    ));
+    let mut about = "Intervals are clustered by scene.".to_owned();
+    if !neighbours.is_empty() {
+        about.push_str(
+            " p: by flipping the signs of scenes, corrected for all pairs of the track (Holm); detect.: a true difference \
+             of so many points would be found four times in five.",
+        );
+    }
+    lines.extend(wrap(&about, WIDTH));
     if is_rough {
         lines.push(format!("Fewer than {FEW_SCENES} scenes: intervals may be too narrow."));
     }
@@ -106,6 +133,11 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
         lines.push(format!("{} more methods are not compared.", statistics.left_out));
     }
     lines.join("\n")
+}
+
+/// Above the methods that are ranked with each other.
+fn track_line(track: Track) -> String {
+    format!("track: {}", track.title())
 }
 
 fn header(name_width: usize) -> Vec<String> {
@@ -183,7 +215,7 @@ mod tests {
 
     #[test]
     fn no_line_is_wider_than_the_terminal() {
-        for board in [sample::board(1), sample::board(14), sample::long_names()] {
+        for board in [sample::board(1), sample::board(14), sample::long_names(), sample::tracks()] {
             let text = text_table(&board);
             for line in text.lines() {
                 assert!(line.chars().count() <= WIDTH, "{} columns: {line}", line.chars().count());
@@ -198,7 +230,7 @@ mod tests {
 
     #[test]
     fn no_line_of_statistics_is_wider_than_the_terminal() {
-        for board in [sample::board(1), sample::board(14), sample::long_names()] {
+        for board in [sample::board(1), sample::board(14), sample::long_names(), sample::tracks()] {
             let text = text_statistics(&board, &sample::statistics(&board));
             for line in text.lines() {
                 assert!(line.chars().count() <= WIDTH, "{} columns: {line}", line.chars().count());
@@ -208,9 +240,50 @@ mod tests {
         let text = text_statistics(&board, &sample::statistics(&board));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "rank method  mIoU (95 % interval)     ahead of the next        p  detect.");
-        assert_eq!(lines[1], "   1 alpha   62.50 (58.0 to 66.5)   +0.00 (-4.5 to 4.5)   1.0000     6.20");
-        assert_eq!(lines[5], "   - half    80.00 (75.5 to 84.0)", "a partial method is compared with none");
+        assert_eq!(lines[1], "track: colour");
+        assert_eq!(lines[2], "   1 alpha   62.50 (58.0 to 66.5)   +0.00 (-4.5 to 4.5)   1.0000     6.20");
+        assert_eq!(lines[5], UNRANKED);
+        assert_eq!(lines[7], "   - half    80.00 (75.5 to 84.0)", "a partial method is compared with none");
         assert_eq!(text_statistics(&board, &Statistics::default()), "");
+    }
+
+    #[test]
+    fn tracks_are_apart_and_not_tested_against_each_other() {
+        let board = sample::tracks();
+        let text = text_table(&board);
+        let starts: Vec<&str> = text
+            .lines()
+            .skip(4)
+            .map(|line| line.split("  ").find(|part| !part.is_empty()).unwrap_or_default().trim())
+            .collect();
+        let expected = [
+            "track: colour",
+            "1 bright",
+            "2 dim",
+            "",
+            "track: colour + depth",
+            "1 deeper",
+            "2 deep",
+            "",
+            UNRANKED,
+            "- oracle",
+            "(baseline)",
+        ];
+        assert_eq!(starts, expected, "{text}");
+        let text = text_statistics(&board, &sample::statistics(&board));
+        let line = |start: &str| text.lines().find(|line| line.contains(start)).unwrap();
+        assert!(line("deeper").contains("+5.00") && line("bright").contains("+10.00"), "{text}");
+        assert!(!line("dim").contains('+') && !line("2 deep ").contains('+'), "{text}");
+    }
+
+    #[test]
+    fn one_scene_and_one_method_have_no_p() {
+        let mut board = sample::board(14);
+        board.heading.scenes = 1;
+        assert_eq!(text_statistics(&board, &sample::statistics(&board)), ONE_SCENE);
+        let board = sample::board(1);
+        let text = text_statistics(&board, &sample::statistics(&board));
+        assert!(text.contains("rank method") && !text.contains("p:") && !text.contains("detect."), "{text}");
     }
 
     #[test]
@@ -236,11 +309,11 @@ mod tests {
             "rank method       mIoU    mAcc    tube  select attrib.  action spatial  inter.  seconds"
         );
         assert_eq!(
-            lines[4],
+            lines[5],
             "   1 alpha       62.50   62.50   62.50   62.50   62.50   62.50   62.50   62.50     12.3"
         );
         assert_eq!(
-            lines[6],
+            lines[7],
             "   3 gamma       50.00   50.00   50.00       -   50.00   50.00       -   50.00        -"
         );
         assert!(text.contains("   - oracle     100.00  100.00"), "{text}");

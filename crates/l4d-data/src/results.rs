@@ -19,9 +19,59 @@ pub struct Used {
     pub ground_truth: bool,
     /// Pictures of the held-out view.
     pub test_view: bool,
+    /// Rendered depth of the training views, directly or through a model that learned from it. Cards of before there was
+    /// the field do not say it.
+    #[serde(default)]
+    pub depth: bool,
     /// Model servers that were asked.
     #[serde(default)]
     pub endpoints: Vec<String>,
+}
+
+impl Used {
+    /// With whom the method is ranked.
+    pub fn track(&self) -> Track {
+        Track::of_depth(self.depth)
+    }
+}
+
+/// Methods that are ranked with each other. Rendered depth is exact, which no camera measures, so that who learned from
+/// it is not ranked with who did not.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub enum Track {
+    /// Colour alone: the headline.
+    #[default]
+    #[serde(rename = "colour")]
+    Colour,
+    /// Colour and rendered depth.
+    #[serde(rename = "colour+depth")]
+    ColourDepth,
+}
+
+impl Track {
+    /// The headline first.
+    pub const ALL: [Self; 2] = [Self::Colour, Self::ColourDepth];
+
+    /// That of a method which saw rendered depth, or did not.
+    pub fn of_depth(saw_depth: bool) -> Self {
+        if saw_depth { Self::ColourDepth } else { Self::Colour }
+    }
+
+    /// In files and on the command line.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Colour => "colour",
+            Self::ColourDepth => "colour+depth",
+        }
+    }
+
+    /// For people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Colour => "colour",
+            Self::ColourDepth => "colour + depth",
+        }
+    }
 }
 
 /// `results/<method>/method.json`.
@@ -125,4 +175,20 @@ pub struct MaskFile {
     /// Four-digit frame -> compressed COCO counts (column-major), null = the method says absent. A missing key is
     /// a missing answer.
     pub frames: BTreeMap<String, Option<String>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cards_of_before_there_was_depth_are_of_the_headline_track() {
+        let old: Used = serde_json::from_str(r#"{"ground_truth": false, "test_view": false}"#).unwrap();
+        assert_eq!((old.depth, old.track()), (false, Track::Colour));
+        let new = Used { depth: true, ..old };
+        assert_eq!(serde_json::to_value(new.track()).unwrap(), new.track().as_str());
+        let text = serde_json::to_string(&new).unwrap();
+        assert!(text.contains("\"depth\":true"), "{text}");
+        assert_eq!(serde_json::from_str::<Used>(&text).unwrap(), new);
+    }
 }

@@ -113,6 +113,27 @@ impl Format {
         }
     }
 
+    /// Whether it holds points of surfaces.
+    fn holds_points(self) -> bool {
+        match self {
+            Self::FourDGaussians
+            | Self::Dynerf
+            | Self::Blender
+            | Self::FourDLangSplat
+            | Self::Dnerf
+            | Self::LangSplat
+            | Self::Nerfstudio
+            | Self::Colmap
+            | Self::ColmapText => true,
+            Self::Plain | Self::Coco | Self::Davis | Self::FourDLangSplatAnnotations | Self::LerfOvs => false,
+        }
+    }
+
+    /// Whether it holds depth, where the scene has some.
+    fn holds_depth(self) -> bool {
+        self == Self::Nerfstudio
+    }
+
     /// Whether it shows which pixels are whose.
     fn holds_masks(self) -> bool {
         matches!(self, Self::Coco | Self::Davis)
@@ -204,7 +225,8 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
     let job = Job { order, footage: &footage, tick };
     check(&job)?;
     let folder = Folder::claim(&order, &footage)?;
-    let manifest = write(&job, Manifest::new(&order, &footage)?)?;
+    let mut manifest = write(&job, Manifest::new(&order, &footage)?)?;
+    manifest.note_depth();
     folder.settle(manifest, &footage)
 }
 

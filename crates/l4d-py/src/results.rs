@@ -26,7 +26,8 @@ use crate::query::{Query, query_id};
 ///
 /// A run that was killed is continued by the same call: `remaining()` leaves out what stands there whole. `ground_truth`
 /// says that the method saw any (such results are shown and never ranked), `test_view` that it saw pictures of the
-/// held-out view, `endpoints` which model servers it asked. `overwrite` removes what stands there.
+/// held-out view, `depth` that it learned from rendered depth of the training views, itself or through a model (such results
+/// are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what stands there.
 #[pyclass(frozen, module = "l4d")]
 #[derive(Debug)]
 pub(crate) struct ResultsWriter {
@@ -38,7 +39,7 @@ pub(crate) struct ResultsWriter {
 #[pymethods]
 impl ResultsWriter {
     #[new]
-    #[pyo3(signature = (path, benchmark, *, version, link = "", ground_truth = false, test_view = false, endpoints = None, overwrite = false))]
+    #[pyo3(signature = (path, benchmark, *, version, link = "", ground_truth = false, test_view = false, depth = false, endpoints = None, overwrite = false))]
     #[expect(clippy::too_many_arguments, reason = "a card has that many fields")]
     fn new(
         path: PathBuf,
@@ -47,6 +48,7 @@ impl ResultsWriter {
         link: &str,
         ground_truth: bool,
         test_view: bool,
+        depth: bool,
         endpoints: Option<Vec<String>>,
         overwrite: bool,
     ) -> Result<Self> {
@@ -64,7 +66,7 @@ impl ResultsWriter {
             height: profile.height(),
             frames: profile.frames().collect(),
             protocol: PROTOCOL.to_owned(),
-            used: Used { ground_truth, test_view, endpoints: endpoints.unwrap_or_default() },
+            used: Used { ground_truth, test_view, depth, endpoints: endpoints.unwrap_or_default() },
             baseline: false,
             seconds: None,
             reported: BTreeMap::new(),

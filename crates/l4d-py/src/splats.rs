@@ -64,6 +64,12 @@ impl Splats {
         self.source.model.dynamic.len()
     }
 
+    /// Whether it learned from rendered depth of the training views, or None where it does not say so.
+    #[getter]
+    fn saw_depth(&self) -> Option<bool> {
+        self.source.saw_depth
+    }
+
     /// What was ignored or assumed when it was read, a sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {

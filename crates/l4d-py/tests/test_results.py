@@ -98,7 +98,7 @@ def test_findings_are_those_of_the_verb(benchmark: l4d.Benchmark, world: Path, m
 
 
 def test_what_is_written_is_scored(benchmark: l4d.Benchmark, tmp_path: Path) -> None:
-    writer = l4d.ResultsWriter(tmp_path / "mine", benchmark, version="1", ground_truth=True, endpoints=["none"])
+    writer = l4d.ResultsWriter(tmp_path / "mine", benchmark, version="1", ground_truth=True, depth=True, endpoints=["none"])
     truth = benchmark.truth("ball")
     assert [query.id for query in writer.remaining()] == QUERIES and writer.name == "mine"
     assert {finding.code for finding in l4d.check(writer.path, benchmark)} == {"L4D308"}
@@ -107,7 +107,9 @@ def test_what_is_written_is_scored(benchmark: l4d.Benchmark, tmp_path: Path) -> 
     writer.write(benchmark.query(QUERIES[1]), {frame: masks[at] for at, frame in enumerate(benchmark.frames)})
     assert [query.id for query in writer.remaining("ball")] == QUERIES[2:]
 
-    again = l4d.ResultsWriter(tmp_path / "mine", benchmark, version="1", ground_truth=True, endpoints=["none"])
+    again = l4d.ResultsWriter(
+        tmp_path / "mine", benchmark, version="1", ground_truth=True, depth=True, endpoints=["none"]
+    )
     assert [query.id for query in again.remaining()] == QUERIES[2:]
     gated = {frame: None if not 24 <= frame <= 72 else truth.mask(QUERIES[2], frame) for frame in benchmark.frames}
     again.write(QUERIES[2], gated)
@@ -117,7 +119,7 @@ def test_what_is_written_is_scored(benchmark: l4d.Benchmark, tmp_path: Path) -> 
     assert [document["methods"][0][metric] for metric in ("miou", "tube_iou", "select")] == [100.0] * 3
     card = json.loads((tmp_path / "mine/method.json").read_text())
     assert card["seconds"] == 1.5 and card["truth_digest"] == benchmark.truth_digest
-    assert card["used"] == {"ground_truth": True, "test_view": False, "endpoints": ["none"]}
+    assert card["used"] == {"ground_truth": True, "test_view": False, "depth": True, "endpoints": ["none"]}
 
     # The same bytes as the baseline's, which Rust wrote.
     l4d.write_baseline("oracle", benchmark, tmp_path)

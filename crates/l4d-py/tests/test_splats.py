@@ -45,6 +45,7 @@ def test_a_clip_is_its_pictures(splats: l4d.Splats, scene: l4d.Scene) -> None:
 def test_a_model_says_what_it_is(splats: l4d.Splats) -> None:
     assert splats.family == "l4d" and splats.gaussian_count > splats.dynamic_count > 0
     assert splats.notes == [] and splats.scene is None and splats.profile is None
+    assert splats.saw_depth is None
 
 
 def test_clips_on_disk_are_what_the_verb_drew(splats: l4d.Splats, scene: l4d.Scene, world: Path) -> None:

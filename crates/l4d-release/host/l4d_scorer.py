@@ -318,10 +318,22 @@ class Submission:
         used = card.get("used")
         if not isinstance(used, dict) or not isinstance(used.get("ground_truth"), bool) or not isinstance(used.get("test_view"), bool):
             self.problems.append("method.json: field `used` has to say whether ground_truth and test_view were used")
-        elif used["ground_truth"]:
-            self.problems.append("method.json: results that used the ground truth are not ranked")
+        else:
+            self.check_used(used, reference)
         if card.get("baseline", False) is not False or card.get("name") in BASELINES:
             self.problems.append("method.json: baselines are not ranked; the names %s are theirs" % ", ".join(BASELINES))
+
+    def check_used(self, used, reference):
+        if used["ground_truth"]:
+            self.problems.append("method.json: results that used the ground truth are not ranked")
+        # Cards of before there was the field, and references of before there were tracks, are of the track colour.
+        depth, track = used.get("depth", False), reference.get("track", "colour")
+        if not isinstance(depth, bool):
+            self.problems.append("method.json: `depth` in field `used` has to be true or false")
+        elif depth and track == "colour":
+            self.problems.append("method.json: what learned from rendered depth is ranked in another track; here it is colour")
+        elif not depth and track != "colour":
+            self.problems.append("method.json: what did not learn from rendered depth is ranked in the track colour; here it is colour + depth")
 
     def answers(self, scene, query):
         """Frame -> runs, or None for absent, one frame after another; what has no answer is not among them."""

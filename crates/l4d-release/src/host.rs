@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use l4d_data::benchmark::SetSplit;
-use l4d_data::results::{MaskFile, MethodCard, Used};
+use l4d_data::results::{MaskFile, MethodCard, Track, Used};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::Truth;
 use l4d_data::truth::frame_key;
@@ -56,6 +56,8 @@ pub struct Season {
     pub publication: Publication,
     /// Last day; none: it doesn't end.
     pub until: Option<Day>,
+    /// Whose methods compete: platforms rank all that they take with each other.
+    pub track: Track,
 }
 
 impl Setting<'_> {
@@ -90,11 +92,14 @@ impl Setting<'_> {
         let mut values = self.values();
         values["publication"] = json!(season.publication);
         values["until"] = json!(season.until);
+        values["track"] = season.track.as_str().into();
+        values["track_title"] = season.track.title().into();
+        values["takes_depth"] = (season.track == Track::ColourDepth).into();
         values
     }
 
     /// Reference data: the benchmark's own files, and one that says which they are.
-    fn reference(&self) -> Result<Files, DataError> {
+    fn reference(&self, track: Track) -> Result<Files, DataError> {
         let manifest = &self.gathered.manifest;
         let scenes: Vec<&Name> = self.scenes().map(|(scene, _)| &scene.name).collect();
         let card = json!({
@@ -103,6 +108,7 @@ impl Setting<'_> {
             "version": manifest.version,
             "profile": self.profile,
             "truth_digest": self.truth_digest,
+            "track": track,
             "scenes": scenes,
         });
         let mut files = Files::from([("reference.json".to_owned(), format!("{card:#}\n").into_bytes())]);
@@ -124,7 +130,7 @@ impl Setting<'_> {
     }
 
     /// A sound submission that finds nothing anywhere: the format by example.
-    fn example(&self) -> Result<Files, DataError> {
+    fn example(&self, track: Track) -> Result<Files, DataError> {
         let name = Name::new("absent-everywhere").map_err(|error| unwritable("method.json", &error))?;
         let card = MethodCard {
             name,
@@ -137,7 +143,7 @@ impl Setting<'_> {
             height: self.profile.height(),
             frames: self.profile.frames().collect(),
             protocol: "l4d".to_owned(),
-            used: Used::default(),
+            used: Used { depth: track == Track::ColourDepth, ..Used::default() },
             baseline: false,
             seconds: None,
             reported: BTreeMap::new(),
@@ -235,7 +241,7 @@ mod tests {
             url: "https://example.org".to_owned(),
             creators: vec!["A".to_owned()],
         };
-        let season = Season { publication, until: None };
+        let season = Season { publication, until: None, track: Track::Colour };
         let mut says_public = |split: SetSplit| {
             gathered.manifest.split = split;
             let setting = Setting { gathered: &gathered, profile: Profile::Tiny, truth_digest: "0" };

@@ -134,7 +134,7 @@ fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
         height,
         frames: exam.clip.clone(),
         protocol: PROTOCOL.to_owned(),
-        used: Used { ground_truth: baseline.uses_truth(), test_view: false, endpoints: Vec::new() },
+        used: Used { ground_truth: baseline.uses_truth(), ..Used::default() },
         baseline: true,
         seconds: None,
         reported: BTreeMap::new(),

@@ -101,7 +101,8 @@ impl Pair {
     }
 }
 
-/// Compares each of several methods with each behind it, in that order; pairs without a common query are left out.
+/// Compares each of several methods with each behind it, in that order. Left out are pairs without a common query and
+/// those whose common queries are all of one scene: it says nothing of others, so that there is nothing to test.
 pub fn all_pairs(
     methods: &[&[QueryTally]],
     ratio: impl Fn(&Ratios) -> Option<f64> + Sync,
@@ -113,7 +114,8 @@ pub fn all_pairs(
     let compared: Vec<(usize, usize, Comparison)> = pairs
         .into_par_iter()
         .filter_map(|(first, second)| {
-            Some((first, second, Comparison::of(methods[first], methods[second], &ratio, seed)?))
+            let found = Comparison::of(methods[first], methods[second], &ratio, seed)?;
+            (found.difference.scenes > 1).then_some((first, second, found))
         })
         .collect();
     let corrected = holm(&compared.iter().map(|(.., comparison)| comparison.p).collect::<Vec<_>>());

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use l4d_data::results::Track;
 use l4d_data::{Category, Scale};
 
 use crate::cluster::{Estimate, FEW_SCENES};
@@ -10,6 +11,8 @@ use crate::metrics::Metrics;
 use crate::summary::Summary;
 
 const NAME_WIDTH: usize = 24;
+/// Behind the numbers of methods that are ranked apart.
+const DEPTH_MARK: &str = " *";
 
 /// One row a method: the headline, then mIoU and mAcc per category and per scale.
 pub fn render(summaries: &[Summary]) -> String {
@@ -69,8 +72,15 @@ fn headline(text: &mut String, summaries: &[Summary]) {
             summary.scores.headline;
         let values = [miou, macc, acc25, acc50, tube_iou, select, false_positive_rate];
         let cells = values.into_iter().map(|value| format!("{:>8}", percent(value)));
+        let track = if summary.used.depth { DEPTH_MARK } else { "" };
         let mark = if summary.partial { " partial" } else { "" };
-        line(text, &summary.name, cells.chain([format!("{queries:>8}{mark}")]));
+        line(text, &summary.name, cells.chain([format!("{queries:>8}{track}{mark}")]));
+    }
+    if summaries.iter().any(|summary| summary.used.depth) {
+        let title = Track::ColourDepth.title();
+        text.push_str(&format!(
+            "*: track {title}, learned from rendered depth: never ranked with the others\n"
+        ));
     }
 }
 

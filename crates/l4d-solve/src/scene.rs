@@ -49,6 +49,13 @@ pub struct Places {
     pub model: Option<PathBuf>,
 }
 
+impl Places {
+    /// Where the model is.
+    pub fn splats(&self) -> PathBuf {
+        self.model.clone().unwrap_or_else(|| self.work.splats())
+    }
+}
+
 /// A scene that can be asked about.
 #[derive(Debug)]
 pub struct SolveScene {
@@ -226,7 +233,7 @@ fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataE
 }
 
 fn read_model(name: &Name, profile: Profile, places: &Places) -> Result<Source, DataError> {
-    let path = places.model.clone().unwrap_or_else(|| places.work.splats());
+    let path = places.splats();
     let train = format!("run `l4d train-splats {name} --profile {profile}` first");
     if !path.exists() {
         return Err(DataError::invalid(&path, "model", "no splats stand there", train));

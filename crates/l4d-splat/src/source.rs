@@ -52,6 +52,8 @@ pub struct Source {
     pub profile: Option<Profile>,
     /// Which pictures of a capture it was trained on, where it says so.
     pub sampling: Option<Sampling>,
+    /// Whether it learned from rendered depth of the training views, where it says so.
+    pub saw_depth: Option<bool>,
     /// What it was trained to show where nothing is, display colour, where it says so.
     pub background: Option<[f32; 3]>,
     /// SHA-256 of the files that say everything else, by their path within the model.
@@ -83,12 +85,21 @@ impl Source {
         Err(DataError::invalid(path, "model", message, REMEDY))
     }
 
+    /// What [`Self::saw_depth`] is of the model at a path, without reading the model; none where there is no model of ours.
+    ///
+    /// # Errors
+    /// A damaged `checkpoint.json`.
+    pub fn saw_depth_of(path: &Path) -> Result<Option<bool>, DataError> {
+        if path.join(own::CARD).is_file() { own::saw_depth(path) } else { Ok(None) }
+    }
+
     fn open_own(folder: &Path) -> Result<Self, DataError> {
         let checkpoint = own::read(folder)?;
         Ok(Self {
             scene: checkpoint.scene.clone(),
             profile: checkpoint.profile,
             sampling: checkpoint.sampling,
+            saw_depth: checkpoint.saw_depth,
             model: checkpoint.into(),
             family: Family::Own,
             background: None,
@@ -118,6 +129,7 @@ impl Source {
             scene: None,
             profile: None,
             sampling: None,
+            saw_depth: None,
             background,
             inputs: digests(folder, &files)?,
             notes,
@@ -133,6 +145,7 @@ impl Source {
             scene: None,
             profile: None,
             sampling: None,
+            saw_depth: None,
             background: None,
             inputs: BTreeMap::from([(name, sha256_file(file)?)]),
             notes,
@@ -148,6 +161,7 @@ fn digests(folder: &Path, files: &[String]) -> Result<BTreeMap<String, String>, 
 mod tests {
     use super::*;
     use crate::checkpoint::foreign::{ForeignModel, Save, Stage};
+    use crate::checkpoint::own::Checkpoint;
     use crate::synthetic::Room;
 
     fn model() -> Model {
@@ -164,6 +178,7 @@ mod tests {
         let source = Source::open(&own).unwrap();
         assert_eq!((source.family, &source.model), (Family::Own, &model));
         assert_eq!(source.inputs.keys().collect::<Vec<_>>(), ["checkpoint.json"]);
+        assert_eq!(source.saw_depth, None, "it does not say how it was trained");
 
         let theirs = folder.path().join("theirs");
         let save = Save { stage: Stage::Fine, iteration: 14 };
@@ -181,6 +196,28 @@ mod tests {
         let source = Source::open(&file).unwrap();
         assert_eq!((source.family, source.model.field.is_some()), (Family::Ply, false));
         assert_eq!(source.model.gaussians, model.gaussians);
+    }
+
+    #[test]
+    fn a_model_says_whether_it_saw_depth_and_older_ones_follow_from_their_settings() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |saw_depth: Option<bool>, profile: Profile, init: Option<&str>| {
+            let mut checkpoint = Checkpoint { saw_depth, profile: Some(profile), ..model().into() };
+            let origin = init.map(|init| serde_json::json!({ "init": init, "settings": {} }));
+            checkpoint.training.values.extend(origin.map(|origin| ("origin".to_owned(), origin)));
+            own::write(folder.path(), &checkpoint).unwrap();
+            let found = Source::open(folder.path()).unwrap().saw_depth;
+            assert_eq!(Source::saw_depth_of(folder.path()).unwrap(), found);
+            found
+        };
+        assert_eq!(write(Some(true), Profile::Tiny, Some("sweep")), Some(true));
+        assert_eq!(write(Some(false), Profile::Tiny, Some("points3D.txt")), Some(false));
+        assert_eq!(write(None, Profile::Tiny, Some("depth")), Some(true));
+        assert_eq!(write(None, Profile::Small, Some("random")), Some(true), "what moves was told from depth");
+        assert_eq!(write(None, Profile::Small, Some("sweep")), Some(false));
+        assert_eq!(write(None, Profile::Real, Some("random")), Some(false), "captures have no depth");
+        assert_eq!(write(None, Profile::Small, None), None);
+        assert_eq!(Source::saw_depth_of(&folder.path().join("nowhere")).unwrap(), None);
     }
 
     #[test]

@@ -31,6 +31,9 @@ pub(crate) struct ImportArgs {
     /// The method looked at pictures of the held-out view
     #[arg(long)]
     pub(crate) test_view: bool,
+    /// The method learned from rendered depth of the training views: it is ranked in the track colour + depth
+    #[arg(long)]
+    pub(crate) used_depth: bool,
     #[command(flatten)]
     pub(crate) files: ImportFilesArgs,
     #[command(flatten)]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use l4d_data::Profile;
 use l4d_release::Day;
 
@@ -75,6 +75,16 @@ pub(crate) struct HostArgs {
     pub(crate) json: bool,
 }
 
+/// Methods that are ranked with each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TrackArg {
+    /// Those that did not learn from rendered depth
+    Colour,
+    /// Those that did
+    #[value(name = "colour+depth")]
+    ColourDepth,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct CompetitionArgs {
     #[command(flatten)]
@@ -85,6 +95,9 @@ pub(crate) struct CompetitionArgs {
     /// Last day; default: no end
     #[arg(long, value_name = "DAY")]
     pub(crate) until: Option<Day>,
+    /// Whose methods compete: platforms rank all that they take with each other
+    #[arg(long, value_enum, default_value = "colour")]
+    pub(crate) track: TrackArg,
     /// Page of the data set
     #[arg(long, value_name = "URL")]
     pub(crate) url: String,

@@ -153,6 +153,10 @@ pub(crate) struct SolveArgs {
     /// Answer part i of n of the queries (a deterministic partition for clusters), e.g. 2/8
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
+    /// The models or masks learned from rendered depth: results are ranked in the track colour + depth. Models of
+    /// train-splats say so themselves
+    #[arg(long)]
+    pub(crate) used_depth: bool,
     /// Answer again what was answered by another version or with other settings under this name
     #[arg(long)]
     pub(crate) overwrite: bool,

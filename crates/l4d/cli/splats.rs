@@ -95,7 +95,8 @@ pub(crate) struct TrainSplatsArgs {
     /// Views of one moment that an iteration looks at; default: 2
     #[arg(long, value_name = "N")]
     pub(crate) views_per_iteration: Option<usize>,
-    /// What an error of depth costs beside one of colour; default: 0.1, nothing where there is no depth
+    /// What an error of depth costs beside one of colour; default: 0.1, nothing where there is no depth. With 0, and --init
+    /// random or points, depth is not looked at
     #[arg(long, value_name = "WEIGHT")]
     pub(crate) depth_weight: Option<f32>,
     /// Share of 1 - SSIM in the loss of colour, the rest is L1; default: 0

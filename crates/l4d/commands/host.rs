@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use l4d_data::results::Track;
 use l4d_data::store::list_folder;
 use l4d_data::{Benchmark, Category, DataError, Report};
 use l4d_release::host::{Entry, Files, Season, Setting, codabench, evalai, huggingface, write};
@@ -11,7 +12,7 @@ use l4d_score::{QuerySet, Summary};
 use serde_json::json;
 
 use super::release::{publication, votes};
-use crate::cli::publishing::{CompetitionArgs, HostArgs, HostCommand};
+use crate::cli::publishing::{CompetitionArgs, HostArgs, HostCommand, TrackArg};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(command: &HostCommand, out: &Printer) -> Result<ExitStatus> {
@@ -38,7 +39,16 @@ fn season(args: &CompetitionArgs) -> Result<Season> {
     if let Some(until) = args.until.as_ref().filter(|until| **until < args.date) {
         return Err(refusal(format!("{until} comes before {}", args.date), "mend --date or --until"));
     }
-    Ok(Season { publication, until: args.until.clone() })
+    Ok(Season { publication, until: args.until.clone(), track: args.track.into() })
+}
+
+impl From<TrackArg> for Track {
+    fn from(track: TrackArg) -> Self {
+        match track {
+            TrackArg::Colour => Self::Colour,
+            TrackArg::ColourDepth => Self::ColourDepth,
+        }
+    }
 }
 
 fn require_hub_name(text: &str) -> Result<()> {
@@ -136,6 +146,7 @@ fn entry(summary: Summary) -> Entry {
         scores,
         queries: all.queries,
         seconds: summary.seconds,
+        track: summary.used.track(),
         unranked_because: (!because.is_empty()).then(|| because.join(", ")),
     }
 }

@@ -40,7 +40,12 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
         }
         request.soft = Some(SoftStage::open(&args.results, &name)?);
     }
-    let identity = Identity { name, version: args.method_version.clone(), test_view: args.test_view };
+    let identity = Identity {
+        name,
+        version: args.method_version.clone(),
+        test_view: args.test_view,
+        depth: args.used_depth,
+    };
     let mut report = Report::default();
     let imported = import(&request, |scene| out.note(format!("reading {scene}")), &mut report)?;
     let is_written = !imported.answers.is_empty() && (args.partial || !report.has_errors());

@@ -10,6 +10,7 @@ use l4d_board::{
     Board, BoardError, Details, Gathered, ProtocolTable, Statistics, gather, gather_protocols, publish,
     publish_reliability, text_statistics, text_table,
 };
+use l4d_data::results::Track;
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
 use serde_json::{Value, json};
@@ -104,18 +105,20 @@ fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {
 fn as_json(board: &Board, statistics: &Statistics, protocols: &[ProtocolTable]) -> Value {
     let heading = &board.heading;
     let ranked = board.ranked.iter().map(|entry| json!({
-        "name": entry.row.name, "rank": entry.rank, "seconds": entry.row.seconds, "scores": entry.row.scores,
+        "name": entry.row.name, "rank": entry.rank, "track": entry.row.track, "seconds": entry.row.seconds, "scores": entry.row.scores,
         "miou": entry.row.miou, "reported": entry.row.reported,
     }));
     let unranked = board.unranked.iter().map(|entry| json!({
-        "name": entry.row.name, "unranked_because": entry.reasons, "seconds": entry.row.seconds, "scores": entry.row.scores,
+        "name": entry.row.name, "unranked_because": entry.reasons, "track": entry.row.track, "seconds": entry.row.seconds, "scores": entry.row.scores,
         "miou": entry.row.miou, "reported": entry.row.reported,
     }));
     let name = |index: usize| &statistics.methods[index].name;
+    let tracks: Vec<Track> = board.rows().map(|(_, row)| row.track).collect();
+    let tracks = &tracks;
     let pairs = statistics.comparisons.iter().flat_map(|found| {
         found.pairs.iter().map(|pair| {
             json!({
-                "metric": found.metric.key(), "first": name(pair.first), "second": name(pair.second),
+                "metric": found.metric.key(), "track": tracks[pair.first], "first": name(pair.first), "second": name(pair.second),
                 "difference": pair.comparison.difference, "p": pair.comparison.p, "holm_p": pair.holm_p,
                 "detectable": pair.comparison.detectable, "different": pair.is_different(),
             })

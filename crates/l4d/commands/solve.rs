@@ -48,7 +48,7 @@ fn answer<'a>(args: &'a SolveArgs, out: &Printer) -> Result<(Run<'a>, Ledger)> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let picked = pick(args, &bench)?;
     let run = Run::new(args, &bench, out)?;
-    let card = Card::claim(&run, &bench)?;
+    let card = Card::claim(&run, &bench, out)?;
     let total = picked.iter().map(|scene| scene.queries.len()).sum::<usize>();
     let bar = out.bar(total as u64, "solving");
     let mut ledger = Ledger::default();

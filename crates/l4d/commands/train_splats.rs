@@ -49,6 +49,8 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         profile: args.profile,
         settings: serde_json::to_value(&settings)?,
         init: init.to_string(),
+        saw_depth: shoot.has_depth,
+        track: shoot.track(),
         sampling: shoot.sampling,
         rasterizer: opened.rasterizer.name(),
         adapter: opened.adapter.map(serde_json::to_value).transpose()?,
@@ -59,7 +61,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let claim = folder.claim(&origin, args.overwrite)?;
     if let Claim::Done(document) = claim {
         out.note(format!("{} holds this model already", folder.root().display()));
-        return report::print(&document, args.json, out);
+        return report::print(&document, origin.track, args.json, out);
     }
 
     let begin = Instant::now();
@@ -92,7 +94,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         fine,
     };
     let document = folder.settle(trainer.model(), &trainer, &origin, &report)?;
-    report::print(&document, args.json, out)
+    report::print(&document, origin.track, args.json, out)
 }
 
 /// Iterates to the end, saving now and then; gives the seconds since training began, those of earlier runs included,

@@ -51,7 +51,7 @@ function chosenTable(state) {
     title: other ? "Not of this board" : "Ranking",
     about: other
       ? line("Scored on something else than this board, so that no number here can be compared with one there.")
-      : line("Percent, means over queries; below each number its 95 % interval, clustered by scene, " + fewNote() + " Ranked by mIoU; equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
+      : line("Percent, means over queries; " + intervalNote() + " Ranked by mIoU within each track: methods that learned from rendered depth are not ranked with those that did not. Equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
     line: other ? other.line : board.line,
     methods: other ? other.methods : board.methods,
     metrics: METRICS,
@@ -112,12 +112,8 @@ function fillBoard(holder, count, table, most = MANY) {
   const wanted = state.find.trim().toLowerCase();
   const methods = table.methods.filter((method) => method.name.toLowerCase().includes(wanted));
   const rows = methods.map((method) => ({ method, isOwn: !table.isElsewhere, cells: table.cells(method) }));
-  const ranked = rows.filter((row) => row.method.rank !== null);
-  const unranked = rows.filter((row) => row.method.rank === null);
-  const sections = table.protocol || table.isElsewhere
-    ? [{ title: null, rows }]
-    : [{ title: null, rows: ranked }, { title: "Not ranked, shown for scale", rows: unranked }];
-  const columns = table.protocol ? protocolColumns(table.protocol) : boardColumns(bestValues(ranked), state);
+  const sections = table.protocol || table.isElsewhere ? [{ title: null, rows }] : groupsOf(rows);
+  const columns = table.protocol ? protocolColumns(table.protocol) : boardColumns(state);
   // An order by a column that this table lacks is an order of another one.
   const hasColumn = columns.some((column) => column.key === state.sort.replace(/^-/, ""));
   const sort = hasColumn ? state.sort : table.protocol ? "" : "-miou";
@@ -142,16 +138,27 @@ function fillBoard(holder, count, table, most = MANY) {
   count.textContent = counted(methods.length, "method", "methods") + asked;
 }
 
-/** The best printed value of each metric among ranked methods. */
+/** The ranked methods of each track, the headline track first, then those without a rank. */
+function groupsOf(rows) {
+  const ranked = rows.filter((row) => row.method.rank !== null);
+  const tracks = board.tracks.map(({ key, title }) => ({ title: `Track: ${title}`, rows: ranked.filter((row) => row.method.track === key) }));
+  for (const track of tracks) {
+    const best = bestValues(track.rows);
+    for (const row of track.rows) row.best = best;
+  }
+  return [...tracks, { title: "Not ranked, shown for scale", rows: rows.filter((row) => row.method.rank === null) }];
+}
+
+/** The best printed value of each metric; none where there are no two values to compare, or where they are of one scene. */
 function bestValues(rows) {
   return METRICS.map((metric, at) => {
-    const values = rows.map((row) => row.cells[at]).filter(Boolean).map((cell) => cell[0]);
-    if (values.length === 0) return null;
+    const values = rows.map((row) => row.cells[at]).filter((cell) => cell && !isOfOneScene(cell)).map((cell) => cell[0]);
+    if (values.length < 2) return null;
     return metric.higher ? Math.max(...values) : Math.min(...values);
   });
 }
 
-function boardColumns(best, state) {
+function boardColumns(state) {
   const isFiltered = state.category !== "" || state.scale !== "";
   const metric = (at) => ({
     key: METRICS[at].key,
@@ -160,13 +167,13 @@ function boardColumns(best, state) {
     isNumber: true,
     higher: METRICS[at].higher,
     value: (row) => row.cells[at]?.[0],
-    cell: (row) => valueCell(row.cells[at], row.method.rank !== null && row.cells[at]?.[0] === best[at]),
+    cell: (row) => valueCell(row.cells[at], row.cells[at]?.[0] === row.best?.[at]),
   });
   return [
     {
       key: "rank",
       title: "Rank",
-      about: isFiltered ? "Rank over all queries" : "Rank by mIoU",
+      about: isFiltered ? "Rank in the track, over all queries" : "Rank in the track, by mIoU",
       isNumber: true,
       higher: false,
       value: (row) => row.method.rank,

@@ -6,7 +6,9 @@ function drawComparison(main) {
   main.append(el("h2", { id: "compare" }, "Compare two methods"));
   const told = el("div", { class: "verdict", role: "status" });
   const state = readAddress();
-  let [a, b] = [names.includes(state.a) ? state.a : names[0], names.includes(state.b) ? state.b : names[1]];
+  const first = names.includes(state.a) ? state.a : names[0];
+  const rival = names.find((name) => name !== first && trackOf(name) === trackOf(first));
+  let [a, b] = [first, names.includes(state.b) ? state.b : rival];
   const options = names.map((name) => [name, name]);
   const update = (changes) => {
     [a, b] = [changes.a ?? a, changes.b ?? b];
@@ -25,8 +27,15 @@ function drawComparison(main) {
   told.replaceChildren(...verdict(a, b, pairs));
 }
 
-function verdict(a, b, pairs) {
+function trackOf(name) {
+  return board.methods[methodIndex(name)].track;
+}
+
+function verdict(a, b, all) {
   if (a === b) return [el("p", {}, "Choose two different methods.")];
+  if (trackOf(a) !== trackOf(b)) return [el("p", {}, "One of them learned from rendered depth and the other did not: methods of two tracks are not compared.")];
+  // Corrected are the p values of a track.
+  const pairs = all.filter((pair) => trackOf(pair.a) === trackOf(a));
   const straight = pairs.find((pair) => pair.a === a && pair.b === b);
   const found = straight ?? turned(pairs.find((pair) => pair.a === b && pair.b === a));
   if (!found) return [el("p", {}, "No query was answered by both.")];
@@ -38,7 +47,7 @@ function verdict(a, b, pairs) {
   const range = low === null ? "no interval: all queries are of one scene" : `95 % interval ${low.toFixed(2)} to ${high.toFixed(2)}${few}`;
   return [
     el("p", {}, el("strong", {}, `${lead}.`)),
-    el("p", {}, `${range}; p ${probability(found.p)} for this pair alone, p ${probability(found.holm)} corrected for all ${pairs.length} pairs of the table (Holm).`),
+    el("p", {}, `${range}; p ${probability(found.p)} for this pair alone, p ${probability(found.holm)} corrected for all ${pairs.length} pairs of the track (Holm).`),
     el("p", {}, outcome(found, pairs.length), found.detectable === null ? "" : ` A true difference of ${found.detectable.toFixed(2)} points would have p below 0.05 four times in five, before correction.`),
     el("p", { class: "quiet small" }, `${counted(queries, "query", "queries")} of ${counted(scenes, "scene", "scenes")}, each method against the other on the same query.`),
   ];

@@ -56,13 +56,19 @@ function isOfFewScenes(cell) {
   return cell[4] < board.fewScenes;
 }
 
+/** Of one scene there is nothing to say of others. A cell without intervals does not know its scenes. */
+function isOfOneScene(cell) {
+  return board.sceneCount < 2 || cell[4] === 1;
+}
+
 function fewMark() {
   return [el("span", { "aria-hidden": "true" }, " !"), el("span", { class: "unseen" }, ` of fewer than ${board.fewScenes} scenes`)];
 }
 
-/** What the mark means, for whoever sees it. */
-function fewNote() {
-  return `marked ! where it rests on fewer than ${board.fewScenes} scenes and may be too narrow.`;
+/** What is below the numbers of a table, and what the mark there means. */
+function intervalNote() {
+  if (board.sceneCount < 2) return "one scene says nothing of others, so that there are no intervals and no p values.";
+  return `below each number its 95 % interval, clustered by scene, marked ! where it rests on fewer than ${board.fewScenes} scenes and may be too narrow.`;
 }
 
 /** 1 -> "1 query", 2 -> "2 queries". */

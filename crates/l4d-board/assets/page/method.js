@@ -27,12 +27,18 @@ function methodFacts(method) {
   const rank = method.rank === null ? "not ranked" : String(method.rank);
   return facts([
     ["Rank", method.reasons.length ? [rank, reasons(method)] : rank],
+    ["Track", trackTitle(method)],
     ["Version", method.version],
     ["mIoU", valueCell(cellOf(method, MIOU))],
     ["Time", duration(method.seconds)],
     ["Paper or code", linkTo(method.link)],
     ["Under the rules of others", otherProtocols(method)],
   ]);
+}
+
+/** With whom a method is ranked. */
+function trackTitle(method) {
+  return board.tracks.find(({ key }) => key === method.track).title;
 }
 
 function linkTo(link) {
@@ -66,7 +72,7 @@ function groupTable(method) {
     return el("tr", {}, el("th", { scope: "row" }, name), queries, el("td", { class: "drawn" }, bar(miou, method.rank !== null)), cells);
   });
   const head = el("tr", {}, el("th", { scope: "col" }, "Group"), el("th", { scope: "col", class: "number" }, "Queries"), el("th", { scope: "col", class: "drawn" }, "mIoU, 0 to 100"), heads);
-  const table = el("table", {}, captionOf(`Percent; below each number its 95 % interval over scenes, ${fewNote()}`), el("thead", {}, head), el("tbody", {}, lines));
+  const table = el("table", {}, captionOf(`Percent; ${intervalNote()}`), el("thead", {}, head), el("tbody", {}, lines));
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-labelledby": "groups" }, table);
 }
 

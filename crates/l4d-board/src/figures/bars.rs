@@ -1,5 +1,8 @@
 //! Bars of mIoU with their intervals: one panel a group, one row a method, the value in a column beside the bars.
 
+use std::collections::BTreeMap;
+
+use l4d_data::results::Track;
 use l4d_data::{Category, Scale};
 use l4d_score::cluster::FEW_SCENES;
 use l4d_score::groups::Kind;
@@ -8,7 +11,7 @@ use l4d_score::{Group, Metrics};
 use super::drawing::{
     AXIS, Anchor, BLUE, Drawing, GRID, INK, Lettering, MARGIN, PAPER, QUIET, SHADE, WIDTH, leading,
 };
-use super::{lettering, shown};
+use super::{group_of, lettering, named, shown};
 use crate::rank::{Board, Podium};
 use crate::row::{BoardRow, Metric};
 use crate::statistics::Statistics;
@@ -39,7 +42,6 @@ struct Panel {
     scenes: Option<usize>,
     /// One for each method shown.
     bars: Vec<Option<Bar>>,
-    podium: Podium,
 }
 
 /// Percent.
@@ -47,6 +49,8 @@ struct Bar {
     value: f64,
     interval: Option<[f64; 2]>,
     is_of_few_scenes: bool,
+    /// Of its track.
+    is_best: bool,
 }
 
 fn panel(
@@ -58,10 +62,14 @@ fn panel(
     let miou = |row: &BoardRow| metrics_of(row).and_then(|metrics| metrics.miou);
     let (rows, _) = shown(board);
     let group = |row: &BoardRow| statistics.group(&row.name, kind, name);
-    let bar = |row: &BoardRow| {
-        let found = group(row);
+    let podiums: BTreeMap<Track, Podium> =
+        board.tracks().map(|(track, _)| (track, board.podium(track, Metric::Miou, miou))).collect();
+    let bar = |rank: Option<usize>, row: &BoardRow| {
+        let (found, value) = (group(row), miou(row)?);
+        let podium = rank.and_then(|_| podiums.get(&row.track)).copied().unwrap_or_default();
         Some(Bar {
-            value: miou(row)?,
+            value,
+            is_best: podium.is_best(value),
             interval: found.and_then(|group: &Group| group.estimates.miou?.interval),
             is_of_few_scenes: found.is_some_and(|group| group.few_scenes),
         })
@@ -71,8 +79,7 @@ fn panel(
         title: title_case(name),
         queries: queries.unwrap_or(0),
         scenes: rows.iter().filter_map(|(_, row)| group(row)).map(|group| group.scenes).max(),
-        bars: rows.iter().map(|(_, row)| bar(row)).collect(),
-        podium: Podium::of(board.ranked.iter().filter_map(|entry| miou(&entry.row)), Metric::Miou),
+        bars: rows.iter().map(|&(rank, row)| bar(rank, row)).collect(),
     }
 }
 
@@ -84,7 +91,7 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
     let label = Lettering::LABEL.anchored(Anchor::End);
     let labels: Vec<Vec<String>> = rows
         .iter()
-        .map(|(_, row)| lettering::wrap_name(&row.name, |line| label.width(line) <= LONGEST_LABEL))
+        .map(|(_, row)| lettering::wrap_name(&named(row), |line| label.width(line) <= LONGEST_LABEL))
         .collect();
     let label_width = labels.iter().flatten().map(|line| label.width(line)).fold(0.0, f64::max);
     let left = MARGIN + label_width + 8.0;
@@ -97,9 +104,9 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
     // Rows: heights first, so that grid lines can go beneath the bars.
     let mut y = top + head;
     let mut middles = Vec::new();
-    for (index, (rank, _)) in rows.iter().enumerate() {
-        let begins_unranked = rank.is_none() && index > 0 && rows[index - 1].0.is_some();
-        y += if begins_unranked { 8.0 } else { 0.0 };
+    for index in 0..rows.len() {
+        let begins_group = index > 0 && group_of(&rows[index]) != group_of(&rows[index - 1]);
+        y += if begins_group { 8.0 } else { 0.0 };
         let height = (BAR + 8.0).max(labels[index].len() as f64 * leading(label) + 5.0);
         middles.push(y + height / 2.0);
         y += height;
@@ -118,7 +125,7 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
         axis(&mut drawing, x, scale, top + head - 2.0, bottom);
         let numbers = x + scale + number_room;
         for ((bar, &middle), (rank, _)) in panel.bars.iter().zip(&middles).zip(&rows) {
-            let Some(Bar { value, interval, is_of_few_scenes }) = bar else {
+            let Some(Bar { value, interval, is_of_few_scenes, is_best }) = bar else {
                 let number = Lettering::NUMBER.coloured(QUIET).anchored(Anchor::End);
                 drawing.text(numbers, middle + 3.5, "–", number);
                 continue;
@@ -130,8 +137,7 @@ fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
                 let [low, high] = ends.map(|end| (x + end / 100.0 * scale, middle));
                 whisker(&mut drawing, low, high, *is_of_few_scenes);
             }
-            let best = rank.is_some() && panel.podium.is_best(*value);
-            let number = if best { Lettering::NUMBER.bold() } else { Lettering::NUMBER };
+            let number = if *is_best { Lettering::NUMBER.bold() } else { Lettering::NUMBER };
             drawing.text(numbers, middle + 3.5, &format!("{value:.1}"), number.anchored(Anchor::End));
         }
         drawing.line([(x, top + head - 2.0), (x, bottom)], 0.75, AXIS);
@@ -174,7 +180,8 @@ fn legend(drawing: &mut Drawing, board: &Board, panels: &[Panel], above: f64) ->
     let mut baseline = above + 18.0;
     let mut x = MARGIN;
     if !(board.unranked.is_empty() || board.ranked.is_empty()) {
-        for (fill, text) in [(BLUE, "ranked (bold: best)"), (SHADE, "not ranked, shown for scale")] {
+        let ranked = if board.has_rivals() { "ranked (bold: best of its track)" } else { "ranked" };
+        for (fill, text) in [(BLUE, ranked), (SHADE, "not ranked, shown for scale")] {
             drawing.bar(x, baseline - 8.0, 9.0, 9.0, fill);
             drawing.text(x + 13.0, baseline, text, Lettering::NOTE);
             x += 13.0 + Lettering::NOTE.width(text) + 14.0;

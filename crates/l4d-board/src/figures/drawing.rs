@@ -1,5 +1,7 @@
 //! A picture as a list of shapes in print pixels (96 to the inch), y down. Knows nothing of files and backends.
 
+use l4d_data::results::Track;
+
 use super::lettering::{self, Weight};
 use crate::rank::Board;
 
@@ -289,12 +291,16 @@ impl Drawing {
         }
     }
 
-    /// The mark of a method in a scatter: full where it is ranked, a ring where it is not.
-    pub(crate) fn mark(&mut self, x: f64, y: f64, ranked: bool) {
+    /// The mark of a method in a scatter: full where it is ranked, of a shape for each track, and a ring where it is not.
+    pub(crate) fn mark(&mut self, x: f64, y: f64, ranked_in: Option<Track>) {
         self.dot(x, y, 5.0, PAPER);
-        self.dot(x, y, 4.0, if ranked { BLUE } else { QUIET });
-        if !ranked {
-            self.dot(x, y, 2.6, PAPER);
+        match ranked_in {
+            Some(Track::Colour) => self.dot(x, y, 4.0, BLUE),
+            Some(Track::ColourDepth) => self.marker(Marker::Diamond, (x, y), 3.8, BLUE),
+            None => {
+                self.dot(x, y, 4.0, QUIET);
+                self.dot(x, y, 2.6, PAPER);
+            }
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Names of points: beside them where there is room, else numbers with a key below; and what their marks mean.
 
+use l4d_data::results::Track;
+
 use super::drawing::{AXIS, Anchor, Colour, Drawing, Extent, INK, Lettering, MARGIN, WIDTH, leading};
 use super::lettering;
 use super::place::{self, Leaders, Place};
@@ -70,17 +72,23 @@ pub(super) fn key(drawing: &mut Drawing, names: &[String], columns: usize, top: 
     bottom
 }
 
-/// What the marks of methods mean, where there are both kinds; gives the first free height below.
+/// What the marks of methods mean, where there are several kinds or the track has to be said; gives the first free
+/// height below.
 pub(super) fn methods_legend(drawing: &mut Drawing, board: &Board, above: f64) -> f64 {
-    if board.unranked.is_empty() || board.ranked.is_empty() {
+    let mut kinds: Vec<(Option<Track>, String)> =
+        board.tracks().map(|(track, _)| (Some(track), format!("ranked, track {}", track.title()))).collect();
+    if !board.unranked.is_empty() {
+        kinds.push((None, "not ranked, shown for scale".to_owned()));
+    }
+    if matches!(kinds[..], [] | [(Some(Track::Colour) | None, _)]) {
         return above + 8.0;
     }
     let baseline = above + 18.0;
     let mut x = MARGIN;
-    for (ranked, text) in [(true, "ranked"), (false, "not ranked, shown for scale")] {
-        drawing.mark(x + 5.0, baseline - 3.5, ranked);
-        drawing.text(x + 14.0, baseline, text, Lettering::NOTE);
-        x += 14.0 + Lettering::NOTE.width(text) + 14.0;
+    for (ranked_in, text) in kinds {
+        drawing.mark(x + 5.0, baseline - 3.5, ranked_in);
+        drawing.text(x + 14.0, baseline, &text, Lettering::NOTE);
+        x += 14.0 + Lettering::NOTE.width(&text) + 14.0;
     }
     baseline + 8.0
 }

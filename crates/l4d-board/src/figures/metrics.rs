@@ -3,9 +3,11 @@
 //! On the dashed line both metrics say the same. Far below it in the left panel stand methods that ignore time, in
 //! the right one those that outline well what was not asked for.
 
+use l4d_data::results::Track;
+
 use super::drawing::{AXIS, Anchor, Drawing, Extent, GRID, INK, Lettering, MARGIN, QUIET, WIDTH};
 use super::place::Leaders;
-use super::{labels, place, shown};
+use super::{labels, named, place, shown};
 use crate::rank::Board;
 use crate::row::{BoardRow, Metric};
 
@@ -27,7 +29,7 @@ pub(crate) fn draw(board: &Board) -> Drawing {
     let top = labels::methods_legend(&mut drawing, board, above) + 32.0;
 
     let panels = [Metric::TubeIou, Metric::Select].map(|metric| clusters(&rows, metric));
-    let names: Vec<String> = rows.iter().map(|(_, row)| row.name.to_string()).collect();
+    let names: Vec<String> = rows.iter().map(|(_, row)| named(row)).collect();
     let numbers: Vec<String> = (1..=rows.len()).map(|number| number.to_string()).collect();
     let by_name = panels
         .iter()
@@ -52,7 +54,7 @@ struct Cluster {
     /// mIoU and the other metric, percent.
     at: (f64, f64),
     members: Vec<usize>,
-    ranked: bool,
+    ranked_in: Option<Track>,
 }
 
 fn clusters(rows: &[(Option<usize>, &BoardRow)], metric: Metric) -> Vec<Cluster> {
@@ -61,14 +63,13 @@ fn clusters(rows: &[(Option<usize>, &BoardRow)], metric: Metric) -> Vec<Cluster>
         let (Some(miou), Some(other)) = (row.scores.headline.miou, metric.of(&row.scores.headline)) else {
             continue;
         };
+        let ranked_in = rank.map(|_| row.track);
         let same_spot = |cluster: &&mut Cluster| {
-            (cluster.at.0 - miou).hypot(cluster.at.1 - other) < 0.75 && cluster.ranked == rank.is_some()
+            (cluster.at.0 - miou).hypot(cluster.at.1 - other) < 0.75 && cluster.ranked_in == ranked_in
         };
         match clusters.iter_mut().find(same_spot) {
             Some(cluster) => cluster.members.push(index),
-            None => {
-                clusters.push(Cluster { at: (miou, other), members: vec![index], ranked: rank.is_some() });
-            }
+            None => clusters.push(Cluster { at: (miou, other), members: vec![index], ranked_in }),
         }
     }
     clusters
@@ -118,14 +119,14 @@ fn scatter(drawing: &mut Drawing, clusters: &[Cluster], labels: &[String], index
     }
     for cluster in clusters {
         let (x, y) = position(cluster.at, index, top);
-        drawing.mark(x, y, cluster.ranked);
+        drawing.mark(x, y, cluster.ranked_in);
     }
     for (at, cluster) in clusters.iter().enumerate() {
         let (x, y) = position(cluster.at, index, top);
         // Where even numbers find no room, a label on the point is better than none.
         let fallback = place::Place { x: x + 7.0, baseline: y + 3.5, anchor: Anchor::Start, leader_to: None };
         let place = placed.as_ref().map_or(fallback, |placed| placed[at]);
-        let ink = if cluster.ranked { INK } else { QUIET };
+        let ink = if cluster.ranked_in.is_some() { INK } else { QUIET };
         let lettering = Lettering::NUMBER.coloured(ink).anchored(place.anchor);
         let label = joined(cluster, labels);
         if placed.is_some() {

@@ -26,6 +26,7 @@ pub(crate) fn draw(tradeoff: &Tradeoff) -> Drawing {
     stairs(
         &mut drawing,
         &best.iter().map(|&index| position(&scale, &tradeoff.points[index])).collect::<Vec<_>>(),
+        SHADE,
     );
     for (index, name) in series.iter().enumerate() {
         let of = tradeoff.points.iter().filter(|point| point.series == *name);
@@ -79,7 +80,7 @@ fn series_of(points: &[TradePoint]) -> Vec<&str> {
 
 /// From each point of the front straight on to the cost at which more is had, then up; gives that
 /// line.
-pub(super) fn stairs(drawing: &mut Drawing, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn stairs(drawing: &mut Drawing, points: &[(f64, f64)], colour: Colour) -> Vec<(f64, f64)> {
     let mut line: Vec<(f64, f64)> = Vec::new();
     for &(x, y) in points {
         if let Some(&(_, before)) = line.last() {
@@ -89,8 +90,8 @@ pub(super) fn stairs(drawing: &mut Drawing, points: &[(f64, f64)]) -> Vec<(f64, 
     }
     if let Some(&(_, y)) = line.last() {
         line.push((RIGHT, y));
+        drawing.line(line.iter().copied(), 2.5, colour);
     }
-    drawing.line(line.iter().copied(), 2.5, SHADE);
     line
 }
 

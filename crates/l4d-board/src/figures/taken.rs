@@ -4,7 +4,7 @@ use super::drawing::{
     AXIS, Anchor, BLUE, Colour, Drawing, Extent, GRID, Hatch, INK, Lettering, MARGIN, ORANGE, PAPER, QUIET,
     SHADE, SKY, VERMILLION, WIDTH, leading,
 };
-use super::lettering;
+use super::{lettering, name_in};
 use crate::rank::Board;
 use crate::taken::{Choice, Choices};
 
@@ -36,7 +36,9 @@ pub(crate) fn draw(board: &Board, choices: &[&Choices], left_out: usize) -> Draw
     let label = Lettering::LABEL.anchored(Anchor::End);
     let labels: Vec<Vec<String>> = choices
         .iter()
-        .map(|one| lettering::wrap_name(one.method, |line| label.width(line) <= LONGEST_LABEL))
+        .map(|one| {
+            lettering::wrap_name(&name_in(one.method, one.track), |line| label.width(line) <= LONGEST_LABEL)
+        })
         .collect();
     let label_width = labels.iter().flatten().map(|line| label.width(line)).fold(0.0, f64::max);
     let left = MARGIN + label_width + 8.0;
@@ -45,8 +47,9 @@ pub(crate) fn draw(board: &Board, choices: &[&Choices], left_out: usize) -> Draw
     let mut y = top;
     let mut middles = Vec::new();
     for (index, lines) in labels.iter().enumerate() {
-        let begins_unranked = index > 0 && !choices[index].is_ranked && choices[index - 1].is_ranked;
-        y += if begins_unranked { 8.0 } else { 0.0 };
+        let group = |one: &Choices| one.is_ranked.then_some(one.track);
+        let begins_group = index > 0 && group(choices[index]) != group(choices[index - 1]);
+        y += if begins_group { 8.0 } else { 0.0 };
         let height = (BAR + 7.0).max(lines.len() as f64 * leading(label) + 5.0);
         middles.push(y + height / 2.0);
         y += height;

@@ -7,7 +7,7 @@ use l4d_data::Name;
 use l4d_data::layout::BenchDir;
 use l4d_score::Exam;
 
-use super::drawing::{Drawing, Extent, INK, Shape, WIDTH};
+use super::drawing::{Anchor, Drawing, Extent, INK, Lettering, Shape, WIDTH};
 use super::*;
 use crate::detail::Thing;
 use crate::sample;
@@ -30,6 +30,7 @@ fn boards() -> Vec<(&'static str, Board)> {
         ("long", sample::long_names()),
         ("bare", Board::new(sample::heading(289, 0), vec![one_bare]).unwrap()),
         ("hand", sample::hand_made()),
+        ("tracks", sample::tracks()),
     ]
 }
 
@@ -326,6 +327,47 @@ fn the_front_is_of_ranked_methods_and_the_untimed_are_named() {
     let (quick, slow) = (dot_of("quick"), dot_of("slow"));
     assert_eq!(points[..3], [quick, (slow.0, quick.1), slow]);
     assert_eq!((points.len(), points[3].1), (4, slow.1));
+}
+
+#[test]
+fn each_track_has_its_front_and_its_mark() {
+    let board = sample::tracks();
+    let drawing = speed::draw(&board);
+    let fronts: Vec<(f64, f64)> = [drawing::SHADE, drawing::SKY]
+        .iter()
+        .flat_map(|wanted| {
+            drawing.shapes.iter().find_map(|shape| match shape {
+                Shape::Line { points, width: 2.5, colour } if colour == wanted => Some(points[0]),
+                _ => None,
+            })
+        })
+        .collect();
+    assert_eq!(fronts.len(), 2, "what learned from depth is above the others and leaves them their front");
+    assert!(fronts[0].1 > fronts[1].1, "{fronts:?}");
+    for figure in all(&board) {
+        let named = texts(&figure.drawing);
+        let has = |text: &str| named.iter().any(|(_, found)| found.contains(text));
+        assert!(has("deep + depth") && has("deeper + depth") && !has("bright +"), "{}", figure.name);
+    }
+}
+
+#[test]
+fn the_best_of_a_track_is_bold_where_it_has_rivals() {
+    let bold = |board: &Board| {
+        let drawing = bars::per_scale(board, &sample::statistics(board));
+        let number = |shape: &Shape| match shape {
+            Shape::Text { text, lettering, .. }
+                if *lettering == Lettering::NUMBER.bold().anchored(Anchor::End) =>
+            {
+                Some(text.clone())
+            }
+            _ => None,
+        };
+        drawing.shapes.iter().filter_map(number).collect::<Vec<_>>()
+    };
+    assert_eq!(bold(&sample::tracks()), ["40.0", "95.0"].repeat(3));
+    let alone = Board::new(sample::heading(4, 0), vec![sample::row("a", 4, 40.0)]).unwrap();
+    assert!(bold(&alone).is_empty());
 }
 
 #[test]

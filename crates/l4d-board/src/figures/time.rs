@@ -6,7 +6,7 @@ use super::drawing::{
     AXIS, Anchor, BLUE, Colour, Drawing, GREEN, GRID, Lettering, MARGIN, Marker, ORANGE, PAPER, PURPLE,
     QUIET, SHADE, SKY, VERMILLION, WIDTH, leading,
 };
-use super::{lettering, place, shown};
+use super::{lettering, named, place, shown};
 use crate::rank::Board;
 use crate::row::BoardRow;
 
@@ -24,7 +24,7 @@ pub(crate) fn draw(board: &Board) -> Drawing {
             .to_owned(),
     ];
     if board.ranked.len() > COLOURS.len() {
-        notes.push(format!("Colour and shape: the best {}; grey: the others.", COLOURS.len()));
+        notes.push(format!("Colour and shape: the first {} of the tables; grey: the others.", COLOURS.len()));
     } else if !board.unranked.is_empty() && !board.ranked.is_empty() {
         notes.push("Colour and shape: ranked; grey: not ranked, shown for scale.".to_owned());
     }
@@ -106,7 +106,7 @@ struct Curve<'a> {
 
 fn curve<'a>(index: usize, is_in_colour: bool, row: &'a BoardRow) -> Option<Curve<'a>> {
     let (_, &end) = row.frames.last_key_value()?;
-    let label = lettering::wrap_name(&row.name, |line| Lettering::NUMBER.width(line) <= LONGEST_LABEL);
+    let label = lettering::wrap_name(&named(row), |line| Lettering::NUMBER.width(line) <= LONGEST_LABEL);
     let (colour, ink, stroke) = match (is_in_colour, COLOURS.get(index)) {
         (true, Some(&colour)) => (colour, super::drawing::INK, 1.75),
         (true, None) => (QUIET, QUIET, 1.0),

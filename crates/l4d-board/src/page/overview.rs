@@ -1,5 +1,6 @@
 //! What the page knows when it opens: who stands where, in every group that it can be filtered by.
 
+use l4d_data::results::Track;
 use l4d_data::{Category, Name, Query, Scale, Status, Temporal};
 use l4d_score::metrics::QueryTally;
 use l4d_score::{Comparison, Estimate, Metrics, Pair};
@@ -91,6 +92,7 @@ pub(crate) fn methods(board: &Board, asked: &Asked, details: &[Detail], seed: u6
             "version": row.version,
             "link": link(&row.link),
             "rank": rank,
+            "track": row.track,
             "reasons": reasons[index],
             "seconds": row.seconds,
             "queries": row.scores.headline.queries,
@@ -172,7 +174,12 @@ pub(crate) fn hundredths(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
-/// How each method compares with each behind it, in mIoU.
+/// The tracks, the headline first.
+pub(crate) fn tracks() -> Value {
+    Track::ALL.into_iter().map(|track| json!({ "key": track, "title": track.title() })).collect()
+}
+
+/// How each method compares with each behind it in its track, in mIoU.
 pub(crate) fn comparisons(statistics: &Statistics) -> Value {
     let name = |index: usize| &statistics.methods[index].name;
     let pair = |pair: &Pair| {
@@ -202,6 +209,7 @@ pub(crate) fn others(board: &Board) -> Value {
                 "version": row.version,
                 "link": link(&row.link),
                 "rank": null,
+                "track": row.track,
                 "reasons": ["scored on something else"],
                 "seconds": row.seconds,
                 "queries": row.scores.headline.queries,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use l4d_data::digest::sha256_file;
+use l4d_data::results::Track;
 use l4d_data::{Camera, DataError, Name, Profile, Split};
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +42,9 @@ pub struct Manifest {
     pub format: String,
     /// What is shown of the held-out camera: `nothing`, `pose` or `pictures`.
     pub held_out: String,
+    /// Whether anything of it comes from rendered depth: files of depth, or points made from it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub depth: bool,
     /// SHA-256 of `scene.json`, which holds the digests of depth and ids, or of `capture.json`.
     pub scene_sha256: String,
     /// SHA-256 of a capture's `masks.json`, in layouts that hold masks.
@@ -93,6 +97,7 @@ impl Manifest {
             profile: footage.profile(),
             format: order.format.to_string(),
             held_out: held_out.to_owned(),
+            depth: shows_depth(order, footage),
             scene_sha256: sha256_file(&footage.path())?,
             masks_sha256: masks.map(|path| sha256_file(&path)).transpose()?,
             frames: truth.unwrap_or_else(|| footage.frames().to_vec()),
@@ -115,6 +120,17 @@ impl Manifest {
         essence(self) != essence(other)
     }
 
+    /// Says what follows for methods from depth that comes from the render.
+    pub(super) fn note_depth(&mut self) {
+        if self.depth {
+            self.note(format!(
+                "some of it comes from rendered depth: a method that learns from it says `depth` under `used` in \
+                 method.json and is ranked in the track {}",
+                Track::ColourDepth.title()
+            ));
+        }
+    }
+
     pub(super) fn note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
     }
@@ -135,4 +151,10 @@ impl Manifest {
             });
         }
     }
+}
+
+/// Whether an export holds depth of the render, or points made from it.
+fn shows_depth(order: &Order<'_>, footage: &Footage) -> bool {
+    let has_points_of_depth = order.format.holds_points() && order.points_from.is_none();
+    footage.has_depth() && (order.format.holds_depth() || has_points_of_depth)
 }

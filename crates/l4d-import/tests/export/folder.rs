@@ -54,6 +54,37 @@ fn the_manifest_says_what_is_what() {
 }
 
 #[test]
+fn what_comes_from_rendered_depth_is_said() {
+    let world = World::new();
+    for format in Format::ALL.into_iter().filter(|format| !format.needs_truth()) {
+        let out = world.out(format.as_str());
+        let Ok(exported) = try_export(&world, format, HeldOut::Pose, &out) else { continue };
+        let is_bare = matches!(format, Format::Plain | Format::Coco | Format::Davis);
+        let says =
+            exported.manifest.notes.iter().any(|note| note.contains("rendered depth: a method that learns"));
+        assert_eq!((exported.manifest.depth, says), (!is_bare, !is_bare), "{format}");
+        let written: Manifest = serde_json::from_value(json(&out.join(MANIFEST))).unwrap();
+        assert_eq!(written.depth, !is_bare, "{format}");
+    }
+    // Points of a reconstruction are what a method could know itself; files of depth are not.
+    for (format, depth) in [(Format::Colmap, false), (Format::Nerfstudio, true)] {
+        let (scene, out) = (world.dir(), world.out(&format!("{format}-given")));
+        let points = world.out("colmap").join("frame_0000/sparse/0");
+        let order = Order {
+            origin: Origin::Rendered(&scene),
+            format,
+            out: &out,
+            frames: &[0],
+            held_out: HeldOut::Pose,
+            points: 100,
+            points_from: Some(&points),
+            judged: None,
+        };
+        assert_eq!(export(order, &|| {}).unwrap().manifest.depth, depth, "{format}");
+    }
+}
+
+#[test]
 fn truth_has_to_be_brought_along() {
     let world = World::new();
     let (scene, out) = (world.dir(), world.out("none"));

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
+use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
 use l4d_frames::{Mask, png, rle};
 use l4d_import::results::codec::Codec;
@@ -33,11 +34,18 @@ fn mask_of(imported: &Imported, query: usize, frame: u32) -> Option<Mask> {
 fn score(bench: &Bench, imported: &Imported) -> Summary {
     let benchmark = bench.open();
     let request = request(&benchmark, "langsplat-masks", &bench.path("method"));
-    let identity = Identity { name: Name::new("theirs").unwrap(), version: "1".to_owned(), test_view: false };
+    let identity = Identity {
+        name: Name::new("theirs").unwrap(),
+        version: "1".to_owned(),
+        test_view: false,
+        depth: true,
+    };
     let results = bench.path("results");
     write(&results, &identity, &request, imported, true).unwrap();
     let mut report = Report::default();
     let exam = Exam::open(bench.open(), Profile::Tiny, QuerySet::Queries, &[], &mut report).unwrap();
+    let card = MethodCard::read(&results.join("theirs/method.json")).unwrap();
+    assert_eq!((card.used.depth, card.used.track()), (true, Track::ColourDepth));
     let scored = score_results(&results, &exam, &Options::default(), &bench.path("scores"), |_| ()).unwrap();
     assert!(!scored.report.has_errors(), "{:?}", scored.report);
     scored.summaries.into_iter().next().unwrap()
@@ -196,7 +204,12 @@ fn latents_of_langsplat_become_the_masks_of_its_rules() {
 
 /// Imports with relevancy and writes results; gives those of the method.
 fn with_soft(bench: &Bench, preset: &str, change: impl FnOnce(&mut Request<'_>)) -> ResultsDir {
-    let identity = Identity { name: Name::new("theirs").unwrap(), version: "1".to_owned(), test_view: false };
+    let identity = Identity {
+        name: Name::new("theirs").unwrap(),
+        version: "1".to_owned(),
+        test_view: false,
+        depth: false,
+    };
     let benchmark = bench.open();
     let mut request = request(&benchmark, preset, &bench.path("method"));
     request.encoders.texts = Some(texts(bench));

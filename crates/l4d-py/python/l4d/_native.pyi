@@ -450,7 +450,8 @@ class ResultsWriter:
 
     A run that was killed is continued by the same call: `remaining()` leaves out what stands there whole. `ground_truth`
     says that the method saw any (such results are shown and never ranked), `test_view` that it saw pictures of the
-    held-out view, `endpoints` which model servers it asked. `overwrite` removes what stands there.
+    held-out view, `depth` that it learned from rendered depth of the training views, itself or through a model (such results
+    are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what stands there.
     """
     def __new__(
         cls,
@@ -461,6 +462,7 @@ class ResultsWriter:
         link: str = "",
         ground_truth: bool = False,
         test_view: bool = False,
+        depth: bool = False,
         endpoints: Optional[Sequence[str]] = None,
         overwrite: bool = False,
     ) -> ResultsWriter: ...
@@ -562,6 +564,9 @@ class Splats:
     @property
     def dynamic_count(self) -> int:
         """How many of them go through the deformation field."""
+    @property
+    def saw_depth(self) -> Optional[bool]:
+        """Whether it learned from rendered depth of the training views, or None where it does not say so."""
     @property
     def notes(self) -> list[str]:
         """What was ignored or assumed when it was read, a sentence each."""

@@ -26,8 +26,11 @@ pub fn codabench(setting: &Setting<'_>, season: &Season) -> Result<Files, DataEr
     }
     files.insert("logo.png".to_owned(), LOGO.to_owned());
     files.insert("scoring_program/l4d_scorer.py".to_owned(), SCORER.into());
-    files.extend(below("reference_data", setting.reference()?));
-    files.insert("starting_kit/submission.zip".to_owned(), zip::pack("submission.zip", &setting.example()?)?);
+    files.extend(below("reference_data", setting.reference(season.track)?));
+    files.insert(
+        "starting_kit/submission.zip".to_owned(),
+        zip::pack("submission.zip", &setting.example(season.track)?)?,
+    );
     let bundle = zip::pack("bundle.zip", &files)?;
     files.insert("bundle.zip".to_owned(), bundle);
     Ok(files)

@@ -34,9 +34,15 @@ pub fn evalai(setting: &Setting<'_>, season: &Season) -> Result<Files, DataError
     ]);
     files.insert("logo.png".to_owned(), LOGO.to_owned());
     files.insert("evaluation_script.zip".to_owned(), zip::pack("evaluation_script.zip", &program)?);
-    files.insert("annotations/reference.zip".to_owned(), zip::pack("reference.zip", &setting.reference()?)?);
+    files.insert(
+        "annotations/reference.zip".to_owned(),
+        zip::pack("reference.zip", &setting.reference(season.track)?)?,
+    );
     let challenge = zip::pack("challenge.zip", &files)?;
     files.insert("challenge.zip".to_owned(), challenge);
-    files.insert("example/submission.zip".to_owned(), zip::pack("submission.zip", &setting.example()?)?);
+    files.insert(
+        "example/submission.zip".to_owned(),
+        zip::pack("submission.zip", &setting.example(season.track)?)?,
+    );
     Ok(files)
 }

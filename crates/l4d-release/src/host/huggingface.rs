@@ -3,8 +3,10 @@
 //! <https://huggingface.co/docs/hub/eval-results>, <https://github.com/huggingface/hub-docs/blob/main/modelcard.md>
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use l4d_data::DataError;
+use l4d_data::results::Track;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -27,6 +29,8 @@ pub struct Entry {
     pub queries: usize,
     /// Wall seconds for all queries.
     pub seconds: Option<f64>,
+    /// With whom it is ranked.
+    pub track: Track,
     /// Why it has no place in a ranking; none: it has one.
     pub unranked_because: Option<String>,
 }
@@ -34,7 +38,12 @@ pub struct Entry {
 /// Files for the repository of the data set (`dataset/`) and of each ranked method (`methods/<method>/`). `dataset` is
 /// the name of the data set on the Hub.
 pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> Result<Files, DataError> {
-    let task = format!("{}-{}", slug(&setting.gathered.manifest.name), setting.profile);
+    let colour = format!("{}-{}", slug(&setting.gathered.manifest.name), setting.profile);
+    // The Hub ranks all results of a task with each other.
+    let task = |track: Track| match track {
+        Track::Colour => colour.clone(),
+        Track::ColourDepth => format!("{colour}-depth"),
+    };
     let mut entries = entries.to_vec();
     for entry in &mut entries {
         for column in COLUMNS {
@@ -42,11 +51,10 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
         }
     }
     entries.sort_by(|a, b| {
-        let key =
-            |entry: &Entry| (entry.unranked_because.is_some(), entry.scores.get("miou").copied().flatten());
-        let ((a_apart, a_miou), (b_apart, b_miou)) = (key(a), key(b));
-        a_apart
-            .cmp(&b_apart)
+        let miou = |entry: &Entry| entry.scores.get("miou").copied().flatten();
+        let (a_miou, b_miou) = (miou(a), miou(b));
+        group(a)
+            .cmp(&group(b))
             .then_with(|| b_miou.unwrap_or(-1.0).total_cmp(&a_miou.unwrap_or(-1.0)))
             .then_with(|| a.name.cmp(&b.name))
     });
@@ -54,7 +62,8 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
         ranks(&entries).into_iter().zip(&entries).map(|(rank, entry)| row(rank, entry)).collect();
     let mut values = setting.values();
     values["dataset"] = dataset.into();
-    values["task"] = task.as_str().into();
+    values["task"] = task(Track::Colour).into();
+    values["depth_task"] = task(Track::ColourDepth).into();
     let add = |files: &mut Files, name: String, template: &str, values: &Value| {
         let text = render(&name, template, values)?;
         files.insert(name, text.into_bytes());
@@ -67,7 +76,8 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
         include_str!("../../templates/huggingface/eval.yaml"),
         &values,
     )?;
-    values["entries"] = json!(rows);
+    let tables = groups(&entries).map(|(title, group)| json!({ "title": title, "entries": rows[group] }));
+    values["tables"] = tables.collect();
     add(
         &mut files,
         "leaderboard/README.md".to_owned(),
@@ -78,7 +88,10 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
     files.insert("leaderboard/leaderboard.csv".to_owned(), table(&rows));
     for entry in entries.iter().filter(|entry| entry.unranked_because.is_none()) {
         let of = |file: &str| format!("methods/{}/{file}", entry.name);
+        let task = task(entry.track);
         values["entry"] = json!(entry);
+        values["task"] = task.as_str().into();
+        values["track_title"] = entry.track.title().into();
         let results = include_str!("../../templates/huggingface/eval_results.yaml");
         add(&mut files, of(&format!(".eval_results/{task}.yaml")), results, &values)?;
         add(&mut files, of("README.md"), include_str!("../../templates/huggingface/method.md"), &values)?;
@@ -86,8 +99,32 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
     Ok(files)
 }
 
-/// Ranks of entries that stand in order, by the digits of the headline that tables print: equals share one.
+/// What an entry is ranked in, in the order of the leaderboard: a track, or last of all nothing.
+fn group(entry: &Entry) -> (bool, Option<Track>) {
+    let is_apart = entry.unranked_because.is_some();
+    (is_apart, (!is_apart).then_some(entry.track))
+}
+
+/// The tables of sorted entries, with their titles and places.
+fn groups(entries: &[Entry]) -> impl Iterator<Item = (String, Range<usize>)> {
+    let mut end = 0;
+    entries.chunk_by(|a, b| group(a) == group(b)).map(move |members| {
+        let begin = end;
+        end += members.len();
+        let title = match group(&members[0]).1 {
+            Some(track) => format!("Track: {}", track.title()),
+            None => "Not ranked".to_owned(),
+        };
+        (title, begin..end)
+    })
+}
+
+/// Ranks of sorted entries in their track, by the digits of the headline that tables print: equals share one.
 fn ranks(entries: &[Entry]) -> Vec<Option<usize>> {
+    entries.chunk_by(|a, b| group(a) == group(b)).flat_map(ranks_in_order).collect()
+}
+
+fn ranks_in_order(entries: &[Entry]) -> Vec<Option<usize>> {
     let printed = |entry: &Entry| {
         let miou = entry.scores.get("miou").copied().flatten();
         miou.map(|percent| (100.0 * percent).round() as i64)
@@ -105,6 +142,7 @@ fn ranks(entries: &[Entry]) -> Vec<Option<usize>> {
 fn row(rank: Option<usize>, entry: &Entry) -> Value {
     let mut row = json!({
         "rank": rank,
+        "track": entry.track,
         "method": entry.name,
         "version": entry.version,
         "link": entry.link,

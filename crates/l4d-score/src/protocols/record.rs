@@ -156,6 +156,7 @@ impl Record {
         let queries = exam.scenes.iter().flat_map(|scene| &scene.queries);
         let asked = queries.filter(|query| origin.options.takes(query)).count();
         let found = [
+            (origin.used.depth, "saw rendered depth"),
             (origin.options.verified_only, "verified queries only"),
             (sheet.is_partial || sheet.rows.len() != asked, PARTIAL),
         ];

@@ -62,6 +62,8 @@ pub struct Checkpoint {
     pub profile: Option<Profile>,
     /// Which pictures were trained on; none for the pictures of a profile, and where nobody knows.
     pub sampling: Option<Sampling>,
+    /// Whether rendered depth of the training views was looked at; none where it is not known.
+    pub saw_depth: Option<bool>,
     /// SHA-256 of what the model was made from, by name.
     pub inputs: BTreeMap<String, String>,
     /// What training needs to go on.
@@ -116,6 +118,7 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
         scene: checkpoint.scene.clone(),
         profile: checkpoint.profile,
         sampling: checkpoint.sampling,
+        saw_depth: checkpoint.saw_depth,
         iteration: checkpoint.iteration,
         gaussians: checkpoint.gaussians.len(),
         dynamic: checkpoint.dynamic.len(),
@@ -129,17 +132,28 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
 
 /// Reads the checkpoint in a folder.
 pub fn read(folder: &Path) -> Result<Checkpoint, DataError> {
-    let card_path = folder.join(CARD);
-    let card: Card = json::parse(&card_path, None, &read_bounded(&card_path, MAX_CARD_BYTES)?)?;
-    let degree = card.check().map_err(|fault| fault.at(&card_path))?;
+    let (card, degree) = read_card(folder)?;
     let (path, bytes) = KIND.read(folder, &card.tensors)?;
     decode(card, degree, &bytes).map_err(|fault| fault.at(&path))
+}
+
+/// [`Checkpoint::saw_depth`] of the checkpoint in a folder, without its numbers.
+pub fn saw_depth(folder: &Path) -> Result<Option<bool>, DataError> {
+    Ok(read_card(folder)?.0.saw_depth())
+}
+
+fn read_card(folder: &Path) -> Result<(Card, ShDegree), DataError> {
+    let path = folder.join(CARD);
+    let card: Card = json::parse(&path, None, &read_bounded(&path, MAX_CARD_BYTES)?)?;
+    let degree = card.check().map_err(|fault| fault.at(&path))?;
+    Ok((card, degree))
 }
 
 fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Fault> {
     let mut found = KIND.found(bytes)?;
     let gaussians = tensors::gaussians(&mut found, card.gaussians, degree)?;
     let dynamic = tensors::dynamic(&mut found, card.dynamic)?;
+    let saw_depth = card.saw_depth();
     let field_tensors = found.below(tensors::DEFORMATION)?;
     let training_tensors = found.below(tensors::TRAINING)?;
     found.finish()?;
@@ -158,6 +172,7 @@ fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Faul
         scene: card.scene,
         profile: card.profile,
         sampling: card.sampling,
+        saw_depth,
         inputs: card.inputs,
         training: Training { tensors: training_tensors, values: card.training },
     };

@@ -47,6 +47,7 @@ pub(super) fn measure(
         answers: Some(folder.join("answers").join(variant.name.as_str())),
         jobs: args.jobs,
         shard: None,
+        used_depth: false,
         overwrite: args.overwrite,
         dry_run: false,
         json: false,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use l4d_data::results::Track;
 use l4d_data::{Name, Profile, json};
 use l4d_splat::Model;
 use l4d_splat::checkpoint::own::{self, Checkpoint, Sampling};
@@ -26,6 +27,9 @@ pub(super) struct Origin {
     pub(super) settings: Value,
     /// Where the first Gaussians came from.
     pub(super) init: String,
+    /// Whether rendered depth was looked at, which decides with whom methods are ranked that use the model.
+    pub(super) saw_depth: bool,
+    pub(super) track: Track,
     /// Which pictures of a capture were trained on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) sampling: Option<Sampling>,
@@ -75,7 +79,13 @@ impl SplatsFolder {
         }
         let checkpoint = own::read(&self.0)?;
         let before = checkpoint.training.values.get("origin").cloned().unwrap_or_default();
-        if let Some(difference) = difference(&before, &checkpoint.inputs, origin)? {
+        let saw_other = checkpoint.saw_depth.filter(|saw_depth| *saw_depth != origin.saw_depth);
+        let difference = match saw_other {
+            Some(true) => Some("it was shown depth".to_owned()),
+            Some(false) => Some("it was not shown depth".to_owned()),
+            None => difference(&before, &checkpoint.inputs, origin)?,
+        };
+        if let Some(difference) = difference {
             return Err(refusal(
                 format!("{}: holds another model: {difference}", self.0.display()),
                 "say --overwrite to replace it, or choose another --out",
@@ -84,7 +94,7 @@ impl SplatsFolder {
         let is_done = checkpoint.training.values.get("done") == Some(&Value::Bool(true));
         let manifest = self.0.join(MANIFEST);
         if is_done && manifest.exists() {
-            return Ok(Claim::Done(json::read(&manifest)?));
+            return Ok(Claim::Done(finished(&manifest, origin)?));
         }
         if is_done {
             // Killed between the two: the last steps are gone, but nothing else is.
@@ -128,6 +138,16 @@ impl SplatsFolder {
     }
 }
 
+/// The manifest of a training that has ended, and what those of before did not say.
+fn finished(path: &Path, origin: &Origin) -> Result<Value> {
+    let mut manifest: Value = json::read(path)?;
+    if let Some(fields) = manifest.as_object_mut() {
+        fields.entry("saw_depth").or_insert(origin.saw_depth.into());
+        fields.entry("track").or_insert(origin.track.as_str().into());
+    }
+    Ok(manifest)
+}
+
 /// Seconds of training that a checkpoint stands for.
 pub(super) fn seconds_of(checkpoint: &Checkpoint) -> f64 {
     checkpoint.training.values.get("train_seconds").and_then(Value::as_f64).unwrap_or_default()
@@ -137,6 +157,7 @@ fn name(checkpoint: &mut Checkpoint, origin: &Origin, done: bool) -> Result<()> 
     checkpoint.scene = Some(origin.scene.clone());
     checkpoint.profile = Some(origin.profile);
     checkpoint.sampling = origin.sampling;
+    checkpoint.saw_depth = Some(origin.saw_depth);
     checkpoint.inputs.clone_from(&origin.trained_on);
     let values = &mut checkpoint.training.values;
     values.insert("origin".to_owned(), short(origin)?);
@@ -144,12 +165,13 @@ fn name(checkpoint: &mut Checkpoint, origin: &Origin, done: bool) -> Result<()> 
     Ok(())
 }
 
-/// The origin without its files, which stand elsewhere in a checkpoint.
+/// The origin without what a checkpoint says elsewhere.
 fn short(origin: &Origin) -> Result<Value> {
     let mut value = serde_json::to_value(origin)?;
     if let Some(fields) = value.as_object_mut() {
-        fields.remove("trained_on");
-        fields.remove("compared_with");
+        for elsewhere in ["trained_on", "compared_with", "saw_depth", "track"] {
+            fields.remove(elsewhere);
+        }
     }
     Ok(value)
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use l4d_data::results::Track;
 use l4d_splat::train::Quality;
 use serde::Serialize;
 use serde_json::Value;
@@ -60,8 +61,12 @@ fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Prints a manifest, or the table of its report.
-pub(super) fn print(manifest: &Value, as_json: bool, out: &Printer) -> Result<ExitStatus> {
+/// Prints a manifest, or the table of its report, and with whom methods are ranked that use the model.
+pub(super) fn print(manifest: &Value, track: Track, as_json: bool, out: &Printer) -> Result<ExitStatus> {
+    out.note(match track {
+        Track::Colour => "track: colour",
+        Track::ColourDepth => "track: colour + depth (learned from rendered depth)",
+    });
     if as_json {
         out.json(manifest)?;
         return Ok(ExitStatus::Success);

@@ -6,6 +6,7 @@ use glam::UVec2;
 use half::f16;
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{CaptureDir, SceneDir};
+use l4d_data::results::Track;
 use l4d_data::scene::{OBJECT_IDS, Scene};
 use l4d_data::store::read_bounded;
 use l4d_data::{Camera, DataError, Rig, Split, Timeline};
@@ -94,7 +95,7 @@ impl Shoot {
             frames: args.profile.frames().collect(),
             timeline: Timeline::CANONICAL,
             sampling: None,
-            has_depth: args.init != Some(InitArg::Sweep),
+            has_depth: looks_at_depth(args),
         })
     }
 
@@ -131,6 +132,11 @@ impl Shoot {
                 rig,
             },
         })
+    }
+
+    /// With whom methods are ranked that look at a model of these pictures.
+    pub(super) fn track(&self) -> Track {
+        Track::of_depth(self.has_depth)
     }
 
     /// Pictures that can be taken.
@@ -194,6 +200,15 @@ impl Shoot {
             file: path.strip_prefix(dir.root()).unwrap_or(&path).display().to_string(),
             sha256: sha256_hex(&bytes),
         })
+    }
+}
+
+/// Whether depth of a rendered scene has a say: as where Gaussians begin, or in the loss.
+fn looks_at_depth(args: &TrainSplatsArgs) -> bool {
+    match args.init {
+        None | Some(InitArg::Depth) => true,
+        Some(InitArg::Sweep) => false,
+        Some(InitArg::Random | InitArg::Points(_)) => args.depth_weight != Some(0.0),
     }
 }
 

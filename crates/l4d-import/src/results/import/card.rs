@@ -19,6 +19,8 @@ pub struct Identity {
     pub version: String,
     /// Whether the method saw pictures of the held-out view.
     pub test_view: bool,
+    /// Whether it learned from rendered depth of the training views.
+    pub depth: bool,
 }
 
 /// The protocol that masks of the whole clip are scored under.
@@ -66,7 +68,7 @@ pub fn write(
         height: profile.height(),
         frames: profile.frames().collect(),
         protocol: PROTOCOL.to_owned(),
-        used: Used { ground_truth: false, test_view: identity.test_view, endpoints: Vec::new() },
+        used: Used { test_view: identity.test_view, depth: identity.depth, ..Used::default() },
         baseline: false,
         seconds: None,
         reported: imported.claimed.clone(),

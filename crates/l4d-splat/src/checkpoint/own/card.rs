@@ -22,6 +22,8 @@ pub(super) struct Card {
     pub(super) profile: Option<Profile>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) sampling: Option<Sampling>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) saw_depth: Option<bool>,
     pub(super) iteration: u64,
     pub(super) gaussians: usize,
     pub(super) dynamic: usize,
@@ -33,6 +35,16 @@ pub(super) struct Card {
 }
 
 impl Card {
+    /// Whether depth was looked at. Models of before there was the field follow from how they were trained: rendered
+    /// scenes have depth, which only `sweep` left unread.
+    pub(super) fn saw_depth(&self) -> Option<bool> {
+        let derived = || {
+            let init = self.training.get("origin")?.get("init")?.as_str()?;
+            Some(self.profile?.is_rendered() && init != "sweep")
+        };
+        self.saw_depth.or_else(derived)
+    }
+
     /// Refuses what no checkpoint says; gives the degree of the harmonics.
     pub(super) fn check(&self) -> Result<ShDegree, Fault> {
         if self.schema != SCHEMA {
