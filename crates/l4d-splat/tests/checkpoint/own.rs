@@ -22,6 +22,7 @@ fn checkpoint() -> Checkpoint {
         scene: Some(Name::new("room_living_cats").unwrap()),
         profile: Some(Profile::Small),
         sampling: Some(own::Sampling { shrink: 4, every: 2 }),
+        saw_depth: Some(true),
         inputs: [("scene.json".to_owned(), sha256_hex(b"scene"))].into(),
         training: Training { tensors: [("adam/means/first".to_owned(), moments)].into(), values },
     }
