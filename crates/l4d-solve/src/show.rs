@@ -8,7 +8,7 @@ use l4d_frames::Mask;
 use l4d_frames::closeup::Closeup;
 use l4d_frames::drawn::{Rgb, RgbImage, picture_of};
 use l4d_frames::mask::PixelBox;
-use l4d_frames::overlay::Mark;
+use l4d_frames::overlay::{Mark, enlarge};
 use l4d_frames::text::{Style, Weight};
 use l4d_splat::model::ModelError;
 use l4d_splat::splats::Splats;
@@ -28,6 +28,8 @@ const OUTLINE_PX: u32 = 2;
 const PAPER: Rgb<u8> = Rgb([24, 24, 26]);
 const TEXT: Style = Style { weight: Weight::Regular, size_px: 15.0, colour: Rgb([240; 3]) };
 const TITLE: Style = Style { weight: Weight::Semibold, size_px: 18.0, colour: Rgb([255; 3]) };
+/// Narrower pictures are enlarged, so that captions fit below them.
+const TILE_PX: u32 = 256;
 const GAP_PX: u32 = 6;
 const CAPTION_PX: u32 = 20;
 const TITLE_PX: u32 = 28;
@@ -115,7 +117,8 @@ pub fn outlined(picture: &RgbImage, mask: &Mask, factor: u32) -> RgbImage {
 /// answer highlighted, alone, and taken away.
 pub fn sheet(title: &str, moments: &[(String, Shown)]) -> RgbImage {
     let Some((_, first)) = moments.first() else { return RgbImage::new(1, 1) };
-    let (width, height) = first.scene.dimensions();
+    let factor = TILE_PX.div_ceil(first.scene.width().max(1));
+    let [width, height] = [first.scene.width(), first.scene.height()].map(|side| side * factor);
     let rows = ["outlined", "highlighted", "alone", "taken away"];
     let page_width = GAP_PX + moments.len() as u32 * (width + GAP_PX);
     let mut lines = TITLE.wrap(title, (page_width - 2 * GAP_PX) as f32);
@@ -128,11 +131,12 @@ pub fn sheet(title: &str, moments: &[(String, Shown)]) -> RgbImage {
     }
     for (column, (caption, shown)) in moments.iter().enumerate() {
         let left = GAP_PX + column as u32 * (width + GAP_PX);
-        let outlined = outlined(&shown.scene, &shown.mask, 1);
-        let pictures = [&outlined, &shown.highlighted, &shown.extracted, &shown.removed];
-        for (row, (picture, what)) in pictures.into_iter().zip(rows).enumerate() {
+        let edited = [&shown.highlighted, &shown.extracted, &shown.removed];
+        let enlarged = edited.map(|picture| enlarge(picture, factor));
+        let pictures = std::iter::once(outlined(&shown.scene, &shown.mask, factor)).chain(enlarged);
+        for (row, (picture, what)) in pictures.zip(rows).enumerate() {
             let y = top + row as u32 * (height + CAPTION_PX + GAP_PX);
-            put(&mut page, picture, left, y);
+            put(&mut page, &picture, left, y);
             let text = format!("{caption}, {what}");
             TEXT.write(&mut page, left as f32 + 2.0, (y + height) as f32 + 1.0, &text);
         }

@@ -113,7 +113,13 @@ fn steps(args: &QuickstartArgs, scene: &Name, folders: &Folders) -> Vec<(&'stati
         ),
         ("Baselines that bracket the scale", common("baseline", &["--results", &results, "--force"])),
         ("Counts, then ratios", common("score", &[&results, "--scores", &scores])),
-        ("Tables, figures and a page", common("leaderboard", &[&scores, "--output", &board, "--html"])),
+        (
+            "Tables, figures and a page",
+            common(
+                "leaderboard",
+                &[&scores, "--output", &board, "--html", "--results", &results, "--data", &data],
+            ),
+        ),
     ]
 }
 
