@@ -289,6 +289,8 @@ fn no_code_of_it_reads_a_file() {
             waiting.extend(std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             let text = std::fs::read_to_string(&path).unwrap();
+            // Unit tests come last in a file, and are no part of the grounder.
+            let code = text.split("#[cfg(test)]").next().unwrap();
             for forbidden in [
                 "std::fs",
                 "std::env",
@@ -301,7 +303,7 @@ fn no_code_of_it_reads_a_file() {
                 "read_queries",
                 "layout::",
             ] {
-                assert!(!text.contains(forbidden), "{} has {forbidden}", path.display());
+                assert!(!code.contains(forbidden), "{} has {forbidden}", path.display());
             }
             read += 1;
         }
