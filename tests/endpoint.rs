@@ -332,7 +332,11 @@ fn a_real_server_with_a_grammar() {
         client.with_cache(&dir.path("answers"), CacheUse::Take).unwrap()
     };
     let request = with_pictures(Some(boxes_schema()));
-    let (value, reply) = open().ask_json::<Value>(&request).unwrap();
+    let ask = || {
+        let reply = open().ask(&request).unwrap();
+        (reply.json::<Value>().unwrap(), reply)
+    };
+    let (value, reply) = ask();
     assert_eq!(
         l4d_endpoint::coordinates::written_boxes(&value).len(),
         value["boxes"].as_array().unwrap().len()
@@ -340,10 +344,10 @@ fn a_real_server_with_a_grammar() {
     // 320x240 becomes 320x256: 10 x 8 tokens a picture, as the server counts.
     assert!(reply.usage.prompt_tokens.unwrap() >= 3 * 80, "{:?}", reply.usage);
     assert!(reply.notes.is_empty() && reply.finish == Finish::Stop, "{reply:?}");
-    let (again, kept) = open().ask_json::<Value>(&request).unwrap();
+    let (again, kept) = ask();
     assert_eq!((again, kept.origin), (value.clone(), Origin::Cache));
     open().forget(&request).unwrap();
-    let (third, fresh) = open().ask_json::<Value>(&request).unwrap();
+    let (third, fresh) = ask();
     assert_eq!((third, fresh.origin), (value, Origin::Server), "temperature 0 gives one answer");
 
     let mut unknown = endpoint.clone();

@@ -267,9 +267,4 @@ impl ResultsDir {
     pub fn soft_png(&self, id: &QueryId, frame: u32) -> PathBuf {
         self.soft_folder(id).join(format!("{}.png", frame_key(frame)))
     }
-
-    /// `masks/<scene>/<nnn>/<frame:04>.png`.
-    pub fn mask_png(&self, id: &QueryId, frame: u32) -> PathBuf {
-        self.mask_folder(id).join(format!("{}.png", frame_key(frame)))
-    }
 }

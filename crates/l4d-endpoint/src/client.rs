@@ -7,7 +7,6 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use l4d_data::json;
-use serde::de::DeserializeOwned;
 
 use crate::breaker::Breaker;
 use crate::budget::{Budget, Ledger, Plan, Spent, Tokens, estimate};
@@ -173,12 +172,6 @@ impl Client {
                 },
             }
         }
-    }
-
-    /// Asks for JSON.
-    pub fn ask_json<T: DeserializeOwned>(&self, request: &Request) -> Result<(T, Reply), EndpointError> {
-        let reply = self.ask(request)?;
-        Ok((reply.json()?, reply))
     }
 
     /// Names of the models that the server lists.

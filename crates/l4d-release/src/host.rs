@@ -1,10 +1,9 @@
-//! The forms in which platforms host a benchmark: what Codabench, EvalAI and the Hugging Face Hub take.
+//! The forms in which platforms host a benchmark: what Codabench and the Hugging Face Hub take.
 //!
 //! A form is a list of files, made in memory: reference data are the benchmark's own files, the scoring program is one
 //! Python file of the standard library (`host/l4d_scorer.py`), whose numbers are those of `l4d score`.
 
 mod codabench;
-mod evalai;
 mod huggingface;
 mod zip;
 
@@ -21,7 +20,6 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 pub use self::codabench::codabench;
-pub use self::evalai::evalai;
 pub use self::huggingface::{Entry, huggingface};
 use crate::contents::Publication;
 use crate::day::Day;
@@ -177,7 +175,7 @@ const fn shown(key: &'static str, title: &'static str, about: &'static str) -> L
     LeaderboardColumn { key, title, about, is_lower_better: false }
 }
 
-/// What leaderboards show, the headline first; percent. `host/evalai.py` has the same titles.
+/// What leaderboards show, the headline first; percent.
 const COLUMNS: [LeaderboardColumn; 11] = [
     shown("miou", "mIoU", "mean over queries of the mean IoU over frames that show the target"),
     shown("tube_iou", "tube IoU", "intersections over unions, summed over all frames, so that time matters"),
@@ -245,13 +243,10 @@ mod tests {
         let mut says_public = |split: SetSplit| {
             gathered.manifest.split = split;
             let setting = Setting { gathered: &gathered, profile: Profile::Tiny, truth_digest: "0" };
-            let pages = [
-                (codabench(&setting, &season).unwrap(), "pages/evaluation.md"),
-                (evalai(&setting, &season).unwrap(), "templates/evaluation_details.html"),
-            ];
-            pages.map(|(files, page)| String::from_utf8_lossy(&files[page]).contains("The truth is public"))
+            let files = codabench(&setting, &season).unwrap();
+            String::from_utf8_lossy(&files["pages/evaluation.md"]).contains("The truth is public")
         };
-        assert_eq!(says_public(SetSplit::Test), [true, true]);
-        assert_eq!(says_public(SetSplit::Private), [false, false]);
+        assert!(says_public(SetSplit::Test));
+        assert!(!says_public(SetSplit::Private));
     }
 }

@@ -1,9 +1,5 @@
 //! Stable codes of what reading a round and its ballots finds.
 
-/// `round.toml` or `items.jsonl` is missing, malformed, or contradicts itself.
-pub const BAD_ROUND: &str = "L4D501";
-/// `key.jsonl` is missing, malformed, or does not fit the items.
-pub const BAD_KEY: &str = "L4D502";
 /// The log of an annotator is missing or cannot be read.
 pub const NO_BALLOT: &str = "L4D503";
 /// A log of somebody whom the round does not name.

@@ -50,8 +50,6 @@ pub(crate) struct ReleaseArgs {
 pub(crate) enum HostCommand {
     /// A competition bundle: pages, scoring program, reference data, starting kit
     Codabench(CompetitionArgs),
-    /// A challenge configuration: pages, evaluation script, annotations
-    Evalai(CompetitionArgs),
     /// Files for the Hugging Face Hub: tasks, a leaderboard, results for the card of each method
     Huggingface(HuggingfaceArgs),
 }

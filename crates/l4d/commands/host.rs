@@ -7,7 +7,7 @@ use anyhow::Result;
 use l4d_data::results::Track;
 use l4d_data::store::list_folder;
 use l4d_data::{Benchmark, Category, DataError, Report};
-use l4d_release::host::{Entry, Files, Season, Setting, codabench, evalai, huggingface, write};
+use l4d_release::host::{Entry, Files, Season, Setting, codabench, huggingface, write};
 use l4d_score::{QuerySet, Summary};
 use serde_json::json;
 
@@ -20,10 +20,6 @@ pub(crate) fn run(command: &HostCommand, out: &Printer) -> Result<ExitStatus> {
         HostCommand::Codabench(args) => {
             let season = season(args)?;
             make(&args.host, "codabench", out, |setting| Ok(codabench(setting, &season)?))
-        }
-        HostCommand::Evalai(args) => {
-            let season = season(args)?;
-            make(&args.host, "evalai", out, |setting| Ok(evalai(setting, &season)?))
         }
         HostCommand::Huggingface(args) => {
             require_hub_name(&args.dataset)?;

@@ -113,11 +113,6 @@ impl Adam {
         }
         Ok(())
     }
-
-    /// A group by its name.
-    pub fn group_mut(&mut self, name: &str) -> Option<&mut Group> {
-        self.groups.iter_mut().find(|group| group.name == name)
-    }
 }
 
 impl Group {
