@@ -49,8 +49,8 @@ def main() -> None:
     }
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root)
-        subprocess.run([binaries["after"], "-q", "baseline", *bench, "small"], cwd=folder, check=True)
-        subprocess.run([binaries["after"], "-q", "score", *bench, "small"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([binaries["before"], "-q", "baseline", *bench, "small"], cwd=folder, check=True)
+        subprocess.run([binaries["before"], "-q", "score", *bench, "small"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
         board.make_methods(folder / "scores", METHODS)
         for verb, arguments in verbs.items():
             found = {name: [] for name in binaries}
