@@ -8,7 +8,7 @@ use std::path::Path;
 use l4d_data::truth::InstanceTruth;
 use l4d_data::{DataError, Name, Query, QueryId, Role, Scale};
 use l4d_score::counts::{self, FrameCount, State};
-use l4d_score::metrics::{QueryFacts, QueryTally};
+use l4d_score::metrics::{QueryFacts, QueryTally, taken};
 use l4d_score::score::{counts_path, summary_path};
 use l4d_score::{Exam, Options, Summary};
 use rayon::prelude::*;
@@ -166,7 +166,7 @@ pub(crate) fn derive(method: &Name, options: Options, counts: Vec<FrameCount>, a
         let counts = rows.remove(&query.id).unwrap_or_default();
         detail.tallies.push(QueryTally::of(QueryFacts::of(query, scale), &counts, &options));
         let frames = counts.iter().map(frame).collect();
-        detail.queries.push(QueryDetail { taken: taken(query, &counts), frames });
+        detail.queries.push(QueryDetail { taken: taken(query, &counts).cloned(), frames });
     }
     detail
 }
@@ -174,17 +174,4 @@ pub(crate) fn derive(method: &Name, options: Options, counts: Vec<FrameCount>, a
 fn frame(count: &FrameCount) -> FrameDetail {
     let &FrameCount { frame, state, intersection, union, predicted, .. } = count;
     FrameDetail { frame, state, intersection, union, predicted }
-}
-
-/// Among equals an instance that is not meant, as `select` has it, then the first by name.
-fn taken(query: &Query, counts: &[FrameCount]) -> Option<Name> {
-    let mut overlaps: BTreeMap<&Name, u64> = BTreeMap::new();
-    for count in counts {
-        if let Some(instance) = &count.instance {
-            *overlaps.entry(instance).or_default() += count.instance_overlap;
-        }
-    }
-    let order = |(name, overlap): &(&Name, u64)| (*overlap, !query.referents.contains(name));
-    // The last of equals is taken, so the first by name has to come last.
-    overlaps.into_iter().rev().max_by_key(order).map(|(name, _)| name.clone())
 }

@@ -178,6 +178,20 @@ impl QueryTally {
     }
 }
 
+/// The instance that the answer to a query overlaps most over the clip; `counts` are the rows of the query. Among equals
+/// an instance that is not meant, as `select` has it, then the first by name.
+pub fn taken<'a>(query: &Query, counts: impl IntoIterator<Item = &'a FrameCount>) -> Option<&'a Name> {
+    let mut overlaps: BTreeMap<&Name, u64> = BTreeMap::new();
+    for count in counts {
+        if let Some(instance) = &count.instance {
+            *overlaps.entry(instance).or_default() += count.instance_overlap;
+        }
+    }
+    let order = |(name, overlap): &(&Name, u64)| (*overlap, !query.referents.contains(name));
+    // The last of equals is taken, so the first by name has to come last.
+    overlaps.into_iter().rev().max_by_key(order).map(|(name, _)| name)
+}
+
 /// Ratios, 0 to 1; none where the denominator is zero.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Ratios {

@@ -9,9 +9,9 @@ use anyhow::Result;
 use l4d_data::layout::{AnswerDir, WorkDir};
 use l4d_data::{Name, Query, QueryId, json};
 use l4d_ground::Outcome;
-use l4d_score::metrics::QueryTally;
+use l4d_score::metrics::{QueryTally, taken};
 use l4d_score::score::{counts_path, tallies_of_counts};
-use l4d_score::{Exam, FrameCount, Options, counts};
+use l4d_score::{Exam, Options, counts};
 use l4d_solve::consensus::{Consensus, Decision, Standing};
 use l4d_solve::grounded::outcomes;
 
@@ -87,7 +87,10 @@ pub(super) fn endings<'a>(
         let ratios = tally.ratios();
         let why = match ratios.select {
             Some(select) if select > 0.5 => Why::Right,
-            _ => reason(&work.answer(method, &query.id.number), taken(&rows, query))?,
+            _ => {
+                let rows = rows.iter().filter(|row| row.query == query.id);
+                reason(&work.answer(method, &query.id.number), taken(query, rows).cloned())?
+            }
         };
         endings.push(Ending { query, why, miou: ratios.miou.unwrap_or(0.0) });
     }
@@ -112,15 +115,4 @@ fn reason(dir: &AnswerDir, taken: Option<Name>) -> Result<Why> {
         _ if agreed.views.iter().any(|view| view.standing == Standing::Outvoted) => Why::Outvoted(taken),
         _ => Why::WrongObject(taken),
     })
-}
-
-/// The instance that the masks of a query overlap most, over the clip.
-fn taken(rows: &[FrameCount], query: &Query) -> Option<Name> {
-    let mut overlaps: BTreeMap<&Name, u64> = BTreeMap::new();
-    for row in rows.iter().filter(|row| row.query == query.id) {
-        if let Some(instance) = &row.instance {
-            *overlaps.entry(instance).or_default() += row.instance_overlap;
-        }
-    }
-    overlaps.into_iter().max_by_key(|(_, overlap)| *overlap).map(|(name, _)| name.clone())
 }
