@@ -30,4 +30,5 @@ mod splats;
 mod splats_render;
 mod support;
 mod sweep;
+mod unchanged;
 mod world;
