@@ -9,13 +9,25 @@ use serde_json::Value;
 const FORBIDDEN: &[(&str, &[&str])] = &[
     (
         "l4d-data",
-        &["l4d-frames", "l4d-query", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"],
+        &[
+            "l4d-masks",
+            "l4d-frames",
+            "l4d-query",
+            "l4d-score",
+            "l4d-board",
+            "exr",
+            "image",
+            "polars",
+            "plotters",
+        ],
     ),
+    ("l4d-masks", &["l4d-frames", "exr", "image"]),
     ("l4d-frames", &["l4d-query", "l4d-score", "l4d-board", "polars", "plotters"]),
     ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
     (
         "l4d-score",
         &[
+            "l4d-frames",
             "l4d-query",
             "l4d-votes",
             "l4d-board",
@@ -24,6 +36,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
             "l4d-import",
             "l4d-solve",
             "exr",
+            "image",
             "polars",
             "plotters",
             "ratatui",
@@ -48,7 +61,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
         "l4d-solve",
         &["l4d-gpu", "l4d-votes", "l4d-score", "l4d-board", "wgpu", "polars", "plotters", "ratatui"],
     ),
-    ("l4d-board", &["l4d-query", "l4d-votes", "exr", "ratatui", "ureq"]),
+    ("l4d-board", &["l4d-frames", "l4d-query", "l4d-votes", "exr", "ratatui", "ureq"]),
     (
         "l4d-votes",
         &[

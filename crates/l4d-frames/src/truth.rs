@@ -5,13 +5,16 @@
 
 use std::collections::BTreeMap;
 
+use glam::UVec2;
+use l4d_data::layout::SceneDir;
 use l4d_data::name::Name;
 use l4d_data::scene::Scene;
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
+use l4d_masks::{Mask, rle};
+use rayon::prelude::*;
 
+use crate::exr::{FrameError, read_surfaces};
 use crate::frame::Surfaces;
-use crate::mask::Mask;
-use crate::rle;
 
 /// What one picture says about the instances of its scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -104,42 +107,27 @@ impl TruthBuilder {
     }
 }
 
-#[cfg(feature = "exr")]
-pub use from_disk::truth_of_scene;
-
-#[cfg(feature = "exr")]
-mod from_disk {
-    use glam::UVec2;
-    use l4d_data::layout::SceneDir;
-    use l4d_data::scene::Scene;
-    use l4d_data::truth::Truth;
-    use rayon::prelude::*;
-
-    use super::{Observation, TruthBuilder};
-    use crate::exr::{FrameError, read_surfaces};
-
-    /// Builds the truth of a rendered scene; no more than one picture a thread is in memory.
-    ///
-    /// `None` if the scene has no held-out view, which [`Scene::read`] refuses.
-    pub fn truth_of_scene(dir: &SceneDir, scene: &Scene) -> Result<Option<Truth>, FrameError> {
-        let Some(mut builder) = TruthBuilder::new(scene) else { return Ok(None) };
-        let size = UVec2::new(scene.width, scene.height);
-        let pictures: Vec<(&str, u32)> = scene
-            .cameras
-            .iter()
-            .flat_map(|camera| scene.profile.frames().map(|frame| (camera.name.as_str(), frame)))
-            .collect();
-        let observe = |&(view, frame): &(&str, u32)| {
-            let surfaces = read_surfaces(&dir.frame(view, frame), size)?;
-            Ok(Observation::of(&surfaces, builder.wants_masks(view)))
-        };
-        let observations: Vec<Observation> =
-            pictures.par_iter().map(observe).collect::<Result<_, FrameError>>()?;
-        for ((view, frame), observation) in pictures.into_iter().zip(observations) {
-            builder.insert(view, frame, observation);
-        }
-        Ok(Some(builder.finish()))
+/// Builds the truth of a rendered scene; no more than one picture a thread is in memory.
+///
+/// `None` if the scene has no held-out view, which [`Scene::read`] refuses.
+pub fn truth_of_scene(dir: &SceneDir, scene: &Scene) -> Result<Option<Truth>, FrameError> {
+    let Some(mut builder) = TruthBuilder::new(scene) else { return Ok(None) };
+    let size = UVec2::new(scene.width, scene.height);
+    let pictures: Vec<(&str, u32)> = scene
+        .cameras
+        .iter()
+        .flat_map(|camera| scene.profile.frames().map(|frame| (camera.name.as_str(), frame)))
+        .collect();
+    let observe = |&(view, frame): &(&str, u32)| {
+        let surfaces = read_surfaces(&dir.frame(view, frame), size)?;
+        Ok(Observation::of(&surfaces, builder.wants_masks(view)))
+    };
+    let observations: Vec<Observation> =
+        pictures.par_iter().map(observe).collect::<Result<_, FrameError>>()?;
+    for ((view, frame), observation) in pictures.into_iter().zip(observations) {
+        builder.insert(view, frame, observation);
     }
+    Ok(Some(builder.finish()))
 }
 
 #[cfg(test)]

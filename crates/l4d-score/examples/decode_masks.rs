@@ -7,7 +7,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use l4d_data::store::{list_folder, read_bounded};
-use l4d_frames::png;
+use l4d_masks::png;
 use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -9,9 +9,9 @@ use std::path::Path;
 use l4d_data::layout::ResultsDir;
 use l4d_data::truth::frame_key;
 use l4d_data::{QueryId, Report, json};
-use l4d_frames::png::{self, PngError};
-use l4d_frames::rle::{self, RleError};
-use l4d_frames::{Mask, Runs};
+use l4d_masks::png::{self, PngError};
+use l4d_masks::rle::{self, RleError};
+use l4d_masks::{Mask, Runs};
 use serde::de::{DeserializeSeed, Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 

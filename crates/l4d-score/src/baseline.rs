@@ -12,7 +12,7 @@ use l4d_data::scene::Role;
 use l4d_data::store::{read_bounded, write_atomic};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Query, Temporal};
-use l4d_frames::{Mask, rle};
+use l4d_masks::{Mask, rle};
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use l4d_data::{Query, Temporal};
-use l4d_frames::rle::{self, RleError};
-use l4d_frames::{Mask, Runs};
+use l4d_masks::rle::{self, RleError};
+use l4d_masks::{Mask, Runs};
 
 use crate::counts::{FrameCount, State};
 use crate::labels::Labels;

@@ -3,7 +3,7 @@
 //! Rendered ids are disjoint, so a prediction that comes as runs meets every instance in one pass, and nothing is drawn.
 //! It is the fast path of [`crate::judge`]; where instances overlap there is none.
 
-use l4d_frames::Runs;
+use l4d_masks::Runs;
 
 use crate::truth::TruthMask;
 

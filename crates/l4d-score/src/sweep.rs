@@ -11,7 +11,7 @@ use std::path::Path;
 use l4d_data::layout::ResultsDir;
 use l4d_data::store::{read_bounded, write_atomic};
 use l4d_data::{DataError, Name, Query, Report, json as file};
-use l4d_frames::png;
+use l4d_masks::png;
 use rayon::prelude::*;
 use serde::Serialize;
 

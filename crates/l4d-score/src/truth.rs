@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use l4d_data::scene::Role;
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, Scale, Temporal};
-use l4d_frames::{Mask, Runs, rle};
+use l4d_masks::{Mask, Runs, rle};
 use rayon::prelude::*;
 
 use crate::labels::Labels;

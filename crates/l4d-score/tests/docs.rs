@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use l4d_data::scene::Role;
 use l4d_data::{Name, Query, Scale};
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_score::counts::{FrameCount, State};
 use l4d_score::judge::{Answer, judge_query};
 use l4d_score::metrics::{Missing, Options, QueryFacts, QueryTally, Ratios};

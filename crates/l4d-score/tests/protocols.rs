@@ -9,7 +9,7 @@ use std::process::Command;
 use l4d_data::query::text_digest;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::{Name, Query, QueryId};
-use l4d_frames::{Mask, rle};
+use l4d_masks::{Mask, rle};
 use l4d_score::Protocol;
 use l4d_score::judge::Answer;
 use l4d_score::protocols::{Sheet, Summits, judge_answers, render};

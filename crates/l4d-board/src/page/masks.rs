@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::{Query, QueryId, Report};
-use l4d_frames::{Mask, rle};
+use l4d_masks::{Mask, rle};
 use l4d_score::answers::Reader;
 use l4d_score::exam::SceneExam;
 use l4d_score::judge::Answer;

@@ -4,8 +4,8 @@
 //! 0.008 of the diagonal, rounded up. Boundary IoU after Cheng et al. 2021: the pixels of a mask near its border, 0.02 of
 //! the diagonal deep, measured in squares; the border of the picture is a border of the mask.
 
-use l4d_frames::Mask;
-use l4d_frames::morphology::{dilated, edges, eroded_square};
+use l4d_masks::Mask;
+use l4d_masks::morphology::{dilated, edges, eroded_square};
 
 /// Share of the diagonal that contours may lie apart.
 const CONTOUR_TOLERANCE: f64 = 0.008;

@@ -4,7 +4,7 @@
 //! frame of either tube to the last of either; gaps count. A video without an answer counts 0. Boxes are those around the
 //! masks, with edges between pixels.
 
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 
 use super::Measure;
 use super::judged::{Judged, Value};

@@ -1,6 +1,6 @@
 //! J and F of one query: how masks fit by area and by contour, in the sense of DAVIS.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::boundary::Contours;
 use super::judged::Value;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use l4d_data::{Query, QueryId, Temporal};
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use crate::judge::Answer;
 use crate::truth::{SceneTruth, TruthMask};

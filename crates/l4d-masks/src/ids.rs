@@ -110,9 +110,13 @@ mod tests {
     use super::*;
 
     fn grey(bits: png::BitDepth, width: u32, samples: &[u8]) -> Vec<u8> {
+        row(png::ColorType::Grayscale, bits, width, samples)
+    }
+
+    fn row(colour: png::ColorType, bits: png::BitDepth, width: u32, samples: &[u8]) -> Vec<u8> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, width, 1);
-        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_color(colour);
         encoder.set_depth(bits);
         let mut writer = encoder.write_header().unwrap();
         writer.write_image_data(samples).unwrap();
@@ -147,7 +151,7 @@ mod tests {
 
     #[test]
     fn colours_cut_files_and_absurd_sizes_are_refused() {
-        let colour = crate::drawn::encode_colour(&crate::drawn::RgbImage::new(2, 2));
+        let colour = row(png::ColorType::Rgb, png::BitDepth::Eight, 2, &[0; 6]);
         assert!(matches!(decode(&colour), Err(PngError::Kind { .. })));
         let mut file = encode_palette(4, 4, &[7; 16]);
         for length in 0..file.len() {
