@@ -14,7 +14,7 @@ use l4d_frames::exr::read_frame;
 use l4d_frames::frame::Frame;
 use serde_json::Value;
 
-use crate::support::{blender_python, is_slow, l4d, root, succeed};
+use crate::support::{blender_python, l4d, root, succeed};
 
 const SCENE: &str = "tabletop_mouse_cups";
 /// The default of `quickstart`.
@@ -132,11 +132,20 @@ fn check_against_shipped_truth(bench: &Path) {
 
 #[test]
 fn a_killed_build_ends_with_the_same_bytes() {
+    ends_with_the_same_bytes_after(3);
+}
+
+#[test]
+#[ignore = "slow: kills a build twenty times"]
+fn a_build_killed_twenty_times_ends_with_the_same_bytes() {
+    ends_with_the_same_bytes_after(20);
+}
+
+fn ends_with_the_same_bytes_after(kills: u64) {
     let folder = tempfile::tempdir().unwrap();
     let bench = bench_copy(folder.path());
     let (calm, shaken) = (folder.path().join("calm"), folder.path().join("shaken"));
     succeed(&mut build(&calm, &bench, &[]));
-    let kills = if is_slow() { 20 } else { 3 };
     for kill in 0..kills {
         let mut child =
             build(&shaken, &bench, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();

@@ -1,4 +1,4 @@
-//! `l4d endpoint`: against a scripted server, and (`L4D_SLOW=1`) against real ones with a tiny random model.
+//! `l4d endpoint`: against a scripted server, and (slow) against real ones with a tiny random model.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -14,7 +14,7 @@ use l4d_frames::targets::Targets;
 use serde_json::{Value, json};
 
 use crate::proposing::scripted::{Server, Turn, ok, says, status, thinks};
-use crate::support::{Dir, Run, is_slow, root};
+use crate::support::{Dir, Run, root};
 
 const KEY: &str = "sk-canary/7Yq+0123456789";
 
@@ -302,10 +302,8 @@ fn boxes_schema() -> Value {
 }
 
 #[test]
+#[ignore = "slow: makes a Python environment with a model server"]
 fn a_real_server_with_a_grammar() {
-    if !is_slow() {
-        return;
-    }
     let folder = environment();
     let port = free_port();
     let mut command = python(folder, "python");
@@ -363,10 +361,8 @@ fn a_real_server_with_a_grammar() {
 }
 
 #[test]
+#[ignore = "slow: makes a Python environment with a model server"]
 fn a_real_server_of_transformers() {
-    if !is_slow() {
-        return;
-    }
     let folder = environment();
     let port = free_port();
     let model = folder.join("tiny").display().to_string();

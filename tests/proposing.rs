@@ -1,4 +1,4 @@
-//! `l4d propose-prompts` and `l4d propose-scenes`: against a scripted server, and (`L4D_SLOW=1`) against a real one with
+//! `l4d propose-prompts` and `l4d propose-scenes`: against a scripted server, and (slow) against a real one with
 //! a tiny random model.
 
 #[path = "../crates/l4d-endpoint/tests/scripted/mod.rs"]
@@ -13,14 +13,12 @@ use serde_json::{Value, json};
 
 use self::stage::{CATS, CUPS, document, files, prompts, stage};
 use crate::endpoint::{Process, environment, free_port, python};
-use crate::support::{is_slow, root};
+use crate::support::root;
 
 /// Random weights answer garbage: all of it is kept with its reasons, and nothing breaks.
 #[test]
+#[ignore = "slow: makes a Python environment with a model server"]
 fn a_real_server_with_random_weights() {
-    if !is_slow() {
-        return;
-    }
     let folder = environment();
     let port = free_port();
     let mut command = python(folder, "python");

@@ -1,6 +1,6 @@
 //! The Python package `l4d`: loaded into Python and asked for the numbers that Rust has.
 //!
-//! The plain suite loads the library that cargo built for these tests; with `L4D_SLOW=1` a wheel is built, installed into
+//! The plain suite loads the library that cargo built for these tests; in the slow one a wheel is built, installed into
 //! a fresh environment and asked the same. What is asked stands in `crates/l4d-py/tests/`.
 
 use std::collections::BTreeMap;
@@ -26,7 +26,7 @@ use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
 use serde_json::json;
 
-use crate::support::{Dir, blender_python, is_slow, root, succeed};
+use crate::support::{Dir, blender_python, root, succeed};
 use crate::world;
 
 /// The picture that Python and Rust are compared on.
@@ -41,10 +41,8 @@ fn the_package_says_what_rust_says() {
 }
 
 #[test]
+#[ignore = "slow: builds a wheel"]
 fn a_wheel_says_what_rust_says() {
-    if !is_slow() {
-        return;
-    }
     let dir = Dir::new();
     let requirements = root().join("crates/l4d-py/tests/requirements.txt");
     let build = environment(&dir.path("build"), &["-r", text(&requirements)]);

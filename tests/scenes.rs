@@ -1,32 +1,36 @@
-//! Scenes on real Blender: one of each scale always, all of them and random variants with `L4D_SLOW=1`.
+//! Scenes on real Blender: one of each scale; in the slow suite all of them, and random variants.
 
 use std::path::Path;
 
 use l4d_data::{Benchmark, Name, Profile, Scale};
 use serde_json::Value;
 
-use crate::support::{is_slow, l4d, root, succeed};
+use crate::support::{l4d, root, succeed};
 
-/// A scene of each scale, and draws of it that nobody looked at while the recipe was written.
+/// A scene of each scale, and draws of it that no one looked at while the recipe was written.
 const DRAWN: [&str; 3] = ["outdoor_farm_buckets", "room_living_cats", "tabletop_mouse_cups"];
 const VARIANTS: [u32; 3] = [11, 23, 37];
 
-/// Scenes of the shipped benchmark: all of them, or the first of each scale.
-fn chosen() -> Vec<Name> {
-    let bench = Benchmark::open(root().join("benchmark")).unwrap();
-    let scenes = bench.manifest.scenes.clone();
-    if is_slow() {
-        return scenes;
-    }
-    let scale = |scene: &Name| bench.tracks(scene).unwrap().scale;
-    let first = |wanted: Scale| scenes.iter().find(|scene| scale(scene) == wanted).cloned();
-    Scale::ALL.into_iter().filter_map(first).collect()
+fn benchmark() -> Benchmark {
+    Benchmark::open(root().join("benchmark")).unwrap()
 }
 
 #[test]
-fn scenes_build_as_shipped_and_pass_their_checks() {
+fn a_scene_of_each_scale_builds_as_shipped_and_passes_its_checks() {
+    let bench = benchmark();
+    let scale = |scene: &Name| bench.tracks(scene).unwrap().scale;
+    let first = |wanted: Scale| bench.manifest.scenes.iter().find(|scene| scale(scene) == wanted).cloned();
+    builds_as_shipped(&Scale::ALL.into_iter().filter_map(first).collect::<Vec<_>>());
+}
+
+#[test]
+#[ignore = "slow: renders 21 scenes"]
+fn all_scenes_build_as_shipped_and_pass_their_checks() {
+    builds_as_shipped(&benchmark().manifest.scenes);
+}
+
+fn builds_as_shipped(scenes: &[Name]) {
     let folder = tempfile::tempdir().unwrap();
-    let scenes = chosen();
     let list: Vec<&str> = scenes.iter().map(Name::as_str).collect();
     let list = list.join(",");
     let at = |verb: &str| {
@@ -40,10 +44,8 @@ fn scenes_build_as_shipped_and_pass_their_checks() {
 }
 
 #[test]
+#[ignore = "slow: renders nine drawn scenes"]
 fn random_variants_pass_their_checks_with_their_own_queries() {
-    if !is_slow() {
-        return;
-    }
     for variant in VARIANTS {
         let folder = tempfile::tempdir().unwrap();
         let (bench, data) = (folder.path().join("drawn"), folder.path().join("data"));

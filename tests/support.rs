@@ -14,11 +14,6 @@ use l4d_data::{Profile, json};
 use l4d_frames::{Mask, rle};
 use serde_json::{Value, json};
 
-/// Twenty kills and the other long suites run with `L4D_SLOW=1`.
-pub(crate) fn is_slow() -> bool {
-    std::env::var_os("L4D_SLOW").is_some_and(|value| value == "1")
-}
-
 /// The project's folder.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -116,8 +116,9 @@ fn the_card_names_files_that_are_there() {
 }
 
 #[test]
+#[ignore = "needs mlcroissant, datasets and cffconvert in L4D_VALIDATORS_PYTHON"]
 fn validators_of_others_find_nothing_wrong() {
-    let Some(python) = std::env::var_os("L4D_VALIDATORS_PYTHON") else { return };
+    let python = std::env::var_os("L4D_VALIDATORS_PYTHON").expect("L4D_VALIDATORS_PYTHON names a Python");
     let dir = bench();
     write_renders(&dir);
     released(&dir, &["--profile", "tiny"]);
