@@ -101,10 +101,9 @@ fn export_refuses_with_exit_code_2_and_a_hint() {
         assert_eq!(run.code, 2, "{}", run.stdout);
         assert!(run.stderr.contains(said), "`{said}` is not in: {}", run.stderr);
     };
-    refused("blender", &[], "4dgaussians-blender");
-    refused("coco", &["--video"], "use `--format plain --video`");
-    refused("plain", &["--frames", "13"], "frame 13 is not rendered");
-    refused("plain", &["--held-out", "pictures"], "cam01");
+    refused("blender", &[], "4dgaussians-dynerf");
+    refused("colmap", &["--frames", "13"], "frame 13 is not rendered");
+    refused("colmap", &["--held-out", "pictures"], "cam01");
     refused("lerf-ovs", &[], "truth/tiny/wall.json");
 }
 

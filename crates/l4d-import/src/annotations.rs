@@ -1,25 +1,20 @@
 //! What people drew on pictures with other tools, and the truth of l4d for the evaluators of others.
 //!
-//! Owns the files of labelme, ISAT, CVAT, COCO and 4D LangSplat, and how polygons become pixels there. Refuses to know
-//! which scene a picture belongs to and what a label means.
+//! Owns the files of COCO, 4D LangSplat and LERF-OVS, and how polygons become pixels there. Does not know which scene a
+//! picture belongs to.
 
 pub mod coco;
-pub mod cvat;
 pub mod fill;
 pub mod four_d_langsplat;
-pub mod isat;
-pub mod labelme;
 pub mod lerf_ovs;
 pub mod outline;
 mod prompts;
 
-use l4d_data::DataError;
 use l4d_frames::Mask;
-use std::path::Path;
 
 pub use prompts::{Judged, Prompt};
 
-/// A picture with what somebody drew on it.
+/// A picture with what was drawn on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnnotatedPicture {
     /// File name as the annotation gives it.
@@ -35,10 +30,8 @@ pub struct AnnotatedPicture {
 /// One thing on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnnotatedObject {
-    /// Category, prompt or name: what the tool calls it.
+    /// Category or prompt.
     pub label: String,
-    /// Which of several things of that label, where the tool says so.
-    pub group: Option<u64>,
     /// Its pixels.
     pub mask: Mask,
 }
@@ -70,19 +63,4 @@ pub struct Annotations {
     pub pictures: Vec<AnnotatedPicture>,
     /// What was left out or assumed.
     pub notes: Vec<String>,
-}
-
-/// Refuses sizes that no picture has.
-fn check_size(path: &Path, place: &str, width: u32, height: u32) -> Result<(), DataError> {
-    if Mask::is_sane_size(width, height) {
-        return Ok(());
-    }
-    let message =
-        format!("the picture is {width}x{height}, but each side has 1 to {} pixels", Mask::MAX_SIDE);
-    Err(DataError::invalid(path, place, message, "annotate pictures of a sane size"))
-}
-
-/// Reads a JSON file of some annotation tool; they add fields as they like.
-fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, DataError> {
-    l4d_data::json::read(path)
 }

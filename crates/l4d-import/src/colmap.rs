@@ -19,15 +19,6 @@ pub use self::pinholes::picture_name;
 const MAX_BYTES: u64 = 4 << 30;
 const REMEDY: &str = "export the model again with COLMAP (`colmap model_converter`)";
 
-/// How a model is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
-    /// `cameras.txt`, `images.txt`, `points3D.txt`.
-    Text,
-    /// `cameras.bin`, `images.bin`, `points3D.bin`.
-    Binary,
-}
-
 /// A sparse model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Model {
@@ -173,6 +164,9 @@ pub struct ModelPoint {
 
 impl Model {
     /// Reads the model in a folder, binary if both are there, as COLMAP does.
+    ///
+    /// # Errors
+    /// Files that cannot be read, lens models other than the five, images of missing cameras, poses that are none.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
         let is_binary = folder.join("cameras.bin").is_file();
         let read = |stem: &str| {
@@ -197,30 +191,14 @@ impl Model {
         Ok(model)
     }
 
-    /// Writes the three files into a folder.
-    pub fn write(&self, folder: &Path, encoding: Encoding) -> Result<(), DataError> {
-        let (suffix, files) = match encoding {
-            Encoding::Text => {
-                let files = [
-                    text::encode_cameras(&self.cameras),
-                    text::encode_images(&self.images),
-                    text::encode_points(&self.points),
-                ];
-                ("txt", files.map(String::into_bytes))
-            }
-            Encoding::Binary => {
-                let files = [
-                    binary::encode_cameras(&self.cameras),
-                    binary::encode_images(&self.images),
-                    binary::encode_points(&self.points),
-                ];
-                ("bin", files)
-            }
-        };
-        for (stem, bytes) in ["cameras", "images", "points3D"].into_iter().zip(files) {
-            write_atomic(&folder.join(format!("{stem}.{suffix}")), &bytes)?;
-        }
-        Ok(())
+    /// Writes the three binary files into a folder.
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn write(&self, folder: &Path) -> Result<(), DataError> {
+        write_atomic(&folder.join("cameras.bin"), &binary::encode_cameras(&self.cameras))?;
+        write_atomic(&folder.join("images.bin"), &binary::encode_images(&self.images))?;
+        write_atomic(&folder.join("points3D.bin"), &binary::encode_points(&self.points))
     }
 
     /// The intrinsics of that number.
@@ -279,13 +257,30 @@ mod tests {
         }
     }
 
+    /// The same model as COLMAP writes it in text.
+    const TEXT: [(&str, &str); 3] = [
+        ("cameras.txt", "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n1 PINHOLE 64 48 70.1 70.2 32 24\n"),
+        (
+            "images.txt",
+            "# two lines per image\n1 QUAT 0.1 -2 1e-7 1 a b.png\n1 2 -1 10.5 20.25 7\n2 QUAT 0.1 -2 1e-7 1 c.png\n\n",
+        ),
+        ("points3D.txt", "# a line per point\n7 1 2 0.3333333333333333 1 2 3 0.25 1 1\n"),
+    ];
+
+    fn write_text(folder: &Path) {
+        let DQuat { x, y, z, w } = DQuat::from_rotation_y(0.3);
+        for (name, text) in TEXT {
+            std::fs::write(folder.join(name), text.replace("QUAT", &format!("{w} {x} {y} {z}"))).unwrap();
+        }
+    }
+
     #[test]
     fn both_encodings_bring_back_every_bit() {
-        for encoding in [Encoding::Text, Encoding::Binary] {
-            let folder = tempfile::tempdir().unwrap();
-            model().write(folder.path(), encoding).unwrap();
-            assert_eq!(Model::read(folder.path()).unwrap(), model(), "{encoding:?}");
-        }
+        let folder = tempfile::tempdir().unwrap();
+        write_text(folder.path());
+        assert_eq!(Model::read(folder.path()).unwrap(), model());
+        model().write(folder.path()).unwrap();
+        assert_eq!(Model::read(folder.path()).unwrap(), model());
     }
 
     #[test]
@@ -299,27 +294,30 @@ mod tests {
     #[test]
     fn cut_files_and_absurd_counts_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        for (encoding, name) in [(Encoding::Text, "images.txt"), (Encoding::Binary, "images.bin")] {
-            let path = folder.path().join(name);
-            model().write(folder.path(), encoding).unwrap();
-            let whole = std::fs::read(&path).unwrap();
-            if encoding == Encoding::Binary {
-                for length in 0..whole.len() {
-                    std::fs::write(&path, &whole[..length]).unwrap();
-                    assert!(Model::read(folder.path()).is_err(), "{length} bytes passed");
-                }
-                let mut absurd = whole.clone();
-                absurd[..8].copy_from_slice(&u64::MAX.to_le_bytes());
-                std::fs::write(&path, absurd).unwrap();
-                assert!(Model::read(folder.path()).is_err());
-            } else {
-                let text = String::from_utf8(whole).unwrap();
-                std::fs::write(&path, text.replace(" 1 a b.png", " 9 a b.png")).unwrap();
-                let error = Model::read(folder.path()).unwrap_err().to_string();
-                assert!(error.contains("names camera 9"), "{error}");
-                std::fs::write(&path, text.replace("a b.png", "")).unwrap();
-                assert!(Model::read(folder.path()).is_err());
-            }
+        let path = folder.path().join("images.bin");
+        model().write(folder.path()).unwrap();
+        let mut whole = std::fs::read(&path).unwrap();
+        for length in 0..whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert!(Model::read(folder.path()).is_err(), "{length} bytes passed");
+        }
+        whole[..8].copy_from_slice(&u64::MAX.to_le_bytes());
+        std::fs::write(&path, whole).unwrap();
+        assert!(Model::read(folder.path()).is_err());
+    }
+
+    #[test]
+    fn text_that_names_no_camera_or_no_image_is_refused() {
+        for (from, to, said) in
+            [(" 1 a b.png", " 9 a b.png", "names camera 9"), ("a b.png", "", "is missing")]
+        {
+            let folder = tempfile::tempdir().unwrap();
+            write_text(folder.path());
+            let path = folder.path().join("images.txt");
+            let text = std::fs::read_to_string(&path).unwrap();
+            std::fs::write(&path, text.replace(from, to)).unwrap();
+            let error = Model::read(folder.path()).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
         }
     }
 

@@ -10,7 +10,6 @@ mod cloud;
 mod coco;
 mod colmap;
 mod davis;
-mod dnerf;
 mod dynerf;
 mod folder;
 mod footage;
@@ -18,7 +17,6 @@ mod judged;
 mod manifest;
 mod nerfstudio;
 mod panoptic;
-mod plain;
 
 use std::fmt;
 use std::path::Path;
@@ -48,22 +46,14 @@ pub enum Format {
     FourDGaussians,
     /// 4DGaussians, its reader `dynerf`.
     Dynerf,
-    /// 4DGaussians, its reader `Blender`.
-    Blender,
     /// 4D LangSplat: as `dynerf`, with exactly 300 frames.
     FourDLangSplat,
-    /// D-NeRF, for readers that take its matrices as they are.
-    Dnerf,
     /// LangSplat: a COLMAP model a frame.
     LangSplat,
     /// A `transforms.json` a frame.
     Nerfstudio,
-    /// A COLMAP model a frame, binary.
+    /// A COLMAP model a frame.
     Colmap,
-    /// A COLMAP model a frame, text.
-    ColmapText,
-    /// PNG and cameras as they are.
-    Plain,
     /// Instances as COCO annotations.
     Coco,
     /// Instances as palette pictures.
@@ -76,17 +66,13 @@ pub enum Format {
 
 impl Format {
     /// All formats, in the order of the documentation.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 10] = [
         Self::FourDGaussians,
         Self::Dynerf,
-        Self::Blender,
         Self::FourDLangSplat,
-        Self::Dnerf,
         Self::LangSplat,
         Self::Nerfstudio,
         Self::Colmap,
-        Self::ColmapText,
-        Self::Plain,
         Self::Coco,
         Self::Davis,
         Self::FourDLangSplatAnnotations,
@@ -98,14 +84,10 @@ impl Format {
         match self {
             Self::FourDGaussians => "4dgaussians",
             Self::Dynerf => "4dgaussians-dynerf",
-            Self::Blender => "4dgaussians-blender",
             Self::FourDLangSplat => "4d-langsplat",
-            Self::Dnerf => "dnerf",
             Self::LangSplat => "langsplat",
             Self::Nerfstudio => "nerfstudio",
             Self::Colmap => "colmap",
-            Self::ColmapText => "colmap-text",
-            Self::Plain => "plain",
             Self::Coco => "coco",
             Self::Davis => "davis",
             Self::FourDLangSplatAnnotations => "4d-langsplat-annotations",
@@ -118,14 +100,11 @@ impl Format {
         match self {
             Self::FourDGaussians
             | Self::Dynerf
-            | Self::Blender
             | Self::FourDLangSplat
-            | Self::Dnerf
             | Self::LangSplat
             | Self::Nerfstudio
-            | Self::Colmap
-            | Self::ColmapText => true,
-            Self::Plain | Self::Coco | Self::Davis | Self::FourDLangSplatAnnotations | Self::LerfOvs => false,
+            | Self::Colmap => true,
+            Self::Coco | Self::Davis | Self::FourDLangSplatAnnotations | Self::LerfOvs => false,
         }
     }
 
@@ -214,10 +193,8 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
     let write = match order.format {
         Format::FourDGaussians => panoptic::write,
         Format::Dynerf | Format::FourDLangSplat => dynerf::write,
-        Format::Blender | Format::Dnerf => dnerf::write,
-        Format::LangSplat | Format::Colmap | Format::ColmapText => colmap::write,
+        Format::LangSplat | Format::Colmap => colmap::write,
         Format::Nerfstudio => nerfstudio::write,
-        Format::Plain => plain::write,
         Format::Coco => coco::write,
         Format::Davis => davis::write,
         Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
@@ -227,24 +204,24 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
     let folder = Folder::claim(&order, &footage)?;
     let mut manifest = write(&job, Manifest::new(&order, &footage)?)?;
     manifest.note_depth();
-    folder.settle(manifest, &footage)
+    folder.settle(manifest)
 }
 
 /// Refuses a scene that the layout cannot hold, before anything is written.
 fn check(job: &Job<'_>) -> Result<(), DataError> {
     match job.order.format {
         Format::Dynerf | Format::FourDLangSplat => dynerf::check(job),
-        Format::Blender | Format::Dnerf => dnerf::check(job),
         Format::LangSplat => colmap::check_centres(job),
         Format::Coco | Format::Davis => annotated::cameras(job.footage).map(drop),
         Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::camera(job).map(drop),
-        Format::FourDGaussians | Format::Nerfstudio | Format::Colmap | Format::ColmapText | Format::Plain => {
-            Ok(())
-        }
+        Format::FourDGaussians | Format::Nerfstudio | Format::Colmap => Ok(()),
     }
 }
 
 /// How many pictures an export of so many frames writes: the length of a progress bar.
+///
+/// # Errors
+/// A scene that is torn.
 pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
     let footage = Footage::open(order)?;
     Ok(((footage.training().len() + footage.held_out().len()) * footage.frames().len()) as u64)
@@ -272,7 +249,6 @@ fn off_centre(footage: &Footage, camera: &Camera) -> DataError {
 
 /// A layout that cannot hold a scene.
 fn limit(footage: &Footage, field: &str, message: impl Into<String>) -> DataError {
-    let remedy =
-        "use `--format 4dgaussians` or `--format colmap`, which hold any camera, or `--format plain`";
+    let remedy = "use `--format 4dgaussians` or `--format colmap`, which hold any camera";
     footage.wrong(&format!("field `{field}`"), message.into(), remedy)
 }

@@ -12,8 +12,8 @@ use super::BenchArgs;
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
     /// What the files are: a preset (langsplat, langsplat-per-frame, langsplat-masks, 4d-langsplat, 4d-langsplat-masks,
-    /// gaussian-grouping, gaussian-grouping-ids, opengaussian, refersplat, saga, sadg, mevis, mevis-rle, davis, generic), a preset of
-    /// your own (.toml), or `probe`: say what the folder looks like and import nothing
+    /// gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, generic), a preset of your own (.toml), or
+    /// `probe`: say what the folder looks like and import nothing
     pub(crate) format: String,
     /// Folder that the preset's template starts from
     pub(crate) source: PathBuf,
@@ -123,9 +123,6 @@ pub(crate) enum CodecArg {
     Array,
     Latents,
     CocoRle,
-    Labelme,
-    Isat,
-    Coco,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -162,8 +159,8 @@ pub(crate) enum HeldOutArg {
 pub(crate) struct ExportArgs {
     /// Scene to export
     pub(crate) scene: String,
-    /// Layout: 4dgaussians, 4dgaussians-dynerf, 4dgaussians-blender, 4d-langsplat, dnerf, langsplat, nerfstudio, colmap,
-    /// colmap-text, plain, coco, davis; with truth for evaluators: 4d-langsplat-annotations, lerf-ovs (docs/export)
+    /// Layout: 4dgaussians, 4dgaussians-dynerf, 4d-langsplat, langsplat, nerfstudio, colmap, coco, davis; with truth for
+    /// evaluators: 4d-langsplat-annotations, lerf-ovs (docs/export)
     #[arg(long)]
     pub(crate) format: Format,
     /// Folder that receives it: empty, missing, or an earlier export of the same kind
@@ -190,9 +187,6 @@ pub(crate) struct ExportArgs {
     /// Folder of a COLMAP model with the cameras of the scene: its points take the place of those from depth
     #[arg(long, value_name = "DIR")]
     pub(crate) points_from: Option<PathBuf>,
-    /// Also write a moving picture of each camera (--format plain): MP4 where ffmpeg is at hand, else an animated PNG
-    #[arg(long)]
-    pub(crate) video: bool,
     /// Print the manifest as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -201,12 +195,6 @@ pub(crate) struct ExportArgs {
 /// What people drew object masks with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MaskFormatArg {
-    /// labelme: a JSON file a picture
-    Labelme,
-    /// ISAT: a JSON file a picture
-    Isat,
-    /// CVAT for images 1.1: one XML file
-    Cvat,
     /// COCO instances: one JSON file
     Coco,
     /// A data set folder of 4D LangSplat

@@ -1,30 +1,20 @@
 //! `l4d export`: a scene, rendered or captured, in the layout of another tool.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::layout::{BenchDir, CaptureDir, SceneDir};
 use l4d_data::query::{Query, read_queries};
-use l4d_data::store::read_bounded;
-use l4d_data::truth::{Truth, frame_key};
+use l4d_data::truth::Truth;
 use l4d_data::{Benchmark, Name};
-use l4d_frames::drawn::{RgbImage, decode_colour};
-use l4d_frames::preview::{shrunk, shrunk_size};
 use l4d_import::annotations::Judged;
-use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export, picture_count};
+use l4d_import::export::{HeldOut, Order, Origin, export, picture_count};
 
 use super::build_scenes::data_folder;
 use crate::cli::interop::{ExportArgs, HeldOutArg};
-use crate::moving_picture::{self, Clip, PNG_WIDTH_PX, Pages};
-use crate::out::{ExitStatus, Printer, refusal};
-
-/// No PNG of an export is larger, bytes.
-const MAX_PNG_BYTES: u64 = 256 << 20;
+use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
-    if args.video && args.format != Format::Plain {
-        return Err(refusal("moving pictures belong to the plain layout", "use `--format plain --video`"));
-    }
     let name = Name::new(&args.scene)?;
     let (rendering, capture) = (rendering(args, &name), capture(args, &name));
     let origin = match args.profile.is_rendered() {
@@ -51,9 +41,6 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     let exported = export(order, &|| bar.inc(1))?;
     bar.finish_and_clear();
     exported.manifest.notes.iter().for_each(|note| out.note(note));
-    if args.video {
-        write_videos(&args.out, &exported, out)?;
-    }
     match args.json {
         true => out.json(&exported.manifest)?,
         false => out.data(exported.path.display())?,
@@ -83,46 +70,4 @@ impl From<HeldOutArg> for HeldOut {
             HeldOutArg::Pictures => Self::Pictures,
         }
     }
-}
-
-/// The pictures of a camera, from their files.
-struct Footage<'a> {
-    pictures: &'a [PathBuf],
-    size: (u32, u32),
-    widest_px: u32,
-}
-
-impl Pages for Footage<'_> {
-    fn size_px(&self) -> (u32, u32) {
-        shrunk_size(self.size, self.widest_px)
-    }
-
-    fn page(&self, index: usize) -> Result<RgbImage> {
-        let path = &self.pictures[index];
-        let bytes = read_bounded(path, MAX_PNG_BYTES)?;
-        let picture = decode_colour(&bytes, self.size.0, self.size.1).map_err(|error| {
-            refusal(format!("{}: {error}", path.display()), "export the scene again into an empty folder")
-        })?;
-        Ok(shrunk(picture, self.widest_px))
-    }
-}
-
-fn write_videos(root: &Path, exported: &Exported, out: &Printer) -> Result<()> {
-    for camera in &exported.manifest.cameras {
-        let path = |frame: &u32| root.join(&camera.called).join(format!("{}.png", frame_key(*frame)));
-        // A view that did not see a moment has no picture of it.
-        let pictures: Vec<PathBuf> =
-            exported.manifest.frames.iter().map(path).filter(|path| path.is_file()).collect();
-        if !pictures.is_empty() {
-            let pages = |widest_px: u32| {
-                // A video has the size of the pictures.
-                let widest_px = if widest_px > PNG_WIDTH_PX { u32::MAX } else { widest_px };
-                Ok(Footage { pictures: &pictures, size: exported.size_px, widest_px })
-            };
-            let clip = Clip { pages: pictures.len(), frames_per_second: exported.frames_per_second };
-            let path = moving_picture::write(root, &camera.name, clip, pages, out)?;
-            out.note(path.display());
-        }
-    }
-    Ok(())
 }

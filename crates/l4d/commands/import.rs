@@ -177,9 +177,6 @@ impl From<CodecArg> for Codec {
             CodecArg::Array => Self::Array,
             CodecArg::Latents => Self::Latents,
             CodecArg::CocoRle => Self::CocoRle,
-            CodecArg::Labelme => Self::Labelme,
-            CodecArg::Isat => Self::Isat,
-            CodecArg::Coco => Self::Coco,
         }
     }
 }

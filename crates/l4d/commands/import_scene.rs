@@ -108,9 +108,6 @@ fn scene_name(args: &ImportSceneArgs) -> Result<Name> {
 impl From<MaskFormatArg> for MaskFormat {
     fn from(format: MaskFormatArg) -> Self {
         match format {
-            MaskFormatArg::Labelme => Self::Labelme,
-            MaskFormatArg::Isat => Self::Isat,
-            MaskFormatArg::Cvat => Self::Cvat,
             MaskFormatArg::Coco => Self::Coco,
             MaskFormatArg::FourDLangSplat => Self::FourDLangSplat,
             MaskFormatArg::Png => Self::Png,

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::DataError;
 use l4d_data::error::inert;
+use l4d_data::{DataError, json};
 use l4d_frames::{Mask, rle};
 use serde::Deserialize;
 
 use super::fill::{Rule, fill};
-use super::{AnnotatedObject, AnnotatedPicture, Annotations, check_size, read_json};
+use super::{AnnotatedObject, AnnotatedPicture, Annotations};
 
 const REMEDY: &str = "export the annotations again as COCO instances (polygons or run lengths)";
 
@@ -65,15 +65,23 @@ enum Counts {
     Plain(Vec<u64>),
 }
 
-/// Reads a document. Images without annotations are kept: nothing drawn is something said.
+/// Reads a document. Images without annotations are kept: there the things are absent.
+///
+/// # Errors
+/// A file that cannot be read, numbers of images and categories that are missing or repeated, and masks that do not fit
+/// their image.
 pub fn read(path: &Path, reading: Reading) -> Result<Annotations, DataError> {
-    let document: Document = read_json(path)?;
+    let document: Document = json::read(path)?;
     let names: BTreeMap<u64, &str> =
         document.categories.iter().map(|category| (category.id, category.name.as_str())).collect();
     let mut pictures = Vec::with_capacity(document.images.len());
     let mut places = BTreeMap::new();
     for image in &document.images {
-        check_size(path, &format!("image {}", image.id), image.width, image.height)?;
+        if !Mask::is_sane_size(image.width, image.height) {
+            let (width, height) = (image.width, image.height);
+            let message = format!("is {width}x{height}, but each side has 1 to {} pixels", Mask::MAX_SIDE);
+            return Err(wrong(path, format!("image {}", image.id), message));
+        }
         if places.insert(image.id, pictures.len()).is_some() {
             return Err(wrong(path, format!("image {}", image.id), "the number stands there twice"));
         }
@@ -95,11 +103,7 @@ pub fn read(path: &Path, reading: Reading) -> Result<Annotations, DataError> {
             .ok_or_else(|| wrong(path, &place, format!("category {} is missing", annotation.category_id)))?;
         let mask = mask_of(annotation, picture.width, picture.height, reading, &mut dropped)
             .map_err(|message| wrong(path, &place, message))?;
-        picture.objects.push(AnnotatedObject {
-            label: (*label).to_owned(),
-            group: Some(annotation.id),
-            mask,
-        });
+        picture.objects.push(AnnotatedObject { label: (*label).to_owned(), mask });
     }
     let mut notes = Vec::new();
     if dropped > 0 {
@@ -141,8 +145,8 @@ fn mask_of(
     }
 }
 
-/// Runs down the columns, outside first.
-fn plain_runs(runs: &[u64], width: u32, height: u32) -> Result<Mask, String> {
+/// A mask from the lengths of its runs down the columns, outside first.
+pub(crate) fn plain_runs(runs: &[u64], width: u32, height: u32) -> Result<Mask, String> {
     let pixels = u64::from(width) * u64::from(height);
     let total = runs.iter().try_fold(0_u64, |total, &run| total.checked_add(run));
     if total != Some(pixels) {

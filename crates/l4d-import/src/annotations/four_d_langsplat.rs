@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::fill::Rule;
 use super::outline::{Piece, pieces};
-use super::{Annotations, Judged, coco, read_json};
+use super::{Annotations, Judged, coco};
 
 /// Where the documents stand below a dataset.
 pub const COCO: &str = "annotations/train/_annotations.coco.json";
@@ -59,6 +59,9 @@ pub struct Dataset {
 }
 
 /// Reads the annotations of a dataset folder.
+///
+/// # Errors
+/// Documents that cannot be read, and file names without a number.
 pub fn read(folder: &Path, counting: Counting) -> Result<Dataset, DataError> {
     let path = folder.join(COCO);
     let annotations = coco::read(&path, READING)?;
@@ -71,7 +74,7 @@ pub fn read(folder: &Path, counting: Counting) -> Result<Dataset, DataError> {
     let moments = annotations.pictures.iter().map(|picture| moment(&picture.file_name));
     let moments = moments.collect::<Result<_, _>>()?;
     let intervals = folder.join(INTERVALS);
-    let intervals: Intervals = if intervals.is_file() { read_json(&intervals)? } else { Intervals::new() };
+    let intervals: Intervals = if intervals.is_file() { json::read(&intervals)? } else { Intervals::new() };
     Ok(Dataset { annotations, moments, intervals })
 }
 
@@ -125,6 +128,9 @@ pub fn file_name(moment: usize) -> String {
 }
 
 /// Writes both documents, Neu3D's counting; gives the names of the pictures, in the order of the truth's frames.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataError> {
     let truth = judged.truth();
     let subjects = subjects(judged);

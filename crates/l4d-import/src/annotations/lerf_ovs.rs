@@ -1,4 +1,4 @@
-//! Labels of LERF-OVS, as LangSplat's evaluator reads them: a folder a scene, an ISAT file a picture.
+//! Labels of LERF-OVS, as LangSplat's evaluator reads them: a folder per scene, a file in ISAT's form per picture.
 //!
 //! That evaluator takes the number in a file name, less one, for the place of a picture among those that were drawn.
 //! LangSplat knows no time, so each moment is a scene of its own with one picture, `frame_00001`.
@@ -7,9 +7,40 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::{DataError, json};
 
+use serde::Serialize;
+
 use super::Judged;
-use super::isat::{Document, Info, Object};
 use super::outline::pieces;
+
+#[derive(Debug, Serialize)]
+struct Document {
+    info: Info,
+    objects: Vec<Object>,
+}
+
+#[derive(Debug, Serialize)]
+struct Info {
+    description: &'static str,
+    folder: &'static str,
+    name: String,
+    width: u32,
+    height: u32,
+    depth: u32,
+    note: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Object {
+    category: String,
+    group: u64,
+    segmentation: Vec<[f64; 2]>,
+    area: f64,
+    layer: f64,
+    /// First and last column and row: x1, y1, x2, y2.
+    bbox: [f64; 4],
+    iscrowd: bool,
+    note: &'static str,
+}
 
 /// Stem of the one picture of a moment.
 pub const STEM: &str = "frame_00001";
@@ -20,6 +51,9 @@ pub fn moment_folder(scene: &str, frame: u32) -> PathBuf {
 }
 
 /// Writes the labels of all moments at which something is asked for; gives their canonical frames.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<u32>, DataError> {
     let truth = judged.truth();
     let mut written = Vec::new();
@@ -30,13 +64,13 @@ pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<u32>, DataError> 
         }
         let document = Document {
             info: Info {
-                description: "ISAT".to_owned(),
-                folder: String::new(),
+                description: "ISAT",
+                folder: "",
                 name: format!("{STEM}.jpg"),
                 width: truth.width,
                 height: truth.height,
                 depth: 3,
-                note: String::new(),
+                note: "",
             },
             objects,
         };
@@ -55,13 +89,13 @@ fn objects(judged: &Judged<'_>, frame: u32) -> Vec<Object> {
             let whole = piece.whole;
             objects.push(Object {
                 category: prompt.query.text.clone(),
-                group: Some(group),
+                group,
                 segmentation: piece.corners.iter().map(|corner| corner.map(f64::from)).collect(),
                 area: piece.area as f64,
                 layer: 1.0,
                 bbox: [whole.first_col, whole.first_row, whole.last_col, whole.last_row].map(f64::from),
                 iscrowd: false,
-                note: String::new(),
+                note: "",
             });
         }
     }

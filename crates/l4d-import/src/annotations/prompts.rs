@@ -26,6 +26,9 @@ pub struct Prompt<'a> {
 
 impl<'a> Judged<'a> {
     /// Decodes what the queries mean; `path` is that of the truth, for errors.
+    ///
+    /// # Errors
+    /// Referents that the truth does not have, and damaged masks.
     pub fn new(path: &Path, truth: &'a Truth, queries: &'a [Query]) -> Result<Self, DataError> {
         let prompts = queries.iter().map(|query| Ok(Prompt { query, masks: masks_of(path, truth, query)? }));
         Ok(Self { truth, prompts: prompts.collect::<Result<_, DataError>>()? })

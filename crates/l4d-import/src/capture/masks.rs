@@ -18,27 +18,20 @@ use super::plan::name_of;
 use crate::annotations::coco::{self, Reading};
 use crate::annotations::fill::Rule;
 use crate::annotations::four_d_langsplat::{self, Counting};
-use crate::annotations::isat::{self, Layers};
-use crate::annotations::{AnnotatedPicture, Annotations, cvat, labelme};
+use crate::annotations::{AnnotatedObject, AnnotatedPicture, Annotations};
 
 const REMEDY: &str =
-    "call annotations as the pictures are called: <view>/<frame>, for example cam00/0120.json";
+    "call annotations as the pictures are called: <view>/<frame>, for example cam00/0120.png";
 const MAX_BYTES: u64 = 64 << 20;
 
 /// What people drew with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaskFormat {
-    /// A JSON file a picture.
-    Labelme,
-    /// A JSON file a picture, layers as drawn.
-    Isat,
-    /// One XML file, "CVAT for images 1.1".
-    Cvat,
     /// One JSON file, COCO instances.
     Coco,
     /// A dataset folder of 4D LangSplat.
     FourDLangSplat,
-    /// A PNG a picture, palette or grey; a number is an object.
+    /// A PNG per picture, palette or grey; a number is an object.
     Png,
 }
 
@@ -50,13 +43,14 @@ struct Placed {
 }
 
 /// Reads what was drawn on a capture. Things of one label are one instance.
+///
+/// # Errors
+/// Files that cannot be read, pictures that the capture does not have or that are annotated twice, and labels that
+/// become the same name.
 pub fn read(capture: &Capture, path: &Path, format: MaskFormat) -> Result<MaskSet, DataError> {
     let mut notes = Vec::new();
     let placed = match format {
-        MaskFormat::Labelme => files(capture, path, "json", &mut notes, labelme::read)?,
-        MaskFormat::Isat => files(capture, path, "json", &mut notes, |file| isat::read(file, Layers::Cover))?,
-        MaskFormat::Png => files(capture, path, "png", &mut notes, read_png)?,
-        MaskFormat::Cvat => document(capture, path, cvat::read(path)?, &mut notes)?,
+        MaskFormat::Png => files(capture, path)?,
         MaskFormat::Coco => {
             let reading = Reading { rule: Rule::Centres, first_polygon_only: false };
             document(capture, path, coco::read(path, reading)?, &mut notes)?
@@ -108,33 +102,20 @@ fn masks_of(placed: &[Placed], label: &str) -> BTreeMap<Name, BTreeMap<String, O
     masks
 }
 
-/// Reads a file a picture, in the folder or in folders called like views.
-fn files(
-    capture: &Capture,
-    folder: &Path,
-    suffix: &str,
-    notes: &mut Vec<String>,
-    read: impl Fn(&Path) -> Result<Annotations, DataError>,
-) -> Result<Vec<Placed>, DataError> {
-    let mut found = Vec::new();
+/// Reads the PNG files in a folder or in folders called like views.
+fn files(capture: &Capture, folder: &Path) -> Result<Vec<Placed>, DataError> {
+    let mut names = Vec::new();
     for entry in list_folder(folder)? {
         if folder.join(&entry).is_dir() {
-            found
-                .extend(list_folder(&folder.join(&entry))?.into_iter().map(|name| format!("{entry}/{name}")));
+            let inner = list_folder(&folder.join(&entry))?;
+            names.extend(inner.into_iter().map(|name| format!("{entry}/{name}")));
         } else {
-            found.push(entry);
+            names.push(entry);
         }
     }
-    let mut placed = Vec::new();
-    for name in found.iter().filter(|name| Path::new(name).extension().is_some_and(|end| end == suffix)) {
-        let file = folder.join(name);
-        let read = read(&file)?;
-        notes.extend(read.notes);
-        for picture in read.pictures {
-            placed.push(place(capture, &file, name, picture)?);
-        }
-    }
-    no_doubles(folder, placed)
+    let pictures = names.iter().filter(|name| name.ends_with(".png"));
+    let placed = pictures.map(|name| place(capture, &folder.join(name), name, read_png(&folder.join(name))?));
+    no_doubles(folder, placed.collect::<Result<_, _>>()?)
 }
 
 fn document(
@@ -165,21 +146,16 @@ fn dataset(capture: &Capture, folder: &Path, notes: &mut Vec<String>) -> Result<
     no_doubles(folder, placed.collect::<Result<_, _>>()?)
 }
 
-fn read_png(file: &Path) -> Result<Annotations, DataError> {
+fn read_png(file: &Path) -> Result<AnnotatedPicture, DataError> {
     let picture = ids::decode(&read_bounded(file, MAX_BYTES)?)
         .map_err(|error| DataError::invalid(file, "PNG", error.to_string(), error.remedy()))?;
-    let object = |id: u32| crate::annotations::AnnotatedObject {
-        label: format!("object_{id}"),
-        group: Some(id.into()),
-        mask: picture.mask(id),
-    };
-    let pictures = vec![AnnotatedPicture {
+    let object = |id: u32| AnnotatedObject { label: format!("object_{id}"), mask: picture.mask(id) };
+    Ok(AnnotatedPicture {
         file_name: String::new(),
         width: picture.width,
         height: picture.height,
         objects: picture.present().into_iter().map(object).collect(),
-    }];
-    Ok(Annotations { pictures, notes: Vec::new() })
+    })
 }
 
 /// Finds view and frame in `<view>/<frame>.<suffix>` or `<view>_<frame>.<suffix>`; without a view it is the one that is

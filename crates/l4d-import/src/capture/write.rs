@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::Order;
 use super::plan::{Plan, View};
-use crate::colmap::{Encoding, Model};
+use crate::colmap::Model;
 
 /// No picture file is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;
@@ -131,7 +131,7 @@ fn write_points(
             seen.map(|camera| (camera, camera.project(frame, point.surface.position).0)).collect();
         model.add_point(point.surface, point.error_px, &sightings);
     }
-    model.write(&order.out.join(SPARSE), Encoding::Binary)
+    model.write(&order.out.join(SPARSE))
 }
 
 /// The size of the first picture that is whole.

@@ -1,8 +1,5 @@
 //! The text encoding: a line an entry, two for images, `#` begins a comment.
-//!
-//! Numbers are written with as many digits as bring them back.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -84,66 +81,6 @@ pub(super) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<ModelPoint>, DataE
             Ok(ModelPoint { id, position, rgb, error_px, track })
         })
         .collect()
-}
-
-pub(super) fn encode_cameras(cameras: &[ModelCamera]) -> String {
-    let mut text =
-        format!("# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n# Number of cameras: {}\n", cameras.len());
-    for ModelCamera { id, lens, width, height, parameters } in cameras {
-        write(&mut text, format_args!("{id} {} {width} {height}", lens.name()));
-        parameters.iter().for_each(|value| put(&mut text, value));
-        text.push('\n');
-    }
-    text
-}
-
-pub(super) fn encode_images(images: &[ModelImage]) -> String {
-    let mut text =
-        "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[] as X Y POINT3D_ID\n".to_owned();
-    text.push_str(&format!("# Number of images: {}\n", images.len()));
-    for image in images {
-        let DQuat { x, y, z, w } = image.rotation;
-        put_first(&mut text, &image.id);
-        [w, x, y, z].into_iter().chain(image.translation.to_array()).for_each(|value| put(&mut text, &value));
-        put(&mut text, &image.camera);
-        put(&mut text, &image.name);
-        text.push('\n');
-        for (place, observation) in image.observations.iter().enumerate() {
-            let [x, y] = observation.position;
-            let gap = if place == 0 { "" } else { " " };
-            let point = observation.point.map_or(-1, i128::from);
-            write(&mut text, format_args!("{gap}{x} {y} {point}"));
-        }
-        text.push('\n');
-    }
-    text
-}
-
-pub(super) fn encode_points(points: &[ModelPoint]) -> String {
-    let mut text = "# POINT3D_ID X Y Z R G B ERROR TRACK[] as IMAGE_ID POINT2D_IDX\n".to_owned();
-    text.push_str(&format!("# Number of points: {}\n", points.len()));
-    for point in points {
-        put_first(&mut text, &point.id);
-        point.position.to_array().iter().for_each(|value| put(&mut text, value));
-        point.rgb.iter().for_each(|value| put(&mut text, value));
-        put(&mut text, &point.error_px);
-        point.track.iter().for_each(|(image, place)| write(&mut text, format_args!(" {image} {place}")));
-        text.push('\n');
-    }
-    text
-}
-
-fn put_first(text: &mut String, value: &impl std::fmt::Display) {
-    write(text, format_args!("{value}"));
-}
-
-fn put(text: &mut String, value: &impl std::fmt::Display) {
-    write(text, format_args!(" {value}"));
-}
-
-fn write(text: &mut String, what: std::fmt::Arguments<'_>) {
-    // Strings take everything.
-    text.write_fmt(what).ok();
 }
 
 /// Lines that are no comments; blank ones stay, since the second line of an image may be one.

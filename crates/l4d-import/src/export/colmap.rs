@@ -12,17 +12,13 @@ use super::cloud::{self, EACH};
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
 use super::{Format, Job, is_centred, off_centre};
-use crate::colmap::{Encoding, Model, picture_name};
+use crate::colmap::{Model, picture_name};
 
 /// The points of a model, without the suffix of its encoding.
 const POINTS: &str = "sparse/0/points3D";
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, footage, tick } = job;
-    let encoding = match order.format {
-        Format::ColmapText => Encoding::Text,
-        _ => Encoding::Binary,
-    };
     for camera in footage.training() {
         manifest.cameras.push(Called::camera(camera, picture_name(&camera.name)));
     }
@@ -51,7 +47,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
             let sightings = cloud.as_ref().map(|cloud| cloud.sightings(&point)).unwrap_or_default();
             model.add_point(point.surface, 0.0, &sightings);
         }
-        model.write(&folder.join("sparse").join("0"), encoding)?;
+        model.write(&folder.join("sparse").join("0"))?;
         statement.get_or_insert_with(|| cloud::statement(POINTS, EACH, cloud.as_ref()));
     }
     let held_out = footage.held_out();

@@ -46,7 +46,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         "numbers in the palette pictures are those of objects in `instances`; landmarks are background",
     );
     manifest.note("DAVIS' evaluator leaves out the first and the last picture of a sequence");
-    manifest.note("pictures are JPEG of quality 90, as DAVIS wants: use `--format plain` for exact ones");
+    manifest.note("pictures are JPEG of quality 90, as DAVIS wants");
     annotated::note(&mut manifest, footage);
     Ok(manifest)
 }

@@ -45,14 +45,9 @@ impl Folder {
     }
 
     /// Says that the export is whole.
-    pub(super) fn settle(self, mut manifest: Manifest, footage: &Footage) -> Result<Exported, DataError> {
+    pub(super) fn settle(self, mut manifest: Manifest) -> Result<Exported, DataError> {
         manifest.complete = true;
         json::write(&self.manifest, &manifest)?;
-        Ok(Exported {
-            manifest,
-            path: self.manifest,
-            size_px: footage.size().into(),
-            frames_per_second: footage.frames_per_second().unwrap_or(1.0),
-        })
+        Ok(Exported { manifest, path: self.manifest })
     }
 }

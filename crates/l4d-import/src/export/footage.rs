@@ -142,30 +142,6 @@ impl Footage {
         &self.frames
     }
 
-    /// Pictures in a second, where that is known.
-    pub(super) fn frames_per_second(&self) -> Option<f64> {
-        match &self.material {
-            Material::Rendered(rendering) => Some(rendering.frames_per_second()),
-            Material::Captured(recording) => recording.capture().frames_per_second,
-        }
-    }
-
-    /// Seconds from the start of the clip to a moment, where that is known.
-    pub(super) fn seconds(&self, frame: u32) -> Option<f64> {
-        match &self.material {
-            Material::Rendered(_) => Some(f64::from(frame) / l4d_data::timeline::FPS),
-            Material::Captured(recording) => recording.seconds(frame),
-        }
-    }
-
-    /// Place of a moment in the whole clip: 0 at its start, 1 at its end.
-    pub(super) fn share(&self, frame: u32) -> f64 {
-        match &self.material {
-            Material::Rendered(_) => f64::from(frame) / f64::from(l4d_data::timeline::LAST_FRAME),
-            Material::Captured(recording) => recording.share(frame),
-        }
-    }
-
     /// Cameras that methods may train on.
     pub(super) fn training(&self) -> Vec<&Camera> {
         self.cameras().iter().filter(|camera| camera.split == Split::Train).collect()

@@ -20,10 +20,6 @@ pub struct Exported {
     pub manifest: Manifest,
     /// Where that stands.
     pub path: PathBuf,
-    /// Width and height of the scene's pictures, pixels.
-    pub size_px: (u32, u32),
-    /// How fast its moments follow each other: 1 where nobody says.
-    pub frames_per_second: f64,
 }
 
 /// What an export says of itself.

@@ -86,9 +86,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         json::write(&folder.join("transforms.json"), &transforms)?;
         statement.get_or_insert_with(|| cloud::statement(POINTS, EACH, cloud.as_ref()));
     }
-    manifest.note(
-        "a folder a moment, since the default reader knows no time: `--format dnerf` has all of them at once",
-    );
+    manifest.note("a folder per moment, since the default reader knows no time");
     manifest.note(
         "metres stay metres with `nerfstudio-data --orientation-method none --center-method none \
          --auto-scale-poses False`",

@@ -4,7 +4,6 @@
 //! place and a remedy. Videos and JPEG are refused: they are lossy, and a threshold on them moves outlines.
 
 mod maps;
-mod outlines;
 mod records;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,12 +30,6 @@ pub enum Codec {
     Latents,
     /// JSON of COCO run lengths, alone or by sentence and frame, as MeViS has them.
     CocoRle,
-    /// labelme: a JSON a frame, outlines labelled with sentences.
-    Labelme,
-    /// ISAT, as in lerf_ovs: a JSON a frame, outlines with sentences for categories.
-    Isat,
-    /// COCO instances: one JSON, sentences for categories, frames in the names of the images.
-    Coco,
 }
 
 impl Codec {
@@ -47,9 +40,6 @@ impl Codec {
             Self::Array => "array",
             Self::Latents => "latents",
             Self::CocoRle => "coco-rle",
-            Self::Labelme => "labelme",
-            Self::Isat => "isat",
-            Self::Coco => "coco",
         }
     }
 }
@@ -144,9 +134,6 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Vec<Piece>, Problem> {
         Codec::Picture => maps::read_picture(path, reading),
         Codec::Array => maps::read_array(path, reading),
         Codec::CocoRle => records::read(path),
-        Codec::Labelme => outlines::read_labelme(path),
-        Codec::Isat => outlines::read_isat(path),
-        Codec::Coco => outlines::read_coco(path),
         Codec::Latents => Err(Problem::unreadable(
             "file",
             "holds latents, which are read together with their other levels",

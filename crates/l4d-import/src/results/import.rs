@@ -71,7 +71,7 @@ impl Request<'_> {
         match self.reading.codec {
             Codec::Latents => true,
             Codec::Picture | Codec::Array => self.reading.inside.has_range(),
-            Codec::CocoRle | Codec::Labelme | Codec::Isat | Codec::Coco => false,
+            Codec::CocoRle => false,
         }
     }
 }

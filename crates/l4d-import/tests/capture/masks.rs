@@ -32,29 +32,40 @@ fn set(bench: &Bench, capture: &Capture, format: MaskFormat, path: &str) -> Resu
     read(capture, &bench.input().join(path), format).map_err(|error| error.to_string())
 }
 
-fn square(first: f64, last: f64) -> serde_json::Value {
-    json!([[first, first], [last, first], [last, last], [first, last]])
+/// A palette picture whose number 3 fills a square of 64 pixels.
+fn drawn(width: u32) -> Vec<u8> {
+    let inside = |at: u32| (2..10).contains(&(at % width)) && (2..10).contains(&(at / width));
+    ids::encode_palette(
+        width,
+        48,
+        &(0..width * 48).map(|at| if inside(at) { 3 } else { 0 }).collect::<Vec<_>>(),
+    )
 }
 
-fn labelme(label: &str, width: u32) -> String {
-    json!({"imagePath": "x.png", "imageWidth": width, "imageHeight": 48,
-           "shapes": [{"label": label, "points": square(2.0, 10.0), "shape_type": "polygon"}]})
-    .to_string()
+/// COCO with the square of 2 to 10 under a label, a picture each.
+fn coco(drawn: &[(&str, &str)]) -> String {
+    let (mut images, mut categories, mut annotations) = (Vec::new(), Vec::new(), Vec::new());
+    for (id, (file, label)) in drawn.iter().enumerate() {
+        images.push(json!({"id": id, "file_name": file, "width": 64, "height": 48}));
+        categories.push(json!({"id": id, "name": label}));
+        annotations.push(json!({"id": id, "image_id": id, "category_id": id,
+                                "segmentation": [[2, 2, 10, 2, 10, 10, 2, 10]]}));
+    }
+    json!({"images": images, "categories": categories, "annotations": annotations}).to_string()
 }
 
 #[test]
-fn files_a_picture_find_view_and_frame_by_their_names() {
+fn pictures_find_view_and_frame_by_their_names() {
     let (bench, capture) = captured();
-    bench.put("drawn/cam01/0002.json", labelme("red cup", 64));
     // Without a view: the one that is held out.
-    bench.put("drawn/0001.json", labelme("cat", 64));
-    let set = set(&bench, &capture, MaskFormat::Labelme, "drawn").unwrap();
+    bench.put("drawn.json", coco(&[("cam01/0002.png", "red cup"), ("0001.png", "cat")]));
+    let set = set(&bench, &capture, MaskFormat::Coco, "drawn.json").unwrap();
     let names: Vec<(&str, &str, u32)> =
         set.instances.iter().map(|one| (one.name.as_str(), one.label.as_str(), one.id)).collect();
     assert_eq!(names, [("cat", "cat", 1), ("red_cup", "red cup", 2)]);
     assert_eq!(mask_at(&set, &set.instances[1], "cam01", 2).unwrap().area(), 64);
     assert_eq!(mask_at(&set, &set.instances[0], "cam00", 1).unwrap().area(), 64);
-    // Annotated without it: said to be absent. Not annotated: not said.
+    // Annotated without it: absent. Not annotated: unknown.
     assert_eq!(set.instances[0].masks["cam01"]["0002"], None);
     assert!(!set.instances[0].masks["cam01"].contains_key("0001"));
     let path = set.write(&bench.out()).unwrap();
@@ -72,41 +83,30 @@ fn palettes_and_coco_and_4d_langsplat_give_the_same_pixels() {
     assert_eq!(palette.instances[0].name.as_str(), "object_4");
     assert_eq!(mask_at(&palette, &palette.instances[0], "cam00", 2).unwrap(), expected);
 
-    let flat = [2, 2, 10, 2, 10, 10, 2, 10];
-    let document = |file: &str| {
-        json!({"images": [{"id": 1, "file_name": file, "width": 64, "height": 48}], "categories": [{"id": 3, "name": "plate"}],
-               "annotations": [{"id": 1, "image_id": 1, "category_id": 3, "segmentation": [flat], "bbox": [], "area": 1, "iscrowd": 0}]})
-        .to_string()
-    };
-    bench.put("data/annotations/train/_annotations.coco.json", document("0002_png.rf.0af3.jpg"));
+    bench.put("data/annotations/train/_annotations.coco.json", coco(&[("0002_png.rf.0af3.jpg", "plate")]));
     let theirs = set(&bench, &capture, MaskFormat::FourDLangSplat, "data").unwrap();
     assert_eq!(mask_at(&theirs, &theirs.instances[0], "cam00", 2).unwrap(), expected);
-    bench.put("coco.json", document("cam01/0000.png"));
-    let coco = set(&bench, &capture, MaskFormat::Coco, "coco.json").unwrap();
+    bench.put("coco.json", coco(&[("cam01/0000.png", "plate")]));
+    let theirs = set(&bench, &capture, MaskFormat::Coco, "coco.json").unwrap();
     // By centres the border at the far side is outside.
-    assert_eq!(mask_at(&coco, &coco.instances[0], "cam01", 0).unwrap().area(), 64);
+    assert_eq!(mask_at(&theirs, &theirs.instances[0], "cam01", 0).unwrap().area(), 64);
 }
 
 #[test]
 fn annotations_of_other_pictures_are_refused() {
     let (bench, capture) = captured();
-    for (path, text, said) in [
-        ("a/cam00/0009.json", labelme("x", 64), "frame 9 is not in the capture"),
-        ("b/cam00/last.json", labelme("x", 64), "does not end in the number"),
-        ("c/cam00/0001.json", labelme("x", 32), "was drawn on 32x48"),
-        ("d/cam00/0001.json", labelme("", 64), "not a name"),
+    for (files, said) in [
+        (&[("a/cam00/0009.png", drawn(64))][..], "frame 9 is not in the capture"),
+        (&[("b/cam00/last.png", drawn(64))], "does not end in the number"),
+        (&[("c/cam00/0001.png", drawn(32))], "was drawn on 32x48"),
+        (&[("e/cam00/0001.png", drawn(64)), ("e/cam00_0001.png", drawn(64))], "annotated twice"),
+        (&[("f/cam00/0001.png", ids::encode_palette(64, 48, &[0; 64 * 48]))], "nothing is drawn"),
     ] {
-        bench.put(path, text);
-        let error = set(&bench, &capture, MaskFormat::Labelme, &path[..1]).unwrap_err();
+        files.iter().for_each(|(path, bytes)| bench.put(path, bytes));
+        let error = set(&bench, &capture, MaskFormat::Png, &files[0].0[..1]).unwrap_err();
         assert!(error.contains(said), "{error}");
     }
-    bench.put("e/cam00/0001.json", labelme("x", 64));
-    bench.put("e/cam00_0001.json", labelme("x", 64));
-    let error = set(&bench, &capture, MaskFormat::Labelme, "e").unwrap_err();
-    assert!(error.contains("annotated twice"), "{error}");
-    bench.put(
-        "f/cam00/0001.json",
-        json!({"imagePath": "x", "imageWidth": 64, "imageHeight": 48, "shapes": []}).to_string(),
-    );
-    assert!(set(&bench, &capture, MaskFormat::Labelme, "f").unwrap_err().contains("nothing is drawn"));
+    bench.put("d.json", coco(&[("cam00/0001.png", "")]));
+    let error = set(&bench, &capture, MaskFormat::Coco, "d.json").unwrap_err();
+    assert!(error.contains("not a name"), "{error}");
 }

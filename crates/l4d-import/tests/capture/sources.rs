@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DMat4, DQuat, DVec3};
 use l4d_data::layout::CaptureDir;
 use l4d_import::capture::Source;
-use l4d_import::colmap::Model;
+use l4d_import::colmap::{Lens, Model};
 use l4d_import::export::{Format, HeldOut, Order, Origin, export};
 use l4d_import::npy;
 use serde_json::json;
@@ -240,11 +240,7 @@ fn exported(format: Format) -> (World, Bench) {
 
 #[test]
 fn what_we_export_for_colmap_and_nerfstudio_comes_back() {
-    for (format, source) in [
-        (Format::Colmap, Source::Colmap),
-        (Format::ColmapText, Source::Colmap),
-        (Format::Nerfstudio, Source::Nerfstudio),
-    ] {
+    for (format, source) in [(Format::Colmap, Source::Colmap), (Format::Nerfstudio, Source::Nerfstudio)] {
         let (world, bench) = exported(format);
         let capture = bench.read(source).unwrap();
         assert_eq!((capture.width, capture.height, &capture.frames[..]), (128, 96, &[0][..]));
@@ -274,7 +270,7 @@ fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
     let out = world.out("again");
     let order = Order {
         origin: Origin::Captured(&dir),
-        format: Format::ColmapText,
+        format: Format::Colmap,
         out: &out,
         frames: &[],
         held_out: HeldOut::Pose,
@@ -302,11 +298,14 @@ fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
 
 #[test]
 fn lenses_are_undone() {
-    let (world, bench) = exported(Format::ColmapText);
-    let path = bench.input().join("sparse/0/cameras.txt");
-    let text = std::fs::read_to_string(&path).unwrap();
-    let lens = text.replace("PINHOLE", "OPENCV").replace(" 64 48\n", " 64 48 0.1 0 0 0\n");
-    std::fs::write(&path, lens).unwrap();
+    let (world, bench) = exported(Format::Colmap);
+    let sparse = bench.input().join("sparse/0");
+    let mut model = Model::read(&sparse).unwrap();
+    for camera in &mut model.cameras {
+        camera.lens = Lens::OpenCv;
+        camera.parameters.extend([0.1, 0.0, 0.0, 0.0]);
+    }
+    model.write(&sparse).unwrap();
     let capture = bench.read(Source::Colmap).unwrap();
     assert!(capture.notes.iter().any(|note| note.contains("lenses are undone")));
     let shown = l4d_frames::Display::new(world.scene.exposure).picture(&world.frame("cam00", 48));

@@ -27,15 +27,15 @@ fn folders_of_others_are_left_alone() {
     let out = world.out("mine");
     std::fs::create_dir_all(&out).unwrap();
     std::fs::write(out.join("thesis.tex"), b"years").unwrap();
-    let error = try_export(&world, Format::Plain, HeldOut::Pose, &out).unwrap_err();
+    let error = try_export(&world, Format::FourDGaussians, HeldOut::Pose, &out).unwrap_err();
     assert!(error.to_string().contains("is not empty: `thesis.tex`"), "{error}");
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
 
     let out = world.out("ours");
-    exported(&world, Format::Plain, HeldOut::Pose, &out);
+    exported(&world, Format::FourDGaussians, HeldOut::Pose, &out);
     let error = try_export(&world, Format::Coco, HeldOut::Pose, &out).unwrap_err();
-    assert!(error.to_string().contains("holds closed_form as plain"), "{error}");
-    let error = try_export(&world, Format::Plain, HeldOut::Pictures, &out).unwrap_err();
+    assert!(error.to_string().contains("holds closed_form as 4dgaussians"), "{error}");
+    let error = try_export(&world, Format::FourDGaussians, HeldOut::Pictures, &out).unwrap_err();
     assert!(error.to_string().contains("another split"), "{error}");
 }
 
@@ -59,7 +59,7 @@ fn what_comes_from_rendered_depth_is_said() {
     for format in Format::ALL.into_iter().filter(|format| !format.needs_truth()) {
         let out = world.out(format.as_str());
         let Ok(exported) = try_export(&world, format, HeldOut::Pose, &out) else { continue };
-        let is_bare = matches!(format, Format::Plain | Format::Coco | Format::Davis);
+        let is_bare = matches!(format, Format::Coco | Format::Davis);
         let says =
             exported.manifest.notes.iter().any(|note| note.contains("rendered depth: a method that learns"));
         assert_eq!((exported.manifest.depth, says), (!is_bare, !is_bare), "{format}");
@@ -109,7 +109,7 @@ fn frames_can_be_chosen_among_the_rendered_ones() {
     let out = world.out("two");
     let order = Order {
         origin: Origin::Rendered(&scene),
-        format: Format::Plain,
+        format: Format::FourDGaussians,
         out: &out,
         frames: &[96, 12],
         held_out: HeldOut::Pose,
@@ -118,7 +118,7 @@ fn frames_can_be_chosen_among_the_rendered_ones() {
         judged: None,
     };
     assert_eq!(export(order, &|| {}).unwrap().manifest.frames, [12, 96]);
-    assert_eq!(std::fs::read_dir(out.join("images/cam00")).unwrap().count(), 2);
+    assert_eq!(std::fs::read_dir(out.join("ims/0")).unwrap().count(), 2);
     let elsewhere = world.out("elsewhere");
     let error = export(Order { frames: &[13], out: &elsewhere, ..order }, &|| {}).unwrap_err();
     assert!(error.to_string().contains("frame 13 is not rendered"), "{error}");

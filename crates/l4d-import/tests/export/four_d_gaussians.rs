@@ -202,58 +202,6 @@ fn dynerf_reads_the_same_rays_at_its_own_size() {
 }
 
 #[test]
-fn blender_reads_the_true_cameras_although_it_mirrors_them() {
-    let world = World::new();
-    for kind in Kind::ALL {
-        let out = world.out(&format!("blender-{kind:?}"));
-        exported_as(kind, &world, Format::Blender, HeldOut::Pose, &out);
-        assert_blender(&world, &out);
-    }
-}
-
-fn assert_blender(world: &World, out: &Path) {
-    let mut times = Vec::new();
-    for (split, cameras) in [("train", world.training()), ("test", vec![world.scene.test_camera().unwrap()])]
-    {
-        let document = json(&out.join(format!("transforms_{split}.json")));
-        let fov_x = document["camera_angle_x"].as_f64().unwrap();
-        let frames = document["frames"].as_array().unwrap();
-        assert_eq!(frames.len(), cameras.len() * 9);
-        assert_eq!(frames[0]["time"], 0.0);
-        for (index, entry) in frames.iter().enumerate() {
-            let (camera, frame) = (cameras[index % cameras.len()], world.frames()[index / cameras.len()]);
-            times.push(entry["time"].as_f64().unwrap());
-            // The reader: inverse, everything negated, first column of the transpose turned back; T without a turn.
-            let inverse = matrix(&entry["transform_matrix"]).inverse();
-            let transposed = -DMat3::from_mat4(inverse).transpose();
-            let rotation = DMat3::from_cols(-transposed.x_axis, transposed.y_axis, transposed.z_axis);
-            let translation = -inverse.w_axis.truncate();
-            let view = DMat4::from_translation(translation) * DMat4::from_mat3(rotation.transpose());
-            let projection = centred_projection(fov_x, fov_x);
-            for (point, at) in probes(camera, frame) {
-                // 800x800 pictures of the middle 96x96.
-                let seen = (rasterized(projection, view, point, [800.0; 2]) + 0.5) * (96.0 / 800.0);
-                let expected = at - DVec2::new(16.0, 0.0);
-                assert!(
-                    (seen - expected).length() < RAY_TOLERANCE_PX,
-                    "{}: {seen} for {expected}",
-                    camera.name
-                );
-            }
-            let name = format!("{}.png", entry["file_path"].as_str().unwrap());
-            let picture = png(&out.join(name), 96, 96);
-            if split == "train" {
-                let whole = shown(world, &camera.name, frame);
-                assert_eq!(picture.get_pixel(0, 50), whole.get_pixel(16, 50));
-                assert_eq!(picture.get_pixel(95, 95), whole.get_pixel(111, 95));
-            }
-        }
-    }
-    let expected = world.frames().into_iter().map(|frame| f64::from(frame) / 96.0);
-    assert_eq!(times[..36].iter().copied().step_by(4).collect::<Vec<_>>(), expected.collect::<Vec<_>>());
-}
-
-#[test]
 fn what_a_reader_would_drop_is_refused_with_the_format_that_keeps_it() {
     type Change = fn(&mut l4d_data::Scene);
     let changes: [(&str, Change); 3] = [

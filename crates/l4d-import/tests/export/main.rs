@@ -13,7 +13,7 @@ mod evaluators;
 mod folder;
 mod four_d_gaussians;
 mod leaks;
-mod nerfs;
+mod nerfstudio;
 mod public_readers;
 
 use std::path::Path;

@@ -16,7 +16,6 @@ fn public_readers_see_what_we_wrote() {
     let world = World::new();
     for format in [
         Format::Colmap,
-        Format::ColmapText,
         Format::Davis,
         Format::FourDGaussians,
         Format::Dynerf,
@@ -25,10 +24,7 @@ fn public_readers_see_what_we_wrote() {
         exported(&world, format, HeldOut::Pose, &world.out(format.as_str()));
     }
     exported(&world, Format::Coco, HeldOut::Pictures, &world.out("coco"));
-    for format in [Format::Colmap, Format::ColmapText] {
-        let out = world.out("captured").join(format.as_str());
-        exported_as(Kind::Captured, &world, format, HeldOut::Pose, &out);
-    }
+    exported_as(Kind::Captured, &world, Format::Colmap, HeldOut::Pose, &world.out("captured/colmap"));
     let folder = world.capture_dir();
     let capture = Capture { points: 0, ..Capture::read(folder.root()).unwrap() };
     l4d_data::json::write(&folder.root().join(CAPTURE), &capture).unwrap();

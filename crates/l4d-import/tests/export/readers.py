@@ -2,7 +2,7 @@
 
     python readers.py FOLDER
 
-FOLDER holds the exports `colmap`, `colmap-text`, `coco`, `davis`, `4dgaussians`, `4dgaussians-dynerf`,
+FOLDER holds the exports `colmap`, `coco`, `davis`, `4dgaussians`, `4dgaussians-dynerf`,
 `4d-langsplat-annotations`, those of a capture in `captured`, and `probes.json`: points of the world and where each view sees them.
 Needs numpy, pillow, opencv-python-headless, plyfile, pycocotools and pycolmap.
 """
@@ -23,21 +23,20 @@ TOLERANCE_PX = 1e-4
 
 def check_colmap(root: pathlib.Path, probes: dict) -> int:
     seen = 0
-    for encoding in ("colmap", "colmap-text"):
-        model = pycolmap.Reconstruction(root / encoding / "frame_0048" / "sparse" / "0")
-        assert len(model.images) == 4 and len(model.points3D) > 300
-        for image in model.images.values():
-            for point, pixel in probes[image.name.removesuffix(".png")]:
-                found = image.project_point(np.array(point))
-                assert np.abs(found - pixel).max() < TOLERANCE_PX, (image.name, found, pixel)
-                seen += 1
-        for point in model.points3D.values():
-            for element in point.track.elements:
-                image = model.images[element.image_id]
-                at = image.points2D[element.point2D_idx]
-                assert at.point3D_id in model.points3D
-                assert np.abs(image.project_point(point.xyz) - at.xy).max() < TOLERANCE_PX
-                seen += 1
+    model = pycolmap.Reconstruction(root / "colmap" / "frame_0048" / "sparse" / "0")
+    assert len(model.images) == 4 and len(model.points3D) > 300
+    for image in model.images.values():
+        for point, pixel in probes[image.name.removesuffix(".png")]:
+            found = image.project_point(np.array(point))
+            assert np.abs(found - pixel).max() < TOLERANCE_PX, (image.name, found, pixel)
+            seen += 1
+    for point in model.points3D.values():
+        for element in point.track.elements:
+            image = model.images[element.image_id]
+            at = image.points2D[element.point2D_idx]
+            assert at.point3D_id in model.points3D
+            assert np.abs(image.project_point(point.xyz) - at.xy).max() < TOLERANCE_PX
+            seen += 1
     return seen
 
 

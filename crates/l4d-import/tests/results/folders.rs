@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
-use l4d_frames::{Mask, png, rle};
+use l4d_frames::{Mask, ids, png, rle};
 use l4d_import::results::codec::Codec;
 use l4d_import::results::import::{Identity, Imported, Order, Request, SoftStage, import, write};
 use l4d_import::results::preset::Preset;
@@ -397,28 +397,20 @@ fn one_model_a_frame_has_one_decoder_a_frame() {
 }
 
 #[test]
-fn maps_of_ids_are_selected_by_sentence() {
+fn palette_indices_are_selected_by_sentence() {
     let bench = Bench::new();
     for position in 0..clip().len() {
         let (red, blue) = (cup("cup_red", position), cup("cup_blue", position));
-        let pixels: Vec<f32> = red
+        let numbers: Vec<u8> = red
             .to_bools()
             .into_iter()
             .zip(blue.to_bools())
-            .map(|(red, blue)| {
-                if red {
-                    3.0
-                } else if blue {
-                    7.0
-                } else {
-                    0.0
-                }
-            })
+            .map(|(red, blue)| 3 * u8::from(red) + 7 * u8::from(blue))
             .collect();
-        let file = format!("{SCENE}/test/ours_30000/objects_ids/{position:05}.npy");
-        bench.write(&file, npy(&[96, 128], &pixels));
+        let file = format!("Annotations/480p/{SCENE}/{position:05}.png");
+        bench.write(&file, ids::encode_palette(128, 96, &numbers));
     }
-    let (imported, report) = bench.import("gaussian-grouping-ids", |request| {
+    let (imported, report) = bench.import("davis", |request| {
         request.reading.selections = BTreeMap::from([
             ("001".to_owned(), BTreeSet::from([3])),
             ("the BLUE cup".to_owned(), BTreeSet::from([7])),

@@ -17,7 +17,7 @@ use l4d_frames::drawn::encode_colour;
 use l4d_frames::exr::write_frame;
 use l4d_frames::truth::truth_of_scene;
 use l4d_frames::{Display, Frame, Mask, Surfaces, rle};
-use l4d_import::colmap::{Encoding, Model};
+use l4d_import::colmap::Model;
 use l4d_import::ply::ColouredPoint;
 
 pub(crate) const BALL: u32 = 1;
@@ -123,7 +123,7 @@ impl World {
             let sightings = if index % 10 == 0 { &sightings[1..3] } else { &sightings[..] };
             model.add_point(surface, 0.5, sightings);
         }
-        model.write(folder, Encoding::Binary).unwrap();
+        model.write(folder).unwrap();
         model.points.len()
     }
 

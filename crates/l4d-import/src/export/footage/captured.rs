@@ -74,17 +74,6 @@ impl Recording {
         &self.instances
     }
 
-    pub(super) fn seconds(&self, frame: u32) -> Option<f64> {
-        Some(f64::from(frame - self.capture.frames.first()?) / self.capture.frames_per_second?)
-    }
-
-    pub(super) fn share(&self, frame: u32) -> f64 {
-        let (Some(first), Some(last)) = (self.capture.frames.first(), self.capture.frames.last()) else {
-            return 0.0;
-        };
-        f64::from(frame - first) / f64::from((last - first).max(1))
-    }
-
     /// The picture as it lies on disk: a PNG of display colours.
     pub(super) fn bytes(&self, camera: &Camera, frame: u32) -> Result<Vec<u8>, DataError> {
         let path = self.dir.picture(&camera.name, frame);

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use glam::UVec2;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Instance, Scene};
-use l4d_data::timeline::FPS;
 use l4d_data::{Camera, DataError};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::exr::read_frame;
@@ -33,10 +32,6 @@ impl Rendering {
 
     pub(super) fn path(&self) -> PathBuf {
         self.dir.scene()
-    }
-
-    pub(super) fn frames_per_second(&self) -> f64 {
-        FPS / f64::from(self.scene.stride)
     }
 
     /// Colour, depth and ids.

@@ -8,6 +8,7 @@ use l4d_frames::{Mask, rle};
 use serde_json::{Map, Value};
 
 use super::{Piece, Place, Problem, sane};
+use crate::annotations::coco::plain_runs;
 
 /// No file of run lengths is larger.
 const MAX_BYTES: u64 = 256 << 20;
@@ -92,27 +93,13 @@ fn mask(fields: &Map<String, Value>, trail: &Trail) -> Result<Mask, Problem> {
     let (width, height) = sane(width, height, "field `size`")?;
     match &fields["counts"] {
         Value::String(counts) => rle::decode(counts, width, height).map_err(|error| fault(error.to_string())),
-        Value::Array(runs) => from_runs(runs, width, height)
-            .ok_or_else(|| fault("has runs that do not fill its size".to_owned())),
+        Value::Array(runs) => {
+            let runs: Option<Vec<u64>> = runs.iter().map(Value::as_u64).collect();
+            let runs = runs.ok_or_else(|| fault("has a run that is no length".to_owned()))?;
+            plain_runs(&runs, width, height).map_err(fault)
+        }
         _ => Err(fault("has `counts` that are neither a text nor a list".to_owned())),
     }
-}
-
-/// A mask from the lengths of its runs, down the columns, outside first.
-fn from_runs(runs: &[Value], width: u32, height: u32) -> Option<Mask> {
-    let mut mask = Mask::empty(width, height);
-    let pixels = u64::from(width) * u64::from(height);
-    let mut start = 0_u64;
-    for (index, run) in runs.iter().enumerate() {
-        let end = start.checked_add(run.as_u64()?).filter(|&end| end <= pixels)?;
-        if index % 2 == 1 {
-            for pixel in start..end {
-                mask.set((pixel / u64::from(height)) as u32, (pixel % u64::from(height)) as u32, true);
-            }
-        }
-        start = end;
-    }
-    (start == pixels).then_some(mask)
 }
 
 #[cfg(test)]
@@ -150,9 +137,9 @@ mod tests {
     #[test]
     fn what_is_no_run_length_is_named() {
         for (value, reason) in [
-            (json!({"size": [3, 2], "counts": [0, 2, 5]}), "do not fill"),
-            (json!({"size": [3, 2], "counts": [0, 2, 3]}), "do not fill"),
-            (json!({"size": [3, 2], "counts": [-1, 7]}), "do not fill"),
+            (json!({"size": [3, 2], "counts": [0, 2, 5]}), "do not cover"),
+            (json!({"size": [3, 2], "counts": [0, 2, 3]}), "do not cover"),
+            (json!({"size": [3, 2], "counts": [-1, 7]}), "no length"),
             (json!({"size": [3, 99999999], "counts": [0]}), "each side"),
             (json!({"counts": "024"}), "no `size`"),
             (json!([[[1]]]), "list within a frame"),

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use l4d_data::DataError;
 
-use super::super::codec::Codec;
 use super::super::relevancy::Smoothing;
 use super::super::template::Hit;
 use super::Request;
@@ -40,13 +39,6 @@ pub(super) fn assumptions(request: &Request<'_>) -> BTreeMap<String, String> {
         say("time gate", gate.to_owned());
     } else {
         say("inside", request.reading.inside.to_string());
-        match request.reading.codec {
-            Codec::Labelme => say("outlines", "pixels whose centre lies inside".to_owned()),
-            Codec::Isat | Codec::Coco => {
-                say("outlines", "cv2.fillPoly of truncated corners, border included".to_owned());
-            }
-            Codec::Picture | Codec::Array | Codec::Latents | Codec::CocoRle => {}
-        }
     }
     if request.soft.is_some() {
         let range = if request.reading.inside.is_smoothed() || request.preset.latents.is_some() {

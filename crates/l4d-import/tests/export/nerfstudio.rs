@@ -1,9 +1,8 @@
-//! The readers of D-NeRF's and nerfstudio's `transforms.json`, and the plain layout.
+//! The reader of nerfstudio's `transforms.json`.
 
 use std::path::Path;
 
 use glam::{DMat4, DVec2, DVec3};
-use l4d_data::rig::Rig;
 use l4d_frames::drawn::decode_depth_png;
 use l4d_import::export::{Format, HeldOut};
 
@@ -14,37 +13,6 @@ use crate::{Kind, RAY_TOLERANCE_PX, exported_as, json, matrix, png, probes, show
 fn seen(world_from_camera: DMat4, [fx, fy, cx, cy]: [f64; 4], point: DVec3) -> DVec2 {
     let local = world_from_camera.inverse().transform_point3(point);
     DVec2::new(fx * local.x / -local.z + cx, -fy * local.y / -local.z + cy)
-}
-
-#[test]
-fn dnerf_has_true_matrices_and_whole_pictures() {
-    let world = World::new();
-    for kind in Kind::ALL {
-        let out = world.out(&format!("dnerf-{kind:?}"));
-        exported_as(kind, &world, Format::Dnerf, HeldOut::Pose, &out);
-        assert_dnerf(&world, &out);
-    }
-}
-
-fn assert_dnerf(world: &World, out: &Path) {
-    for split in ["train", "val", "test"] {
-        let document = json(&out.join(format!("transforms_{split}.json")));
-        let focal = 64.0 / (document["camera_angle_x"].as_f64().unwrap() / 2.0).tan();
-        for entry in document["frames"].as_array().unwrap() {
-            let name = entry["file_path"].as_str().unwrap();
-            let (view, frame) = name.rsplit('/').next().unwrap().split_once('_').unwrap();
-            let camera = world.scene.camera(view).unwrap();
-            assert_eq!(view == TEST_VIEW, split != "train", "{name} is in {split}");
-            for (point, at) in probes(camera, 0) {
-                let pose = matrix(&entry["transform_matrix"]);
-                assert!((seen(pose, [focal, focal, 64.0, 48.0], point) - at).length() < RAY_TOLERANCE_PX);
-            }
-            let picture = png(&out.join(format!("{name}.png")), 128, 96);
-            if split == "train" {
-                assert_eq!(picture, shown(world, view, frame.parse().unwrap()));
-            }
-        }
-    }
 }
 
 #[test]
@@ -96,32 +64,4 @@ fn assert_nerfstudio(kind: Kind, world: &World, out: &Path) {
             }
         }
     }
-}
-
-#[test]
-fn plain_cameras_are_ours_and_the_held_out_one_has_no_picture() {
-    let world = World::new();
-    for kind in Kind::ALL {
-        let out = world.out(&format!("plain-{kind:?}"));
-        exported_as(kind, &world, Format::Plain, HeldOut::Pose, &out);
-        assert_plain(&world, &out);
-    }
-}
-
-fn assert_plain(world: &World, out: &Path) {
-    let rig = Rig::read(&out.join("cameras.json")).unwrap();
-    assert_eq!(rig.size(), [128, 96]);
-    assert_eq!(rig.cameras, world.scene.cameras);
-    assert!(!out.join("images").join(TEST_VIEW).exists());
-    for camera in world.training() {
-        for frame in world.frames() {
-            let path = out.join(format!("images/{}/{frame:04}.png", camera.name));
-            assert_eq!(png(&path, 128, 96), shown(world, &camera.name, frame));
-        }
-    }
-    let document = json(&out.join("cameras.json"));
-    assert_eq!(
-        (document["times"][4]["frame"].as_u64(), document["times"][4]["time"].as_f64()),
-        (Some(48), Some(0.5))
-    );
 }
