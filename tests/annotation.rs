@@ -304,7 +304,7 @@ fn votes_on_words_that_were_edited_do_not_count() {
     let changes = verdict(&dir, "pilot")["status"].clone();
     assert_eq!(changes, json!([{"query": asked[1].1, "from": "verified", "to": "candidate"}]));
     dir.succeed(&["verdict", "--round", "pilot", "--check"]);
-    // The next round asks both, and nobody has to say which.
+    // The next round asks both, and no option says which.
     let (_, _, key) = opened(&dir, "second", &["--from", "pilot"]);
     let again: Vec<QueryId> = queries(&key).into_iter().map(|(_, query)| query).collect();
     assert_eq!(BTreeSet::from_iter(again), BTreeSet::from([asked[0].1.clone(), asked[1].1.clone()]));
@@ -356,7 +356,7 @@ fn programs_verify_nothing() {
     assert!(dir.path("annotation/rounds/play/verdicts.csv").exists());
     assert_eq!(SCENES.map(|scene| dir.read(&format!("benchmark/queries/{scene}.jsonl"))), untouched);
     dir.succeed(&["verdict", "--round", "play", "--check"]);
-    // Their list is worked off like any other, but it keeps nobody from asking people.
+    // Their list is worked off like any other, but people may still be asked.
     let refused = open_round(&dir, "play2", &["--from", "play", "--simulated"]);
     assert!(refused.code == 2 && refused.stderr.contains(&query.to_string()), "{}", refused.stderr);
     let (_, _, key) = opened(&dir, "people", &[]);
@@ -390,9 +390,9 @@ fn derived_files_and_statuses_are_checked_to_the_byte() {
 #[test]
 fn rounds_that_cannot_be_opened_say_why() {
     let dir = bench();
-    let refused = |run: Run, told: &str| {
-        assert_eq!(run.code, 2, "{told}: {}", run.stdout);
-        assert!(run.stderr.contains(told) && run.stderr.contains("hint:"), "{told}: {}", run.stderr);
+    let refused = |run: Run, message: &str| {
+        assert_eq!(run.code, 2, "{message}: {}", run.stdout);
+        assert!(run.stderr.contains(message) && run.stderr.contains("hint:"), "{message}: {}", run.stderr);
     };
     refused(dir.run(&["open-round", "r", "--annotators", "ada,ben"]), "annotators");
     refused(open_round(&dir, "r", &["--gold", "2"]), "--gold 2");
@@ -408,8 +408,8 @@ fn rounds_that_cannot_be_opened_say_why() {
     refused(open_round(&dir, "r", &["--sample", "6"]), "there is such a round already");
     opened(&dir, "r", &["--sample", "7", "--force"]);
     let (folder, round, _) = read_round(&dir, "r");
-    let stranger = Ballot::open(&folder, &round, &Name::new("zoe").unwrap()).unwrap_err();
-    assert!(stranger.to_string().contains("zoe") && stranger.hint().unwrap().contains("ada"), "{stranger}");
+    let unknown = Ballot::open(&folder, &round, &Name::new("zoe").unwrap()).unwrap_err();
+    assert!(unknown.to_string().contains("zoe") && unknown.hint().unwrap().contains("ada"), "{unknown}");
     vote(&dir, "r", "ada", &BTreeMap::new());
     refused(open_round(&dir, "r", &["--force"]), "people have voted in this round");
     refused(dir.run(&["verify-prompts", "--round", "nowhere", "--as", "ada"]), "there is no such round");

@@ -245,7 +245,7 @@ fn two_windows_of_one_annotator_refuse_each_other() {
 #[test]
 fn a_full_disk_shows_that_the_vote_is_not_taken() {
     let desk = Desk::new();
-    // A limit on the size of files stands for the full disk; 1 is 512 bytes, or 1024 for some shells.
+    // A limit on the size of files acts as a full disk; 1 is 512 bytes, or 1024 for some shells.
     let limited = format!("trap '' XFSZ; ulimit -f 1; LANG=C.UTF-8 exec {}", desk.command("ada"));
     desk.tmux.start("ada", USUAL, desk.dir.path("").as_path(), &limited);
     desk.tmux.wait("ada", "an item", |screen| item_on(screen).is_some());
@@ -371,8 +371,8 @@ fn what_cannot_work_is_refused_before_the_terminal_is_touched() {
     };
     let unknown_round = refused(&["--round", "r9", "--as", "ada"]);
     assert!(unknown_round.contains("no such round") && unknown_round.contains("r1"), "{unknown_round}");
-    let stranger = refused(&["--round", "r1", "--as", "mallory"]);
-    assert!(stranger.contains("ada"), "{stranger}");
+    let unknown = refused(&["--round", "r1", "--as", "mallory"]);
+    assert!(unknown.contains("ada"), "{unknown}");
     // Missing pictures: the command that makes them is named.
     std::fs::remove_file(frame_of(&desk, "tabletop_mouse_cups")).unwrap();
     std::fs::remove_dir_all(desk.dir.path("data/tiny/room_office")).unwrap();
@@ -393,7 +393,7 @@ fn frame_of(desk: &Desk, scene: &str) -> PathBuf {
 fn an_annotators_process_opens_neither_the_key_nor_other_ballots() {
     let desk = Desk::new();
     let (dir, _) = desk.round();
-    // Whoever opened them would fail.
+    // Opening them would fail.
     std::fs::create_dir_all(dir.votes()).unwrap();
     std::fs::write(dir.key(), "\0 not a key").unwrap();
     std::fs::write(dir.ballot(&Name::new("ben").unwrap()), "\0 not a ballot").unwrap();

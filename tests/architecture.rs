@@ -210,7 +210,7 @@ fn heavy_dependencies_stand_behind_their_crate() {
             .filter(|(_, dependencies)| dependencies.contains(*heavy))
             .map(|(package, _)| package.as_str())
             .collect();
-        assert!(!users.is_empty(), "nobody uses {heavy}");
+        assert!(!users.is_empty(), "no crate uses {heavy}");
         assert!(
             users.iter().all(|user| owners.contains(user)),
             "{heavy} is named by {users:?}, allowed: {owners:?}"

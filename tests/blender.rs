@@ -99,8 +99,8 @@ fn proposed_sentences_are_answered(said: &str) {
     assert_eq!(commands.len(), 2, "{said}");
     for command in commands {
         let mut shell = Command::new("bash");
-        let told = succeed(shell.current_dir(root()).args(["-c", command]));
-        assert!(told.contains("answer: "), "{command}\n{told}");
+        let output = succeed(shell.current_dir(root()).args(["-c", command]));
+        assert!(output.contains("answer: "), "{command}\n{output}");
     }
 }
 

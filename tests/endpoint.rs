@@ -120,10 +120,10 @@ fn files_under(folder: &Path) -> String {
 fn a_key_is_told_to_its_server_alone_even_when_everything_is_logged() {
     let echo = |code: u16| {
         thinks(move |seen| {
-            let told = seen.headers.get("authorization").cloned().unwrap_or_default();
+            let header = seen.headers.get("authorization").cloned().unwrap_or_default();
             match code {
-                200 => says(&format!("your header is {told}")),
-                _ => status(code, &json!({"error": {"message": format!("wrong header {told}")}})),
+                200 => says(&format!("your header is {header}")),
+                _ => status(code, &json!({"error": {"message": format!("wrong header {header}")}})),
             }
         })
     };
@@ -146,9 +146,9 @@ fn a_key_is_told_to_its_server_alone_even_when_everything_is_logged() {
         assert_eq!(run.code, i32::from(code != 200), "{}", run.stderr);
         let sent = format!("Bearer {KEY}");
         assert!(server.seen().iter().all(|seen| seen.headers["authorization"] == sent));
-        let told = format!("{}{}{}", run.stdout, run.stderr, files_under(&dir.path("")));
-        assert!(told.contains("[redacted]"), "nothing was echoed:\n{told}");
-        assert!(!told.contains("canary"), "{told}");
+        let output = format!("{}{}{}", run.stdout, run.stderr, files_under(&dir.path("")));
+        assert!(output.contains("[redacted]"), "nothing was echoed:\n{output}");
+        assert!(!output.contains("canary"), "{output}");
         // Its bytes in the tables of a wire log would pass the test above.
         assert!(!run.stderr.to_lowercase().contains("authorization"), "{}", run.stderr);
         assert!(!run.stderr.contains("ureq"), "{}", run.stderr);

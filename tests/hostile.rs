@@ -45,10 +45,10 @@ fn expect(dir: &Dir, what: &str, codes: &[&str]) -> Vec<Value> {
     assert_eq!(check.code, 1, "{what}: {}\n{}", check.stdout, check.stderr);
     let found: Value = serde_json::from_str(&check.stdout).unwrap();
     let findings = found["findings"].as_array().unwrap().clone();
-    let mut told: Vec<&str> = findings.iter().map(|finding| finding["code"].as_str().unwrap()).collect();
-    told.sort_unstable();
-    told.dedup();
-    assert_eq!(told, codes, "{what}: {}", check.stdout);
+    let mut found: Vec<&str> = findings.iter().map(|finding| finding["code"].as_str().unwrap()).collect();
+    found.sort_unstable();
+    found.dedup();
+    assert_eq!(found, codes, "{what}: {}", check.stdout);
     let score = bounded(dir, "score --json");
     assert_eq!(score.code, 1, "{what}: {}\n{}", score.stdout, score.stderr);
     assert!(!dir.path("scores/oracle/counts.csv").exists(), "{what} was scored");
@@ -229,7 +229,7 @@ fn names_that_are_no_text_or_steer_terminals() {
     }
     std::fs::create_dir(scene.join(OsStr::from_bytes(b"\x9b2J"))).unwrap();
     let findings = expect(&dir, "names", &["L4D305", "L4D306"]);
-    assert_eq!(findings.len(), 5, "hidden names are nobody's business");
+    assert_eq!(findings.len(), 5, "hidden names are not looked at");
     let check = bounded(&dir, "check-results");
     assert!(
         !check.stdout.contains('\u{1b}') && !check.stdout.contains('\u{9b}'),

@@ -59,7 +59,7 @@ fn folder() -> Dir {
         digests: BTreeMap::new(),
     };
     json::write(&dir.path("data/tiny/wall/scene.json"), &scene).unwrap();
-    // The held-out pictures are not there, and nobody misses them.
+    // The held-out pictures are not there, and are not needed.
     for view in ["cam00", "cam02"] {
         for frame in Profile::Tiny.frames() {
             let mut surfaces = Surfaces::empty(128, 96);

@@ -1,5 +1,5 @@
 //! End-to-end tests: the binary, run as its users run it.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop there")]
 
 mod ablating;
 mod annotation;

@@ -76,7 +76,7 @@ fn a_server_that_fails_for_half_of_the_views_is_asked_for_those_again() {
 fn a_worker_of_ours_runs_in_an_environment_that_is_made_once() {
     let server = Server::start(vec![says(PLAN)]);
     let dir = stage(&server);
-    // The real package, but for the networks and what they need: the worker that fills boxes stands in for SAM 2.
+    // The real package, but for the networks and what they need: the worker that fills boxes takes the place of SAM 2.
     let package = root().join("crates/l4d-ground/workers/l4d_workers");
     for file in ["__init__.py", "__main__.py", "protocol.py", "rle.py", "box.py"] {
         dir.write(&format!("package/l4d_workers/{file}"), std::fs::read(package.join(file)).unwrap());
@@ -103,11 +103,11 @@ fn models_and_couplings_are_rows_of_a_table() {
     let server = Server::start(vec![says(PLAN)]);
     let dir = stage(&server);
     dir.write("boxes.toml", dir.read("grounder.toml"));
-    let nobody = dir.read("grounder.toml").replace("\"box\"", "\"null\"");
-    dir.write("nobody.toml", nobody.replace("coupling = \"null\"", "coupling = \"no-vlm\""));
+    let no_vlm = dir.read("grounder.toml").replace("\"box\"", "\"null\"");
+    dir.write("no_vlm.toml", no_vlm.replace("coupling = \"null\"", "coupling = \"no-vlm\""));
     let published = "benchmark/published/vlm.csv";
     dir.write(published, std::fs::read(root().join(published)).unwrap());
-    let files = ["--grounder-files", "boxes.toml,nobody.toml", "--endpoint", "endpoint.toml"];
+    let files = ["--grounder-files", "boxes.toml,no_vlm.toml", "--endpoint", "endpoint.toml"];
     let grid = [&["ablate", "vlm", "--profile", "tiny", "--data", "data"], &files[..]].concat();
     let document = dir.json(&grid);
     let rows: Vec<&Value> = document["rows"].as_array().unwrap().iter().collect();
@@ -123,7 +123,7 @@ fn models_and_couplings_are_rows_of_a_table() {
         row["value"].as_f64().unwrap()
     };
     assert!(miou("boxes") > 0.0, "half of every picture holds some of the balls");
-    assert_eq!(miou("nobody"), 0.0);
+    assert_eq!(miou("no_vlm"), 0.0);
     assert!(rows.iter().any(|row| row["source"] == "published"));
     assert_eq!(server.count(), 4 * 3, "a question a view and query, by one of the rows");
     let card = |name: &str| -> Value {
@@ -131,7 +131,7 @@ fn models_and_couplings_are_rows_of_a_table() {
         serde_json::from_str(&dir.read(&path)).unwrap()
     };
     assert_eq!(card("boxes")["used"]["endpoints"], json!([server.url()]));
-    assert_eq!(card("nobody")["used"]["endpoints"], json!([]));
+    assert_eq!(card("no_vlm")["used"]["endpoints"], json!([]));
     let refuse = |files: &str, parts: &[&str]| {
         let grid = ["ablate", "vlm", "--profile", "tiny", "--data", "data", "--grounder-files", files];
         refused(&dir.run(&grid), parts);

@@ -32,19 +32,19 @@ fn a_real_server_with_random_weights() {
         let arguments =
             ["--json", "--repeat", repeat, "--answer-tokens", "1500", "--out", &out, "--jobs", "2"];
         let run = prompts(&dir, &arguments);
-        let told = document(&run);
-        for scene in told["scenes"].as_array().unwrap() {
-            assert_eq!(scene["answer"], "server", "{told}");
+        let report = document(&run);
+        for scene in report["scenes"].as_array().unwrap() {
+            assert_eq!(scene["answer"], "server", "{report}");
             let [proposed, candidates, unproved, failed] =
                 ["proposed", "candidates", "unproved", "failed"].map(|count| scene[count].as_u64().unwrap());
             assert_eq!(proposed, candidates + unproved + failed);
             let name = scene["scene"].as_str().unwrap();
             let lines = |ending: &str| dir.read(&format!("{out}/{name}{ending}")).lines().count() as u64;
             assert_eq!((lines(".jsonl"), lines(".unproved.jsonl")), (candidates, unproved));
-            let unread = told["findings"].as_array().unwrap().iter().filter(|finding| {
+            let unread = report["findings"].as_array().unwrap().iter().filter(|finding| {
                 finding["code"] == "L4D560" && finding["where"].as_str().unwrap().contains(name)
             });
-            assert_eq!(lines(".failed.jsonl"), failed + unread.count() as u64, "{told}");
+            assert_eq!(lines(".failed.jsonl"), failed + unread.count() as u64, "{report}");
             for line in dir.read(&format!("{out}/{name}.failed.jsonl")).lines() {
                 let failed: Value = serde_json::from_str(line).unwrap();
                 assert_ne!(failed["reasons"], json!([]));

@@ -1,7 +1,7 @@
 //! The Python package `l4d`: loaded into Python and asked for the numbers that Rust has.
 //!
 //! The plain suite loads the library that cargo built for these tests; in the slow one a wheel is built, installed into
-//! a fresh environment and asked the same. What is asked stands in `crates/l4d-py/tests/`.
+//! a fresh environment and asked the same. What is asked is in `crates/l4d-py/tests/`.
 
 use std::collections::BTreeMap;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
@@ -46,7 +46,7 @@ fn a_wheel_says_what_rust_says() {
     let dir = Dir::new();
     let requirements = root().join("crates/l4d-py/tests/requirements.txt");
     let build = environment(&dir.path("build"), &["-r", text(&requirements)]);
-    // In the target folder of these tests and with their profile: most of what a wheel needs stands there.
+    // In the target folder of these tests and with their profile: most of what a wheel needs is there.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
     let wheels = dir.path("wheels");
     let mut maturin = Command::new(&build);
@@ -125,7 +125,7 @@ fn world_folder() -> Dir {
     dir
 }
 
-/// A capture of two cameras and three moments, and a benchmark about it. Nobody drew on the moment in the middle, and
+/// A capture of two cameras and three moments, and a benchmark about it. The moment in the middle has no annotation, and
 /// one camera missed the last.
 fn write_capture(dir: &Dir) {
     let name = |text: &str| Name::new(text).unwrap();

@@ -157,7 +157,7 @@ fn baselines_of_a_real_scene_score_what_they_must() {
     assert_eq!((miou("oracle"), miou("none")), (100.0, 0.0));
     let all = 100.0 * 256.0 / f64::from(WIDTH * HEIGHT);
     assert!((miou("all") - all).abs() < 1e-9, "{}", miou("all"));
-    // Frames on which nobody drew are told apart from those without an object.
+    // Frames without annotation differ from those without an object.
     let counts = dir.read("scores/oracle/counts.csv");
     let states: Vec<&str> = counts
         .lines()
@@ -175,7 +175,7 @@ fn masks_of_langsplat_on_a_scene_of_theirs_are_scored() {
     let dir = authored();
     let half =
         Mask::from_fn(WIDTH, HEIGHT, |column, row| (8..16).contains(&column) && (8..24).contains(&row));
-    // As its evaluation leaves them: a folder a picture, counted from 1; pictures that nobody annotated as well.
+    // As its evaluation leaves them: a folder a picture, counted from 1; pictures without annotation as well.
     for (frame, red) in [cup(RED), half.clone(), half, cup(BLUE)].into_iter().enumerate() {
         let folder = format!("theirs/table/{:05}", frame + 1);
         dir.write(&format!("{folder}/chosen_the red cup.png"), png::encode(&red));
@@ -185,7 +185,7 @@ fn masks_of_langsplat_on_a_scene_of_theirs_are_scored() {
     assert_eq!((&run["findings"], &run["answers"]), (&json!([]), &json!(4)), "{run:#}");
     let scores = dir.json(&real(&["score"]));
     let method = &scores["methods"][0];
-    // The red cup: 1 and 1/2. The lifted one: right where it holds, and where it does not a false alarm, told apart.
+    // The red cup: 1 and 1/2. The lifted one: right where it holds, and where it does not a false alarm, counted apart.
     assert_eq!(method["categories"]["attribute"]["miou"], 75.0);
     assert_eq!(method["categories"]["action"]["miou"], 100.0);
     let card: Value = serde_json::from_str(&dir.read("results/langsplat/method.json")).unwrap();
@@ -258,7 +258,7 @@ fn people_verify_prompts_on_the_pictures_of_a_capture() {
     let command =
         format!("exec {} verify-prompts --round r1 --as ada --picture halfblocks", env!("CARGO_BIN_EXE_l4d"));
     tmux.start("ada", (100, 30), dir.path("").as_path(), &command);
-    // Two objects under numbers drawn by lot: whoever takes the first for both is right once.
+    // Two objects under numbers drawn by lot: taking the first for both is right once.
     let screen =
         tmux.wait("ada", "the picture", |screen| screen.contains("q0001") || screen.contains("q0002"));
     assert!(screen.contains("whole clip"), "{screen}");

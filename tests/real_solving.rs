@@ -18,7 +18,7 @@ use crate::solving::{copy, refused};
 use crate::support::Dir;
 use crate::world::{SIZE, camera_at, twins_seen_by};
 
-/// Where the cameras stand; the first one is held out, as in all data sets of this layout.
+/// Where the cameras are; the first one is held out, as in all data sets of this layout.
 const PLACES_M: [f64; 6] = [0.1, -0.9, -0.55, -0.2, 0.4, 0.8];
 /// Numbers of the moments: they begin where the source's first ones were left out.
 const MOMENTS: [u32; 2] = [2, 10];

@@ -1,4 +1,4 @@
-//! Releases: folders that stand alone, the same bytes every time, honest about votes and versions.
+//! Releases: self-contained folders, the same bytes every time, honest about votes and versions.
 
 mod metadata;
 
@@ -315,7 +315,7 @@ fn nobody_is_called_a_verifier_who_did_not_vote() {
     released(&dir, &[]);
     assert!(!dir.path(format!("{RELEASE}/archives/annotation.tar")).exists());
     let sheet = dir.read(&format!("{RELEASE}/DATASHEET.md"));
-    assert!(sheet.contains("0 are verified by people") && sheet.contains("Nobody was recorded"), "{sheet}");
+    assert!(sheet.contains("0 are verified by people") && sheet.contains("No one was recorded"), "{sheet}");
 
     // People do, once they have sealed and the verdict is pronounced.
     std::fs::remove_dir_all(dir.path("release")).unwrap();

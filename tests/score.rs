@@ -287,7 +287,7 @@ fn an_independent_numpy_evaluator_agrees_to_the_last_pixel() {
     assert_eq!(states.len(), 5, "the noise must reach every state: {states:?}");
 }
 
-/// Every number of the reference stands in our scores, equal but for the order of sums.
+/// Every number of the reference is in our scores, equal but for the order of sums.
 fn agree(ours: &Value, reference: &Value) {
     for (key, expected) in reference.as_object().unwrap() {
         match expected.as_f64() {

@@ -109,7 +109,7 @@ fn what_the_training_views_show_becomes_masks_of_the_held_out_one() {
         (&card["used"]["ground_truth"], &card["used"]["test_view"]),
         (&Value::from(true), &Value::from(false))
     );
-    assert_eq!(card["used"]["depth"], true, "train-splats learns from depth unless it is told not to");
+    assert_eq!(card["used"]["depth"], true, "train-splats learns from depth by default");
     let scored = score(&dir, "panopticquery-oracle");
     let number = |field: &str| scored[field].as_f64().unwrap();
     assert!(number("miou") > 75.0 && number("macc") > 99.0 && number("select") > 99.0, "{scored}");

@@ -167,7 +167,7 @@ fn training_ends_with_the_track_of_its_model() {
     let depth = "track: colour + depth (learned from rendered depth)\n";
     let run = dir.succeed(&arguments(&few));
     assert!(run.stderr.ends_with(depth), "{}", run.stderr);
-    // A model of before there was the word is still known, and told in the same way.
+    // A model from before the setting existed is read in the same way.
     for file in ["manifest.json", "checkpoint.json"] {
         let text = dir.read(&format!("{SPLATS}/{file}"));
         let older: Vec<&str> = text

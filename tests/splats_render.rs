@@ -227,7 +227,7 @@ fn other_programs_models_are_drawn_from_any_cameras_at_any_times() {
         bytes(&dir, &format!("{out}/cam01/t0.250000.png"))
             == bytes(&dir, &format!("{out}/cam01/t0.500000.png"))
     };
-    assert!(same("b") && !same("a"), "a bare PLY stands still, the model of 4DGaussians moves");
+    assert!(same("b") && !same("a"), "a bare PLY is static, the model of 4DGaussians moves");
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
     refused(&render(&dir, &["--adapter", "no such adapter"]), &["no graphics adapter is named like"]);
     refused(&render(&dir, &["--background", "2,0,0"]), &["three numbers from 0 to 1"]);
     refused(&dir.run(&["render-splats"]), &["<SCENE>"]);
-    refused(&dir.run(&["render-splats", "nobody", "--profile", "tiny"]), &["scene.json: cannot open"]);
+    refused(&dir.run(&["render-splats", "unknown", "--profile", "tiny"]), &["scene.json: cannot open"]);
 
     let mut moving = cameras()[0].clone();
     moving.world_from_camera = vec![moving.world_from_camera[0]; 97];
@@ -275,7 +275,7 @@ fn a_preview_is_a_video_where_ffmpeg_is_and_an_animated_png_elsewhere() {
     let animation = bytes(&dir, &format!("{CLIPS}/preview.png"));
     assert!(animation.windows(4).any(|tag| tag == b"acTL"), "no animation");
 
-    // Stands in for ffmpeg: keeps what it is told and what it is given.
+    // Takes the place of ffmpeg: keeps its arguments and its input.
     let script = "#!/bin/sh\nfor last; do :; done\necho \"$@\" > arguments\n/bin/cat > \"$last\"\n";
     dir.write("bin/ffmpeg", script);
     executable(&dir.path("bin/ffmpeg"));
@@ -314,7 +314,7 @@ fn rows(dir: &Dir, out: &str) -> Vec<BTreeMap<String, String>> {
     lines.map(row).collect()
 }
 
-/// Fields of a line in which commas may stand between quotes.
+/// Fields of a line in which commas may be between quotes.
 fn csv_fields(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];
     let mut is_quoted = false;
@@ -367,7 +367,7 @@ fn the_bench_of_a_made_up_room_says_the_same_twice_but_for_times() {
     // Other instructions round differently; one thread does not.
     let machines = of("other machinery");
     assert_eq!(machines[1]["error_mean"], table[0]["error_mean"], "one thread");
-    assert!(table.iter().all(|row| row["psnr_db"].is_empty()), "nobody photographed the room");
+    assert!(table.iter().all(|row| row["psnr_db"].is_empty()), "no picture of the room exists");
 }
 
 #[test]

@@ -14,7 +14,7 @@ fn the_shipped_demo_round_fits_the_shipped_benchmark() {
     let folder = RoundDir::new(root().join("annotation/rounds/demo"));
     let round = Round::open(&folder).unwrap();
     let key = Key::read(&folder, &round).unwrap();
-    assert!(round.simulated, "nobody has voted in it, and whoever tries it is no panel");
+    assert!(round.simulated, "no one has voted in it, and trying it is no panel");
     assert!((20..=30).contains(&round.items.len()), "{} items", round.items.len());
     let scenes: BTreeSet<&Name> = round.items.iter().map(|item| &item.scene).collect();
     assert!(scenes.len() >= 3, "{scenes:?}");
@@ -28,7 +28,7 @@ fn the_shipped_demo_round_fits_the_shipped_benchmark() {
             item.text
         );
     }
-    // Whoever tries it leaves votes there, which are not to be shipped.
+    // Trying it writes votes there, which are not shipped.
     let ignored = std::fs::read_to_string(root().join(".gitignore")).unwrap();
     assert!(ignored.contains("/annotation/rounds/demo/votes/"), "{ignored}");
 }
@@ -40,7 +40,7 @@ fn the_demo_round_is_what_its_documented_command_draws() {
     let command = command.split("\n\n").next().unwrap().replace("\\\n", " ");
     let mut arguments = vec!["open-round", "demo"];
     for (place, part) in command.split('"').enumerate() {
-        // What stands between quotes is one argument.
+        // What is between quotes is one argument.
         if place % 2 == 1 { arguments.push(part) } else { arguments.extend(part.split_whitespace()) }
     }
     let dir = Dir::new();

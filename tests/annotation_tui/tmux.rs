@@ -34,7 +34,7 @@ impl Tmux {
         self.succeed(&new);
     }
 
-    /// What stands on the screen.
+    /// What is on the screen.
     pub(crate) fn screen(&self, name: &str) -> String {
         self.succeed(&["capture-pane", "-p", "-t", name])
     }

@@ -90,7 +90,7 @@ fn garbage_is_kept_with_its_reason() {
         let run = prompts(&dir, &["--json", "--force", "--refresh"]);
         assert_eq!(run.code, exit_code, "{reason}: {}\n{}", run.stdout, run.stderr);
         if document(&run)["scenes"][0]["answer"].is_null() {
-            // An answer without a word may be told by the client already.
+            // An answer without a word may be an error of the client already.
             assert!(run.stdout.contains(reason), "{}", run.stdout);
             continue;
         }

@@ -21,13 +21,13 @@ fn nothing_is_asked_twice() {
     endpoint(&dir, &server, "");
     let first = prompts(&dir, &["--json"]);
     assert_eq!((first.code, server.count()), (1, 2), "{}", first.stderr);
-    let told = document(&first);
-    assert_eq!(told["scenes"][0]["answer"], "server");
+    let report = document(&first);
+    assert_eq!(report["scenes"][0]["answer"], "server");
     assert_eq!(
-        (&told["scenes"][1]["answer"], &told["findings"][0]["code"]),
+        (&report["scenes"][1]["answer"], &report["findings"][0]["code"]),
         (&Value::Null, &json!("L4D568"))
     );
-    let message = told["findings"][0]["message"].as_str().unwrap();
+    let message = report["findings"][0]["message"].as_str().unwrap();
     assert!(message.contains("500") && message.contains("out of order"), "{message}");
     let kept = dir.read(&format!("work/tiny/proposals/{CUPS}.jsonl"));
 
@@ -64,11 +64,11 @@ fn a_budget_stops_and_a_plan_sends_nothing() {
     let limit = format!("{}", first * 1.2);
     let run = prompts(&dir, &["--max-cost", &limit, "--json"]);
     assert_eq!((run.code, server.count()), (1, 1), "{}", run.stderr);
-    let told = document(&run);
-    let message = told["findings"][0]["message"].as_str().unwrap();
+    let report = document(&run);
+    let message = report["findings"][0]["message"].as_str().unwrap();
     assert!(message.contains("budget"), "{message}");
     assert_eq!(
-        [&told["scenes"][0]["answer"], &told["scenes"][1]["answer"]],
+        [&report["scenes"][0]["answer"], &report["scenes"][1]["answer"]],
         [&json!("server"), &Value::Null]
     );
     let plan = document(&prompts(&dir, &["--dry-run", "--json"]));
@@ -104,12 +104,12 @@ fn shards_divide_the_scenes_and_recordings_need_no_server() {
     let server = Server::start(vec![reply]);
     endpoint(&dir, &server, "");
     for shard in ["1/2", "2/2"] {
-        let told = document(&prompts(
+        let report = document(&prompts(
             &dir,
             &["--shard", shard, "--json", "--link", "record:tape", "--out", "sharded"],
         ));
-        assert_eq!(told["scenes"].as_array().unwrap().len(), 1, "{told}");
-        assert_eq!(told["scenes"][0]["candidates"], 1, "{told}");
+        assert_eq!(report["scenes"].as_array().unwrap().len(), 1, "{report}");
+        assert_eq!(report["scenes"][0]["candidates"], 1, "{report}");
     }
     assert_eq!(server.count(), 2);
     drop(server);
@@ -171,9 +171,9 @@ fn scenes_that_do_not_fit_are_named() {
     assert!(missing.code == 1 && missing.stdout.contains("0096.exr"), "{}", missing.stdout);
     scene.variant = 7;
     json::write(&place.scene(), &scene).unwrap();
-    let stranger = prompts(&dir, &[]);
-    assert!(stranger.code == 1 && stranger.stdout.contains("L4D112"), "{}", stranger.stdout);
+    let missing = prompts(&dir, &[]);
+    assert!(missing.code == 1 && missing.stdout.contains("L4D112"), "{}", missing.stdout);
     assert_eq!(server.count(), 0);
-    let nobody = dir.run(&["propose-prompts", "--profile", "tiny"]);
-    assert!(nobody.code == 2 && nobody.stderr.contains("--endpoint"), "{}", nobody.stderr);
+    let unasked = dir.run(&["propose-prompts", "--profile", "tiny"]);
+    assert!(unasked.code == 2 && unasked.stderr.contains("--endpoint"), "{}", unasked.stderr);
 }

@@ -42,11 +42,11 @@ fn scenarios_are_sorted_by_the_rules() {
 
     let run = scenes(&["--json"]);
     assert_eq!((run.code, server.count()), (1, 3), "{}", run.stderr);
-    let told = document(&run);
-    let room = told["scales"].as_array().unwrap().iter().find(|scale| scale["scale"] == "room").unwrap();
+    let report = document(&run);
+    let room = report["scales"].as_array().unwrap().iter().find(|scale| scale["scale"] == "room").unwrap();
     assert_eq!(room["scenarios"], json!(["room_bakery", "room_oven"]));
     assert_eq!((&room["proposed"], &room["failed"]), (&json!(6), &json!(4)));
-    let codes: Vec<&str> = told["findings"]
+    let codes: Vec<&str> = report["findings"]
         .as_array()
         .unwrap()
         .iter()
@@ -69,7 +69,7 @@ fn scenarios_are_sorted_by_the_rules() {
         reasons, expected,
         "a name taken, a path, a verb unknown (and the name taken), a scale unknown"
     );
-    assert!(server.seen()[0].body.contains(CUPS), "existing scenes are told");
+    assert!(server.seen()[0].body.contains(CUPS), "existing scenes are listed");
 
     let room_again = scenes(&["--scales", "room"]);
     assert_eq!((room_again.code, server.count()), (0, 3), "{}{}", room_again.stdout, room_again.stderr);

@@ -64,7 +64,7 @@ fn croissant_describes_every_file_and_every_column() {
     let mut there: BTreeSet<String> = tree(&dir.path(RELEASE)).into_keys().collect();
     assert!(there.remove("croissant.json") && there.remove("SHA256SUMS"));
     assert_eq!(described, there);
-    assert_eq!(ids(&document["distribution"]).len(), files.len(), "an id stands there twice");
+    assert_eq!(ids(&document["distribution"]).len(), files.len(), "an id occurs twice");
 
     let record_sets = document["recordSet"].as_array().unwrap();
     let fields: BTreeSet<&str> = record_sets.iter().flat_map(|set| ids(&set["field"])).collect();
