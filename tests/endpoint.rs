@@ -327,7 +327,7 @@ fn a_real_server_with_a_grammar() {
     let endpoint = Endpoint::new(&server.base_url, "tiny").unwrap();
     let open = || {
         let client = Client::open(endpoint.clone(), &Link::Live).unwrap();
-        client.with_cache(&dir.path("answers"), CacheUse::Take).unwrap()
+        client.with_cache(&dir.path("answers"), CacheUse::Take)
     };
     let request = with_pictures(Some(boxes_schema()));
     let ask = || {
@@ -351,7 +351,7 @@ fn a_real_server_with_a_grammar() {
     let mut unknown = endpoint.clone();
     unknown.model = "huge".to_owned();
     let error = Client::open(unknown, &Link::Live).unwrap().ask(&request).unwrap_err();
-    assert!(matches!(error, EndpointError::Status { status: 404, .. }), "{error:?}");
+    assert!(error.to_string().contains("HTTP 404"), "{error:?}");
     let slow = Request::new(vec![Message::user(vec![Part::text("Go on and on.")])]).with_max_tokens(60_000);
     let mut hurried = endpoint.clone();
     hurried.timeouts.request_seconds = 1.0;

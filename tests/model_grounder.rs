@@ -18,7 +18,7 @@ fn stage(server: &Server) -> Dir {
     let endpoint = format!(
         "base_url = \"{}\"\nmodel = \"tiny-vl\"\ncoordinates = \"rel1000_xyxy\"\n\
          prices = {{ prompt_per_million = 10.0, completion_per_million = 100.0 }}\n\
-         [retry]\ntries = 1\nfailures_in_a_row = 100\n",
+         [retry]\ntries = 1\n",
         server.url()
     );
     dir.write("endpoint.toml", endpoint);

@@ -11,7 +11,7 @@ use crate::message::Part;
 use crate::reply::Usage;
 use crate::request::Request;
 
-/// What a million tokens cost, in whatever currency the user thinks.
+/// What a million tokens cost, in any one currency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prices {
@@ -52,7 +52,7 @@ impl Tokens {
         self.prompt.saturating_add(self.completion)
     }
 
-    fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             prompt: self.prompt.saturating_add(other.prompt),
             completion: self.completion.saturating_add(other.completion),
@@ -67,7 +67,7 @@ impl Tokens {
     }
 }
 
-/// What a question needs at most, judged without asking: text at 3 bytes a token, pictures by their pixels, an
+/// What a question needs at most, judged without asking: text at 3 bytes per token, pictures by their pixels, an
 /// answer of full length. Errs high for most models.
 pub(crate) fn estimate(endpoint: &Endpoint, request: &Request) -> Tokens {
     const BYTES_PER_TOKEN: u64 = 3;
@@ -156,23 +156,17 @@ struct Books {
 
 impl Ledger {
     pub(crate) fn new(budget: Budget, prices: Option<Prices>) -> Result<Self, EndpointError> {
-        let refuse = |message: &str, remedy: &str| EndpointError::Config {
-            place: "max_cost".to_owned(),
-            message: message.to_owned(),
-            remedy: remedy.to_owned(),
-        };
-        if budget.max_cost.is_some_and(|cost| !cost.is_finite() || cost < 0.0) {
-            return Err(refuse(
-                "must be a finite number that is not negative",
-                "give the most that a run may cost",
-            ));
+        let refuse = |message, remedy| Err(EndpointError::not_asked("max_cost", message, remedy));
+        match (budget.max_cost, prices) {
+            (Some(cost), _) if !cost.is_finite() || cost < 0.0 => {
+                refuse("must be a finite number that is not negative", "give the most that a run may cost")
+            }
+            (Some(_), None) => refuse(
+                "cannot be kept without prices",
+                "write [prices] with prompt_per_million and completion_per_million into the endpoint file",
+            ),
+            _ => Ok(Self { budget, prices, books: Mutex::default() }),
         }
-        if budget.max_cost.is_some() && prices.is_none() {
-            let remedy =
-                "write [prices] with prompt_per_million and completion_per_million into the endpoint file";
-            return Err(refuse("cannot be kept without prices", remedy));
-        }
-        Ok(Self { budget, prices, books: Mutex::default() })
     }
 
     /// Sets aside what a question may need.
@@ -181,11 +175,11 @@ impl Ledger {
         let bound = books.spent.tokens.plus(books.set_aside);
         let total = bound.plus(needed);
         let short = |what: &str, limit: String, bound: String, needed: String| {
-            Err(EndpointError::Budget {
-                message: format!(
-                    "of {limit} {what}, {bound} are spent or set aside, and it may need {needed}"
-                ),
-            })
+            Err(EndpointError::not_asked(
+                "the budget does not cover the question",
+                format!("of {limit} {what}, {bound} are spent or set aside, and it may need {needed}"),
+                "raise --max-tokens-total or --max-cost; answers so far are in the cache",
+            ))
         };
         if let Some(limit) = self.budget.max_tokens_total.filter(|limit| total.total() > *limit) {
             return short("tokens", limit.to_string(), bound.total().to_string(), needed.total().to_string());
@@ -216,7 +210,7 @@ impl Ledger {
     pub(crate) fn book_failure(&self, needed: Tokens, error: &EndpointError) {
         let mut books = self.lock();
         books.set_aside = books.set_aside.minus(needed);
-        if error.may_have_cost() {
+        if matches!(error, EndpointError::Server(failure) if failure.may_have_cost) {
             books.spent.tokens = books.spent.tokens.plus(needed);
         }
     }
@@ -244,6 +238,7 @@ impl Ledger {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Failure;
     use crate::message::{Image, Message};
 
     const NEEDED: Tokens = Tokens { prompt: 300, completion: 100 };
@@ -254,7 +249,7 @@ mod tests {
     }
 
     fn usage(prompt: u64, completion: u64) -> Usage {
-        Usage { prompt_tokens: Some(prompt), completion_tokens: Some(completion), reasoning_tokens: None }
+        Usage { prompt_tokens: Some(prompt), completion_tokens: Some(completion) }
     }
 
     #[test]
@@ -285,11 +280,10 @@ mod tests {
         let ledger = ledger(None, None);
         ledger.book_answer(NEEDED, &Usage::default(), "seven b");
         assert_eq!(ledger.spent().tokens, Tokens { prompt: 300, completion: 3 });
-        let fault = crate::error::Fault::Timeout;
-        let timeout = EndpointError::Transport { url: String::new(), fault, message: String::new() };
-        ledger.book_failure(NEEDED, &timeout);
+        let timeout = Failure { may_have_cost: true, ..Failure::lasting("", "", "") };
+        ledger.book_failure(NEEDED, &timeout.into());
         assert_eq!(ledger.spent().tokens, Tokens { prompt: 600, completion: 103 });
-        ledger.book_failure(NEEDED, &EndpointError::Empty);
+        ledger.book_failure(NEEDED, &Failure::lasting("", "", "").into());
         assert_eq!(ledger.spent().tokens.total(), 703);
     }
 

@@ -1,5 +1,5 @@
 //! Which convention of coordinates a model follows, found by asking about pictures whose answer is known, and the
-//! file that remembers it. Drawing the pictures is somebody else's job.
+//! file that remembers it. The caller draws the pictures.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -70,6 +70,9 @@ impl Calibration {
 }
 
 /// Asks a model for the squares of each sample, once with each field name that a convention knows.
+///
+/// # Errors
+/// If the server gives no answer; an answer without boxes is a finding, not an error.
 pub fn calibrate(client: &Client, samples: &[Sample], max_tokens: u32) -> Result<Calibration, EndpointError> {
     let mut keys: Vec<&str> = Convention::all().iter().map(|convention| convention.key.as_str()).collect();
     keys.sort_unstable();
@@ -157,11 +160,17 @@ pub struct Calibrations(BTreeMap<String, Remembered>);
 
 impl Calibrations {
     /// Reads the file; a missing one is empty.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         if path.exists() { json::read(path) } else { Ok(Self::default()) }
     }
 
     /// Writes the file.
+    ///
+    /// # Errors
+    /// If it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         json::write(path, self)
     }
@@ -189,17 +198,20 @@ impl Calibrations {
 
 impl Endpoint {
     /// The convention of its model: as configured, else as calibrated.
+    ///
+    /// # Errors
+    /// If neither is known.
     pub fn convention(&self, calibrations: &Calibrations) -> Result<&'static Convention, EndpointError> {
         let name = self.coordinates.as_deref();
         let name =
             name.or_else(|| calibrations.of(self).map(|remembered| remembered.winner.convention.as_str()));
         match name {
             Some(name) => Convention::named(name),
-            None => Err(EndpointError::Config {
-                place: "coordinates".to_owned(),
-                message: format!("nobody knows how `{}` writes boxes", excerpt(&self.model)),
-                remedy: "run `l4d endpoint calibrate`, or set `coordinates` in the endpoint file".to_owned(),
-            }),
+            None => Err(EndpointError::not_asked(
+                "coordinates",
+                format!("it is not known how `{}` writes boxes", excerpt(&self.model)),
+                "run `l4d endpoint calibrate`, or set `coordinates` in the endpoint file",
+            )),
         }
     }
 }

@@ -1,56 +1,18 @@
-//! Asking: cache first, then budget, then the server with patience.
+//! Asking: cache first, then budget, then the server with retries.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::path::Path;
 
-use l4d_data::json;
-
-use crate::breaker::Breaker;
-use crate::budget::{Budget, Ledger, Plan, Spent, Tokens, estimate};
-use crate::call::{Call, Response};
+use crate::budget::{Budget, Ledger, Plan, Spent, estimate};
 use crate::config::Endpoint;
-use crate::dialect::{self, Said};
 use crate::error::EndpointError;
-use crate::extract::without_thinking;
-use crate::http::Http;
-use crate::learned::Learned;
-use crate::replay::{Recorder, Replay};
-use crate::reply::{Finish, Origin, Reply};
+use crate::exchange::{Call, Exchanges, Response};
+use crate::openai;
+use crate::reply::{Origin, Reply};
 use crate::request::Request;
-use crate::retry::patiently;
+use crate::retry::with_retries;
 use crate::secret::Environment;
-use crate::store::Exchanges;
-use crate::transport::Transport;
-
-const LEARNED_FILE: &str = "learned.json";
-
-/// What stands at the other end: `live`, `record:<folder>` or `replay:<folder>`.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub enum Link {
-    /// The server.
-    #[default]
-    Live,
-    /// The server, and everything that it says is kept in a folder.
-    Record(PathBuf),
-    /// Such a folder, and no network at all.
-    Replay(PathBuf),
-}
-
-impl FromStr for Link {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once(':') {
-            None if text == "live" => Ok(Self::Live),
-            Some(("record", folder)) if !folder.is_empty() => Ok(Self::Record(folder.into())),
-            Some(("replay", folder)) if !folder.is_empty() => Ok(Self::Replay(folder.into())),
-            _ => Err("write `live`, `record:<folder>` or `replay:<folder>`".to_owned()),
-        }
-    }
-}
+use crate::transport::{Link, Transport};
 
 /// How the cache takes part.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -66,160 +28,122 @@ pub enum CacheUse {
 #[derive(Debug)]
 pub struct Client {
     endpoint: Endpoint,
-    transport: Box<dyn Transport>,
-    origin: Origin,
+    transport: Transport,
     cache: Option<(Exchanges, CacheUse)>,
     ledger: Ledger,
-    breaker: Breaker,
-    learned: Mutex<Learned>,
-    learned_file: Option<PathBuf>,
 }
 
 impl Client {
-    /// Opens a client; keys are read from the environment now, unless a recording stands in for the server.
+    /// Opens a client; keys are read from the environment now, except for a replay, which needs none.
+    ///
+    /// # Errors
+    /// If the endpoint is unsound, a key is missing, or the folder of a recording cannot be written.
     pub fn open(endpoint: Endpoint, link: &Link) -> Result<Self, EndpointError> {
         Self::open_in(endpoint, link, &|variable| std::env::var_os(variable))
     }
 
     /// The same with keys from elsewhere than the environment of this process.
+    ///
+    /// # Errors
+    /// As [`Client::open`].
     pub fn open_in(
         endpoint: Endpoint,
         link: &Link,
         environment: Environment<'_>,
     ) -> Result<Self, EndpointError> {
         endpoint.check("endpoint")?;
-        match link {
-            Link::Live => {
-                let http = Http::open(&endpoint, environment)?;
-                Self::over(endpoint, Box::new(http))
-            }
-            Link::Record(folder) => {
-                let recorder = Recorder::new(Http::open(&endpoint, environment)?, folder, &endpoint)?;
-                Self::over(endpoint, Box::new(recorder))?.remembering(folder)
-            }
-            Link::Replay(folder) => {
-                let mut client = Self::over(endpoint, Box::new(Replay::new(folder)))?;
-                client.origin = Origin::Recording;
-                // What is recorded does not change by waiting.
-                client.endpoint.retry.tries = 1;
-                client.endpoint.retry.failures_in_a_row = u32::MAX;
-                client.remembering(folder)
-            }
-        }
-    }
-
-    /// A client over a transport of the caller's own.
-    pub fn over(endpoint: Endpoint, transport: Box<dyn Transport>) -> Result<Self, EndpointError> {
-        endpoint.check("endpoint")?;
         Ok(Self {
+            transport: Transport::open(&endpoint, link, environment)?,
             ledger: Ledger::new(Budget::default(), endpoint.prices)?,
-            breaker: Breaker::new(endpoint.base_url.to_string(), &endpoint.retry),
-            origin: Origin::Server,
             cache: None,
-            learned: Mutex::default(),
-            learned_file: None,
-            transport,
             endpoint,
         })
     }
 
     /// Keeps answers in a folder, which several endpoints may share. Recording and replaying do without: a
     /// recording must be whole.
-    pub fn with_cache(mut self, folder: &Path, cache: CacheUse) -> Result<Self, EndpointError> {
-        if self.origin == Origin::Recording || self.learned_file.is_some() {
-            return Ok(self);
+    #[must_use]
+    pub fn with_cache(mut self, folder: &Path, cache: CacheUse) -> Self {
+        if matches!(self.transport, Transport::Live(_)) {
+            self.cache = Some((Exchanges::new(folder.join(self.endpoint.id())), cache));
         }
-        let folder = folder.join(self.endpoint.id());
-        self.cache = Some((Exchanges::new(&folder), cache));
-        self.remembering(&folder)
+        self
     }
 
-    /// Limits what is spent. A limit of cost without prices is an error.
+    /// Limits what is spent.
+    ///
+    /// # Errors
+    /// If cost is limited and the endpoint has no prices.
     pub fn with_budget(mut self, budget: Budget) -> Result<Self, EndpointError> {
         self.ledger = Ledger::new(budget, self.endpoint.prices)?;
         Ok(self)
     }
 
-    /// Whom it asks.
+    /// The endpoint that it asks.
     pub fn endpoint(&self) -> &Endpoint {
         &self.endpoint
     }
 
     /// Asks and waits. A reply may be cut off or refused: [`Reply::whole`] and [`Reply::json`] tell.
+    ///
+    /// # Errors
+    /// If the budget does not cover the question, a recording lacks it, or the server gives no answer.
     pub fn ask(&self, request: &Request) -> Result<Reply, EndpointError> {
-        let mut learned = self.learned();
-        loop {
-            let call = dialect::chat(&self.endpoint, request, &learned);
-            self.check_size(request, &call)?;
-            if let Some(reply) = self.kept(&call, request, &learned) {
+        let call = openai::chat(&self.endpoint, request);
+        let mut reply = match self.kept(&call) {
+            Some(reply) => {
                 self.ledger.book_kept();
-                return Ok(reply);
+                reply
             }
-            let (response, said) = self.fetch(&call, request)?;
-            match said {
-                Ok(said) => {
-                    self.remember(&learned);
-                    let reply = self.reply(said, &call, request, &learned, self.origin);
-                    self.keep(&call, &response, &reply);
-                    return Ok(reply);
-                }
-                Err(error) => match learned.with(&response, &call.identity["body"]) {
-                    Some(lesson) => {
-                        tracing::warn!("{error}; asking again without the field");
-                        learned = lesson;
-                    }
-                    None => return Err(error),
-                },
+            None if matches!(self.transport, Transport::Replay(_)) => {
+                let (reply, _) = self.send(&call, |response| openai::read_chat(&call, response))?;
+                self.ledger.book_kept();
+                Reply { origin: Origin::Recording, ..reply }
             }
-        }
+            None => self.fetch(&call, request)?,
+        };
+        reply.notes.extend(lost_prompt(request, reply.usage.prompt_tokens));
+        Ok(reply)
     }
 
     /// Names of the models that the server lists.
+    ///
+    /// # Errors
+    /// If the server gives no list.
     pub fn models(&self) -> Result<Vec<String>, EndpointError> {
-        let call = dialect::models(&self.endpoint);
-        self.breaker.admit()?;
-        let result = patiently(&self.endpoint.retry, &self.endpoint.timeouts, |patience| {
-            let response = self.transport.send(&call, patience)?;
-            dialect::read_models(&self.endpoint, &call, &response)
-        });
-        self.breaker.note(&result);
-        result
+        let call = openai::models(&self.endpoint);
+        self.send(&call, |response| openai::read_models(&call, response)).map(|(models, _)| models)
     }
 
     /// Forgets a kept answer, so that the question is asked anew.
+    ///
+    /// # Errors
+    /// If the file cannot be deleted.
     pub fn forget(&self, request: &Request) -> Result<(), EndpointError> {
         match &self.cache {
-            Some((exchanges, _)) => {
-                Ok(exchanges.remove(&dialect::chat(&self.endpoint, request, &self.learned()))?)
-            }
+            Some((exchanges, _)) => Ok(exchanges.remove(&openai::chat(&self.endpoint, request))?),
             None => Ok(()),
         }
     }
 
     /// What asking all of this would mean; nothing is sent.
-    pub fn plan<'a>(&self, requests: impl IntoIterator<Item = &'a Request>) -> Result<Plan, EndpointError> {
-        let learned = self.learned();
+    pub fn plan<'a>(&self, requests: impl IntoIterator<Item = &'a Request>) -> Plan {
         let mut plan = Plan::default();
         let mut planned = BTreeSet::new();
         for request in requests {
-            let call = dialect::chat(&self.endpoint, request, &learned);
-            self.check_size(request, &call)?;
+            let call = openai::chat(&self.endpoint, request);
             plan.questions += 1;
             let is_repeated = self.cache.is_some() && !planned.insert(call.digest.clone());
-            if is_repeated || self.kept(&call, request, &learned).is_some() {
+            if is_repeated || self.kept(&call).is_some() {
                 plan.kept += 1;
                 continue;
             }
-            let tokens = estimate(&self.endpoint, request);
             plan.images += request.images().count() as u64;
             plan.bytes += call.body.as_ref().map_or(0, Vec::len) as u64;
-            plan.tokens = Tokens {
-                prompt: plan.tokens.prompt + tokens.prompt,
-                completion: plan.tokens.completion + tokens.completion,
-            };
+            plan.tokens = plan.tokens.plus(estimate(&self.endpoint, request));
         }
         plan.cost = self.ledger.cost(plan.tokens);
-        Ok(plan)
+        plan
     }
 
     /// What was spent so far.
@@ -227,63 +151,49 @@ impl Client {
         self.ledger.spent()
     }
 
-    /// Asks the server, within budget and patience: the response, and what was said or why nothing.
-    fn fetch(&self, call: &Call, request: &Request) -> Result<Fetched, EndpointError> {
-        if self.origin == Origin::Recording {
-            let response = self.transport.send(call, Duration::MAX)?;
-            let said = dialect::read_chat(&self.endpoint, call, &response);
-            if said.is_ok() {
-                self.ledger.book_kept();
-            }
-            return Ok((response, said));
-        }
-        self.breaker.admit()?;
+    /// Asks the server within budget, and keeps its answer if it is whole: another may come out better next time.
+    /// A full disk costs the cache, not the answer.
+    fn fetch(&self, call: &Call, request: &Request) -> Result<Reply, EndpointError> {
         let needed = estimate(&self.endpoint, request);
         self.ledger.set_aside(needed)?;
-        let result = patiently(&self.endpoint.retry, &self.endpoint.timeouts, |patience| {
-            let response = self.transport.send(call, patience)?;
-            match dialect::read_chat(&self.endpoint, call, &response) {
-                Err(error) if error.is_passing() => Err(error),
-                said => Ok((response, said)),
+        let result = self.send(call, |response| openai::read_chat(call, response));
+        let (reply, response) = match result {
+            Ok(answer) => answer,
+            Err(error) => {
+                self.ledger.book_failure(needed, &error);
+                return Err(error);
             }
-        });
-        self.breaker.note(&result);
-        match &result {
-            Ok((_, Ok(said))) => self.ledger.book_answer(needed, &said.usage, &said.text),
-            Ok((_, Err(error))) | Err(error) => self.ledger.book_failure(needed, error),
+        };
+        self.ledger.book_answer(needed, &reply.usage, &reply.text);
+        if let Some((exchanges, _)) = &self.cache
+            && reply.whole().is_ok()
+            && let Err(error) = exchanges.write(call, &response)
+        {
+            tracing::warn!("an answer could not be kept: {error}");
         }
-        result
+        Ok(reply)
     }
 
-    fn reply(&self, said: Said, call: &Call, request: &Request, learned: &Learned, origin: Origin) -> Reply {
-        let Said { text, finish, usage, model, fingerprint, mut notes } = said;
-        notes.extend(learned.notes(request));
-        notes.extend(self.lost_prompt(request, usage.prompt_tokens));
-        Reply {
-            text: without_thinking(&text).to_owned(),
-            finish: finish.unwrap_or(Finish::Stop),
-            usage,
-            model,
-            fingerprint,
-            origin,
-            digest: call.digest.clone(),
-            notes,
+    /// Sends until the response can be read, or it fails for good.
+    fn send<T>(
+        &self,
+        call: &Call,
+        read: impl Fn(&Response) -> Result<T, EndpointError>,
+    ) -> Result<(T, Response), EndpointError> {
+        let mut retry = self.endpoint.retry;
+        if matches!(self.transport, Transport::Replay(_)) {
+            retry.tries = 1;
         }
-    }
-
-    /// Servers that cut a question to their context lose its first pictures without a word; their count tells.
-    fn lost_prompt(&self, request: &Request, counted: Option<u64>) -> Option<String> {
-        /// No model spends less on a picture.
-        const FEWEST_PER_IMAGE: u64 = 16;
-        let counted = counted?;
-        let least = request.images().count() as u64 * FEWEST_PER_IMAGE;
-        (counted < least).then(|| {
-            format!("the server counted {counted} tokens in the question, too few for its pictures: some may be lost")
+        // The digest as a seed: questions that failed together do not come back together.
+        let seed = u64::from_str_radix(&call.digest[..16], 16).unwrap_or(0);
+        with_retries(&retry, &self.endpoint.timeouts, seed, std::thread::sleep, |patience| {
+            let response = self.transport.send(call, patience)?;
+            Ok((read(&response)?, response))
         })
     }
 
     /// The answer in the cache. What cannot be read there is asked again.
-    fn kept(&self, call: &Call, request: &Request, learned: &Learned) -> Option<Reply> {
+    fn kept(&self, call: &Call) -> Option<Reply> {
         let (exchanges, CacheUse::Take) = self.cache.as_ref()? else { return None };
         let response = match exchanges.read(call) {
             Ok(response) => response?,
@@ -292,72 +202,20 @@ impl Client {
                 return None;
             }
         };
-        let said = dialect::read_chat(&self.endpoint, call, &response).ok()?;
-        Some(self.reply(said, call, request, learned, Origin::Cache))
-    }
-
-    /// Keeps whole answers alone: a cut or refused one may come out better next time. A full disk costs the cache,
-    /// not the answer.
-    fn keep(&self, call: &Call, response: &Response, reply: &Reply) {
-        let Some((exchanges, _)) = &self.cache else { return };
-        if reply.whole().is_err() {
-            return;
-        }
-        if let Err(error) = exchanges.write(call, response) {
-            tracing::warn!("an answer could not be kept: {error}");
-        }
-    }
-
-    fn check_size(&self, request: &Request, call: &Call) -> Result<(), EndpointError> {
-        let too_large = |message: String| Err(EndpointError::QuestionTooLarge { message });
-        let kind = self.endpoint.kind();
-        let images = request.images().count();
-        if let Some(limit) = self.endpoint.limits.images.or(kind.max_images).filter(|limit| images > *limit) {
-            return too_large(format!("it holds {images} pictures, the limit is {limit}"));
-        }
-        if let Some(image) =
-            request.images().find(|image| !kind.image_types.iter().any(|mime| mime == image.mime()))
-        {
-            let message = format!("is {}, which {} servers do not take", image.mime(), kind.name);
-            return Err(EndpointError::Picture { message });
-        }
-        let bytes = call.body.as_ref().map_or(0, Vec::len) as u64;
-        let limit = self.endpoint.limits.request_bytes.min(kind.max_request_bytes.unwrap_or(u64::MAX));
-        if bytes > limit {
-            return too_large(format!("it has {bytes} bytes, the limit is {limit}"));
-        }
-        Ok(())
-    }
-
-    fn learned(&self) -> Learned {
-        self.learned.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// Takes over what another run learned, and keeps what this one learns beside its answers: a question that is
-    /// sent without a field must be found again without it.
-    fn remembering(mut self, folder: &Path) -> Result<Self, EndpointError> {
-        let file = folder.join(LEARNED_FILE);
-        if file.exists() {
-            self.learned = Mutex::new(json::read(&file)?);
-        }
-        self.learned_file = Some(file);
-        Ok(self)
-    }
-
-    fn remember(&self, lesson: &Learned) {
-        let mut learned = self.learned.lock().unwrap_or_else(PoisonError::into_inner);
-        if *learned == *lesson {
-            return;
-        }
-        learned.omitted.extend(lesson.omitted.iter().cloned());
-        learned.other_max_tokens |= lesson.other_max_tokens;
-        if let Some(file) = &self.learned_file
-            && self.origin == Origin::Server
-            && let Err(error) = json::write(file, &*learned)
-        {
-            tracing::warn!("what the server taught could not be kept: {error}");
-        }
+        let reply = openai::read_chat(call, &response).ok()?;
+        Some(Reply { origin: Origin::Cache, ..reply })
     }
 }
 
-type Fetched = (Response, Result<Said, EndpointError>);
+/// Servers that cut a question to their context lose its first pictures without an error; their count tells.
+fn lost_prompt(request: &Request, counted: Option<u64>) -> Option<String> {
+    /// No model spends less on a picture.
+    const FEWEST_PER_IMAGE: u64 = 16;
+    let counted = counted?;
+    let least = request.images().count() as u64 * FEWEST_PER_IMAGE;
+    (counted < least).then(|| {
+        format!(
+            "the server counted {counted} tokens in the question, too few for its pictures: some may be lost"
+        )
+    })
+}

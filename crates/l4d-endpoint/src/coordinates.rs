@@ -123,14 +123,17 @@ impl Convention {
     }
 
     /// The one of that name.
+    ///
+    /// # Errors
+    /// If there is none; names all.
     pub fn named(name: &str) -> Result<&'static Convention, EndpointError> {
         Self::all().iter().find(|convention| convention.name == name).ok_or_else(|| {
             let names: Vec<&str> = Self::all().iter().map(|convention| convention.name.as_str()).collect();
-            EndpointError::Config {
-                place: "coordinates".to_owned(),
-                message: format!("`{}` is no convention that l4d knows", name.escape_debug()),
-                remedy: format!("use one of {}, or let `l4d endpoint calibrate` find it", names.join(", ")),
-            }
+            EndpointError::not_asked(
+                "coordinates",
+                format!("`{}` is no convention that l4d knows", name.escape_debug()),
+                format!("use one of {}, or let `l4d endpoint calibrate` find it", names.join(", ")),
+            )
         })
     }
 

@@ -1,6 +1,4 @@
-//! JSON out of what models write: thinking, prose and code fences around it are passed over.
-//!
-//! Nothing is repaired: half a document stays half a document.
+//! JSON out of what models write: thinking, prose and code fences around it are passed over. Nothing is repaired.
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -10,7 +8,7 @@ use crate::error::{EndpointError, excerpt, tail};
 /// Text with more brackets that open nothing is no answer, and looking on would take long.
 const MAX_OPENINGS: usize = 1000;
 
-/// What stands after the thinking. Some templates open the thinking themselves, so that only its end is seen.
+/// The text after the thinking. Some templates open the thinking themselves, so that only its end is seen.
 pub(crate) fn without_thinking(text: &str) -> &str {
     const ENDS: [&str; 2] = ["</think>", "</thinking>"];
     let after = ENDS.iter().filter_map(|end| text.rfind(end).map(|at| at + end.len())).max();
@@ -34,9 +32,9 @@ pub(crate) fn first_json<T: DeserializeOwned>(text: &str) -> Result<T, EndpointE
                     Err(error) => mismatch = mismatch.or(Some(error)),
                 }
             }
-            // What stands inside it would be a fragment.
+            // What is inside it would be a fragment.
             Some(Err(error)) if error.is_eof() => {
-                return Err(EndpointError::HalfJson { excerpt: tail(text) });
+                return Err(EndpointError::Truncated { excerpt: tail(text) });
             }
             _ => start += 1,
         }
@@ -45,7 +43,7 @@ pub(crate) fn first_json<T: DeserializeOwned>(text: &str) -> Result<T, EndpointE
         Some(error) => {
             let field = error.path().to_string();
             let field = if field == "." { "top level".to_owned() } else { field };
-            EndpointError::Schema { field, message: excerpt(&error.inner().to_string()) }
+            EndpointError::Unfit { message: format!("{field}: {}", excerpt(&error.inner().to_string())) }
         }
         None => EndpointError::NoJson { excerpt: excerpt(text) },
     })
@@ -58,7 +56,6 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::error::Kind;
 
     #[derive(Debug, PartialEq, Deserialize)]
     struct Found {
@@ -91,15 +88,17 @@ mod tests {
         let kind = |text: &str| found(text).unwrap_err();
         assert!(matches!(kind("I cannot see any."), EndpointError::NoJson { .. }));
         assert!(matches!(kind(""), EndpointError::NoJson { .. }));
-        assert!(matches!(kind(r#"```json {"boxes":[[1,2],[3"#), EndpointError::HalfJson { .. }));
-        assert!(matches!(kind(r#"[1] {"boxes":[[1,2],[3"#), EndpointError::HalfJson { .. }));
-        assert!(matches!(kind(r#"{'boxes': [[1, 2]]}"#), EndpointError::Schema { .. }));
-        assert!(matches!(first_json::<Value>(r#"[{"box":[1,2]},{"bo"#), Err(EndpointError::HalfJson { .. })));
+        assert!(matches!(kind(r#"```json {"boxes":[[1,2],[3"#), EndpointError::Truncated { .. }));
+        assert!(matches!(kind(r#"[1] {"boxes":[[1,2],[3"#), EndpointError::Truncated { .. }));
+        assert!(matches!(kind(r#"{'boxes': [[1, 2]]}"#), EndpointError::Unfit { .. }));
+        assert!(matches!(
+            first_json::<Value>(r#"[{"box":[1,2]},{"bo"#),
+            Err(EndpointError::Truncated { .. })
+        ));
         match kind(r#"{"boxes":[[1,"two"]]}"#) {
-            EndpointError::Schema { field, .. } => assert_eq!(field, "boxes[0][1]"),
+            EndpointError::Unfit { message } => assert!(message.starts_with("boxes[0][1]: "), "{message}"),
             other => panic!("{other}"),
         }
-        assert_eq!(kind("<think>on and on").kind(), Kind::Unparsed);
     }
 
     #[test]

@@ -1,17 +1,16 @@
 //! The network: one HTTP exchange with bounds on time and size, the key in its header, no redirect followed.
 
 use std::fmt;
-use std::io;
+use std::io::ErrorKind;
 use std::time::Duration;
 
 use ureq::Agent;
 use ureq::http::{HeaderName, HeaderValue};
 
-use crate::call::{Call, Response};
 use crate::config::Endpoint;
-use crate::error::{EndpointError, Fault};
+use crate::error::{EndpointError, Failure};
+use crate::exchange::{Call, Response};
 use crate::secret::{Environment, Redactor, Secret};
-use crate::transport::Transport;
 
 /// A server behind a URL.
 pub(crate) struct Http {
@@ -24,21 +23,17 @@ pub(crate) struct Http {
 impl Http {
     /// Reads the keys that the endpoint names from the environment.
     pub(crate) fn open(endpoint: &Endpoint, environment: Environment<'_>) -> Result<Self, EndpointError> {
-        let key =
-            endpoint.api_key_env.as_ref().map(|name| Secret::read(name.as_str(), environment)).transpose()?;
         let mut secrets = Vec::new();
         let mut headers = Vec::new();
-        if let Some(key) = key {
-            headers.push(secret_header("authorization", &format!("Bearer {}", key.expose()))?);
+        if let Some(variable) = &endpoint.api_key_env {
+            let key = Secret::read(variable, environment)?;
+            headers.push(header("authorization", &format!("Bearer {}", key.expose()))?);
             secrets.push(key);
         }
         for (name, variable) in &endpoint.header_env {
-            let secret = Secret::read(variable.as_str(), environment)?;
-            headers.push(secret_header(name, secret.expose())?);
+            let secret = Secret::read(variable, environment)?;
+            headers.push(header(name, secret.expose())?);
             secrets.push(secret);
-        }
-        for (name, value) in &endpoint.headers {
-            headers.push(header(name, value)?);
         }
         let mut config = Agent::config_builder()
             .http_status_as_error(false)
@@ -58,6 +53,11 @@ impl Http {
             redactor: Redactor::new(&secrets),
             response_bytes: endpoint.limits.response_bytes,
         })
+    }
+
+    /// Sends once and waits for no longer than `patience`.
+    pub(crate) fn send(&self, call: &Call, patience: Duration) -> Result<Response, Failure> {
+        self.exchange(call, patience).map_err(|error| self.failure(call, &error))
     }
 
     fn exchange(&self, call: &Call, patience: Duration) -> Result<Response, ureq::Error> {
@@ -89,35 +89,48 @@ impl Http {
         })
     }
 
-    fn translate(&self, call: &Call, error: ureq::Error) -> EndpointError {
-        let url = call.url.clone();
-        let message = self.redactor.text(&error.to_string());
-        let fault = match &error {
-            ureq::Error::BodyExceedsLimit(_) => {
-                return EndpointError::AnswerTooLarge { url, limit_bytes: self.response_bytes };
-            }
-            ureq::Error::Protocol(_) | ureq::Error::Http(_) | ureq::Error::LargeResponseHeader(..) => {
-                return EndpointError::Protocol {
-                    url,
-                    message: "it is not HTTP".to_owned(),
-                    excerpt: message,
-                };
-            }
-            ureq::Error::Timeout(_) => Fault::Timeout,
-            ureq::Error::HostNotFound => Fault::UnknownHost,
-            ureq::Error::ConnectionFailed => Fault::NoConnection,
-            ureq::Error::BodyStalled => Fault::Reset,
-            ureq::Error::Tls(_) | ureq::Error::Rustls(_) => Fault::Tls,
-            ureq::Error::Io(error) => fault_of(error.kind()),
-            _ => Fault::Other,
+    fn failure(&self, call: &Call, error: &ureq::Error) -> Failure {
+        use ureq::Error;
+        let lasting = |remedy| Failure::lasting(&call.url, self.redactor.text(&error.to_string()), remedy);
+        let unreachable = || Failure {
+            is_passing: true,
+            ..lasting("start the server, or check host and port in `base_url`")
         };
-        EndpointError::Transport { url, fault, message }
-    }
-}
-
-impl Transport for Http {
-    fn send(&self, call: &Call, patience: Duration) -> Result<Response, EndpointError> {
-        self.exchange(call, patience).map_err(|error| self.translate(call, error))
+        let interrupted = |remedy| Failure { is_passing: true, may_have_cost: true, ..lasting(remedy) };
+        let timeout =
+            || interrupted("give the server more time under [timeouts], send less, or see why it is slow");
+        let reset = || interrupted("see the server's own log: it ended the connection before the answer did");
+        match error {
+            Error::BodyExceedsLimit(limit) => Failure {
+                message: format!("the answer is larger than {limit} bytes"),
+                may_have_cost: true,
+                ..lasting("check that `base_url` is a model server, or raise `limits.response_bytes`")
+            },
+            Error::Protocol(_) | Error::Http(_) | Error::LargeResponseHeader(..) => {
+                let failure = lasting("check `base_url`: it is not that of a model server");
+                Failure { message: format!("the answer is not HTTP: {}", failure.message), ..failure }
+            }
+            Error::Timeout(_) => timeout(),
+            Error::HostNotFound => lasting("check the host in `base_url`, and the network"),
+            Error::ConnectionFailed => unreachable(),
+            Error::BodyStalled => reset(),
+            Error::Tls(_) | Error::Rustls(_) => {
+                lasting("check the certificate of the server, or whether it speaks plain http")
+            }
+            Error::Io(error) => match error.kind() {
+                ErrorKind::ConnectionRefused | ErrorKind::HostUnreachable | ErrorKind::NetworkUnreachable => {
+                    unreachable()
+                }
+                ErrorKind::TimedOut | ErrorKind::WouldBlock => timeout(),
+                ErrorKind::ConnectionReset
+                | ErrorKind::ConnectionAborted
+                | ErrorKind::BrokenPipe
+                | ErrorKind::UnexpectedEof
+                | ErrorKind::NotConnected => reset(),
+                _ => lasting("check `base_url` and the network"),
+            },
+            _ => lasting("check `base_url` and the network"),
+        }
     }
 }
 
@@ -128,36 +141,14 @@ impl fmt::Debug for Http {
     }
 }
 
-fn fault_of(kind: io::ErrorKind) -> Fault {
-    use io::ErrorKind;
-    match kind {
-        ErrorKind::ConnectionRefused | ErrorKind::HostUnreachable | ErrorKind::NetworkUnreachable => {
-            Fault::NoConnection
-        }
-        ErrorKind::TimedOut | ErrorKind::WouldBlock => Fault::Timeout,
-        ErrorKind::ConnectionReset
-        | ErrorKind::ConnectionAborted
-        | ErrorKind::BrokenPipe
-        | ErrorKind::UnexpectedEof
-        | ErrorKind::NotConnected => Fault::Reset,
-        _ => Fault::Other,
-    }
-}
-
+/// A header with a secret value.
 fn header(name: &str, value: &str) -> Result<(HeaderName, HeaderValue), EndpointError> {
-    let unusable = |message: &str| EndpointError::Config {
-        place: format!("header {name}"),
-        message: message.to_owned(),
-        remedy: "use an ASCII name and value".to_owned(),
+    let unusable = |message: &str| {
+        EndpointError::not_asked(format!("header {name}"), message, "use an ASCII name and value")
     };
-    let value =
+    let mut value =
         HeaderValue::from_str(value).map_err(|_bad| unusable("has a value that HTTP does not allow"))?;
-    let name: HeaderName = name.parse().map_err(|_bad| unusable("has a name that HTTP does not allow"))?;
-    Ok((name, value))
-}
-
-fn secret_header(name: &str, value: &str) -> Result<(HeaderName, HeaderValue), EndpointError> {
-    let (name, mut value) = header(name, value)?;
     value.set_sensitive(true);
+    let name = name.parse().map_err(|_bad| unusable("has a name that HTTP does not allow"))?;
     Ok((name, value))
 }

@@ -11,7 +11,7 @@ use crate::error::EndpointError;
 /// Who says a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Standing instructions.
+    /// Instructions for the whole conversation.
     System,
     /// The one who asks.
     User,
@@ -40,7 +40,7 @@ pub struct Message {
 }
 
 impl Message {
-    /// Standing instructions.
+    /// Instructions for the whole conversation.
     pub fn system(text: impl Into<String>) -> Self {
         Self { role: Role::System, parts: vec![Part::Text(text.into())] }
     }
@@ -79,8 +79,12 @@ pub struct Image {
 
 impl Image {
     /// Encoded bytes; what they are is read from their header.
+    ///
+    /// # Errors
+    /// If they are no PNG, JPEG or WebP, or a side is longer than 16384 pixels.
     pub fn new(bytes: Vec<u8>) -> Result<Self, EndpointError> {
-        let unusable = |message: String| EndpointError::Picture { message };
+        let unusable =
+            |message: String| EndpointError::not_asked("a picture", message, "send PNG, JPEG or WebP");
         let kind = imagesize::image_type(&bytes).map_err(|error| unusable(error.to_string()))?;
         let mime = match kind {
             ImageType::Png => "image/png",
@@ -161,7 +165,7 @@ pub(crate) mod tests {
             png(1, 1)[..10].to_vec(),
             huge,
         ] {
-            assert!(matches!(Image::new(bytes), Err(EndpointError::Picture { .. })));
+            assert!(matches!(Image::new(bytes), Err(EndpointError::NotAsked { .. })));
         }
     }
 }

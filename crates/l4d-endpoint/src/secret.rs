@@ -1,4 +1,4 @@
-//! Keys: read from environment variables, shown to nobody, taken out of everything that comes back.
+//! Keys: read from environment variables, never printed, taken out of everything that comes back.
 
 use std::ffi::OsString;
 use std::fmt;
@@ -7,45 +7,39 @@ use serde_json::Value;
 
 use crate::error::EndpointError;
 
-/// Stands where a key stood.
-pub const REDACTED: &str = "[redacted]";
+/// Replaces a key.
+pub(crate) const REDACTED: &str = "[redacted]";
 
 /// A shorter key could not be told from ordinary words when it is taken out of what a server sends.
 const SHORTEST: usize = 8;
 
 /// Where keys are looked up by the name of their variable.
-pub type Environment<'a> = &'a dyn Fn(&str) -> Option<OsString>;
+pub(crate) type Environment<'a> = &'a dyn Fn(&str) -> Option<OsString>;
 
 /// A key. Its text goes into a request header and nowhere else.
 #[derive(Clone, PartialEq, Eq)]
-pub struct Secret(String);
+pub(crate) struct Secret(String);
 
 impl Secret {
     /// The key in a variable of the environment.
     pub(crate) fn read(variable: &str, environment: Environment<'_>) -> Result<Self, EndpointError> {
-        let refuse = |message: &str, remedy: &str| EndpointError::Config {
-            place: format!("environment variable {variable}"),
-            message: message.to_owned(),
-            remedy: remedy.to_owned(),
-        };
-        let text = environment(variable).ok_or_else(|| {
-            refuse("is not set", "export it, or leave `api_key_env` out if the server wants no key")
-        })?;
-        let text =
-            text.into_string().map_err(|_not_utf8| refuse("is not text", "export the key as plain text"))?;
-        Self::new(&text).map_err(|Unusable(message)| {
-            refuse(message, "check the variable; a server that wants no key needs no `api_key_env`")
-        })
+        let text = environment(variable).ok_or("is not set");
+        text.and_then(|text| text.into_string().map_err(|_not_utf8| "is not text"))
+            .and_then(|text| Self::new(&text))
+            .map_err(|message| {
+                let remedy = "export the key, or leave `api_key_env` out if the server wants none";
+                EndpointError::not_asked(format!("environment variable {variable}"), message, remedy)
+            })
     }
 
-    /// Checks a key; space around it is dropped.
-    pub(crate) fn new(text: &str) -> Result<Self, Unusable> {
+    /// Checks a key; space around it is dropped. The error never quotes it.
+    fn new(text: &str) -> Result<Self, &'static str> {
         let text = text.trim();
         if text.len() < SHORTEST {
-            return Err(Unusable("holds fewer than 8 characters, which is no key"));
+            return Err("holds fewer than 8 characters, which is no key");
         }
         if !text.bytes().all(|byte| byte.is_ascii_graphic()) {
-            return Err(Unusable("holds spaces, line breaks or other characters that no key has"));
+            return Err("holds spaces, line breaks or other characters that no key has");
         }
         Ok(Self(text.to_owned()))
     }
@@ -56,10 +50,6 @@ impl Secret {
     }
 }
 
-/// Why a text is no key; never quotes it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Unusable(pub(crate) &'static str);
-
 impl fmt::Debug for Secret {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(REDACTED)
@@ -68,14 +58,14 @@ impl fmt::Debug for Secret {
 
 /// Takes keys out of text, however a server echoes them.
 #[derive(Clone, Default)]
-pub struct Redactor {
+pub(crate) struct Redactor {
     forms: Vec<String>,
 }
 
 impl Redactor {
     /// For these keys.
-    pub fn new<'a>(secrets: impl IntoIterator<Item = &'a Secret>) -> Self {
-        let mut forms: Vec<String> = secrets.into_iter().flat_map(|secret| spellings(&secret.0)).collect();
+    pub(crate) fn new(secrets: &[Secret]) -> Self {
+        let mut forms: Vec<String> = secrets.iter().flat_map(|secret| spellings(&secret.0)).collect();
         // A longer form may contain a shorter one.
         forms.sort_by_key(|form| std::cmp::Reverse(form.len()));
         forms.dedup();
@@ -83,7 +73,7 @@ impl Redactor {
     }
 
     /// Text without keys.
-    pub fn text(&self, text: &str) -> String {
+    pub(crate) fn text(&self, text: &str) -> String {
         self.forms.iter().fold(text.to_owned(), |text, form| match text.contains(form) {
             true => text.replace(form, REDACTED),
             false => text,
@@ -91,7 +81,7 @@ impl Redactor {
     }
 
     /// A body without keys, those in JSON escapes included.
-    pub fn body(&self, body: &str) -> String {
+    pub(crate) fn body(&self, body: &str) -> String {
         let body = self.text(body);
         if self.forms.is_empty() || !body.contains('\\') {
             return body;
@@ -158,7 +148,7 @@ mod tests {
     const KEY: &str = "sk-canary/7Yq+\"x";
 
     fn redactor() -> Redactor {
-        Redactor::new([&Secret::new(KEY).unwrap()])
+        Redactor::new(&[Secret::new(KEY).unwrap()])
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! `l4d endpoint`: what a model server supports, and how its model writes boxes.
 
 use anyhow::Result;
-use l4d_endpoint::address::Invalid;
 use l4d_endpoint::calibration::{Calibration, Sample, calibrate};
 use l4d_endpoint::probe::{State, probe};
 use l4d_endpoint::{BoxPx, Calibrations, Client, Endpoint, Image, Link};
@@ -36,14 +35,15 @@ impl EndpointArgs {
             }
         };
         if let Some(base_url) = &self.base_url {
-            endpoint.base_url = base_url.parse().map_err(|invalid: Invalid| invalid.at("--base-url"))?;
+            endpoint.base_url = base_url.parse().map_err(|message| {
+                refusal(format!("--base-url {message}"), "write it like http://localhost:8000/v1")
+            })?;
         }
         if let Some(model) = &self.model {
             endpoint.model.clone_from(model);
         }
         if let Some(variable) = &self.api_key_env {
-            endpoint.api_key_env =
-                Some(variable.parse().map_err(|invalid: Invalid| invalid.at("--api-key-env"))?);
+            endpoint.api_key_env = Some(variable.clone());
         }
         if let Some(server) = &self.server {
             endpoint.server.clone_from(server);
@@ -55,7 +55,7 @@ impl EndpointArgs {
 
 fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
     let mut endpoint = args.endpoint.resolve()?;
-    // Whoever asks how a server is wants to hear that it is down.
+    // A check reports a server that is down at once.
     endpoint.retry.tries = 1;
     let client = Client::open(endpoint, &args.endpoint.link)?;
     let (bytes, colour) = Targets::plain(PLAIN_SIDE, PLAIN_SIDE);
@@ -72,7 +72,7 @@ fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
             json!({ "base_url": endpoint.base_url, "model": endpoint.model, "server": endpoint.server });
         out.json(&json!({ "endpoint": about, "check": lines }))?;
     } else {
-        out.note(format!("{} at {} ({})", endpoint.model, endpoint.base_url, endpoint.kind().note));
+        out.note(format!("{} at {} ({})", endpoint.model, endpoint.base_url, endpoint.note()));
         for line in &lines {
             let mark = match line.state {
                 State::Ok => "ok",

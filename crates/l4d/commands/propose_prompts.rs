@@ -78,7 +78,7 @@ pub(crate) fn open_client(args: &ServerArgs) -> Result<Client> {
     let cache = if args.refresh { CacheUse::Refresh } else { CacheUse::Take };
     let budget = Budget { max_tokens_total: args.max_tokens_total, max_cost: args.max_cost };
     let client = Client::open(endpoint, &args.endpoint.link)?;
-    Ok(client.with_cache(&args.cache, cache)?.with_budget(budget)?)
+    Ok(client.with_cache(&args.cache, cache).with_budget(budget)?)
 }
 
 /// How questions are asked.

@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
     };
     if args.ask.dry_run {
         let plan = |scale: Scale| -> Result<(String, Plan)> {
-            Ok((scale.as_str().to_owned(), client.plan([&inventing.request(scale)])?))
+            Ok((scale.as_str().to_owned(), client.plan([&inventing.request(scale)])))
         };
         let plans: Vec<_> = scales.into_iter().map(plan).collect::<Result<_>>()?;
         return estimate::print("scale", &plans, client.endpoint(), args.json, Report::default(), out);

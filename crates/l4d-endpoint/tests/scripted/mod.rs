@@ -56,7 +56,7 @@ pub(crate) enum Turn {
 
 /// A success with this body.
 pub(crate) fn ok(body: &Value) -> Turn {
-    Turn::Say(200, vec![("content-type", "application/json".to_owned())], body.to_string())
+    status(200, body)
 }
 
 /// Any status with this body.
@@ -71,7 +71,7 @@ pub(crate) fn says(text: &str) -> Turn {
 
 pub(crate) fn completion(text: &str) -> Value {
     json!({
-        "id": "x", "object": "chat.completion", "created": 0, "model": "scripted-1", "system_fingerprint": "fp",
+        "id": "x", "object": "chat.completion", "created": 0, "model": "scripted-1",
         "choices": [{ "index": 0, "message": { "role": "assistant", "content": text }, "finish_reason": "stop" }],
         "usage": { "prompt_tokens": 40, "completion_tokens": 2, "total_tokens": 42 },
     })
@@ -81,7 +81,7 @@ pub(crate) fn thinks(think: impl Fn(&Seen) -> Turn + Send + Sync + 'static) -> T
     Turn::Think(Arc::new(think))
 }
 
-/// Serves its turns in order, one a connection; the last one again and again.
+/// Serves its turns in order, one per connection; the last one again and again.
 pub(crate) struct Server {
     pub(crate) port: u16,
     seen: Arc<Mutex<Vec<Seen>>>,

@@ -65,7 +65,7 @@ pub fn read(reply: &Reply, wanted: Wanted, showing: &Showing<'_>) -> Reading {
 pub(crate) fn document(reply: &Reply) -> Result<Value, Outcome> {
     match reply.json::<Document>() {
         Ok(Document(document)) => Ok(document),
-        Err(EndpointError::Truncated { .. } | EndpointError::HalfJson { .. }) => Err(Outcome::Truncated),
+        Err(EndpointError::Truncated { .. }) => Err(Outcome::Truncated),
         Err(EndpointError::Refused { message }) => Err(Outcome::Refused(clean(&message, EXCERPT))),
         Err(EndpointError::NoJson { .. }) if is_refusal(&reply.text) => {
             Err(Outcome::Refused(clean(&reply.text, EXCERPT)))

@@ -1,15 +1,12 @@
 //! What a probe says about good and poor servers, and which convention a calibration finds.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
-mod common;
-mod scripted;
-
-use common::{client, endpoint, picture};
 use l4d_endpoint::calibration::{Calibration, Calibrations, Sample, calibrate};
 use l4d_endpoint::probe::{Line, State, probe};
 use l4d_endpoint::{BoxPx, Client, Convention, Link};
-use scripted::{Seen, Server, Turn, ok, says, status, thinks};
 use serde_json::{Value, json};
+
+use crate::common::{client, patient, picture, plain};
+use crate::scripted::{self, Seen, Server, Turn, ok, says, status, thinks};
 
 fn lines(server: &Server) -> Vec<Line> {
     probe(&client(server), (&picture(200), "grey"), |_| ())
@@ -59,8 +56,8 @@ fn a_poor_server_is_told_apart_line_by_line() {
             ok(&json!({"data": [{"id": "other"}]}))
         } else if text.matches("image_url").count() > 2 {
             status(400, &json!({"error": {"message": "At most 1 image(s) may be provided"}}))
-        } else if !body["seed"].is_null() {
-            status(400, &json!({"error": {"message": "unsupported", "param": "seed"}}))
+        } else if body["temperature"] != 0.0 {
+            status(400, &json!({"error": {"message": "unsupported", "param": "temperature"}}))
         } else {
             let mut said = scripted::completion("I am a small model.");
             said["usage"] = Value::Null;
@@ -95,8 +92,8 @@ fn a_server_that_is_down_is_looked_at_no_longer_than_needed() {
 #[test]
 fn a_key_in_the_clear_is_warned_about() {
     let server = Server::start(vec![says("ready")]);
-    let mut endpoint = endpoint(&server);
-    endpoint.api_key_env = Some("A_KEY".parse().unwrap());
+    let mut endpoint = patient(&server.url());
+    endpoint.api_key_env = Some("A_KEY".to_owned());
     endpoint.base_url = "http://gpu-box.invalid:8000/v1".parse().unwrap();
     let key = |_: &str| Some("0123456789".into());
     let client = Client::open_in(endpoint, &Link::Live, &key).unwrap();
@@ -113,19 +110,15 @@ fn samples() -> Vec<Sample> {
         (colour.to_owned(), BoxPx { x0: x, y0: y, x1: x + 100.0, y1: y + 100.0 })
     };
     vec![
-        Sample { image: blank(1), squares: vec![square("red", 40.0, 350.0), square("blue", 580.0, 60.0)] },
-        Sample { image: blank(2), squares: vec![square("red", 590.0, 370.0), square("blue", 300.0, 20.0)] },
+        Sample {
+            image: plain(SIZE.0, SIZE.1, 1),
+            squares: vec![square("red", 40.0, 350.0), square("blue", 580.0, 60.0)],
+        },
+        Sample {
+            image: plain(SIZE.0, SIZE.1, 2),
+            squares: vec![square("red", 590.0, 370.0), square("blue", 300.0, 20.0)],
+        },
     ]
-}
-
-fn blank(grey: u8) -> l4d_endpoint::Image {
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, SIZE.0, SIZE.1);
-    encoder.set_color(png::ColorType::Grayscale);
-    let mut writer = encoder.write_header().unwrap();
-    writer.write_image_data(&vec![grey; (SIZE.0 * SIZE.1) as usize]).unwrap();
-    writer.finish().unwrap();
-    l4d_endpoint::Image::new(file).unwrap()
 }
 
 /// A model that writes boxes in a convention, but only under the field name that it was trained with.
@@ -195,7 +188,7 @@ fn a_winner_is_remembered_for_its_endpoint_and_model_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("work/endpoints.json");
     let server = Server::start(vec![model(&Convention::all()[0], |boxes| Value::from(boxes).to_string())]);
-    let first = endpoint(&server);
+    let first = patient(&server.url());
     let found = calibrate(&client(&server), &samples(), 512).unwrap();
     let mut calibrations = Calibrations::read(&path).unwrap();
     assert!(first.convention(&calibrations).unwrap_err().hint().contains("calibrate"));
