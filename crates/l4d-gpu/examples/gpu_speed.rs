@@ -71,7 +71,7 @@ fn measure(rasterizer: &dyn Rasterizer, splats: &Splats, size: [u32; 2]) -> Resu
             Ok(())
         })?,
         gather: best_ms(|| {
-            black_box(projected.gather(&mask, 1)?);
+            black_box(projected.gather_features(&mask, 1)?);
             Ok(())
         })?,
     })

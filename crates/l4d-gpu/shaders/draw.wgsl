@@ -16,7 +16,7 @@ fn main(
         return;
     }
     let strip = strip_of(tile, lane);
-    var light = light_on(strip);
+    var light = load_light(strip);
     // A column a pixel: colour and summed depth, and the three depths. What is indexed with a variable stays apart
     // from what the loop adds to, which then lives in registers.
     var shown_before: mat4x4<f32>;
@@ -36,7 +36,7 @@ fn main(
     var far = crossed[2];
     let range = range_of(tile, lane);
     for (var first = range.x; first < range.y; first += LANES) {
-        if (!stage(first, range.y, lane, light)) {
+        if (!load_batch(first, range.y, lane, light)) {
             break;
         }
         let count = min(LANES, range.y - first);
@@ -52,7 +52,7 @@ fn main(
             far = select(far, depth, step.blended & (step.before >= vec4(LEVELS.z)));
         }
     }
-    keep(strip, light);
+    store_light(strip, light);
     var shown_after = shown;
     for (var i = 0u; i < 4u; i++) {
         if (strip.inside[i]) {

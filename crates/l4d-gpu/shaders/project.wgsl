@@ -7,7 +7,7 @@ struct Part {
 
 @group(0) @binding(0) var<uniform> part: Part;
 @group(0) @binding(1) var<uniform> scene: Scene;
-@group(0) @binding(2) var<storage, read> bodies: array<Body>;
+@group(0) @binding(2) var<storage, read> gaussians: array<Gaussian>;
 @group(0) @binding(3) var<storage, read> sh: array<f32>;
 // Along the optical axis, metres; 0 for what is not in front of the near plane. They come from outside, rounded
 // from f64, so that the order is the same everywhere.
@@ -46,7 +46,7 @@ fn shade(index: u32, offset: vec3<f32>) -> vec3<f32> {
     return sum;
 }
 
-// Tile in which a coordinate lies, along x and y; held to the picture.
+// Tile in which a coordinate lies, along x and y; clamped to the picture.
 fn tile_at(edge: vec2<f32>) -> vec2<u32> {
     return vec2<u32>(clamp(floor(edge / f32(TILE)), vec2(0.0), vec2<f32>(scene.tiles)));
 }
@@ -66,33 +66,33 @@ fn main(
     rects[index] = vec2(0u);
     footprints[index] = Footprint(vec2(0.0), vec2(0.0), 0.0, 0.0, 0.0, 0.0, vec3(0.0));
 
-    let body = bodies[index];
+    let gaussian = gaussians[index];
     let depth = depths[index];
-    if (depth <= 0.0 || body.opacity < scene.alpha_min) {
+    if (depth <= 0.0 || gaussian.opacity < scene.alpha_min) {
         return;
     }
-    let sight = see(body, depth);
-    let mean = scene.focal * sight.point.xy / depth + scene.principal;
+    let projection = linearize(gaussian, depth);
+    let mean = scene.focal * projection.point.xy / depth + scene.principal;
     if (!(finite(mean.x) && finite(mean.y))) {
         complain(index, MEANS);
         return;
     }
 
     // Covariance in square units. Its determinant is a sum of squares, where xx yy - xy^2 would cancel.
-    let xx = dot(sight.first_scaled, sight.first_scaled);
-    let xy = dot(sight.first_scaled, sight.second_scaled);
-    let yy = dot(sight.second_scaled, sight.second_scaled);
-    let variance = vec2(xx, yy) + sight.blur;
-    let area = cross(sight.first_scaled, sight.second_scaled);
-    let determinant = dot(area, area) + sight.blur * (xx + yy) + sight.blur * sight.blur;
-    let across = sqrt(WHITE * (variance.y / determinant)) / sight.unit;
-    let down = sqrt(WHITE / variance.y) / sight.unit;
+    let xx = dot(projection.first_scaled, projection.first_scaled);
+    let xy = dot(projection.first_scaled, projection.second_scaled);
+    let yy = dot(projection.second_scaled, projection.second_scaled);
+    let variance = vec2(xx, yy) + projection.blur;
+    let area = cross(projection.first_scaled, projection.second_scaled);
+    let determinant = dot(area, area) + projection.blur * (xx + yy) + projection.blur * projection.blur;
+    let across = sqrt(WHITE * (variance.y / determinant)) / projection.unit;
+    let down = sqrt(WHITE / variance.y) / projection.unit;
 
     let middle = 0.5 * (variance.x + variance.y);
     let difference = 0.5 * (variance.x - variance.y);
-    let roundest = 0.1 / sight.unit / sight.unit / sight.unit / sight.unit;
+    let roundest = 0.1 / projection.unit / projection.unit / projection.unit / projection.unit;
     let spread = sqrt(max(difference * difference + xy * xy, roundest));
-    let radius = ceil(scene.sigmas * sqrt(middle + spread) * sight.unit);
+    let radius = ceil(scene.sigmas * sqrt(middle + spread) * projection.unit);
     if (!(finite(across) && finite(down) && finite(radius)) || determinant <= 0.0) {
         complain(index, SCALES);
         return;
@@ -103,7 +103,7 @@ fn main(
     if (least.x >= most.x || least.y >= most.y) {
         return;
     }
-    let raw = shade(index, sight.offset);
+    let raw = shade(index, projection.offset);
     if (!(finite(raw.x) && finite(raw.y) && finite(raw.z))) {
         complain(index, SH);
         return;
@@ -112,7 +112,7 @@ fn main(
         mean,
         vec2(across, -xy / variance.y * across),
         down,
-        body.opacity,
+        gaussian.opacity,
         depth,
         radius,
         max(raw, vec3(0.0)),
@@ -121,8 +121,8 @@ fn main(
 
     // Of the tiles of that square only those matter that touch the box around the ellipse outside of which alpha is
     // too small; a little more, for rounding.
-    let reach = max(log2(body.opacity) + scene.span, 0.0);
-    let half = sqrt(variance * (reach / WHITE)) * sight.unit;
+    let reach = max(log2(gaussian.opacity) + scene.span, 0.0);
+    let half = sqrt(variance * (reach / WHITE)) * projection.unit;
     let margin = 0.01 + 1e-5 * (abs(mean) + half);
     let first = max(least, tile_at(mean - half - margin));
     let end = min(most, tile_at(mean + half + margin + f32(TILE)));

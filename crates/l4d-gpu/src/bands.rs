@@ -3,10 +3,10 @@
 use l4d_splat::raster::TILE;
 use wgpu::{BindingResource, Buffer};
 
+use crate::commands::{Commands, whole};
 use crate::error::GpuError;
 use crate::projection::Projection;
 use crate::shaders::{Pass, WINDOW};
-use crate::work::{Work, whole};
 
 /// Bytes that pixels take on their way in and out: eight floats.
 pub(crate) const PIXEL_BYTES: u64 = 32;
@@ -37,14 +37,14 @@ impl Band {
 }
 
 /// Bands of a picture of `width` x `height` pixels, none of which takes more than `room` bytes.
-fn bands(width: u32, height: u32, room: u64) -> Result<Vec<Band>, GpuError> {
+fn bands(width: u32, height: u32, limits: u64) -> Result<Vec<Band>, GpuError> {
     let side = TILE as u32;
     let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));
     let row_bytes = u64::from(side) * u64::from(width) * PIXEL_BYTES;
-    let most = (room / row_bytes).min(u64::from(rows)) as u32;
+    let most = (limits / row_bytes).min(u64::from(rows)) as u32;
     if most == 0 {
         let limit = "max_storage_buffer_binding_size";
-        return Err(GpuError::TooLarge { what: "a row of tiles", needs: row_bytes, limit, has: room });
+        return Err(GpuError::TooLarge { what: "a row of tiles", needs: row_bytes, limit, has: limits });
     }
     let pixel_at = |row: u32| (row * side).min(height) as usize * width as usize;
     let band = |first: u32| {
@@ -61,11 +61,11 @@ fn bands(width: u32, height: u32, room: u64) -> Result<Vec<Band>, GpuError> {
 
 impl Projection<'_> {
     pub(crate) fn bands(&self) -> Result<Vec<Band>, GpuError> {
-        bands(self.view.width(), self.view.height(), self.gpu.room.binding)
+        bands(self.view.width(), self.view.height(), self.gpu.limits.binding)
     }
 
-    /// Room for the transmittance of a band's pixels, which goes from one window to the next.
-    pub(crate) fn lights(&self, band: Band) -> Result<Buffer, GpuError> {
+    /// BufferLimits for the transmittance of a band's pixels, which goes from one window to the next.
+    pub(crate) fn transmittances(&self, band: Band) -> Result<Buffer, GpuError> {
         self.gpu.buffer("transmittance", 4 * band.pixels())
     }
 
@@ -73,7 +73,7 @@ impl Projection<'_> {
     /// keeps.
     pub(crate) fn over_tiles(
         &self,
-        work: &mut Work<'_>,
+        commands: &mut Commands<'_>,
         pass: Pass,
         band: Band,
         pairs: [u32; 2],
@@ -91,7 +91,7 @@ impl Projection<'_> {
         for first in (0..longest.max(1)).step_by(WINDOW as usize) {
             let window = [first, first.saturating_add(WINDOW)];
             let part = [band.first_tile, band.end_tile, pairs[0], pairs[1], window[0], window[1], 0, 0];
-            work.run(pass, tiles.len() as u64, &part, &bindings)?;
+            commands.run(pass, tiles.len() as u64, &part, &bindings)?;
         }
         Ok(())
     }
@@ -99,15 +99,16 @@ impl Projection<'_> {
     /// Runs a pass over the Gaussians of one tile, in one lane; the part names a pixel in place of pairs.
     pub(crate) fn over_tile(
         &self,
-        work: &mut Work<'_>,
+        commands: &mut Commands<'_>,
         pass: Pass,
         pixel: [u32; 2],
         own: &Buffer,
     ) -> Result<(), GpuError> {
         let tile = self.tile_of(pixel);
         // Pixels count from the start of the tile's row of tiles.
-        let lights = self.gpu.buffer("transmittance", 4 * u64::from(self.view.width()) * TILE as u64)?;
-        self.over_tiles(work, pass, Band::of_tile(tile), pixel, &[&lights, own])
+        let transmittances =
+            self.gpu.buffer("transmittance", 4 * u64::from(self.view.width()) * TILE as u64)?;
+        self.over_tiles(commands, pass, Band::of_tile(tile), pixel, &[&transmittances, own])
     }
 
     /// The tile in which a pixel lies.
@@ -124,8 +125,8 @@ mod tests {
     fn bands_cover_the_picture_once() {
         // 40 x 50 pixels are 3 x 4 tiles; a row of tiles takes 16 * 40 * 32 bytes.
         let row = 16 * 40 * PIXEL_BYTES;
-        for (room, count) in [(row, 4), (2 * row, 2), (3 * row + 1, 2), (100 * row, 1)] {
-            let bands = bands(40, 50, room).unwrap();
+        for (limits, count) in [(row, 4), (2 * row, 2), (3 * row + 1, 2), (100 * row, 1)] {
+            let bands = bands(40, 50, limits).unwrap();
             assert_eq!(bands.len(), count);
             assert_eq!((bands[0].first_tile, bands[0].first_pixel), (0, 0));
             assert!(bands.windows(2).all(|two| {
@@ -133,7 +134,7 @@ mod tests {
             }));
             let last = bands[count - 1];
             assert_eq!((last.end_tile, last.end_pixel), (12, 2000));
-            assert!(bands.iter().all(|band| band.bytes() <= room));
+            assert!(bands.iter().all(|band| band.bytes() <= limits));
         }
         assert!(bands(40, 50, row - 1).unwrap_err().to_string().contains("max_storage_buffer_binding_size"));
     }

@@ -10,7 +10,7 @@ use wgpu::{
 };
 
 use crate::adapter::{AdapterChoice, AdapterReport, choose};
-use crate::error::{Fault, GpuError};
+use crate::error::{Failure, GpuError};
 use crate::shaders::Pass;
 
 /// A graphics adapter that draws splats.
@@ -23,13 +23,13 @@ pub struct Gpu {
     pub(crate) queue: Queue,
     /// In the order of [`Pass::ALL`]; compiled when first used.
     pipelines: [OnceLock<ComputePipeline>; Pass::ALL.len()],
-    pub(crate) room: Room,
-    complaints: Arc<Complaints>,
+    pub(crate) limits: BufferLimits,
+    driver_errors: Arc<DriverErrors>,
 }
 
 /// How large things may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Room {
+pub(crate) struct BufferLimits {
     /// Of what one pass sees of a buffer, bytes.
     pub(crate) binding: u64,
     /// Of a buffer, bytes.
@@ -40,9 +40,9 @@ pub(crate) struct Room {
 
 /// What the driver said when nobody was listening.
 #[derive(Debug, Default)]
-struct Complaints {
+struct DriverErrors {
     lost: OnceLock<String>,
-    stray: Mutex<Option<GpuError>>,
+    uncaptured: Mutex<Option<GpuError>>,
 }
 
 impl Gpu {
@@ -74,19 +74,19 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|source| GpuError::Closed { adapter: report.name.clone(), source })?;
-        let complaints = Arc::new(Complaints::default());
-        let heard = Arc::clone(&complaints);
-        device.on_uncaptured_error(Arc::new(move |error| heard.note(driver_error(error))));
-        let heard = Arc::clone(&complaints);
+        let driver_errors = Arc::new(DriverErrors::default());
+        let reported = Arc::clone(&driver_errors);
+        device.on_uncaptured_error(Arc::new(move |error| reported.note(driver_error(error))));
+        let reported = Arc::clone(&driver_errors);
         device.set_device_lost_callback(move |reason, message| {
-            let _ = heard.lost.set(format!("{reason:?}: {message}"));
+            let _ = reported.lost.set(format!("{reason:?}: {message}"));
         });
-        let room = Room {
+        let limits = BufferLimits {
             binding: limits.max_storage_buffer_binding_size,
             buffer: limits.max_buffer_size,
             groups: limits.max_compute_workgroups_per_dimension.into(),
         };
-        Ok(Self { report, device, queue, pipelines: [const { OnceLock::new() }; _], room, complaints })
+        Ok(Self { report, device, queue, pipelines: [const { OnceLock::new() }; _], limits, driver_errors })
     }
 
     /// The adapter, for manifests and people.
@@ -98,7 +98,7 @@ impl Gpu {
     /// of what is done in parts. Results do not depend on it.
     #[must_use]
     pub fn with_binding_limit(mut self, bytes: u64) -> Self {
-        self.room.binding = self.room.binding.min(bytes);
+        self.limits.binding = self.limits.binding.min(bytes);
         self
     }
 
@@ -124,20 +124,23 @@ impl Gpu {
     }
 
     /// Does some work, listening to the driver. What it says weighs more than how the work went on after it.
-    pub(crate) fn watched<T>(&self, work: impl FnOnce() -> Result<T, Fault>) -> Result<T, RasterError> {
+    pub(crate) fn with_error_scopes<T>(
+        &self,
+        work: impl FnOnce() -> Result<T, Failure>,
+    ) -> Result<T, RasterError> {
         self.check().map_err(|error| self.raster_error(error))?;
         let filters = [ErrorFilter::Validation, ErrorFilter::Internal, ErrorFilter::OutOfMemory];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
         let outcome = work();
-        let mut heard = None;
+        let mut reported = None;
         for scope in scopes.into_iter().rev() {
             let error = pollster::block_on(scope.pop());
-            heard = heard.or(error.map(driver_error));
+            reported = reported.or(error.map(driver_error));
         }
-        let problem = self.check().err().or(heard);
+        let problem = self.check().err().or(reported);
         match (problem, outcome) {
-            (Some(error), _) | (None, Err(Fault::Gpu(error))) => Err(self.raster_error(error)),
-            (None, Err(Fault::Raster(error))) => Err(error),
+            (Some(error), _) | (None, Err(Failure::Gpu(error))) => Err(self.raster_error(error)),
+            (None, Err(Failure::Raster(error))) => Err(error),
             (None, Ok(answer)) => Ok(answer),
         }
     }
@@ -155,11 +158,11 @@ impl Gpu {
     }
 
     fn check(&self) -> Result<(), GpuError> {
-        if let Some(reason) = self.complaints.lost.get() {
+        if let Some(reason) = self.driver_errors.lost.get() {
             return Err(GpuError::Lost { reason: reason.clone() });
         }
-        let mut stray = self.complaints.stray.lock().unwrap_or_else(PoisonError::into_inner);
-        stray.take().map_or(Ok(()), Err)
+        let mut uncaptured = self.driver_errors.uncaptured.lock().unwrap_or_else(PoisonError::into_inner);
+        uncaptured.take().map_or(Ok(()), Err)
     }
 
     fn raster_error(&self, error: GpuError) -> RasterError {
@@ -171,10 +174,10 @@ impl Gpu {
     }
 }
 
-impl Complaints {
+impl DriverErrors {
     fn note(&self, error: GpuError) {
-        let mut stray = self.stray.lock().unwrap_or_else(PoisonError::into_inner);
-        stray.get_or_insert(error);
+        let mut uncaptured = self.uncaptured.lock().unwrap_or_else(PoisonError::into_inner);
+        uncaptured.get_or_insert(error);
     }
 }
 
@@ -199,7 +202,7 @@ mod tests {
     use l4d_splat::view::View;
 
     use super::*;
-    use crate::work::whole;
+    use crate::commands::whole;
 
     fn open() -> Gpu {
         Gpu::open(&AdapterChoice::Environment).unwrap_or_else(|error| panic!("{error}"))
@@ -249,7 +252,7 @@ mod tests {
         assert!(matches!(error, GpuError::OutOfMemory));
         // Reported while nobody listened: the next one to ask hears of it.
         let gpu = open();
-        gpu.complaints.note(error);
+        gpu.driver_errors.note(error);
         let error = gpu.prepare(&one_gaussian(), &small_view(), &RasterSettings::default()).err().unwrap();
         assert!(source_of(&error).contains("out of memory: close what else uses it"), "{error:?}");
     }
@@ -258,21 +261,21 @@ mod tests {
     fn what_the_driver_rejects_is_an_error_and_the_adapter_goes_on() {
         let gpu = open();
         // The pass has more bindings than it is given.
-        let wrong = gpu.watched(|| {
-            let mut work = gpu.work();
+        let wrong = gpu.with_error_scopes(|| {
+            let mut commands = gpu.commands();
             let buffer = gpu.buffer("alone", 16)?;
-            work.run(Pass::Count, 1, &[0_u32; 4], &[whole(&buffer)])?;
-            work.submit();
+            commands.run(Pass::Count, 1, &[0_u32; 4], &[whole(&buffer)])?;
+            commands.submit();
             Ok(())
         });
         assert!(source_of(&wrong.unwrap_err()).contains("the graphics driver reports"));
         // The same where nobody listens: the next one to ask hears of it, once.
-        let mut work = gpu.work();
+        let mut commands = gpu.commands();
         let buffer = gpu.buffer("alone", 16).unwrap();
-        work.run(Pass::Count, 1, &[0_u32; 4], &[whole(&buffer)]).unwrap();
-        drop(work);
-        assert!(gpu.watched(|| Ok(())).is_err());
-        assert!(gpu.watched(|| Ok(())).is_ok());
+        commands.run(Pass::Count, 1, &[0_u32; 4], &[whole(&buffer)]).unwrap();
+        drop(commands);
+        assert!(gpu.with_error_scopes(|| Ok(())).is_err());
+        assert!(gpu.with_error_scopes(|| Ok(())).is_ok());
     }
 
     #[test]
@@ -282,7 +285,7 @@ mod tests {
         assert!(error.contains("things would take 1001") && error.contains("is 1000"), "{error}");
         assert!(error.contains("max_storage_buffer_binding_size"), "{error}");
         assert!(gpu.buffer("things", 1000).is_ok());
-        let error = gpu.long_buffer("things", gpu.room.buffer + 1).unwrap_err().to_string();
+        let error = gpu.long_buffer("things", gpu.limits.buffer + 1).unwrap_err().to_string();
         assert!(error.contains("max_buffer_size"), "{error}");
     }
 }

@@ -40,7 +40,7 @@ pub enum GpuError {
         /// What the driver says.
         source: wgpu::RequestDeviceError,
     },
-    /// Something that the adapter's limits have no room for.
+    /// Something larger than the adapter's limits.
     #[error(
         "{what} would take {needs}, the adapter's {limit} is {has}: draw fewer Gaussians or fewer pixels, or draw on the processor"
     )]
@@ -88,18 +88,18 @@ fn list(names: &[String]) -> String {
 
 /// What ends a job: the machinery, or what was asked of it.
 #[derive(Debug)]
-pub(crate) enum Fault {
+pub(crate) enum Failure {
     Gpu(GpuError),
     Raster(RasterError),
 }
 
-impl From<GpuError> for Fault {
+impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
         Self::Gpu(error)
     }
 }
 
-impl From<RasterError> for Fault {
+impl From<RasterError> for Failure {
     fn from(error: RasterError) -> Self {
         Self::Raster(error)
     }

@@ -36,7 +36,7 @@
 //! The host computes depths, in f64 with one rounding. Shaders have no f64, and the order of Gaussians whose depths
 //! almost agree would differ between adapters, and from the processor's. Everything else of the projection is f32,
 //! written so that it keeps its digits for needles, discs and blobs of any size: a determinant as a sum of squares,
-//! covariances in units of the largest entry, gradients through whitened axes (`shaders/unproject.wgsl`).
+//! covariances in units of the largest entry, gradients through whitened axes (`shaders/project_backward.wgsl`).
 //!
 //! # Same bytes
 //!
@@ -55,17 +55,17 @@
 mod adapter;
 mod backward;
 mod bands;
-mod carry;
+mod commands;
+mod constants;
 mod device;
 mod error;
-mod lens;
-mod picture;
+mod features;
+mod forward;
 mod projected;
 mod projection;
 mod shaders;
 mod sort;
 mod upload;
-mod work;
 
 pub use adapter::{ADAPTER_VARIABLE, AdapterChoice, AdapterReport, adapters};
 pub use device::Gpu;

@@ -6,35 +6,35 @@ use l4d_splat::raster::{
 use l4d_splat::splats::SplatGradients;
 
 use crate::projection::Projection;
-use crate::{backward, carry, picture};
+use crate::{backward, features, forward};
 
 impl Projected for Projection<'_> {
     fn draw(&self) -> Result<Drawing, RasterError> {
-        self.gpu.watched(|| picture::draw(self))
+        self.gpu.with_error_scopes(|| forward::draw(self))
     }
 
-    fn spread(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+    fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_length("features", features.len(), self.splats.len().checked_mul(channels))?;
-        self.gpu.watched(|| carry::spread(self, features, channels))
+        self.gpu.with_error_scopes(|| features::splat_features(self, features, channels))
     }
 
-    fn gather(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+    fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_length("pixels", pixels.len(), self.view.pixel_count().checked_mul(channels))?;
-        self.gpu.watched(|| carry::gather(self, pixels, channels))
+        self.gpu.with_error_scopes(|| features::gather_features(self, pixels, channels))
     }
 
     fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError> {
         check_pixel(&self.view, column, row)?;
-        self.gpu.watched(|| carry::contributors(self, column, row))
+        self.gpu.with_error_scopes(|| features::contributors(self, column, row))
     }
 
     fn radii_px(&self) -> Result<Vec<f32>, RasterError> {
-        self.gpu.watched(|| backward::radii(self))
+        self.gpu.with_error_scopes(|| backward::radii(self))
     }
 
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
         drawing.check(&self.view)?;
         gradient.check(&self.view)?;
-        self.gpu.watched(|| backward::backward(self, drawing, gradient))
+        self.gpu.with_error_scopes(|| backward::backward(self, drawing, gradient))
     }
 }

@@ -6,16 +6,16 @@ use l4d_splat::splats::Splats;
 use l4d_splat::view::View;
 use wgpu::Buffer;
 
+use crate::commands::{Commands, groups_of, whole};
+use crate::constants::{Depths, SceneConstants};
 use crate::device::Gpu;
-use crate::error::{Fault, GpuError};
-use crate::lens::{Depths, SceneConstants};
+use crate::error::{Failure, GpuError};
 use crate::shaders::{LANES, MOST_TILES, Pass};
 use crate::sort::{Entries, bits_of, scan, sort};
 use crate::upload::{Piece, Uploaded};
-use crate::work::{Work, groups_of, whole};
 
 /// What the adapter says if no Gaussian overflows.
-const NO_COMPLAINT: u32 = u32::MAX;
+const NO_OVERFLOW: u32 = u32::MAX;
 pub(crate) const FOOTPRINT_BYTES: u64 = 48;
 
 /// Splats as one view sees them, in the adapter's memory.
@@ -28,7 +28,7 @@ pub(crate) struct Projection<'a> {
     /// Tiles in a row and in a column.
     pub(crate) tiles: [u32; 2],
     pub(crate) constants: Buffer,
-    pub(crate) bodies: Buffer,
+    pub(crate) gaussians: Buffer,
     pub(crate) sh: Buffer,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) footprints: Buffer,
@@ -46,11 +46,11 @@ pub(crate) struct Projection<'a> {
 }
 
 /// Gaussians on the picture plane, not yet assigned to tiles.
-struct Flat {
+struct ProjectedGaussians {
     constants: Buffer,
     footprints: Buffer,
     rects: Buffer,
-    complaint: Buffer,
+    overflow: Buffer,
     entries: Entries,
     key_bits: u32,
 }
@@ -60,7 +60,7 @@ impl<'a> Projection<'a> {
         uploaded: &Uploaded<'a>,
         view: &View,
         settings: &RasterSettings,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, Failure> {
         let (gpu, splats) = (uploaded.gpu, uploaded.splats);
         let pieces = uploaded.pieces()?;
         let tiles = [view.width(), view.height()].map(|side| side.div_ceil(TILE as u32));
@@ -71,53 +71,53 @@ impl<'a> Projection<'a> {
         }
         let count = splats.len() as u32;
 
-        let mut work = gpu.work();
-        let flat = flatten(&mut work, uploaded, &pieces, view, settings)?;
-        let order = sort(&mut work, flat.entries, count, flat.key_bits)?.values;
+        let mut commands = gpu.commands();
+        let projected = project(&mut commands, uploaded, &pieces, view, settings)?;
+        let order = sort(&mut commands, projected.entries, count, projected.key_bits)?.values;
         let offsets = gpu.buffer("offsets of pairs", 4 * (u64::from(count) + 1))?;
-        work.run(
+        commands.run(
             Pass::Count,
             groups_of(u64::from(count) + 1, LANES),
             &[count, 0, 0, 0],
-            &[whole(&order), whole(&flat.rects), whole(&offsets)],
+            &[whole(&order), whole(&projected.rects), whole(&offsets)],
         )?;
-        scan(&mut work, &offsets, count + 1)?;
-        let total = work.fetch(&offsets, 4 * u64::from(count), 4)?;
-        let complaint = work.fetch(&flat.complaint, 0, 4)?;
-        work.submit();
-        let complaint: Vec<u32> = gpu.receive(&complaint)?;
-        if let Some(bad) = complaint.first().and_then(|&complaint| overflow(splats, complaint)) {
+        scan(&mut commands, &offsets, count + 1)?;
+        let total = commands.copy_out(&offsets, 4 * u64::from(count), 4)?;
+        let overflow = commands.copy_out(&projected.overflow, 0, 4)?;
+        commands.submit();
+        let packed: Vec<u32> = gpu.read_back(&overflow)?;
+        if let Some(bad) = packed.first().and_then(|&packed| overflowing_value(splats, packed)) {
             return Err(RasterError::Overflow(bad).into());
         }
-        let pair_count = gpu.receive(&total)?.first().copied().unwrap_or(0);
+        let pair_count = gpu.read_back(&total)?.first().copied().unwrap_or(0);
 
-        let mut work = gpu.work();
-        let entries = Entries::new(&work, "pairs of tile and Gaussian", pair_count)?;
+        let mut commands = gpu.commands();
+        let entries = Entries::new(&commands, "pairs of tile and Gaussian", pair_count)?;
         let owners = gpu.buffer("owners of pairs", 4 * u64::from(pair_count))?;
-        work.run(
+        commands.run(
             Pass::Emit,
             groups_of(count.into(), LANES),
             &[count, tiles[0], 0, 0],
             &[
                 whole(&order),
-                whole(&flat.rects),
+                whole(&projected.rects),
                 whole(&offsets),
                 whole(&entries.keys),
                 whole(&entries.values),
                 whole(&owners),
             ],
         )?;
-        let sorted = sort(&mut work, entries, pair_count, bits_of(tile_count - 1))?;
+        let sorted = sort(&mut commands, entries, pair_count, bits_of(tile_count - 1))?;
         let bounds = gpu.buffer("bounds of tiles", 8 * u64::from(tile_count))?;
-        work.run(
+        commands.run(
             Pass::Ranges,
             groups_of(pair_count.into(), LANES),
             &[pair_count, 0, 0, 0],
             &[whole(&sorted.keys), whole(&bounds)],
         )?;
-        let ranges = work.fetch(&bounds, 0, 8 * u64::from(tile_count))?;
-        work.submit();
-        let ranges = gpu.receive(&ranges)?;
+        let ranges = commands.copy_out(&bounds, 0, 8 * u64::from(tile_count))?;
+        commands.submit();
+        let ranges = gpu.read_back(&ranges)?;
 
         Ok(Self {
             gpu,
@@ -125,11 +125,11 @@ impl<'a> Projection<'a> {
             view: *view,
             settings: *settings,
             tiles,
-            constants: flat.constants,
-            bodies: uploaded.bodies.clone(),
+            constants: projected.constants,
+            gaussians: uploaded.gaussians.clone(),
             sh: uploaded.sh.clone(),
             pieces,
-            footprints: flat.footprints,
+            footprints: projected.footprints,
             order,
             offsets,
             pairs: sorted.values,
@@ -141,13 +141,13 @@ impl<'a> Projection<'a> {
     }
 }
 
-fn flatten(
-    work: &mut Work<'_>,
+fn project(
+    commands: &mut Commands<'_>,
     uploaded: &Uploaded<'_>,
     pieces: &[Piece],
     view: &View,
     settings: &RasterSettings,
-) -> Result<Flat, GpuError> {
+) -> Result<ProjectedGaussians, GpuError> {
     let (gpu, splats) = (uploaded.gpu, uploaded.splats);
     let count = splats.len() as u64;
     let depths = Depths::new(view, settings, splats);
@@ -155,38 +155,38 @@ fn flatten(
     let metres = gpu.filled("depths", &depths.metres)?;
     let footprints = gpu.buffer("footprints", FOOTPRINT_BYTES * count)?;
     let rects = gpu.buffer("tiles of Gaussians", 8 * count)?;
-    let complaint = gpu.filled("complaint", &[NO_COMPLAINT])?;
-    let entries = Entries::new(work, "order of Gaussians", count as u32)?;
+    let overflow = gpu.filled("overflow", &[NO_OVERFLOW])?;
+    let entries = Entries::new(commands, "order of Gaussians", count as u32)?;
     for run in pieces {
-        work.run(
+        commands.run(
             Pass::Project,
             groups_of(run.len(), LANES),
             &run.part(),
             &[
                 whole(&constants),
-                whole(&uploaded.bodies),
+                whole(&uploaded.gaussians),
                 run.of_sh(&uploaded.sh),
                 whole(&metres),
                 whole(&footprints),
                 whole(&rects),
                 whole(&entries.keys),
                 whole(&entries.values),
-                whole(&complaint),
+                whole(&overflow),
             ],
         )?;
     }
-    Ok(Flat { constants, footprints, rects, complaint, entries, key_bits: depths.key_bits() })
+    Ok(ProjectedGaussians { constants, footprints, rects, overflow, entries, key_bits: depths.key_bits() })
 }
 
 /// What `project.wgsl` complains about.
-fn overflow(splats: &Splats, complaint: u32) -> Option<BadValue> {
-    if complaint == NO_COMPLAINT {
+fn overflowing_value(splats: &Splats, overflow: u32) -> Option<BadValue> {
+    if overflow == NO_OVERFLOW {
         return None;
     }
-    let index = complaint as usize / 4;
+    let index = overflow as usize / 4;
     let largest =
         |values: &[f32]| values.iter().copied().fold(0.0, |a: f32, b| if b.abs() > a.abs() { b } else { a });
-    let (field, value) = match complaint % 4 {
+    let (field, value) = match overflow % 4 {
         0 => ("means", largest(&splats.means()[index])),
         1 => ("scales", largest(&splats.scales()[index])),
         _ => ("sh", largest(splats.sh_of(index).as_flattened())),

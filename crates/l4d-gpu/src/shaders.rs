@@ -15,7 +15,7 @@ pub(crate) const DIGIT_BITS: u32 = 4;
 /// Values of a digit; as many as the numbers of a lane, which lets one scan serve both.
 pub(crate) const RADIX: u32 = 1 << DIGIT_BITS;
 /// Gaussians whose sums over a tile are taken together: bounded by the workgroup's memory.
-const TALLIED: u32 = 4;
+const SUMMED: u32 = 4;
 /// Channels that spread and gather carry at a time.
 pub(crate) const CHANNELS: u32 = 8;
 /// Gaussians of a tile that one dispatch blends; longer lists take several. Drivers stop what takes too long, and
@@ -24,9 +24,9 @@ pub(crate) const WINDOW: u32 = 2048;
 /// Tiles of a picture, for the same reason: a Gaussian may cover all of them.
 pub(crate) const MOST_TILES: u32 = 60_000;
 /// Sums over pixels that backward keeps of a pair.
-pub(crate) const MOMENTS: u32 = 10;
+pub(crate) const GRADIENT_SUMS: u32 = 10;
 /// Numbers in which the gradient of a Gaussian leaves the adapter, spherical harmonics apart.
-pub(crate) const BODY_GRADIENTS: u32 = 16;
+pub(crate) const GRADIENT_FLOATS: u32 = 16;
 
 /// One compute pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,12 +40,12 @@ pub(crate) enum Pass {
     Emit,
     Ranges,
     Draw,
-    Spread,
-    Gather,
-    Blame,
+    SplatFeatures,
+    GatherFeatures,
+    Backward,
     Reduce,
-    Unproject,
-    Trace,
+    ProjectBackward,
+    Contributors,
 }
 
 macro_rules! shader {
@@ -58,12 +58,12 @@ const GRID: &str = shader!("shared/grid");
 const PREFIX: &str = shader!("shared/prefix");
 const DIGITS: &str = shader!("shared/digits");
 const SCENE: &str = shader!("shared/scene");
-const BODY: &str = shader!("shared/body");
-const SIGHT: &str = shader!("shared/sight");
+const GAUSSIAN: &str = shader!("shared/gaussian");
+const PROJECTION: &str = shader!("shared/projection");
 const HARMONICS: &str = shader!("shared/harmonics");
-const WALK: &str = shader!("shared/walk");
-const STAGE: &str = shader!("shared/stage");
-const TALLY: &str = shader!("shared/tally");
+const BLEND: &str = shader!("shared/blend");
+const STAGING: &str = shader!("shared/staging");
+const TILE_SUMS: &str = shader!("shared/tile_sums");
 
 impl Pass {
     pub(crate) const ALL: [Self; 15] = [
@@ -76,12 +76,12 @@ impl Pass {
         Self::Emit,
         Self::Ranges,
         Self::Draw,
-        Self::Spread,
-        Self::Gather,
-        Self::Blame,
+        Self::SplatFeatures,
+        Self::GatherFeatures,
+        Self::Backward,
         Self::Reduce,
-        Self::Unproject,
-        Self::Trace,
+        Self::ProjectBackward,
+        Self::Contributors,
     ];
 
     /// As its file is called.
@@ -97,7 +97,7 @@ impl Pass {
 
     fn parts(self) -> (&'static str, &'static [&'static str], &'static str) {
         match self {
-            Self::Project => ("project", &[GRID, SCENE, BODY, SIGHT, HARMONICS], shader!("project")),
+            Self::Project => ("project", &[GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS], shader!("project")),
             Self::Count => ("count", &[GRID], shader!("count")),
             Self::Scan => ("scan", &[GRID, PREFIX], shader!("scan")),
             Self::ScanAdd => ("scan_add", &[GRID, PREFIX], shader!("scan_add")),
@@ -105,13 +105,25 @@ impl Pass {
             Self::SortScatter => ("sort_scatter", &[GRID, PREFIX, DIGITS], shader!("sort_scatter")),
             Self::Emit => ("emit", &[GRID], shader!("emit")),
             Self::Ranges => ("ranges", &[GRID], shader!("ranges")),
-            Self::Draw => ("draw", &[GRID, SCENE, BODY, WALK, STAGE], shader!("draw")),
-            Self::Spread => ("spread", &[GRID, SCENE, BODY, WALK, STAGE], shader!("spread")),
-            Self::Gather => ("gather", &[GRID, SCENE, BODY, WALK, STAGE, TALLY], shader!("gather")),
-            Self::Blame => ("blame", &[GRID, SCENE, BODY, WALK, STAGE, TALLY], shader!("blame")),
+            Self::Draw => ("draw", &[GRID, SCENE, GAUSSIAN, BLEND, STAGING], shader!("draw")),
+            Self::SplatFeatures => {
+                ("splat_features", &[GRID, SCENE, GAUSSIAN, BLEND, STAGING], shader!("splat_features"))
+            }
+            Self::GatherFeatures => (
+                "gather_features",
+                &[GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS],
+                shader!("gather_features"),
+            ),
+            Self::Backward => {
+                ("backward", &[GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS], shader!("backward"))
+            }
             Self::Reduce => ("reduce", &[GRID], shader!("reduce")),
-            Self::Unproject => ("unproject", &[GRID, SCENE, BODY, SIGHT, HARMONICS], shader!("unproject")),
-            Self::Trace => ("trace", &[SCENE, BODY, WALK], shader!("trace")),
+            Self::ProjectBackward => (
+                "project_backward",
+                &[GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS],
+                shader!("project_backward"),
+            ),
+            Self::Contributors => ("contributors", &[SCENE, GAUSSIAN, BLEND], shader!("contributors")),
         }
     }
 }
@@ -123,10 +135,10 @@ fn constants() -> String {
         ("RUN", RUN),
         ("BLOCK", BLOCK),
         ("RADIX", RADIX),
-        ("TALLIED", TALLIED),
+        ("SUMMED", SUMMED),
         ("CHANNELS", CHANNELS),
-        ("MOMENTS", MOMENTS),
-        ("BODY_GRADIENTS", BODY_GRADIENTS),
+        ("GRADIENT_SUMS", GRADIENT_SUMS),
+        ("GRADIENT_FLOATS", GRADIENT_FLOATS),
     ];
     let mut text: String =
         whole.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
@@ -190,15 +202,15 @@ mod tests {
     fn the_layout_of_lanes_fits_the_tile() {
         assert_eq!(LANES as usize * 4, TILE * TILE);
         assert_eq!(RUN, RADIX);
-        assert!(TALLIED * MOMENTS.max(CHANNELS) <= LANES);
+        assert!(SUMMED * GRADIENT_SUMS.max(CHANNELS) <= LANES);
     }
 
     #[test]
     fn no_loop_takes_more_turns_than_a_driver_allows() {
-        // Of the longest pass: each batch of staged Gaussians, in it each tally, in it each Gaussian and each lane;
+        // Of the longest pass: each batch of staged Gaussians, in it each tile sum, in it each Gaussian and each lane;
         // then those that nobody sees.
-        let batch = 1 + LANES / TALLIED * (1 + TALLIED + LANES);
-        let unseen = 1 + MOMENTS;
+        let batch = 1 + LANES / SUMMED * (1 + SUMMED + LANES);
+        let unseen = 1 + GRADIENT_SUMS;
         assert!(WINDOW.div_ceil(LANES) * (batch + unseen) + 100 < 65_535);
         assert_eq!(WINDOW % LANES, 0);
         const { assert!(MOST_TILES + 5000 < 65_535) };

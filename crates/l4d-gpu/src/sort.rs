@@ -2,19 +2,19 @@
 
 use wgpu::Buffer;
 
+use crate::commands::{Commands, whole};
 use crate::error::GpuError;
 use crate::shaders::{BLOCK, DIGIT_BITS, Pass, RADIX};
-use crate::work::{Work, whole};
 
 /// Replaces each of the first `count` numbers by the sum of those before it. Sums stay at the largest u32 where they
 /// would pass it.
-pub(crate) fn scan(work: &mut Work<'_>, numbers: &Buffer, count: u32) -> Result<(), GpuError> {
+pub(crate) fn scan(commands: &mut Commands<'_>, numbers: &Buffer, count: u32) -> Result<(), GpuError> {
     let blocks = count.div_ceil(BLOCK);
-    let totals = work.gpu.buffer("sums of blocks", 4 * u64::from(blocks))?;
-    work.run(Pass::Scan, blocks.into(), &[count, blocks, 0, 0], &[whole(numbers), whole(&totals)])?;
+    let totals = commands.gpu.buffer("sums of blocks", 4 * u64::from(blocks))?;
+    commands.run(Pass::Scan, blocks.into(), &[count, blocks, 0, 0], &[whole(numbers), whole(&totals)])?;
     if blocks > 1 {
-        scan(work, &totals, blocks)?;
-        work.run(Pass::ScanAdd, blocks.into(), &[count, 0, 0, 0], &[whole(numbers), whole(&totals)])?;
+        scan(commands, &totals, blocks)?;
+        commands.run(Pass::ScanAdd, blocks.into(), &[count, 0, 0, 0], &[whole(numbers), whole(&totals)])?;
     }
     Ok(())
 }
@@ -27,15 +27,15 @@ pub(crate) struct Entries {
 }
 
 impl Entries {
-    pub(crate) fn new(work: &Work<'_>, what: &'static str, count: u32) -> Result<Self, GpuError> {
+    pub(crate) fn new(commands: &Commands<'_>, what: &'static str, count: u32) -> Result<Self, GpuError> {
         let bytes = 4 * u64::from(count);
-        Ok(Self { keys: work.gpu.buffer(what, bytes)?, values: work.gpu.buffer(what, bytes)? })
+        Ok(Self { keys: commands.gpu.buffer(what, bytes)?, values: commands.gpu.buffer(what, bytes)? })
     }
 }
 
 /// Sorts by the lowest `bits` of the keys, least significant digits first; equal keys stay in order.
 pub(crate) fn sort(
-    work: &mut Work<'_>,
+    commands: &mut Commands<'_>,
     entries: Entries,
     count: u32,
     bits: u32,
@@ -44,14 +44,14 @@ pub(crate) fn sort(
         return Ok(entries);
     }
     let blocks = count.div_ceil(BLOCK);
-    let histogram = work.gpu.buffer("digits of blocks", 4 * u64::from(RADIX * blocks))?;
+    let histogram = commands.gpu.buffer("digits of blocks", 4 * u64::from(RADIX * blocks))?;
     let mut from = entries;
-    let mut to = Entries::new(work, "sorted keys", count)?;
+    let mut to = Entries::new(commands, "sorted keys", count)?;
     for shift in (0..bits).step_by(DIGIT_BITS as usize) {
         let part = &[count, shift, blocks, 0];
-        work.run(Pass::SortCount, blocks.into(), part, &[whole(&from.keys), whole(&histogram)])?;
-        scan(work, &histogram, RADIX * blocks)?;
-        work.run(
+        commands.run(Pass::SortCount, blocks.into(), part, &[whole(&from.keys), whole(&histogram)])?;
+        scan(commands, &histogram, RADIX * blocks)?;
+        commands.run(
             Pass::SortScatter,
             blocks.into(),
             part,
@@ -107,11 +107,11 @@ mod tests {
     fn scanned(numbers: &[u32]) -> Vec<u32> {
         let gpu = gpu();
         let buffer = gpu.filled("numbers", numbers).unwrap();
-        let mut work = gpu.work();
-        scan(&mut work, &buffer, numbers.len() as u32).unwrap();
-        let parcel = work.fetch(&buffer, 0, 4 * numbers.len() as u64).unwrap();
-        work.submit();
-        gpu.receive(&parcel).unwrap()
+        let mut commands = gpu.commands();
+        scan(&mut commands, &buffer, numbers.len() as u32).unwrap();
+        let readback = commands.copy_out(&buffer, 0, 4 * numbers.len() as u64).unwrap();
+        commands.submit();
+        gpu.read_back(&readback).unwrap()
     }
 
     fn sums_before(numbers: &[u32]) -> Vec<u32> {
@@ -149,16 +149,17 @@ mod tests {
         let gpu = gpu();
         let count = keys.len() as u32;
         let values: Vec<u32> = (0..count).collect();
-        let mut work = gpu.work();
+        let mut commands = gpu.commands();
         let entries = Entries {
             keys: gpu.filled("keys", keys).unwrap(),
             values: gpu.filled("values", &values).unwrap(),
         };
-        let sorted = sort(&mut work, entries, count, bits).unwrap();
+        let sorted = sort(&mut commands, entries, count, bits).unwrap();
         let bytes = 4 * u64::from(count);
-        let (keys, values) = (work.fetch(&sorted.keys, 0, bytes), work.fetch(&sorted.values, 0, bytes));
-        work.submit();
-        (gpu.receive(&keys.unwrap()).unwrap(), gpu.receive(&values.unwrap()).unwrap())
+        let (keys, values) =
+            (commands.copy_out(&sorted.keys, 0, bytes), commands.copy_out(&sorted.values, 0, bytes));
+        commands.submit();
+        (gpu.read_back(&keys.unwrap()).unwrap(), gpu.read_back(&values.unwrap()).unwrap())
     }
 
     fn check(keys: &[u32], bits: u32, name: &str) {

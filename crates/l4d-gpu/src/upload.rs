@@ -7,22 +7,22 @@ use l4d_splat::view::View;
 use rayon::prelude::*;
 use wgpu::{BindingResource, Buffer};
 
+use crate::commands::piece;
 use crate::device::Gpu;
-use crate::error::{Fault, GpuError};
+use crate::error::{Failure, GpuError};
 use crate::projection::Projection;
-use crate::shaders::BODY_GRADIENTS;
-use crate::work::piece;
+use crate::shaders::GRADIENT_FLOATS;
 
 /// Gaussians packed by one task.
 const PACKED: usize = 4096;
 /// Pieces of buffers start at multiples of 256 bytes: so many Gaussians of any number of floats always do.
 const ALIGNED: u64 = 64;
-const BODY_GRADIENT_BYTES: u64 = 4 * BODY_GRADIENTS as u64;
+const GRADIENT_BYTES: u64 = 4 * GRADIENT_FLOATS as u64;
 
-/// As `shared/body.wgsl` has it.
+/// As `shared/gaussian.wgsl` has it.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct Body {
+struct PackedGaussian {
     mean: [f32; 3],
     opacity: f32,
     scale: [f32; 3],
@@ -35,7 +35,7 @@ struct Body {
 pub struct Uploaded<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) splats: &'a Splats,
-    pub(crate) bodies: Buffer,
+    pub(crate) gaussians: Buffer,
     /// Seen in pieces: up to 192 bytes a Gaussian.
     pub(crate) sh: Buffer,
 }
@@ -43,21 +43,22 @@ pub struct Uploaded<'a> {
 impl Gpu {
     /// Copies splats to the adapter once, to be looked at from many sides.
     pub fn upload<'a>(&'a self, splats: &'a Splats) -> Result<Uploaded<'a>, RasterError> {
-        self.watched(|| {
-            let bodies: Vec<Body> = (splats.means(), splats.scales(), splats.rotations(), splats.opacities())
-                .into_par_iter()
-                .with_min_len(PACKED)
-                .map(|(&mean, &scale, &rotation, &opacity)| Body {
-                    mean,
-                    opacity,
-                    scale,
-                    unused: 0.0,
-                    rotation,
-                })
-                .collect();
+        self.with_error_scopes(|| {
+            let gaussians: Vec<PackedGaussian> =
+                (splats.means(), splats.scales(), splats.rotations(), splats.opacities())
+                    .into_par_iter()
+                    .with_min_len(PACKED)
+                    .map(|(&mean, &scale, &rotation, &opacity)| PackedGaussian {
+                        mean,
+                        opacity,
+                        scale,
+                        unused: 0.0,
+                        rotation,
+                    })
+                    .collect();
             let sh = self.long_buffer("spherical harmonics", size_of_val(splats.sh()) as u64)?;
             self.write(&sh, splats.sh());
-            Ok(Uploaded { gpu: self, splats, bodies: self.filled("bodies", &bodies)?, sh })
+            Ok(Uploaded { gpu: self, splats, gaussians: self.filled("gaussians", &gaussians)?, sh })
         })
     }
 }
@@ -70,13 +71,13 @@ impl<'a> Uploaded<'a> {
         settings: &RasterSettings,
     ) -> Result<impl Projected + use<'a>, RasterError> {
         settings.check()?;
-        self.gpu.watched(|| Projection::new(self, view, settings))
+        self.gpu.with_error_scopes(|| Projection::new(self, view, settings))
     }
 
     /// Runs of Gaussians whose spherical harmonics, and whose gradients, one pass may see.
-    pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Fault> {
+    pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Failure> {
         let sh_stride = self.splats.sh_degree().coefficients() as u64 * size_of::<[f32; 3]>() as u64;
-        let (stride, has) = (sh_stride.max(BODY_GRADIENT_BYTES), self.gpu.room.binding);
+        let (stride, has) = (sh_stride.max(GRADIENT_BYTES), self.gpu.limits.binding);
         let length = has / stride / ALIGNED * ALIGNED;
         if length == 0 {
             let needs = ALIGNED * stride;
@@ -109,7 +110,7 @@ impl Piece {
 
     /// Its derivatives by everything else in the buffer of all.
     pub(crate) fn of_gradients<'b>(&self, buffer: &'b Buffer) -> BindingResource<'b> {
-        piece(buffer, self.first * BODY_GRADIENT_BYTES, self.len() * BODY_GRADIENT_BYTES)
+        piece(buffer, self.first * GRADIENT_BYTES, self.len() * GRADIENT_BYTES)
     }
 
     pub(crate) fn part(&self) -> [u32; 4] {

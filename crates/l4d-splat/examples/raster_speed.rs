@@ -85,11 +85,11 @@ fn measure(
             projected.backward(&drawing, &gradient)?;
             let backward = milliseconds(start);
             let start = Instant::now();
-            projected.gather(&mask, 1)?;
+            projected.gather_features(&mask, 1)?;
             let gather = milliseconds(start);
             let start = Instant::now();
             let features = vec![1.0; splats.len()];
-            projected.spread(&features, 1)?;
+            projected.splat_features(&features, 1)?;
             let spread = milliseconds(start);
             let full = cpu.prepare(splats, view, &RasterSettings::default())?;
             let start = Instant::now();

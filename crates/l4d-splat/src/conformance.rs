@@ -11,14 +11,14 @@
 //! side of 1e-4, changes a pixel by up to about a hundredth. Such pixels are counted apart ("flips"), and their
 //! number and size have bounds of their own.
 
-mod answers;
 mod compare;
 mod differences;
+mod outputs;
 mod scenes;
 
-pub use answers::Answers;
 pub use compare::{Bounds, Finding, check, check_case, refusals};
 pub use differences::{Agreement, central_differences};
+pub use outputs::Outputs;
 pub use scenes::{Case, cases};
 
 /// Findings as a table for people.

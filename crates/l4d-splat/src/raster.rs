@@ -65,11 +65,11 @@ pub trait Projected: Send + Sync {
 
     /// Blends any numbers that the Gaussians carry, as colours are blended, without a background: A s.
     /// `features` holds `channels` numbers a Gaussian; the result holds as many a pixel.
-    fn spread(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
+    fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
 
     /// The transpose of [`Self::spread`]: A^T m, for each Gaussian the sum over pixels of its blend weight times
     /// what `pixels` holds there, `channels` numbers each.
-    fn gather(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
+    fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
 
     /// Which Gaussians a pixel shows, front to back, with the weights a_i T_i of their colours.
     fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError>;
@@ -80,19 +80,19 @@ pub trait Projected: Send + Sync {
     /// Derivatives of a loss by the splats, given those by the picture. `drawing` is what [`Self::draw`] gave.
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError>;
 
-    /// As [`Self::backward`] for those Gaussians that `learning` marks; the derivatives by all others are left at zero.
+    /// As [`Self::backward`] for those Gaussians that `trainable` marks; the derivatives by all others are left at zero.
     ///
     /// # Errors
     /// As [`Self::backward`], and a list of another length than the splats.
-    fn backward_of(
+    fn backward_for(
         &self,
         drawing: &Drawing,
         gradient: &DrawingGradient,
-        learning: &[bool],
+        trainable: &[bool],
     ) -> Result<SplatGradients, RasterError> {
         let mut gradients = self.backward(drawing, gradient)?;
-        check_length("learning Gaussians", learning.len(), Some(gradients.means.len()))?;
-        gradients.clear_all_but(learning);
+        check_length("trainable Gaussians", trainable.len(), Some(gradients.means.len()))?;
+        gradients.clear_all_but(trainable);
         Ok(gradients)
     }
 }

@@ -32,7 +32,7 @@ pub fn weights<Key: Sync>(
                 let ones = vec![1.0; view.pixel_count()];
                 let gathered = rasterizer
                     .prepare(&splats, view, settings)
-                    .and_then(|projected| projected.gather(&ones, 1));
+                    .and_then(|projected| projected.gather_features(&ones, 1));
                 gathered.map_err(|source| ClipError::Raster { time, source })
             })
             .collect::<Result<_, _>>()?;
@@ -113,14 +113,14 @@ fn first_rows(tensor: &Tensor, rows: usize) -> Tensor {
 
 /// How far each dynamic Gaussian strays, and where it is on average.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct Displacement {
     /// Largest distance from the mean place, metres; one a dynamic Gaussian.
     pub reach_m: Vec<f32>,
     /// Mean offsets over the times, a row a dynamic Gaussian.
     mean: Offsets,
 }
 
-impl Motion {
+impl Displacement {
     /// Follows the dynamic Gaussians of a model over some times.
     ///
     /// # Errors
@@ -323,7 +323,7 @@ mod tests {
     fn frozen_gaussians_stand_in_their_mean_state() {
         let model = model();
         let times = [0.0, 0.5, 1.0];
-        let motion = Motion::of(&model, &times).unwrap();
+        let motion = Displacement::of(&model, &times).unwrap();
         assert_eq!(motion.freeze(&model, 0.0).unwrap(), model);
 
         let still = motion.freeze(&model, f32::INFINITY).unwrap();

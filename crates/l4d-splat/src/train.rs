@@ -8,33 +8,33 @@
 //! know files, held-out views and instances.
 
 mod colmap;
-mod density;
+mod crop;
+mod densify;
+mod depth;
 mod error;
-#[cfg(test)]
-mod fake;
-mod footage;
-mod holes;
-mod learn;
+mod initial_points;
+mod kd_tree;
+mod loss;
+mod missing;
 mod motion;
-mod nearest;
-mod place;
+mod pinhole;
 mod points;
 mod quality;
+mod scene_stats;
 mod settings;
-mod sight;
-mod start;
 mod state;
 mod stereo;
-mod survey;
+#[cfg(test)]
+mod test_world;
+mod time_span;
 mod trainer;
-mod unfold;
-mod window;
+mod views;
 
 pub use colmap::{ColouredPoint, read_points};
 pub use error::TrainError;
-pub use footage::{Footage, FootageError, Picture, Shot};
-pub use motion::{Ground, Kind, Motion};
+pub use initial_points::InitialPoints;
+pub use motion::{Background, Motion, SurfaceKind};
 pub use quality::{Quality, Region, measure};
 pub use settings::{Settings, Stage};
-pub use start::Start;
 pub use trainer::{Report, Trainer};
+pub use views::{Picture, TrainingCamera, TrainingViews, TrainingViewsError};

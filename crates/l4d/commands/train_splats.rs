@@ -2,8 +2,8 @@
 
 mod folder;
 mod input;
+mod pictures;
 mod report;
-mod shoot;
 
 use std::time::{Duration, Instant};
 
@@ -11,12 +11,12 @@ use anyhow::{Context as _, Result};
 use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::{Benchmark, Name};
 use l4d_solve::account::peak_memory_bytes;
-use l4d_splat::train::{Quality, Settings, Stage, Start, Trainer, measure, read_points};
+use l4d_splat::train::{InitialPoints, Quality, Settings, Stage, Trainer, measure, read_points};
 
 use self::folder::{Claim, Origin, SplatsFolder};
 use self::input::{HeldOut, Input};
+use self::pictures::PictureSource;
 use self::report::{Effort, Report};
-use self::shoot::Shoot;
 use super::build_scenes::data_folder;
 use crate::cli::splats::{InitArg, TrainSplatsArgs};
 use crate::out::{ExitStatus, Printer};
@@ -31,16 +31,16 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
     let data = data_folder(args.data.as_deref(), args.profile, draw);
     let dir = SceneDir::new(&data, &name);
-    let shoot = Shoot::open(args, &dir)?;
+    let source = PictureSource::open(args, &dir)?;
     let settings = settings(args);
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let init = init(args);
-    let start = start(&init)?;
+    let initial = initial_points(&init)?;
     let work = args.out.clone().unwrap_or_else(|| WorkDir::new(&args.work, args.profile, &name).splats());
 
-    let bar = out.bar(shoot.picture_count(), "reading");
-    let input = Input::read(&dir, &shoot, &|| bar.inc(1))?;
-    let held_out = HeldOut::read(&dir, &shoot, &|| bar.inc(1))?;
+    let bar = out.bar(source.picture_count(), "reading");
+    let input = Input::read(&dir, &source, &|| bar.inc(1))?;
+    let held_out = HeldOut::read(&dir, &source, &|| bar.inc(1))?;
     bar.finish_and_clear();
     let read_seconds = begin.elapsed().as_secs_f64();
 
@@ -49,9 +49,9 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         profile: args.profile,
         settings: serde_json::to_value(&settings)?,
         init: init.to_string(),
-        saw_depth: shoot.has_depth,
-        track: shoot.track(),
-        sampling: shoot.sampling,
+        saw_depth: source.has_depth,
+        track: source.track(),
+        sampling: source.sampling,
         rasterizer: opened.rasterizer.name(),
         adapter: opened.adapter.map(serde_json::to_value).transpose()?,
         trained_on: input.digests,
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     }
 
     let begin = Instant::now();
-    let mut trainer = Trainer::new(&input.footage, settings, &start, opened.rasterizer.as_ref())
+    let mut trainer = Trainer::new(&input.views, settings, &initial, opened.rasterizer.as_ref())
         .with_context(|| dir.root().display().to_string())?;
     let prepare_seconds = begin.elapsed().as_secs_f64();
     let mut before_seconds = 0.0;
@@ -79,13 +79,13 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
 
     let begin = Instant::now();
     let report = Report {
-        train: trainer.measure(&all_pictures(trainer_pictures(&input.footage)))?,
+        train: trainer.measure(&all_pictures(trainer_pictures(&input.views)))?,
         test: quality_of(&trainer, &held_out, usize::MAX)?,
         iterations: trainer.iteration(),
         settled: trainer.settled(),
         gaussians: trainer.model().gaussians.len(),
         dynamic: trainer.model().dynamic.len(),
-        pictures_bytes: input.footage.bytes(),
+        pictures_bytes: input.views.bytes(),
         peak_memory_bytes: peak_memory_bytes(),
         read_seconds,
         prepare_seconds,
@@ -112,7 +112,7 @@ fn train(
     bar.set_position(trainer.iteration());
     let begin = Instant::now();
     let every = Duration::from_secs_f64(args.checkpoint_seconds.clamp(0.0, 1e6));
-    let (mut saved, mut looked, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
+    let (mut saved, mut evaluated, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
     let seconds = || before_seconds + begin.elapsed().as_secs_f64();
     let mut test = None;
     let mut fine = Effort::default();
@@ -120,15 +120,15 @@ fn train(
         let report =
             if trainer.stage() == Stage::Fine { fine.spend(|| trainer.step()) } else { trainer.step() }?;
         bar.inc(1);
-        if let Some(look) = report.look {
-            let ms = looked.elapsed().as_secs_f64() * 1e3 / (trainer.iteration() - at).max(1) as f64;
+        if let Some(quality) = report.quality {
+            let ms = evaluated.elapsed().as_secs_f64() * 1e3 / (trainer.iteration() - at).max(1) as f64;
             test = quality_of(trainer, held_out, GLANCES)?.or(test);
-            let line = progress(trainer, report.stage, &look, test.as_ref(), ms);
+            let line = progress(trainer, report.stage, &quality, test.as_ref(), ms);
             bar.set_message(line.clone());
             if bar.is_hidden() {
                 out.note(format!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
             }
-            (looked, at) = (Instant::now(), trainer.iteration());
+            (evaluated, at) = (Instant::now(), trainer.iteration());
         }
         if saved.elapsed() >= every {
             folder.save(trainer, origin, seconds())?;
@@ -139,7 +139,13 @@ fn train(
     Ok((seconds(), fine))
 }
 
-fn progress(trainer: &Trainer<'_>, stage: Stage, look: &Quality, test: Option<&Quality>, ms: f64) -> String {
+fn progress(
+    trainer: &Trainer<'_>,
+    stage: Stage,
+    quality: &Quality,
+    test: Option<&Quality>,
+    ms: f64,
+) -> String {
     let stage = match stage {
         Stage::Coarse => "coarse",
         Stage::Unfold { .. } => "unfolding",
@@ -147,28 +153,28 @@ fn progress(trainer: &Trainer<'_>, stage: Stage, look: &Quality, test: Option<&Q
     };
     let test = test.map_or_else(String::new, |test| format!(", test {:.2}", test.psnr_db));
     let count = trainer.model().gaussians.len();
-    format!("{stage}, {count} Gaussians, PSNR train {:.2}{test} dB, {ms:.0} ms", look.psnr_db)
+    format!("{stage}, {count} Gaussians, PSNR train {:.2}{test} dB, {ms:.0} ms", quality.psnr_db)
 }
 
 /// Errors on so many held-out pictures, spread over the clip; none without a held-out camera.
 fn quality_of(trainer: &Trainer<'_>, held_out: &HeldOut, most: usize) -> Result<Option<Quality>> {
-    if held_out.footage.shots().is_empty() {
+    if held_out.views.cameras().is_empty() {
         return Ok(None);
     }
-    let moments = held_out.footage.moments();
+    let moments = held_out.views.moments();
     let count = most.min(moments).max(1);
     let picks: Vec<(usize, usize)> =
         (0..count).map(|pick| (0, pick * (moments - 1) / (count - 1).max(1))).collect();
     let region = |_, moment| held_out.region(moment);
-    Ok(Some(measure(trainer.model(), trainer.rasterizer(), &held_out.footage, &picks, &region)?))
+    Ok(Some(measure(trainer.model(), trainer.rasterizer(), &held_out.views, &picks, &region)?))
 }
 
-fn trainer_pictures(footage: &l4d_splat::train::Footage) -> (usize, usize) {
-    (footage.shots().len(), footage.moments())
+fn trainer_pictures(views: &l4d_splat::train::TrainingViews) -> (usize, usize) {
+    (views.cameras().len(), views.moments())
 }
 
-fn all_pictures((shots, moments): (usize, usize)) -> Vec<(usize, usize)> {
-    (0..shots).flat_map(|shot| (0..moments).map(move |moment| (shot, moment))).collect()
+fn all_pictures((cameras, moments): (usize, usize)) -> Vec<(usize, usize)> {
+    (0..cameras).flat_map(|camera| (0..moments).map(move |moment| (camera, moment))).collect()
 }
 
 fn settings(args: &TrainSplatsArgs) -> Settings {
@@ -194,11 +200,11 @@ fn init(args: &TrainSplatsArgs) -> InitArg {
     args.init.clone().unwrap_or_else(usual)
 }
 
-fn start(init: &InitArg) -> Result<Start> {
+fn initial_points(init: &InitArg) -> Result<InitialPoints> {
     Ok(match init {
-        // Footage without depth is compared.
-        InitArg::Depth | InitArg::Sweep => Start::Depth,
-        InitArg::Random => Start::Random,
-        InitArg::Points(path) => Start::Points(read_points(path)?),
+        // TrainingViews without depth is compared.
+        InitArg::Depth | InitArg::Sweep => InitialPoints::Depth,
+        InitArg::Random => InitialPoints::Random,
+        InitArg::Points(path) => InitialPoints::Points(read_points(path)?),
     })
 }

@@ -1,12 +1,12 @@
 //! The same bytes each time, and whatever the adapter has room for.
 
 use l4d_gpu::Gpu;
-use l4d_splat::conformance::{Answers, Case, cases};
+use l4d_splat::conformance::{Case, Outputs, cases};
 
 use crate::{gpu, open};
 
-fn answers(gpu: &Gpu, case: &Case) -> Answers {
-    Answers::of(gpu, case).unwrap()
+fn outputs(gpu: &Gpu, case: &Case) -> Outputs {
+    Outputs::of(gpu, case).unwrap()
 }
 
 fn some_cases() -> impl Iterator<Item = Case> {
@@ -17,9 +17,9 @@ fn some_cases() -> impl Iterator<Item = Case> {
 fn twice_the_same_bytes() {
     let other = open();
     for case in some_cases() {
-        let first = answers(gpu(), &case);
-        assert!(answers(gpu(), &case) == first, "{}", case.name);
-        assert!(answers(&other, &case) == first, "{} on a device of its own", case.name);
+        let first = outputs(gpu(), &case);
+        assert!(outputs(gpu(), &case) == first, "{}", case.name);
+        assert!(outputs(&other, &case) == first, "{} on a device of its own", case.name);
     }
 }
 
@@ -29,19 +29,19 @@ fn parts_that_fit_give_the_bytes_of_the_whole() {
     for (name, limit) in [("room", 50_000), ("cloud", 35_000)] {
         let case = cases().into_iter().find(|case| case.name == name).unwrap();
         let small = open().with_binding_limit(limit);
-        assert!(answers(&small, &case) == answers(gpu(), &case), "{name}");
+        assert!(outputs(&small, &case) == outputs(gpu(), &case), "{name}");
     }
 }
 
 #[test]
 fn many_threads_may_ask_at_once() {
     let cases: Vec<Case> = some_cases().collect();
-    let alone: Vec<Answers> = cases.iter().map(|case| answers(gpu(), case)).collect();
+    let alone: Vec<Outputs> = cases.iter().map(|case| outputs(gpu(), case)).collect();
     std::thread::scope(|scope| {
         for _ in 0..3 {
             scope.spawn(|| {
                 for (case, alone) in std::iter::zip(&cases, &alone) {
-                    assert!(answers(gpu(), case) == *alone, "{}", case.name);
+                    assert!(outputs(gpu(), case) == *alone, "{}", case.name);
                 }
             });
         }

@@ -29,7 +29,7 @@ impl Layer {
     /// # Errors
     /// A layer of other Gaussians than those that are drawn.
     pub fn mask(&self, projected: &dyn Projected, view: &View) -> Result<Mask, LiftError> {
-        let blend = projected.spread(&self.values, 1)?;
+        let blend = projected.splat_features(&self.values, 1)?;
         Ok(cut(&blend, 1, 0, self.cut, view))
     }
 }
@@ -48,7 +48,7 @@ pub fn masks(projected: &dyn Projected, view: &View, layers: &[&Layer]) -> Resul
                 row[channel] = value;
             }
         }
-        let blend = projected.spread(&values, some.len())?;
+        let blend = projected.splat_features(&values, some.len())?;
         let channels = some.iter().enumerate();
         masks.extend(channels.map(|(channel, layer)| cut(&blend, some.len(), channel, layer.cut, view)));
     }

@@ -40,7 +40,8 @@ impl Scene {
     pub(crate) fn truth(&self, view: &View, frame: u32) -> Mask {
         let splats = self.model.at(frame as f32 / 96.0).unwrap();
         let labels: Vec<f32> = (0..400).map(|index| f32::from(u8::from(Self::is_meant(index)))).collect();
-        let blend = self.cpu.prepare(&splats, view, &self.raster).unwrap().spread(&labels, 1).unwrap();
+        let blend =
+            self.cpu.prepare(&splats, view, &self.raster).unwrap().splat_features(&labels, 1).unwrap();
         Mask::from_fn(SIZE[0], SIZE[1], |column, row| blend[(row * SIZE[0] + column) as usize] > 0.5)
     }
 

@@ -75,11 +75,11 @@ pub fn check_case(
     let reference = Reference::<f64>::new().scene(&case.splats.cast(), &case.view, &case.settings)?;
     let projected = rasterizer.prepare(&case.splats, &case.view, &case.settings)?;
     let mut findings = Vec::new();
-    let mut judge = Judge { case, bounds, findings: &mut findings };
-    judge.pictures(projected.as_ref(), &reference)?;
-    judge.weights(projected.as_ref(), &reference)?;
-    judge.contributors(projected.as_ref(), &reference)?;
-    judge.gradients(projected.as_ref(), &reference)?;
+    let mut comparison = Comparison { case, bounds, findings: &mut findings };
+    comparison.pictures(projected.as_ref(), &reference)?;
+    comparison.weights(projected.as_ref(), &reference)?;
+    comparison.contributors(projected.as_ref(), &reference)?;
+    comparison.gradients(projected.as_ref(), &reference)?;
     Ok(findings)
 }
 
@@ -95,17 +95,17 @@ pub fn refusals(rasterizer: &dyn Rasterizer) -> Result<Vec<&'static str>, Raster
     alien.transmittance.pop();
     let mut settings = case.settings;
     settings.alpha_max = 1.0;
-    let answers = [
-        ("features that are too few", projected.spread(&[1.0; 7], 3).is_err()),
-        ("pixels that are too few", projected.gather(&[1.0; 7], 1).is_err()),
-        ("an absurd number of channels", projected.spread(&[1.0; 7], usize::MAX).is_err()),
+    let outputs = [
+        ("features that are too few", projected.splat_features(&[1.0; 7], 3).is_err()),
+        ("pixels that are too few", projected.gather_features(&[1.0; 7], 1).is_err()),
+        ("an absurd number of channels", projected.splat_features(&[1.0; 7], usize::MAX).is_err()),
         ("a column outside", projected.contributors(width, 0).is_err()),
         ("a row outside", projected.contributors(0, height).is_err()),
         ("a gradient of another size", projected.backward(&drawing, &short).is_err()),
         ("a drawing of another size", projected.backward(&alien, &gradient).is_err()),
         ("an alpha of 1", rasterizer.prepare(&case.splats, &case.view, &settings).is_err()),
     ];
-    Ok(answers.into_iter().filter(|(_, refused)| !refused).map(|(what, _)| what).collect())
+    Ok(outputs.into_iter().filter(|(_, refused)| !refused).map(|(what, _)| what).collect())
 }
 
 /// A gradient by every pixel of a picture, from a seed.
@@ -125,13 +125,13 @@ fn random_numbers(count: usize, seed: u64) -> Vec<f32> {
     (0..count).map(|_| random.random_range(-1.0..1.0)).collect()
 }
 
-struct Judge<'a> {
+struct Comparison<'a> {
     case: &'a Case,
     bounds: &'a Bounds,
     findings: &'a mut Vec<Finding>,
 }
 
-impl Judge<'_> {
+impl Comparison<'_> {
     fn report(&mut self, quantity: &'static str, error: f64, bound: f64, flips: usize, flips_allowed: usize) {
         let case = self.case.name;
         self.findings.push(Finding { case, quantity, error, bound, flips, flips_allowed });
@@ -225,11 +225,11 @@ impl Judge<'_> {
         let features = random_numbers(self.case.splats.len() * channels, 21);
         let pixels = random_numbers(self.case.view.pixel_count() * channels, 22);
         let wide = |list: &[f32]| list.iter().copied().map(f64::from).collect::<Vec<_>>();
-        let spread = projected.spread(&features, channels)?;
-        let expected = reference.spread(&wide(&features), channels);
+        let spread = projected.splat_features(&features, channels)?;
+        let expected = reference.splat_features(&wide(&features), channels);
         self.per_pixel("spread", &spread, &expected, channels, self.bounds.colour);
-        let gathered = projected.gather(&pixels, channels)?;
-        let expected = reference.gather(&wide(&pixels), channels);
+        let gathered = projected.gather_features(&pixels, channels)?;
+        let expected = reference.gather_features(&wide(&pixels), channels);
         self.per_field("gather", &gathered, &expected, channels);
         let dot = |a: &[f32], b: &[f32]| -> (f64, f64) {
             std::iter::zip(a, b)

@@ -169,7 +169,7 @@ impl DeformationField {
         let Trace { time, positions, blocks, samples } = trace;
         let grid = self.grid_at(*time);
         // What nobody saw says nothing; most Gaussians are outside of a picture or behind others.
-        let rows = upstream.rows_that_say_something(&self.config, positions.len());
+        let rows = upstream.nonzero_rows(&self.config, positions.len());
         let at: Vec<[f32; 3]> = rows.iter().map(|&row| positions[row as usize]).collect();
         let mut slopes = vec![[0.0; 3]; rows.len()];
         samples.resize(rows.len() * grid.sample_gradients(), 0.0);
@@ -201,7 +201,7 @@ impl DeformationField {
         for lane in &lanes {
             gradients.network.add(lane);
         }
-        grid.spread(&self.bounds, &at, samples, &mut gradients.grid);
+        grid.scatter_add(&self.bounds, &at, samples, &mut gradients.grid);
         let mut all = vec![[0.0; 3]; positions.len()];
         for (&row, slope) in rows.iter().zip(slopes) {
             all[row as usize] = slope;

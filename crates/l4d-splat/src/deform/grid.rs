@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::bounds::Bounds;
 use super::config::DeformConfig;
-use super::sample::{FACTORS, LevelAt, spread};
+use super::sample::{FACTORS, LevelAt, scatter_add};
 
 /// The two axes of each plane of a level, of x, y, z, t = 0, 1, 2, 3: the first runs along a row of texels.
 pub(super) const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
@@ -134,7 +134,7 @@ impl GridAt<'_> {
     ///
     /// One task a plane walks the rows in their order, so that no two tasks write to a plane and sums are taken in
     /// one order.
-    pub(super) fn spread(
+    pub(super) fn scatter_add(
         &self,
         bounds: &Bounds,
         positions: &[[f32; 3]],
@@ -151,7 +151,7 @@ impl GridAt<'_> {
         planes.collect::<Vec<_>>().into_par_iter().for_each(|(level, factor, start, plane)| {
             let rows = positions.iter().zip(sample_gradients.chunks_exact(stride));
             let rows = rows.map(|(&at, row)| (bounds.coordinates(at), &row[start..start + self.channels]));
-            spread(level, factor, rows, plane);
+            scatter_add(level, factor, rows, plane);
         });
     }
 }

@@ -13,7 +13,7 @@ pub enum Init {
     /// untrained field then moves all Gaussians by almost the same 0.1 to 0.2 units, which has to be unlearned.
     Foreign,
     /// The same, but the last layer of each head is zero: the untrained field changes nothing.
-    StandStill,
+    Identity,
 }
 
 impl Init {
@@ -34,7 +34,7 @@ impl Init {
             layer.weight.fill_with(|| random.random_range(-weight..weight));
             layer.bias.fill_with(|| random.random_range(-bias..bias));
         }
-        if self == Self::StandStill {
+        if self == Self::Identity {
             for [_, last] in &mut network.heads {
                 last.weight.fill(0.0);
                 last.bias.fill(0.0);

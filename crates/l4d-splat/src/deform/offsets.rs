@@ -68,7 +68,7 @@ impl Offsets {
     }
 
     /// Rows of a gradient that are not zero, ascending.
-    pub(super) fn rows_that_say_something(&self, config: &DeformConfig, rows: usize) -> Vec<u32> {
+    pub(super) fn nonzero_rows(&self, config: &DeformConfig, rows: usize) -> Vec<u32> {
         let mut says = vec![false; rows];
         for (head, list) in Head::ALL.into_iter().zip(self.flat()) {
             for (says, values) in says.iter_mut().zip(list.chunks_exact(head.outputs(config))) {

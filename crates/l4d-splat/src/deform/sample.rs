@@ -130,7 +130,7 @@ impl<'a> LevelAt<'a> {
                 by_index[3 + axis][0] = minus(b, a);
             }
 
-            let by_sample = others(load(upstream), &samples);
+            let by_sample = products_of_others(load(upstream), &samples);
             for (factor, gradient) in by_sample.iter().enumerate() {
                 gradients[factor * self.channels + channel..][..upstream.len()]
                     .copy_from_slice(&gradient[..upstream.len()]);
@@ -159,7 +159,7 @@ fn corners(first: Tap, second: Tap) -> [(usize, usize); 4] {
 
 /// The gradient of each factor: upstream times the product of all others. Dividing the whole product by the factor
 /// would fail where it is zero.
-fn others(upstream: Lanes, factors: &[Lanes; FACTORS]) -> [Lanes; FACTORS] {
+fn products_of_others(upstream: Lanes, factors: &[Lanes; FACTORS]) -> [Lanes; FACTORS] {
     let mut gradients = [upstream; FACTORS];
     let mut before = upstream;
     for (gradient, &factor) in gradients.iter_mut().zip(factors) {
@@ -175,7 +175,7 @@ fn others(upstream: Lanes, factors: &[Lanes; FACTORS]) -> [Lanes; FACTORS] {
 }
 
 /// Adds the gradients of one factor's samples, row after row, to the gradient of the plane that it comes from.
-pub(super) fn spread<'g>(
+pub(super) fn scatter_add<'g>(
     level: &LevelAt<'_>,
     factor: usize,
     rows: impl Iterator<Item = ([f32; 3], &'g [f32])>,
@@ -240,10 +240,10 @@ mod tests {
     #[test]
     fn a_factor_of_zero_gets_the_product_of_the_others() {
         let factors = [2.0, 3.0, 0.0, 5.0, -1.0, 0.5].map(|factor| [factor; LANES]);
-        let gradients = others([10.0; LANES], &factors);
+        let gradients = products_of_others([10.0; LANES], &factors);
         assert_eq!(gradients.map(|lanes| lanes[0]), [0.0, 0.0, -150.0, 0.0, 0.0, 0.0]);
         let factors = [2.0, 3.0, 1.0, 5.0, -1.0, 0.5].map(|factor| [factor; LANES]);
-        let gradients = others([1.0; LANES], &factors);
+        let gradients = products_of_others([1.0; LANES], &factors);
         assert_eq!(gradients.map(|lanes| lanes[LANES - 1]), [-7.5, -5.0, -15.0, -3.0, 15.0, -30.0]);
     }
 }

@@ -78,7 +78,7 @@ pub struct Adam {
 
 /// What one step needs of a group: its lists of parameters, and their gradients in the same order.
 #[derive(Debug)]
-pub struct Share<'a> {
+pub struct GroupUpdate<'a> {
     /// To be changed.
     pub parameters: Vec<&'a mut [f32]>,
     /// As long as the parameters.
@@ -102,7 +102,7 @@ impl Adam {
     /// # Errors
     /// Settings outside their ranges, shares that don't fit the groups, and a parameter or gradient that is not finite
     /// or whose square is not: the first by group. Nothing is then changed, in no group.
-    pub fn step(&mut self, iteration: u64, shares: Vec<Share<'_>>) -> Result<(), OptimiseError> {
+    pub fn step(&mut self, iteration: u64, shares: Vec<GroupUpdate<'_>>) -> Result<(), OptimiseError> {
         self.settings.check()?;
         check_length("shares of an optimiser step", shares.len(), self.groups.len())?;
         for (group, share) in self.groups.iter().zip(&shares) {
@@ -171,7 +171,7 @@ impl Group {
         }
     }
 
-    fn check(&self, share: &Share<'_>) -> Result<(), OptimiseError> {
+    fn check(&self, share: &GroupUpdate<'_>) -> Result<(), OptimiseError> {
         let name = &self.name;
         check_length(&format!("lists of group `{name}`"), share.parameters.len(), self.moments.len())?;
         check_length(&format!("gradients of group `{name}`"), share.gradients.len(), self.moments.len())?;
@@ -187,7 +187,7 @@ impl Group {
         Ok(())
     }
 
-    fn step(&mut self, settings: &AdamSettings, iteration: u64, share: Share<'_>) {
+    fn step(&mut self, settings: &AdamSettings, iteration: u64, share: GroupUpdate<'_>) {
         self.steps += 1;
         let decays = [settings.first_decay, settings.second_decay];
         // Moments start at zero and are therefore too small at first.
@@ -233,7 +233,7 @@ mod tests {
     use super::*;
 
     fn step(adam: &mut Adam, parameters: &mut [f32], gradient: &[f32]) -> Result<(), OptimiseError> {
-        adam.step(0, vec![Share { parameters: vec![parameters], gradients: vec![gradient] }])
+        adam.step(0, vec![GroupUpdate { parameters: vec![parameters], gradients: vec![gradient] }])
     }
 
     fn adam(pattern: Vec<f32>) -> Adam {

@@ -87,15 +87,15 @@ pub fn plane_penalty(
         .map(|(plane, gradient)| {
             let weight = if plane.has_time { weights.time } else { weights.space };
             let bend = bend(plane, weight, &mut gradient.texels);
-            let unrest =
-                if plane.has_time { unrest(plane, weights.stillness, &mut gradient.texels) } else { 0.0 };
-            (plane.has_time, bend, unrest)
+            let deviation =
+                if plane.has_time { deviation(plane, weights.stillness, &mut gradient.texels) } else { 0.0 };
+            (plane.has_time, bend, deviation)
         })
         .collect();
     let mut penalty = PlanePenalty::default();
-    for (has_time, bend, unrest) in terms {
+    for (has_time, bend, deviation) in terms {
         *if has_time { &mut penalty.time } else { &mut penalty.space } += bend;
-        penalty.stillness += unrest;
+        penalty.stillness += deviation;
     }
     Ok(penalty)
 }
@@ -123,7 +123,7 @@ fn bend(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
 }
 
 /// Mean absolute difference from 1.
-fn unrest(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
+fn deviation(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
     let count = plane.texels.len().max(1) as f64;
     let step = (f64::from(weight) / count) as f32;
     for (gradient, &texel) in gradient.iter_mut().zip(&plane.texels) {

@@ -5,16 +5,16 @@
 //! them, whatever the build was told, and the baseline of the target elsewhere. The bytes of a result depend on that
 //! choice, but never on the number of threads: tiles are independent, and sums over tiles are taken in tile order.
 
-mod blame;
-mod carry;
-mod decay;
-mod lens;
-mod moments;
-mod order;
-mod paint;
-mod project;
-mod walk;
-mod wanted;
+mod backward;
+mod binning;
+mod blend;
+mod exp2;
+mod features;
+mod forward;
+mod gradients;
+mod pixel_mask;
+mod project_simd;
+mod projection;
 
 use fearless_simd::{Level, Simd};
 
@@ -24,10 +24,10 @@ use super::{
 };
 use crate::splats::{SplatGradients, Splats};
 use crate::view::View;
-use lens::{Footprint, Lens};
-use order::Bins;
-use walk::{Limits, Tile};
-use wanted::Wanted;
+use binning::TileBins;
+use blend::{Limits, Tile};
+use pixel_mask::PixelMask;
+use projection::{Footprint, Projection};
 
 /// Draws on the processor.
 #[derive(Debug, Clone, Copy)]
@@ -77,26 +77,26 @@ impl Cpu {
         }
     }
 
-    fn scene<'a>(
+    fn project<'a>(
         self,
         splats: &'a Splats,
         view: &View,
         settings: &RasterSettings,
-        wanted: Wanted,
-    ) -> Result<Scene<'a>, RasterError> {
+        mask: PixelMask,
+    ) -> Result<ProjectedScene<'a>, RasterError> {
         settings.check()?;
-        let lens = Lens::new(view, settings);
-        let footprints = order::front_to_back(self, &lens, splats, &wanted)?;
+        let projection = Projection::new(view, settings);
+        let footprints = binning::front_to_back(self, &projection, splats, &mask)?;
         let limits = Limits::new(settings);
-        let bins = Bins::new(&footprints, &limits, &wanted, view)?;
-        Ok(Scene {
+        let bins = TileBins::new(&footprints, &limits, &mask, view)?;
+        Ok(ProjectedScene {
             cpu: self,
             splats,
             view: *view,
             settings: *settings,
-            lens,
+            projection,
             limits,
-            wanted,
+            mask,
             footprints,
             bins,
         })
@@ -126,7 +126,7 @@ impl Rasterizer for Cpu {
         view: &View,
         settings: &RasterSettings,
     ) -> Result<Box<dyn Projected + 'a>, RasterError> {
-        Ok(Box::new(self.scene(splats, view, settings, Wanted::all(view))?))
+        Ok(Box::new(self.project(splats, view, settings, PixelMask::all(view))?))
     }
 
     fn prepare_marked<'a>(
@@ -137,26 +137,26 @@ impl Rasterizer for Cpu {
         marked: &[bool],
     ) -> Result<Box<dyn Projected + 'a>, RasterError> {
         check_length("marked pixels", marked.len(), Some(view.pixel_count()))?;
-        Ok(Box::new(self.scene(splats, view, settings, Wanted::marked(view, settings, marked))?))
+        Ok(Box::new(self.project(splats, view, settings, PixelMask::marked(view, settings, marked))?))
     }
 }
 
 /// Splats as one view sees them.
-struct Scene<'a> {
+struct ProjectedScene<'a> {
     cpu: Cpu,
     splats: &'a Splats,
     view: View,
     settings: RasterSettings,
-    lens: Lens,
+    projection: Projection,
     limits: Limits,
-    wanted: Wanted,
+    mask: PixelMask,
     /// Visible Gaussians, front to back.
     footprints: Vec<Footprint>,
     /// Which of them touch which tile.
-    bins: Bins,
+    bins: TileBins,
 }
 
-impl Scene<'_> {
+impl ProjectedScene<'_> {
     fn tile(&self, index: usize) -> Tile<'_> {
         let origin = self.bins.origin(index);
         let picture = [self.view.width() as usize, self.view.height() as usize];
@@ -166,31 +166,31 @@ impl Scene<'_> {
             ranks: self.bins.of(index),
             origin,
             size,
-            wanted: self.wanted.mask(index),
+            mask: self.mask.of_tile(index),
         }
     }
 }
 
-impl Projected for Scene<'_> {
+impl Projected for ProjectedScene<'_> {
     fn draw(&self) -> Result<Drawing, RasterError> {
-        Ok(paint::draw(self))
+        Ok(forward::draw(self))
     }
 
-    fn spread(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+    fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_channels(channels)?;
         check_length("features", features.len(), self.splats.len().checked_mul(channels))?;
-        Ok(carry::spread(self, features, channels))
+        Ok(features::splat_features(self, features, channels))
     }
 
-    fn gather(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+    fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_channels(channels)?;
         check_length("pixels", pixels.len(), self.view.pixel_count().checked_mul(channels))?;
-        Ok(carry::gather(self, pixels, channels))
+        Ok(features::gather_features(self, pixels, channels))
     }
 
     fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError> {
         check_pixel(&self.view, column, row)?;
-        Ok(carry::contributors(self, column as usize, row as usize))
+        Ok(features::contributors(self, column as usize, row as usize))
     }
 
     fn radii_px(&self) -> Result<Vec<f32>, RasterError> {
@@ -204,20 +204,20 @@ impl Projected for Scene<'_> {
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
         drawing.check(&self.view)?;
         gradient.check(&self.view)?;
-        let moments = blame::moments(self, drawing, gradient, None);
-        Ok(moments::gradients(self, &moments))
+        let sums = backward::gradient_sums(self, drawing, gradient, None);
+        Ok(gradients::splat_gradients(self, &sums))
     }
 
-    fn backward_of(
+    fn backward_for(
         &self,
         drawing: &Drawing,
         gradient: &DrawingGradient,
-        learning: &[bool],
+        trainable: &[bool],
     ) -> Result<SplatGradients, RasterError> {
         drawing.check(&self.view)?;
         gradient.check(&self.view)?;
-        check_length("learning Gaussians", learning.len(), Some(self.splats.len()))?;
-        let moments = blame::moments(self, drawing, gradient, Some(learning));
-        Ok(moments::gradients(self, &moments))
+        check_length("trainable Gaussians", trainable.len(), Some(self.splats.len()))?;
+        let sums = backward::gradient_sums(self, drawing, gradient, Some(trainable));
+        Ok(gradients::splat_gradients(self, &sums))
     }
 }

@@ -6,9 +6,9 @@
 //! has its square completed (so that it cannot come out positive).
 
 mod blend;
-mod flatten;
 mod matrix;
 mod projected;
+mod projection;
 
 use std::marker::PhantomData;
 
@@ -16,7 +16,7 @@ use super::{Projected, RasterError, RasterSettings, Rasterizer, TILE};
 use crate::real::Real;
 use crate::splats::Splats;
 use crate::view::View;
-use flatten::{Flat, Lens};
+use projection::{ProjectedGaussian, Projection};
 
 /// Draws by the book, computing in `F`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,20 +38,20 @@ impl<F: Real> Reference<F> {
         settings: &RasterSettings,
     ) -> Result<ReferenceScene<F>, RasterError> {
         settings.check()?;
-        let lens = Lens::new(view, settings);
-        let mut flats = Vec::new();
+        let projection = Projection::new(view, settings);
+        let mut gaussians = Vec::new();
         for index in 0..splats.len() {
-            flats.extend(lens.flatten(splats, index).map_err(RasterError::Overflow)?);
+            gaussians.extend(projection.project(splats, index).map_err(RasterError::Overflow)?);
         }
         // Stable: equal depths keep the order of their indices. The key is an f32 at any width, so that widths agree
         // on the order.
-        flats.sort_by(|a, b| a.depth.narrow().total_cmp(&b.depth.narrow()));
+        gaussians.sort_by(|a, b| a.depth.narrow().total_cmp(&b.depth.narrow()));
         let columns = (view.width() as usize).div_ceil(TILE);
         let rows = (view.height() as usize).div_ceil(TILE);
         let mut tiles = vec![Vec::new(); columns * rows];
-        for (rank, flat) in flats.iter().enumerate() {
-            for row in flat.tiles.rows.clone() {
-                for column in flat.tiles.columns.clone() {
+        for (rank, gaussian) in gaussians.iter().enumerate() {
+            for row in gaussian.tiles.rows.clone() {
+                for column in gaussian.tiles.columns.clone() {
                     tiles[row * columns + column].push(rank);
                 }
             }
@@ -60,8 +60,8 @@ impl<F: Real> Reference<F> {
             splats: splats.clone(),
             view: *view,
             settings: *settings,
-            lens,
-            flats,
+            projection,
+            gaussians,
             tiles,
             columns,
         })
@@ -74,10 +74,10 @@ pub struct ReferenceScene<F> {
     splats: Splats<F>,
     view: View,
     settings: RasterSettings,
-    lens: Lens<F>,
+    projection: Projection<F>,
     /// Visible Gaussians, front to back.
-    flats: Vec<Flat<F>>,
-    /// Positions in `flats` of the Gaussians of each tile, front to back; tiles row-major.
+    gaussians: Vec<ProjectedGaussian<F>>,
+    /// Positions in `gaussians` of the Gaussians of each tile, front to back; tiles row-major.
     tiles: Vec<Vec<usize>>,
     /// Tiles in a row.
     columns: usize,

@@ -6,7 +6,7 @@ use l4d_data::DataError;
 use l4d_data::error::inert;
 use l4d_data::store::read_bounded;
 
-use super::footage::unit;
+use super::views::unit;
 
 /// No such file is longer, bytes.
 const MAX_BYTES: u64 = 1 << 30;

@@ -7,14 +7,14 @@ use crate::raster::RasterError;
 use crate::splats::SplatError;
 use crate::view::ViewError;
 
-use super::footage::FootageError;
+use super::views::TrainingViewsError;
 
 /// What stopped training.
 #[derive(Debug, thiserror::Error)]
 pub enum TrainError {
     /// Pictures that cannot be trained on.
     #[error(transparent)]
-    Footage(#[from] FootageError),
+    TrainingViews(#[from] TrainingViewsError),
     /// A setting with which nothing can be learned.
     #[error("setting `{setting}` is {value}: must be {range}")]
     Setting {

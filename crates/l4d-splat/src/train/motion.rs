@@ -1,10 +1,10 @@
 //! What of a scene stands still, told from depth and colour alone, or from colour where nobody measured depth
 //! (`by_colour`).
 //!
-//! A standing camera sees, through each pixel, a *ground*: the farthest surface that was there at enough moments.
-//! Whatever is nearer at a moment moves, since the ground was seen through the place where it is. A ground moves too
+//! A standing camera sees, through each pixel, a *background*: the farthest surface that was there at enough moments.
+//! Whatever is nearer at a moment moves, since the background was seen through the place where it is. A background moves too
 //! if another camera sees through it, and it *flickers* if its colour leaves its usual value beyond the noise, often
-//! and far enough to be worth the effort (a shadow falls on it, a picture on a screen changes). What hides a ground
+//! and far enough to be worth the effort (a shadow falls on it, a picture on a screen changes). What hides a background
 //! for a while says nothing against it.
 //! Knows no instances: ids are never looked at.
 
@@ -13,88 +13,88 @@ mod by_colour;
 use rayon::prelude::*;
 
 use self::by_colour::Bits;
-use super::footage::{Footage, Shot};
-use super::place::Placer;
+use super::pinhole::Pinhole;
+use super::views::{TrainingCamera, TrainingViews};
 
 /// How far two depths of one surface may be apart: absolute, metres, and relative.
 const TOLERANCE: [f32; 2] = [0.002, 0.003];
 /// A colour is unusual beyond this, display units, plus [`NOISES`] times the noise of its pixel.
 const UNUSUAL: f32 = 0.04;
 const NOISES: f32 = 4.0;
-/// Share of calm moments with unusual colour from which on a ground flickers, whatever the threshold says.
+/// Share of calm moments with unusual colour from which on a background flickers, whatever the threshold says.
 const LEAST_FLICKER: f32 = 0.03;
-/// A ground that stands still although its colour swings costs the square of this, in display units beyond the noise;
+/// A background that stands still although its colour swings costs the square of this, in display units beyond the noise;
 /// the pictures of a rendered scene have noise of that size.
 const LEAST_SWING: f32 = 0.03;
 
-/// How the colour of a ground changes.
+/// How the colour of a background changes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Unrest {
+struct ColourChange {
     /// Share of calm moments with unusual colour.
     odd: f32,
     /// Variance over calm moments beyond that of the noise, mean over channels.
     variance: f32,
 }
 
-/// What the ground of a pixel does.
+/// What the background of a pixel does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum SurfaceKind {
     /// The same at all times.
-    Still,
+    Static,
     /// Stands, but changes colour.
-    Flickers,
-    /// Another camera saw through it: no ground, but something that rested.
-    Moves,
+    Flickering,
+    /// Another camera saw through it: no background, but something that rested.
+    Moving,
 }
 
 /// What a standing camera sees where nothing is in the way, row-major.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ground {
+pub struct Background {
     /// Planar depth, metres; +inf where nothing is hit, NaN where it is unknown.
     pub depth_m: Vec<f32>,
     /// Mean display colour over calm moments.
     pub colour: Vec<[f32; 3]>,
     /// What it does.
-    pub kind: Vec<Kind>,
+    pub kind: Vec<SurfaceKind>,
 }
 
-/// The grounds of all cameras.
+/// The backgrounds of all cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// One a camera; none for a camera that moves.
-    grounds: Vec<Option<Ground>>,
+    backgrounds: Vec<Option<Background>>,
     /// Nothing is known to stand still.
     everything: bool,
-    /// Where depth was not measured: pixels that move, by camera and moment; nothing for cameras without a ground.
+    /// Where depth was not measured: pixels that move, by camera and moment; nothing for cameras without a background.
     odd: Option<Vec<Vec<Bits>>>,
 }
 
 impl Motion {
     /// Looks at all pictures. `threshold` is the share of moments at which something has to be contradicted before it
     /// counts as moving; 0 makes everything dynamic, more than 1 nothing.
-    pub fn of(footage: &Footage, threshold: f32) -> Self {
-        if !footage.has_depth() {
-            return by_colour::motion(footage, threshold);
+    pub fn of(views: &TrainingViews, threshold: f32) -> Self {
+        if !views.has_depth() {
+            return by_colour::motion(views, threshold);
         }
-        let moments = footage.moments();
+        let moments = views.moments();
         let needed = ((threshold * moments as f32).ceil() as usize).clamp(1, moments + 1);
-        let grounds: Vec<Option<(Ground, Vec<Unrest>)>> = footage
-            .shots()
+        let backgrounds: Vec<Option<(Background, Vec<ColourChange>)>> = views
+            .cameras()
             .par_iter()
-            .map(|shot| shot.stands().then(|| ground_of(shot, footage.size(), needed)))
+            .map(|camera| camera.is_static().then(|| background_of(camera, views.size(), needed)))
             .collect();
-        let kinds: Vec<Vec<Kind>> = (0..grounds.len())
-            .map(|index| match (&grounds[index], threshold > 0.0) {
-                (Some((ground, _)), true) => judge(footage, &grounds, index, ground, threshold),
-                (Some((ground, _)), false) => vec![Kind::Flickers; ground.depth_m.len()],
+        let kinds: Vec<Vec<SurfaceKind>> = (0..backgrounds.len())
+            .map(|index| match (&backgrounds[index], threshold > 0.0) {
+                (Some((background, _)), true) => classify(views, &backgrounds, index, background, threshold),
+                (Some((background, _)), false) => vec![SurfaceKind::Flickering; background.depth_m.len()],
                 (None, _) => Vec::new(),
             })
             .collect();
-        let judged = |(found, kind): (Option<(Ground, Vec<Unrest>)>, Vec<Kind>)| {
-            found.map(|(ground, _)| Ground { kind, ..ground })
+        let judged = |(found, kind): (Option<(Background, Vec<ColourChange>)>, Vec<SurfaceKind>)| {
+            found.map(|(background, _)| Background { kind, ..background })
         };
-        let grounds = grounds.into_iter().zip(kinds).map(judged).collect();
-        Self { grounds, everything: threshold <= 0.0, odd: None }
+        let backgrounds = backgrounds.into_iter().zip(kinds).map(judged).collect();
+        Self { backgrounds, everything: threshold <= 0.0, odd: None }
     }
 
     /// Whether anything is known to stand still.
@@ -102,34 +102,34 @@ impl Motion {
         !self.everything
     }
 
-    /// The ground of a camera; none if it moves.
-    pub fn ground(&self, shot: usize) -> Option<&Ground> {
-        self.grounds.get(shot)?.as_ref()
+    /// The background of a camera; none if it moves.
+    pub fn background(&self, camera: usize) -> Option<&Background> {
+        self.backgrounds.get(camera)?.as_ref()
     }
 
     /// Whether what a pixel shows at a moment is something that moves; everything is, for a moving camera.
-    pub fn moves(&self, footage: &Footage, shot: usize, moment: usize, pixel: usize) -> bool {
-        self.ground(shot).is_none_or(|ground| {
+    pub fn moves(&self, views: &TrainingViews, camera: usize, moment: usize, pixel: usize) -> bool {
+        self.background(camera).is_none_or(|background| {
             if let Some(odd) = &self.odd {
-                return odd[shot][moment].get(pixel);
+                return odd[camera][moment].get(pixel);
             }
-            let depth_m = footage.shots()[shot].picture(moment).depth_m[pixel].to_f32();
-            ground.kind[pixel] == Kind::Moves || !same_depth(depth_m, ground.depth_m[pixel])
+            let depth_m = views.cameras()[camera].picture(moment).depth_m[pixel].to_f32();
+            background.kind[pixel] == SurfaceKind::Moving || !same_depth(depth_m, background.depth_m[pixel])
         })
     }
 
-    /// Whether what a pixel shows at a moment moves, or has not the colour that its ground usually has.
-    pub fn changes(&self, footage: &Footage, shot: usize, moment: usize, pixel: usize) -> bool {
-        self.moves(footage, shot, moment, pixel)
+    /// Whether what a pixel shows at a moment moves, or has not the colour that its background usually has.
+    pub fn changes(&self, views: &TrainingViews, camera: usize, moment: usize, pixel: usize) -> bool {
+        self.moves(views, camera, moment, pixel)
             || self.everything
-            || self.ground(shot).is_some_and(|ground| {
-                let around = || neighbourhood(pixel, footage.size());
+            || self.background(camera).is_some_and(|background| {
+                let around = || neighbourhood(pixel, views.size());
                 let differs = || {
-                    let now = mean_colour(&footage.shots()[shot], moment, around());
-                    let usual = mean(around().map(|pixel| ground.colour[pixel])).unwrap_or_default();
+                    let now = mean_colour(&views.cameras()[camera], moment, around());
+                    let usual = mean(around().map(|pixel| background.colour[pixel])).unwrap_or_default();
                     std::iter::zip(now, usual).any(|(now, usual)| (now - usual).abs() > UNUSUAL)
                 };
-                ground.kind[pixel] == Kind::Flickers && differs()
+                background.kind[pixel] == SurfaceKind::Flickering && differs()
             })
     }
 }
@@ -143,30 +143,30 @@ fn same_depth(a_m: f32, b_m: f32) -> bool {
     a_m == b_m || (a_m - b_m).abs() < tolerance(a_m.min(b_m))
 }
 
-/// The ground of a standing camera with all kinds still open, and how restless it is.
-fn ground_of(shot: &Shot, size: [u32; 2], needed: usize) -> (Ground, Vec<Unrest>) {
+/// The background of a standing camera with all kinds still open, and how restless it is.
+fn background_of(camera: &TrainingCamera, size: [u32; 2], needed: usize) -> (Background, Vec<ColourChange>) {
     let pixels = size[0] as usize * size[1] as usize;
-    let moments = shot.pictures().len();
+    let moments = camera.pictures().len();
     let depth_m: Vec<f32> = (0..pixels)
         .map(|pixel| {
             let mut depths: Vec<f32> =
-                shot.pictures().iter().map(|picture| picture.depth_m[pixel].to_f32()).collect();
+                camera.pictures().iter().map(|picture| picture.depth_m[pixel].to_f32()).collect();
             let rank = needed.min(moments) - 1;
             *depths.select_nth_unstable_by(rank, |a, b| b.total_cmp(a)).1
         })
         .collect();
-    // Moments at which a pixel shows its ground.
-    let bare: Vec<Vec<bool>> = shot
+    // Moments at which a pixel shows its background.
+    let bare: Vec<Vec<bool>> = camera
         .pictures()
         .iter()
         .map(|picture| {
             std::iter::zip(&picture.depth_m, &depth_m)
-                .map(|(depth_m, &ground_m)| same_depth(depth_m.to_f32(), ground_m))
+                .map(|(depth_m, &background_m)| same_depth(depth_m.to_f32(), background_m))
                 .collect()
         })
         .collect();
     let mut colour = Vec::with_capacity(pixels);
-    let mut unrest = Vec::with_capacity(pixels);
+    let mut change = Vec::with_capacity(pixels);
     let mut calm = Vec::with_capacity(moments);
     for pixel in 0..pixels {
         let around = neighbourhood(pixel, size);
@@ -174,32 +174,35 @@ fn ground_of(shot: &Shot, size: [u32; 2], needed: usize) -> (Ground, Vec<Unrest>
         for (moment, bare) in bare.iter().enumerate() {
             // Where something passes next to the pixel, its edge is mixed into the colour.
             if around.clone().all(|neighbour| bare[neighbour]) {
-                calm.push((moment, mean_colour(shot, moment, around.clone())));
+                calm.push((moment, mean_colour(camera, moment, around.clone())));
             }
         }
-        let Usual { colour: usual, noise } = Usual::of(&calm);
+        let UsualColour { colour: usual, noise } = UsualColour::of(&calm);
         let unusual = |colour: &[f32; 3]| {
             (0..3).any(|channel| (colour[channel] - usual[channel]).abs() > UNUSUAL + NOISES * noise[channel])
         };
         let steady = calm.iter().filter(|(_, colour)| !unusual(colour)).map(|&(moment, _)| moment);
         let bare_at = (0..moments).filter(|&moment| bare[moment][pixel]);
-        let mean = mean_of(shot, pixel, steady).or_else(|| mean_of(shot, pixel, bare_at));
+        let mean = mean_of(camera, pixel, steady).or_else(|| mean_of(camera, pixel, bare_at));
         colour.push(mean.unwrap_or(usual));
         let odd = calm.iter().filter(|(_, colour)| unusual(colour)).count();
-        unrest.push(Unrest { odd: odd as f32 / calm.len().max(1) as f32, variance: variance(&calm, &noise) });
+        change.push(ColourChange {
+            odd: odd as f32 / calm.len().max(1) as f32,
+            variance: variance(&calm, &noise),
+        });
     }
-    (Ground { depth_m, colour, kind: Vec::new() }, unrest)
+    (Background { depth_m, colour, kind: Vec::new() }, change)
 }
 
 /// What a pixel mostly shows.
-struct Usual {
+struct UsualColour {
     /// Median.
     colour: [f32; 3],
     /// Standard deviation of what has nothing to do with the scene.
     noise: [f32; 3],
 }
 
-impl Usual {
+impl UsualColour {
     fn of(calm: &[(usize, [f32; 3])]) -> Self {
         let median = |values: &mut Vec<f32>| match values.len() {
             0 => 0.0,
@@ -226,10 +229,10 @@ fn variance(calm: &[(usize, [f32; 3])], noise: &[f32; 3]) -> f32 {
     (0..3).map(beyond).sum::<f32>() / 3.0
 }
 
-fn mean_colour(shot: &Shot, moment: usize, around: impl Iterator<Item = usize>) -> [f32; 3] {
+fn mean_colour(camera: &TrainingCamera, moment: usize, around: impl Iterator<Item = usize>) -> [f32; 3] {
     let (mut sum, mut count) = ([0_u32; 3], 0_u32);
     for pixel in around {
-        let colour = shot.picture(moment).colour[pixel];
+        let colour = camera.picture(moment).colour[pixel];
         for (sum, byte) in sum.iter_mut().zip(colour) {
             *sum += u32::from(byte);
         }
@@ -238,8 +241,8 @@ fn mean_colour(shot: &Shot, moment: usize, around: impl Iterator<Item = usize>) 
     sum.map(|sum| sum as f32 / (255 * count.max(1)) as f32)
 }
 
-fn mean_of(shot: &Shot, pixel: usize, moments: impl Iterator<Item = usize>) -> Option<[f32; 3]> {
-    mean(moments.map(|moment| shot.picture(moment).colour_of(pixel)))
+fn mean_of(camera: &TrainingCamera, pixel: usize, moments: impl Iterator<Item = usize>) -> Option<[f32; 3]> {
+    mean(moments.map(|moment| camera.picture(moment).colour_of(pixel)))
 }
 
 fn mean(colours: impl Iterator<Item = [f32; 3]>) -> Option<[f32; 3]> {
@@ -262,89 +265,94 @@ fn neighbourhood(pixel: usize, size: [u32; 2]) -> impl Iterator<Item = usize> + 
     })
 }
 
-/// Asks all standing cameras about the ground of one of them.
-fn judge(
-    footage: &Footage,
-    grounds: &[Option<(Ground, Vec<Unrest>)>],
+/// Asks all standing cameras about the background of one of them.
+fn classify(
+    views: &TrainingViews,
+    backgrounds: &[Option<(Background, Vec<ColourChange>)>],
     index: usize,
-    ground: &Ground,
+    background: &Background,
     threshold: f32,
-) -> Vec<Kind> {
-    let size = footage.size();
-    let placers: Vec<Option<Placer>> = footage
-        .shots()
+) -> Vec<SurfaceKind> {
+    let size = views.size();
+    let pinholes: Vec<Option<Pinhole>> = views
+        .cameras()
         .iter()
-        .zip(grounds)
-        .map(|(shot, ground)| ground.as_ref().map(|_| Placer::new(shot.view(0))))
+        .zip(backgrounds)
+        .map(|(camera, background)| background.as_ref().map(|_| Pinhole::new(camera.view(0))))
         .collect();
-    let Some(own) = &placers[index] else { return Vec::new() };
-    (0..ground.depth_m.len())
+    let Some(own) = &pinholes[index] else { return Vec::new() };
+    (0..background.depth_m.len())
         .into_par_iter()
         .with_min_len(1 << 12)
         .map(|pixel| {
-            let depth_m = ground.depth_m[pixel];
-            let (mut sum, mut witnesses) = (Unrest::default(), 0_u32);
+            let depth_m = background.depth_m[pixel];
+            let (mut sum, mut witnesses) = (ColourChange::default(), 0_u32);
             if !depth_m.is_finite() {
                 // What is infinitely far cannot be seen through.
-                let unrest = grounds[index].as_ref().map(|(_, unrest)| unrest[pixel]);
-                return kind_of(unrest.unwrap_or_default(), threshold);
+                let change = backgrounds[index].as_ref().map(|(_, change)| change[pixel]);
+                return kind_of(change.unwrap_or_default(), threshold);
             }
             let point = own.world(own.centre_of(pixel), depth_m);
-            for (placer, found) in placers.iter().zip(grounds) {
-                let (Some(placer), Some((other, unrest))) = (placer, found) else { continue };
-                let Some((seen, z_m)) = placer.pixel(point) else { continue };
+            for (pinhole, found) in pinholes.iter().zip(backgrounds) {
+                let (Some(pinhole), Some((other, change))) = (pinhole, found) else { continue };
+                let Some((seen, z_m)) = pinhole.pixel(point) else { continue };
                 let nearest =
                     neighbourhood(seen, size).map(|pixel| other.depth_m[pixel]).fold(f32::INFINITY, f32::min);
                 if nearest > z_m + 2.0 * tolerance(z_m) {
-                    return Kind::Moves;
+                    return SurfaceKind::Moving;
                 }
                 if (other.depth_m[seen] - z_m).abs() < 2.0 * tolerance(z_m) {
-                    sum.odd += unrest[seen].odd;
-                    sum.variance += unrest[seen].variance;
+                    sum.odd += change[seen].odd;
+                    sum.variance += change[seen].variance;
                     witnesses += 1;
                 }
             }
             let share = 1.0 / witnesses.max(1) as f32;
-            kind_of(Unrest { odd: share * sum.odd, variance: share * sum.variance }, threshold)
+            kind_of(ColourChange { odd: share * sum.odd, variance: share * sum.variance }, threshold)
         })
         .collect()
 }
 
-fn kind_of(unrest: Unrest, threshold: f32) -> Kind {
-    let often = unrest.odd >= threshold.max(LEAST_FLICKER);
-    if often && unrest.variance >= LEAST_SWING * LEAST_SWING { Kind::Flickers } else { Kind::Still }
+fn kind_of(change: ColourChange, threshold: f32) -> SurfaceKind {
+    let often = change.odd >= threshold.max(LEAST_FLICKER);
+    if often && change.variance >= LEAST_SWING * LEAST_SWING {
+        SurfaceKind::Flickering
+    } else {
+        SurfaceKind::Static
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::train::fake::World;
+    use crate::train::test_world::World;
 
-    /// Share of the grounds of all cameras that are of a kind.
-    fn share(motion: &Motion, kind: Kind) -> f64 {
-        let kinds: Vec<Kind> = (0..3).flat_map(|shot| motion.ground(shot).unwrap().kind.clone()).collect();
+    /// Share of the backgrounds of all cameras that are of a kind.
+    fn share(motion: &Motion, kind: SurfaceKind) -> f64 {
+        let kinds: Vec<SurfaceKind> =
+            (0..3).flat_map(|camera| motion.background(camera).unwrap().kind.clone()).collect();
         kinds.iter().filter(|found| **found == kind).count() as f64 / kinds.len() as f64
     }
 
     #[test]
     fn nothing_moves_where_nothing_happens() {
-        let footage = World::EMPTY.footage(12);
-        let motion = Motion::of(&footage, 0.1);
-        assert_eq!(share(&motion, Kind::Still), 1.0);
-        assert!((0..footage.pixel_count()).all(|pixel| !motion.changes(&footage, 1, 5, pixel)));
-        assert_eq!(motion.ground(0).unwrap().depth_m[7], 4.0);
+        let views = World::EMPTY.views(12);
+        let motion = Motion::of(&views, 0.1);
+        assert_eq!(share(&motion, SurfaceKind::Static), 1.0);
+        assert!((0..views.pixel_count()).all(|pixel| !motion.changes(&views, 1, 5, pixel)));
+        assert_eq!(motion.background(0).unwrap().depth_m[7], 4.0);
     }
 
     #[test]
     fn what_passes_moves_and_what_it_hides_does_not() {
         let card = |moment: usize, moments: usize| Some(-1.5 + 2.4 * moment as f64 / moments as f64);
-        let footage = World { card, ..World::EMPTY }.footage(12);
-        let motion = Motion::of(&footage, 0.1);
-        assert_eq!(share(&motion, Kind::Still), 1.0);
+        let views = World { card, ..World::EMPTY }.views(12);
+        let motion = Motion::of(&views, 0.1);
+        assert_eq!(share(&motion, SurfaceKind::Static), 1.0);
         for moment in [0, 5, 11] {
-            for pixel in 0..footage.pixel_count() {
-                let on_card = footage.shots()[1].picture(moment).depth_m[pixel].to_f32() == 3.0;
-                assert_eq!(motion.moves(&footage, 1, moment, pixel), on_card, "{moment} {pixel}");
+            for pixel in 0..views.pixel_count() {
+                let on_card = views.cameras()[1].picture(moment).depth_m[pixel].to_f32() == 3.0;
+                assert_eq!(motion.moves(&views, 1, moment, pixel), on_card, "{moment} {pixel}");
             }
         }
     }
@@ -352,41 +360,40 @@ mod tests {
     #[test]
     fn what_rests_and_then_goes_moves_all_the_time() {
         let card = |moment: usize, moments: usize| (4 * moment < 3 * moments).then_some(-0.3);
-        let footage = World { card, ..World::EMPTY }.footage(12);
+        let views = World { card, ..World::EMPTY }.views(12);
         let seen = |motion: &Motion| {
-            (0..footage.pixel_count()).filter(|&pixel| motion.moves(&footage, 1, 0, pixel)).count()
+            (0..views.pixel_count()).filter(|&pixel| motion.moves(&views, 1, 0, pixel)).count()
         };
-        assert!(seen(&Motion::of(&footage, 0.1)) > 30);
+        assert!(seen(&Motion::of(&views, 0.1)) > 30);
         // Gone for a quarter of the clip only: not enough for so high a threshold.
-        assert_eq!(seen(&Motion::of(&footage, 0.5)), 0);
+        assert_eq!(seen(&Motion::of(&views, 0.5)), 0);
     }
 
     #[test]
     fn a_shadow_flickers_and_passing_noise_does_not() {
         let dusk = |moment: usize, moments: usize| if 2 * moment < moments { 1.0 } else { 0.5 };
-        let footage = World { light: dusk, ..World::EMPTY }.footage(12);
-        let lower = share(&Motion::of(&footage, 0.1), Kind::Flickers);
+        let views = World { light: dusk, ..World::EMPTY }.views(12);
+        let lower = share(&Motion::of(&views, 0.1), SurfaceKind::Flickering);
         assert!((0.4..0.6).contains(&lower), "{lower}");
         let grain = |moment: usize, _| 1.0 + 0.02 * ((moment * 7 % 5) as f64 - 2.0);
-        let footage = World { light: grain, ..World::EMPTY }.footage(12);
-        assert_eq!(share(&Motion::of(&footage, 0.1), Kind::Flickers), 0.0);
+        let views = World { light: grain, ..World::EMPTY }.views(12);
+        assert_eq!(share(&Motion::of(&views, 0.1), SurfaceKind::Flickering), 0.0);
     }
 
     #[test]
     fn a_ground_that_flickers_changes_only_while_it_does() {
         let dusk = |moment: usize, _| if moment < 4 { 0.4 } else { 1.0 };
-        let footage = World { light: dusk, ..World::EMPTY }.footage(12);
-        let motion = Motion::of(&footage, 0.1);
+        let views = World { light: dusk, ..World::EMPTY }.views(12);
+        let motion = Motion::of(&views, 0.1);
         let changing = |moment| {
-            let changes =
-                (0..footage.pixel_count()).filter(|&pixel| motion.changes(&footage, 1, moment, pixel));
-            changes.count() as f64 / footage.pixel_count() as f64
+            let changes = (0..views.pixel_count()).filter(|&pixel| motion.changes(&views, 1, moment, pixel));
+            changes.count() as f64 / views.pixel_count() as f64
         };
         assert!((0.4..0.6).contains(&changing(2)), "{}", changing(2));
         assert_eq!(changing(8), 0.0);
         assert!(
-            (0..footage.pixel_count())
-                .all(|pixel| { Motion::of(&World::EMPTY.footage(2), 0.0).changes(&footage, 1, 0, pixel) })
+            (0..views.pixel_count())
+                .all(|pixel| { Motion::of(&World::EMPTY.views(2), 0.0).changes(&views, 1, 0, pixel) })
         );
     }
 
@@ -394,19 +401,18 @@ mod tests {
     fn a_faint_swing_is_not_worth_a_field() {
         // Half of the time 0.05 darker at most: a standard deviation of 0.025.
         let faint = |moment: usize, _| if moment.is_multiple_of(4) { 0.92 } else { 1.0 };
-        let footage = World { light: faint, ..World::EMPTY }.footage(12);
-        assert_eq!(share(&Motion::of(&footage, 0.1), Kind::Flickers), 0.0);
+        let views = World { light: faint, ..World::EMPTY }.views(12);
+        assert_eq!(share(&Motion::of(&views, 0.1), SurfaceKind::Flickering), 0.0);
     }
 
     #[test]
     fn the_threshold_makes_everything_dynamic_or_nothing() {
         let card = |moment: usize, moments: usize| (2 * moment < moments).then_some(-0.3);
-        let footage = World { card, ..World::EMPTY }.footage(12);
-        assert_eq!(share(&Motion::of(&footage, 0.0), Kind::Flickers), 1.0);
-        let frozen = Motion::of(&footage, 1.1);
-        assert_eq!(share(&frozen, Kind::Still), 1.0);
-        let moving =
-            |moment| (0..footage.pixel_count()).any(|pixel| frozen.moves(&footage, 1, moment, pixel));
+        let views = World { card, ..World::EMPTY }.views(12);
+        assert_eq!(share(&Motion::of(&views, 0.0), SurfaceKind::Flickering), 1.0);
+        let frozen = Motion::of(&views, 1.1);
+        assert_eq!(share(&frozen, SurfaceKind::Static), 1.0);
+        let moving = |moment| (0..views.pixel_count()).any(|pixel| frozen.moves(&views, 1, moment, pixel));
         assert!(!moving(0));
     }
 }

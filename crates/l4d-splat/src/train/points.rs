@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use crate::gaussians::{Gaussians, ShDegree};
 
-use super::footage::Footage;
-use super::motion::{Kind, Motion, tolerance};
-use super::nearest::Tree;
-use super::place::Placer;
+use super::kd_tree::KdTree;
+use super::motion::{Motion, SurfaceKind, tolerance};
+use super::pinhole::Pinhole;
+use super::views::TrainingViews;
 
 /// Distance of points on a surface of one colour, pixels.
 const WIDEST_PX: f32 = 8.0;
@@ -37,63 +37,64 @@ pub(super) struct Point {
     /// Metres to the next point that the detail of its surroundings asks for.
     pub(super) spacing_m: f32,
     /// What the surface does.
-    pub(super) kind: Kind,
+    pub(super) kind: SurfaceKind,
 }
 
-/// Points on the grounds of all standing cameras.
-pub(super) fn of_grounds(footage: &Footage, motion: &Motion) -> Vec<Point> {
-    let farthest = (0..footage.shots().len())
-        .filter_map(|shot| motion.ground(shot))
-        .flat_map(|ground| ground.depth_m.iter().copied().filter(|depth_m| depth_m.is_finite()))
+/// Points on the backgrounds of all standing cameras.
+pub(super) fn background_points(views: &TrainingViews, motion: &Motion) -> Vec<Point> {
+    let farthest = (0..views.cameras().len())
+        .filter_map(|camera| motion.background(camera))
+        .flat_map(|background| background.depth_m.iter().copied().filter(|depth_m| depth_m.is_finite()))
         .fold(1.0, f32::max);
     let mut points = Vec::new();
-    for (index, shot) in footage.shots().iter().enumerate() {
-        let Some(ground) = motion.ground(index) else { continue };
+    for (index, camera) in views.cameras().iter().enumerate() {
+        let Some(background) = motion.background(index) else { continue };
         let surface = Surface {
-            placer: Placer::new(shot.view(0)),
-            size: footage.size().map(|side| side as usize),
-            depth_m: &ground.depth_m,
-            colour: &ground.colour,
+            pinhole: Pinhole::new(camera.view(0)),
+            size: views.size().map(|side| side as usize),
+            depth_m: &background.depth_m,
+            colour: &background.colour,
             sky_m: SKY * farthest,
         };
         let [width, _] = surface.size;
-        let is_known = |pixel: &usize| ground.kind[*pixel] != Kind::Moves && !ground.depth_m[*pixel].is_nan();
-        for pixel in (0..footage.pixel_count()).filter(is_known) {
+        let is_known = |pixel: &usize| {
+            background.kind[*pixel] != SurfaceKind::Moving && !background.depth_m[*pixel].is_nan()
+        };
+        for pixel in (0..views.pixel_count()).filter(is_known) {
             let spacing_px = surface.spacing_px(pixel);
             // Thinning would drop these anyway; looking at all of them is what takes long.
             let stride = (0.5 * spacing_px) as usize;
             if stride < 2 || (pixel / width % stride == 0 && pixel % width % stride == 0) {
-                points.push(surface.point(pixel, ground.kind[pixel]));
+                points.push(surface.point(pixel, background.kind[pixel]));
             }
         }
     }
     points
 }
 
-/// Points on what moves, as it is at a moment; `depths_m` is what [`depths_at`](super::sight::depths_at) says of it.
-pub(super) fn of_movers(
-    footage: &Footage,
+/// Points on what moves, as it is at a moment; `depths_m` is what [`depths_at`](super::depth::depths_at) says of it.
+pub(super) fn moving_points(
+    views: &TrainingViews,
     moment: usize,
     depths_m: &[Vec<f32>],
     wanted: impl Fn(usize, usize) -> bool,
 ) -> Vec<Point> {
     let mut points = Vec::new();
-    for index in footage.seeing(moment) {
-        let (shot, depth_m) = (&footage.shots()[index], &depths_m[index]);
-        let picture = shot.picture(moment);
-        let colour: Vec<[f32; 3]> =
-            (0..footage.pixel_count()).map(|pixel| picture.colour_of(pixel)).collect();
+    for index in views.cameras_at(moment) {
+        let (camera, depth_m) = (&views.cameras()[index], &depths_m[index]);
+        let picture = camera.picture(moment);
+        let colour: Vec<[f32; 3]> = (0..views.pixel_count()).map(|pixel| picture.colour_of(pixel)).collect();
         let surface = Surface {
-            placer: Placer::new(shot.view(moment)),
-            size: footage.size().map(|side| side as usize),
+            pinhole: Pinhole::new(camera.view(moment)),
+            size: views.size().map(|side| side as usize),
             depth_m,
             colour: &colour,
             sky_m: f32::INFINITY,
         };
         points.extend(
-            (0..footage.pixel_count())
+            (0..views.pixel_count())
                 .filter(|&pixel| depth_m[pixel].is_finite() && wanted(index, pixel))
-                .map(|pixel| surface.point(pixel, Kind::Moves)),
+                .map(|pixel| surface.point(pixel, SurfaceKind::Moving)),
         );
     }
     points
@@ -101,7 +102,7 @@ pub(super) fn of_movers(
 
 /// A picture with depth.
 struct Surface<'a> {
-    placer: Placer,
+    pinhole: Pinhole,
     size: [usize; 2],
     depth_m: &'a [f32],
     colour: &'a [[f32; 3]],
@@ -109,14 +110,14 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    fn point(&self, pixel: usize, kind: Kind) -> Point {
+    fn point(&self, pixel: usize, kind: SurfaceKind) -> Point {
         let depth_m = self.depth_of(pixel);
-        let position = self.placer.world(self.placer.centre_of(pixel), depth_m);
+        let position = self.pinhole.world(self.pinhole.centre_of(pixel), depth_m);
         Point {
             position,
             colour: self.colour[pixel],
             normal: self.normal(pixel, position),
-            spacing_m: self.spacing_px(pixel) * self.placer.footprint_m(depth_m),
+            spacing_m: self.spacing_px(pixel) * self.pinhole.footprint_m(depth_m),
             kind,
         }
     }
@@ -130,7 +131,7 @@ impl Surface<'_> {
         if depth_m.is_finite() {
             return depth_m;
         }
-        let ray = self.placer.ray(self.placer.centre_of(pixel));
+        let ray = self.pinhole.ray(self.pinhole.centre_of(pixel));
         self.sky_m / ray.iter().map(|value| value * value).sum::<f32>().sqrt()
     }
 
@@ -170,13 +171,13 @@ impl Surface<'_> {
             let (from, to) = (on_surface(from), on_surface(to));
             let place = |side: Option<usize>| {
                 side.map_or(position, |other| {
-                    self.placer.world(self.placer.centre_of(other), self.depth_of(other))
+                    self.pinhole.world(self.pinhole.centre_of(other), self.depth_of(other))
                 })
             };
             (from.is_some() || to.is_some()).then(|| difference(place(to), place(from)))
         };
         let [left, right, above, below] = self.beside(pixel);
-        let towards = difference(self.placer.centre(), position);
+        let towards = difference(self.pinhole.centre(), position);
         let across = step(left, right).zip(step(above, below)).map(|(x, y)| cross(x, y));
         across.and_then(unit).or_else(|| unit(towards)).unwrap_or([0.0, 0.0, 1.0])
     }
@@ -237,7 +238,7 @@ pub(super) fn thinned(points: &[Point], count: usize) -> Vec<Point> {
 /// Gaussians at points: discs on their surfaces, as wide as the way to their neighbours.
 pub(super) fn gaussians(points: &[Point], degree: ShDegree) -> Gaussians {
     let positions: Vec<[f32; 3]> = points.iter().map(|point| point.position).collect();
-    let tree = Tree::new(&positions);
+    let tree = KdTree::new(&positions);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
     for (index, point) in points.iter().enumerate() {
         let near = tree.nearest::<3>(point.position, Some(index as u32));
@@ -286,7 +287,7 @@ mod tests {
             colour: [0.5; 3],
             normal: [0.0, 0.0, 1.0],
             spacing_m,
-            kind: Kind::Still,
+            kind: SurfaceKind::Static,
         };
         (0..count).map(at).collect()
     }

@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::raster::{RasterSettings, Rasterizer};
 
 use super::TrainError;
-use super::footage::Footage;
+use super::views::TrainingViews;
 
 /// What of a picture is looked at more closely, row-major.
 #[derive(Debug, Clone, Default)]
@@ -38,33 +38,36 @@ struct Errors {
     depth_m: Vec<f32>,
 }
 
-/// Draws the pictures `(shot, moment)` of `picks`, those apart that nobody took, and compares.
+/// Draws the pictures `(camera, moment)` of `picks`, those apart that nobody took, and compares.
 ///
 /// # Errors
 /// A model or a view that cannot be drawn.
 pub fn measure(
     model: &Model,
     rasterizer: &dyn Rasterizer,
-    footage: &Footage,
+    views: &TrainingViews,
     picks: &[(usize, usize)],
     region: &(dyn Fn(usize, usize) -> Region + Sync),
 ) -> Result<Quality, TrainError> {
-    let picks: Vec<(usize, usize)> =
-        picks.iter().copied().filter(|&(shot, moment)| footage.shots()[shot].saw(moment)).collect();
+    let picks: Vec<(usize, usize)> = picks
+        .iter()
+        .copied()
+        .filter(|&(camera, moment)| views.cameras()[camera].has_picture(moment))
+        .collect();
     let mut moments: Vec<usize> = picks.iter().map(|&(_, moment)| moment).collect();
     moments.sort_unstable();
     moments.dedup();
     let errors: Vec<Vec<Errors>> = moments
         .par_iter()
         .map(|&moment| {
-            let splats = model.at(footage.time(moment))?;
-            let shots = picks.iter().filter(|&&(_, at)| at == moment).map(|&(shot, _)| shot);
-            shots
-                .map(|shot| {
-                    let view = footage.shots()[shot].view(moment);
+            let splats = model.at(views.time(moment))?;
+            let cameras = picks.iter().filter(|&&(_, at)| at == moment).map(|&(camera, _)| camera);
+            cameras
+                .map(|camera| {
+                    let view = views.cameras()[camera].view(moment);
                     let drawing = rasterizer.prepare(&splats, view, &RasterSettings::default())?.draw()?;
                     let median_m = drawing.quantiles.map(|quantiles| quantiles.median_m).unwrap_or_default();
-                    Ok(compare(&drawing.colour, &median_m, footage, (shot, moment), &region(shot, moment)))
+                    Ok(compare(&drawing.colour, &median_m, views, (camera, moment), &region(camera, moment)))
                 })
                 .collect::<Result<Vec<_>, TrainError>>()
         })
@@ -86,11 +89,11 @@ pub fn measure(
 fn compare(
     colour: &[[f32; 3]],
     median_m: &[f32],
-    footage: &Footage,
-    (shot, moment): (usize, usize),
+    views: &TrainingViews,
+    (camera, moment): (usize, usize),
     region: &Region,
 ) -> Errors {
-    let picture = footage.shots()[shot].picture(moment);
+    let picture = views.cameras()[camera].picture(moment);
     let (mut squares, mut moving) = (0.0, (0.0, 0));
     for (pixel, drawn) in colour.iter().enumerate() {
         let square = std::iter::zip(drawn, picture.colour_of(pixel))

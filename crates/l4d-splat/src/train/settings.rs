@@ -1,4 +1,4 @@
-//! What can be chosen about training, and what happens when.
+//! What can be sample about training, and what happens when.
 
 use l4d_data::Profile;
 use serde::Serialize;

@@ -10,7 +10,7 @@ use crate::optimise::{Adam, AdamSettings, Group, Moments, Rates, sh_pattern};
 use crate::tensor::Tensor;
 
 use super::TrainError;
-use super::density::Change;
+use super::densify::RowChange;
 
 /// Everything that changes from one iteration to the next.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +23,7 @@ pub(super) struct State {
     /// Of the field; no groups before there is one.
     pub(super) field: Adam,
     pub(super) iteration: u64,
-    pub(super) tally: Tally,
+    pub(super) stats: DensityStats,
     /// PSNR on training pictures at each look, dB.
     pub(super) history: Vec<f32>,
     /// Whether there is nothing left to gain.
@@ -32,18 +32,18 @@ pub(super) struct State {
 
 /// What is known of the Gaussians since their number last changed.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Tally {
+pub(super) struct DensityStats {
     /// Sum of the lengths of gradients by projected centres.
-    pub(super) blame: Vec<f32>,
+    pub(super) gradient_norms: Vec<f32>,
     /// Pictures in which they were visible.
     pub(super) seen: Vec<f32>,
     /// Largest opacity.
     pub(super) peak: Vec<f32>,
 }
 
-impl Tally {
+impl DensityStats {
     pub(super) fn new(count: usize) -> Self {
-        Self { blame: vec![0.0; count], seen: vec![0.0; count], peak: vec![0.0; count] }
+        Self { gradient_norms: vec![0.0; count], seen: vec![0.0; count], peak: vec![0.0; count] }
     }
 }
 
@@ -66,14 +66,14 @@ impl State {
             moves,
             model,
             iteration: 0,
-            tally: Tally::new(count),
+            stats: DensityStats::new(count),
             history: Vec::new(),
             settled: false,
         }
     }
 
     /// Groups for the field that the model has now.
-    pub(super) fn teach_field(&mut self, rates: &Rates) {
+    pub(super) fn add_field(&mut self, rates: &Rates) {
         let Some(field) = &mut self.model.field else { return };
         let lists = field.parameters_mut();
         let lengths = |lists: &[&mut [f32]]| lists.iter().map(|list| list.len()).collect::<Vec<_>>();
@@ -85,7 +85,7 @@ impl State {
     }
 
     /// Follows a change of the Gaussians' rows.
-    pub(super) fn follow(&mut self, change: &Change) -> Result<(), TrainError> {
+    pub(super) fn follow(&mut self, change: &RowChange) -> Result<(), TrainError> {
         let coefficients = self.model.gaussians.sh_degree.coefficients();
         let sources: Vec<Option<u32>> =
             change.sources.iter().map(|&(row, keeps)| keeps.then_some(row)).collect();
@@ -94,7 +94,7 @@ impl State {
             group.rearrange(width, &sources)?;
         }
         self.moves = change.sources.iter().map(|&(row, _)| self.moves[row as usize]).collect();
-        self.tally = Tally::new(self.moves.len());
+        self.stats = DensityStats::new(self.moves.len());
         if self.model.field.is_some() {
             self.model.dynamic = self.dynamic();
         }
@@ -106,7 +106,7 @@ impl State {
         let sources =
             (0..self.moves.len() as u32).map(|row| (row.min(count as u32 - 1), (row as usize) < count));
         let moves = self.moves.clone();
-        self.follow(&Change { sources: sources.collect() })?;
+        self.follow(&RowChange { sources: sources.collect() })?;
         self.moves = moves;
         self.model.dynamic = self.dynamic();
         Ok(())
@@ -133,9 +133,9 @@ impl State {
         }
         let flags: Vec<f32> = self.moves.iter().map(|&moves| f32::from(u8::from(moves))).collect();
         keep("moves".to_owned(), &flags);
-        keep("blame".to_owned(), &self.tally.blame);
-        keep("seen".to_owned(), &self.tally.seen);
-        keep("peak".to_owned(), &self.tally.peak);
+        keep("blame".to_owned(), &self.stats.gradient_norms);
+        keep("seen".to_owned(), &self.stats.seen);
+        keep("peak".to_owned(), &self.stats.peak);
         keep("history".to_owned(), &self.history);
         let steps = |adam: &Adam| adam.groups.first().map_or(0, |group| group.steps);
         let values = json!({
@@ -156,7 +156,7 @@ impl State {
         let Checkpoint { gaussians, dynamic, field, iteration, training, .. } = checkpoint;
         let Training { mut tensors, values } = training;
         let mut state = Self::new(Model { gaussians, dynamic, field }, Vec::new(), rates);
-        state.teach_field(rates);
+        state.add_field(rates);
         let number = |name: &'static str| {
             values
                 .get(name)
@@ -184,8 +184,8 @@ impl State {
         }
         let count = Some(state.model.gaussians.len());
         state.moves = take("moves".into(), count)?.iter().map(|&flag| flag != 0.0).collect();
-        state.tally = Tally {
-            blame: take("blame".into(), count)?,
+        state.stats = DensityStats {
+            gradient_norms: take("blame".into(), count)?,
             seen: take("seen".into(), count)?,
             peak: take("peak".into(), count)?,
         };

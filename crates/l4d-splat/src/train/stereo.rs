@@ -5,15 +5,15 @@
 //! matter. Knows neither time nor motion.
 
 mod cost;
-mod match_path;
+mod semi_global;
 
 use rayon::prelude::*;
 
 use crate::view::View;
 
-use super::place::Placer;
+use super::pinhole::Pinhole;
 use cost::costs;
-use match_path::matched;
+use semi_global::matched;
 
 /// Most neighbours that a picture is compared with.
 const NEIGHBOURS: usize = 4;
@@ -30,7 +30,7 @@ const AGREE_PLANES: f32 = 1.5;
 
 /// A picture and from where it was taken.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Look<'a> {
+pub(super) struct StereoImage<'a> {
     pub(super) view: &'a View,
     /// Display colour, row-major.
     pub(super) colour: &'a [[u8; 3]],
@@ -38,13 +38,13 @@ pub(super) struct Look<'a> {
 
 /// Planes parallel to a picture, even in inverse depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sweep {
+pub(super) struct PlaneSweep {
     /// Inverse depth between two planes, 1/m.
     step: f32,
     planes: usize,
 }
 
-impl Sweep {
+impl PlaneSweep {
     /// Planes for a view and a camera that stands so far beside it.
     fn new(view: &View, baseline_m: f64) -> Self {
         let focal_px = view.focal()[0];
@@ -65,28 +65,28 @@ impl Sweep {
 }
 
 /// The planes for a view among others; none where no other stands beside it and looks the same way.
-pub(super) fn sweep(views: &[&View], of: usize) -> Option<Sweep> {
+pub(super) fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
     let near = neighbours(views, of);
     let (_, baseline_m) = *near.get(near.len() / 2)?;
-    Some(Sweep::new(views[of], baseline_m))
+    Some(PlaneSweep::new(views[of], baseline_m))
 }
 
-/// Planar depth, metres, of the pixels that are `wanted`, row-major, for the first looks; the others are only compared
+/// Planar depth, metres, of the pixels that are `wanted`, row-major, for the first images; the others are only compared
 /// with. +inf: too far to tell. NaN: unknown, or not wanted.
-pub(super) fn depths(looks: &[Look<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> {
-    let views: Vec<&View> = looks.iter().map(|look| look.view).collect();
-    let found: Vec<Option<(Sweep, Vec<f32>)>> = wanted
+pub(super) fn depths(images: &[StereoImage<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> {
+    let views: Vec<&View> = images.iter().map(|image| image.view).collect();
+    let found: Vec<Option<(PlaneSweep, Vec<f32>)>> = wanted
         .par_iter()
         .enumerate()
         .map(|(of, wanted)| {
             let sweep = sweep(&views, of).filter(|_| wanted.contains(&true))?;
-            let others: Vec<Look<'_>> =
-                neighbours(&views, of).into_iter().map(|(other, _)| looks[other]).collect();
-            let volume = costs(&looks[of], &others, &sweep, wanted);
-            Some((sweep, matched(&volume, &looks[of], &sweep, wanted)))
+            let others: Vec<StereoImage<'_>> =
+                neighbours(&views, of).into_iter().map(|(other, _)| images[other]).collect();
+            let volume = costs(&images[of], &others, &sweep, wanted);
+            Some((sweep, matched(&volume, &images[of], &sweep, wanted)))
         })
         .collect();
-    let placers: Vec<Placer> = views.iter().map(|view| Placer::new(view)).collect();
+    let pinholes: Vec<Pinhole> = views.iter().map(|view| Pinhole::new(view)).collect();
     (0..wanted.len())
         .into_par_iter()
         .map(|of| match &found[of] {
@@ -99,7 +99,7 @@ pub(super) fn depths(looks: &[Look<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> 
                 let is_seen = |(pixel, &depth_m): (usize, &f32)| {
                     let is_told = depth_m.is_finite() && !others.is_empty();
                     let told =
-                        || agrees(&placers, &found, of, &others, pixel, depth_m, AGREE_PLANES * sweep.step);
+                        || agrees(&pinholes, &found, of, &others, pixel, depth_m, AGREE_PLANES * sweep.step);
                     if is_told && !told() { f32::NAN } else { depth_m }
                 };
                 depth_m.iter().enumerate().map(is_seen).collect()
@@ -111,18 +111,18 @@ pub(super) fn depths(looks: &[Look<'_>], wanted: &[Vec<bool>]) -> Vec<Vec<f32>> 
 
 /// Whether any other view sees the same surface at the same place.
 fn agrees(
-    placers: &[Placer],
-    found: &[Option<(Sweep, Vec<f32>)>],
+    pinholes: &[Pinhole],
+    found: &[Option<(PlaneSweep, Vec<f32>)>],
     of: usize,
     others: &[usize],
     pixel: usize,
     depth_m: f32,
     tolerance: f32,
 ) -> bool {
-    let point = placers[of].world(placers[of].centre_of(pixel), depth_m);
+    let point = pinholes[of].world(pinholes[of].centre_of(pixel), depth_m);
     others.iter().any(|&other| {
         let Some((_, depths_m)) = &found[other] else { return false };
-        let Some((seen, z_m)) = placers[other].pixel(point) else { return false };
+        let Some((seen, z_m)) = pinholes[other].pixel(point) else { return false };
         (1.0 / depths_m[seen] - 1.0 / z_m).abs() < tolerance
     })
 }
@@ -151,22 +151,22 @@ fn neighbours(views: &[&View], of: usize) -> Vec<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::train::fake::World;
+    use crate::train::test_world::World;
 
     /// What the cameras of the made-up world see at a moment, and how much of it is told within `tolerance_m`, wrongly,
     /// and not at all.
     fn shares(moment: usize, tolerance_m: f32) -> [f64; 3] {
         let world = World { card: |_, _| Some(-0.3), ..World::EMPTY };
-        let footage = World { grain: true, ..world }.footage(2);
-        let looks: Vec<Look<'_>> = footage
-            .shots()
+        let views = World { grain: true, ..world }.views(2);
+        let images: Vec<StereoImage<'_>> = views
+            .cameras()
             .iter()
-            .map(|shot| Look { view: shot.view(moment), colour: &shot.picture(moment).colour })
+            .map(|camera| StereoImage { view: camera.view(moment), colour: &camera.picture(moment).colour })
             .collect();
-        let wanted = vec![vec![true; footage.pixel_count()]; 3];
+        let wanted = vec![vec![true; views.pixel_count()]; 3];
         let mut counts = [0.0; 3];
-        for (shot, found) in footage.shots().iter().zip(depths(&looks, &wanted)) {
-            for (true_m, found_m) in shot.picture(moment).depth_m.iter().zip(found) {
+        for (camera, found) in views.cameras().iter().zip(depths(&images, &wanted)) {
+            for (true_m, found_m) in camera.picture(moment).depth_m.iter().zip(found) {
                 let error_m = (found_m - true_m.to_f32()).abs();
                 let kind = if error_m < tolerance_m { 0 } else { 2 - usize::from(error_m.is_finite()) };
                 counts[kind] += 1.0 / wanted.len() as f64 / wanted[0].len() as f64;
@@ -185,10 +185,10 @@ mod tests {
 
     #[test]
     fn one_view_alone_tells_nothing() {
-        let footage = World::EMPTY.footage(1);
-        let shot = &footage.shots()[0];
-        let look = Look { view: shot.view(0), colour: &shot.picture(0).colour };
-        let twice = depths(&[look, look], &[vec![true; footage.pixel_count()]]);
+        let views = World::EMPTY.views(1);
+        let camera = &views.cameras()[0];
+        let image = StereoImage { view: camera.view(0), colour: &camera.picture(0).colour };
+        let twice = depths(&[image, image], &[vec![true; views.pixel_count()]]);
         assert!(twice[0].iter().all(|depth_m| depth_m.is_nan()));
     }
 }

@@ -1,7 +1,7 @@
 //! The loop: one iteration after the other, each a function of the state before it.
 
-mod control;
-mod lessons;
+mod density_control;
+mod step;
 mod targets;
 
 use rand::SeedableRng as _;
@@ -15,24 +15,24 @@ use crate::optimise::Rates;
 use crate::raster::Rasterizer;
 
 use super::TrainError;
-use super::density::append;
-use super::footage::{Footage, FootageError};
-use super::holes::holes;
-use super::learn::Weights;
-use super::motion::{Kind, Motion};
+use super::crop::ChangedRegion;
+use super::densify::append;
+use super::initial_points::InitialPoints;
+use super::loss::Weights;
+use super::missing::missing_points;
+use super::motion::{Motion, SurfaceKind};
 use super::points::{Point, gaussians};
 use super::quality::{Quality, Region, measure};
+use super::scene_stats::{bounds, busiest, typical_depth_m};
 use super::settings::{Schedule, Settings, Stage};
-use super::start::Start;
 use super::state::State;
-use super::survey::{bounds, busiest, typical_depth_m};
-use super::unfold::{Span, repeat_ends};
-use super::window::Part;
+use super::time_span::{Span, repeat_ends};
+use super::views::{TrainingViews, TrainingViewsError};
 
 /// Iterations between looks at the training pictures.
-const LOOK: u64 = 500;
+const EVALUATION_PERIOD: u64 = 500;
 /// Pictures of a look.
-const LOOK_PICTURES: usize = 12;
+const EVALUATION_PICTURES: usize = 12;
 /// Less progress than this is none, dB.
 const PROGRESS_DB: f32 = 0.03;
 /// Share of the budget with which training begins; density control has the rest.
@@ -48,17 +48,17 @@ pub struct Report {
     /// Its loss.
     pub loss: f64,
     /// Errors on training pictures, at some iterations.
-    pub look: Option<Quality>,
+    pub quality: Option<Quality>,
 }
 
 /// Training, between two iterations.
 pub struct Trainer<'a> {
-    footage: &'a Footage,
+    views: &'a TrainingViews,
     rasterizer: &'a dyn Rasterizer,
     settings: Settings,
     motion: Motion,
-    /// What changes, by shot and moment.
-    parts: Vec<Option<Part>>,
+    /// What changes, by camera and moment.
+    regions: Vec<Option<ChangedRegion>>,
     /// The moment from which the clip is unfolded.
     anchor: usize,
     /// What is added when the fine stage begins.
@@ -79,59 +79,59 @@ impl<'a> Trainer<'a> {
     /// Training from the beginning.
     ///
     /// # Errors
-    /// Footage without cameras, settings that cannot be.
+    /// TrainingViews without cameras, settings that cannot be.
     pub fn new(
-        footage: &'a Footage,
+        views: &'a TrainingViews,
         settings: Settings,
-        start: &Start,
+        initial: &InitialPoints,
         rasterizer: &'a dyn Rasterizer,
     ) -> Result<Self, TrainError> {
-        check(footage, &settings)?;
-        let motion = Motion::of(footage, settings.dynamic_threshold);
-        let anchor = busiest(footage, &motion);
-        let beginning = match start {
-            Start::Depth => (settings.gaussians as f32 * BEGINNING) as usize,
-            Start::Random | Start::Points(_) => settings.gaussians,
+        check(views, &settings)?;
+        let motion = Motion::of(views, settings.dynamic_threshold);
+        let anchor = busiest(views, &motion);
+        let beginning = match initial {
+            InitialPoints::Depth => (settings.gaussians as f32 * BEGINNING) as usize,
+            InitialPoints::Random | InitialPoints::Points(_) => settings.gaussians,
         };
         let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
         random.set_stream(u64::MAX);
-        let (points, backdrop_m) = start.points(footage, &motion, anchor, beginning.max(1), &mut random);
+        let (points, backdrop_m) = initial.points(views, &motion, anchor, beginning.max(1), &mut random);
         if points.is_empty() {
             return Err(TrainError::NothingToStartFrom);
         }
-        let (movers, grounds): (Vec<Point>, Vec<Point>) =
-            points.into_iter().partition(|point| point.kind == Kind::Moves);
-        let extent_m = footage.extent_m();
-        let reach = Span::reach(anchor, footage.moments());
+        let (movers, backgrounds): (Vec<Point>, Vec<Point>) =
+            points.into_iter().partition(|point| point.kind == SurfaceKind::Moving);
+        let extent_m = views.extent_m();
+        let reach = Span::reach(anchor, views.moments());
         let schedule = Schedule::new(&settings, reach);
         let rates = [
             settings.rates(extent_m, schedule.fine_start())?,
             settings.rates(extent_m, schedule.end() - schedule.fine_start())?,
         ];
-        let model = Model { gaussians: gaussians(&grounds, settings.degree()), ..Model::default() };
-        let moves = grounds.iter().map(|point| point.kind == Kind::Flickers).collect();
-        let parts = (0..footage.shots().len() * footage.moments())
+        let model = Model { gaussians: gaussians(&backgrounds, settings.degree()), ..Model::default() };
+        let moves = backgrounds.iter().map(|point| point.kind == SurfaceKind::Flickering).collect();
+        let regions = (0..views.cameras().len() * views.moments())
             .into_par_iter()
-            .map(|index| (index / footage.moments(), index % footage.moments()))
-            .map(|(shot, moment)| Part::of_change(footage, &motion, shot, moment))
+            .map(|index| (index / views.moments(), index % views.moments()))
+            .map(|(camera, moment)| ChangedRegion::of_changes(views, &motion, camera, moment))
             .collect();
         Ok(Self {
             weights: Weights {
                 dssim: settings.dssim_weight,
-                depth: if footage.has_depth() { settings.depth_weight } else { 0.0 },
-                typical_depth_m: typical_depth_m(footage),
+                depth: if views.has_depth() { settings.depth_weight } else { 0.0 },
+                typical_depth_m: typical_depth_m(views),
             },
             state: State::new(model, moves, &rates[0]),
             trace: Trace::default(),
             by_field: None,
-            footage,
+            views,
             rasterizer,
             settings,
             motion,
-            parts,
+            regions,
             anchor,
             movers,
-            middle: footage.middle(),
+            middle: views.middle(),
             // Less, for rounding; nothing else is nearly as far.
             backdrop_m: 0.99 * backdrop_m,
             schedule,
@@ -212,26 +212,30 @@ impl<'a> Trainer<'a> {
         // A stream for each iteration: where the generator stands is the number of the iteration.
         random.set_stream(iteration);
         let loss = match stage {
-            Stage::Coarse => self.learn_grounds(&mut random)?,
+            Stage::Coarse => self.background_step(&mut random)?,
             Stage::Unfold { reach } => {
-                let span = Span::around(self.anchor, reach, self.footage.moments());
+                let span = Span::around(self.anchor, reach, self.views.moments());
                 let begins = (iteration - self.schedule.fine_start()).is_multiple_of(self.settings.unfold);
                 if let Some(field) = self.state.model.field.as_mut().filter(|_| begins && reach > 0) {
-                    let inner = Span::around(self.anchor, reach - 1, self.footage.moments());
-                    repeat_ends(field, self.footage.time(inner.first), self.footage.time(inner.last));
+                    let inner = Span::around(self.anchor, reach - 1, self.views.moments());
+                    repeat_ends(field, self.views.time(inner.first), self.views.time(inner.last));
                 }
-                self.learn_clip(span, true, &mut random)?
+                self.clip_step(span, true, &mut random)?
             }
             Stage::Fine => {
-                let span = Span { first: 0, last: self.footage.moments() - 1 };
-                self.learn_clip(span, false, &mut random)?
+                let span = Span { first: 0, last: self.views.moments() - 1 };
+                self.clip_step(span, false, &mut random)?
             }
-            Stage::Done => return Ok(Report { iteration, stage, loss: 0.0, look: None }),
+            Stage::Done => return Ok(Report { iteration, stage, loss: 0.0, quality: None }),
         };
         self.state.iteration += 1;
-        self.renew(stage, &mut random)?;
-        let look = if self.state.iteration.is_multiple_of(LOOK) { Some(self.look(stage)?) } else { None };
-        Ok(Report { iteration, stage, loss, look })
+        self.densify(stage, &mut random)?;
+        let quality = if self.state.iteration.is_multiple_of(EVALUATION_PERIOD) {
+            Some(self.evaluate(stage)?)
+        } else {
+            None
+        };
+        Ok(Report { iteration, stage, loss, quality })
     }
 
     /// Adds what moves, and the field.
@@ -247,11 +251,11 @@ impl<'a> Trainer<'a> {
         let dynamic = self.state.dynamic();
         if !dynamic.is_empty() {
             let model = &mut self.state.model;
-            let config = self.settings.field(self.footage.moments());
+            let config = self.settings.field(self.views.moments());
             let bounds = bounds(&model.gaussians, &dynamic)?;
-            model.field = Some(DeformationField::new(config, bounds, Init::StandStill, self.settings.seed)?);
+            model.field = Some(DeformationField::new(config, bounds, Init::Identity, self.settings.seed)?);
             model.dynamic = dynamic;
-            self.state.teach_field(&self.rates[1]);
+            self.state.add_field(&self.rates[1]);
         }
         self.movers = movers;
         Ok(())
@@ -264,7 +268,7 @@ impl<'a> Trainer<'a> {
             return Ok(());
         }
         let most = room.min(self.most_filled());
-        let points = holes(&self.state.model, self.rasterizer, self.footage, &self.motion, most)?;
+        let points = missing_points(&self.state.model, self.rasterizer, self.views, &self.motion, most)?;
         let count = self.state.model.gaussians.len();
         append(&mut self.state.model.gaussians, gaussians(&points, self.settings.degree()));
         self.state.moves.resize(count + points.len(), true);
@@ -272,16 +276,17 @@ impl<'a> Trainer<'a> {
     }
 
     /// Looks at training pictures spread over cameras and clip.
-    fn look(&mut self, stage: Stage) -> Result<Quality, TrainError> {
-        let (shots, moments) = (self.footage.shots().len(), self.footage.moments());
-        let picks: Vec<(usize, usize)> = (0..LOOK_PICTURES)
-            .map(|pick| (pick * 5 % shots, pick * moments.saturating_sub(1) / (LOOK_PICTURES - 1)))
+    fn evaluate(&mut self, stage: Stage) -> Result<Quality, TrainError> {
+        let (cameras, moments) = (self.views.cameras().len(), self.views.moments());
+        let picks: Vec<(usize, usize)> = (0..EVALUATION_PICTURES)
+            .map(|pick| (pick * 5 % cameras, pick * moments.saturating_sub(1) / (EVALUATION_PICTURES - 1)))
             .collect();
         let quality = self.measure(&picks)?;
         self.state.history.push(quality.psnr_db as f32);
         let patience = self.settings.patience;
         if stage == Stage::Fine && patience > 0 {
-            let fine: usize = ((self.state.iteration - self.schedule.whole_start()) / LOOK) as usize;
+            let fine: usize =
+                ((self.state.iteration - self.schedule.whole_start()) / EVALUATION_PERIOD) as usize;
             let (before, recent) =
                 self.state.history.split_at(self.state.history.len().saturating_sub(patience));
             let best = |list: &[f32]| list.iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -290,25 +295,25 @@ impl<'a> Trainer<'a> {
         Ok(quality)
     }
 
-    /// Errors of the model as it is on training pictures `(shot, moment)`.
+    /// Errors of the model as it is on training pictures `(camera, moment)`.
     ///
     /// # Errors
     /// As [`measure`].
     pub fn measure(&self, picks: &[(usize, usize)]) -> Result<Quality, TrainError> {
-        let region = |shot, moment| {
-            let moving: Vec<bool> = (0..self.footage.pixel_count())
-                .map(|pixel| self.motion.moves(self.footage, shot, moment, pixel))
+        let region = |camera, moment| {
+            let moving: Vec<bool> = (0..self.views.pixel_count())
+                .map(|pixel| self.motion.moves(self.views, camera, moment, pixel))
                 .collect();
             Region { depth: moving.clone(), moving }
         };
-        measure(&self.state.model, self.rasterizer, self.footage, picks, &region)
+        measure(&self.state.model, self.rasterizer, self.views, picks, &region)
     }
 }
 
-fn check(footage: &Footage, settings: &Settings) -> Result<(), TrainError> {
-    if footage.shots().is_empty() {
+fn check(views: &TrainingViews, settings: &Settings) -> Result<(), TrainError> {
+    if views.cameras().is_empty() {
         let remedy = "train on at least one";
-        return Err(FootageError::Nothing { what: "cameras", remedy }.into());
+        return Err(TrainingViewsError::Nothing { what: "cameras", remedy }.into());
     }
     let ranges = [
         ("gaussians", settings.gaussians as f64, 1.0..=1e7, "between 1 and 10 million"),

@@ -173,7 +173,7 @@ fn a_diverged_parameter_is_reported_by_the_row_that_it_spoils() {
 #[test]
 fn a_standing_field_changes_nothing_until_it_has_learned() {
     let bounds = Bounds::new([[1.0; 3], [-1.0; 3]]).unwrap();
-    let field = DeformationField::new(small_config(), bounds, Init::StandStill, 0).unwrap();
+    let field = DeformationField::new(small_config(), bounds, Init::Identity, 0).unwrap();
     let mut trace = Trace::default();
     let offsets = field.trace(&positions(40, 9), 0.3, &mut trace).unwrap();
     assert_eq!(offsets, Offsets::zeros(field.config(), 40));

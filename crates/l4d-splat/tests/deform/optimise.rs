@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, FieldGradients, Init};
 use l4d_splat::optimise::{
-    Adam, AdamSettings, DepthGradient, Group, LearningRate, OptimiseError, PlaneWeights, RenderedDepth,
-    Share, depth_l1, dssim, l1, plane_penalty,
+    Adam, AdamSettings, DepthGradient, Group, GroupUpdate, LearningRate, OptimiseError, PlaneWeights,
+    RenderedDepth, depth_l1, dssim, l1, plane_penalty,
 };
 use serde::Deserialize;
 
@@ -160,7 +160,7 @@ fn adam_walks_as_that_of_torch() {
         let iteration = step as u64 + 1;
         assert!((rate.at(iteration) / rates[step] - 1.0).abs() < 1.0e-12);
         let gradient = narrow(gradient);
-        let share = Share { parameters: vec![&mut parameters], gradients: vec![&gradient] };
+        let share = GroupUpdate { parameters: vec![&mut parameters], gradients: vec![&gradient] };
         adam.step(iteration, vec![share]).unwrap();
         let difference = largest_difference(&parameters, expected);
         assert!(difference < 1.0e-6, "step {iteration}: {difference:e}");

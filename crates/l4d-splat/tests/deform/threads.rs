@@ -2,7 +2,7 @@
 
 use l4d_splat::deform::{DeformConfig, Offsets, Trace};
 use l4d_splat::optimise::{
-    Adam, AdamSettings, Group, LearningRate, PlaneWeights, Share, dssim, plane_penalty,
+    Adam, AdamSettings, Group, GroupUpdate, LearningRate, PlaneWeights, dssim, plane_penalty,
 };
 
 use crate::fixtures::{positions, small_field};
@@ -34,8 +34,8 @@ fn step() -> Vec<u32> {
     let mut adam = Adam { settings: AdamSettings::default(), groups };
     let parameters = field.parameters_mut();
     let shares = vec![
-        Share { parameters: parameters.planes, gradients: lists.planes },
-        Share { parameters: parameters.layers, gradients: lists.layers },
+        GroupUpdate { parameters: parameters.planes, gradients: lists.planes },
+        GroupUpdate { parameters: parameters.layers, gradients: lists.layers },
     ];
     adam.step(1, shares).unwrap();
     let picture: Vec<f32> = slopes.as_flattened().iter().take(3 * 60 * 40).copied().collect();

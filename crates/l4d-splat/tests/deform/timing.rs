@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use l4d_splat::deform::{DeformConfig, Trace};
 use l4d_splat::optimise::{
-    Adam, AdamSettings, Group, LearningRate, PlaneWeights, Share, dssim, plane_penalty,
+    Adam, AdamSettings, Group, GroupUpdate, LearningRate, PlaneWeights, dssim, plane_penalty,
 };
 
 use crate::fixtures::{positions, small_field};
@@ -54,7 +54,7 @@ fn timing_of_ten_thousand_rows() {
             let mut adam = Adam { settings: AdamSettings::default(), groups };
             let step = best_ms(|| {
                 let parameters = field.parameters_mut().planes;
-                adam.step(1, vec![Share { parameters, gradients: lists.planes.clone() }]).unwrap();
+                adam.step(1, vec![GroupUpdate { parameters, gradients: lists.planes.clone() }]).unwrap();
             });
             let picture = vec![0.4; 256 * 192 * 3];
             let target = vec![0.5; picture.len()];

@@ -114,8 +114,8 @@ fn absurdly_many_channels_of_nothing_are_refused() {
     let rasterizers: [Box<dyn Rasterizer>; 2] = [Box::new(Cpu::new()), Box::new(Reference::<f64>::new())];
     for rasterizer in rasterizers {
         let projected = rasterizer.prepare(&nothing, &view, &settings).unwrap();
-        assert_eq!(projected.spread(&[], 3).unwrap(), [0.0; 3 * 64]);
-        assert!(projected.spread(&[], usize::MAX).unwrap_err().to_string().starts_with("channels"));
+        assert_eq!(projected.splat_features(&[], 3).unwrap(), [0.0; 3 * 64]);
+        assert!(projected.splat_features(&[], usize::MAX).unwrap_err().to_string().starts_with("channels"));
     }
 }
 

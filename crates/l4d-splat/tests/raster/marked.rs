@@ -76,7 +76,7 @@ fn gaussians_that_do_not_learn_have_no_gradient_and_the_others_keep_theirs() {
         let drawing = scene.draw().unwrap();
         let (every, some) = (
             scene.backward(&drawing, &gradient).unwrap(),
-            scene.backward_of(&drawing, &gradient, &learning).unwrap(),
+            scene.backward_for(&drawing, &gradient, &learning).unwrap(),
         );
         let coefficients = case.splats.sh_degree().coefficients();
         for (index, &learns) in learning.iter().enumerate() {
@@ -98,7 +98,7 @@ fn gaussians_that_do_not_learn_have_no_gradient_and_the_others_keep_theirs() {
             }
         }
         assert_eq!(some.visible, every.visible);
-        assert!(scene.backward_of(&drawing, &gradient, &[true; 3]).is_err());
+        assert!(scene.backward_for(&drawing, &gradient, &[true; 3]).is_err());
     }
 }
 

@@ -16,22 +16,22 @@ use serde_json::json;
 use self::measure::{Truth, measure};
 use self::stage::Stage;
 use self::table::{Row, csv_of, figure, text};
-use self::variants::{Machines, variants};
+use self::variants::{Backends, variants};
 use crate::cli::splats::BenchSplatsArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let folder = args.out.clone().unwrap_or_else(|| args.work.join("bench").join("splats"));
-    let machines = Machines::open(&args.adapters)?;
+    let backends = Backends::open(&args.adapters)?;
     let stage = Stage::set(args)?;
-    let variants = variants(&stage, &args.sweeps, &machines)?;
+    let variants = variants(&stage, &args.sweeps, &backends)?;
     out.note(format!("{}: {} variants", stage.about, variants.len()));
 
     let truth = Truth::draw(&stage)?;
     let bar = out.bar(variants.len() as u64 * (u64::from(args.repeats) + 1), "measuring");
-    let measured = measure(&stage, &truth, &variants, &machines, args.repeats, || bar.inc(1))?;
+    let measured = measure(&stage, &truth, &variants, &backends, args.repeats, || bar.inc(1))?;
     bar.finish_and_clear();
-    let row = |(variant, measured)| Row::new(variant, &machines, measured);
+    let row = |(variant, measured)| Row::new(variant, &backends, measured);
     let rows: Vec<Row> = variants.iter().zip(&measured).map(row).collect();
 
     let table = folder.join("splats.csv");

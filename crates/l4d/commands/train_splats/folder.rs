@@ -27,7 +27,7 @@ pub(super) struct Origin {
     pub(super) settings: Value,
     /// Where the first Gaussians came from.
     pub(super) init: String,
-    /// Whether rendered depth was looked at, which decides with whom methods are ranked that use the model.
+    /// Whether rendered depth was evaluated at, which decides with whom methods are ranked that use the model.
     pub(super) saw_depth: bool,
     pub(super) track: Track,
     /// Which pictures of a capture were trained on.

@@ -39,13 +39,13 @@ fn ballot(
         Some(seen) => {
             let marked = picture.mask.to_bools();
             let projected = canvas.rasterizer.prepare_marked(splats, picture.view, canvas.raster, &marked)?;
-            Ok((projected.gather(&numbers(picture.mask), 1)?, seen))
+            Ok((projected.gather_features(&numbers(picture.mask), 1)?, seen))
         }
         None => {
             let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
             let pixels: Vec<f32> =
                 numbers(picture.mask).into_iter().flat_map(|inside| [inside, 1.0]).collect();
-            let sums = projected.gather(&pixels, 2)?;
+            let sums = projected.gather_features(&pixels, 2)?;
             let (inside, seen): (Vec<f32>, Vec<f32>) =
                 sums.as_chunks::<2>().0.iter().map(|&[inside, seen]| (inside, seen)).unzip();
             let seen = Arc::from(seen);
@@ -66,12 +66,12 @@ pub(super) fn residual(
 ) -> Result<Vec<f32>, LiftError> {
     let views = instant.pictures.par_iter().map(|picture| {
         let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
-        let blend = projected.spread(labels, 1)?;
+        let blend = projected.splat_features(labels, 1)?;
         let mut rest = numbers(picture.mask);
         for (rest, blend) in rest.iter_mut().zip(blend) {
             *rest -= blend;
         }
-        Ok(projected.gather(&rest, 1)?)
+        Ok(projected.gather_features(&rest, 1)?)
     });
     let views: Vec<Vec<f32>> = views.collect::<Result<_, LiftError>>()?;
     Ok(total(&views))

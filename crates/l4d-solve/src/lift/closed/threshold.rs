@@ -42,12 +42,12 @@ impl Fit {
                             .iter()
                             .flat_map(|&label| LEVELS.map(|level| f32::from(u8::from(label > level))))
                             .collect();
-                        let blend = projected.spread(&hard, LEVELS.len())?;
+                        let blend = projected.splat_features(&hard, LEVELS.len())?;
                         let rows = blend.as_chunks::<{ LEVELS.len() }>().0;
                         Ok(overlaps(picture, rows.iter().map(|row| row.map(|value| value > HALF))))
                     }
                     Cut::Pixels => {
-                        let blend = projected.spread(labels, 1)?;
+                        let blend = projected.splat_features(labels, 1)?;
                         Ok(overlaps(picture, blend.iter().map(|&value| LEVELS.map(|level| value > level))))
                     }
                 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use l4d_splat::optimise::{Adam, AdamSettings, Group, LearningRate, Share};
+use l4d_splat::optimise::{Adam, AdamSettings, Group, GroupUpdate, LearningRate};
 use l4d_splat::splats::Splats;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -261,7 +261,7 @@ impl<'a> Lesson<'a> {
         let neighbours = nearest(&mut time.neighbours, &time.splats, settings.neighbours as usize);
         let projected = canvas.rasterizer.prepare(&time.splats, view, canvas.raster)?;
         if shot.visible.is_none() {
-            let weights = projected.gather(&vec![1.0; view.pixel_count()], 1)?;
+            let weights = projected.gather_features(&vec![1.0; view.pixel_count()], 1)?;
             shot.visible = Some(visible(&weights));
         }
         rows.clear();
@@ -284,10 +284,10 @@ impl<'a> Lesson<'a> {
         for (&row, &logit) in rows.list.iter().zip(&logits).take(shown) {
             carried[row as usize] = logit;
         }
-        let blend = projected.spread(&carried, 1)?;
+        let blend = projected.splat_features(&carried, 1)?;
         let share = settings.lambda_2d * settings.normalisation.pixels() / view.pixel_count() as f64;
         let (mut loss, mut bias_slope, wanted) = pixels(&blend, bias, &shot.inside, share);
-        let gathered = projected.gather(&wanted, 1)?;
+        let gathered = projected.gather_features(&wanted, 1)?;
         let mut slopes: Vec<f32> = vec![0.0; rows.list.len()];
         for (slope, &row) in slopes.iter_mut().zip(&rows.list).take(shown) {
             *slope = gathered[row as usize];
@@ -413,7 +413,7 @@ impl Learner {
         let gradients = self.lanes[0].0.lists().to_vec();
         let parameters = self.network.lists_mut().into_iter().map(Vec::as_mut_slice).collect();
         self.adam
-            .step(u64::from(iteration), vec![Share { parameters, gradients }])
+            .step(u64::from(iteration), vec![GroupUpdate { parameters, gradients }])
             .map_err(|source| LiftError::Learning { iteration, source })
     }
 }

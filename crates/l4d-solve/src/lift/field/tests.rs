@@ -33,7 +33,7 @@ fn evidence(scene: &Scene) -> Evidence {
         let frame = |frame: u32| {
             let splats = scene.model.at(frame as f32 / 96.0).unwrap();
             let seen = cpu.prepare(&splats, view, &RasterSettings::default()).unwrap();
-            let blend = seen.spread(&first_ball, 1).unwrap();
+            let blend = seen.splat_features(&first_ball, 1).unwrap();
             let mask = Mask::from_fn(20, 15, |column, row| blend[(row * 20 + column) as usize] > 0.4);
             EvidenceFrame { frame, time: frame as f32 / 96.0, view: *view, mask }
         };

@@ -1,8 +1,8 @@
-//! One pixel: who is blended into it, with what weight, and what its error says about them.
+//! One pixel: which Gaussians are blended into it, with what weight, and their gradients.
 
 use super::ReferenceScene;
-use super::flatten::{Flat, FlatGradient};
 use super::matrix::dot;
+use super::projection::{ProjectedGaussian, ProjectedGradient};
 use crate::raster::{DepthQuantiles, Drawing, DrawingGradient, RasterError, TILE};
 use crate::real::Real;
 use crate::splats::SplatGradients;
@@ -12,7 +12,7 @@ use crate::splats::SplatGradients;
 struct Step<'a, F> {
     /// Position in front-to-back order.
     rank: usize,
-    flat: &'a Flat<F>,
+    gaussian: &'a ProjectedGaussian<F>,
     /// With d the offset of the centre from the pixel and the shear xy/yy of its covariance: yy / det (dx - shear dy)
     /// and dy / yy. The inverse covariance times d is the first of them, and the second less shear times the first.
     pull: [F; 2],
@@ -37,7 +37,7 @@ where
 
 impl<F: Real> ReferenceScene<F> {
     /// Calls `visit` for each Gaussian blended into a pixel, front to back; the transmittance that is left.
-    fn walk<'a>(&'a self, column: usize, row: usize, mut visit: impl FnMut(Step<'a, F>)) -> F {
+    fn blend_pixel<'a>(&'a self, column: usize, row: usize, mut visit: impl FnMut(Step<'a, F>)) -> F {
         let settings = &self.settings;
         let alpha_min = F::of(settings.alpha_min.into());
         let alpha_max = F::of(settings.alpha_max.into());
@@ -45,20 +45,20 @@ impl<F: Real> ReferenceScene<F> {
         let half = F::of(0.5);
         let mut before = F::one();
         for &rank in &self.tiles[row / TILE * self.columns + column / TILE] {
-            let flat = &self.flats[rank];
-            let dx = flat.mean[0] - F::of(column as f64);
-            let dy = flat.mean[1] - F::of(row as f64);
+            let gaussian = &self.gaussians[rank];
+            let dx = gaussian.mean[0] - F::of(column as f64);
+            let dy = gaussian.mean[1] - F::of(row as f64);
             // d^T S^-1 d with the square completed, S = (xx xy; xy yy).
-            let [_, xy, yy] = flat.covariance;
+            let [_, xy, yy] = gaussian.covariance;
             let shear = xy / yy;
-            let pull_x = yy / flat.determinant * (dx - shear * dy);
+            let pull_x = yy / gaussian.determinant * (dx - shear * dy);
             let pull = [pull_x, dy / yy];
             let power = -half * ((dx - shear * dy) * pull_x + dy * dy / yy);
             if power > F::zero() {
                 continue;
             }
             let falloff = power.exp();
-            let open = flat.opacity * falloff;
+            let open = gaussian.opacity * falloff;
             let alpha = open.min(alpha_max);
             if alpha < alpha_min {
                 continue;
@@ -67,7 +67,17 @@ impl<F: Real> ReferenceScene<F> {
             if after < transmittance_min {
                 break;
             }
-            visit(Step { rank, flat, pull, shear, falloff, alpha, capped: open > alpha_max, before, after });
+            visit(Step {
+                rank,
+                gaussian,
+                pull,
+                shear,
+                falloff,
+                alpha,
+                capped: open > alpha_max,
+                before,
+                after,
+            });
             before = after;
         }
         before
@@ -89,14 +99,15 @@ impl<F: Real> ReferenceScene<F> {
             let mut alpha = F::zero();
             let mut depth_sum = F::zero();
             let mut crossed = [F::infinity(); 3];
-            let left = self.walk(column, row, |step| {
+            let left = self.blend_pixel(column, row, |step| {
                 let weight = step.weight();
-                colour = std::array::from_fn(|channel| colour[channel] + weight * step.flat.colour[channel]);
+                colour =
+                    std::array::from_fn(|channel| colour[channel] + weight * step.gaussian.colour[channel]);
                 alpha = alpha + weight;
-                depth_sum = depth_sum + weight * step.flat.depth;
+                depth_sum = depth_sum + weight * step.gaussian.depth;
                 for (depth, level) in crossed.iter_mut().zip(DepthQuantiles::LEVELS) {
                     if depth.is_infinite() && step.after < F::of(level.into()) {
-                        *depth = step.flat.depth;
+                        *depth = step.gaussian.depth;
                     }
                 }
             });
@@ -113,12 +124,12 @@ impl<F: Real> ReferenceScene<F> {
     }
 
     /// See [`crate::raster::Projected::spread`].
-    pub fn spread(&self, features: &[F], channels: usize) -> Vec<F> {
+    pub fn splat_features(&self, features: &[F], channels: usize) -> Vec<F> {
         let mut values = vec![F::zero(); self.view.pixel_count() * channels];
         for (pixel, (column, row)) in self.pixels().enumerate() {
             let pixel = &mut values[pixel * channels..][..channels];
-            self.walk(column, row, |step| {
-                let carried = &features[step.flat.index * channels..][..channels];
+            self.blend_pixel(column, row, |step| {
+                let carried = &features[step.gaussian.index * channels..][..channels];
                 for (sum, &feature) in pixel.iter_mut().zip(carried) {
                     *sum = *sum + step.weight() * feature;
                 }
@@ -128,12 +139,12 @@ impl<F: Real> ReferenceScene<F> {
     }
 
     /// See [`crate::raster::Projected::gather`].
-    pub fn gather(&self, pixels: &[F], channels: usize) -> Vec<F> {
+    pub fn gather_features(&self, pixels: &[F], channels: usize) -> Vec<F> {
         let mut values = vec![F::zero(); self.splats.len() * channels];
         for (pixel, (column, row)) in self.pixels().enumerate() {
             let held = &pixels[pixel * channels..][..channels];
-            self.walk(column, row, |step| {
-                let sums = &mut values[step.flat.index * channels..][..channels];
+            self.blend_pixel(column, row, |step| {
+                let sums = &mut values[step.gaussian.index * channels..][..channels];
                 for (sum, &value) in sums.iter_mut().zip(held) {
                     *sum = *sum + step.weight() * value;
                 }
@@ -145,15 +156,15 @@ impl<F: Real> ReferenceScene<F> {
     /// Index and weight of each Gaussian blended into a pixel, front to back.
     pub fn contributors(&self, column: usize, row: usize) -> Vec<(usize, F)> {
         let mut list = Vec::new();
-        self.walk(column, row, |step| list.push((step.flat.index, step.weight())));
+        self.blend_pixel(column, row, |step| list.push((step.gaussian.index, step.weight())));
         list
     }
 
     /// Distance along the optical axis of each Gaussian, metres; +inf for those that are not visible.
     pub fn depths_m(&self) -> Vec<F> {
         let mut depths = vec![F::infinity(); self.splats.len()];
-        for flat in &self.flats {
-            depths[flat.index] = flat.depth;
+        for gaussian in &self.gaussians {
+            depths[gaussian.index] = gaussian.depth;
         }
         depths
     }
@@ -161,8 +172,8 @@ impl<F: Real> ReferenceScene<F> {
     /// Half sides of the squares in which the Gaussians are drawn; 0 for those that are not visible.
     pub(super) fn radii(&self) -> Vec<F> {
         let mut radii = vec![F::zero(); self.splats.len()];
-        for flat in &self.flats {
-            radii[flat.index] = flat.radius;
+        for gaussian in &self.gaussians {
+            radii[gaussian.index] = gaussian.radius;
         }
         radii
     }
@@ -173,12 +184,12 @@ impl<F: Real> ReferenceScene<F> {
         // FNV-1a.
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut note = |word: u64| hash = (hash ^ word).wrapping_mul(0x0100_0000_01b3);
-        for flat in &self.flats {
-            note(flat.index as u64);
-            flat.clamped.iter().for_each(|&clamped| note(clamped.into()));
+        for gaussian in &self.gaussians {
+            note(gaussian.index as u64);
+            gaussian.clamped.iter().for_each(|&clamped| note(clamped.into()));
         }
         for (column, row) in self.pixels() {
-            self.walk(column, row, |step| note(2 * step.rank as u64 + u64::from(step.capped)));
+            self.blend_pixel(column, row, |step| note(2 * step.rank as u64 + u64::from(step.capped)));
             note(u64::MAX);
         }
         hash
@@ -188,21 +199,21 @@ impl<F: Real> ReferenceScene<F> {
     pub fn backward(&self, gradient: &DrawingGradient<F>) -> Result<SplatGradients<F>, RasterError> {
         gradient.check(&self.view)?;
         let background = self.settings.background.map(|value| F::of(value.into()));
-        let mut flat_gradients = vec![FlatGradient::default(); self.flats.len()];
+        let mut gradients_2d = vec![ProjectedGradient::default(); self.gaussians.len()];
         for (pixel, (column, row)) in self.pixels().enumerate() {
             let by_colour = gradient.colour[pixel];
             let mut steps = Vec::new();
-            self.walk(column, row, |step| steps.push(step));
+            self.blend_pixel(column, row, |step| steps.push(step));
             // What a unit of light is worth behind the current Gaussian.
             let mut behind = dot(background, by_colour);
             for step in steps.iter().rev() {
-                let worth = dot(step.flat.colour, by_colour)
-                    + step.flat.depth * gradient.depth_sum_m[pixel]
+                let worth = dot(step.gaussian.colour, by_colour)
+                    + step.gaussian.depth * gradient.depth_sum_m[pixel]
                     + gradient.alpha[pixel];
                 let by_alpha = step.before * (worth - behind);
                 behind = step.alpha * worth + (F::one() - step.alpha) * behind;
                 add_step(
-                    &mut flat_gradients[step.rank],
+                    &mut gradients_2d[step.rank],
                     step,
                     by_alpha,
                     by_colour,
@@ -211,15 +222,15 @@ impl<F: Real> ReferenceScene<F> {
             }
         }
         let mut gradients = SplatGradients::zeros(&self.splats);
-        for (flat, gradient) in self.flats.iter().zip(&flat_gradients) {
-            self.lens.unflatten(&self.splats, flat, gradient, &mut gradients);
+        for (gaussian, gradient) in self.gaussians.iter().zip(&gradients_2d) {
+            self.projection.backward(&self.splats, gaussian, gradient, &mut gradients);
         }
         Ok(gradients)
     }
 }
 
 fn add_step<F: Real>(
-    sums: &mut FlatGradient<F>,
+    sums: &mut ProjectedGradient<F>,
     step: &Step<'_, F>,
     by_alpha: F,
     by_colour: [F; 3],

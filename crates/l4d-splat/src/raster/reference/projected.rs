@@ -26,16 +26,16 @@ impl<F: Real> Projected for ReferenceScene<F> {
         })
     }
 
-    fn spread(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+    fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_channels(channels)?;
         check_length("features", features.len(), self.splats.len().checked_mul(channels))?;
-        Ok(narrow(&self.spread(&wide(features), channels)))
+        Ok(narrow(&self.splat_features(&wide(features), channels)))
     }
 
-    fn gather(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+    fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_channels(channels)?;
         check_length("pixels", pixels.len(), self.view.pixel_count().checked_mul(channels))?;
-        Ok(narrow(&self.gather(&wide(pixels), channels)))
+        Ok(narrow(&self.gather_features(&wide(pixels), channels)))
     }
 
     fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError> {

@@ -105,33 +105,33 @@ fn equal_depths_are_blended_in_the_order_of_the_list() {
 fn tiles_are_those_of_the_square_of_three_standard_deviations() {
     // sqrt(25.3 + sqrt(0.1)) * 3 = 15.18, so the radius is 16: columns 0 to 32. At -20 px it ends at -4.
     let mut left = round(2.0, 0.8, 0.5);
-    let flats = scene(&[left]).flats;
-    assert_eq!((flats[0].radius, flats[0].tiles.columns.clone()), (16.0, 0..2));
+    let gaussians = scene(&[left]).gaussians;
+    assert_eq!((gaussians[0].radius, gaussians[0].tiles.columns.clone()), (16.0, 0..2));
     // The square reaches pixel 32, but the rule counts a tile only from the pixel after its first.
     left.0[0] = 0.04;
-    assert_eq!(scene(&[left]).flats[0].tiles.columns, 0..3);
+    assert_eq!(scene(&[left]).gaussians[0].tiles.columns, 0..3);
     left.0[0] = -(16.0 + 20.0) / 25.0;
-    assert!(scene(&[left]).flats.is_empty());
+    assert!(scene(&[left]).gaussians.is_empty());
 }
 
 #[test]
 fn what_is_not_in_front_of_the_near_plane_is_not_drawn() {
     for z in [-2.0, 0.0, 0.1, f64::from(0.2_f32)] {
-        assert!(scene(&[round(z, 0.8, 0.5)]).flats.is_empty(), "{z}");
+        assert!(scene(&[round(z, 0.8, 0.5)]).gaussians.is_empty(), "{z}");
     }
-    assert_eq!(scene(&[round(0.201, 0.8, 0.5)]).flats.len(), 1);
+    assert_eq!(scene(&[round(0.201, 0.8, 0.5)]).gaussians.len(), 1);
 }
 
 #[test]
 fn spread_and_gather_use_the_weights_of_the_picture() {
     let scene = scene(&[round(4.0, 0.5, 0.2), round(2.0, 0.6, 0.9)]);
     let centre = 16 * 33 + 16;
-    let spread = scene.spread(&[10.0, 1.0, -1.0, 0.0], 2);
+    let spread = scene.splat_features(&[10.0, 1.0, -1.0, 0.0], 2);
     close(spread[2 * centre], 0.4 * 0.5 * 10.0 - 0.6);
     close(spread[2 * centre + 1], 0.4 * 0.5);
     let mut pixels = vec![0.0; 33 * 33];
     pixels[centre] = 3.0;
-    let gathered = scene.gather(&pixels, 1);
+    let gathered = scene.gather_features(&pixels, 1);
     close(gathered[0], 3.0 * 0.4 * 0.5);
     close(gathered[1], 3.0 * 0.6);
 }

@@ -2,8 +2,8 @@
 
 use crate::view::View;
 
-use super::super::place::Placer;
-use super::{Look, NEIGHBOURS, Sweep};
+use super::super::pinhole::Pinhole;
+use super::{NEIGHBOURS, PlaneSweep, StereoImage};
 
 /// A larger difference of colour counts as this one, bytes.
 pub(super) const DEAREST: u8 = 60;
@@ -18,14 +18,19 @@ struct Other<'a> {
 }
 
 /// For each pixel a cost a plane; those of pixels that are not wanted mean nothing.
-pub(super) fn costs(look: &Look<'_>, others: &[Look<'_>], sweep: &Sweep, wanted: &[bool]) -> Vec<u8> {
+pub(super) fn costs(
+    image: &StereoImage<'_>,
+    others: &[StereoImage<'_>],
+    sweep: &PlaneSweep,
+    wanted: &[bool],
+) -> Vec<u8> {
     let planes = sweep.planes();
-    let placer = Placer::new(look.view);
-    let others: Vec<Other<'_>> = others.iter().map(|other| Other::new(look.view, other)).collect();
+    let pinhole = Pinhole::new(image.view);
+    let others: Vec<Other<'_>> = others.iter().map(|other| Other::new(image.view, other)).collect();
     let mut volume = vec![DEAREST; wanted.len() * planes];
     for (pixel, costs) in volume.chunks_exact_mut(planes).enumerate().filter(|(pixel, _)| wanted[*pixel]) {
-        let [u, v] = placer.centre_of(pixel);
-        let own = look.colour[pixel];
+        let [u, v] = pinhole.centre_of(pixel);
+        let own = image.colour[pixel];
         let mut bases = [[0.0; 3]; NEIGHBOURS];
         for (base, other) in bases.iter_mut().zip(&others) {
             *base = other.along.map(|row| row[0] * u + row[1] * v + row[2]);
@@ -54,7 +59,7 @@ pub(super) fn costs(look: &Look<'_>, others: &[Look<'_>], sweep: &Sweep, wanted:
 }
 
 impl<'a> Other<'a> {
-    fn new(view: &View, other: &Look<'a>) -> Self {
+    fn new(view: &View, other: &StereoImage<'a>) -> Self {
         let [to, from] = [other.view.camera_from_world(), view.camera_from_world()];
         // From the axes of the one camera to those of the other.
         let turn: [[f64; 3]; 3] = std::array::from_fn(|row| {

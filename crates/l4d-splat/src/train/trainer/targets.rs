@@ -4,23 +4,23 @@ use half::slice::HalfFloatSliceExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::TrainError;
-use super::super::footage::unit;
-use super::super::learn::Target;
-use super::super::motion::Kind;
-use super::super::survey::chosen;
-use super::super::window::{Part, Window};
+use super::super::crop::{ChangedRegion, Crop};
+use super::super::loss::Target;
+use super::super::motion::SurfaceKind;
+use super::super::scene_stats::sample;
+use super::super::views::unit;
 use super::Trainer;
 
 impl Trainer<'_> {
-    pub(super) fn ground_target(&self, shot: usize) -> Option<Target> {
-        let ground = self.motion.ground(shot)?;
-        let stays = |pixel: usize| ground.kind[pixel] != Kind::Moves;
+    pub(super) fn background_target(&self, camera: usize) -> Option<Target> {
+        let background = self.motion.background(camera)?;
+        let stays = |pixel: usize| background.kind[pixel] != SurfaceKind::Moving;
         let depth = |(pixel, &depth_m): (usize, &f32)| if stays(pixel) { depth_m } else { f32::INFINITY };
         Some(Target {
-            view: *self.footage.shots()[shot].view(0),
-            colour: ground.colour.as_flattened().to_vec(),
-            depth_m: ground.depth_m.iter().enumerate().map(depth).collect(),
-            marked: (0..ground.kind.len()).map(stays).collect(),
+            view: *self.views.cameras()[camera].view(0),
+            colour: background.colour.as_flattened().to_vec(),
+            depth_m: background.depth_m.iter().enumerate().map(depth).collect(),
+            marked: (0..background.kind.len()).map(stays).collect(),
             zoom: [1.0; 2],
         })
     }
@@ -31,28 +31,33 @@ impl Trainer<'_> {
         whole: bool,
         random: &mut ChaCha8Rng,
     ) -> Result<Vec<Target>, TrainError> {
-        let moments = self.footage.moments();
-        let part = |shot: usize| self.parts[shot * moments + moment].as_ref();
+        let moments = self.views.moments();
+        let region = |camera: usize| self.regions[camera * moments + moment].as_ref();
         let busy: Vec<usize> =
-            self.footage.seeing(moment).filter(|&shot| whole || part(shot).is_some()).collect();
-        let target = |shot| self.clip_target(shot, moment, part(shot).filter(|_| !whole));
+            self.views.cameras_at(moment).filter(|&camera| whole || region(camera).is_some()).collect();
+        let target = |camera| self.clip_target(camera, moment, region(camera).filter(|_| !whole));
         // A whole picture costs several times what changes in it does, unless nothing is known to stand still.
         let is_dear = whole && self.motion.tells_apart();
         let views = if is_dear { self.settings.views.div_ceil(2) } else { self.settings.views };
-        chosen(&busy, views, random).into_iter().map(target).collect()
+        sample(&busy, views, random).into_iter().map(target).collect()
     }
 
     /// A part of a picture, or all of it.
-    fn clip_target(&self, shot: usize, moment: usize, part: Option<&Part>) -> Result<Target, TrainError> {
-        let [width, height] = self.footage.size();
-        let window = part.map_or(Window::whole(self.footage.size()), |part| part.window);
-        let marked = part.map(Part::marks).unwrap_or_default();
-        let shot = &self.footage.shots()[shot];
-        let picture = shot.picture(moment);
+    fn clip_target(
+        &self,
+        camera: usize,
+        moment: usize,
+        region: Option<&ChangedRegion>,
+    ) -> Result<Target, TrainError> {
+        let [width, height] = self.views.size();
+        let crop = region.map_or(Crop::whole(self.views.size()), |region| region.crop);
+        let marked = region.map(ChangedRegion::marks).unwrap_or_default();
+        let camera = &self.views.cameras()[camera];
+        let picture = camera.picture(moment);
         let (mut colour, mut depth_m) = (Vec::new(), Vec::new());
-        for pixels in window.rows(width as usize) {
+        for pixels in crop.rows(width as usize) {
             colour.extend(picture.colour[pixels.clone()].as_flattened().iter().copied().map(unit));
-            if self.footage.has_depth() {
+            if self.views.has_depth() {
                 depth_m.extend(picture.depth_m[pixels].to_f32_vec());
             }
         }
@@ -60,11 +65,11 @@ impl Trainer<'_> {
             *depth_m = if *marked { *depth_m } else { f32::INFINITY };
         }
         Ok(Target {
-            view: window.of(shot.view(moment))?,
+            view: crop.of(camera.view(moment))?,
             colour,
             depth_m,
             marked,
-            zoom: [width as f32 / window.width as f32, height as f32 / window.height as f32],
+            zoom: [width as f32 / crop.width as f32, height as f32 / crop.height as f32],
         })
     }
 }

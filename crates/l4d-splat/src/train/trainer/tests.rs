@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::raster::Cpu;
-use crate::train::fake::World;
+use crate::train::test_world::World;
 
 const PASSING: World =
     World { card: |moment, moments| Some(-1.2 + 1.6 * moment as f64 / moments as f64), ..World::EMPTY };
@@ -27,8 +27,8 @@ fn finish(trainer: &mut Trainer<'_>) {
 
 #[test]
 fn training_that_was_put_down_at_any_stage_ends_the_same() {
-    let (footage, cpu) = (PASSING.footage(6), Cpu::new());
-    let begin = || Trainer::new(&footage, settings(), &Start::Depth, &cpu).unwrap();
+    let (views, cpu) = (PASSING.views(6), Cpu::new());
+    let begin = || Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
     let mut whole = begin();
     let unfold_start = whole.schedule.fine_start();
     let fine_start = whole.schedule.whole_start();
@@ -52,9 +52,9 @@ fn training_that_was_put_down_at_any_stage_ends_the_same() {
 
 #[test]
 fn what_moves_is_learned_where_it_is() {
-    let (footage, cpu) = (PASSING.footage(6), Cpu::new());
+    let (views, cpu) = (PASSING.views(6), Cpu::new());
     let longer = Settings { coarse: 150, unfold: 40, fine: 900, ..settings() };
-    let mut trainer = Trainer::new(&footage, longer, &Start::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, longer, &InitialPoints::Depth, &cpu).unwrap();
     finish(&mut trainer);
     let picks: Vec<(usize, usize)> = (0..6).map(|moment| (1, moment)).collect();
     let quality = trainer.measure(&picks).unwrap();
@@ -66,12 +66,12 @@ fn what_moves_is_learned_where_it_is() {
 
 #[test]
 fn a_scene_that_stands_still_needs_no_field() {
-    let (footage, cpu) = (World::EMPTY.footage(3), Cpu::new());
-    let mut trainer = Trainer::new(&footage, settings(), &Start::Depth, &cpu).unwrap();
+    let (views, cpu) = (World::EMPTY.views(3), Cpu::new());
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
     finish(&mut trainer);
     assert_eq!((trainer.model().field.is_none(), trainer.model().dynamic.len()), (true, 0));
     let all = Settings { dynamic_threshold: 0.0, ..settings() };
-    let mut trainer = Trainer::new(&footage, all, &Start::Depth, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, all, &InitialPoints::Depth, &cpu).unwrap();
     finish(&mut trainer);
     // All but the backdrop.
     assert!(10 * trainer.model().dynamic.len() > 9 * trainer.model().gaussians.len());
@@ -79,26 +79,26 @@ fn a_scene_that_stands_still_needs_no_field() {
 
 #[test]
 fn one_moment_and_absurd_settings() {
-    let (footage, cpu) = (PASSING.footage(1), Cpu::new());
-    let mut trainer = Trainer::new(&footage, settings(), &Start::Random, &cpu).unwrap();
+    let (views, cpu) = (PASSING.views(1), Cpu::new());
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Random, &cpu).unwrap();
     finish(&mut trainer);
     let refused = |change: fn(&mut Settings)| {
         let mut settings = settings();
         change(&mut settings);
-        Trainer::new(&footage, settings, &Start::Depth, &cpu).err().unwrap().to_string()
+        Trainer::new(&views, settings, &InitialPoints::Depth, &cpu).err().unwrap().to_string()
     };
     assert!(refused(|settings| settings.gaussians = 0).contains("`gaussians` is 0"));
     assert!(refused(|settings| settings.dynamic_threshold = f32::NAN).contains("`dynamic_threshold` is NaN"));
     assert!(refused(|settings| settings.views = 0).contains("`views`"));
-    let empty = Footage::new([4, 4], vec![0], l4d_data::Timeline::CANONICAL).unwrap();
-    let error = Trainer::new(&empty, settings(), &Start::Depth, &cpu).err().unwrap();
+    let empty = TrainingViews::new([4, 4], vec![0], l4d_data::Timeline::CANONICAL).unwrap();
+    let error = Trainer::new(&empty, settings(), &InitialPoints::Depth, &cpu).err().unwrap();
     assert!(error.to_string().contains("no cameras"), "{error}");
 }
 
 #[test]
 fn a_checkpoint_without_its_state_is_refused_by_name() {
-    let (footage, cpu) = (PASSING.footage(3), Cpu::new());
-    let mut trainer = Trainer::new(&footage, settings(), &Start::Depth, &cpu).unwrap();
+    let (views, cpu) = (PASSING.views(3), Cpu::new());
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
     let mut checkpoint = trainer.checkpoint();
     checkpoint.training.tensors.remove("splats/means/0/second");
     assert!(trainer.resume(checkpoint).unwrap_err().to_string().contains("`splats/means/0/second`"));

@@ -8,7 +8,7 @@ use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer, Reference};
 use rayon::prelude::*;
 
 use super::stage::{Key, Stage};
-use super::variants::{Machines, Variant};
+use super::variants::{Backends, Variant};
 
 /// Views that share the state of a moment in a clip.
 pub(super) const CLIP_VIEWS: f64 = 8.0;
@@ -53,19 +53,19 @@ impl Truth {
 }
 
 /// Measures all ways of drawing: one pass over all pictures each, which says what they show, then `repeats` timed ones.
-/// They take turns, so that a machine that has other things to do for a while does them to all.
+/// They take turns, so that a backend that has other things to do for a while does them to all.
 pub(super) fn measure(
     stage: &Stage,
     truth: &Truth,
     variants: &[Variant],
-    machines: &Machines,
+    backends: &Backends,
     repeats: u32,
     progress: impl Fn(),
 ) -> Result<Vec<Measured>> {
     let run = |variant: &Variant| {
         progress();
-        let pass = || pass(stage, variant, machines.rasterizer(variant.machine));
-        machines.pool(variant.machine).map_or_else(pass, |pool| pool.install(pass))
+        let pass = || pass(stage, variant, backends.rasterizer(variant.backend));
+        backends.pool(variant.backend).map_or_else(pass, |pool| pool.install(pass))
     };
     let mut measured = Vec::new();
     for variant in variants {

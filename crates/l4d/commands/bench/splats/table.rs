@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use super::measure::{CLIP_VIEWS, Measured};
 use super::stage::Stage;
-use super::variants::{BASE, Machines, Variant};
+use super::variants::{BASE, Backends, Variant};
 
 /// From here on nobody sees a difference, dB.
 const INVISIBLE_DB: f64 = 60.0;
 
-/// One way of drawing. Fields that end in `_ms` are times; everything else is the same in every run on a machine.
+/// One way of drawing. Fields that end in `_ms` are times; everything else is the same in every run on a backend.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Row {
     sweep: String,
@@ -39,7 +39,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    pub(super) fn new(variant: &Variant, machines: &Machines, measured: &Measured) -> Self {
+    pub(super) fn new(variant: &Variant, backends: &Backends, measured: &Measured) -> Self {
         let rounded = |value: f64, digits: i32| (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits);
         Self {
             sweep: variant.sweep.to_owned(),
@@ -54,7 +54,7 @@ impl Row {
             height: variant.size[1],
             stored: variant.stored.to_owned(),
             megabytes: rounded(variant.bytes as f64 * 1e-6, 3),
-            rasterizer: machines.name(variant.machine),
+            rasterizer: backends.name(variant.backend),
             pictures: measured.pictures,
             psnr_db: measured.psnr_db.map(|value| rounded(value, 3)),
             reference_psnr_db: rounded(measured.reference_psnr_db, 3),
@@ -115,13 +115,13 @@ pub(super) fn figure(stage: &Stage, rows: &[Row]) -> Tradeoff {
     } else {
         format!("PSNR against the unreduced model in f64, dB; {INVISIBLE_DB} stands for more")
     };
-    let machine = rows.first().map_or("", |row| row.rasterizer.as_str());
+    let backend = rows.first().map_or("", |row| row.rasterizer.as_str());
     Tradeoff {
         name: "splats",
         title: "Drawing a model: speed against error".to_owned(),
         notes: vec![
             format!("Of {}.", stage.about),
-            format!("{machine}."),
+            format!("{backend}."),
             format!(
                 "A picture is colour, alpha and depths, with its share of a state that {CLIP_VIEWS} views share. Ring: the model as it is. Grey: what nothing beats."
             ),

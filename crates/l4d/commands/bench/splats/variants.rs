@@ -4,7 +4,7 @@ use anyhow::Result;
 use l4d_gpu::{AdapterChoice, Gpu};
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer};
 use l4d_splat::reduce::{
-    HalfPart, Motion, keep, stored_bytes, strongest, through_f16, weights, with_sh_degree,
+    Displacement, HalfPart, keep, stored_bytes, strongest, through_f16, weights, with_sh_degree,
 };
 use l4d_splat::{Model, ShDegree};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -17,17 +17,17 @@ const COUNTS: [usize; 6] = [90, 75, 60, 45, 30, 15];
 /// Thresholds of alpha, as parts of 255.
 const ALPHAS: [f32; 6] = [0.25, 2.0, 4.0, 8.0, 16.0, 32.0];
 const TRANSMITTANCES: [f32; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
-/// Motion below which a Gaussian is frozen, metres.
+/// Displacement below which a Gaussian is frozen, metres.
 const STILL_M: [f32; 6] = [0.001, 0.003, 0.01, 0.03, 0.1, f32::INFINITY];
 /// Sides of drawn pictures, percent.
 const SIDES: [u32; 4] = [75, 50, 35, 25];
 
 /// Everything that draws.
-pub(super) struct Machines {
-    list: Vec<Machine>,
+pub(super) struct Backends {
+    list: Vec<Backend>,
 }
 
-struct Machine {
+struct Backend {
     /// In figures.
     label: String,
     /// In full.
@@ -37,14 +37,14 @@ struct Machine {
     pool: Option<ThreadPool>,
 }
 
-impl Machines {
-    /// The processor at its best, with what every machine of its kind can do, on one thread; then the adapters.
+impl Backends {
+    /// The processor at its best, with what every backend of its kind can do, on one thread; then the adapters.
     pub(super) fn open(adapters: &[String]) -> Result<Self> {
         let processor = |cpu: Cpu, pool: Option<ThreadPool>| {
             let threads =
                 pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
             let name = format!("{}, {threads} thread{}", cpu.name(), if threads == 1 { "" } else { "s" });
-            Machine { label: name.clone(), name, rasterizer: Box::new(cpu), pool }
+            Backend { label: name.clone(), name, rasterizer: Box::new(cpu), pool }
         };
         let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
         let mut list = vec![
@@ -56,22 +56,22 @@ impl Machines {
             let choice: AdapterChoice = adapter.parse()?;
             let gpu = Gpu::open(&choice)?;
             let label = format!("wgpu, {}", gpu.adapter().name.split(" (").next().unwrap_or_default());
-            list.push(Machine { label, name: gpu.name(), rasterizer: Box::new(gpu), pool: None });
+            list.push(Backend { label, name: gpu.name(), rasterizer: Box::new(gpu), pool: None });
         }
         Ok(Self { list })
     }
 
-    pub(super) fn rasterizer(&self, machine: usize) -> &dyn Rasterizer {
-        self.list[machine].rasterizer.as_ref()
+    pub(super) fn rasterizer(&self, backend: usize) -> &dyn Rasterizer {
+        self.list[backend].rasterizer.as_ref()
     }
 
-    pub(super) fn pool(&self, machine: usize) -> Option<&ThreadPool> {
-        self.list[machine].pool.as_ref()
+    pub(super) fn pool(&self, backend: usize) -> Option<&ThreadPool> {
+        self.list[backend].pool.as_ref()
     }
 
     /// What it is, for people.
-    pub(super) fn name(&self, machine: usize) -> String {
-        self.list[machine].name.clone()
+    pub(super) fn name(&self, backend: usize) -> String {
+        self.list[backend].name.clone()
     }
 
     fn others(&self) -> std::ops::Range<usize> {
@@ -85,23 +85,23 @@ pub(super) struct Variant {
     pub(super) setting: String,
     pub(super) model: Model,
     pub(super) settings: RasterSettings,
-    /// Motion below which Gaussians were frozen, metres.
+    /// Displacement below which Gaussians were frozen, metres.
     pub(super) still_below_m: f32,
     /// Of the drawn pictures, pixels.
     pub(super) size: [u32; 2],
     pub(super) stored: &'static str,
     pub(super) bytes: u64,
-    pub(super) machine: usize,
+    pub(super) backend: usize,
 }
 
 /// Name of the first row, against which the others stand.
 pub(super) const BASE: &str = "as it is";
 
 /// All variants of the chosen sweeps (all if none are named), the model as it is first.
-pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], machines: &Machines) -> Result<Vec<Variant>> {
+pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], backends: &Backends) -> Result<Vec<Variant>> {
     let wants = |sweep: SweepArg| sweeps.is_empty() || sweeps.contains(&sweep);
     let mut list = vec![plain(stage, BASE, BASE.to_owned())];
-    let ranked = Ranked::of(stage, machines)?;
+    let ranked = Ranked::of(stage, backends)?;
     if wants(SweepArg::Count) {
         list.extend(COUNTS.map(|percent| {
             let name = format!("{percent} % of the Gaussians");
@@ -124,7 +124,7 @@ pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], machines: &Machines) 
             with_cutoffs(variant, RasterSettings::default().alpha_min, Some(least))
         }));
     }
-    let motion = Motion::of(&stage.model, &stage.all_times())?;
+    let motion = Displacement::of(&stage.model, &stage.all_times())?;
     if wants(SweepArg::Static) && !stage.model.dynamic.is_empty() {
         for below_m in STILL_M {
             let name = if below_m.is_finite() {
@@ -157,9 +157,9 @@ pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], machines: &Machines) 
         }));
     }
     if wants(SweepArg::Rasterizer) {
-        list.extend(machines.others().map(|machine| Variant {
-            machine,
-            ..plain(stage, "other machinery", machines.list[machine].label.clone())
+        list.extend(backends.others().map(|backend| Variant {
+            backend,
+            ..plain(stage, "other machinery", backends.list[backend].label.clone())
         }));
     }
     if wants(SweepArg::Together) {
@@ -169,7 +169,7 @@ pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], machines: &Machines) 
 }
 
 /// Several reductions at once, from careful to rough.
-fn together(stage: &Stage, ranked: &Ranked, motion: &Motion) -> Result<Vec<Variant>> {
+fn together(stage: &Stage, ranked: &Ranked, motion: &Displacement) -> Result<Vec<Variant>> {
     let step = |percent, below_m, parts, least, side| Step { percent, below_m, parts, least, side };
     let steps = [
         step(100, 0.003, 4.0_f32, 1e-3_f32, 100_u32),
@@ -192,7 +192,7 @@ fn together(stage: &Stage, ranked: &Ranked, motion: &Motion) -> Result<Vec<Varia
 struct Step {
     /// Of the Gaussians.
     percent: usize,
-    /// Motion that is frozen, metres.
+    /// Displacement that is frozen, metres.
     below_m: f32,
     /// Smallest alpha, parts of 255.
     parts: f32,
@@ -216,7 +216,7 @@ fn plain(stage: &Stage, sweep: &'static str, setting: String) -> Variant {
         size: stage.size,
         stored: "f32",
         bytes: stored_bytes(&stage.model, None),
-        machine: 0,
+        backend: 0,
     }
 }
 
@@ -235,9 +235,9 @@ struct Ranked {
 }
 
 impl Ranked {
-    fn of(stage: &Stage, machines: &Machines) -> Result<Self> {
+    fn of(stage: &Stage, backends: &Backends) -> Result<Self> {
         let moments = stage.training_moments()?;
-        let weights = weights(&stage.model, machines.rasterizer(0), &RasterSettings::default(), &moments)?;
+        let weights = weights(&stage.model, backends.rasterizer(0), &RasterSettings::default(), &moments)?;
         Ok(Self { weights })
     }
 

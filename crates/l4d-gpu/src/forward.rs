@@ -1,0 +1,73 @@
+//! Drawing: from the adapter's pixels to the picture that all rasterizers hand back.
+
+use bytemuck::{Pod, Zeroable};
+use l4d_splat::raster::{DepthQuantiles, Drawing};
+use rayon::prelude::*;
+
+use crate::bands::Band;
+use crate::error::Failure;
+use crate::projection::Projection;
+use crate::shaders::Pass;
+
+/// As `draw.wgsl` writes it.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Pixel {
+    /// Without background.
+    colour: [f32; 3],
+    depth_sum_m: f32,
+    /// Of the last Gaussian in front of which a level of transmittance is left.
+    crossed_m: [f32; 3],
+    unused: f32,
+}
+
+pub(crate) fn draw(scene: &Projection<'_>) -> Result<Drawing, Failure> {
+    let count = scene.view.pixel_count();
+    let (mut pixels, mut left) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for band in scene.bands()? {
+        let (band_pixels, band_left) = draw_band(scene, band)?;
+        pixels.extend(band_pixels);
+        // Negative where the pixel is finished.
+        left.extend(band_left.into_iter().map(f32::abs));
+    }
+    Ok(assemble(scene, &pixels, left))
+}
+
+fn draw_band(scene: &Projection<'_>, band: Band) -> Result<(Vec<Pixel>, Vec<f32>), Failure> {
+    let picture = scene.gpu.buffer("picture", band.bytes())?;
+    let transmittances = scene.transmittances(band)?;
+    let mut commands = scene.gpu.commands();
+    scene.over_tiles(&mut commands, Pass::Draw, band, [0, 0], &[&transmittances, &picture])?;
+    let picture = commands.copy_out(&picture, 0, band.bytes())?;
+    let transmittances = commands.copy_out(&transmittances, 0, 4 * band.pixels())?;
+    commands.submit();
+    Ok((scene.gpu.read_back(&picture)?, scene.gpu.read_back(&transmittances)?))
+}
+
+fn assemble(scene: &Projection<'_>, pixels: &[Pixel], transmittance: Vec<f32>) -> Drawing {
+    let background = scene.settings.background;
+    let colour = |(pixel, left): (&Pixel, &f32)| -> [f32; 3] {
+        std::array::from_fn(|channel| pixel.colour[channel] + left * background[channel])
+    };
+    let quantile = |which: usize| -> Vec<f32> {
+        let level = DepthQuantiles::LEVELS[which];
+        let depth = |(pixel, &left): (&Pixel, &f32)| {
+            if left < level { pixel.crossed_m[which] } else { f32::INFINITY }
+        };
+        pixels.par_iter().zip(&transmittance).map(depth).collect()
+    };
+    let quantiles = scene.settings.quantiles.then(|| DepthQuantiles {
+        near_m: quantile(0),
+        median_m: quantile(1),
+        far_m: quantile(2),
+    });
+    Drawing {
+        width: scene.view.width(),
+        height: scene.view.height(),
+        colour: pixels.par_iter().zip(&transmittance).map(colour).collect(),
+        alpha: transmittance.iter().map(|left| 1.0 - left).collect(),
+        depth_sum_m: pixels.iter().map(|pixel| pixel.depth_sum_m).collect(),
+        quantiles,
+        transmittance,
+    }
+}

@@ -1,0 +1,235 @@
+//! Feature splatting and its transpose: numbers from Gaussians to pixels, and from pixels to Gaussians.
+
+use fearless_simd::{f32x8, prelude::*};
+use rayon::prelude::*;
+
+use super::blend::{BlendStep, GROUPS, LANES, Plane, Tile, Visitor, blend_tile};
+use super::projection::Footprint;
+use super::{Kernel, ProjectedScene};
+use crate::raster::{Contribution, TILE};
+
+/// Channels per pass over the tiles: bounds the memory of many channels.
+const CHANNELS: usize = 16;
+
+/// Features to pixels, `channels` each.
+pub(super) fn splat_features(scene: &ProjectedScene<'_>, features: &[f32], channels: usize) -> Vec<f32> {
+    let mut pixels = vec![0.0; scene.view.pixel_count() * channels];
+    for first in (0..channels).step_by(CHANNELS) {
+        let block = first..channels.min(first + CHANNELS);
+        let planes: Vec<Vec<Plane>> = (0..scene.bins.len())
+            .into_par_iter()
+            .map(|index| {
+                let mut planes = vec![Plane::ZERO; block.len()];
+                let visitor = SplatFeatures { planes: &mut planes, features, channels, first, index: 0 };
+                scene.cpu.run(FeaturePass { scene, tile: scene.tile(index), visitor });
+                planes
+            })
+            .collect();
+        let row_length = scene.view.width() as usize * channels;
+        pixels.par_chunks_mut(row_length).enumerate().for_each(|(row, values)| {
+            let tiles = &planes[row / TILE * scene.bins.columns..];
+            for (column, pixel) in values.chunks_exact_mut(channels).enumerate() {
+                for (value, plane) in pixel[block.clone()].iter_mut().zip(&tiles[column / TILE]) {
+                    *value = plane.at(column % TILE, row % TILE);
+                }
+            }
+        });
+    }
+    pixels
+}
+
+/// Pixels to Gaussians, `channels` each.
+pub(super) fn gather_features(scene: &ProjectedScene<'_>, pixels: &[f32], channels: usize) -> Vec<f32> {
+    let mut features = vec![0.0; scene.splats.len() * channels];
+    for first in (0..channels).step_by(CHANNELS) {
+        let block = first..channels.min(first + CHANNELS);
+        let totals = scene.bins.sums(block.len(), scene.footprints.len(), |index, sums| {
+            let tile = scene.tile(index);
+            let planes: Vec<Plane> =
+                block.clone().map(|channel| channel_plane(scene, &tile, pixels, channels, channel)).collect();
+            let visitor = GatherFeatures { planes: &planes, sums, running: [[0.0; LANES]; CHANNELS] };
+            scene.cpu.run(FeaturePass { scene, tile, visitor });
+        });
+        for (footprint, total) in scene.footprints.iter().zip(totals.chunks_exact(block.len())) {
+            let feature = &mut features[footprint.index as usize * channels..][..channels];
+            for (value, &total) in feature[block.clone()].iter_mut().zip(total) {
+                *value = total as f32;
+            }
+        }
+    }
+    features
+}
+
+/// One channel of the pixels of a tile.
+fn channel_plane(
+    scene: &ProjectedScene<'_>,
+    tile: &Tile<'_>,
+    pixels: &[f32],
+    channels: usize,
+    channel: usize,
+) -> Plane {
+    let width = scene.view.width() as usize;
+    let mut plane = Plane::ZERO;
+    for row in 0..tile.size[1] {
+        let first = (tile.origin[1] + row) * width + tile.origin[0];
+        for column in 0..tile.size[0] {
+            *plane.at_mut(column, row) = pixels[(first + column) * channels + channel];
+        }
+    }
+    plane
+}
+
+/// The Gaussians blended into one pixel.
+pub(super) fn contributors(scene: &ProjectedScene<'_>, column: usize, row: usize) -> Vec<Contribution> {
+    let tile = scene.tile(row / TILE * scene.bins.columns + column / TILE);
+    let (x, y) = (column % TILE, row % TILE);
+    let mut list = Vec::new();
+    let visitor =
+        RecordContributors { group: x / LANES * TILE + y, lane: x % LANES, index: 0, list: &mut list };
+    scene.cpu.run(FeaturePass { scene, tile, visitor });
+    list
+}
+
+/// Work of a walk that isn't bound to instructions until it runs.
+trait WeightVisitor {
+    /// Groups of pixels that the visitor wants to see.
+    fn groups(&self) -> u32 {
+        u32::MAX
+    }
+
+    fn begin(&mut self, entry: usize, footprint: &Footprint);
+
+    fn blend<S: Simd>(&mut self, simd: S, group: usize, weight: f32x8<S>);
+
+    fn end(&mut self, entry: usize);
+}
+
+struct FeaturePass<'a, B> {
+    scene: &'a ProjectedScene<'a>,
+    tile: Tile<'a>,
+    visitor: B,
+}
+
+impl<B: WeightVisitor> Kernel for FeaturePass<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        let groups = self.tile.groups() & self.visitor.groups();
+        let mut transmittance = self.tile.transmittance();
+        blend_tile(
+            simd,
+            self.tile,
+            self.scene.limits,
+            &mut transmittance,
+            groups,
+            &mut WeightAdapter(&mut self.visitor),
+        );
+    }
+}
+
+struct WeightAdapter<'a, B>(&'a mut B);
+
+impl<S: Simd, B: WeightVisitor> Visitor<S> for WeightAdapter<'_, B> {
+    #[inline(always)]
+    fn begin(&mut self, _simd: S, entry: usize, footprint: &Footprint) {
+        self.0.begin(entry, footprint);
+    }
+
+    #[inline(always)]
+    fn blend(&mut self, simd: S, group: usize, step: BlendStep<S>) {
+        self.0.blend(simd, group, step.weight);
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _simd: S, entry: usize) {
+        self.0.end(entry);
+    }
+}
+
+struct SplatFeatures<'a> {
+    planes: &'a mut [Plane],
+    features: &'a [f32],
+    channels: usize,
+    first: usize,
+    /// The Gaussian being blended.
+    index: usize,
+}
+
+impl WeightVisitor for SplatFeatures<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _entry: usize, footprint: &Footprint) {
+        self.index = footprint.index as usize;
+    }
+
+    #[inline(always)]
+    fn blend<S: Simd>(&mut self, simd: S, group: usize, weight: f32x8<S>) {
+        let values = &self.features[self.index * self.channels + self.first..];
+        for (plane, &feature) in self.planes.iter_mut().zip(values) {
+            plane.add_product(simd, group, weight, f32x8::splat(simd, feature));
+        }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _entry: usize) {}
+}
+
+struct GatherFeatures<'a> {
+    /// One plane a channel.
+    planes: &'a [Plane],
+    /// For each Gaussian of the tile its sum of each channel.
+    sums: &'a mut [f32],
+    running: [[f32; LANES]; CHANNELS],
+}
+
+impl WeightVisitor for GatherFeatures<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _entry: usize, _footprint: &Footprint) {
+        self.running = [[0.0; LANES]; CHANNELS];
+    }
+
+    #[inline(always)]
+    fn blend<S: Simd>(&mut self, simd: S, group: usize, weight: f32x8<S>) {
+        for (running, plane) in self.running.iter_mut().zip(self.planes) {
+            let sum = weight.mul_add(plane.load(simd, group), f32x8::load_array_ref(simd, running));
+            sum.store_array(running);
+        }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, entry: usize) {
+        let channels = self.planes.len();
+        for (sum, running) in self.sums[entry * channels..][..channels].iter_mut().zip(self.running) {
+            *sum = running.iter().sum();
+        }
+    }
+}
+
+struct RecordContributors<'a> {
+    group: usize,
+    lane: usize,
+    index: u32,
+    list: &'a mut Vec<Contribution>,
+}
+
+impl WeightVisitor for RecordContributors<'_> {
+    fn groups(&self) -> u32 {
+        1 << (self.group % GROUPS)
+    }
+
+    #[inline(always)]
+    fn begin(&mut self, _entry: usize, footprint: &Footprint) {
+        self.index = footprint.index;
+    }
+
+    #[inline(always)]
+    fn blend<S: Simd>(&mut self, _simd: S, _group: usize, weight: f32x8<S>) {
+        let weight = weight[self.lane];
+        if weight > 0.0 {
+            self.list.push(Contribution { index: self.index, weight });
+        }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _entry: usize) {}
+}

@@ -1,0 +1,131 @@
+//! What an iteration learns: what it looks at, what that says, and the steps that follow.
+
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+
+use super::super::TrainError;
+use super::super::loss::{Target, loss_gradients};
+use super::super::scene_stats::sample;
+use super::super::state::State;
+use super::super::time_span::Span;
+use super::Trainer;
+use crate::deform::Offsets;
+use crate::gaussians::Gaussians;
+use crate::optimise::{GroupUpdate, plane_penalty};
+use crate::splats::GaussianGradients;
+
+/// Every so many fine iterations look at whole pictures, the others at what changes.
+const WHOLE: u64 = 8;
+/// Every so many iterations the planes are kept smooth, so many times as strongly.
+const SMOOTHING: u64 = 4;
+/// Moments of the outer part of the span are looked at this often while the clip unfolds.
+const FRONTIER: f64 = 0.6;
+
+impl Trainer<'_> {
+    pub(super) fn background_step(&mut self, random: &mut ChaCha8Rng) -> Result<f64, TrainError> {
+        let standing: Vec<usize> = (0..self.views.cameras().len())
+            .filter(|&camera| self.motion.background(camera).is_some())
+            .collect();
+        if standing.is_empty() || self.state.model.gaussians.is_empty() {
+            return Ok(0.0);
+        }
+        let targets: Vec<Target> = sample(&standing, self.settings.views, random)
+            .into_iter()
+            .filter_map(|camera| self.background_target(camera))
+            .collect();
+        let splats = self.state.model.gaussians.activate()?;
+        let result = loss_gradients(self.rasterizer, &splats, &targets, None, self.weights)?;
+        self.note(&result, splats.opacities());
+        let mut by_gaussians = result.gradients.through_activation(&self.state.model.gaussians);
+        self.freeze_backdrop(&mut by_gaussians);
+        self.state.update_gaussians(self.state.iteration, &by_gaussians)?;
+        Ok(result.loss)
+    }
+
+    pub(super) fn clip_step(
+        &mut self,
+        span: Span,
+        unfolding: bool,
+        random: &mut ChaCha8Rng,
+    ) -> Result<f64, TrainError> {
+        let moment = if unfolding && random.random_bool(FRONTIER) {
+            if random.random_bool(0.5) { span.first } else { span.last }
+        } else {
+            random.random_range(span.first..=span.last)
+        };
+        let whole = self.state.iteration.is_multiple_of(WHOLE) && !unfolding;
+        let targets = self.clip_targets(moment, whole, random)?;
+        if targets.is_empty() {
+            return Ok(0.0);
+        }
+        let time = self.views.time(moment);
+        let model = &self.state.model;
+        let mut raw = model.gaussians.clone();
+        if let Some(field) = &model.field {
+            let positions: Vec<[f32; 3]> =
+                model.dynamic.iter().map(|&row| model.gaussians.means[row as usize]).collect();
+            field.trace(&positions, time, &mut self.trace)?.add_to(&mut raw, &model.dynamic)?;
+        }
+        let splats = raw.activate()?;
+        // Parts of pictures are about what moves; what stands there has been learned without the noise of one moment.
+        let trainable = (!whole && model.field.is_some()).then_some(self.state.moves.as_slice());
+        let result = loss_gradients(self.rasterizer, &splats, &targets, trainable, self.weights)?;
+        self.note(&result, splats.opacities());
+        let mut by_gaussians = result.gradients.through_activation(&raw);
+        self.freeze_backdrop(&mut by_gaussians);
+        let step = self.state.iteration - self.schedule.fine_start();
+        let model = &mut self.state.model;
+        if let Some(field) = &mut model.field {
+            let by_field = self.by_field.get_or_insert_with(|| field.zero_gradients());
+            by_field.clear();
+            let upstream = of_rows(&by_gaussians, &model.dynamic, model.gaussians.sh_degree.coefficients());
+            let by_positions = field.backward(&mut self.trace, &upstream, by_field)?;
+            for (&row, slope) in model.dynamic.iter().zip(by_positions) {
+                for (sum, slope) in by_gaussians.means[row as usize].iter_mut().zip(slope) {
+                    *sum += slope;
+                }
+            }
+            if self.state.iteration.is_multiple_of(SMOOTHING) {
+                plane_penalty(field, &self.settings.planes().times(SMOOTHING as f32), by_field)?;
+            }
+            let (parameters, gradients) = (field.parameters_mut(), by_field.lists());
+            let shares = vec![
+                GroupUpdate { parameters: parameters.planes, gradients: gradients.planes },
+                GroupUpdate { parameters: parameters.layers, gradients: gradients.layers },
+            ];
+            self.state.field.step(step, shares)?;
+        }
+        self.state.update_gaussians(step, &by_gaussians)?;
+        Ok(result.loss)
+    }
+}
+
+impl State {
+    fn update_gaussians(&mut self, step: u64, by: &GaussianGradients) -> Result<(), TrainError> {
+        let Gaussians { means, log_scales, rotations, opacity_logits, sh, .. } = &mut self.model.gaussians;
+        let shares = vec![
+            share(means.as_flattened_mut(), by.means.as_flattened()),
+            share(log_scales.as_flattened_mut(), by.log_scales.as_flattened()),
+            share(rotations.as_flattened_mut(), by.rotations.as_flattened()),
+            share(opacity_logits, &by.opacity_logits),
+            share(sh.as_flattened_mut(), by.sh.as_flattened()),
+        ];
+        Ok(self.splats.step(step, shares)?)
+    }
+}
+
+fn share<'a>(parameters: &'a mut [f32], gradients: &'a [f32]) -> GroupUpdate<'a> {
+    GroupUpdate { parameters: vec![parameters], gradients: vec![gradients] }
+}
+
+/// The gradients of some Gaussians, as those of the offsets that were added to them.
+fn of_rows(by: &GaussianGradients, rows: &[u32], coefficients: usize) -> Offsets {
+    let rows = || rows.iter().map(|&row| row as usize);
+    Offsets {
+        means: rows().map(|row| by.means[row]).collect(),
+        log_scales: rows().map(|row| by.log_scales[row]).collect(),
+        rotations: rows().map(|row| by.rotations[row]).collect(),
+        opacity_logits: rows().map(|row| by.opacity_logits[row]).collect(),
+        sh: rows().flat_map(|row| by.sh[row * coefficients..][..coefficients].iter().copied()).collect(),
+    }
+}

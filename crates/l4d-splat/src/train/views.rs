@@ -1,0 +1,356 @@
+//! The pictures that a model is trained on, in memory.
+//!
+//! Three bytes of colour and two of depth a pixel: 145 MB for 12 views of 49 moments at 256 x 192. Depth is there for all
+//! pictures or for none; a camera may have missed moments. Knows nothing of files, of what the pictures show, and of
+//! held-out views: those are views of their own.
+
+use half::f16;
+use l4d_data::{Camera, Interval, Timeline};
+
+use crate::view::{View, ViewError};
+
+/// One camera at one moment; empty if it did not look then.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Picture {
+    /// Display colour, row-major.
+    pub colour: Vec<[u8; 3]>,
+    /// Planar depth, metres, row-major; +inf where nothing is hit. Empty where nobody measured it.
+    pub depth_m: Vec<f16>,
+}
+
+/// A clip from one camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainingCamera {
+    /// Name of the camera.
+    pub name: String,
+    /// One for a camera that stands still, or one a moment.
+    views: Vec<View>,
+    /// One a moment.
+    pictures: Vec<Picture>,
+}
+
+/// The same clip from all cameras.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainingViews {
+    size: [u32; 2],
+    frames: Vec<u32>,
+    timeline: Timeline,
+    has_depth: bool,
+    cameras: Vec<TrainingCamera>,
+}
+
+/// Why pictures are no views.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrainingViewsError {
+    /// Nothing to train on.
+    #[error("there are no {what}: {remedy}")]
+    Nothing {
+        /// What is missing.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Frames that are out of order, repeated or beyond the clip.
+    #[error("frame {frame} is out of order or beyond the clip: frames ascend from {} to {}", whole.first(), whole.last())]
+    Frame {
+        /// Which.
+        frame: u32,
+        /// The clip.
+        whole: Interval,
+    },
+    /// A list that does not fit.
+    #[error("camera `{camera}`, moment {moment}: {what} has {found} entries where {expected} are needed")]
+    Length {
+        /// Name of the camera.
+        camera: String,
+        /// Index of the moment.
+        moment: usize,
+        /// Which list.
+        what: &'static str,
+        /// Entries found.
+        found: usize,
+        /// Entries needed.
+        expected: usize,
+    },
+    /// A depth that no camera measures.
+    #[error(
+        "camera `{camera}`, moment {moment}: the depth of pixel {pixel} is {value} m, but depths are positive"
+    )]
+    Depth {
+        /// Name of the camera.
+        camera: String,
+        /// Index of the moment.
+        moment: usize,
+        /// Index of the pixel.
+        pixel: usize,
+        /// What stands there.
+        value: f32,
+    },
+    /// A camera that nothing can be seen through.
+    #[error("camera `{camera}` is unusable")]
+    View {
+        /// Name of the camera.
+        camera: String,
+        /// What is wrong with it.
+        source: ViewError,
+    },
+}
+
+impl TrainingViews {
+    /// An empty clip of pictures of `size` (width, height) at these frames of a timeline.
+    ///
+    /// # Errors
+    /// No frames, or frames that do not ascend within the clip.
+    pub fn new(size: [u32; 2], frames: Vec<u32>, timeline: Timeline) -> Result<Self, TrainingViewsError> {
+        if frames.is_empty() {
+            return Err(TrainingViewsError::Nothing { what: "frames", remedy: "train on at least one" });
+        }
+        let whole = timeline.whole();
+        let beyond = |&frame: &u32| !whole.contains(frame);
+        let backwards = frames.windows(2).find(|pair| pair[0] >= pair[1]).map(|pair| pair[1]);
+        if let Some(frame) = backwards.or_else(|| frames.iter().copied().find(beyond)) {
+            return Err(TrainingViewsError::Frame { frame, whole });
+        }
+        Ok(Self { size, frames, timeline, has_depth: false, cameras: Vec::new() })
+    }
+
+    /// Adds what a camera saw, a picture a frame. `camera_size` is the size that its intrinsics are for.
+    ///
+    /// # Errors
+    /// A camera that cannot be or saw nothing, pictures of another size, depths that are not positive or that some
+    /// pictures have and others lack.
+    pub fn add(
+        &mut self,
+        camera: &Camera,
+        camera_size: [u32; 2],
+        pictures: Vec<Picture>,
+    ) -> Result<(), TrainingViewsError> {
+        let name = camera.name.to_string();
+        let poses = if camera.world_from_camera.len() == 1 { &self.frames[..1] } else { &self.frames[..] };
+        let views = poses
+            .iter()
+            .map(|&frame| View::of_camera(camera, frame, camera_size, self.size))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|source| TrainingViewsError::View { camera: name.clone(), source })?;
+        let pixels = self.pixel_count();
+        let length = |moment: usize, what, found: usize, expected: usize| {
+            let camera = name.clone();
+            if found == expected {
+                Ok(())
+            } else {
+                Err(TrainingViewsError::Length { camera, moment, what, found, expected })
+            }
+        };
+        length(0, "the clip", pictures.len(), self.frames.len())?;
+        let seen = || pictures.iter().enumerate().filter(|(_, picture)| !picture.colour.is_empty());
+        let Some((_, first)) = seen().next() else {
+            return Err(TrainingViewsError::Nothing {
+                what: "pictures of a camera",
+                remedy: "leave the camera out",
+            });
+        };
+        let has_depth = if self.cameras.is_empty() { !first.depth_m.is_empty() } else { self.has_depth };
+        let depths = if has_depth { pixels } else { 0 };
+        for (moment, picture) in seen() {
+            length(moment, "colour", picture.colour.len(), pixels)?;
+            length(moment, "depth", picture.depth_m.len(), depths)?;
+            let is_bad = |depth_m: &f16| depth_m.is_nan() || *depth_m <= f16::ZERO;
+            if let Some(pixel) = picture.depth_m.iter().position(is_bad) {
+                let value = picture.depth_m[pixel].to_f32();
+                return Err(TrainingViewsError::Depth { camera: name, moment, pixel, value });
+            }
+        }
+        self.has_depth = has_depth;
+        self.cameras.push(TrainingCamera { name, views, pictures });
+        Ok(())
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Pixels of a picture.
+    pub fn pixel_count(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// Number of moments.
+    pub fn moments(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether depth was measured. Where it was not, it is found by comparing pictures.
+    pub fn has_depth(&self) -> bool {
+        self.has_depth
+    }
+
+    /// Frames of the moments.
+    pub fn frames(&self) -> &[u32] {
+        &self.frames
+    }
+
+    /// Time of a moment, 0 to 1 over the clip.
+    pub fn time(&self, moment: usize) -> f32 {
+        self.timeline.time(self.frames[moment])
+    }
+
+    /// Indices of the cameras that saw a moment.
+    pub fn cameras_at(&self, moment: usize) -> impl Iterator<Item = usize> {
+        (0..self.cameras.len()).filter(move |&camera| self.cameras[camera].has_picture(moment))
+    }
+
+    /// What each camera saw.
+    pub fn cameras(&self) -> &[TrainingCamera] {
+        &self.cameras
+    }
+
+    /// The radius of the cameras about their middle, times 1.1, metres: the scale by which centres learn. At least
+    /// 0.1.
+    pub fn extent_m(&self) -> f64 {
+        let middle = self.middle();
+        let distance =
+            |centre: &[f64; 3]| (0..3).map(|axis| (centre[axis] - middle[axis]).powi(2)).sum::<f64>().sqrt();
+        (1.1 * self.centres().iter().map(distance).fold(0.0, f64::max)).max(0.1)
+    }
+
+    /// The middle of the cameras, world axes, metres.
+    pub fn middle(&self) -> [f64; 3] {
+        let centres = self.centres();
+        std::array::from_fn(|axis| {
+            centres.iter().map(|centre| centre[axis]).sum::<f64>() / centres.len().max(1) as f64
+        })
+    }
+
+    fn centres(&self) -> Vec<[f64; 3]> {
+        self.cameras.iter().flat_map(|camera| camera.views.iter().map(View::centre)).collect()
+    }
+
+    /// Bytes of the pictures.
+    pub fn bytes(&self) -> u64 {
+        let of_picture = |picture: &Picture| size_of_val(&*picture.colour) + size_of_val(&*picture.depth_m);
+        self.cameras.iter().flat_map(|camera| &camera.pictures).map(of_picture).sum::<usize>() as u64
+    }
+}
+
+impl TrainingCamera {
+    /// The view at a moment.
+    pub fn view(&self, moment: usize) -> &View {
+        if self.is_static() { &self.views[0] } else { &self.views[moment] }
+    }
+
+    /// The picture of a moment.
+    pub fn picture(&self, moment: usize) -> &Picture {
+        &self.pictures[moment]
+    }
+
+    /// Whether the camera looked at a moment.
+    pub fn has_picture(&self, moment: usize) -> bool {
+        !self.pictures[moment].colour.is_empty()
+    }
+
+    /// All pictures, by moment.
+    pub fn pictures(&self) -> &[Picture] {
+        &self.pictures
+    }
+
+    /// Whether the camera stands still.
+    pub fn is_static(&self) -> bool {
+        self.views.len() == 1
+    }
+}
+
+impl Picture {
+    /// Display colour of a pixel, 0 to 1.
+    pub fn colour_of(&self, pixel: usize) -> [f32; 3] {
+        self.colour[pixel].map(unit)
+    }
+}
+
+/// A byte of display colour as a fraction.
+pub(super) fn unit(byte: u8) -> f32 {
+    f32::from(byte) / 255.0
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::{Name, Split};
+
+    use super::*;
+
+    fn camera() -> Camera {
+        let pose = [1., 0., 0., 3., 0., 1., 0., 4., 0., 0., 1., 0., 0., 0., 0., 1.];
+        Camera {
+            name: Name::new("cam00").unwrap(),
+            split: Split::Train,
+            fx: 4.0,
+            fy: 4.0,
+            cx: 1.0,
+            cy: 1.0,
+            world_from_camera: vec![pose],
+        }
+    }
+
+    fn clip(frames: &[u32]) -> Result<TrainingViews, TrainingViewsError> {
+        TrainingViews::new([2, 2], frames.to_vec(), Timeline::CANONICAL)
+    }
+
+    fn picture() -> Picture {
+        Picture { colour: vec![[255, 0, 51]; 4], depth_m: vec![f16::ONE; 4] }
+    }
+
+    #[test]
+    fn pictures_that_do_not_fit_are_refused_with_camera_and_moment() {
+        let mut views = clip(&[0, 48]).unwrap();
+        let error = views.add(&camera(), [2, 2], vec![picture()]).unwrap_err().to_string();
+        assert!(error.contains("`cam00`") && error.contains("the clip has 1"), "{error}");
+        let mut torn = picture();
+        torn.depth_m[3] = f16::NAN;
+        let error = views.add(&camera(), [2, 2], vec![picture(), torn]).unwrap_err().to_string();
+        assert!(error.contains("moment 1") && error.contains("pixel 3 is NaN"), "{error}");
+        let mut blind = camera();
+        blind.fx = 0.0;
+        let error = views.add(&blind, [2, 2], vec![picture(), picture()]).unwrap_err();
+        assert!(matches!(error, TrainingViewsError::View { .. }));
+        assert_eq!(views.cameras().len(), 0);
+        views.add(&camera(), [2, 2], vec![picture(), picture()]).unwrap();
+        assert_eq!((views.time(1), views.bytes()), (0.5, 2 * 4 * 5));
+        assert_eq!(views.cameras()[0].picture(1).colour_of(0), [1.0, 0.0, 0.2]);
+    }
+
+    #[test]
+    fn all_pictures_have_depth_or_none_and_some_may_be_missing() {
+        let bare = || Picture { depth_m: Vec::new(), ..picture() };
+        let mut views = clip(&[0, 48]).unwrap();
+        views.add(&camera(), [2, 2], vec![Picture::default(), bare()]).unwrap();
+        assert!(!views.has_depth() && views.cameras_at(0).next().is_none());
+        assert_eq!((views.cameras_at(1).collect::<Vec<_>>(), views.bytes()), (vec![0], 4 * 3));
+        let error = views.add(&camera(), [2, 2], vec![bare(), picture()]).unwrap_err().to_string();
+        assert!(error.contains("depth has 4 entries where 0 are needed"), "{error}");
+        let error = views.add(&camera(), [2, 2], vec![Picture::default(); 2]).unwrap_err();
+        assert!(error.to_string().contains("no pictures of a camera"), "{error}");
+    }
+
+    #[test]
+    fn frames_ascend_within_the_clip() {
+        let whole = Interval::WHOLE;
+        assert!(clip(&[]).is_err());
+        assert_eq!(clip(&[0, 4, 4]), Err(TrainingViewsError::Frame { frame: 4, whole }));
+        assert_eq!(clip(&[0, 97]), Err(TrainingViewsError::Frame { frame: 97, whole }));
+        let whole = Interval::new(151, 161).unwrap();
+        let own = |frames: &[u32]| TrainingViews::new([2, 2], frames.to_vec(), Timeline::new(whole, None));
+        assert_eq!(own(&[151, 156]).unwrap().time(1), 0.5);
+        assert!(own(&[150]).unwrap_err().to_string().contains("frames ascend from 151 to 161"));
+    }
+
+    #[test]
+    fn the_extent_is_the_radius_of_the_cameras() {
+        let mut views = clip(&[0]).unwrap();
+        views.add(&camera(), [2, 2], vec![picture()]).unwrap();
+        assert_eq!(views.extent_m(), 0.1);
+        let mut other = camera();
+        other.world_from_camera[0][3] = 13.0;
+        views.add(&other, [2, 2], vec![picture()]).unwrap();
+        assert!((views.extent_m() - 5.5).abs() < 1e-12);
+    }
+}
