@@ -17,7 +17,8 @@ from pathlib import Path
 import bpy
 from mathutils import Matrix, Vector
 
-from . import cameras, keys
+from . import cameras, catalogue, keys, placing
+from .placing import AnyThing, Point, Support, Thing
 from .timeline import FPS, LAST_FRAME, MIN_EVENT_FRAMES
 
 SCALES = ("outdoor", "room", "tabletop")
@@ -97,20 +98,20 @@ class Scene:
         name: str,
         id: int,
         category: str,
-        parts: bpy.types.Object | Sequence[bpy.types.Object],
+        thing: Thing,
         *,
         attributes: Mapping[str, str] | None = None,
         front: str | None = None,
         role: str | None = None,
         frame_object: bpy.types.Object | None = None,
     ) -> Instance:
-        """Registers one or several mesh objects as one instance.
+        """Registers a thing (all its mesh objects) as one instance.
 
         `front` names the axis of the box frame that the thing faces with (None: it has no front);
         `frame_object` carries the box's axes (default: the first part; for a body that an armature deforms,
         the heading of its rig).
         """
-        objects = [parts] if isinstance(parts, bpy.types.Object) else list(parts)
+        objects = placing.parts(thing)
         allowed_role = "object" if id in OBJECT_IDS else "landmark" if id in LANDMARK_IDS else None
         if allowed_role is None or role not in (None, allowed_role):
             raise RecipeError(
@@ -148,9 +149,67 @@ class Scene:
         self.instances.append(made)
         return made
 
-    def scenery(self, *objects: bpy.types.Object) -> None:
-        """Declares objects that have no identity: ground, walls, clutter."""
-        for obj in objects:
+    def make(self, kind: str, name: str, rng: random.Random | None = None, **attributes: object) -> Thing:
+        """Builds a thing of the catalogue at the origin; its own random stream unless one is shared."""
+        try:
+            return catalogue.find(kind).build(name, rng or self.rng(name), **attributes)
+        except catalogue.CatalogueError as error:
+            raise RecipeError(f"{name}: {error}", error.hint) from error
+
+    def place(
+        self,
+        thing: AnyThing,
+        at: Point,
+        heading_deg: float = 0.0,
+        *,
+        on: Support = 0.0,
+        tilt_deg: float = 0.0,
+        scale: float = 1.0,
+    ) -> AnyThing:
+        """Puts a thing somewhere and returns it: see `placing.place`."""
+        return placing.place(thing, at, heading_deg, on=on, tilt_deg=tilt_deg, scale=scale)
+
+    def put(
+        self,
+        kind: str,
+        name: str,
+        at: Point = (0.0, 0.0),
+        heading_deg: float = 0.0,
+        *,
+        rng: random.Random | None = None,
+        on: Support = 0.0,
+        tilt_deg: float = 0.0,
+        **attributes: object,
+    ) -> Thing:
+        """Builds a thing of the catalogue and places it: `make`, then `place`."""
+        thing = self.make(kind, name, rng, **attributes)
+        return self.place(thing, at, heading_deg, on=on, tilt_deg=tilt_deg)
+
+    def add(
+        self,
+        id: int,
+        kind: str,
+        name: str,
+        at: Point = (0.0, 0.0),
+        heading_deg: float = 0.0,
+        *,
+        category: str | None = None,
+        attributes: Mapping[str, str] | None = None,
+        front: str | None = "of its kind",
+        rng: random.Random | None = None,
+        on: Support = 0.0,
+        tilt_deg: float = 0.0,
+        **looks: object,
+    ) -> Instance:
+        """Builds, places and registers a thing: category and front are those of its kind unless given."""
+        thing = self.put(kind, name, at, heading_deg, rng=rng, on=on, tilt_deg=tilt_deg, **looks)
+        entry = catalogue.find(kind)
+        front = entry.front if front == "of its kind" else front
+        return self.instance(name, id, category or entry.category, thing, attributes=attributes, front=front)
+
+    def scenery(self, *things: Thing) -> None:
+        """Declares things that have no identity: ground, walls, clutter."""
+        for obj in (obj for thing in things for obj in placing.parts(thing)):
             if any(obj is part for instance in self.instances for part in instance.objects):
                 raise RecipeError(f"{obj.name} is part of an instance and can't be scenery too")
             obj.pass_index = 0

@@ -89,9 +89,7 @@ def run(job: Job, send: Send) -> None:
     from .passes import Renderer
 
     black = np.zeros((job.height, job.width, 3), dtype=np.float32)
-    renderer = Renderer(
-        job.width, job.height, max(job.samples, 1), denoise=job.denoise, threads=job.threads
-    )
+    renderer = Renderer(job.width, job.height, max(job.samples, 1), denoise=job.denoise, threads=job.threads)
     send("start", device=renderer.device, images=len(job.images), seconds=_since(started))
     for name, view in views.items():
         files.write_bytes(job.out / "frames" / name / "view.json", files.canonical_json(view))

@@ -10,19 +10,11 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
+from math import degrees
 
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import (
-    bus,
-    luggage_trolley,
-    mesh,
-    street_bench,
-    street_furniture,
-    suitcase,
-    terminal,
-    tree,
-)
+from l4d_blender.assets import mesh, street_bench, suitcase
 from l4d_blender.assets.materials import street
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.travellers import Traveller
@@ -46,32 +38,17 @@ BY_BENCH = Vector((-2.12, 0.72, 0.0))
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twin: suitcase.CaseLook
-    other: suitcase.CaseLook
-    walker: str
-    walker_jacket: str
-    walker_top: Cloth
-    walker_hair: tuple[str, str]
-    sitter_top: Cloth
-    sitter_hair: str
-    greet_last: int
-    walk_last: int
-    sun_azimuth_deg: float
-
-
-BENCHMARK = Choices(
-    twin=suitcase.CaseLook("medium", "ribbed", "teal"),
-    other=suitcase.CaseLook("large", "soft", "red", strap="cream"),
-    walker="woman",
-    walker_jacket="yellow",
-    walker_top=Cloth("white", "stripes", "navy", 0.045),
-    walker_hair=("ponytail", "dark_brown"),
-    sitter_top=Cloth("light_blue", "checks"),
-    sitter_hair="grey",
-    greet_last=28,
-    walk_last=50,
-    sun_azimuth_deg=70.0,
-)
+    twin: suitcase.CaseLook = suitcase.CaseLook("medium", "ribbed", "teal")
+    other: suitcase.CaseLook = suitcase.CaseLook("large", "soft", "red", strap="cream")
+    walker: str = "woman"
+    walker_jacket: str = "yellow"
+    walker_top: Cloth = Cloth("white", "stripes", "navy", 0.045)
+    walker_hair: tuple[str, str] = ("ponytail", "dark_brown")
+    sitter_top: Cloth = Cloth("light_blue", "checks")
+    sitter_hair: str = "grey"
+    greet_last: int = 28
+    walk_last: int = 50
+    sun_azimuth_deg: float = 70.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -96,7 +73,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets the kerb, puts luggage and travellers on it, and lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _ground(scene)
     _surroundings(scene)
     _landmarks(scene)
@@ -105,12 +82,7 @@ def build(scene: Scene) -> None:
     _sitter(scene, choices, *cases["by_hand"])
     _light(scene, choices)
     scene.cameras(
-        (0.1, 0.25, 0.82),
-        radius_m=5.3,
-        heights_m=(1.55, 2.35),
-        arc_deg=150.0,
-        facing_deg=-90.0,
-        fov_deg=50.0,
+        (0.1, 0.25, 0.82), radius_m=5.3, heights_m=(1.55, 2.35), arc_deg=150.0, facing_deg=-90.0, fov_deg=50.0
     )
 
 
@@ -124,8 +96,8 @@ def _ground(scene: Scene) -> None:
     depth = FACADE_Y - KERB_Y
     pavement = mesh.move(mesh.grid("pavement", 90.0, depth, 30, 4), 0.0, KERB_Y + 0.5 * depth)
     road = mesh.move(mesh.grid("road", 120.0, 40.0, 24, 8), 0.0, KERB_Y - 20.0, ROAD_Z)
-    stones = street_furniture.kerb("kerb", scene.rng("kerb"), length_m=72.0)
-    stones.location = (0.0, KERB_Y, 0.0)
+    stones = scene.make("street_furniture.kerb", "kerb", length_m=72.0)
+    scene.place(stones, (0.0, KERB_Y))
     yellow = street.road_paint("yellow_line", (0.62, 0.40, 0.04))
     white = street.road_paint("white_line")
     scene.scenery(
@@ -146,56 +118,51 @@ def _ground(scene: Scene) -> None:
 def _surroundings(scene: Scene) -> None:
     """Terminal, street furniture, a bus at its stop and woods behind the car parks: none annotated."""
     rng = scene.rng("surroundings")
-    for part in terminal.terminal("terminal", scene.rng("terminal")):
+    for part in scene.make("terminal", "terminal"):
         part.location.y = FACADE_Y
         scene.scenery(part)
     for k, x in enumerate((-8.9, -7.0, -5.1, -3.2, 2.9, 4.8, 6.7, 8.6)):
-        post = street_furniture.bollard(f"bollard_{k}")
-        post.location = (x, KERB_Y + 0.33, 0.0)
-        scene.scenery(post)
+        scene.scenery(scene.put("street_furniture.bollard", f"bollard_{k}", (x, KERB_Y + 0.33)))
     for k, x in enumerate((-9.5, 6.2, 17.0, -22.0)):
-        lamp = street_furniture.lamp_post(f"lamp_{k}")
-        lamp.location = (x, KERB_Y + 0.7, 0.0)
-        scene.scenery(lamp)
+        scene.scenery(scene.put("street_furniture.lamp_post", f"lamp_{k}", (x, KERB_Y + 0.7)))
     for k, (x, y) in enumerate(((3.6, 3.2), (-5.3, 3.3))):
-        basket = street_furniture.litter_bin(f"bin_{k}", colour=(0.09, 0.095, 0.10))
-        basket.location = (x, y, 0.0)
-        scene.scenery(basket)
+        basket = scene.make("street_furniture.litter_bin", f"bin_{k}", colour=(0.09, 0.095, 0.10))
+        scene.scenery(scene.place(basket, (x, y)))
     for k, x in enumerate((-7.4, -5.9, 5.3, 6.8)):
-        tub = street_furniture.planter(f"planter_{k}", scene.rng(f"planter {k}"))
-        tub.location = (x, 3.3, 0.0)
-        scene.scenery(tub)
-    stop = street_furniture.sign_post("stop_sign", "BUS", face=(0.02, 0.16, 0.10), timetable=True)
-    stop.location = (-4.4, 0.2, 0.0)
-    coach = bus.bus("bus", rng, colour=(0.52, 0.50, 0.46))
-    coach.matrix_basis = Matrix.Translation((-22.5, 1.5, ROAD_Z)) @ Matrix.Rotation(-0.35, 4, "Z")
-    second = bus.bus("bus_behind", rng, colour=(0.46, 0.16, 0.03), line="X4 HARBOUR")
-    second.matrix_basis = Matrix.Translation((22.5, 1.0, ROAD_Z)) @ Matrix.Rotation(0.30, 4, "Z")
+        scene.scenery(
+            scene.put("street_furniture.planter", f"planter_{k}", (x, 3.3), rng=scene.rng(f"planter {k}"))
+        )
+    stop = scene.make(
+        "street_furniture.sign_post", "stop_sign", text="BUS", face=(0.02, 0.16, 0.10), timetable=True
+    )
+    scene.place(stop, (-4.4, 0.2))
+    coach = scene.make("bus", "bus", rng, colour=(0.52, 0.50, 0.46))
+    scene.place(coach, (-22.5, 1.5), degrees(-0.35), on=ROAD_Z)
+    second = scene.make("bus", "bus_behind", rng, colour=(0.46, 0.16, 0.03), line="X4 HARBOUR")
+    scene.place(second, (22.5, 1.0), degrees(0.30), on=ROAD_Z)
     scene.scenery(stop, coach, second)
-    model = tree.far_wood("wood_model", scene.rng("wood"))
+    model = scene.make("tree.far_wood", "wood_model", scene.rng("wood"))
     for k in range(10):
         wood = mesh.duplicate(model, f"wood_{k}", linked=True)
         side = -1.0 if k % 2 else 1.0
-        wood.matrix_basis = (
-            Matrix.Translation((side * rng.uniform(38.0, 48.0), -16.0 + 4.2 * (k // 2), -0.4))
-            @ Matrix.Rotation(1.5708 + rng.uniform(-0.3, 0.3), 4, "Z")
-            @ Matrix.Scale(rng.uniform(0.8, 1.2), 4)
-        )
-        scene.scenery(wood)
-    model.location = (0.0, -60.0, -0.4)
-    scene.scenery(model)
+        at = (side * rng.uniform(38.0, 48.0), -16.0 + 4.2 * (k // 2), -0.4)
+        turn, size = 1.5708 + rng.uniform(-0.3, 0.3), rng.uniform(0.8, 1.2)
+        scene.scenery(scene.place(wood, at, degrees(turn), scale=size))
+    scene.scenery(scene.place(model, (0.0, -60.0, -0.4)))
 
 
 def _landmarks(scene: Scene) -> None:
-    seat = street_bench.street_bench("bench", scene.rng("bench"))
-    seat.location = BENCH
-    cart = luggage_trolley.luggage_trolley("trolley", scene.rng("trolley"))
-    cart.matrix_basis = Matrix.Translation(TROLLEY) @ Matrix.Rotation(0.55, 4, "Z")
-    post = street_furniture.sign_post("sign", "TAXI", face=(0.55, 0.36, 0.02), height_m=2.55)
-    post.location = (0.72, 1.75, 0.0)
-    scene.instance("bench", 1001, "bench", seat, front="-y")
-    scene.instance("trolley", 1002, "trolley", cart, front="-y")
-    scene.instance("sign", 1003, "sign", post, front="-y")
+    scene.add(1001, "street_bench", "bench", BENCH)
+    scene.add(1002, "luggage_trolley", "trolley", TROLLEY, degrees(0.55))
+    scene.add(
+        1003,
+        "street_furniture.sign_post",
+        "sign",
+        (0.72, 1.75),
+        text="TAXI",
+        face=(0.55, 0.36, 0.02),
+        height_m=2.55,
+    )
 
 
 # --- luggage and travellers -------------------------------------------------------------------------------
@@ -210,13 +177,13 @@ def _suitcases(scene: Scene, choices: Choices) -> dict[str, tuple[suitcase.Suitc
     }
     made = {}
     for id, (place, (look, spot, turn)) in enumerate(plan.items(), 1):
-        case = suitcase.suitcase(f"suitcase_{place}", scene.rng(f"suitcase/{place}"), look)
-        case.place(Matrix.Translation(spot) @ Matrix.Rotation(turn + rng.uniform(-0.08, 0.08), 4, "Z"))
+        case = scene.make("suitcase", f"suitcase_{place}", scene.rng(f"suitcase/{place}"), look=look)
+        scene.place(case, spot, degrees(turn + rng.uniform(-0.08, 0.08)))
         instance = scene.instance(
             f"suitcase_{place}",
             id,
             "suitcase",
-            case.parts,
+            case,
             attributes={
                 "colour": look.colour,
                 "shell": look.shell,

@@ -11,13 +11,14 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass
+from math import degrees
 
-import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from l4d_blender import keys
-from l4d_blender.assets import bird_feeder, dock, ground, lake, mesh, reeds, rowing_boat, tree, waterbird
+from l4d_blender.assets import bird_feeder, lake, waterbird
 from l4d_blender.motion.waterbirds import DRAFT_M, WaterBird
+from l4d_blender.scattering import NEARLY, scatter, skyline
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -47,24 +48,13 @@ LOOKS = {
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: str
-    third: str
-    late_s: int
-    glaze: tuple[float, float, float]
-    boat: tuple[float, float, float]
-    sun_azimuth_deg: float
-    sun_elevation_deg: float
-
-
-BENCHMARK = Choices(
-    twins="grey_backed",
-    third="hooded",
-    late_s=0,
-    glaze=(0.10, 0.23, 0.42),
-    boat=(0.62, 0.60, 0.54),
-    sun_azimuth_deg=-28.0,
-    sun_elevation_deg=33.0,
-)
+    twins: str = "grey_backed"
+    third: str = "hooded"
+    late_s: int = 0
+    glaze: tuple[float, float, float] = (0.10, 0.23, 0.42)
+    boat: tuple[float, float, float] = (0.62, 0.60, 0.54)
+    sun_azimuth_deg: float = -28.0
+    sun_elevation_deg: float = 33.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -83,7 +73,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets lake and dock, lets the birds act, lights the morning and places the cameras."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     shore = lake.Shore(
         seed=scene.rng("shore").randrange(1 << 30), water_m=WATER_M, shore_x_m=-2.35, hill_height_m=9.0
     )
@@ -112,82 +102,71 @@ def _lakeside(scene: Scene, shore: lake.Shore) -> None:
     def dry(x: float, y: float) -> float:
         return 1.0 if shore.depth_into_lake(x, y) < -0.12 else 0.0
 
-    short = ground.grass("turf", shore, scene.rng("turf"), tufts=420, radius_m=7.5, keep=dry)
-    tall = ground.grass(
-        "meadow", shore, scene.rng("meadow"), tufts=420, radius_m=11.0, length_m=(0.16, 0.42), keep=dry
+    short = scene.make("ground.grass", "turf", terrain=shore, tufts=420, radius_m=7.5, keep=dry)
+    tall = scene.make(
+        "ground.grass", "meadow", terrain=shore, tufts=420, radius_m=11.0, length_m=(0.16, 0.42), keep=dry
     )
-    stones = ground.stones(
+    stones = scene.make(
+        "ground.stones",
         "stones",
-        shore,
-        scene.rng("stones"),
+        terrain=shore,
         count=900,
         radius_m=9.0,
         size_m=(0.02, 0.11),
         keep=lambda x, y: 1.0 if -1.1 < shore.depth_into_lake(x, y) < 0.25 else 0.0,
     )
-    scene.scenery(ground.ground("land", shore, radius_m=92.0), short, tall, stones)
-    scene.scenery(lake.water("lake", shore))
+    scene.scenery(scene.make("ground", "land", terrain=shore, radius_m=92.0), short, tall, stones)
+    scene.scenery(scene.make("lake.water", "lake", shore=shore))
     pads = [(2.15, 1.75), (2.75, 1.20), (1.05, 2.60), (2.3, 0.2), (3.2, 2.4)]
-    scene.scenery(lake.lily_pads("lily_pads", scene.rng("lily_pads"), pads, WATER_M))
+    scene.scenery(scene.make("lake.lily_pads", "lily_pads", spots=pads, water_m=WATER_M))
 
-    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float) -> None:
-        copy = mesh.duplicate(model, name, linked=True)
-        turn = Matrix.Rotation(rng.uniform(0, 6.3), 4, "Z")
-        copy.matrix_basis = (
-            Matrix.Translation((x, y, shore.height(x, y) - 0.05)) @ turn @ Matrix.Scale(scale, 4)
-        )
-        scene.scenery(copy)
-
-    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.0) for k in range(2)]
-    for k, (x, y) in enumerate(
-        [(-6.4, 6.8), (-8.8, 2.6), (-10.5, 9.0), (-7.8, 12.5), (-7.2, -2.4), (-13.0, 4.5)]
-    ):
-        plant(trees[k % 2], f"tree_{k}", x, y, rng.uniform(0.8, 1.15))
-    bushes = [tree.bush(f"bush_model_{k}", scene.rng(f"bush{k}")) for k in range(2)]
-    for k, (x, y) in enumerate([(-4.6, 3.4), (-5.2, 0.9), (-4.4, 5.6), (-5.4, -1.8), (-6.1, 4.4)]):
-        plant(bushes[k % 2], f"bush_{k}", x, y, rng.uniform(0.8, 1.3))
-    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
-    for k in range(15):
-        azimuth = math.radians(-8.0 + 176.0 * k / 14)
-        distance = rng.uniform(46.0, 66.0)
-        x, y = distance * math.cos(azimuth), distance * math.sin(azimuth)
-        copy = mesh.duplicate(woods[k % 2], f"wood_{k}", linked=True)
-        copy.matrix_basis = (
-            Matrix.Translation((x, y, shore.height(x, y) - 0.3))
-            @ Matrix.Rotation(azimuth + math.pi / 2 + rng.uniform(-0.3, 0.3), 4, "Z")
-            @ Matrix.Scale(rng.uniform(0.8, 1.4), 4)
-        )
-        scene.scenery(copy)
-    for model in (*trees, *bushes, *woods):
-        bpy.data.objects.remove(model)
+    trees = [scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.0) for k in range(2)]
+    spots = [(-6.4, 6.8), (-8.8, 2.6), (-10.5, 9.0), (-7.8, 12.5), (-7.2, -2.4), (-13.0, 4.5)]
+    scatter(scene, "tree", trees, spots, rng, on=shore, scale=(0.8, 1.15))
+    bushes = [scene.make("tree.bush", f"bush_model_{k}", scene.rng(f"bush{k}")) for k in range(2)]
+    spots = [(-4.6, 3.4), (-5.2, 0.9), (-4.4, 5.6), (-5.4, -1.8), (-6.1, 4.4)]
+    scatter(scene, "bush", bushes, spots, rng, on=shore, scale=(0.8, 1.3))
+    woods = [scene.make("tree.far_wood", f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    ring = skyline(rng, 15, (-8.0, 168.0), (46.0, 66.0))
+    scatter(
+        scene,
+        "wood",
+        woods,
+        ring,
+        rng,
+        on=shore,
+        sunk_m=0.3,
+        scale=(0.8, 1.4),
+        turn_deg=NEARLY,
+        turn_first=True,
+    )
 
 
 def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
-    dish = bird_feeder.water_dish("water_dish", glaze=choices.glaze)
-    dish.location = DISH
-    tray = bird_feeder.seed_tray("seed_tray", scene.rng("seeds"))
-    tray.matrix_basis = Matrix.Translation(TRAY) @ Matrix.Rotation(0.25, 4, "Z")
-    deck = dock.dock("dock", scene.rng("dock"), x_range=DECK_X, half_width_m=HALF_WIDTH_M)
-    post = dock.mooring_post("mooring_post", scene.rng("post"))
-    post.location = POST
-    boat = rowing_boat.rowing_boat("rowing_boat", colour=choices.boat)
-    boat.matrix_basis = Matrix.Translation(BOAT) @ Matrix.Rotation(1.42, 4, "Z")
-    stand = reeds.reeds(
-        "reeds",
-        scene.rng("reeds"),
-        [(-2.55, 2.5, 0.5, 170), (-2.0, 3.1, 0.5, 150), (-2.9, 1.55, 0.35, 90), (-1.3, 3.6, 0.45, 110)],
-        foot_m=WATER_M - 0.12,
-    )
-    coil = dock.rope_coil("rope_coil", scene.rng("coil"))
-    coil.matrix_basis = Matrix.Translation((0.74, -0.42, 0.0)) @ Matrix.Rotation(2.4, 4, "Z")
-    scene.scenery(coil)
+    tray = scene.make("bird_feeder.seed_tray", "seed_tray", scene.rng("seeds"))
+    scene.place(tray, TRAY, degrees(0.25))
+    post = scene.make("dock.mooring_post", "mooring_post", scene.rng("post"))
+    scene.place(post, POST)
+    coil = scene.make("dock.rope_coil", "rope_coil", scene.rng("coil"))
+    scene.scenery(scene.place(coil, (0.74, -0.42), degrees(2.4)))
     return {
-        "dish": scene.instance("water_dish", 1001, "dish", dish),
+        "dish": scene.add(1001, "bird_feeder.water_dish", "water_dish", DISH, glaze=choices.glaze),
         "tray": scene.instance("seed_tray", 1002, "tray", tray),
-        "dock": scene.instance("dock", 1003, "dock", deck),
+        "dock": scene.add(1003, "dock", "dock", x_range=DECK_X, half_width_m=HALF_WIDTH_M),
         "post": scene.instance("mooring_post", 1004, "post", post),
-        "boat": scene.instance("rowing_boat", 1005, "boat", boat, front="-y"),
-        "reeds": scene.instance("reeds", 1006, "reeds", stand),
+        "boat": scene.add(1005, "rowing_boat", "rowing_boat", BOAT, degrees(1.42), colour=choices.boat),
+        "reeds": scene.add(
+            1006,
+            "reeds",
+            "reeds",
+            clumps=[
+                (-2.55, 2.5, 0.5, 170),
+                (-2.0, 3.1, 0.5, 150),
+                (-2.9, 1.55, 0.35, 90),
+                (-1.3, 3.6, 0.45, 110),
+            ],
+            foot_m=WATER_M - 0.12,
+        ),
     }
 
 

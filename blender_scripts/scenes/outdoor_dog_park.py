@@ -11,23 +11,25 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass
+from math import degrees
 
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import autumn, ball, fence, ground, mesh, street_bench, tree
+from l4d_blender.assets import autumn, ground, mesh
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.cats import Ball
 from l4d_blender.motion.dogs import Dog
 from l4d_blender.motion.people import Person
 from l4d_blender.motion.throwing import Thrower, toss
+from l4d_blender.scattering import NEARLY, scatter, skyline
 from l4d_blender.scene import Scene
 from l4d_blender.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 
 BENCH = Vector((-1.55, 1.15, 0.0))
-BENCH_TURN = 0.08
+BENCH_HEADING_DEG = degrees(0.08)
 FENCE_Y = 2.75
 GATE_X = 2.10
 BALL_RADIUS_M = 0.055
@@ -48,26 +50,14 @@ COLOURS = {
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: str
-    third: str
-    collars: tuple[str, str]
-    man_top: str
-    woman_top: str
-    pet: tuple[int, int]
-    sun_azimuth_deg: float
-    sun_elevation_deg: float
-
-
-BENCHMARK = Choices(
-    twins="golden",
-    third="black_white",
-    collars=("red", "blue"),
-    man_top="green",
-    woman_top="purple",
-    pet=(33, 68),
-    sun_azimuth_deg=-128.0,
-    sun_elevation_deg=40.0,
-)
+    twins: str = "golden"
+    third: str = "black_white"
+    collars: tuple[str, str] = ("red", "blue")
+    man_top: str = "green"
+    woman_top: str = "purple"
+    pet: tuple[int, int] = (33, 68)
+    sun_azimuth_deg: float = -128.0
+    sun_elevation_deg: float = 40.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -90,7 +80,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets the park, lets dogs and people act, lights it and places the cameras."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _park(scene)
     toy = _landmarks(scene)
     _play(scene, choices, toy)
@@ -119,30 +109,30 @@ def _park(scene: Scene) -> None:
         hill_height_m=5.0,
     )
     rng = scene.rng("park")
-    lawn = ground.grass("lawn", terrain, scene.rng("lawn"), tufts=2600, radius_m=9.0, length_m=(0.025, 0.055))
+    lawn = scene.make(
+        "ground.grass", "lawn", terrain=terrain, tufts=2600, radius_m=9.0, length_m=(0.025, 0.055)
+    )
 
     def rim(x: float, y: float) -> float:
         near_fence = abs(y - FENCE_Y) < 0.16 or abs(abs(x) - 4.6) < 0.16
         return 1.0 if near_fence or math.hypot(x - BENCH.x, y - BENCH.y - 0.1) < 0.45 else 0.06 * (y > 3.0)
 
-    tall = ground.grass(
-        "uncut", terrain, scene.rng("uncut"), tufts=420, radius_m=9.0, length_m=(0.10, 0.24), keep=rim
+    tall = scene.make(
+        "ground.grass", "uncut", terrain=terrain, tufts=420, radius_m=9.0, length_m=(0.10, 0.24), keep=rim
     )
-    leaves = autumn.fallen_leaves("fallen_leaves", terrain, scene.rng("fallen"), count=1500, radius_m=9.0)
-    scene.scenery(ground.ground("ground", terrain), lawn, tall, leaves)
-
-    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float, turn: float) -> None:
-        copy = mesh.duplicate(model, name, linked=True)
-        copy.matrix_basis = (
-            Matrix.Translation((x, y, terrain.height(x, y) - 0.05))
-            @ Matrix.Rotation(turn, 4, "Z")
-            @ Matrix.Scale(scale, 4)
-        )
-        scene.scenery(copy)
+    leaves = scene.make(
+        "autumn.fallen_leaves",
+        "fallen_leaves",
+        scene.rng("fallen"),
+        terrain=terrain,
+        count=1500,
+        radius_m=9.0,
+    )
+    scene.scenery(scene.make("ground", "ground", terrain=terrain), lawn, tall, leaves)
 
     trees = []
     for k, tone in enumerate(autumn.TONES):
-        model = tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.8)
+        model = scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.8)
         trees.append(autumn.turned(model, tone))
     spots = [
         (-3.6, 6.0),
@@ -155,60 +145,54 @@ def _park(scene: Scene) -> None:
         (-8.2, -2.4),
     ]
     spots += [(8.0, -2.8), (-2.2, 12.0), (4.4, 12.6), (11.5, 4.6), (-11.6, 4.2)]
-    for k, (x, y) in enumerate(spots):
-        plant(trees[k % 3], f"tree_{k}", x, y, rng.uniform(0.85, 1.2), rng.uniform(0, 6.3))
+    scatter(scene, "tree", trees, spots, rng, on=terrain, scale=(0.85, 1.2))
     hedge = [
-        tree.bush(f"hedge_model_{k}", scene.rng(f"hedge{k}"), size_xyz=(1.6, 0.9, 0.9)) for k in range(2)
+        scene.make("tree.bush", f"hedge_model_{k}", scene.rng(f"hedge{k}"), size_xyz=(1.6, 0.9, 0.9))
+        for k in range(2)
     ]
     autumn.turned(hedge[1], autumn.TONES[2])
     for k in range(9):
         x = -6.4 + 1.6 * k
         if abs(x - GATE_X) > 1.3:
-            plant(
-                hedge[k % 2],
-                f"hedge_{k}",
-                x,
-                6.4 + 0.3 * math.sin(k),
-                rng.uniform(0.9, 1.2),
-                rng.uniform(-0.2, 0.2),
-            )
-    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
-    autumn.turned(woods[1], (0.30, 0.16, 0.04))
-    for k in range(13):
-        azimuth = math.radians(-20.0 + 220.0 * k / 12)
-        distance = rng.uniform(24.0, 40.0)
-        plant(
-            woods[k % 2],
-            f"wood_{k}",
-            distance * math.cos(azimuth),
-            distance * math.sin(azimuth),
-            rng.uniform(0.8, 1.2),
-            azimuth + math.pi / 2 + rng.uniform(-0.3, 0.3),
-        )
-    for model in (*trees, *hedge, *woods):
+            size, turn = rng.uniform(0.9, 1.2), rng.uniform(-0.2, 0.2)
+            copy = mesh.duplicate(hedge[k % 2], f"hedge_{k}", linked=True)
+            at = (x, 6.4 + 0.3 * math.sin(k), -0.05)
+            scene.scenery(scene.place(copy, at, degrees(turn), on=terrain, scale=size))
+    for model in hedge:
         bpy.data.objects.remove(model)
+    woods = [scene.make("tree.far_wood", f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    autumn.turned(woods[1], (0.30, 0.16, 0.04))
+    ring = skyline(rng, 13, (-20.0, 200.0), (24.0, 40.0))
+    scatter(scene, "wood", woods, ring, rng, on=terrain, scale=(0.8, 1.2), turn_deg=NEARLY)
 
 
 def _landmarks(scene: Scene) -> Ball:
-    bench = street_bench.street_bench("bench", scene.rng("bench"))
-    bench.matrix_basis = Matrix.Translation(BENCH) @ Matrix.Rotation(BENCH_TURN, 4, "Z")
     rng = scene.rng("fence")
     half = 0.62
     rails = [
-        fence.fence(
-            "fence_left", rng, [(-4.6, -3.6), (-4.6, FENCE_Y), (GATE_X - half, FENCE_Y)], post_m=1.05
+        scene.make(
+            "fence",
+            "fence_left",
+            rng,
+            line=[(-4.6, -3.6), (-4.6, FENCE_Y), (GATE_X - half, FENCE_Y)],
+            post_m=1.05,
         ),
-        fence.fence("fence_right", rng, [(GATE_X + half, FENCE_Y), (4.6, FENCE_Y), (4.6, -3.6)], post_m=1.05),
+        scene.make(
+            "fence",
+            "fence_right",
+            rng,
+            line=[(GATE_X + half, FENCE_Y), (4.6, FENCE_Y), (4.6, -3.6)],
+            post_m=1.05,
+        ),
     ]
-    wicket = fence.gate("gate", scene.rng("gate"), width_m=2 * half - 0.12, height_m=1.05)
-    wicket.location = (GATE_X - half + 0.06, FENCE_Y, 0.0)
-    toy = ball.ball(
-        "ball", scene.rng("ball"), radius_m=BALL_RADIUS_M, colour="orange", mark="white", pattern="banded"
+    scene.add(1001, "street_bench", "bench", BENCH, BENCH_HEADING_DEG)
+    scene.add(
+        1002, "fence.gate", "gate", (GATE_X - half + 0.06, FENCE_Y), width_m=2 * half - 0.12, height_m=1.05
     )
-    scene.instance("bench", 1001, "bench", bench, front="-y")
-    scene.instance("gate", 1002, "gate", wicket, front="-y")
     scene.instance("fence", 1003, "fence", rails)
-    thrown = scene.instance("ball", 1004, "ball", toy)
+    thrown = scene.add(
+        1004, "ball", "ball", radius_m=BALL_RADIUS_M, colour="orange", mark="white", pattern="banded"
+    )
     return Ball(thrown, BALL_RADIUS_M, BALL_STOPS)
 
 

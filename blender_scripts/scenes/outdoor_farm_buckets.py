@@ -12,15 +12,17 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass
+from math import degrees
 
-import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from l4d_blender import keys
-from l4d_blender.assets import barn, bucket, farm_tools, fence, ground, haystack, hen, mesh, tree, well
+from l4d_blender.assets import bucket, ground
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.hens import HenActor
 from l4d_blender.motion.people import Person
+from l4d_blender.placing import pose
+from l4d_blender.scattering import NEARLY, scatter, skyline
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -29,7 +31,7 @@ SCALE = "outdoor"
 HAYSTACK = Vector((-1.95, 0.78, 0.0))
 WELL = Vector((2.02, 0.85, 0.0))
 BARN = Vector((-2.9, 8.9, 0.0))
-BARN_TURN = 0.22
+BARN_HEADING_DEG = degrees(0.22)
 BARN_DOOR = Vector((-2.35, 6.3, 0.0))
 
 #: Where buckets stand: three in the row, one apart.
@@ -51,26 +53,15 @@ NAMES = {
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    bucket_looks: dict[str, str]
-    dresses: tuple[str, str]
-    hair: tuple[str, str]
-    plumage: str
-    wave: tuple[int, int]
-    peck: tuple[int, int]
-    sun_azimuth_deg: float
-    sun_elevation_deg: float
-
-
-BENCHMARK = Choices(
-    bucket_looks={"haystack": "red", "middle": "galvanised", "well": "blue", "apart": "galvanised"},
-    dresses=("pink", "green"),
-    hair=("blond", "dark_brown"),
-    plumage="russet",
-    wave=(18, 74),
-    peck=(17, 78),
-    sun_azimuth_deg=-118.0,
-    sun_elevation_deg=31.0,
-)
+    twins: str = "galvanised"
+    others: tuple[str, str] = ("red", "blue")
+    dresses: tuple[str, str] = ("pink", "green")
+    hair: tuple[str, str] = ("blond", "dark_brown")
+    plumage: str = "russet"
+    wave: tuple[int, int] = (18, 74)
+    peck: tuple[int, int] = (17, 78)
+    sun_azimuth_deg: float = -118.0
+    sun_elevation_deg: float = 31.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -82,7 +73,8 @@ def _draw(rng: random.Random) -> Choices:
     hair = rng.sample(["blond", "dark_brown", "red", "black", "brown"], 2)
     wave, peck = rng.randint(12, 26), rng.randint(13, 24)
     return Choices(
-        bucket_looks={"haystack": first, "middle": twin, "well": second, "apart": twin},
+        twins=twin,
+        others=(first, second),
         dresses=(dresses[0], dresses[1]),
         hair=(hair[0], hair[1]),
         plumage=rng.choice(["russet", "white", "buff", "slate"]),
@@ -95,7 +87,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets the yard, puts those who act into it, and lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     terrain = _yard(scene)
     _surroundings(scene, terrain)
     _landmarks(scene)
@@ -104,12 +96,7 @@ def build(scene: Scene) -> None:
     _hens(scene, choices)
     _light(scene, choices)
     scene.cameras(
-        (0.0, 0.2, 0.86),
-        radius_m=5.2,
-        heights_m=(1.45, 2.45),
-        arc_deg=166.0,
-        facing_deg=-90.0,
-        fov_deg=47.0,
+        (0.0, 0.2, 0.86), radius_m=5.2, heights_m=(1.45, 2.45), arc_deg=166.0, facing_deg=-90.0, fov_deg=47.0
     )
 
 
@@ -135,8 +122,8 @@ def _yard(scene: Scene) -> ground.Terrain:
         inside_barn = abs(x - BARN.x) < 3.2 and abs(y - BARN.y) < 2.7
         return 0.0 if inside_barn or any(math.hypot(x - c.x, y - c.y) < r for c, r in covered) else 1.0
 
-    short = ground.grass(
-        "turf", terrain, scene.rng("turf"), tufts=1500, radius_m=8.5, length_m=(0.04, 0.11), keep=free
+    short = scene.make(
+        "ground.grass", "turf", terrain=terrain, tufts=1500, radius_m=8.5, length_m=(0.04, 0.11), keep=free
     )
     rim = [(WELL, 0.66, 0.22), (HAYSTACK, 0.85, 0.25)]
 
@@ -145,21 +132,27 @@ def _yard(scene: Scene) -> ground.Terrain:
         near = max((1.0 for c, r, w in rim if r < math.hypot(x - c.x, y - c.y) < r + w), default=0.0)
         return free(x, y) * max(near, 0.25 if math.hypot(x, y) > 5.5 else 0.0)
 
-    tall = ground.grass(
-        "meadow", terrain, scene.rng("meadow"), tufts=700, radius_m=13.0, length_m=(0.12, 0.34), keep=at_edges
+    tall = scene.make(
+        "ground.grass",
+        "meadow",
+        terrain=terrain,
+        tufts=700,
+        radius_m=13.0,
+        length_m=(0.12, 0.34),
+        keep=at_edges,
     )
-    stones = ground.stones("stones", terrain, scene.rng("stones"), count=240, radius_m=7.0, keep=free)
-    litter = ground.straw_litter(
+    stones = scene.make("ground.stones", "stones", terrain=terrain, count=240, radius_m=7.0, keep=free)
+    litter = scene.make(
+        "ground.straw_litter",
         "litter",
-        terrain,
-        scene.rng("litter"),
+        terrain=terrain,
         spots=[
             ((HAYSTACK.x, HAYSTACK.y), 1.5, 420),
             ((BARN_DOOR.x, BARN_DOOR.y), 1.3, 160),
             ((-0.3, -0.3), 2.6, 130),
         ],
     )
-    scene.scenery(ground.ground("ground", terrain), short, tall, stones, litter)
+    scene.scenery(scene.make("ground", "ground", terrain=terrain), short, tall, stones, litter)
     return terrain
 
 
@@ -167,16 +160,7 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
     """Trees and bushes behind the yard, woods on the skyline, tools that stand about: none annotated."""
     rng = scene.rng("surroundings")
 
-    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float, turn: float) -> None:
-        copy = mesh.duplicate(model, name, linked=True)
-        copy.matrix_basis = (
-            Matrix.Translation((x, y, terrain.height(x, y) - 0.05))
-            @ Matrix.Rotation(turn, 4, "Z")
-            @ Matrix.Scale(scale, 4)
-        )
-        scene.scenery(copy)
-
-    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.5) for k in range(3)]
+    trees = [scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.5) for k in range(3)]
     spots = [
         (2.6, 11.5),
         (5.4, 9.2),
@@ -191,91 +175,55 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
         (-14.5, 9.0),
         (13.0, -5.5),
     ]
-    for k, (x, y) in enumerate(spots):
-        model = trees[k % 3]
-        plant(
-            model,
-            f"tree_{k}",
-            x + rng.uniform(-0.4, 0.4),
-            y + rng.uniform(-0.4, 0.4),
-            rng.uniform(0.8, 1.15),
-            rng.uniform(0, 6.3),
-        )
-    bushes = [tree.bush(f"bush_model_{k}", scene.rng(f"bush{k}"), size_xyz=(1.7, 1.0, 1.1)) for k in range(2)]
-    for k, (x, y) in enumerate(
-        [
-            (1.2, 7.4),
-            (-6.9, 6.5),
-            (6.9, 5.7),
-            (8.6, 2.4),
-            (8.9, 0.7),
-            (-8.2, 2.9),
-            (-8.4, -1.2),
-            (-8.9, -2.6),
-            (4.6, 7.3),
-        ]
-    ):
-        plant(bushes[k % 2], f"bush_{k}", x, y, rng.uniform(0.75, 1.25), rng.uniform(0, 6.3))
-    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
-    for k in range(17):
-        azimuth = math.radians(-38.0 + 256.0 * k / 16)
-        distance = rng.uniform(32.0, 58.0)
-        plant(
-            woods[k % 2],
-            f"wood_{k}",
-            distance * math.cos(azimuth),
-            distance * math.sin(azimuth),
-            rng.uniform(0.9, 1.5),
-            azimuth + math.pi / 2 + rng.uniform(-0.3, 0.3),
-        )
-    for model in (*trees, *bushes, *woods):
-        bpy.data.objects.remove(model)
+    scatter(scene, "tree", trees, spots, rng, on=terrain, scale=(0.8, 1.15), loose_m=0.4)
+    bushes = [
+        scene.make("tree.bush", f"bush_model_{k}", scene.rng(f"bush{k}"), size_xyz=(1.7, 1.0, 1.1))
+        for k in range(2)
+    ]
+    spots = [
+        (1.2, 7.4),
+        (-6.9, 6.5),
+        (6.9, 5.7),
+        (8.6, 2.4),
+        (8.9, 0.7),
+        (-8.2, 2.9),
+        (-8.4, -1.2),
+        (-8.9, -2.6),
+        (4.6, 7.3),
+    ]
+    scatter(scene, "bush", bushes, spots, rng, on=terrain, scale=(0.75, 1.25))
+    woods = [scene.make("tree.far_wood", f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    ring = skyline(rng, 17, (-38.0, 218.0), (32.0, 58.0))
+    scatter(scene, "wood", woods, ring, rng, on=terrain, scale=(0.9, 1.5), turn_deg=NEARLY)
 
-    def put(thing: bpy.types.Object, x: float, y: float, turn: float = 0.0, tilt: float = 0.0) -> None:
-        thing.matrix_basis = (
-            Matrix.Translation((x, y, terrain.height(x, y)))
-            @ Matrix.Rotation(turn, 4, "Z")
-            @ Matrix.Rotation(tilt, 4, "X")
-        )
-        scene.scenery(thing)
-
-    door = Matrix.Translation(BARN) @ Matrix.Rotation(BARN_TURN, 4, "Z")
+    door = pose(BARN, BARN_HEADING_DEG)
     ladder_foot = door @ Vector((1.75, -3.2, 0.0))
-    put(farm_tools.ladder("ladder", rng), ladder_foot.x, ladder_foot.y, BARN_TURN, -0.19)
+    ladder = scene.make("farm_tools.ladder", "ladder", rng)
+    scene.place(ladder, ladder_foot.xy, BARN_HEADING_DEG, on=terrain, tilt_deg=degrees(-0.19))
+    scene.scenery(ladder)
     for k, (x, y, turn) in enumerate([(2.2, -3.3, 0.1), (2.35, -3.85, -0.25)]):
         spot = door @ Vector((x, y, 0.0))
-        put(haystack.hay_bale(f"bale_{k}", rng), spot.x, spot.y, BARN_TURN + turn)
+        bale = scene.make("haystack.hay_bale", f"bale_{k}", rng)
+        scene.scenery(scene.place(bale, spot.xy, BARN_HEADING_DEG + degrees(turn), on=terrain))
     for k, (x, y) in enumerate([(-1.75, -2.95), (-2.15, -3.05)]):
         spot = door @ Vector((x, y, 0.0))
-        put(farm_tools.milk_churn(f"churn_{k}", rng), spot.x, spot.y, rng.uniform(0, 3))
-    lean = Matrix.Translation(HAYSTACK + Vector((0.62, -0.60, 0.0))) @ Matrix.Rotation(0.75, 4, "Z")
-    fork = farm_tools.hay_fork("fork")
-    fork.matrix_basis = lean @ Matrix.Rotation(-0.30, 4, "X")
-    scene.scenery(fork)
+        churn = scene.make("farm_tools.milk_churn", f"churn_{k}", rng)
+        scene.scenery(scene.place(churn, spot.xy, degrees(rng.uniform(0, 3)), on=terrain))
+    fork = scene.make("farm_tools.hay_fork", "fork")
+    leaning = HAYSTACK + Vector((0.62, -0.60, 0.0))
+    scene.scenery(scene.place(fork, leaning, degrees(0.75), tilt_deg=degrees(-0.30)))
 
 
 def _landmarks(scene: Scene) -> None:
-    stack = haystack.haystack("haystack", scene.rng("haystack"))
-    stack.location = HAYSTACK
-    draw_well = well.well("well", scene.rng("well"))
-    draw_well.matrix_basis = Matrix.Translation(WELL) @ Matrix.Rotation(-0.35, 4, "Z")
-    shed = barn.barn("barn", scene.rng("barn"))
-    shed.matrix_basis = Matrix.Translation(BARN) @ Matrix.Rotation(BARN_TURN, 4, "Z")
-    rails = fence.fence("fence", scene.rng("fence"), [(0.9, 7.0), (3.6, 6.6)])
-    east = fence.fence(
-        "fence_east", scene.rng("fence_east"), [(6.4, 4.7), (7.5, 2.2), (7.6, -2.0), (7.2, -5.5)]
-    )
-    west = fence.fence("fence_west", scene.rng("fence_west"), [(-6.0, 6.6), (-7.3, 4.6)])
-    far_west = fence.fence(
-        "fence_far_west", scene.rng("fence_far_west"), [(-7.6, 1.9), (-7.6, -1.5), (-7.3, -5.0)]
-    )
-    barrow = farm_tools.wheelbarrow("wheelbarrow")
-    barrow.matrix_basis = Matrix.Translation((-1.05, 3.60, 0.0)) @ Matrix.Rotation(1.0, 4, "Z")
-    scene.instance("well", 1001, "well", draw_well)
-    scene.instance("haystack", 1002, "haystack", stack)
-    scene.instance("barn", 1003, "barn", shed, front="-y")
+    rails = scene.make("fence", "fence", line=[(0.9, 7.0), (3.6, 6.6)])
+    east = scene.make("fence", "fence_east", line=[(6.4, 4.7), (7.5, 2.2), (7.6, -2.0), (7.2, -5.5)])
+    west = scene.make("fence", "fence_west", line=[(-6.0, 6.6), (-7.3, 4.6)])
+    far_west = scene.make("fence", "fence_far_west", line=[(-7.6, 1.9), (-7.6, -1.5), (-7.3, -5.0)])
+    scene.add(1001, "well", "well", WELL, degrees(-0.35))
+    scene.add(1002, "haystack", "haystack", HAYSTACK)
+    scene.add(1003, "barn", "barn", BARN, BARN_HEADING_DEG)
     scene.instance("fence", 1004, "fence", [rails, east, west, far_west])
-    scene.instance("wheelbarrow", 1005, "wheelbarrow", barrow, front="-y")
+    scene.add(1005, "farm_tools.wheelbarrow", "wheelbarrow", (-1.05, 3.60), degrees(1.0))
 
 
 # --- those who act ----------------------------------------------------------------------------------------
@@ -283,7 +231,8 @@ def _landmarks(scene: Scene) -> None:
 
 def _buckets(scene: Scene, choices: Choices) -> dict[str, Instance]:
     rng = scene.rng("buckets")
-    looks = choices.bucket_looks
+    looks = {"middle": choices.twins, "apart": choices.twins}
+    looks["haystack"], looks["well"] = choices.others
     plan = {
         "haystack": (ROW["haystack"], 1.25, None),
         "middle": (ROW["middle"], 0.0, None),
@@ -293,24 +242,23 @@ def _buckets(scene: Scene, choices: Choices) -> dict[str, Instance]:
     instances = {}
     for id, (place, (spot, bail, filling)) in enumerate(plan.items(), 1):
         name = NAMES[place]
-        body = bucket.bucket(
-            name, scene.rng(f"bucket/{place}"), look=looks[place], bail_angle=bail, filling=filling
-        )
         jitter = Vector((rng.uniform(-0.05, 0.05), rng.uniform(-0.05, 0.05), 0.0))
-        body.matrix_basis = Matrix.Translation(spot + jitter) @ Matrix.Rotation(
-            rng.uniform(-0.6, 0.6), 4, "Z"
-        )
         material = "metal" if looks[place] == "galvanised" else "painted"
-        instances[place] = scene.instance(
-            name,
+        instances[place] = scene.add(
             id,
             "bucket",
-            body,
+            name,
+            spot + jitter,
+            degrees(rng.uniform(-0.6, 0.6)),
             attributes={
                 "colour": "grey" if looks[place] == "galvanised" else looks[place],
                 "material": material,
                 "content": filling or "empty",
             },
+            rng=scene.rng(f"bucket/{place}"),
+            look=looks[place],
+            bail_angle=bail,
+            filling=filling,
         )
     return instances
 
@@ -389,7 +337,7 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
 
 def _hens(scene: Scene, choices: Choices) -> None:
     def actor(name: str, id: int, x: float, y: float, heading: float) -> HenActor:
-        bird = hen.hen(name, scene.rng(name), plumage=choices.plumage)
+        bird = scene.make("hen", name, plumage=choices.plumage)
         instance = scene.instance(
             name,
             id,

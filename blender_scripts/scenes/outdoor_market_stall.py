@@ -10,42 +10,29 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import pi
+from math import degrees, pi
 
-import bpy
 from mathutils import Matrix
 
-from l4d_blender.assets import basket, cobbles, house, houseplant, market_stall, mesh, tree
+from l4d_blender.assets import basket
 from l4d_blender.assets.materials.base import Colour
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.traders import Trader, swing_while_carried
+from l4d_blender.scattering import scatter
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 
-STALL = (0.10, 1.28, 0.0)
+STALL = (0.10, 1.28)
 VENDOR = (-0.86, 0.46, pi / 2 - 0.35)
 HANDOVER = (-0.01, 0.15)  # where the customer stands to take the basket
-ON_GROUND = (0.92, 0.56, 0.5)
+ON_GROUND = ((0.92, 0.56), degrees(0.5))
 
 GRIP = (0.0, 0.0, basket.GRIP_Z_M)
 NEAR_END = (-basket.GRIP_HALF_M, 0.0, basket.GRIP_Z_M)
 FAR_END = (basket.GRIP_HALF_M, 0.0, basket.GRIP_Z_M)
 CLEAR_M = 0.185
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: tuple[str, str]
-    handed: tuple[str, str, str]
-    vendor: Look
-    customer: Look
-    release: int
-    stripes: tuple[Colour, Colour]
-    sun_azimuth_deg: float
 
 
 VENDOR_LOOK = Look(
@@ -84,15 +71,19 @@ STRIPES: tuple[tuple[Colour, Colour], ...] = (
     ((0.06, 0.14, 0.40), (0.74, 0.70, 0.62)),
     ((0.66, 0.40, 0.05), (0.72, 0.68, 0.60)),
 )
-BENCHMARK = Choices(
-    twins=("light", "red"),
-    handed=("dark", "green", "apples"),
-    vendor=VENDOR_LOOK,
-    customer=CUSTOMER_LOOK,
-    release=46,
-    stripes=STRIPES[0],
-    sun_azimuth_deg=-148.0,
-)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: tuple[str, str] = ("light", "red")
+    handed: tuple[str, str, str] = ("dark", "green", "apples")
+    vendor: Look = VENDOR_LOOK
+    customer: Look = CUSTOMER_LOOK
+    release: int = 46
+    stripes: tuple[Colour, Colour] = STRIPES[0]
+    sun_azimuth_deg: float = -148.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -113,7 +104,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets up the market, lets two people deal, lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _square(scene)
     _stalls(scene, choices)
     _deal(scene, choices, _baskets(scene, choices))
@@ -128,14 +119,9 @@ def build(scene: Scene) -> None:
     )
 
 
-def _put(obj: bpy.types.Object, x: float, y: float, turn: float = 0.0) -> bpy.types.Object:
-    obj.matrix_basis = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(turn, 4, "Z")
-    return obj
-
-
 def _square(scene: Scene) -> None:
     """Paving, the houses round the square, trees in front of them: none annotated."""
-    scene.scenery(cobbles.cobbles("paving"))
+    scene.scenery(scene.make("cobbles", "paving"))
     rng = scene.rng("square")
     for k, (x, y, turn) in enumerate(
         (
@@ -149,39 +135,45 @@ def _square(scene: Scene) -> None:
             (-21.0, -6.0, 1.6),
         )
     ):
-        home = house.house(
+        home = scene.make(
+            "house",
             f"house_{k}",
             scene.rng(f"house{k}"),
             size_xy=(rng.uniform(9.0, 10.4), 7.0),
             eaves_m=rng.uniform(4.6, 6.2),
         )
-        scene.scenery(_put(home, x, y, turn))
-    model = tree.tree("tree_model", scene.rng("tree"), height_m=5.2)
-    for k, (x, y) in enumerate(((-7.0, 9.4), (7.6, 9.8), (10.6, 3.6), (-10.4, 2.6), (0.8, 11.6))):
-        copy = mesh.duplicate(model, f"tree_{k}", linked=True)
-        scene.scenery(_put(copy, x, y, rng.uniform(0.0, 6.3)))
-    bpy.data.objects.remove(model)
+        scene.scenery(scene.place(home, (x, y), degrees(turn)))
+    model = scene.make("tree", "tree_model", scene.rng("tree"), height_m=5.2)
+    spots = ((-7.0, 9.4), (7.6, 9.8), (10.6, 3.6), (-10.4, 2.6), (0.8, 11.6))
+    scatter(scene, "tree", [model], spots, rng, sunk_m=0.0)
 
 
 def _stalls(scene: Scene, choices: Choices) -> None:
     """The stall of the story, and the others further off."""
-    stall = market_stall.market_stall("stall", scene.rng("stall"), stripes=choices.stripes)
-    scene.instance("stall", 1001, "stall", _put(stall, *STALL), front="-y")
+    scene.add(1001, "market_stall", "stall", STALL, stripes=choices.stripes)
     others = [stripes for stripes in STRIPES if stripes != choices.stripes]
     for k, (x, y, turn) in enumerate(
         ((-3.1, 4.3, 0.25), (2.7, 4.6, -0.15), (5.2, 1.9, -0.9), (-5.0, 1.2, 1.0), (0.1, 7.2, 0.05))
     ):
-        other = market_stall.market_stall(
+        other = scene.make(
+            "market_stall",
             f"other_stall_{k}",
             scene.rng(f"stall{k}"),
             stripes=others[k % 3],
             skirt=((0.30, 0.05, 0.05), (0.06, 0.10, 0.24), (0.34, 0.26, 0.12))[k % 3],
             crates=3,
         )
-        scene.scenery(_put(other, x, y, turn))
+        scene.scenery(scene.place(other, (x, y), degrees(turn)))
     for k, (x, y, tall) in enumerate(((1.62, 1.02, 0.85), (1.86, 1.42, 0.60), (-1.42, 1.62, 0.95))):
         scene.scenery(
-            _put(houseplant.build(f"plant_{k}", scene.rng(f"plant{k}"), height_m=tall), x, y, 1.3 * k)
+            scene.put(
+                "houseplant",
+                f"plant_{k}",
+                (x, y),
+                degrees(1.3 * k),
+                rng=scene.rng(f"plant{k}"),
+                height_m=tall,
+            )
         )
 
 
@@ -194,9 +186,11 @@ def _baskets(scene: Scene, choices: Choices) -> dict[str, Instance]:
     }
     baskets = {}
     for id, (role, (name, look, key, at)) in enumerate(plan.items(), 1):
-        body = basket.basket(name, scene.rng(f"basket/{key}"), wicker=look[0], cloth=look[1], content=look[2])
+        body = scene.make(
+            "basket", name, scene.rng(f"basket/{key}"), wicker=look[0], cloth=look[1], content=look[2]
+        )
         if at is None:
-            _put(body, *ON_GROUND)
+            scene.place(body, *ON_GROUND)
         else:
             body.matrix_basis = at
         baskets[role] = scene.instance(

@@ -11,21 +11,22 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass
+from math import degrees
 
-import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import cat, fence, ground, mesh, park_lamp, street_bench, street_furniture, tree
+from l4d_blender.assets import cat, ground, park_lamp
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.cat_friends import CatFriend, FriendlyCat
 from l4d_blender.motion.travellers import Traveller
+from l4d_blender.scattering import scatter, skyline
 from l4d_blender.scene import Scene
 from l4d_blender.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 
 BENCH = Vector((-1.42, 0.98, 0.0))
-BENCH_TURN = 0.19
+BENCH_HEADING_DEG = degrees(0.19)
 LAMP = Vector((1.42, 1.12, 0.0))
 TREE = Vector((2.75, 2.55, 0.0))
 FRIEND = (0.16, 0.42)
@@ -44,24 +45,13 @@ LOOKS = {
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: cat.Coat
-    third: cat.Coat
-    top: str
-    dress: str
-    late: int
-    sun_azimuth_deg: float
-    sun_elevation_deg: float
-
-
-BENCHMARK = Choices(
-    twins=cat.GREY_TABBY,
-    third=cat.ORANGE,
-    top="light_blue",
-    dress="red",
-    late=0,
-    sun_azimuth_deg=-152.0,
-    sun_elevation_deg=19.0,
-)
+    twins: cat.Coat = cat.GREY_TABBY
+    third: cat.Coat = cat.ORANGE
+    top: str = "light_blue"
+    dress: str = "red"
+    late: int = 0
+    sun_azimuth_deg: float = -152.0
+    sun_elevation_deg: float = 19.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -81,7 +71,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets the park, lets cats and women act, lights the dusk and places the cameras."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _park(scene)
     _landmarks(scene)
     _act(scene, choices)
@@ -112,99 +102,74 @@ def _park(scene: Scene) -> None:
         hill_height_m=4.0,
     )
     rng = scene.rng("park")
-    lawn = ground.grass("lawn", terrain, scene.rng("lawn"), tufts=2400, radius_m=9.0, length_m=(0.03, 0.075))
+    lawn = scene.make(
+        "ground.grass", "lawn", terrain=terrain, tufts=2400, radius_m=9.0, length_m=(0.03, 0.075)
+    )
 
     def rim(x: float, y: float) -> float:
         at_feet = min(math.hypot(x - p.x, y - p.y) for p in (LAMP, TREE, BENCH))
         return 1.0 if at_feet < 0.40 else 0.05
 
-    tall = ground.grass(
-        "uncut", terrain, scene.rng("uncut"), tufts=330, radius_m=10.0, length_m=(0.10, 0.26), keep=rim
+    tall = scene.make(
+        "ground.grass", "uncut", terrain=terrain, tufts=330, radius_m=10.0, length_m=(0.10, 0.26), keep=rim
     )
-    pebbles = ground.stones(
+    pebbles = scene.make(
+        "ground.stones",
         "pebbles",
-        terrain,
-        scene.rng("pebbles"),
+        terrain=terrain,
         count=1300,
         radius_m=6.0,
         size_m=(0.006, 0.022),
         keep=terrain.wear,
     )
-    scene.scenery(ground.ground("ground", terrain), lawn, tall, pebbles)
+    scene.scenery(scene.make("ground", "ground", terrain=terrain), lawn, tall, pebbles)
 
-    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float) -> None:
-        copy = mesh.duplicate(model, name, linked=True)
-        copy.matrix_basis = (
-            Matrix.Translation((x, y, terrain.height(x, y) - 0.05))
-            @ Matrix.Rotation(rng.uniform(0, 6.3), 4, "Z")
-            @ Matrix.Scale(scale, 4)
-        )
-        scene.scenery(copy)
-
-    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.4) for k in range(2)]
-    for k, (x, y) in enumerate(
-        [
-            (-3.9, 4.9),
-            (-6.8, 2.6),
-            (0.9, 9.6),
-            (5.6, 6.4),
-            (-2.6, 11.0),
-            (7.4, 1.4),
-            (-8.4, 8.2),
-            (-7.6, -2.8),
-            (8.4, -3.6),
-        ]
-    ):
-        plant(trees[k % 2], f"tree_{k}", x, y, rng.uniform(0.85, 1.2))
+    trees = [scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.4) for k in range(2)]
+    spots = [
+        (-3.9, 4.9),
+        (-6.8, 2.6),
+        (0.9, 9.6),
+        (5.6, 6.4),
+        (-2.6, 11.0),
+        (7.4, 1.4),
+        (-8.4, 8.2),
+        (-7.6, -2.8),
+        (8.4, -3.6),
+    ]
+    scatter(scene, "tree", trees, spots, rng, on=terrain, scale=(0.85, 1.2))
     bushes = [
-        tree.bush(f"bush_model_{k}", scene.rng(f"bush{k}"), size_xyz=(1.3, 0.9, 0.75), tone=tone)
+        scene.make(
+            "tree.bush", f"bush_model_{k}", scene.rng(f"bush{k}"), size_xyz=(1.3, 0.9, 0.75), tone=tone
+        )
         for k, tone in enumerate([(0.070, 0.120, 0.028), (0.16, 0.045, 0.075), (0.10, 0.13, 0.05)])
     ]
-    for k, (x, y) in enumerate(
-        [
-            (-2.9, 2.5),
-            (-1.7, 2.7),
-            (-0.6, 2.55),
-            (2.0, 3.2),
-            (3.4, 3.4),
-            (4.6, 2.6),
-            (-4.2, 1.9),
-            (-5.0, 3.6),
-            (3.1, 5.2),
-        ]
-    ):
-        plant(bushes[k % 3], f"bush_{k}", x, y, rng.uniform(0.75, 1.15))
-    woods = [tree.far_wood(f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
-    for k in range(12):
-        azimuth = math.radians(-15.0 + 210.0 * k / 11)
-        distance = rng.uniform(32.0, 50.0)
-        plant(
-            woods[k % 2],
-            f"wood_{k}",
-            distance * math.cos(azimuth),
-            distance * math.sin(azimuth),
-            rng.uniform(0.8, 1.2),
-        )
-    for model in (*trees, *bushes, *woods):
-        bpy.data.objects.remove(model)
-    rails = fence.fence("rails", scene.rng("rails"), [(-7.0, 5.6), (-2.2, 6.4)], post_m=0.8, rails=2)
-    bin_at = street_furniture.litter_bin("litter_bin")
-    bin_at.location = (-2.72, 1.05, 0.0)
-    flowers = street_furniture.planter("planter", scene.rng("planter"))
-    flowers.location = (2.15, 1.75, 0.0)
+    spots = [
+        (-2.9, 2.5),
+        (-1.7, 2.7),
+        (-0.6, 2.55),
+        (2.0, 3.2),
+        (3.4, 3.4),
+        (4.6, 2.6),
+        (-4.2, 1.9),
+        (-5.0, 3.6),
+        (3.1, 5.2),
+    ]
+    scatter(scene, "bush", bushes, spots, rng, on=terrain, scale=(0.75, 1.15))
+    woods = [scene.make("tree.far_wood", f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
+    ring = (at for at, _ in skyline(rng, 12, (-15.0, 195.0), (32.0, 50.0)))
+    scatter(scene, "wood", woods, ring, rng, on=terrain, scale=(0.8, 1.2))
+    rails = scene.make("fence", "rails", line=[(-7.0, 5.6), (-2.2, 6.4)], post_m=0.8, rails=2)
+    bin_at = scene.make("street_furniture.litter_bin", "litter_bin")
+    scene.place(bin_at, (-2.72, 1.05))
+    flowers = scene.make("street_furniture.planter", "planter")
+    scene.place(flowers, (2.15, 1.75))
     scene.scenery(rails, bin_at, flowers)
 
 
 def _landmarks(scene: Scene) -> None:
-    bench = street_bench.street_bench("bench", scene.rng("bench"))
-    bench.matrix_basis = Matrix.Translation(BENCH) @ Matrix.Rotation(BENCH_TURN, 4, "Z")
-    lamp = park_lamp.park_lamp("lamp_post")
-    lamp.location = LAMP
-    old = tree.tree("tree", scene.rng("old_tree"), height_m=6.6)
-    old.location = TREE
-    scene.instance("bench", 1001, "bench", bench, front="-y")
-    scene.instance("lamp_post", 1002, "lamp_post", lamp)
-    scene.instance("tree", 1003, "tree", old)
+    scene.add(1001, "street_bench", "bench", BENCH, BENCH_HEADING_DEG)
+    scene.add(1002, "park_lamp", "lamp_post", LAMP)
+    scene.add(1003, "tree", "tree", TREE, rng=scene.rng("old_tree"), height_m=6.6)
 
 
 # --- those who act ----------------------------------------------------------------------------------------

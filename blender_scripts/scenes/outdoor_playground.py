@@ -11,57 +11,34 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass
+from math import degrees
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
 from l4d_blender import keys
-from l4d_blender.assets import (
-    ball,
-    goal,
-    ground,
-    house,
-    mesh,
-    picket_fence,
-    sandbox,
-    slide,
-    swing,
-    tree,
-)
+from l4d_blender.assets import ground, mesh, sandbox, slide, swing
 from l4d_blender.assets.materials import playground
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.ball_games import RollingBall, downhill, slowing
 from l4d_blender.motion.playing import Player, kick_spot, swing_angles
+from l4d_blender.placing import pose
+from l4d_blender.scattering import NEARLY, scatter, skyline
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
 SCALE = "outdoor"
 
-SWING = (1.18, 1.12, -0.25)
-SLIDE = (-2.21, 1.36, math.atan2(0.93, 0.37))
-SANDBOX = (-1.50, -0.02, 0.12)
-SANDBOX_SIZE_M = (1.02, 0.92)
-GOAL = (1.46, -0.46, -math.pi / 2 + 0.14)
 FLOOR_M = 0.008
+SWING = ((1.18, 1.12, FLOOR_M), degrees(-0.25))
+SLIDE = ((-2.21, 1.36, FLOOR_M), degrees(math.atan2(0.93, 0.37)))
+SANDBOX = ((-1.50, -0.02, FLOOR_M), degrees(0.12))
+SANDBOX_SIZE_M = (1.02, 0.92)
+GOAL = ((1.46, -0.46, FLOOR_M), degrees(-math.pi / 2 + 0.14))
 
 STRIPED_RADIUS_M = 0.135
 BIG_RADIUS_M = 0.165
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    striped: tuple[str, str]
-    big: tuple[str, str]
-    kicker: Look
-    rider: Look
-    kick: int
-    roll_off: int
-    floor: tuple[tuple[float, float, float], tuple[float, float, float]]
-    sun_azimuth_deg: float
-    sun_elevation_deg: float
 
 
 GIRL = Look(
@@ -92,17 +69,24 @@ BOY = Look(
     shoe_colour="white",
     seed=23,
 )
-BENCHMARK = Choices(
-    striped=("red", "white"),
-    big=("blue", "yellow"),
-    kicker=GIRL,
-    rider=BOY,
-    kick=14,
-    roll_off=2,
-    floor=((0.33, 0.115, 0.062), (0.55, 0.38, 0.22)),
-    sun_azimuth_deg=-62.0,
-    sun_elevation_deg=47.0,
-)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    striped: tuple[str, str] = ("red", "white")
+    big: tuple[str, str] = ("blue", "yellow")
+    kicker: Look = GIRL
+    rider: Look = BOY
+    kick: int = 14
+    roll_off: int = 2
+    floor: tuple[tuple[float, float, float], tuple[float, float, float]] = (
+        (0.33, 0.115, 0.062),
+        (0.55, 0.38, 0.22),
+    )
+    sun_azimuth_deg: float = -62.0
+    sun_elevation_deg: float = 47.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -135,7 +119,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Sets the place, puts those who act into it, and lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     terrain = _ground(scene, choices)
     _surroundings(scene, terrain)
     seats = _landmarks(scene)
@@ -152,10 +136,6 @@ def build(scene: Scene) -> None:
 
 
 # --- the place --------------------------------------------------------------------------------------------
-
-
-def _stand(place: tuple[float, float, float], z: float = 0.0) -> Matrix:
-    return Matrix.Translation((place[0], place[1], z)) @ Matrix.Rotation(place[2], 4, "Z")
 
 
 def _ground(scene: Scene, choices: Choices) -> ground.Terrain:
@@ -188,10 +168,16 @@ def _ground(scene: Scene, choices: Choices) -> ground.Terrain:
         faces += [(a + k, b + k, b + (k + 1) % count, a + (k + 1) % count) for k in range(count)]
     floor = mesh.from_pydata("rubber_floor", verts, faces, smooth=False)
     mesh.set_material(floor, playground.rubber_granulate("rubber_floor", *choices.floor))
-    lawn = ground.grass(
-        "lawn", terrain, scene.rng("lawn"), tufts=2300, radius_m=9.5, length_m=(0.035, 0.085), keep=outside
+    lawn = scene.make(
+        "ground.grass",
+        "lawn",
+        terrain=terrain,
+        tufts=2300,
+        radius_m=9.5,
+        length_m=(0.035, 0.085),
+        keep=outside,
     )
-    scene.scenery(ground.ground("ground", terrain), floor, lawn)
+    scene.scenery(scene.make("ground", "ground", terrain=terrain), floor, lawn)
     return terrain
 
 
@@ -199,44 +185,36 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
     """Fence, trees, hedges and the houses of the neighbourhood: none annotated but the fence."""
     rng = scene.rng("surroundings")
 
-    def plant(model: bpy.types.Object, name: str, x: float, y: float, scale: float, turn: float) -> None:
-        copy = mesh.duplicate(model, name, linked=True)
-        copy.matrix_basis = (
-            Matrix.Translation((x, y, terrain.height(x, y) - 0.05))
-            @ Matrix.Rotation(turn, 4, "Z")
-            @ Matrix.Scale(scale, 4)
-        )
-        scene.scenery(copy)
-
-    trees = [tree.tree(f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.0) for k in range(2)]
-    for k, (x, y) in enumerate(
-        [
-            (-5.6, 8.4),
-            (-0.9, 9.9),
-            (3.6, 12.5),
-            (7.4, 8.0),
-            (10.5, 2.2),
-            (-9.6, 4.4),
-            (-9.2, -1.6),
-            (9.8, -3.8),
-            (-4.0, 15.0),
-            (-12.0, 12.0),
-            (13.0, 11.0),
-        ]
-    ):
-        plant(trees[k % 2], f"tree_{k}", x, y, rng.uniform(0.8, 1.1), rng.uniform(0, 6.3))
-    hedge = tree.bush("hedge_model", scene.rng("hedge"), size_xyz=(1.9, 0.9, 1.0))
-    for k, (x, y) in enumerate(
-        [(-6.9, 5.4), (-2.6, 5.9), (3.4, 6.0), (7.4, 3.8), (7.0, 0.4), (-6.4, 1.2), (-6.8, -2.9), (6.9, -4.4)]
-    ):
-        plant(hedge, f"hedge_{k}", x, y, rng.uniform(0.75, 1.15), rng.uniform(-0.3, 0.3))
-    woods = tree.far_wood("wood_model", scene.rng("wood"))
-    for k in range(15):
-        azimuth, distance = math.radians(-35.0 + 250.0 * k / 14), rng.uniform(36.0, 60.0)
-        x, y = distance * math.cos(azimuth), distance * math.sin(azimuth)
-        plant(woods, f"wood_{k}", x, y, rng.uniform(0.9, 1.4), azimuth + math.pi / 2 + rng.uniform(-0.3, 0.3))
-    for model in (*trees, hedge, woods):
-        bpy.data.objects.remove(model)
+    trees = [scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=6.0) for k in range(2)]
+    spots = [
+        (-5.6, 8.4),
+        (-0.9, 9.9),
+        (3.6, 12.5),
+        (7.4, 8.0),
+        (10.5, 2.2),
+        (-9.6, 4.4),
+        (-9.2, -1.6),
+        (9.8, -3.8),
+        (-4.0, 15.0),
+        (-12.0, 12.0),
+        (13.0, 11.0),
+    ]
+    scatter(scene, "tree", trees, spots, rng, on=terrain, scale=(0.8, 1.1))
+    hedge = scene.make("tree.bush", "hedge_model", scene.rng("hedge"), size_xyz=(1.9, 0.9, 1.0))
+    spots = [
+        (-6.9, 5.4),
+        (-2.6, 5.9),
+        (3.4, 6.0),
+        (7.4, 3.8),
+        (7.0, 0.4),
+        (-6.4, 1.2),
+        (-6.8, -2.9),
+        (6.9, -4.4),
+    ]
+    scatter(scene, "hedge", [hedge], spots, rng, on=terrain, scale=(0.75, 1.15), turn_deg=NEARLY)
+    woods = scene.make("tree.far_wood", "wood_model", scene.rng("wood"))
+    ring = skyline(rng, 15, (-35.0, 215.0), (36.0, 60.0))
+    scatter(scene, "wood", [woods], ring, rng, on=terrain, scale=(0.9, 1.4), turn_deg=NEARLY)
     for k, (x, y, turn) in enumerate(
         [
             (-20.0, 25.0, 0.45),
@@ -248,46 +226,39 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
             (30.0, -7.0, -1.6),
         ]
     ):
-        home = house.house(f"house_{k}", scene.rng(f"house{k}"), size_xy=(rng.uniform(8.0, 11.0), 7.0))
-        home.matrix_basis = Matrix.Translation((x, y, terrain.height(x, y))) @ Matrix.Rotation(turn, 4, "Z")
-        scene.scenery(home)
+        home = scene.make(
+            "house", f"house_{k}", scene.rng(f"house{k}"), size_xy=(rng.uniform(8.0, 11.0), 7.0)
+        )
+        scene.scenery(scene.place(home, (x, y), degrees(turn), on=terrain))
 
 
 def _landmarks(scene: Scene) -> list[tuple[bpy.types.Object, Matrix]]:
     """Swing, slide, sandbox, goal and fence; returns the swing's seats with their resting matrices."""
-    made = swing.swing("swing", scene.rng("swing"))
-    hung = swing.place(made, _stand(SWING, FLOOR_M))
-    scene.instance("swing", 1001, "swing", made.parts, front="-y")
-    chute = slide.slide("slide", scene.rng("slide"))
-    chute.matrix_basis = _stand(SLIDE, FLOOR_M)
-    scene.instance("slide", 1002, "slide", chute, front="-y")
+    made = scene.make("swing", "swing")
+    scene.place(made, *SWING)
+    scene.instance("swing", 1001, "swing", made, front="-y")
+    scene.add(1002, "slide", "slide", *SLIDE)
 
     rng = scene.rng("sandbox")
     sand = sandbox.sand_of(rng, ((0.15, 0.14, 0.34),))
-    at = _stand(SANDBOX, FLOOR_M)
-    box = sandbox.sandbox("sandbox", rng, sand, size_m=SANDBOX_SIZE_M)
-    box.matrix_basis = at
-    scene.instance("sandbox", 1003, "sandbox", box)
+    scene.add(1003, "sandbox", "sandbox", *SANDBOX, rng=rng, sand=sand, size_m=SANDBOX_SIZE_M)
     for thing, x, y, turn in (
-        (sandbox.pail("pail", rng), -0.28, -0.08, 0.4),
-        (sandbox.spade("spade", rng), -0.06, -0.26, 1.9),
-        (sandbox.sand_cake("cake_0", rng), -0.33, 0.20, 0.0),
-        (sandbox.sand_cake("cake_1", rng), -0.16, 0.29, 1.0),
+        (scene.make("sandbox.pail", "pail", rng), -0.28, -0.08, 0.4),
+        (scene.make("sandbox.spade", "spade", rng), -0.06, -0.26, 1.9),
+        (scene.make("sandbox.sand_cake", "cake_0", rng), -0.33, 0.20, 0.0),
+        (scene.make("sandbox.sand_cake", "cake_1", rng), -0.16, 0.29, 1.0),
     ):
-        thing.matrix_basis = at @ _stand((x, y, turn), sand.height(x, y))
-        scene.scenery(thing)
+        scene.scenery(scene.place(thing, (x, y, sand.height(x, y)), degrees(turn), on=pose(*SANDBOX)))
 
-    net = goal.goal("goal", scene.rng("goal"), width_m=1.10, height_m=0.72, depth_m=0.50)
-    net.matrix_basis = _stand(GOAL, FLOOR_M)
-    scene.instance("goal", 1004, "goal", net, front="-y")
-    fence = picket_fence.picket_fence(
+    scene.add(1004, "goal", "goal", *GOAL, width_m=1.10, height_m=0.72, depth_m=0.50)
+    scene.add(
+        1005,
+        "picket_fence",
         "fence",
-        scene.rng("fence"),
-        [(-6.2, -1.5), (-5.2, 2.6), (-3.6, 4.7), (0.2, 5.2), (4.2, 4.7), (5.6, 2.2), (6.2, -2.0)],
+        line=[(-6.2, -1.5), (-5.2, 2.6), (-3.6, 4.7), (0.2, 5.2), (4.2, 4.7), (5.6, 2.2), (6.2, -2.0)],
         colours=("yellow", "light_green", "light_blue", "orange"),
     )
-    scene.instance("fence", 1005, "fence", fence)
-    return list(zip(made.seats, hung))
+    return list(zip(made.seats, swing.resting(pose(*SWING))))
 
 
 # --- those who play ---------------------------------------------------------------------------------------
@@ -296,11 +267,17 @@ def _landmarks(scene: Scene) -> list[tuple[bpy.types.Object, Matrix]]:
 def _make_ball(
     scene: Scene, name: str, id: int, radius_m: float, look: tuple[str, str], pattern: str, size: str
 ) -> Instance:
-    body = ball.ball(
-        name, scene.rng(f"{name}/look"), radius_m=radius_m, colour=look[0], mark=look[1], pattern=pattern
-    )
-    return scene.instance(
-        name, id, "ball", body, attributes={"colour": look[0], "pattern": pattern, "size": size}
+    return scene.add(
+        id,
+        "ball",
+        name,
+        (0.0, 0.0),
+        attributes={"colour": look[0], "pattern": pattern, "size": size},
+        rng=scene.rng(f"{name}/look"),
+        radius_m=radius_m,
+        colour=look[0],
+        mark=look[1],
+        pattern=pattern,
     )
 
 
@@ -346,8 +323,7 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
     rider.ride(hung, angles, hang_m=swing.HANG_M, chains_apart_m=swing.CHAINS_APART_M, drag=drag, stop=stop)
 
     # The big ball comes down the slide to the rider's feet.
-    place = _stand(SLIDE, FLOOR_M)
-    line = [place @ p for p in slide.chute_line(big, from_y_m=-0.12)]
+    line = [pose(*SLIDE) @ p for p in slide.chute_line(big, from_y_m=-0.12)]
     stops = Vector((*rider.seated_kick_point(big), FLOOR_M + big))
     run_out = line[-1] + 0.12 * (line[-1] - line[-2]).normalized()
     run_out.z = FLOOR_M + big
@@ -377,8 +353,7 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
     shot.roll_along([target], (strike, strike + 36), slowing(2.0))
     kicker.cheer((strike + 24, strike + 58))
 
-    box = _stand(SANDBOX, FLOOR_M)
-    at_rest = box @ Vector((0.15, 0.14, 0.075 + striped - 0.004))
+    at_rest = pose(*SANDBOX) @ Vector((0.15, 0.14, 0.075 + striped - 0.004))
     still = RollingBall(left, striped, at_rest, _turned(rng))
     for actor in (roller, shot, still, rider, kicker):
         actor.finish()

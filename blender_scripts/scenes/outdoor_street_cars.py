@@ -11,16 +11,17 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import pi
+from math import degrees, pi
 
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import bus, car, mesh, shopfront, street_bench, street_furniture, tree
+from l4d_blender.assets import car, mesh, shopfront
 from l4d_blender.assets.materials import street
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.driving import Driver
 from l4d_blender.motion.travellers import Traveller
+from l4d_blender.scattering import scatter
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -40,30 +41,16 @@ BUS_STOP = Vector((-2.45, -1.30, PAVEMENT_M))
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twin: car.CarLook
-    other: car.CarLook
-    dress: Cloth
-    hair: tuple[str, str]
-    shirt: Cloth
-    call_last: int
-    wave: tuple[int, int]
-    pull_out: int
-    sun_azimuth_deg: float
-    sun_elevation_deg: float
-
-
-BENCHMARK = Choices(
-    twin=car.CarLook("red", roof="white"),
-    other=car.CarLook("mint", roof="rack"),
-    dress=Cloth("yellow", "dots", "white", 0.06),
-    hair=("bun", "dark_brown"),
-    shirt=Cloth("white", "stripes", "blue", 0.06),
-    call_last=38,
-    wave=(58, 92),
-    pull_out=40,
-    sun_azimuth_deg=-52.0,
-    sun_elevation_deg=46.0,
-)
+    twin: car.CarLook = car.CarLook("red", roof="white")
+    other: car.CarLook = car.CarLook("mint", roof="rack")
+    dress: Cloth = Cloth("yellow", "dots", "white", 0.06)
+    hair: tuple[str, str] = ("bun", "dark_brown")
+    shirt: Cloth = Cloth("white", "stripes", "blue", 0.06)
+    call_last: int = 38
+    wave: tuple[int, int] = (58, 92)
+    pull_out: int = 40
+    sun_azimuth_deg: float = -52.0
+    sun_elevation_deg: float = 46.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -86,7 +73,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Lays the street, puts cars and pedestrians on it, and lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _ground(scene)
     _houses(scene)
     _street_clutter(scene)
@@ -104,12 +91,7 @@ def build(scene: Scene) -> None:
         colour=(1.0, 0.94, 0.85),
     )
     scene.cameras(
-        (-0.35, 1.5, 1.05),
-        radius_m=9.5,
-        heights_m=(2.5, 3.7),
-        arc_deg=140.0,
-        facing_deg=-90.0,
-        fov_deg=54.0,
+        (-0.35, 1.5, 1.05), radius_m=9.5, heights_m=(2.5, 3.7), arc_deg=140.0, facing_deg=-90.0, fov_deg=54.0
     )
 
 
@@ -139,9 +121,8 @@ def _ground(scene: Scene) -> None:
             ("crossing", low, high, 0.012),
             ("east", high, high + 36.0, PAVEMENT_M + 0.004),
         ):
-            stones = street_furniture.kerb(f"kerb_{part}_{k}", rng, length_m=last - first)
-            stones.location = (0.5 * (first + last), y, z)
-            scene.scenery(stones)
+            stones = scene.make("street_furniture.kerb", f"kerb_{part}_{k}", rng, length_m=last - first)
+            scene.scenery(scene.place(stones, (0.5 * (first + last), y, z)))
     paint = street.road_paint("road_paint")
     dashes = [
         mesh.move(mesh.grid("dash", 2.0, 0.12, 4, 1), x, 2.15, 0.003)
@@ -171,7 +152,7 @@ def _houses(scene: Scene) -> None:
         "cafe": shopfront.ShopLook("CAFE", "brick", (0.06, 0.05, 0.045), (0.12, 0.09, 0.06), storeys=3),
     }
     models = {
-        name: shopfront.shopfront(f"house_{name}", scene.rng(f"house/{name}"), look)
+        name: scene.make("shopfront", f"house_{name}", scene.rng(f"house/{name}"), look=look)
         for name, look in looks.items()
     }
     rows = [("books", 4.2, FACADE_Y, 0.0), ("flowers", -8.8, FACADE_Y, 0.0)]
@@ -180,14 +161,13 @@ def _houses(scene: Scene) -> None:
         rows.append((order[k % 3], 9.8 + 5.6 * k, FACADE_Y, 0.0))
         rows.append((order[(k + 1) % 3], -14.4 - 5.6 * k, FACADE_Y, 0.0))
         for side in (-1.0, 1.0):
-            rows.append((order[(k + 2) % 3], side * (11.0 + 5.6 * k), -10.5, pi))
+            rows.append((order[(k + 2) % 3], side * (11.0 + 5.6 * k), -10.5, 180.0))
     for side in (-1.0, 1.0):
         for k in range(3):
-            rows.append((order[k], side * 31.0, -3.4 + 5.6 * k, -side * 0.5 * pi))
-    for k, (name, x, y, turn) in enumerate(rows):
+            rows.append((order[k], side * 31.0, -3.4 + 5.6 * k, -side * 90.0))
+    for k, (name, x, y, turn_deg) in enumerate(rows):
         house = mesh.duplicate(models[name], f"terrace_{k}", linked=True)
-        house.matrix_basis = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(turn, 4, "Z")
-        scene.scenery(house)
+        scene.scenery(scene.place(house, (x, y), turn_deg))
     for model in models.values():
         bpy.data.objects.remove(model)
 
@@ -195,37 +175,35 @@ def _houses(scene: Scene) -> None:
 def _street_clutter(scene: Scene) -> None:
     """Trees, lamps, bins, planters and a bus further off: none annotated (and no car that is not)."""
     rng = scene.rng("clutter")
-    model = tree.tree("tree_model", scene.rng("tree"), height_m=5.6, sprays=2200)
-    for k, (x, y) in enumerate(
-        ((-9.6, 5.75), (7.0, 5.75), (14.5, 5.75), (-17.0, 5.75), (13.0, -2.2), (-12.5, -2.4))
-    ):
-        plant = mesh.duplicate(model, f"tree_{k}", linked=True)
-        plant.matrix_basis = (
-            Matrix.Translation((x, y, PAVEMENT_M))
-            @ Matrix.Rotation(rng.uniform(0.0, 6.28), 4, "Z")
-            @ Matrix.Scale(rng.uniform(0.9, 1.15), 4)
-        )
-        scene.scenery(plant)
-    bpy.data.objects.remove(model)
+    model = scene.make("tree", "tree_model", scene.rng("tree"), height_m=5.6, sprays=2200)
+    spots = ((-9.6, 5.75), (7.0, 5.75), (14.5, 5.75), (-17.0, 5.75), (13.0, -2.2), (-12.5, -2.4))
+    any_way = (0.0, degrees(6.28))
+    scatter(
+        scene,
+        "tree",
+        [model],
+        spots,
+        rng,
+        on=PAVEMENT_M,
+        sunk_m=0.0,
+        scale=(0.9, 1.15),
+        turn_deg=any_way,
+        turn_first=True,
+    )
     for k, x in enumerate((-6.3, 1.55, 10.4, 20.0, -16.0)):
-        lamp = street_furniture.lamp_post(f"lamp_{k}", glow=0.0)
-        lamp.location = (x, FAR_KERB_Y + 0.38, PAVEMENT_M)
-        scene.scenery(lamp)
+        lamp = scene.make("street_furniture.lamp_post", f"lamp_{k}", glow=0.0)
+        scene.scenery(scene.place(lamp, (x, FAR_KERB_Y + 0.38), on=PAVEMENT_M))
     for k, (x, y) in enumerate(((2.0, 6.75), (-6.4, 6.8), (-4.55, -1.35))):
-        basket = street_furniture.litter_bin(f"bin_{k}")
-        basket.location = (x, y, PAVEMENT_M)
-        scene.scenery(basket)
+        basket = scene.make("street_furniture.litter_bin", f"bin_{k}")
+        scene.scenery(scene.place(basket, (x, y), on=PAVEMENT_M))
     for k, x in enumerate((1.75, 5.45)):
-        post = street_furniture.bollard(f"bollard_{k}")
-        post.location = (x, NEAR_KERB_Y - 0.30, PAVEMENT_M - 0.02)
-        scene.scenery(post)
-    coach = bus.bus("bus", rng, colour=(0.52, 0.50, 0.46), line="5 MARKET")
-    coach.matrix_basis = Matrix.Translation((25.0, 3.0, 0.0)) @ Matrix.Rotation(BACK, 4, "Z")
-    scene.scenery(coach)
+        post = scene.make("street_furniture.bollard", f"bollard_{k}")
+        scene.scenery(scene.place(post, (x, NEAR_KERB_Y - 0.30), on=PAVEMENT_M - 0.02))
+    coach = scene.make("bus", "bus", rng, colour=(0.52, 0.50, 0.46), line="5 MARKET")
+    scene.scenery(scene.place(coach, (25.0, 3.0), degrees(BACK)))
     for k, (x, y) in enumerate(((4.2, 6.7), (8.9, 6.7), (-10.9, 6.7), (6.4, -2.6), (-8.2, -2.6))):
-        tub = street_furniture.planter(f"planter_{k}", scene.rng(f"planter {k}"))
-        tub.location = (x, y, PAVEMENT_M)
-        scene.scenery(tub)
+        tub = scene.make("street_furniture.planter", f"planter_{k}", scene.rng(f"planter {k}"))
+        scene.scenery(scene.place(tub, (x, y), on=PAVEMENT_M))
 
 
 def _landmarks(scene: Scene) -> None:
@@ -241,16 +219,22 @@ def _landmarks(scene: Scene) -> None:
         for k in range(6)
     ]
     zebra = mesh.set_material(mesh.join("crossing", stripes), paint)
-    bakery = shopfront.shopfront("bakery", scene.rng("bakery"), shopfront.ShopLook(width_m=7.4))
-    bakery.location = (-2.3, FACADE_Y, 0.0)
-    post = street_furniture.sign_post("bus_stop", "BUS STOP", face=(0.46, 0.02, 0.02), timetable=True)
-    post.matrix_basis = Matrix.Translation(BUS_STOP) @ Matrix.Rotation(0.5 * pi, 4, "Z")
-    seat = street_bench.street_bench("bench", scene.rng("bench"))
-    seat.matrix_basis = Matrix.Translation((-3.55, -2.05, PAVEMENT_M)) @ Matrix.Rotation(pi, 4, "Z")
     scene.instance("crossing", 1001, "crossing", zebra)
-    scene.instance("bakery", 1002, "bakery", bakery, front="-y")
-    scene.instance("bus_stop", 1003, "bus_stop", post, front="-y")
-    scene.instance("bench", 1004, "bench", seat, front="-y")
+    scene.add(
+        1002, "shopfront", "bakery", (-2.3, FACADE_Y), category="bakery", look=shopfront.ShopLook(width_m=7.4)
+    )
+    scene.add(
+        1003,
+        "street_furniture.sign_post",
+        "bus_stop",
+        BUS_STOP,
+        90.0,
+        category="bus_stop",
+        text="BUS STOP",
+        face=(0.46, 0.02, 0.02),
+        timetable=True,
+    )
+    scene.add(1004, "street_bench", "bench", (-3.55, -2.05), 180.0, on=PAVEMENT_M)
 
 
 # --- those who act ----------------------------------------------------------------------------------------
@@ -265,17 +249,14 @@ def _cars(scene: Scene, choices: Choices) -> Driver:
     }
     drivers = {}
     for id, (what, (look, spot, heading)) in enumerate(plan.items(), 1):
-        made = car.car(f"car_{what}", scene.rng(f"car/{what}"), look)
-        made.place(Matrix.Translation(spot) @ Matrix.Rotation(heading, 4, "Z"))
+        made = scene.make("car", f"car_{what}", scene.rng(f"car/{what}"), look=look)
+        scene.place(made, spot, degrees(heading))
         instance = scene.instance(
             f"car_{what}",
             id,
             "car",
-            made.parts,
-            attributes={
-                "colour": look.colour,
-                "roof": "box" if look.roof == "rack" else f"{look.roof}_roof",
-            },
+            made,
+            attributes={"colour": look.colour, "roof": "box" if look.roof == "rack" else f"{look.roof}_roof"},
             front="-y",
         )
         drivers[what] = Driver(instance, made, spot, heading)

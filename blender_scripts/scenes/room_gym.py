@@ -15,10 +15,7 @@ import random
 from dataclasses import dataclass
 from math import radians
 
-import bpy
-from mathutils import Matrix
-
-from l4d_blender.assets import dumbbell, gym_equipment, gym_room
+from l4d_blender.assets import dumbbell, gym_equipment
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.handling import key_path, still
 from l4d_blender.motion.lifters import Lifter
@@ -27,34 +24,15 @@ from l4d_blender.scene import Instance, Scene
 SCALE = "room"
 
 HALF_WIDTH, BACK_Y, FRONT_Y = 3.3, 2.5, -3.6
-STEP = (-0.72, -0.27, 4.0)
-BENCH = (0.40, -0.22, -3.0)
-TREADMILL = (2.12, 1.12, -30.0)
+STEP = ((-0.72, -0.27), 4.0)
+BENCH = ((0.40, -0.22), -3.0)
+TREADMILL = ((2.12, 1.12), -30.0)
 LONER, LONER_HEADING = (-0.60, 0.20), 0.30
 WAITS, WAITS_HEADING = (0.96, 0.64), -0.30
 AT_BENCH, BENCH_HEADING = (0.82, 0.23), -0.20
 TAKEN = (-0.73, -0.25)
 LEFT = (0.08, -0.21)
 BIG = (0.54, -0.23)
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twin: str
-    big: str
-    odd_one: str
-    in_shorts: int
-    shirts: tuple[str, str]
-    builds: tuple[str, str]
-    skins: tuple[str, str]
-    hair: tuple[str, str]
-    brick: tuple[float, float, float]
-    paint: tuple[float, float, float]
-    vinyl: tuple[float, float, float]
-    sun: float
-    delay: int
 
 
 PLACES = ("on_step", "left", "from_bench")
@@ -65,21 +43,25 @@ COATS = {
     "yellow": (0.66, 0.42, 0.03),
     "grey": (0.26, 0.27, 0.28),
 }
-BENCHMARK = Choices(
-    twin="blue",
-    big="yellow",
-    odd_one="from_bench",
-    in_shorts=0,
-    shirts=("green", "orange"),
-    builds=("man", "woman"),
-    skins=("fair", "dark"),
-    hair=("brown", "black"),
-    brick=(0.34, 0.13, 0.08),
-    paint=(0.36, 0.40, 0.40),
-    vinyl=(0.34, 0.045, 0.035),
-    sun=1.0,
-    delay=0,
-)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twin: str = "blue"
+    big: str = "yellow"
+    odd_one: str = "from_bench"
+    in_shorts: int = 0
+    shirts: tuple[str, str] = ("green", "orange")
+    builds: tuple[str, str] = ("man", "woman")
+    skins: tuple[str, str] = ("fair", "dark")
+    hair: tuple[str, str] = ("brown", "black")
+    brick: tuple[float, float, float] = (0.34, 0.13, 0.08)
+    paint: tuple[float, float, float] = (0.36, 0.40, 0.40)
+    vinyl: tuple[float, float, float] = (0.34, 0.045, 0.035)
+    sun: float = 1.0
+    delay: int = 0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -103,7 +85,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Builds the hall, sets the equipment, lets the athletes train, lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     build_hall(scene, choices)
     set_equipment(scene, choices)
     train(scene, choices)
@@ -113,16 +95,11 @@ def build(scene: Scene) -> None:
     )
 
 
-def put(obj: bpy.types.Object, x: float, y: float, turn_deg: float = 0.0, z: float = 0.0) -> bpy.types.Object:
-    """Stands an asset somewhere, turned about the vertical."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(turn_deg), 4, "Z")
-    return obj
-
-
 def build_hall(scene: Scene, choices: Choices) -> None:
     """Walls, windows and what stands along the walls."""
     rng = scene.rng("hall")
-    shell = gym_room.build(
+    shell = scene.make(
+        "gym_room",
         "hall",
         rng,
         half_width_m=HALF_WIDTH,
@@ -132,30 +109,41 @@ def build_hall(scene: Scene, choices: Choices) -> None:
         paint=choices.paint,
     )
     panes = [
-        put(gym_room.window(f"window_{k}", rng, columns=4), x, BACK_Y)
+        scene.put("gym_room.window", f"window_{k}", (x, BACK_Y), rng=rng, columns=4)
         for k, x in enumerate((-1.95, 0.10, 2.15))
     ]
-    side = put(gym_room.window("side_window", rng, columns=5), HALF_WIDTH, 0.9, -90)
+    side = scene.put("gym_room.window", "side_window", (HALF_WIDTH, 0.9), -90, rng=rng, columns=5)
     scene.instance("windows", 1006, "window", [*panes, side], front="-y")
-    bars = put(gym_equipment.wall_bars("wall_bars", rng, fields=2), -HALF_WIDTH + 0.01, 0.75, 90)
-    scene.instance("wall_bars", 1004, "wall_bars", bars, front="-y")
-    rack = put(gym_equipment.kettlebell_rack("rack", rng), -0.72, BACK_Y - 0.05)
-    scene.instance("rack", 1005, "rack", rack, front="-y")
-    bag = put(gym_equipment.punching_bag("punching_bag", rng, colour=(0.10, 0.03, 0.025)), -1.85, 1.25)
-    scene.instance("punching_bag", 1007, "punching_bag", bag)
+    scene.add(1004, "gym_equipment.wall_bars", "wall_bars", (-HALF_WIDTH + 0.01, 0.75), 90, rng=rng, fields=2)
+    scene.add(1005, "gym_equipment.kettlebell_rack", "rack", (-0.72, BACK_Y - 0.05), rng=rng)
+    scene.add(
+        1007, "gym_equipment.punching_bag", "punching_bag", (-1.85, 1.25), rng=rng, colour=(0.10, 0.03, 0.025)
+    )
     scene.scenery(
         *shell,
-        put(gym_equipment.barbell_stand("stand", rng, plate=(0.030, 0.030, 0.033)), 0.62, BACK_Y - 0.02),
-        put(gym_equipment.exercise_ball("ball_grey", rng, colour=(0.30, 0.32, 0.34)), -2.65, -0.62),
-        put(gym_equipment.exercise_ball("ball_teal", rng, colour=(0.03, 0.24, 0.25)), 2.75, -0.15),
-        put(gym_equipment.rolled_mats("mats", rng), 2.85, 0.75),
-        put(gym_room.pipes("duct", rng, width_m=6.5), 0.0, BACK_Y - 0.45, 0.0, 3.12),
-        put(
-            gym_equipment.folded_towel("bar_towel", rng, colour=(0.62, 0.58, 0.50)),
-            -HALF_WIDTH + 0.11,
-            0.40,
+        scene.put(
+            "gym_equipment.barbell_stand",
+            "stand",
+            (0.62, BACK_Y - 0.02),
+            rng=rng,
+            plate=(0.030, 0.030, 0.033),
+        ),
+        scene.put(
+            "gym_equipment.exercise_ball", "ball_grey", (-2.65, -0.62), rng=rng, colour=(0.30, 0.32, 0.34)
+        ),
+        scene.put(
+            "gym_equipment.exercise_ball", "ball_teal", (2.75, -0.15), rng=rng, colour=(0.03, 0.24, 0.25)
+        ),
+        scene.put("gym_equipment.rolled_mats", "mats", (2.85, 0.75), rng=rng),
+        scene.put("gym_room.pipes", "duct", (0.0, BACK_Y - 0.45), on=3.12, rng=rng, width_m=6.5),
+        scene.put(
+            "gym_equipment.folded_towel",
+            "bar_towel",
+            (-HALF_WIDTH + 0.11, 0.40),
             90,
-            1.30,
+            on=1.30,
+            rng=rng,
+            colour=(0.62, 0.58, 0.50),
         ),
     )
 
@@ -163,18 +151,26 @@ def build_hall(scene: Scene, choices: Choices) -> None:
 def set_equipment(scene: Scene, choices: Choices) -> None:
     """Step, bench and treadmill, a mat, bottles."""
     rng = scene.rng("equipment")
-    step = put(gym_equipment.step("step", rng, colour=(0.10, 0.34, 0.36)), *STEP)
-    bench = put(gym_equipment.bench("bench", rng, colour=choices.vinyl), *BENCH)
-    treadmill = put(gym_equipment.treadmill("treadmill", rng), *TREADMILL)
-    scene.instance("bench", 1001, "bench", bench)
+    step = scene.put("gym_equipment.step", "step", *STEP, rng=rng, colour=(0.10, 0.34, 0.36))
+    scene.add(1001, "gym_equipment.bench", "bench", *BENCH, rng=rng, colour=choices.vinyl)
     scene.instance("step", 1002, "step", step)
-    scene.instance("treadmill", 1003, "treadmill", treadmill, front="-y")
+    scene.add(1003, "gym_equipment.treadmill", "treadmill", *TREADMILL, rng=rng)
     scene.scenery(
-        put(
-            gym_equipment.floor_mat("mat", rng, colour=(0.07, 0.12, 0.17), size_m=(1.7, 1.2)), -0.66, 0.06, 3
+        scene.put(
+            "gym_equipment.floor_mat",
+            "mat",
+            (-0.66, 0.06),
+            3,
+            rng=rng,
+            colour=(0.07, 0.12, 0.17),
+            size_m=(1.7, 1.2),
         ),
-        put(gym_equipment.drink_bottle("bottle_0", rng, colour=(0.60, 0.58, 0.10)), -1.28, -0.22),
-        put(gym_equipment.drink_bottle("bottle_1", rng, colour=(0.10, 0.30, 0.50)), 1.30, -0.42),
+        scene.put(
+            "gym_equipment.drink_bottle", "bottle_0", (-1.28, -0.22), rng=rng, colour=(0.60, 0.58, 0.10)
+        ),
+        scene.put(
+            "gym_equipment.drink_bottle", "bottle_1", (1.30, -0.42), rng=rng, colour=(0.10, 0.30, 0.50)
+        ),
     )
 
 
@@ -221,17 +217,18 @@ def look_of(choices: Choices, place: str) -> dumbbell.DumbbellLook:
 def weight(scene: Scene, choices: Choices, place: str, id: int) -> Instance:
     """The dumbbell for a place; it lies nowhere yet."""
     look, odd = look_of(choices, place), place == choices.odd_one
-    body = dumbbell.dumbbell(f"dumbbell_{place}", scene.rng(f"dumbbell/{look.heads}"), look=look)
-    return scene.instance(
-        f"dumbbell_{place}",
+    return scene.add(
         id,
         "dumbbell",
-        body,
+        f"dumbbell_{place}",
+        (0.0, 0.0),
         attributes={
             "colour": choices.big if odd else choices.twin,
             "shape": look.heads,
             "size": "large" if odd else "medium",
         },
+        rng=scene.rng(f"dumbbell/{look.heads}"),
+        look=look,
     )
 
 

@@ -17,10 +17,8 @@ from math import radians
 
 import numpy as np
 
-from l4d_blender.assets import chef_hat, kitchen_jug, kitchen_set, kitchen_tools, pot
-from l4d_blender.assets import kitchen_clutter as clutter
+from l4d_blender.assets import chef_hat, kitchen_jug, kitchen_set, pot
 from l4d_blender.assets import kitchen_units as units
-from l4d_blender.assets.kitchen_set import put
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.cooks import Cook, JugPath, SpoonPath, stream_matrices
 from l4d_blender.motion.handling import Grip, key_path, shift, still
@@ -47,44 +45,30 @@ JUG_ENDS = (0.93, 0.14, units.TOP_M)
 STIRRER_X, POURER_X, COOKS_Y = -0.24, 0.50, 0.46
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    big_colour: str
-    soup: str
-    stirrer: str
-    stirrer_wears_hat: bool
-    stirrer_in_plain: bool
-    shirts: tuple[str, str]
-    hair: tuple[str, str]
-    front: tuple[float, float, float]
-    tile: tuple[float, float, float]
-    wall: tuple[float, float, float]
-    delay: int
-    warm: float
-
-
 ENAMELS = {"red": (0.50, 0.035, 0.025), "blue": (0.03, 0.10, 0.33), "green": (0.05, 0.22, 0.11)}
 SOUPS = {
     "tomato": ((0.62, 0.13, 0.03), (0.20, 0.30, 0.06)),
     "pumpkin": ((0.72, 0.33, 0.04), (0.25, 0.33, 0.07)),
     "pea": ((0.30, 0.36, 0.07), (0.66, 0.30, 0.05)),
 }
-BENCHMARK = Choices(
-    big_colour="red",
-    soup="pumpkin",
-    stirrer="woman",
-    stirrer_wears_hat=True,
-    stirrer_in_plain=True,
-    shirts=("white", "navy"),
-    hair=("dark_brown", "black"),
-    front=(0.115, 0.185, 0.165),
-    tile=(0.68, 0.64, 0.55),
-    wall=(0.62, 0.52, 0.36),
-    delay=0,
-    warm=1.0,
-)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    big_colour: str = "red"
+    soup: str = "pumpkin"
+    stirrer: str = "woman"
+    stirrer_wears_hat: bool = True
+    stirrer_in_plain: bool = True
+    shirts: tuple[str, str] = ("white", "navy")
+    hair: tuple[str, str] = ("dark_brown", "black")
+    front: tuple[float, float, float] = (0.115, 0.185, 0.165)
+    tile: tuple[float, float, float] = (0.68, 0.64, 0.55)
+    wall: tuple[float, float, float] = (0.62, 0.52, 0.36)
+    delay: int = 0
+    warm: float = 1.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -109,7 +93,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Fits the kitchen, puts pots and tools in place, lets the cooks work, lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     fit_kitchen(scene, choices)
     cook(scene, choices)
     light(scene, choices)
@@ -134,12 +118,20 @@ def fit_kitchen(scene: Scene, choices: Choices) -> None:
     scene.scenery(*kitchen.scenery)
     top = units.TOP_M
     burners = [(x + 0.02, y + 0.04) for x, y in BURNERS]
-    hob = put(units.hob("hob", rng, burners, size_m=(1.18, 0.46)), -0.02, -0.04, top)
-    board = put(clutter.chopping_board("chopping_board", rng), *BOARD, top, 82)
-    stand = clutter.pot_stand("wooden_stand", rng, height_m=HOB_Z - top)
-    put(stand, POURED[0] + POURED_MOVES[0], POURED[1] + POURED_MOVES[1], top)
+    hob = scene.put(
+        "kitchen_units.hob", "hob", (-0.02, -0.04), on=top, rng=rng, burners=burners, size_m=(1.18, 0.46)
+    )
+    board = scene.put("kitchen_clutter.chopping_board", "chopping_board", BOARD, 82, on=top, rng=rng)
     scene.instance("hob", 1003, "hob", hob, front="+y")
-    scene.instance("wooden_stand", 1004, "stand", stand)
+    scene.add(
+        1004,
+        "kitchen_clutter.pot_stand",
+        "wooden_stand",
+        (POURED[0] + POURED_MOVES[0], POURED[1] + POURED_MOVES[1]),
+        on=top,
+        rng=rng,
+        height_m=HOB_Z - top,
+    )
     scene.instance("chopping_board", 1005, "board", board)
     scene.instance("fridge", 1006, "fridge", kitchen.fridge, front="-y")
     scene.instance("sink", 1007, "sink", kitchen.sink, front="-y")
@@ -172,10 +164,8 @@ def cook(scene: Scene, choices: Choices) -> None:
             level - 0.030 + 0.024 * np.clip((ROWS - 10) / 28, 0, 1),
         ),
     }
-    spoon = scene.instance("spoon", 1002, "spoon", kitchen_tools.wooden_spoon("spoon", scene.rng("spoon")))
-    jug = scene.instance(
-        "jug", 1001, "jug", kitchen_jug.jug("jug", scene.rng("jug"), colour=(0.66, 0.63, 0.54)), front="-x"
-    )
+    spoon = scene.add(1002, "kitchen_tools.wooden_spoon", "spoon")
+    jug = scene.add(1001, "kitchen_jug", "jug", colour=(0.66, 0.63, 0.54))
 
     stir_and_taste(scene, choices, pots, ways, spoon)
     pour_and_move(scene, choices, pots, ways, jug, big_look)
@@ -186,8 +176,8 @@ def put_pot(
 ) -> Instance:
     """A pot with its soup, moved along its way; `level` is the soup's height in the pot at every frame."""
     colour, bits = SOUPS[choices.soup]
-    body = pot.pot(name, scene.rng("pot"), look=look)
-    surface = pot.soup(f"{name}_soup", scene.rng(name), look=look, colour=colour, bits=bits)
+    body = scene.make("pot", name, scene.rng("pot"), look=look)
+    surface = scene.make("pot.soup", f"{name}_soup", scene.rng(name), look=look, colour=colour, bits=bits)
     lifted = way.copy()
     lifted[:, 2, 3] += level
     key_path(body, way)

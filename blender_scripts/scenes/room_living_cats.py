@@ -14,30 +14,14 @@ Axes: the floor is z = 0, the sofa's wall at +Y, cameras on the -Y side; metres;
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, radians, sin
+from math import atan2, cos, degrees, radians, sin
 
 import bpy
-from mathutils import Matrix
 
-from l4d_blender.assets import (
-    armchair,
-    bookcase,
-    cat,
-    cat_tree,
-    coffee_table,
-    cushion,
-    floor_lamp,
-    houseplant,
-    picture_frame,
-    room,
-    rug,
-    sofa,
-    toy_mouse,
-    window,
-    yarn_ball,
-)
+from l4d_blender.assets import cat, coffee_table, floor_lamp, rug, sofa
 from l4d_blender.assets.materials import interior
 from l4d_blender.motion.cats import Ball, Cat, Ground, Tap, level
+from l4d_blender.placing import Loose, Spot
 from l4d_blender.scene import Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -47,18 +31,19 @@ BACK_WALL_Y = 1.50
 HALF_WIDTH = 3.1
 FRONT_Y = -3.2
 
-# Where things stand: x, y, heading.
-SOFA = (-0.68, 1.05, 0.0)
-LOW_TABLE = (-0.42, 0.16, 0.0)
-RUG = (0.06, -0.12, 0.0)
+# Where things stand: x, y in metres, heading in degrees.
+SOFA = ((-0.68, 1.05), 0.0)
+LOW_TABLE = ((-0.42, 0.16), 0.0)
+RUG = (0.06, -0.12)
 WINDOW_X = 1.02
-BOOKCASE = (-2.06, 1.34, 0.0)
-ARMCHAIR = (1.86, 0.42, -1.15)
-LAMP = (0.40, 1.27, 0.0)
-PLANT = (1.95, 1.20, 0.0)
-CAT_TREE = (-2.15, 0.40, 0.5)
+BOOKCASE = ((-2.06, 1.34), 0.0)
+ARMCHAIR = ((1.86, 0.42), degrees(-1.15))
+LAMP = ((0.40, 1.27), 0.0)
+PLANT = ((1.95, 1.20), 0.0)
+CAT_TREE = ((-2.15, 0.40), degrees(0.5))
 BALL_UNDER_TABLE = (-0.40, 0.10)
-TOY_MOUSE = (0.76, -0.34, -0.5)
+TOY_MOUSE = ((0.76, -0.34), degrees(-0.5))
+# Cats: x, y, heading in radians.
 SLEEPER = (-0.36, 0.90, -1.15)
 WALKER = (0.90, 0.88, -0.35)
 PLAYER = (-0.66, -0.40, 0.60)
@@ -110,11 +95,10 @@ class Stage:
         self.look = 0 if benchmark else rng.randrange(3)
         self.jitter = rng
 
-    def spot(self, place: tuple[float, float, float], loose_m: float = 0.02) -> tuple[float, float, float]:
-        """A place of the layout in this variant."""
-        x, y, heading = place
-        dx, dy = self.jitter.uniform(-loose_m, loose_m), self.jitter.uniform(-loose_m, loose_m)
-        return self.mirror * (x + dx), y + dy, self.mirror * (heading + self.jitter.uniform(-2, 2) * loose_m)
+    def spot(self, spot: Spot, loose_m: float = 0.02) -> Spot:
+        """A spot of the layout in this variant."""
+        (x, y), heading_deg = Loose(self.jitter, loose_m, degrees(2 * loose_m))(spot)
+        return (self.mirror * x, y), self.mirror * heading_deg
 
     def x(self, x: float) -> float:
         """An x of the layout in this variant."""
@@ -142,19 +126,13 @@ def build(scene: Scene) -> None:
     )
 
 
-def put(obj: bpy.types.Object, place: tuple[float, float, float], z: float = 0.0) -> bpy.types.Object:
-    """Stands an asset on the floor (or at a height)."""
-    x, y, heading = place
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(heading, 4, "Z")
-    return obj
-
-
 def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng = stage.scene, stage.scene.rng("furniture")
     wall, figure = WALLS[stage.look]
     scene.scenery(
-        *room.build(
+        *scene.make(
+            "room",
             "room",
             rng,
             half_width_m=HALF_WIDTH,
@@ -166,51 +144,63 @@ def furnish(stage: Stage) -> None:
     )
 
     couch_at = stage.spot(SOFA)
-    couch = put(sofa.build("sofa_body", rng, colour=UPHOLSTERY[stage.look]), couch_at)
+    couch = scene.put("sofa", "sofa_body", *couch_at, rng=rng, colour=UPHOLSTERY[stage.look])
     scene.instance("sofa", 1001, "sofa", [couch, *cushions(stage, couch_at)], front="-y")
 
     table_at = stage.spot(LOW_TABLE)
-    table = put(coffee_table.build("low_table", rng, size_m=(0.84, 0.48)), table_at)
-    scene.instance("low_table", 1002, "table", table)
+    scene.add(1002, "coffee_table", "low_table", *table_at, rng=rng, size_m=(0.84, 0.48))
     for thing, dx, dy, turn in (
-        (coffee_table.fruit_bowl("fruit_bowl", rng), 0.05, 0.03, 0.0),
-        (coffee_table.mug("mug", rng, colour=(0.62, 0.24, 0.12)), 0.30, -0.12, 0.8),
-        (coffee_table.book_stack("table_books", rng), -0.27, -0.02, 0.3),
+        (scene.make("coffee_table.fruit_bowl", "fruit_bowl", rng), 0.05, 0.03, 0.0),
+        (scene.make("coffee_table.mug", "mug", rng, colour=(0.62, 0.24, 0.12)), 0.30, -0.12, 0.8),
+        (scene.make("coffee_table.book_stack", "table_books", rng), -0.27, -0.02, 0.3),
     ):
-        scene.scenery(put(thing, (table_at[0] + dx, table_at[1] + dy, turn), coffee_table.HEIGHT_M))
+        at = (table_at[0][0] + dx, table_at[0][1] + dy)
+        scene.scenery(scene.place(thing, at, degrees(turn), on=coffee_table.HEIGHT_M))
 
-    carpet = rug.build("rug", rng, size_m=RUG_SIZE_M, palette=rug.PALETTES[stage.look])
-    scene.instance("rug", 1003, "rug", put(carpet, (stage.x(RUG[0]), RUG[1], 0.0)))
-
-    casement = window.build(
-        "window", rng, curtain=((0.62, 0.45, 0.22), (0.30, 0.36, 0.30), (0.55, 0.28, 0.20))[stage.look]
+    scene.add(
+        1003,
+        "rug",
+        "rug",
+        (stage.x(RUG[0]), RUG[1]),
+        rng=rng,
+        size_m=RUG_SIZE_M,
+        palette=rug.PALETTES[stage.look],
     )
-    for part in casement:
-        put(part, (stage.x(WINDOW_X), BACK_WALL_Y, 0.0))
-    scene.instance("window", 1004, "window", casement, front="-y")
 
-    shelves = put(bookcase.build("bookcase", rng), stage.spot(BOOKCASE, 0.01))
-    scene.instance("bookcase", 1005, "bookcase", shelves, front="-y")
-    chair = put(armchair.build("armchair", rng, colour=ARMCHAIR_CLOTH[stage.look]), stage.spot(ARMCHAIR))
-    scene.instance("armchair", 1006, "armchair", chair, front="-y")
+    scene.add(
+        1004,
+        "window",
+        "window",
+        (stage.x(WINDOW_X), BACK_WALL_Y),
+        rng=rng,
+        curtain=((0.62, 0.45, 0.22), (0.30, 0.36, 0.30), (0.55, 0.28, 0.20))[stage.look],
+    )
+
+    scene.add(1005, "bookcase", "bookcase", *stage.spot(BOOKCASE, 0.01), rng=rng)
+    scene.add(1006, "armchair", "armchair", *stage.spot(ARMCHAIR), rng=rng, colour=ARMCHAIR_CLOTH[stage.look])
 
     scene.scenery(
-        put(floor_lamp.build("floor_lamp", rng), stage.spot(LAMP)),
-        put(houseplant.build("plant", rng), stage.spot(PLANT)),
-        put(
-            houseplant.build("small_plant", rng, height_m=0.55, stems=8, pot=(0.45, 0.16, 0.08)),
-            stage.spot((-2.62, 1.05, 0.0)),
+        scene.put("floor_lamp", "floor_lamp", *stage.spot(LAMP), rng=rng),
+        scene.put("houseplant", "plant", *stage.spot(PLANT), rng=rng),
+        scene.put(
+            "houseplant",
+            "small_plant",
+            *stage.spot(((-2.62, 1.05), 0.0)),
+            rng=rng,
+            height_m=0.55,
+            stems=8,
+            pot=(0.45, 0.16, 0.08),
         ),
-        put(cat_tree.build("cat_tree", rng), stage.spot(CAT_TREE)),
+        scene.put("cat_tree", "cat_tree", *stage.spot(CAT_TREE), rng=rng),
     )
     for k, (x, z, size) in enumerate(
         ((-1.16, 0.97, (0.36, 0.46)), (-0.68, 1.02, (0.44, 0.34)), (-0.20, 0.97, (0.34, 0.44)))
     ):
-        picture = picture_frame.build(f"picture_{k}", rng, size_m=size, palette=k + stage.look)
-        scene.scenery(put(picture, (stage.x(x), BACK_WALL_Y, 0.0), z))
+        picture = scene.make("picture_frame", f"picture_{k}", rng, size_m=size, palette=k + stage.look)
+        scene.scenery(scene.place(picture, (stage.x(x), BACK_WALL_Y, z)))
 
 
-def cushions(stage: Stage, couch: tuple[float, float, float]) -> list[bpy.types.Object]:
+def cushions(stage: Stage, couch: Spot) -> list[bpy.types.Object]:
     """Scatter cushions that lean on the sofa's back and arms."""
     rng = stage.scene.rng("cushions")
     stripes = interior.striped_cloth("cushion_stripes", ((0.62, 0.55, 0.42), (0.45, 0.12, 0.07)), rng)
@@ -224,13 +214,10 @@ def cushions(stage: Stage, couch: tuple[float, float, float]) -> list[bpy.types.
             (pale, 0.57, 0.05, -0.55, 0.38),
         )
     ):
-        pillow = cushion.build(f"cushion_{k}", rng, size_m=(size, size), material=cloth)
-        x, y, heading = couch[0] + stage.x(dx), couch[1] + dy, stage.mirror * turn
-        lean = Matrix.Rotation(-radians(rng.uniform(16, 22)), 4, "X")
-        pillow.matrix_basis = (
-            Matrix.Translation((x, y, sofa.SEAT_HEIGHT_M - 0.005)) @ Matrix.Rotation(heading, 4, "Z") @ lean
-        )
-        made.append(pillow)
+        pillow = stage.scene.make("cushion", f"cushion_{k}", rng, size_m=(size, size), material=cloth)
+        at = (couch[0][0] + stage.x(dx), couch[0][1] + dy, sofa.SEAT_HEIGHT_M - 0.005)
+        heading_deg, tilt_deg = degrees(stage.mirror * turn), -rng.uniform(16, 22)
+        made.append(stage.scene.place(pillow, at, heading_deg, tilt_deg=tilt_deg))
     return made
 
 
@@ -252,11 +239,24 @@ def put_toys(stage: Stage) -> Toys:
         ("yarn_ball_played", 4, ball_at, RUG_TOP_M),
         ("yarn_ball_still", 5, (stage.x(BALL_UNDER_TABLE[0]), BALL_UNDER_TABLE[1]), RUG_TOP_M),
     ):
-        body = yarn_ball.build(name, scene.rng("wool"), radius_m=BALL_RADIUS_M)
-        toy = scene.instance(name, id, "toy", body, attributes={"kind": "yarn_ball", "colour": "red"})
+        toy = scene.add(
+            id,
+            "yarn_ball",
+            name,
+            (0.0, 0.0),
+            attributes={"kind": "yarn_ball", "colour": "red"},
+            rng=scene.rng("wool"),
+            radius_m=BALL_RADIUS_M,
+        )
         balls.append(Ball(toy, BALL_RADIUS_M, (x, y), floor, turn=spin.uniform(0, 6)))
-    mouse = put(toy_mouse.build("toy_mouse", scene.rng("toy_mouse")), stage.spot(TOY_MOUSE), RUG_TOP_M)
-    scene.instance("toy_mouse", 6, "toy", mouse, attributes={"kind": "mouse", "colour": "grey"}, front="-y")
+    scene.add(
+        6,
+        "toy_mouse",
+        "toy_mouse",
+        *stage.spot(TOY_MOUSE),
+        attributes={"kind": "mouse", "colour": "grey"},
+        on=RUG_TOP_M,
+    )
     return Toys(*balls)
 
 
@@ -365,7 +365,7 @@ def light(stage: Stage) -> None:
         colour=(1.0, 0.83, 0.58),
     )
     patch.data.spread = radians(26)
-    lamp_x, lamp_y, _ = LAMP
+    lamp_x, lamp_y = LAMP[0]
     scene.point_light(
         "lamp_glow", (m * lamp_x, lamp_y - 0.02, floor_lamp.SHADE_HEIGHT_M - 0.2), power_w=5, radius_m=0.12
     )

@@ -14,28 +14,15 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import cos, degrees, pi, sin
 
 import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.assets import (
-    bookcase,
-    coffee_table,
-    desk,
-    desk_lamp,
-    floor_lamp,
-    high_table,
-    houseplant,
-    laptop,
-    office_chair,
-    office_room,
-    paper_sheets,
-    pen_pot,
-    whiteboard,
-)
+from l4d_blender.assets import desk, high_table, laptop, office_chair, whiteboard
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.deskwork import OPEN_RAD, Computer, OfficeWorker
+from l4d_blender.placing import Loose, Point, Support, pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -44,35 +31,18 @@ SCALE = "room"
 HALF_WIDTH, BACK_Y, FRONT_Y = 3.3, 1.95, -3.4
 WINDOW_Y = (-0.95, 1.05)
 
-# Where things stand: x, y, heading.
-DESK = (-1.12, -0.12, 1.36)
-HIGH_TABLE = (0.92, 0.50, 0.05)
-WHITEBOARD = (0.46, 1.62, 0.06)
-BOOKCASE = (-1.12, 1.78, 0.0)
-PLANT = (2.02, 1.02, 0.0)
+# Where things stand: x, y in metres, heading in degrees.
+DESK = ((-1.12, -0.12), degrees(1.36))
+HIGH_TABLE = ((0.92, 0.50), degrees(0.05))
+WHITEBOARD = ((0.46, 1.62), degrees(0.06))
+BOOKCASE = ((-1.12, 1.78), 0.0)
+PLANT = ((2.02, 1.02), 0.0)
 
 # On the furniture, in its own axes.
 DESK_SEAT_X = 0.16
 HIGH_TABLE_SPOTS = {"left": -0.36, "right": 0.35}
 STANDING_GAP_M = 0.25
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str
-    other: str
-    shirt: str
-    checked: str
-    trousers: tuple[str, str]
-    hair: tuple[str, str]
-    skin: tuple[str, str]
-    write: int
-    typing: tuple[int, int]
-    sun_deg: float
-    accent: tuple[float, float, float]
-    wall: tuple[float, float, float]
+ORIGIN = (0.0, 0.0)
 
 
 MODELS = {
@@ -81,20 +51,24 @@ MODELS = {
     "copper": laptop.COMPACT_COPPER,
     "white": laptop.LARGE_WHITE,
 }
-BENCHMARK = Choices(
-    twins="silver",
-    other="black",
-    shirt="light_blue",
-    checked="seated",
-    trousers=("beige", "black"),
-    hair=("dark_brown", "grey"),
-    skin=("fair", "tan"),
-    write=18,
-    typing=(30, 56),
-    sun_deg=203.0,
-    accent=(0.10, 0.24, 0.26),
-    wall=(0.56, 0.58, 0.57),
-)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: str = "silver"
+    other: str = "black"
+    shirt: str = "light_blue"
+    checked: str = "seated"
+    trousers: tuple[str, str] = ("beige", "black")
+    hair: tuple[str, str] = ("dark_brown", "grey")
+    skin: tuple[str, str] = ("fair", "tan")
+    write: int = 18
+    typing: tuple[int, int] = (30, 56)
+    sun_deg: float = 203.0
+    accent: tuple[float, float, float] = (0.10, 0.24, 0.26)
+    wall: tuple[float, float, float] = (0.56, 0.58, 0.57)
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -123,16 +97,11 @@ class Stage:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
-        rng, loose = scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03
-
-        def spot(place: tuple[float, float, float]) -> Matrix:
-            x, y, heading = place
-            x, y = x + rng.uniform(-loose, loose), y + rng.uniform(-loose, loose)
-            return Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(heading, 4, "Z")
-
-        self.desk, self.high_table, self.whiteboard = spot(DESK), spot(HIGH_TABLE), spot(WHITEBOARD)
-        self.bookcase, self.plant = spot(BOOKCASE), spot(PLANT)
+        self.choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
+        loose = Loose(scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03)
+        spots = (DESK, HIGH_TABLE, WHITEBOARD, BOOKCASE, PLANT)
+        poses = (pose(loose.point(at), heading_deg) for at, heading_deg in spots)
+        self.desk, self.high_table, self.whiteboard, self.bookcase, self.plant = poses
 
 
 def build(scene: Scene) -> None:
@@ -163,7 +132,8 @@ def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng, choices = stage.scene, stage.scene.rng("furniture"), stage.choices
     scene.scenery(
-        *office_room.office_room(
+        *scene.make(
+            "office_room",
             "office",
             rng,
             half_width_m=HALF_WIDTH,
@@ -174,22 +144,24 @@ def furnish(stage: Stage) -> None:
             accent=choices.accent,
         )
     )
-    low = desk.desk("desk", rng, size_m=(1.30, 0.70))
-    low.matrix_basis = stage.desk
-    scene.instance("desk", 1001, "desk", low)
-    high = high_table.high_table("high_table", rng)
-    high.matrix_basis = stage.high_table
-    scene.instance("high_table", 1002, "table", high)
-    shelves = bookcase.build("bookcase", rng, height_m=1.85)
-    shelves.matrix_basis = stage.bookcase
-    scene.instance("bookcase", 1004, "bookcase", shelves, front="-y")
-    palm = houseplant.build("tall_plant", rng, height_m=1.25, stems=14, pot=(0.16, 0.17, 0.18))
-    palm.matrix_basis = stage.plant
-    scene.instance("tall_plant", 1005, "plant", palm)
+    scene.add(1001, "desk", "desk", ORIGIN, on=stage.desk, rng=rng, size_m=(1.30, 0.70))
+    scene.add(1002, "high_table", "high_table", ORIGIN, on=stage.high_table, rng=rng)
+    scene.add(1004, "bookcase", "bookcase", ORIGIN, on=stage.bookcase, rng=rng, height_m=1.85)
+    scene.add(
+        1005,
+        "houseplant",
+        "tall_plant",
+        ORIGIN,
+        on=stage.plant,
+        rng=rng,
+        height_m=1.25,
+        stems=14,
+        pot=(0.16, 0.17, 0.18),
+    )
 
-    pot = houseplant.build("small_plant", rng, height_m=0.42, stems=9, pot=(0.50, 0.20, 0.10))
+    pot = scene.make("houseplant", "small_plant", rng, height_m=0.42, stems=9, pot=(0.50, 0.20, 0.10))
     pot.data.transform(Matrix.Scale(0.72, 4))
-    pot.matrix_basis = stage.high_table @ Matrix.Translation((-0.66, 0.10, high_table.HEIGHT_M))
+    scene.place(pot, (-0.66, 0.10, high_table.HEIGHT_M), on=stage.high_table)
     scene.instance("small_plant", 1006, "plant", pot)
 
     clutter(stage, rng)
@@ -198,31 +170,49 @@ def furnish(stage: Stage) -> None:
 def clutter(stage: Stage, rng: random.Random) -> None:
     """Papers, pens, books, lamps and chairs: none annotated."""
 
-    def put(thing: bpy.types.Object, on: Matrix, x: float, y: float, z: float, turn: float = 0.0) -> None:
-        thing.matrix_basis = on @ Matrix.Translation((x, y, z)) @ Matrix.Rotation(turn, 4, "Z")
-        stage.scene.scenery(thing)
+    def put(thing: bpy.types.Object, on: Support, at: Point, heading_deg: float = 0.0) -> None:
+        stage.scene.scenery(stage.scene.place(thing, at, heading_deg, on=on))
 
-    low, high, floor = desk.HEIGHT_M, high_table.HEIGHT_M, Matrix()
-    put(paper_sheets.paper_sheets("sheets", rng), stage.desk, -0.42, -0.14, low, 0.3)
-    put(paper_sheets.paper_sheets("more_sheets", rng, count=2), stage.high_table, 0.05, -0.12, high, 2.9)
-    put(paper_sheets.sticky_notes("notes", rng), stage.high_table, 0.10, 0.16, high, 0.4)
-    put(pen_pot.pen_pot("pens", rng), stage.desk, -0.30, 0.22, low)
-    put(desk_lamp.desk_lamp("lamp", rng, enamel=(0.08, 0.09, 0.10)), stage.desk, 0.52, 0.10, low, -0.7)
-    put(coffee_table.book_stack("manuals", rng), stage.desk, -0.48, 0.16, low, 0.2)
-    put(office_chair.office_chair("chair", rng), stage.desk, DESK_SEAT_X, -0.655, 0.0, pi)
-    spare = office_chair.office_chair("other_chair", rng, cloth=(0.16, 0.05, 0.04))
-    put(spare, stage.high_table, 1.50, -0.10, 0.0, 1.9)
-    put(floor_lamp.build("corner_lamp", rng), floor, -2.45, 1.40, 0.0)
+    low, high = desk.HEIGHT_M, high_table.HEIGHT_M
+    put(stage.scene.make("paper_sheets", "sheets", rng), stage.desk, (-0.42, -0.14, low), degrees(0.3))
+    put(
+        stage.scene.make("paper_sheets", "more_sheets", rng, count=2),
+        stage.high_table,
+        (0.05, -0.12, high),
+        degrees(2.9),
+    )
+    put(
+        stage.scene.make("paper_sheets.sticky_notes", "notes", rng),
+        stage.high_table,
+        (0.10, 0.16, high),
+        degrees(0.4),
+    )
+    put(stage.scene.make("pen_pot", "pens", rng), stage.desk, (-0.30, 0.22, low))
+    put(
+        stage.scene.make("desk_lamp", "lamp", rng, enamel=(0.08, 0.09, 0.10)),
+        stage.desk,
+        (0.52, 0.10, low),
+        degrees(-0.7),
+    )
+    put(
+        stage.scene.make("coffee_table.book_stack", "manuals", rng),
+        stage.desk,
+        (-0.48, 0.16, low),
+        degrees(0.2),
+    )
+    put(stage.scene.make("office_chair", "chair", rng), stage.desk, (DESK_SEAT_X, -0.655), 180.0)
+    spare = stage.scene.make("office_chair", "other_chair", rng, cloth=(0.16, 0.05, 0.04))
+    put(spare, stage.high_table, (1.50, -0.10), degrees(1.9))
+    put(stage.scene.make("floor_lamp", "corner_lamp", rng), 0.0, (-2.45, 1.40))
 
 
 def put_whiteboard(stage: Stage) -> Instance:
     """The board with the line that will be written, still hidden inside it."""
     scene = stage.scene
-    body, stand = whiteboard.whiteboard("whiteboard", scene.rng("whiteboard"))
+    body, stand = scene.make("whiteboard", "whiteboard")
     strokes = whiteboard.ink("written", handwriting(stage.choices.write))
-    for part in (body, stand, *strokes):
-        part.matrix_basis = stage.whiteboard
-    return scene.instance("whiteboard", 1003, "whiteboard", [body, stand, *strokes], front="-y")
+    whole = scene.place([body, stand, *strokes], ORIGIN, on=stage.whiteboard)
+    return scene.instance("whiteboard", 1003, "whiteboard", whole, front="-y")
 
 
 def handwriting(frames: int) -> list[Vector]:
@@ -238,12 +228,9 @@ def handwriting(frames: int) -> list[Vector]:
 def put_laptops(stage: Stage) -> dict[str, Computer]:
     """Two twins, one on the desk and one on the high table, and a bigger one beside the latter."""
     scene, choices = stage.scene, stage.choices
-    desk_at = stage.desk @ Matrix.Translation((DESK_SEAT_X, -0.13, desk.HEIGHT_M))
-    over = stage.high_table @ Matrix.Translation((0.0, 0.0, high_table.HEIGHT_M))
-    spots = {
-        side: over @ Matrix.Translation((x, 0.09, 0.0)) @ Matrix.Rotation(pi, 4, "Z")
-        for side, x in HIGH_TABLE_SPOTS.items()
-    }
+    desk_at = stage.desk @ pose((DESK_SEAT_X, -0.13, desk.HEIGHT_M))
+    over = stage.high_table @ pose((0.0, 0.0, high_table.HEIGHT_M))
+    spots = {side: over @ pose((x, 0.09), 180.0) for side, x in HIGH_TABLE_SPOTS.items()}
     plan = (
         ("first", "laptop_first", choices.twins, desk_at, 0.0, 0),
         ("idle", "laptop_idle", choices.twins, spots["left"], OPEN_RAD, 1),
@@ -251,10 +238,10 @@ def put_laptops(stage: Stage) -> dict[str, Computer]:
     )
     computers = {}
     for id, (role, name, look, at, angle, page) in enumerate(plan, 1):
-        made = laptop.laptop(name, scene.rng(f"laptop/{role}"), MODELS[look], page=page)
+        made = scene.make("laptop", name, scene.rng(f"laptop/{role}"), model=MODELS[look], page=page)
         size = "large" if MODELS[look].size_m[0] > 0.35 else "compact"
         instance = scene.instance(
-            name, id, "laptop", [made.base, made.lid], attributes={"colour": look, "size": size}, front="-y"
+            name, id, "laptop", made, attributes={"colour": look, "size": size}, front="-y"
         )
         computers[role] = Computer(instance, made, at, angle)
     return computers
@@ -297,10 +284,14 @@ def sit_and_type(stage: Stage, computer: Computer) -> None:
     feet = stage.desk @ Vector((DESK_SEAT_X, -0.22, 0.0))
     seat = stage.desk @ Vector((DESK_SEAT_X, -0.66, office_chair.SEAT_M))
     heading = stage.desk.to_euler().z + pi
-    mug_at = stage.desk @ Matrix.Translation((DESK_SEAT_X + 0.27, -0.14, desk.HEIGHT_M))
-    cup = coffee_table.mug("mug", scene.rng("mug"), colour=(0.62, 0.20, 0.08))
-    cup.matrix_basis = mug_at
-    mug = scene.instance("mug", 1007, "mug", cup)
+    mug = scene.add(
+        1007,
+        "coffee_table.mug",
+        "mug",
+        (DESK_SEAT_X + 0.27, -0.14, desk.HEIGHT_M),
+        on=stage.desk,
+        colour=(0.62, 0.20, 0.08),
+    )
     man = OfficeWorker(
         scene, "man_seated", 4, category="man", look=look, attributes=seen, at=feet, heading_rad=heading
     )
@@ -321,8 +312,7 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
     """The standing man: writes, lays the marker down, walks to the table's end, opens the laptop, types."""
     scene, choices = stage.scene, stage.choices
     look, seen = clothes(choices, "standing")
-    pen_body = whiteboard.marker("marker", scene.rng("marker"))
-    pen = scene.instance("marker", 1008, "marker", pen_body)
+    pen = scene.add(1008, "whiteboard.marker", "marker")
     start = stage.whiteboard @ Vector((0.10, -0.50, 0.0))
     man = OfficeWorker(
         scene,
@@ -342,9 +332,7 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
     goal = stage.high_table @ Vector((x, depth + STANDING_GAP_M, 0.0))
     halfway = 0.5 * (start + goal) + Vector((0.0, 0.07, 0.0))
     man.walk_along(
-        [halfway[:2], goal[:2]],
-        (done + 12, 59),
-        facing_rad=stage.high_table.to_euler().z + 2 * pi,
+        [halfway[:2], goal[:2]], (done + 12, 59), facing_rad=stage.high_table.to_euler().z + 2 * pi
     )
     man.open_lid(computer, (59, 73))
     man.type_on(computer, (78, LAST_FRAME), arrive=5)

@@ -10,32 +10,15 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import cos, exp, pi, radians
+from math import cos, degrees, exp, pi, radians
 
-import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from l4d_blender import keys
-from l4d_blender.assets import (
-    bookcase,
-    coffee_table,
-    floor_lamp,
-    houseplant,
-    mesh,
-    picture_book,
-    picture_frame,
-    play_mat,
-    ring_stacker,
-    rocking_chair,
-    room,
-    teddy,
-    toy_block,
-    toy_chest,
-    window,
-    wooden_chair,
-)
+from l4d_blender.assets import coffee_table, mesh, play_mat, rocking_chair, teddy, toy_block, wooden_chair
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.nursery import Toddler
+from l4d_blender.placing import pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import FPS, LAST_FRAME
 
@@ -45,37 +28,23 @@ BACK_WALL_Y = 1.72
 HALF_WIDTH = 2.7
 FRONT_Y = -3.2
 
-# Where things stand: x, y, heading.
-TABLE = (0.70, 0.20, 0.0)
+# Where things stand: x, y in metres, heading in degrees.
+TABLE = ((0.70, 0.20), 0.0)
 TABLE_SIZE_M = (0.86, 0.50)
-CHAIR = (0.62, 0.65, 0.0)
-CHEST = (-0.86, 0.86, 0.16)
-ROCKER = (-1.14, 0.16, 0.42)
-MAT = (-0.32, 0.02, 0.0)
-BOOKCASE = (0.42, 1.56, 0.0)
+CHAIR = (0.62, 0.65)
+CHEST = ((-0.86, 0.86), degrees(0.16))
+ROCKER = ((-1.14, 0.16), degrees(0.42))
+MAT = ((-0.32, 0.02), 0.0)
+BOOKCASE = ((0.42, 1.56), 0.0)
 WINDOW_X = -1.05
 BEAR_ON_MAT = (-0.24, 0.10)
-BEAR_ON_TABLE = (0.93, 0.28, 0.0)
+BEAR_ON_TABLE = (0.93, 0.28)
 TOWER = (0.55, 0.29)
-LOOSE_BLOCK = (0.435, 0.325, 0.35)
+LOOSE_BLOCK = ((0.435, 0.325), degrees(0.35))
 
 BLOCK_M = 0.062
 SEAT_M = 0.27
 MAT_M = play_mat.THICKNESS_M
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: tuple[str, str]
-    other: tuple[str, str]
-    hugger: Look
-    builder: Look
-    lift: int
-    stack: int
-    wall: tuple[tuple[float, float, float], tuple[float, float, float]]
-    chest: tuple[float, float, float]
 
 
 GIRL = Look(
@@ -111,16 +80,20 @@ WALLS = (
     ((0.66, 0.55, 0.46), (0.71, 0.61, 0.52)),
 )
 CHESTS = ((0.10, 0.30, 0.36), (0.42, 0.12, 0.10), (0.18, 0.28, 0.12))
-BENCHMARK = Choices(
-    twins=("brown", "red"),
-    other=("cream", "blue"),
-    hugger=GIRL,
-    builder=BOY,
-    lift=18,
-    stack=16,
-    wall=WALLS[0],
-    chest=CHESTS[0],
-)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What differs between variants; the story stays the same."""
+
+    twins: tuple[str, str] = ("brown", "red")
+    other: tuple[str, str] = ("cream", "blue")
+    hugger: Look = GIRL
+    builder: Look = BOY
+    lift: int = 18
+    stack: int = 16
+    wall: tuple[tuple[float, float, float], tuple[float, float, float]] = WALLS[0]
+    chest: tuple[float, float, float] = CHESTS[0]
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -145,7 +118,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """Furnishes the room, puts bears and children into it, lights it."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _room(scene, choices)
     _clutter(scene)
     rocker = _landmarks(scene, choices)
@@ -164,12 +137,6 @@ def build(scene: Scene) -> None:
     )
 
 
-def _put(obj: bpy.types.Object, place: tuple[float, float, float], z: float = 0.0) -> bpy.types.Object:
-    x, y, heading = place
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(heading, 4, "Z")
-    return obj
-
-
 # --- the room ---------------------------------------------------------------------------------------------
 
 
@@ -178,7 +145,8 @@ def _room(scene: Scene, choices: Choices) -> None:
     rng = scene.rng("room")
     wall, figure = choices.wall
     scene.scenery(
-        *room.build(
+        *scene.make(
+            "room",
             "room",
             rng,
             half_width_m=HALF_WIDTH,
@@ -189,62 +157,65 @@ def _room(scene: Scene, choices: Choices) -> None:
             boards=(0.50, 0.36, 0.22),
         )
     )
-    casement = window.build(
-        "window", rng, sill_m=0.62, width_m=1.25, height_m=1.25, curtain=(0.62, 0.40, 0.12)
+    scene.add(
+        1001,
+        "window",
+        "window",
+        (WINDOW_X, BACK_WALL_Y),
+        rng=rng,
+        sill_m=0.62,
+        width_m=1.25,
+        height_m=1.25,
+        curtain=(0.62, 0.40, 0.12),
     )
-    for part in casement:
-        _put(part, (WINDOW_X, BACK_WALL_Y, 0.0))
-    scene.instance("window", 1001, "window", casement, front="-y")
     for k, (x, z, size) in enumerate(
         ((-0.02, 1.06, (0.28, 0.36)), (1.16, 0.98, (0.42, 0.34)), (1.66, 1.08, (0.30, 0.38)))
     ):
-        picture = picture_frame.build(f"picture_{k}", rng, size_m=size, palette=k)
-        scene.scenery(_put(picture, (x, BACK_WALL_Y, 0.0), z))
+        picture = scene.make("picture_frame", f"picture_{k}", rng, size_m=size, palette=k)
+        scene.scenery(scene.place(picture, (x, BACK_WALL_Y, z)))
 
 
 def _clutter(scene: Scene) -> None:
     """Toys that lie about and what else a playroom has: none annotated."""
     rng = scene.rng("clutter")
     on_mat = (
-        (ring_stacker.ring_stacker("rings", rng), (-0.66, -0.36, 0.3), 2.4),
-        (picture_book.picture_book("book", rng), (0.16, -0.40, 0.5), 1.0),
+        (scene.make("ring_stacker", "rings", rng), (-0.66, -0.36), degrees(0.3), 2.4),
+        (scene.make("picture_book", "book", rng), (0.16, -0.40), degrees(0.5), 1.0),
     )
-    for thing, place, size in on_mat:
-        _put(thing, place, MAT_M)
-        thing.matrix_basis @= Matrix.Scale(size, 4)
-        scene.scenery(thing)
+    for thing, at, heading_deg, size in on_mat:
+        scene.scenery(scene.place(thing, at, heading_deg, on=MAT_M, scale=size))
     paints = ((0.50, 0.035, 0.03), (0.05, 0.16, 0.42), (0.66, 0.40, 0.03), (0.08, 0.28, 0.08))
-    spots = ((0.30, -0.12, 0.4), (0.40, -0.22, 1.2), (-0.10, -0.48, 0.2), (-0.86, -0.24, 0.9))
-    for k, (paint, spot) in enumerate(zip(paints, spots)):
+    spots = (((0.30, -0.12), 0.4), ((0.40, -0.22), 1.2), ((-0.10, -0.48), 0.2), ((-0.86, -0.24), 0.9))
+    for k, (paint, (at, turn)) in enumerate(zip(paints, spots)):
         look = toy_block.Look(paint=paint, figure=toy_block.FIGURES[k], size_m=BLOCK_M)
-        scene.scenery(_put(toy_block.toy_block(f"strewn_{k}", rng, look=look), spot, MAT_M))
+        scene.scenery(scene.put("toy_block", f"strewn_{k}", at, degrees(turn), on=MAT_M, rng=rng, look=look))
     scene.scenery(
-        _put(houseplant.build("plant", rng, height_m=0.95), (1.75, 1.30, 0.0)),
-        _put(floor_lamp.build("lamp", rng), (-2.05, 1.40, 0.0)),
-        _put(bookcase.build("low_shelf", rng, height_m=0.80, width_m=0.95, shelves=2), (1.36, 1.56, 0.0)),
+        scene.put("houseplant", "plant", (1.75, 1.30), rng=rng, height_m=0.95),
+        scene.put("floor_lamp", "lamp", (-2.05, 1.40), rng=rng),
+        scene.put("bookcase", "low_shelf", (1.36, 1.56), rng=rng, height_m=0.80, width_m=0.95, shelves=2),
     )
 
 
 def _landmarks(scene: Scene, choices: Choices) -> Instance:
     """Furniture that sentences speak of; returns the rocking chair."""
     rng = scene.rng("furniture")
-    mat = play_mat.play_mat("mat", rng, tiles=(5, 4), tile_m=0.44)
-    scene.instance("mat", 1002, "mat", _put(mat, MAT))
-    table = coffee_table.build("low_table", rng, size_m=TABLE_SIZE_M, colour=(0.50, 0.33, 0.17))
-    scene.instance("low_table", 1003, "table", _put(table, TABLE, MAT_M))
-    chest = toy_chest.toy_chest("toy_chest", rng, paint=choices.chest)
-    scene.instance("toy_chest", 1004, "chest", _put(chest, CHEST, MAT_M), front="-y")
-    shelves = bookcase.build("bookcase", rng, width_m=0.86, height_m=1.30, shelves=4)
-    scene.instance("bookcase", 1005, "bookcase", _put(shelves, BOOKCASE), front="-y")
-    small = rocking_chair.rocking_chair("rocking_chair", rng)
-    rocker = scene.instance("rocking_chair", 1006, "chair", _put(small, ROCKER, MAT_M), front="-y")
-    chair = wooden_chair.wooden_chair("stool", rng)
-    chair.matrix_basis = (
-        Matrix.Translation((CHAIR[0], CHAIR[1] + 0.02, MAT_M))
-        @ Matrix.Rotation(CHAIR[2], 4, "Z")
-        @ Matrix.Scale((SEAT_M - MAT_M) / wooden_chair.SEAT_M, 4)
+    scene.add(1002, "play_mat", "mat", *MAT, rng=rng, tiles=(5, 4), tile_m=0.44)
+    scene.add(
+        1003,
+        "coffee_table",
+        "low_table",
+        *TABLE,
+        on=MAT_M,
+        rng=rng,
+        size_m=TABLE_SIZE_M,
+        colour=(0.50, 0.33, 0.17),
     )
-    scene.scenery(chair)
+    scene.add(1004, "toy_chest", "toy_chest", *CHEST, on=MAT_M, rng=rng, paint=choices.chest)
+    scene.add(1005, "bookcase", "bookcase", *BOOKCASE, rng=rng, width_m=0.86, height_m=1.30, shelves=4)
+    rocker = scene.add(1006, "rocking_chair", "rocking_chair", *ROCKER, on=MAT_M, rng=rng)
+    chair = scene.make("wooden_chair", "stool", rng)
+    size = (SEAT_M - MAT_M) / wooden_chair.SEAT_M
+    scene.scenery(scene.place(chair, (CHAIR[0], CHAIR[1] + 0.02), on=MAT_M, scale=size))
     return rocker
 
 
@@ -254,21 +225,17 @@ def _landmarks(scene: Scene, choices: Choices) -> Instance:
 def _bears(scene: Scene, choices: Choices) -> dict[str, Instance]:
     """The twins are equal to the last stitch."""
     table_top = MAT_M + coffee_table.HEIGHT_M
-    seat = Matrix.Translation((0.0, rocking_chair.SEAT_Y_M + 0.02, rocking_chair.SEAT_M - 0.004))
-    stand = Matrix.Translation((ROCKER[0], ROCKER[1], MAT_M)) @ Matrix.Rotation(ROCKER[2], 4, "Z")
+    seat = pose((0.0, rocking_chair.SEAT_Y_M + 0.02, rocking_chair.SEAT_M - 0.004))
+    stand = pose((*ROCKER[0], MAT_M), ROCKER[1])
     plan = {
-        "mat": ("teddy_hugged", choices.other, Matrix.Translation((*BEAR_ON_MAT, MAT_M))),
+        "mat": ("teddy_hugged", choices.other, pose((*BEAR_ON_MAT, MAT_M))),
         "rocker": ("teddy_in_rocking_chair", choices.twins, stand @ seat),
-        "table": (
-            "teddy_on_table",
-            choices.twins,
-            Matrix.Translation((BEAR_ON_TABLE[0], BEAR_ON_TABLE[1], table_top - 0.002)),
-        ),
+        "table": ("teddy_on_table", choices.twins, pose((*BEAR_ON_TABLE, table_top - 0.002))),
     }
     bears = {}
     for id, (place, (name, look, at)) in enumerate(plan.items(), 1):
         key = "other" if place == "mat" else "twins"
-        body = teddy.teddy(name, scene.rng(f"teddy/{key}"), plush=look[0], ribbon=look[1])
+        body = scene.make("teddy", name, scene.rng(f"teddy/{key}"), plush=look[0], ribbon=look[1])
         body.matrix_basis = at
         bears[place] = scene.instance(
             name, id, "teddy", body, attributes={"colour": look[0], "ribbon": look[1]}, front="-y"
@@ -331,16 +298,18 @@ def _builder(scene: Scene, choices: Choices, bear: Instance) -> None:
     blocks = []
     for k, paint in enumerate(paints):
         look = toy_block.Look(paint=paint, figure=toy_block.FIGURES[k], size_m=BLOCK_M)
-        blocks.append(toy_block.toy_block(f"block_{k}", rng, look=look))
+        blocks.append(scene.make("toy_block", f"block_{k}", rng, look=look))
     for k, block in enumerate(blocks[:3]):
         shift = (rng.uniform(-0.004, 0.004), rng.uniform(-0.004, 0.004), rng.uniform(-0.15, 0.15))
-        _put(block, (TOWER[0] + shift[0], TOWER[1] + shift[1], shift[2]), top + k * BLOCK_M)
+        scene.place(
+            block, (TOWER[0] + shift[0], TOWER[1] + shift[1]), degrees(shift[2]), on=top + k * BLOCK_M
+        )
     tower = mesh.join("tower", blocks[:3])
     scene.instance("tower", 1007, "tower", tower)
-    loose = scene.instance("block", 1008, "block", _put(blocks[3], LOOSE_BLOCK, top))
+    loose = scene.instance("block", 1008, "block", scene.place(blocks[3], *LOOSE_BLOCK, on=top))
 
-    builder = _child(scene, "child_building", 5, choices.builder, (CHAIR[0], CHAIR[1]), 0.0)
-    builder.sit_at((CHAIR[0], CHAIR[1], SEAT_M), CHAIR[2])
+    builder = _child(scene, "child_building", 5, choices.builder, CHAIR, 0.0)
+    builder.sit_at((*CHAIR, SEAT_M), 0.0)
     back = Vector((BEAR_ON_TABLE[0] - 0.045, BEAR_ON_TABLE[1] + 0.066, top + 0.165))
     builder.keep_hand_on(bear, back, side="l")
     first = choices.stack

@@ -13,23 +13,15 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import pi
+from math import degrees, pi
 
 from mathutils import Euler, Matrix, Vector
 
-from l4d_blender.assets import (
-    bags,
-    chair_row,
-    coffee_machine,
-    coffee_table,
-    floor_lamp,
-    houseplant,
-    magazine,
-    waiting_room,
-)
+from l4d_blender.assets import bags, chair_row, coffee_table, floor_lamp
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.reading import Reader, Spread
 from l4d_blender.motion.visitors import Visitor
+from l4d_blender.placing import Loose, pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -37,48 +29,35 @@ SCALE = "room"
 
 HALF_WIDTH, BACK_Y, FRONT_Y = 3.1, 2.05, -3.4
 
-# Where things stand: x, y, heading.
-CHAIRS = (-0.18, 0.86, 0.26)
-LOW_TABLE = (-1.30, -0.62, 0.30)
-MACHINE = (0.42, 1.78, 0.0)
-PLANT = (1.50, 1.55, 0.0)
+# Where things stand: x, y in metres, heading in degrees.
+CHAIRS = ((-0.18, 0.86), degrees(0.26))
+LOW_TABLE = ((-1.30, -0.62), degrees(0.30))
+MACHINE = ((0.42, 1.78), 0.0)
+PLANT = ((1.50, 1.55), 0.0)
 DOOR_X = 2.25
-LAMP = (-2.35, 1.55, 0.0)
+LAMP = ((-2.35, 1.55), 0.0)
 
 # In the axes of the chair row.
 READER_SEAT, DUFFEL_SEAT, BACKPACK_SEAT, SEATS = 0, 1, 2, 4
 PUT_DOWN = Vector((-0.42, -0.56, 0.0))
 ENTER = Vector((1.02, -0.93, 0.0))
+ORIGIN = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: str
-    other: str
-    pattern: str
-    cloth: tuple[str, str]
-    hair: tuple[str, str]
-    hair_colour: tuple[str, str]
-    skin: tuple[str, str]
-    pages: tuple[tuple[int, int], tuple[int, int]]
-    seats: tuple[float, float, float]
-    lower: tuple[float, float, float]
-
-
-BENCHMARK = Choices(
-    twins="brown",
-    other="green",
-    pattern="stripes",
-    cloth=("navy", "navy"),
-    hair=("bun", "ponytail"),
-    hair_colour=("dark_brown", "dark_brown"),
-    skin=("brown", "fair"),
-    pages=((10, 28), (40, 58)),
-    seats=(0.05, 0.16, 0.28),
-    lower=(0.17, 0.27, 0.24),
-)
+    twins: str = "brown"
+    other: str = "green"
+    pattern: str = "stripes"
+    cloth: tuple[str, str] = ("navy", "navy")
+    hair: tuple[str, str] = ("bun", "ponytail")
+    hair_colour: tuple[str, str] = ("dark_brown", "dark_brown")
+    skin: tuple[str, str] = ("brown", "fair")
+    pages: tuple[tuple[int, int], tuple[int, int]] = ((10, 28), (40, 58))
+    seats: tuple[float, float, float] = (0.05, 0.16, 0.28)
+    lower: tuple[float, float, float] = (0.17, 0.27, 0.24)
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -106,21 +85,16 @@ class Stage:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
-        rng, loose = scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03
-
-        def spot(place: tuple[float, float, float]) -> Matrix:
-            x, y, heading = place
-            x, y = x + rng.uniform(-loose, loose), y + rng.uniform(-loose, loose)
-            return Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(heading, 4, "Z")
-
-        self.chairs, self.low_table, self.machine = spot(CHAIRS), spot(LOW_TABLE), spot(MACHINE)
-        self.plant, self.lamp = spot(PLANT), spot(LAMP)
+        self.choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
+        loose = Loose(scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03)
+        spots = (CHAIRS, LOW_TABLE, MACHINE, PLANT, LAMP)
+        poses = (pose(loose.point(at), heading_deg) for at, heading_deg in spots)
+        self.chairs, self.low_table, self.machine, self.plant, self.lamp = poses
 
     def seat(self, number: int) -> Matrix:
         """The middle of a seat's surface."""
         at = (chair_row.seat_x(number, SEATS), -0.02, chair_row.SEAT_M - 0.008)
-        return self.chairs @ Matrix.Translation(at)
+        return self.chairs @ pose(at)
 
 
 def build(scene: Scene) -> None:
@@ -148,42 +122,59 @@ def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng = stage.scene, stage.scene.rng("furniture")
     scene.scenery(
-        *waiting_room.waiting_room(
-            "room", rng, half_width_m=HALF_WIDTH, back_m=BACK_Y, front_m=FRONT_Y, lower=stage.choices.lower
+        *scene.make(
+            "waiting_room",
+            "room",
+            rng,
+            half_width_m=HALF_WIDTH,
+            back_m=BACK_Y,
+            front_m=FRONT_Y,
+            lower=stage.choices.lower,
         )
     )
-    row = chair_row.chair_row("chair_row", rng, count=SEATS, shell=stage.choices.seats)
-    row.matrix_basis = stage.chairs
-    scene.instance("chair_row", 1001, "chairs", row, front="-y")
+    scene.add(
+        1001,
+        "chair_row",
+        "chair_row",
+        ORIGIN,
+        on=stage.chairs,
+        rng=rng,
+        count=SEATS,
+        shell=stage.choices.seats,
+    )
 
-    table = coffee_table.build("low_table", rng, size_m=(0.68, 0.44), colour=(0.42, 0.27, 0.14))
-    table.matrix_basis = stage.low_table
-    scene.instance("low_table", 1002, "table", table)
+    scene.add(
+        1002,
+        "coffee_table",
+        "low_table",
+        ORIGIN,
+        on=stage.low_table,
+        rng=rng,
+        size_m=(0.68, 0.44),
+        colour=(0.42, 0.27, 0.14),
+    )
     for n, (dx, turn) in enumerate(((-0.17, 0.3), (0.16, -0.5))):
-        heap = magazine.pile(f"pile_{n}", rng, count=5 - 2 * n)
-        heap.matrix_basis = (
-            stage.low_table
-            @ Matrix.Translation((dx, 0.0, coffee_table.HEIGHT_M))
-            @ Matrix.Rotation(turn, 4, "Z")
-        )
-        scene.scenery(heap)
+        heap = scene.make("magazine.pile", f"pile_{n}", rng, count=5 - 2 * n)
+        scene.scenery(scene.place(heap, (dx, 0.0, coffee_table.HEIGHT_M), degrees(turn), on=stage.low_table))
 
-    machine = coffee_machine.coffee_machine("coffee_machine", rng)
-    machine.matrix_basis = stage.machine
-    scene.instance("coffee_machine", 1003, "machine", machine, front="-y")
-    palm = houseplant.build("plant", rng, height_m=1.35, stems=15, pot=(0.52, 0.46, 0.36))
-    palm.matrix_basis = stage.plant
-    scene.instance("plant", 1004, "plant", palm)
-    leaf = waiting_room.door("door", rng)
-    leaf.matrix_basis = Matrix.Translation((DOOR_X, BACK_Y, 0.0))
-    scene.instance("door", 1005, "door", leaf, front="-y")
+    scene.add(1003, "coffee_machine", "coffee_machine", ORIGIN, on=stage.machine, rng=rng)
+    scene.add(
+        1004,
+        "houseplant",
+        "plant",
+        ORIGIN,
+        on=stage.plant,
+        rng=rng,
+        height_m=1.35,
+        stems=15,
+        pot=(0.52, 0.46, 0.36),
+    )
+    scene.add(1005, "waiting_room.door", "door", (DOOR_X, BACK_Y), rng=rng)
 
-    lamp = floor_lamp.build("lamp", rng)
-    lamp.matrix_basis = stage.lamp
-    scene.scenery(lamp)
-    small = houseplant.build("small_plant", rng, height_m=0.6, stems=9, pot=(0.40, 0.14, 0.07))
-    small.matrix_basis = Matrix.Translation((-2.62, 0.55, 0.0))
-    scene.scenery(small)
+    lamp = scene.make("floor_lamp", "lamp", rng)
+    scene.scenery(scene.place(lamp, ORIGIN, on=stage.lamp))
+    small = scene.make("houseplant", "small_plant", rng, height_m=0.6, stems=9, pot=(0.40, 0.14, 0.07))
+    scene.scenery(scene.place(small, (-2.62, 0.55)))
     for n, (title, paper, figure, x) in enumerate(
         (
             ("FEEL WELL", (0.52, 0.56, 0.50), (0.10, 0.34, 0.26), -1.72),
@@ -191,12 +182,10 @@ def furnish(stage: Stage) -> None:
             ("BE KIND", (0.42, 0.50, 0.58), (0.08, 0.20, 0.42), -0.40),
         )
     ):
-        sheet = waiting_room.poster(f"poster_{n}", rng, title=title, paper=paper, figure=figure)
-        sheet.matrix_basis = Matrix.Translation((x, BACK_Y, 1.28))
-        scene.scenery(sheet)
-    dial = waiting_room.clock("clock", rng)
-    dial.matrix_basis = Matrix.Translation((1.30, BACK_Y, 2.05))
-    scene.scenery(dial)
+        sheet = scene.make("waiting_room.poster", f"poster_{n}", rng, title=title, paper=paper, figure=figure)
+        scene.scenery(scene.place(sheet, (x, BACK_Y, 1.28)))
+    dial = scene.make("waiting_room.clock", "clock", rng)
+    scene.scenery(scene.place(dial, (1.30, BACK_Y, 2.05)))
 
 
 def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:
@@ -204,11 +193,13 @@ def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:
     scene, choices = stage.scene, stage.choices
     bodies = []
     for name in ("bag_brought", "bag_waiting"):
-        bodies.append(bags.duffel(name, scene.rng(f"bags/{name}"), colour=choices.twins))
-    bodies.append(bags.backpack("bag_fetched", scene.rng("bags/backpack"), colour=choices.other))
-    bodies[0].matrix_basis = stage.chairs @ Matrix.Translation(ENTER)
-    bodies[1].matrix_basis = stage.seat(DUFFEL_SEAT) @ Matrix.Rotation(0.10, 4, "Z")
-    bodies[2].matrix_basis = stage.seat(BACKPACK_SEAT) @ Matrix.Translation((0.0, -0.03, 0.0))
+        bodies.append(scene.make("bags.duffel", name, scene.rng(f"bags/{name}"), colour=choices.twins))
+    bodies.append(
+        scene.make("bags.backpack", "bag_fetched", scene.rng("bags/backpack"), colour=choices.other)
+    )
+    scene.place(bodies[0], ENTER, on=stage.chairs)
+    scene.place(bodies[1], ORIGIN, degrees(0.10), on=stage.seat(DUFFEL_SEAT))
+    scene.place(bodies[2], (0.0, -0.03), on=stage.seat(BACKPACK_SEAT))
     looks = (
         {"kind": "duffel", "colour": choices.twins},
         {"kind": "duffel", "colour": choices.twins},
@@ -259,8 +250,8 @@ def read(stage: Stage) -> None:
     woman = Reader(
         scene, "woman_reading", 4, category="woman", look=look, attributes=seen, at=feet, heading_rad=turn
     )
-    made = magazine.magazine("magazine", scene.rng("magazine"), leaves=len(choices.pages))
-    held = scene.instance("magazine", 1006, "magazine", [made.body, *made.leaves], front="-y")
+    made = scene.make("magazine", "magazine", leaves=len(choices.pages))
+    held = scene.instance("magazine", 1006, "magazine", made, front="-y")
     # Held over the lap, its top away from her and raised towards her eyes: her left is the page at -X.
     tilt = Euler((0.75, 0.0, pi)).to_matrix().to_4x4()
     spread = Spread(held, made, seat @ Matrix.Translation((0.0, -0.39, 0.30)) @ tilt)

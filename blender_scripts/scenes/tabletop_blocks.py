@@ -16,31 +16,14 @@ import random
 from dataclasses import dataclass
 from math import radians
 
-import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.assets import (
-    bookcase,
-    coffee_table,
-    crayons,
-    cushion,
-    mesh,
-    picture_book,
-    ring_stacker,
-    room,
-    rug,
-    serving_tray,
-    sitter,
-    toy_block,
-    toy_car,
-    toy_ramp,
-    window,
-    yarn_ball,
-)
+from l4d_blender.assets import coffee_table, mesh, rug, serving_tray, toy_block
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.toy_blocks import PushingHand, RampSlide
+from l4d_blender.placing import pose
 from l4d_blender.scene import Instance, Scene
 
 SCALE = "tabletop"
@@ -51,26 +34,24 @@ LEAN_DEG = 7.0
 CHILD = 0.72  # of the size of the grown-up that hands and torso are modelled on
 
 # x, y in metres, heading in degrees.
-TRAY = (-0.125, -0.030, 48.0)
+TRAY = ((-0.125, -0.030), 48.0)
 TRAY_SIZE_M = (0.15, 0.25)
-RAMP = (0.150, 0.015, 5.0)
-CAR = (0.028, -0.162, 62.0)
-BOOK = (-0.400, -0.190, 16.0)
-STACKER = (0.335, 0.110, 0.0)
-CRAYON_BOX = (0.335, -0.115, -32.0)
+RAMP = ((0.150, 0.015), 5.0)
+CAR = ((0.028, -0.162), 62.0)
+BOOK = ((-0.400, -0.190), 16.0)
+STACKER = ((0.335, 0.110), 0.0)
+CRAYON_BOX = ((0.335, -0.115), -32.0)
 
 # The blocks in the tray's axes, one on the table, and the stretch of the slide's axis along which one goes.
 RED_ON_TRAY = (-0.004, 0.074)
 LARGE_ON_TRAY = (0.0, -0.004)
-RED_ON_TABLE = (0.036, 0.062, 9.0)
+RED_ON_TABLE = ((0.036, 0.062), 9.0)
 SLIDE_Y = (0.112, -0.205)
 
 SHOULDERS = {"r": (-0.140, 0.325, 0.195), "l": (0.140, 0.325, 0.195)}
 RESTS = {"r": (-0.245, 0.130, 0.0), "l": (0.255, 0.170, 0.0)}
 
-RED, BLUE, GREEN, YELLOW = (
-    (0.52, 0.035, 0.03), (0.035, 0.11, 0.40), (0.06, 0.26, 0.09), (0.72, 0.43, 0.03)
-)
+RED, BLUE, GREEN, YELLOW = ((0.52, 0.035, 0.03), (0.035, 0.11, 0.40), (0.06, 0.26, 0.09), (0.72, 0.43, 0.03))
 PAINTS = {"red": RED, "blue": BLUE, "green": GREEN, "yellow": YELLOW}
 JERSEY = (0.42, 0.30, 0.10)
 
@@ -79,22 +60,12 @@ JERSEY = (0.42, 0.30, 0.10)
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: str
-    others: str
-    figures: tuple[str, str]
-    push: tuple[int, int]
-    slide: tuple[int, int]
-    sun_azimuth_deg: float
-
-
-BENCHMARK = Choices(
-    twins="red",
-    others="blue",
-    figures=("star", "moon"),
-    push=(14, 40),
-    slide=(50, 68),
-    sun_azimuth_deg=-128.0,
-)
+    twins: str = "red"
+    others: str = "blue"
+    figures: tuple[str, str] = ("star", "moon")
+    push: tuple[int, int] = (14, 40)
+    slide: tuple[int, int] = (50, 68)
+    sun_azimuth_deg: float = -128.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -113,7 +84,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """The whole scene; the story happens in `_right_hand` and `_left_hand`."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _nursery(scene)
     _clutter(scene)
     _light(scene, choices)
@@ -130,30 +101,41 @@ def build(scene: Scene) -> None:
 def _nursery(scene: Scene) -> None:
     """The room behind: table, rug, shelves, window, cushions, and the child's body."""
     rng = scene.rng("room")
-    shell = room.build(
-        "room", rng, half_width_m=1.9, back_m=1.55, front_m=-1.6, wall=(0.50, 0.56, 0.55),
-        figure=(0.62, 0.60, 0.48), boards=(0.42, 0.28, 0.16),
+    shell = scene.make(
+        "room",
+        "room",
+        rng,
+        half_width_m=1.9,
+        back_m=1.55,
+        front_m=-1.6,
+        wall=(0.50, 0.56, 0.55),
+        figure=(0.62, 0.60, 0.48),
+        boards=(0.42, 0.28, 0.16),
     )
-    casement = window.build("window", rng, sill_m=0.62, curtain=(0.55, 0.26, 0.16))
-    for part in shell:
-        _stand(part, 0.0, 0.0, 0, FLOOR_M)
-    for part in casement:
-        _stand(part, -0.85, 1.54, 0, FLOOR_M)
-    torso = sitter.sitter("child", rng, pullover=products.knit("jersey", JERSEY, rng))
+    casement = scene.make("window", "window", rng, sill_m=0.62, curtain=(0.55, 0.26, 0.16))
+    scene.place(shell, (0.0, 0.0), on=FLOOR_M)
+    scene.place(casement, (-0.85, 1.54), on=FLOOR_M)
+    torso = scene.make("sitter", "child", rng, pullover=products.knit("jersey", JERSEY, rng))
     mesh.transform(torso, Matrix.Rotation(radians(LEAN_DEG), 4, "X") @ Matrix.Scale(CHILD, 4))
     scene.scenery(
         *shell,
         *casement,
-        _stand(
-            coffee_table.build("table", rng, size_m=(1.02, 0.70), colour=(0.60, 0.47, 0.32)),
-            0.0,
-            -0.09,
-            0,
-            FLOOR_M,
+        scene.put(
+            "coffee_table",
+            "table",
+            (0.0, -0.09),
+            on=FLOOR_M,
+            rng=rng,
+            size_m=(1.02, 0.70),
+            colour=(0.60, 0.47, 0.32),
         ),
-        _stand(rug.build("rug", rng, size_m=(2.3, 1.5), palette=rug.PALETTES[2]), 0.1, 0.25, 8, FLOOR_M),
-        _stand(bookcase.build("shelves", rng, width_m=1.2, height_m=0.95, shelves=3), 0.75, 1.38, 0, FLOOR_M),
-        _stand(torso, 0.0, 0.375, 0, FLOOR_M + SEAT_M),
+        scene.put(
+            "rug", "rug", (0.1, 0.25), 8, on=FLOOR_M, rng=rng, size_m=(2.3, 1.5), palette=rug.PALETTES[2]
+        ),
+        scene.put(
+            "bookcase", "shelves", (0.75, 1.38), on=FLOOR_M, rng=rng, width_m=1.2, height_m=0.95, shelves=3
+        ),
+        scene.place(torso, (0.0, 0.375), on=FLOOR_M + SEAT_M),
     )
 
 
@@ -161,11 +143,13 @@ def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
     scene.scenery(
-        _stand(ring_stacker.ring_stacker("stacker", rng), *STACKER),
-        _stand(crayons.crayon_box("crayon_box", rng), *CRAYON_BOX),
-        _stand(crayons.loose_crayons("crayons", rng, count=4), 0.305, -0.235, 24),
-        _stand(cushion.block("floor_cushion", rng, size_m=(0.55, 0.55, 0.16)), 1.05, 0.55, 24, FLOOR_M),
-        _stand(yarn_ball.build("ball", rng, radius_m=0.09), -1.0, 0.75, 0, FLOOR_M),
+        scene.put("ring_stacker", "stacker", *STACKER, rng=rng),
+        scene.put("crayons.crayon_box", "crayon_box", *CRAYON_BOX, rng=rng),
+        scene.put("crayons.loose_crayons", "crayons", (0.305, -0.235), 24, rng=rng, count=4),
+        scene.put(
+            "cushion.block", "floor_cushion", (1.05, 0.55), 24, on=FLOOR_M, rng=rng, size_m=(0.55, 0.55, 0.16)
+        ),
+        scene.put("yarn_ball", "ball", (-1.0, 0.75), on=FLOOR_M, rng=rng, radius_m=0.09),
     )
 
 
@@ -173,11 +157,18 @@ def _light(scene: Scene, choices: Choices) -> None:
     """A bright forenoon: low sun from the window's side, a pale room as fill."""
     scene.hdri("courtyard", 0.45, rotation=2.2)
     scene.sun(
-        elevation_deg=44, azimuth_deg=choices.sun_azimuth_deg, strength=2.8, angle_deg=3.0,
+        elevation_deg=44,
+        azimuth_deg=choices.sun_azimuth_deg,
+        strength=2.8,
+        angle_deg=3.0,
         colour=(1.0, 0.90, 0.76),
     )
     scene.area_light(
-        "window_light", (-0.85, 1.35, 0.85), (0.0, 0.0, 0.0), size_m=(1.0, 1.2), power_w=26,
+        "window_light",
+        (-0.85, 1.35, 0.85),
+        (0.0, 0.0, 0.0),
+        size_m=(1.0, 1.2),
+        power_w=26,
         colour=(0.90, 0.95, 1.0),
     )
 
@@ -186,10 +177,10 @@ def _landmarks(scene: Scene) -> dict[str, Instance]:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
     marks = (
-        (1001, "tray", _stand(serving_tray.serving_tray("tray", rng, size_m=TRAY_SIZE_M), *TRAY)),
-        (1002, "ramp", _stand(toy_ramp.toy_ramp("ramp", rng), *RAMP)),
-        (1003, "toy_car", _stand(toy_car.toy_car("toy_car", rng), *CAR)),
-        (1004, "picture_book", _stand(picture_book.picture_book("picture_book", rng), *BOOK)),
+        (1001, "tray", scene.put("serving_tray", "tray", *TRAY, rng=rng, size_m=TRAY_SIZE_M)),
+        (1002, "ramp", scene.put("toy_ramp", "ramp", *RAMP, rng=rng)),
+        (1003, "toy_car", scene.put("toy_car", "toy_car", *CAR, rng=rng)),
+        (1004, "picture_book", scene.put("picture_book", "picture_book", *BOOK, rng=rng)),
     )
     return {name: scene.instance(name, id_, name, obj) for id_, name, obj in marks}
 
@@ -203,12 +194,11 @@ def _blocks(scene: Scene, choices: Choices, tray: Instance, slide: RampSlide) ->
         "block_bumped": (choices.others, shared, "large", "glossy"),
         "block_on_ramp": (choices.others, own, "small", "worn"),
     }
-    level = tray.matrix(0) @ Matrix.Translation((0.0, 0.0, serving_tray.FLOOR_M))
-    x, y, heading = RED_ON_TABLE
+    level = tray.matrix(0) @ pose((0.0, 0.0, serving_tray.FLOOR_M))
     places = {
-        "block_pushed": level @ Matrix.Translation((*RED_ON_TRAY, 0.0)),
-        "block_stacked": Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(radians(heading), 4, "Z"),
-        "block_bumped": level @ Matrix.Translation((*LARGE_ON_TRAY, 0.0)),
+        "block_pushed": level @ pose(RED_ON_TRAY),
+        "block_stacked": pose(*RED_ON_TABLE),
+        "block_bumped": level @ pose(LARGE_ON_TRAY),
         "block_on_ramp": slide.block_matrix(0.0),
     }
     blocks = {}
@@ -216,7 +206,7 @@ def _blocks(scene: Scene, choices: Choices, tray: Instance, slide: RampSlide) ->
         look = toy_block.Look(
             PAINTS[colour], figure, 0.060 if size == "large" else 0.046, 0.42 if finish == "worn" else 0.12
         )
-        obj = toy_block.toy_block(name, scene.rng(name), look=look)
+        obj = scene.make("toy_block", name, look=look)
         obj.matrix_basis = places[name]
         attributes = {"colour": colour, "figure": figure, "size": size, "finish": finish}
         blocks[name] = scene.instance(name, id_, "block", obj, attributes=attributes)
@@ -228,7 +218,7 @@ def _right_hand(scene: Scene, choices: Choices, blocks: dict[str, Instance]) -> 
     hand = _hand(scene, "hand_right", 1005, "r")
     pushed, bumped, stacked = (blocks[name] for name in ("block_pushed", "block_bumped", "block_stacked"))
     first, last = choices.push
-    turn = radians(TRAY[2])
+    turn = radians(TRAY[1])
     ahead = Matrix.Rotation(turn, 3, "Z") @ Vector((0.0, -0.066, 0.0))
     hand.approach(pushed, (first - 12, first), grip="push", heading_rad=turn, point=_middle(pushed, 0.028))
     hand.push(ahead[:2], (first, last), bumped=bumped)
@@ -247,7 +237,7 @@ def _left_hand(scene: Scene, choices: Choices, block: Instance, slide: RampSlide
     hand = _hand(scene, "hand_left", 1006, "l")
     first, last = choices.slide
     hand.approach(
-        block, (first - 16, first), grip="push", heading_rad=radians(RAMP[2]), point=_middle(block, 0.026)
+        block, (first - 16, first), grip="push", heading_rad=radians(RAMP[1]), point=_middle(block, 0.026)
     )
     hand.push_down(slide, (first, last), 90)
     hand.release((last + 6, last + 14))
@@ -259,7 +249,13 @@ def _hand(scene: Scene, name: str, id_: int, side: str) -> PushingHand:
     """A child's hand in the sleeve of the jersey."""
     look = HandLook(skin="fair", sleeve=Cloth("yellow"), cuff="brown", scale=CHILD)
     hand = PushingHand(
-        scene, name, id_, side=side, look=look, shoulder=SHOULDERS[side], rest_at=RESTS[side],
+        scene,
+        name,
+        id_,
+        side=side,
+        look=look,
+        shoulder=SHOULDERS[side],
+        rest_at=RESTS[side],
         attributes={"side": {"r": "right", "l": "left"}[side]},
     )
     _, sleeve = hand.body.meshes
@@ -270,11 +266,3 @@ def _hand(scene: Scene, name: str, id_: int, side: str) -> PushingHand:
 def _middle(block: Instance, height_m: float) -> Vector:
     """A point inside a block, some way above its base."""
     return block.matrix(0).translation + Vector((0.0, 0.0, height_m))
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

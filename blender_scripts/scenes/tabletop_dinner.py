@@ -15,26 +15,15 @@ import random
 from dataclasses import dataclass
 from math import pi, radians
 
-import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.assets import (
-    bread_board,
-    candle,
-    cup,
-    dining_room,
-    dining_table,
-    kitchen_clutter,
-    sitter,
-    soup_bowl,
-    spoon,
-    wooden_chair,
-)
+from l4d_blender.assets import bread_board, candle, cup, dining_table, soup_bowl, spoon, wooden_chair
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.diners import Diner
 from l4d_blender.motion.servers import Stirring, spoon_between
+from l4d_blender.placing import Loose, pose
 from l4d_blender.scene import Instance, Scene
 
 SCALE = "tabletop"
@@ -52,18 +41,18 @@ STIR_SOUP_AT_M = 0.046
 
 # x, y in metres, heading in degrees.
 SOUP = (-0.045, 0.075)
-BOARD = (-0.225, -0.185, 6)
-NAPKIN_FRONT = (0.100, -0.290, 4)
-NAPKIN_RIGHT = (0.325, 0.270, 3)
+BOARD = ((-0.225, -0.185), 6)
+NAPKIN_FRONT = ((0.100, -0.290), 4)
+NAPKIN_RIGHT = ((0.325, 0.270), 3)
 PLATE_RIGHT = (0.315, 0.085)
 DISH = (0.385, -0.150)
 DISH_SLIDES = ((0.31, -0.140), (0.235, -0.115))
 CANDLES = ((-0.175, 0.330), (0.085, 0.365))
 CANDLE_HEIGHTS_M = (0.14, 0.11)
 
-SPOON_ON_NAPKIN = (0.125, -0.288, 96)
-SPOON_PICKED = (0.295, 0.270, -94)
-SPOON_LAID = (-0.135, -0.215, 102)
+SPOON_ON_NAPKIN = ((0.125, -0.288, NAPKIN_M), 96)
+SPOON_PICKED = ((0.295, 0.270, NAPKIN_M), -94)
+SPOON_LAID = ((-0.135, -0.215, bread_board.BOARD_M), 102)
 
 SHOULDERS = {
     "left_right": ((-0.60, -0.17, 0.25), (-0.36, -0.12, 0.0)),
@@ -74,15 +63,25 @@ SHOULDERS = {
 
 WOODEN = (
     spoon.Look(
-        length_m=0.270, bowl_m=(0.056, 0.076), handle_m=(0.0135, 0.0190), thickness_m=0.0040, material="wood",
-        colour=(0.46, 0.27, 0.12), grip=(0.36, 0.030, 0.020),
+        length_m=0.270,
+        bowl_m=(0.056, 0.076),
+        handle_m=(0.0135, 0.0190),
+        thickness_m=0.0040,
+        material="wood",
+        colour=(0.46, 0.27, 0.12),
+        grip=(0.36, 0.030, 0.020),
     ),
     {"material": "wood", "grip": "red", "end": "plain"},
 )
 DARK_WOODEN = (
     spoon.Look(
-        length_m=0.270, bowl_m=(0.056, 0.076), handle_m=(0.0135, 0.0190), thickness_m=0.0040, material="wood",
-        colour=(0.24, 0.12, 0.05), grip=(0.08, 0.17, 0.30),
+        length_m=0.270,
+        bowl_m=(0.056, 0.076),
+        handle_m=(0.0135, 0.0190),
+        thickness_m=0.0040,
+        material="wood",
+        colour=(0.24, 0.12, 0.05),
+        grip=(0.08, 0.17, 0.30),
     ),
     {"material": "wood", "grip": "blue", "end": "plain"},
 )
@@ -136,31 +135,39 @@ def build(scene: Scene) -> None:
 def _room(scene: Scene) -> None:
     """The room at dusk, the table with its cloth, and the two who eat."""
     rng = scene.rng("room")
-    for obj in dining_room.dining_room("room", rng):
-        obj.matrix_basis = Matrix.Translation((0.0, 0.0, FLOOR_M)) @ obj.matrix_basis
+    for obj in scene.make("dining_room", "room", rng):
+        obj.matrix_basis = pose((0.0, 0.0, FLOOR_M)) @ obj.matrix_basis
         scene.scenery(obj)
-    table = dining_table.dining_table(
-        "table", rng, size_m=TABLE_M, light=(0.20, 0.095, 0.045), dark=(0.095, 0.040, 0.018), under_cloth=True
+    table = scene.make(
+        "dining_table",
+        "table",
+        rng,
+        size_m=TABLE_M,
+        light=(0.20, 0.095, 0.045),
+        dark=(0.095, 0.040, 0.018),
+        under_cloth=True,
     )
     linen = tableware.linen(
         "linen", CLOTH, rng, stripe=(0.40, 0.33, 0.20), stripe_at_m=(0.385, 0.405), stripe_m=0.008, axis="Y"
     )
-    cloth = dining_table.tablecloth("cloth", rng, linen, table_m=TABLE_M)
+    cloth = scene.make("dining_table.tablecloth", "cloth", rng, material=linen, table_m=TABLE_M)
     mug = cup.Look(profile=cup.STRAIGHT, glaze=(0.10, 0.14, 0.15), pattern="dipped")
     scene.scenery(
-        _stand(table, *TABLE),
-        _stand(cloth, *TABLE),
-        _stand(cup.cup("left_mug", rng, look=mug), -0.335, 0.085, 60),
-        _stand(cup.cup("right_mug", rng, look=mug), 0.520, 0.055, 215),
-        _stand(kitchen_clutter.bottle("oil", rng, colour=(0.16, 0.15, 0.03)), 0.235, 0.375),
+        scene.place(table, TABLE),
+        scene.place(cloth, TABLE),
+        scene.put("cup", "left_mug", (-0.335, 0.085), 60, rng=rng, look=mug),
+        scene.put("cup", "right_mug", (0.520, 0.055), 215, rng=rng, look=mug),
+        scene.put("kitchen_clutter.bottle", "oil", (0.235, 0.375), rng=rng, colour=(0.16, 0.15, 0.03)),
     )
     for name, colour, x, heading in (
         ("left_diner", LEFT_KNIT, -0.62, 90),
         ("right_diner", RIGHT_KNIT, 0.80, -90),
     ):
-        chair = wooden_chair.wooden_chair(f"{name}_chair", rng)
-        body = sitter.sitter(name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
-        scene.scenery(_stand(chair, x, 0.0, heading, FLOOR_M), _stand(body, x, 0.0, heading, SEAT_M))
+        chair = scene.make("wooden_chair", f"{name}_chair", rng)
+        body = scene.make("sitter", name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
+        scene.scenery(
+            scene.place(chair, (x, 0.0), heading, on=FLOOR_M), scene.place(body, (x, 0.0), heading, on=SEAT_M)
+        )
 
 
 def _light(scene: Scene, choices: Choices) -> None:
@@ -192,29 +199,33 @@ def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
     rng = scene.rng("landmarks")
     cloth = tableware.linen("napkins", choices.napkin, rng, stripe=(0.62, 0.58, 0.50), stripe_at_m=(0.062,))
     vessels = {"soup_bowl": _soup(choices), "sauce_bowl": _sauce(), "deep_plate": _deep_plate(choices)}
-    things = {name: soup_bowl.soup_bowl(name, rng, look=look) for name, look in vessels.items()}
-    things["dish"] = soup_bowl.plate("dish", rng, radius_m=0.102)
-    things["bread_board"] = bread_board.bread_board("bread_board", rng)
-    things["napkin_front"] = dining_table.runner("napkin_front", rng, cloth, size_m=(0.235, 0.135))
-    things["napkin_right"] = dining_table.runner("napkin_right", rng, cloth, size_m=(0.20, 0.11))
+    things = {name: scene.make("soup_bowl", name, rng, look=look) for name, look in vessels.items()}
+    things["dish"] = scene.make("soup_bowl.plate", "dish", rng, radius_m=0.102)
+    things["bread_board"] = scene.make("bread_board", "bread_board", rng)
+    things["napkin_front"] = scene.make(
+        "dining_table.runner", "napkin_front", rng, material=cloth, size_m=(0.235, 0.135)
+    )
+    things["napkin_right"] = scene.make(
+        "dining_table.runner", "napkin_right", rng, material=cloth, size_m=(0.20, 0.11)
+    )
     for name, height in zip(("candle_left", "candle_right"), CANDLE_HEIGHTS_M):
-        things[name] = candle.candle(name, rng, height_m=height)
+        things[name] = scene.make("candle", name, rng, height_m=height)
     made = {}
     for id_, (name, category, spot) in enumerate(
         (
-            ("soup_bowl", "bowl", SOUP),
-            ("sauce_bowl", "bowl", (*DISH, 0.0, soup_bowl.PLATE_M)),
-            ("deep_plate", "plate", PLATE_RIGHT),
-            ("dish", "plate", DISH),
+            ("soup_bowl", "bowl", (SOUP, 0.0)),
+            ("sauce_bowl", "bowl", ((*DISH, soup_bowl.PLATE_M), 0.0)),
+            ("deep_plate", "plate", (PLATE_RIGHT, 0.0)),
+            ("dish", "plate", (DISH, 0.0)),
             ("bread_board", "board", BOARD),
             ("napkin_front", "napkin", NAPKIN_FRONT),
             ("napkin_right", "napkin", NAPKIN_RIGHT),
-            ("candle_left", "candle", CANDLES[0]),
-            ("candle_right", "candle", CANDLES[1]),
+            ("candle_left", "candle", (CANDLES[0], 0.0)),
+            ("candle_right", "candle", (CANDLES[1], 0.0)),
         ),
         start=1001,
     ):
-        made[name] = scene.instance(name, id_, category, _stand(things[name], *spot))
+        made[name] = scene.instance(name, id_, category, scene.place(things[name], *spot))
     return made
 
 
@@ -248,16 +259,16 @@ def _spoons(scene: Scene, choices: Choices) -> dict[str, Instance]:
         spoon.Look(0.205, (0.050, 0.068), (0.0115, 0.0205), 0.0028, grip=look.grip, ring=True),
         {"material": "metal", "grip": colour, "end": "ring"},
     )
-    jitter = scene.rng("layout")
+    loose = Loose(scene.rng("layout"), 0.003, 2.0)
     made = {}
-    for id_, name, (its, words), pose in (
+    for id_, name, (its, words), matrix in (
         (1, "spoon_in_soup", choices.twin, _stir_soup(choices).at(pi)),
-        (2, "spoon_on_napkin", choices.twin, _flat(SPOON_ON_NAPKIN, NAPKIN_M, jitter)),
+        (2, "spoon_on_napkin", choices.twin, pose(*loose(SPOON_ON_NAPKIN))),
         (3, "spoon_in_sauce", ringed, _leaning(ringed[0])),
-        (4, "spoon_picked", PLAIN_METAL, _flat(SPOON_PICKED, NAPKIN_M, jitter)),
+        (4, "spoon_picked", PLAIN_METAL, pose(*loose(SPOON_PICKED))),
     ):
-        obj = spoon.spoon(name, scene.rng(name), look=its)
-        obj.matrix_basis = pose
+        obj = scene.make("spoon", name, look=its)
+        obj.matrix_basis = matrix
         made[name] = scene.instance(name, id_, "spoon", obj, attributes=words)
     return made
 
@@ -274,7 +285,7 @@ def _left_diner(
     hand.stir(dishes["soup_bowl"], _stir_soup(choices), (3, 36 + t), rounds=1.5, start_rad=pi)
     up = Matrix.Translation((-0.02, -0.06, 0.13)) @ held.matrix(36 + t)
     hand.bring(up, (36 + t, 50 + t))
-    hand.lay_down(_flat(SPOON_LAID, bread_board.BOARD_M, None), (50 + t, 70 + t))
+    hand.lay_down(pose(*SPOON_LAID), (50 + t, 70 + t))
     hand.release((70 + t, 80 + t))
     hand.withdraw((80 + t, 94 + t))
     hand.finish()
@@ -333,32 +344,22 @@ def _leaning(look: spoon.Look) -> Matrix:
     return spoon_between(low, high, look.tip)
 
 
-def _flat(spot: tuple[float, float, float], z: float, rng: random.Random | None) -> Matrix:
-    """A spoon that lies at x, y with its handle along a heading (degrees from +Y)."""
-    loose = (0.003, 0.003, 2.0) if rng else ()
-    dx, dy, turn = [rng.uniform(-1.0, 1.0) * most for most in loose] or (0.0, 0.0, 0.0)
-    x, y, heading = spot
-    return Matrix.Translation((x + dx, y + dy, z)) @ Matrix.Rotation(radians(heading + turn), 4, "Z")
-
-
 def _hand(scene: Scene, name: str, id_: int) -> Diner:
     """A hand (diner_side) in the sleeve of its owner's pullover."""
     owner, side = name.split("_")
     shoulder, rest = SHOULDERS[name]
     look, colour = DINERS[owner]
     hand = Diner(
-        scene, f"hand_{name}", id_, side=side[0], look=look, shoulder=shoulder, rest_at=rest,
+        scene,
+        f"hand_{name}",
+        id_,
+        side=side[0],
+        look=look,
+        shoulder=shoulder,
+        rest_at=rest,
         attributes={"side": side, "owner": f"{owner}_diner"},
     )
     _, sleeve = hand.body.meshes
     knit = f"{name}.knit"
     sleeve.data.materials[0] = products.knit(knit, colour, scene.rng(knit), along="Y", bends=True)
     return hand
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

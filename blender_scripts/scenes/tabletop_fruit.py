@@ -16,24 +16,14 @@ import random
 from dataclasses import dataclass
 from math import radians
 
-import bpy
 from mathutils import Matrix, Vector
 
-from l4d_blender.assets import (
-    apple,
-    dining_table,
-    fruit,
-    kitchen_clutter,
-    kitchen_jug,
-    kitchen_units,
-    sitter,
-    study_room,
-    wooden_chair,
-)
+from l4d_blender.assets import apple, dining_table, fruit, kitchen_units, wooden_chair
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.rolling import Roller, Round, rock, roll
+from l4d_blender.placing import Loose, pose
 from l4d_blender.scene import Scene
 
 SCALE = "tabletop"
@@ -46,10 +36,10 @@ TOWEL_M = 0.0018
 
 # x, y in metres, heading in degrees.
 BOWL = (0.215, 0.145)
-TOWEL = (-0.215, 0.105, 6)
-BOARD = (0.235, -0.235, -14)
-JUG = (-0.405, 0.285, 60)
-LOAF = (0.46, 0.02, 62)
+TOWEL = ((-0.215, 0.105), 6)
+BOARD = ((0.235, -0.235), -14)
+JUG = ((-0.405, 0.285), 60)
+LOAF = ((0.46, 0.02), 62)
 
 # The apples, and where those that roll come to rest.
 RED_IN_BOWL = (-0.062, 0.020)  # from the middle of the bowl
@@ -100,10 +90,10 @@ def build(scene: Scene) -> None:
     choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _kitchen(scene)
     _light(scene, choices)
-    place = Placer(scene.rng("layout"))
-    _landmarks(scene, choices, place)
+    loose = Loose(scene.rng("layout"), 0.005, 4.0)
+    _landmarks(scene, choices, loose)
     _fruit(scene)
-    apples = _apples(scene, choices, place)
+    apples = _apples(scene, choices, loose)
     _right_hand(scene, choices, apples)
     _left_hand(scene, choices, apples)
     scene.cameras(
@@ -111,57 +101,57 @@ def build(scene: Scene) -> None:
     )
 
 
-class Placer:
-    """Puts things where the layout says, each a few millimetres and degrees off, as people do."""
-
-    def __init__(self, rng: random.Random) -> None:
-        self.rng = rng
-
-    def spot(self, x: float, y: float, loose: float = 1.0) -> tuple[float, float]:
-        """A place near x, y (metres)."""
-        dx, dy = (self.rng.uniform(-0.005, 0.005) * loose for _ in range(2))
-        return x + dx, y + dy
-
-    def __call__(self, obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0):
-        """Puts `obj` near x, y at about a heading."""
-        return _stand(obj, *self.spot(x, y), heading_deg + self.rng.uniform(-4.0, 4.0), z)
-
-
 def _kitchen(scene: Scene) -> None:
     """Room, units along the wall, table, chair, and whoever sits there."""
     rng = scene.rng("kitchen")
     finish = kitchen_units.Finish(front=(0.30, 0.36, 0.36), stone=(0.36, 0.31, 0.25))
-    room = study_room.study_room(
-        "room", rng, wall_y_m=2.05, window_x_m=(-1.25, 0.05), sill_m=1.06, wall=(0.60, 0.55, 0.45)
+    room = scene.make(
+        "study_room",
+        "room",
+        rng,
+        wall_y_m=2.05,
+        window_x_m=(-1.25, 0.05),
+        sill_m=1.06,
+        wall=(0.60, 0.55, 0.45),
     )
-    units = kitchen_units.base_run("units", rng, width_m=3.4, finish=finish, sink_x=-0.6)
-    basin = kitchen_units.sink("basin", rng)
+    units = scene.make("kitchen_units.base_run", "units", rng, width_m=3.4, finish=finish, sink_x=-0.6)
+    basin = scene.make("kitchen_units.sink", "basin", rng)
     top = FLOOR_M + kitchen_units.TOP_M
     scene.scenery(
-        _stand(room, 0.0, 0.0, 0, FLOOR_M),
-        _stand(units, 0.0, 2.04, 0, FLOOR_M),
-        _stand(basin, -0.6, 2.04, 0, top),
-        _stand(kitchen_clutter.kettle("kettle", rng, colour=(0.50, 0.10, 0.06)), 0.75, 1.75, 140, top),
-        _stand(kitchen_clutter.plate_stack("plates", rng, colour=(0.62, 0.60, 0.54)), 0.25, 1.78, 0, top),
-        _stand(kitchen_clutter.herb_pot("basil", rng), -1.15, 1.80, 0, top),
+        scene.place(room, (0.0, 0.0), on=FLOOR_M),
+        scene.place(units, (0.0, 2.04), on=FLOOR_M),
+        scene.place(basin, (-0.6, 2.04), on=top),
+        scene.put(
+            "kitchen_clutter.kettle", "kettle", (0.75, 1.75), 140, on=top, rng=rng, colour=(0.50, 0.10, 0.06)
+        ),
+        scene.put(
+            "kitchen_clutter.plate_stack", "plates", (0.25, 1.78), on=top, rng=rng, colour=(0.62, 0.60, 0.54)
+        ),
+        scene.put("kitchen_clutter.herb_pot", "basil", (-1.15, 1.80), on=top, rng=rng),
         *[
-            _stand(kitchen_clutter.jar(f"jar{k}", rng, content=colour), 1.15 + 0.17 * k, 1.84, 0, top)
+            scene.put(
+                "kitchen_clutter.jar", f"jar{k}", (1.15 + 0.17 * k, 1.84), on=top, rng=rng, content=colour
+            )
             for k, colour in enumerate(((0.42, 0.23, 0.08), (0.60, 0.52, 0.36), (0.22, 0.09, 0.04)))
         ],
-        _stand(
-            dining_table.dining_table(
-                "table", rng, size_m=TABLE_M, light=(0.56, 0.40, 0.22), dark=(0.36, 0.22, 0.10)
-            ),
-            *TABLE,
+        scene.put(
+            "dining_table",
+            "table",
+            TABLE,
+            rng=rng,
+            size_m=TABLE_M,
+            light=(0.56, 0.40, 0.22),
+            dark=(0.36, 0.22, 0.10),
         ),
-        _stand(wooden_chair.wooden_chair("chair", rng), 0.0, 0.59, 0, FLOOR_M),
-        _stand(wooden_chair.wooden_chair("other_chair", rng), -0.95, 0.62, 68, FLOOR_M),
-        _stand(
-            sitter.sitter("sitter", rng, pullover=products.knit("pullover", PULLOVER, rng)),
-            0.0,
-            0.55,
-            0,
-            FLOOR_M + wooden_chair.SEAT_M,
+        scene.put("wooden_chair", "chair", (0.0, 0.59), on=FLOOR_M, rng=rng),
+        scene.put("wooden_chair", "other_chair", (-0.95, 0.62), 68, on=FLOOR_M, rng=rng),
+        scene.put(
+            "sitter",
+            "sitter",
+            (0.0, 0.55),
+            on=FLOOR_M + wooden_chair.SEAT_M,
+            rng=rng,
+            pullover=products.knit("pullover", PULLOVER, rng),
         ),
     )
 
@@ -182,7 +172,7 @@ def _light(scene: Scene, choices: Choices) -> None:
     )
 
 
-def _landmarks(scene: Scene, choices: Choices, place: Placer) -> None:
+def _landmarks(scene: Scene, choices: Choices, loose: Loose) -> None:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
     stripes = tableware.linen(
@@ -193,19 +183,24 @@ def _landmarks(scene: Scene, choices: Choices, place: Placer) -> None:
         stripe_at_m=(0.135, 0.146, 0.124),
         stripe_m=0.005,
     )
-    towel = dining_table.runner("towel", rng, stripes, size_m=(0.34, 0.25))
-    jug = kitchen_jug.jug("jug", rng, colour=(0.55, 0.50, 0.40))
+    towel = scene.make("dining_table.runner", "towel", rng, material=stripes, size_m=(0.34, 0.25))
+    jug = scene.make("kitchen_jug", "jug", rng, colour=(0.55, 0.50, 0.40))
     for id_, name, category, obj in (
         (
             1001,
             "fruit_bowl",
             "bowl",
-            _stand(fruit.fruit_bowl("fruit_bowl", rng, glaze=choices.bowl), *BOWL, 20),
+            scene.put("fruit.fruit_bowl", "fruit_bowl", BOWL, 20, rng=rng, glaze=choices.bowl),
         ),
-        (1002, "towel", "towel", _stand(towel, *TOWEL)),
-        (1003, "board", "board", place(kitchen_clutter.chopping_board("board", rng), *BOARD)),
-        (1004, "jug", "jug", place(jug, *JUG)),
-        (1005, "loaf", "loaf", place(kitchen_clutter.loaf("loaf", rng), *LOAF)),
+        (1002, "towel", "towel", scene.place(towel, *TOWEL)),
+        (
+            1003,
+            "board",
+            "board",
+            scene.put("kitchen_clutter.chopping_board", "board", *loose(BOARD), rng=rng),
+        ),
+        (1004, "jug", "jug", scene.place(jug, *loose(JUG))),
+        (1005, "loaf", "loaf", scene.put("kitchen_clutter.loaf", "loaf", *loose(LOAF), rng=rng)),
     ):
         scene.instance(name, id_, category, obj)
 
@@ -216,16 +211,24 @@ def _fruit(scene: Scene) -> None:
     x, y = BOWL
     floor = fruit.BOWL_FLOOR_M
     scene.scenery(
-        _stand(fruit.orange("orange", rng), x + 0.058, y + 0.040, 0, floor),
-        _stand(fruit.orange("second_orange", rng, radius_m=0.034), x - 0.012, y + 0.086, 80, floor + 0.006),
-        _stand(fruit.lemon("lemon", rng), x - 0.050, y - 0.068, 35, floor + 0.004),
-        _stand(fruit.pear("pear", rng), x + 0.102, y - 0.022, 35, floor + 0.009),
-        _stand(fruit.grapes("grapes", rng), 0.47, 0.245, 25),
-        _stand(fruit.lemon("loose_lemon", rng), -0.385, -0.185, 130),
+        scene.put("fruit.orange", "orange", (x + 0.058, y + 0.040), on=floor, rng=rng),
+        scene.put(
+            "fruit.orange",
+            "second_orange",
+            (x - 0.012, y + 0.086),
+            80,
+            on=floor + 0.006,
+            rng=rng,
+            radius_m=0.034,
+        ),
+        scene.put("fruit.lemon", "lemon", (x - 0.050, y - 0.068), 35, on=floor + 0.004, rng=rng),
+        scene.put("fruit.pear", "pear", (x + 0.102, y - 0.022), 35, on=floor + 0.009, rng=rng),
+        scene.put("fruit.grapes", "grapes", (0.47, 0.245), 25, rng=rng),
+        scene.put("fruit.lemon", "loose_lemon", (-0.385, -0.185), 130, rng=rng),
     )
 
 
-def _apples(scene: Scene, choices: Choices, place: Placer) -> dict[str, Round]:
+def _apples(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Round]:
     """Two twins that have their leaves, and two others; those that will roll lie on their sides."""
     skin, colour = LOOKS[choices.twins]
     other_skin, other_colour = LOOKS[choices.others]
@@ -245,24 +248,26 @@ def _apples(scene: Scene, choices: Choices, place: Placer) -> dict[str, Round]:
         (3, "apple_left_in_bowl", bitten),
         (4, "apple_pushed", small),
     ):
-        obj = apple.apple(name, scene.rng(name), look=look)
         made[name] = Round(
-            scene.instance(name, id_, "apple", obj, attributes=attributes), look.radius_m, look.middle
+            scene.add(id_, "apple", name, (0.0, 0.0), attributes=attributes, look=look),
+            look.radius_m,
+            look.middle,
         )
     x, y = BOWL
     floor = fruit.BOWL_FLOOR_M + 0.0004
     at = (x + RED_IN_BOWL[0], y + RED_IN_BOWL[1], floor)
-    _put(made["apple_from_bowl"], made["apple_from_bowl"].lying(at, radians(5.0)))
-    _put(
-        made["apple_pushed"],
-        made["apple_pushed"].lying((*place.spot(*GREEN_ON_TOWEL, 0.4), TOWEL_M), radians(3.0)),
-    )
-    spot = Matrix.Translation((*place.spot(*RED_ON_TOWEL, 0.6), TOWEL_M))
-    _put(made["apple_on_towel"], spot @ Matrix.Rotation(radians(40.0), 4, "Z"))
+    poses = {
+        "apple_from_bowl": made["apple_from_bowl"].lying(at, radians(5.0)),
+        "apple_pushed": made["apple_pushed"].lying(
+            (*loose.point(GREEN_ON_TOWEL, 0.4), TOWEL_M), radians(3.0)
+        ),
+        "apple_on_towel": pose((*loose.point(RED_ON_TOWEL, 0.6), TOWEL_M), 40.0),
+    }
     left = made["apple_left_in_bowl"]
     centre = Vector((x + GREEN_IN_BOWL[0], y + GREEN_IN_BOWL[1], floor + left.radius_m))
-    tilt = Matrix.Rotation(radians(14.0), 4, "Z") @ Matrix.Rotation(radians(-6.0), 4, "X")
-    _put(left, Matrix.Translation(centre) @ tilt @ Matrix.Translation(-left.middle))
+    poses["apple_left_in_bowl"] = pose(centre, 14.0, tilt_deg=-6.0) @ Matrix.Translation(-left.middle)
+    for name, matrix in poses.items():
+        made[name].instance.objects[0].matrix_basis = matrix
     return made
 
 
@@ -326,15 +331,3 @@ def _hand(
     knit = f"{name}.knit"
     sleeve.data.materials[0] = products.knit(knit, PULLOVER, scene.rng(knit), along="Y", bends=True)
     return hand
-
-
-def _put(thing: Round, matrix: Matrix) -> None:
-    thing.instance.objects[0].matrix_basis = matrix
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

@@ -13,37 +13,16 @@ Axes: the desk top is z = 0; the sitter is at -X and faces +X, so the right hand
 
 from __future__ import annotations
 
-import random
 from math import radians
 
-import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import (
-    book,
-    bookcase,
-    computer_mouse,
-    cup,
-    desk,
-    desk_lamp,
-    headphones,
-    keyboard,
-    monitor,
-    mouse_mat,
-    notepad,
-    office_chair,
-    paper_sheets,
-    pen,
-    pen_pot,
-    plant_pot,
-    saucer,
-    sitter,
-    study_room,
-)
+from l4d_blender.assets import computer_mouse, cup, desk, desk_lamp, mouse_mat, notepad, office_chair, saucer
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.hands import Hand
+from l4d_blender.placing import Loose, pose
 from l4d_blender.scene import Instance, Scene
 
 SCALE = "tabletop"
@@ -52,21 +31,21 @@ FLOOR_M = -desk.HEIGHT_M
 BOOK_SIZE_M = (0.155, 0.225, 0.030)
 PULLOVER = (0.045, 0.070, 0.110)
 
-# Where things stand: x, y in metres, heading in degrees, height of what they stand on.
-KEYBOARD = (-0.195, 0.02, -90)
-MOUSE_MAT = (-0.155, -0.255, -90)
-NOTEPAD = (0.145, -0.28, -68)
-GREEN_BOOK = (0.13, 0.02, -78)
-COASTER = (0.255, -0.155, 0)
-LAMP = (0.165, 0.360, -20)
-MOUSE_BY_NOTEPAD = (0.045, -0.195, 78)
-CUP_ON_BOOK = (0.13, 0.03, 200, BOOK_SIZE_M[2])
-CUP_BY_KEYBOARD = (-0.135, 0.228, -72)
-CUP_BY_LAMP = (0.044, 0.302, -75)
-CUP_ON_COASTER = (0.255, -0.155, -100, saucer.COASTER_M)
+# Where things stand: x, y (and z) in metres, heading in degrees.
+KEYBOARD = ((-0.195, 0.02), -90)
+MOUSE_MAT = ((-0.155, -0.255), -90)
+NOTEPAD = ((0.145, -0.28), -68)
+GREEN_BOOK = ((0.13, 0.02), -78)
+COASTER = ((0.255, -0.155), 0)
+LAMP = ((0.165, 0.360), -20)
+MOUSE_BY_NOTEPAD = ((0.045, -0.195), 78)
+CUP_ON_BOOK = ((0.13, 0.03, BOOK_SIZE_M[2]), 200)
+CUP_BY_KEYBOARD = ((-0.135, 0.228), -72)
+CUP_BY_LAMP = ((0.044, 0.302), -75)
+CUP_ON_COASTER = ((0.255, -0.155, saucer.COASTER_M), -100)
 
 # Where the moved mouse starts, and the curve that it then takes over the mat.
-MOUSE_ON_MAT = (-0.170, -0.208, 84, mouse_mat.THICKNESS_M)
+MOUSE_ON_MAT = ((-0.170, -0.208, mouse_mat.THICKNESS_M), 84)
 SLIDE_THROUGH = ((-0.118, -0.224), (-0.095, -0.262), (-0.125, -0.298), (-0.165, -0.310))
 SLIDE_TURN_DEG = 12.0
 
@@ -117,10 +96,10 @@ def build(scene: Scene) -> None:
     _clutter(scene)
     _light(scene)
 
-    place = Placer(scene.rng("layout"))
-    _landmarks(scene, place)
-    cups = _cups(scene, place)
-    mice = _mice(scene, place)
+    loose = Loose(scene.rng("layout"), 0.006, 4.0)
+    _landmarks(scene, loose)
+    cups = _cups(scene, loose)
+    mice = _mice(scene, loose)
     _right_hand(scene, mice["mouse_on_mat"])
     _left_hand(scene, cups["cup_by_keyboard"])
 
@@ -129,53 +108,45 @@ def build(scene: Scene) -> None:
     )
 
 
-class Placer:
-    """Puts things where the layout says, each a few millimetres and degrees off, as people do."""
-
-    def __init__(self, rng: random.Random) -> None:
-        self.rng = rng
-
-    def __call__(
-        self,
-        obj: bpy.types.Object,
-        x: float,
-        y: float,
-        heading_deg: float = 0.0,
-        z: float = 0.0,
-        loose: float = 1.0,
-    ) -> bpy.types.Object:
-        """Puts `obj` near x, y (metres) at a heading; `loose` scales how far off it may be."""
-        dx, dy, turn = (self.rng.uniform(-1.0, 1.0) * loose * most for most in (0.006, 0.006, 4.0))
-        heading = Matrix.Rotation(radians(heading_deg + turn), 4, "Z")
-        obj.matrix_basis = Matrix.Translation((x + dx, y + dy, z)) @ heading
-        return obj
-
-
 def _room(scene: Scene) -> None:
     """Walls, window, shelves, desk, chair, and whoever sits there."""
     rng = scene.rng("room")
-    window = study_room.study_room("room", rng, wall_y_m=0.74, window_x_m=(-1.05, 0.32), sill_m=0.86)
+    window = scene.make("study_room", "room", rng, wall_y_m=0.74, window_x_m=(-1.05, 0.32), sill_m=0.86)
     scene.scenery(
-        _stand(window, 0.0, 0.0, 0, FLOOR_M),
-        _stand(desk.desk("desk", rng, size_m=(1.36, 0.80)), 0.02, 0.0, -90, FLOOR_M),
-        _stand(
-            bookcase.build("shelf", rng, width_m=1.1, depth_m=0.22, height_m=0.38, shelves=1),
-            1.15,
-            0.63,
-            0,
-            0.05,
+        scene.place(window, (0.0, 0.0), on=FLOOR_M),
+        scene.put("desk", "desk", (0.02, 0.0), -90, on=FLOOR_M, rng=rng, size_m=(1.36, 0.80)),
+        scene.put(
+            "bookcase",
+            "shelf",
+            (1.15, 0.63),
+            on=0.05,
+            rng=rng,
+            width_m=1.1,
+            depth_m=0.22,
+            height_m=0.38,
+            shelves=1,
         ),
-        _stand(bookcase.build("bookcase", rng, width_m=1.3), -2.42, -0.1, 90, FLOOR_M),
-        _stand(
-            bookcase.build("cabinet", rng, width_m=1.2, height_m=1.1, shelves=3), 2.42, -0.2, -90, FLOOR_M
+        scene.put("bookcase", "bookcase", (-2.42, -0.1), 90, on=FLOOR_M, rng=rng, width_m=1.3),
+        scene.put(
+            "bookcase",
+            "cabinet",
+            (2.42, -0.2),
+            -90,
+            on=FLOOR_M,
+            rng=rng,
+            width_m=1.2,
+            height_m=1.1,
+            shelves=3,
         ),
-        _stand(office_chair.office_chair("chair", rng), -0.70, 0.0, 90, FLOOR_M),
-        _stand(
-            sitter.sitter("sitter", rng, pullover=products.knit("pullover", PULLOVER, rng)),
-            -0.60,
-            0.0,
+        scene.put("office_chair", "chair", (-0.70, 0.0), 90, on=FLOOR_M, rng=rng),
+        scene.put(
+            "sitter",
+            "sitter",
+            (-0.60, 0.0),
             90,
-            FLOOR_M + office_chair.SEAT_M,
+            on=FLOOR_M + office_chair.SEAT_M,
+            rng=rng,
+            pullover=products.knit("pullover", PULLOVER, rng),
         ),
     )
 
@@ -184,13 +155,13 @@ def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
     scene.scenery(
-        _stand(monitor.monitor("monitor", rng), 0.30, 0.50, -62),
-        _stand(headphones.headphones("headphones", rng), 0.275, 0.17, -150),
-        _stand(paper_sheets.paper_sheets("sheets", rng), 0.0, -0.47, -75),
-        _stand(paper_sheets.sticky_notes("sticky_notes", rng), 0.14, -0.46, -60),
-        _stand(pen_pot.pen_pot("pen_pot", rng), -0.02, 0.58),
-        _stand(plant_pot.plant_pot("plant", rng), -0.24, 0.52),
-        _stand(pen.pen("pen", rng), 0.16, -0.29, 160, notepad.THICKNESS_M),
+        scene.put("monitor", "monitor", (0.30, 0.50), -62, rng=rng),
+        scene.put("headphones", "headphones", (0.275, 0.17), -150, rng=rng),
+        scene.put("paper_sheets", "sheets", (0.0, -0.47), -75, rng=rng),
+        scene.put("paper_sheets.sticky_notes", "sticky_notes", (0.14, -0.46), -60, rng=rng),
+        scene.put("pen_pot", "pen_pot", (-0.02, 0.58), rng=rng),
+        scene.put("plant_pot", "plant", (-0.24, 0.52), rng=rng),
+        scene.put("pen", "pen", (0.16, -0.29), 160, on=notepad.THICKNESS_M, rng=rng),
     )
 
 
@@ -205,28 +176,37 @@ def _light(scene: Scene) -> None:
         power_w=30,
         colour=(0.86, 0.93, 1.0),
     )
-    lamp = Matrix.Translation((LAMP[0], LAMP[1], 0.0)) @ Matrix.Rotation(radians(LAMP[2]), 4, "Z")
     scene.point_light(
-        "lamp_light", lamp @ desk_lamp.LIGHT, power_w=5.0, radius_m=0.03, colour=(1.0, 0.66, 0.34)
+        "lamp_light", pose(*LAMP) @ desk_lamp.LIGHT, power_w=5.0, radius_m=0.03, colour=(1.0, 0.66, 0.34)
     )
 
 
-def _landmarks(scene: Scene, place: Placer) -> None:
+def _landmarks(scene: Scene, loose: Loose) -> None:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
     marks = (
-        (1001, "green_book", "book", place(book.book("green_book", rng, size_m=BOOK_SIZE_M), *GREEN_BOOK)),
-        (1002, "keyboard", "keyboard", place(keyboard.keyboard("keyboard", rng), *KEYBOARD, loose=0.4)),
-        (1003, "lamp", "lamp", _stand(desk_lamp.desk_lamp("lamp", rng), *LAMP)),
-        (1004, "notepad", "notepad", place(notepad.notepad("notepad", rng), *NOTEPAD)),
-        (1005, "mouse_mat", "mouse_mat", place(mouse_mat.mouse_mat("mouse_mat", rng), *MOUSE_MAT, loose=0.5)),
-        (1008, "coaster", "coaster", place(saucer.coaster("coaster", rng), *COASTER, loose=0.5)),
+        (
+            1001,
+            "green_book",
+            "book",
+            scene.put("book", "green_book", *loose(GREEN_BOOK), rng=rng, size_m=BOOK_SIZE_M),
+        ),
+        (1002, "keyboard", "keyboard", scene.put("keyboard", "keyboard", *loose(KEYBOARD, 0.4), rng=rng)),
+        (1003, "lamp", "lamp", scene.put("desk_lamp", "lamp", *LAMP, rng=rng)),
+        (1004, "notepad", "notepad", scene.put("notepad", "notepad", *loose(NOTEPAD), rng=rng)),
+        (
+            1005,
+            "mouse_mat",
+            "mouse_mat",
+            scene.put("mouse_mat", "mouse_mat", *loose(MOUSE_MAT, 0.5), rng=rng),
+        ),
+        (1008, "coaster", "coaster", scene.put("saucer.coaster", "coaster", *loose(COASTER, 0.5), rng=rng)),
     )
     for id_, name, category, obj in marks:
         scene.instance(name, id_, category, obj)
 
 
-def _cups(scene: Scene, place: Placer) -> dict[str, Instance]:
+def _cups(scene: Scene, loose: Loose) -> dict[str, Instance]:
     """Four cups at four places; which look stands where is the variant's choice."""
     looks = _looks(scene)
     spots = (
@@ -237,8 +217,7 @@ def _cups(scene: Scene, place: Placer) -> dict[str, Instance]:
     )
     cups = {}
     for (id_, name, spot), (look, attributes) in zip(spots, looks):
-        obj = place(cup.cup(name, scene.rng(name), look=look), *spot, loose=0.7)
-        cups[name] = scene.instance(name, id_, "cup", obj, attributes=attributes)
+        cups[name] = scene.add(id_, "cup", name, *loose(spot, 0.7), attributes=attributes, look=look)
     return cups
 
 
@@ -253,20 +232,22 @@ def _looks(scene: Scene) -> list[Look]:
     return looks
 
 
-def _mice(scene: Scene, place: Placer) -> dict[str, Instance]:
+def _mice(scene: Scene, loose: Loose) -> dict[str, Instance]:
     """Two mice of one make."""
     colour = "black" if scene.variant == 0 else scene.rng("mice").choice(list(computer_mouse.SHELLS))
     shell = computer_mouse.SHELLS[colour]
-    moved = computer_mouse.computer_mouse("mouse_on_mat", scene.rng("mouse_on_mat"), shell=shell)
-    still = computer_mouse.computer_mouse("mouse_by_notepad", scene.rng("mouse_by_notepad"), shell=shell)
     attributes = {"colour": colour}
     return {
-        "mouse_on_mat": scene.instance(
-            "mouse_on_mat", 5, "mouse", place(moved, *MOUSE_ON_MAT, loose=0.5), attributes=attributes,
-            front="-y",
+        "mouse_on_mat": scene.add(
+            5, "computer_mouse", "mouse_on_mat", *loose(MOUSE_ON_MAT, 0.5), attributes=attributes, shell=shell
         ),
-        "mouse_by_notepad": scene.instance(
-            "mouse_by_notepad", 6, "mouse", place(still, *MOUSE_BY_NOTEPAD), attributes=attributes, front="-y"
+        "mouse_by_notepad": scene.add(
+            6,
+            "computer_mouse",
+            "mouse_by_notepad",
+            *loose(MOUSE_BY_NOTEPAD),
+            attributes=attributes,
+            shell=shell,
         ),
     }
 
@@ -274,7 +255,13 @@ def _mice(scene: Scene, place: Placer) -> dict[str, Instance]:
 def _right_hand(scene: Scene, mouse: Instance) -> None:
     """Takes the mouse on the mat, slides it in a curve, lets go and withdraws."""
     hand = Hand(
-        scene, "hand_right", 1006, side="r", look=LOOK_OF_HANDS, shoulder=SHOULDER_RIGHT, rest_at=REST_RIGHT,
+        scene,
+        "hand_right",
+        1006,
+        side="r",
+        look=LOOK_OF_HANDS,
+        shoulder=SHOULDER_RIGHT,
+        rest_at=REST_RIGHT,
         attributes={"side": "right"},
     )
     _dress(scene, hand)
@@ -289,7 +276,13 @@ def _right_hand(scene: Scene, mouse: Instance) -> None:
 def _left_hand(scene: Scene, lifted: Instance) -> None:
     """Rests under the window, then takes a cup round its body, lifts it and puts it down again."""
     hand = Hand(
-        scene, "hand_left", 1007, side="l", look=LOOK_OF_HANDS, shoulder=SHOULDER_LEFT, rest_at=REST_LEFT,
+        scene,
+        "hand_left",
+        1007,
+        side="l",
+        look=LOOK_OF_HANDS,
+        shoulder=SHOULDER_LEFT,
+        rest_at=REST_LEFT,
         attributes={"side": "left"},
     )
     _dress(scene, hand)
@@ -306,11 +299,3 @@ def _dress(scene: Scene, hand: Hand) -> None:
     name = f"{hand.instance.name}.knit"
     _, sleeve = hand.body.meshes
     sleeve.data.materials[0] = products.knit(name, PULLOVER, scene.rng(name), along="Y", bends=True)
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

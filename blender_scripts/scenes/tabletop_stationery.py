@@ -16,30 +16,15 @@ from dataclasses import dataclass
 from math import radians
 
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import (
-    bookcase,
-    cup,
-    desk,
-    desk_lamp,
-    desk_pad,
-    drawing_tools,
-    glasses,
-    laptop,
-    marker_pen,
-    notebook,
-    office_room,
-    paper_sheets,
-    pen_pot,
-    plant_pot,
-    sitter,
-)
+from l4d_blender.assets import cup, desk, desk_pad, laptop, marker_pen, notebook
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion import writing
 from l4d_blender.motion.writing import PenHand
+from l4d_blender.placing import pose
 from l4d_blender.scene import Instance, Scene
 
 SCALE = "tabletop"
@@ -51,19 +36,19 @@ FORWARD = Vector((0.0, -1.0, 0.0))
 SHIRT = (0.30, 0.38, 0.46)
 
 # x, y in metres, heading in degrees.
-OPEN = (-0.160, 0.000, 178.0)
-SHUT = (0.248, 0.105, 172.0)
-ROLLS_ON_PAD = (0.116, -0.062, 183.0)
-RULER = (0.085, -0.238, 6.0)
-ERASER = (-0.085, -0.200, 28.0)
-POT = (0.400, 0.310, 0.0)
-GLASSES = (0.300, -0.190, 152.0)
-LAPTOP = (-0.540, -0.020, 188.0)
-LAMP = (0.500, 0.150, -62.0)
+OPEN = ((-0.160, 0.000), 178.0)
+SHUT = ((0.248, 0.105), 172.0)
+ROLLS_ON_PAD = ((0.116, -0.062), 183.0)
+RULER = ((0.085, -0.238), 6.0)
+ERASER = ((-0.085, -0.200), 28.0)
+POT = ((0.400, 0.310), 0.0)
+GLASSES = ((0.300, -0.190), 152.0)
+LAPTOP = ((-0.540, -0.020), 188.0)
+LAMP = ((0.500, 0.150), -62.0)
 
 # On the notebooks' own axes: where the pens lie, and the line that is written.
-WRITER_AT = (0.080, -0.042, 4.0)
-ROLLS_ON_COVER = (0.004, -0.045, 3.0)
+WRITER_AT = ((0.080, -0.042), 4.0)
+ROLLS_ON_COVER = ((0.004, -0.045), 3.0)
 LINE = ((0.030, 0.046), (0.124, 0.046))
 WORDS_M = (0.018, 0.026, 0.012, 0.022)
 
@@ -83,22 +68,12 @@ COVERS = {"green": (0.06, 0.15, 0.13), "red": (0.36, 0.07, 0.05), "ochre": (0.46
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: str
-    other: str
-    covers: tuple[str, str]
-    push: tuple[int, int]
-    writing: tuple[int, int]
-    sun_azimuth_deg: float
-
-
-BENCHMARK = Choices(
-    twins="blue",
-    other="orange",
-    covers=("green", "red"),
-    push=(15, 30),
-    writing=(32, 70),
-    sun_azimuth_deg=196.0,
-)
+    twins: str = "blue"
+    other: str = "orange"
+    covers: tuple[str, str] = ("green", "red")
+    push: tuple[int, int] = (15, 30)
+    writing: tuple[int, int] = (32, 70)
+    sun_azimuth_deg: float = 196.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -117,7 +92,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """The whole scene; the story happens in `_right_hand` and `_left_hand`."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _office(scene)
     _clutter(scene)
     _light(scene, choices)
@@ -139,7 +114,8 @@ def build(scene: Scene) -> None:
 def _office(scene: Scene) -> None:
     """The room, the desk and whoever sits there."""
     rng = scene.rng("room")
-    shell = office_room.office_room(
+    shell = scene.make(
+        "office_room",
         "office",
         rng,
         half_width_m=2.1,
@@ -148,9 +124,9 @@ def _office(scene: Scene) -> None:
         window_y_m=(-0.9, 0.9),
         accent=(0.12, 0.20, 0.27),
     )
-    for part in shell:
-        _stand(part, 0.0, 0.0, 0, FLOOR_M)
-    table = desk.desk(
+    scene.place(shell, (0.0, 0.0), on=FLOOR_M)
+    table = scene.make(
+        "desk",
         "desk",
         rng,
         size_m=(1.5, 0.80),
@@ -158,33 +134,37 @@ def _office(scene: Scene) -> None:
         dark=(0.33, 0.29, 0.24),
         steel=(0.42, 0.42, 0.43),
     )
-    writer = sitter.sitter(
-        "writer", rng, pullover=products.knit("jumper", SHIRT, rng), jeans=(0.05, 0.05, 0.06)
+    writer = scene.make(
+        "sitter", "writer", rng, pullover=products.knit("jumper", SHIRT, rng), jeans=(0.05, 0.05, 0.06)
     )
     scene.scenery(
         *shell,
-        _stand(table, 0.0, -0.05, 180, FLOOR_M),
-        _stand(writer, 0.0, 0.44, 0, FLOOR_M + SEAT_M),
-        _stand(bookcase.build("shelves", rng, width_m=1.5, height_m=1.1, shelves=3), 0.75, 1.5, 0, FLOOR_M),
+        scene.place(table, (0.0, -0.05), 180, on=FLOOR_M),
+        scene.place(writer, (0.0, 0.44), on=FLOOR_M + SEAT_M),
+        scene.put(
+            "bookcase", "shelves", (0.75, 1.5), on=FLOOR_M, rng=rng, width_m=1.5, height_m=1.1, shelves=3
+        ),
     )
 
 
 def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
-    computer = laptop.laptop("laptop", rng, laptop.COMPACT_SILVER)
-    _stand(computer.base, *LAPTOP)
-    computer.lid.matrix_basis = computer.base.matrix_basis @ computer.lid_matrix(0.0)
-    scene.instance("laptop", 1005, "laptop", [computer.base, computer.lid])
+    scene.add(1005, "laptop", "laptop", *LAPTOP, front=None, rng=rng, model=laptop.COMPACT_SILVER)
     scene.scenery(
-        _stand(desk_pad.desk_pad("pad", rng), 0.0, -0.035),
-        _stand(glasses.glasses("glasses", rng), *GLASSES, PAD_M),
-        _stand(
-            cup.cup("cup", rng, look=cup.Look(glaze=(0.30, 0.34, 0.33), liquid=cup.COFFEE)), -0.395, 0.235, 40
+        scene.put("desk_pad", "pad", (0.0, -0.035), rng=rng),
+        scene.put("glasses", "glasses", *GLASSES, on=PAD_M, rng=rng),
+        scene.put(
+            "cup",
+            "cup",
+            (-0.395, 0.235),
+            40,
+            rng=rng,
+            look=cup.Look(glaze=(0.30, 0.34, 0.33), liquid=cup.COFFEE),
         ),
-        _stand(paper_sheets.paper_sheets("sheets", rng), -0.300, -0.345, 24),
-        _stand(paper_sheets.sticky_notes("sticky_notes", rng), -0.335, -0.185, 14, PAD_M),
-        _stand(plant_pot.plant_pot("plant", rng), 0.560, 0.285),
+        scene.put("paper_sheets", "sheets", (-0.300, -0.345), 24, rng=rng),
+        scene.put("paper_sheets.sticky_notes", "sticky_notes", (-0.335, -0.185), 14, on=PAD_M, rng=rng),
+        scene.put("plant_pot", "plant", (0.560, 0.285), rng=rng),
     )
 
 
@@ -212,10 +192,10 @@ def _landmarks(scene: Scene) -> None:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
     marks = (
-        (1001, "ruler", _stand(drawing_tools.ruler("ruler", rng), *RULER, PAD_M)),
-        (1002, "eraser", _stand(drawing_tools.rubber("eraser", rng), *ERASER, PAD_M)),
-        (1003, "pen_pot", _stand(pen_pot.pen_pot("pen_pot", rng), *POT, PAD_M)),
-        (1004, "lamp", _stand(desk_lamp.desk_lamp("lamp", rng, enamel=(0.62, 0.60, 0.55)), *LAMP)),
+        (1001, "ruler", scene.put("drawing_tools.ruler", "ruler", *RULER, on=PAD_M, rng=rng)),
+        (1002, "eraser", scene.put("drawing_tools.rubber", "eraser", *ERASER, on=PAD_M, rng=rng)),
+        (1003, "pen_pot", scene.put("pen_pot", "pen_pot", *POT, on=PAD_M, rng=rng)),
+        (1004, "lamp", scene.put("desk_lamp", "lamp", *LAMP, rng=rng, enamel=(0.62, 0.60, 0.55))),
     )
     for id_, name, obj in marks:
         scene.instance(name, id_, name, obj)
@@ -225,45 +205,53 @@ def _notebooks(scene: Scene, choices: Choices) -> tuple[dict[str, Instance], lis
     """One open, one shut; and the words that will be written."""
     covers = choices.covers
     rng = scene.rng("notebook_open")
-    opened = notebook.open_notebook("notebook_open", rng, look=notebook.Look(cover=COVERS[covers[0]]))
-    _stand(opened, *OPEN, PAD_M)
+    opened = scene.make(
+        "notebook.open_notebook", "notebook_open", rng, look=notebook.Look(cover=COVERS[covers[0]])
+    )
+    scene.place(opened, *OPEN, on=PAD_M)
     words, x = [], LINE[0][0]
     for k, length in enumerate(WORDS_M):
-        word = notebook.word(f"word_{k}", rng, length)
+        word = scene.make("notebook.word", f"word_{k}", rng, length_m=length)
         z = notebook.page_z(x) + 0.0003
-        word.matrix_basis = opened.matrix_basis @ Matrix.Translation((x, LINE[0][1], z))
-        words.append(word)
+        words.append(scene.place(word, (x, LINE[0][1], z), on=opened))
         x += length + 0.005
-    shut = notebook.shut_notebook(
-        "notebook_shut", scene.rng("notebook_shut"), look=notebook.Look(cover=COVERS[covers[1]], dotted=True)
-    )
-    _stand(shut, *SHUT, PAD_M)
     plain = {"colour": covers[0], "pattern": "plain", "state": "open"}
     dotted = {"colour": covers[1], "pattern": "dotted", "state": "shut"}
     return {
         "notebook_open": scene.instance("notebook_open", 4, "notebook", [opened, *words], attributes=plain),
-        "notebook_shut": scene.instance("notebook_shut", 5, "notebook", shut, attributes=dotted),
+        "notebook_shut": scene.add(
+            5,
+            "notebook.shut_notebook",
+            "notebook_shut",
+            *SHUT,
+            attributes=dotted,
+            on=PAD_M,
+            look=notebook.Look(cover=COVERS[covers[1]], dotted=True),
+        ),
     }, words
 
 
 def _pens(scene: Scene, choices: Choices, notebooks: dict[str, Instance]) -> dict[str, Instance]:
     """Two twins and a banded one; two of the three lie on notebooks."""
-    page = notebooks["notebook_open"].matrix(0) @ Matrix.Translation((0.0, 0.0, notebook.page_z(0.08)))
-    cover = notebooks["notebook_shut"].matrix(0) @ Matrix.Translation((0.0, 0.0, notebook.SHUT_M))
-    pad = Matrix.Translation((0.0, 0.0, PAD_M))
+    page = notebooks["notebook_open"].matrix(0) @ pose((0.0, 0.0, notebook.page_z(0.08)))
+    cover = notebooks["notebook_shut"].matrix(0) @ pose((0.0, 0.0, notebook.SHUT_M))
     spots = {
         "pen_writing": (page, WRITER_AT, choices.twins, 0),
-        "pen_on_pad": (pad, ROLLS_ON_PAD, choices.twins, 0),
+        "pen_on_pad": (PAD_M, ROLLS_ON_PAD, choices.twins, 0),
         "pen_on_cover": (cover, ROLLS_ON_COVER, choices.other, 3),
     }
     pens = {}
-    for id_, (name, (level, (x, y, heading), barrel, bands)) in enumerate(spots.items(), 1):
-        obj = marker_pen.marker_pen(
-            name, scene.rng(name), look=marker_pen.Look(barrel=BARRELS[barrel], bands=bands)
-        )
-        obj.matrix_basis = level @ Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(radians(heading), 4, "Z")
+    for id_, (name, (level, spot, barrel, bands)) in enumerate(spots.items(), 1):
         attributes = {"colour": barrel, "pattern": "banded" if bands else "plain"}
-        pens[name] = scene.instance(name, id_, "pen", obj, attributes=attributes)
+        pens[name] = scene.add(
+            id_,
+            "marker_pen",
+            name,
+            *spot,
+            attributes=attributes,
+            on=level,
+            look=marker_pen.Look(barrel=BARRELS[barrel], bands=bands),
+        )
     return pens
 
 
@@ -317,17 +305,16 @@ def _hand(scene: Scene, name: str, id_: int, side: str) -> PenHand:
     """A hand in the sleeve of the writer's jumper."""
     look = HandLook(skin="tan", sleeve=Cloth("light_blue"), cuff="grey", scale=0.90)
     hand = PenHand(
-        scene, name, id_, side=side, look=look, shoulder=SHOULDERS[side], rest_at=RESTS[side], table_m=PAD_M,
+        scene,
+        name,
+        id_,
+        side=side,
+        look=look,
+        shoulder=SHOULDERS[side],
+        rest_at=RESTS[side],
+        table_m=PAD_M,
         attributes={"side": {"r": "right", "l": "left"}[side]},
     )
     _, sleeve = hand.body.meshes
     sleeve.data.materials[0] = products.knit(f"{name}.knit", SHIRT, scene.rng(name), along="Y", bends=True)
     return hand
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

@@ -17,26 +17,14 @@ from dataclasses import dataclass
 from math import radians
 
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import (
-    cup,
-    dining_table,
-    flower_vase,
-    garden,
-    saucer,
-    sitter,
-    spoon,
-    sugar_bowl,
-    tea,
-    teapot,
-    tray,
-    wooden_chair,
-)
+from l4d_blender.assets import cup, dining_table, saucer, spoon, tea, teapot, tray, wooden_chair
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion.servers import Server, Stirring
+from l4d_blender.placing import Loose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import FRAME_COUNT
 
@@ -49,16 +37,16 @@ CARDIGAN = (0.24, 0.055, 0.06)
 SHIRT = (0.06, 0.15, 0.13)
 
 # x, y in metres and heading in degrees; pots head where their spout points.
-TRIVET = (-0.205, -0.345, 8)
-TRAY = (0.075, 0.115, 0)
-SUGAR = (0.085, -0.165, 0)
-BISCUITS = (0.295, -0.240, 0)
-FLOWERS = (0.375, 0.355, 40)
-POT_ON_TRIVET = (-0.205, -0.345, 180)
-POT_BEHIND_TRAY = (0.015, 0.345, 90)
-CUP_BY_HOST = (-0.125, -0.115, 215)
-CUP_STIRRED = (-0.115, 0.105, 140)
-CUP_TALL = (0.245, 0.100, -60)
+TRIVET = ((-0.205, -0.345), 8)
+TRAY = ((0.075, 0.115), 0)
+SUGAR = ((0.085, -0.165), 0)
+BISCUITS = ((0.295, -0.240), 0)
+FLOWERS = ((0.375, 0.355), 40)
+POT_ON_TRIVET = ((-0.205, -0.345), 180)
+POT_BEHIND_TRAY = ((0.015, 0.345), 90)
+CUP_BY_HOST = ((-0.125, -0.115), 215)
+CUP_STIRRED = ((-0.115, 0.105), 140)
+CUP_TALL = ((0.245, 0.100), -60)
 
 TEA = (0.17, 0.052, 0.010)
 CUP_LOW, CUP_HIGH = 0.60, 0.89  # levels as shares of the lip's height
@@ -84,7 +72,8 @@ WIDE_STRIPED = (
 TALL_DIPPED = (cup.Look(pattern="dipped"), {"colour": "white", "pattern": "two_tone", "shape": "tall"})
 
 ROUND_POT = (
-    teapot.Look(knob="wood"), {"colour": "blue", "shape": "round", "material": "ceramic", "knob": "wooden"}
+    teapot.Look(knob="wood"),
+    {"colour": "blue", "shape": "round", "material": "ceramic", "knob": "wooden"},
 )
 TALL_POT = (
     teapot.Look(shape="tall", material="enamel", pattern="banded"),
@@ -124,14 +113,14 @@ def _draw(rng: random.Random) -> Choices:
 def build(scene: Scene) -> None:
     """Lays the table in the garden; the story happens in `_host` and `_guest`."""
     choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-    scene.scenery(*garden.garden("garden", scene.rng("garden"), floor_m=FLOOR_M))
+    scene.scenery(*scene.make("garden", "garden", floor_m=FLOOR_M))
     _seats(scene, choices)
     _light(scene, choices)
 
-    place = Placer(scene.rng("layout"))
-    _landmarks(scene, place)
-    cups = _cups(scene, choices, place)
-    pots = _pots(scene, choices, place)
+    loose = Loose(scene.rng("layout"), 0.005, 5.0)
+    _landmarks(scene, loose)
+    cups = _cups(scene, choices, loose)
+    pots = _pots(scene, choices, loose)
     _host(scene, choices, cups, pots["pot_on_trivet"])
     _guest(scene, choices, cups["cup_tall"], pots["pot_behind_tray"])
 
@@ -140,48 +129,37 @@ def build(scene: Scene) -> None:
     )
 
 
-class Placer:
-    """Puts things where the layout says, each a few millimetres and degrees off, as people do."""
-
-    def __init__(self, rng: random.Random) -> None:
-        self.rng = rng
-
-    def __call__(
-        self,
-        obj: bpy.types.Object,
-        x: float,
-        y: float,
-        heading_deg: float,
-        z: float = 0.0,
-        loose: float = 1.0,
-    ) -> bpy.types.Object:
-        """Puts `obj` near x, y (metres) at a heading; `loose` scales how far off it may be."""
-        dx, dy, turn = (self.rng.uniform(-1.0, 1.0) * loose * most for most in (0.005, 0.005, 5.0))
-        return _stand(obj, x + dx, y + dy, heading_deg + turn, z)
-
-
 def _seats(scene: Scene, choices: Choices) -> None:
     """Table, cloth, chairs, and the two who sit there."""
     rng = scene.rng("seats")
-    table = dining_table.dining_table("table", rng, size_m=TABLE_M, under_cloth=True)
-    cloth = dining_table.tablecloth(
-        "cloth", rng, tableware.gingham("gingham", choices.cloth, rng, check_m=0.032), table_m=TABLE_M
+    table = scene.make("dining_table", "table", rng, size_m=TABLE_M, under_cloth=True)
+    cloth = scene.make(
+        "dining_table.tablecloth",
+        "cloth",
+        rng,
+        material=tableware.gingham("gingham", choices.cloth, rng, check_m=0.032),
+        table_m=TABLE_M,
     )
-    scene.scenery(_stand(table, *TABLE), _stand(cloth, *TABLE))
+    scene.scenery(scene.place(table, TABLE), scene.place(cloth, TABLE))
     for name, colour, (x, y), heading in (
         ("host", CARDIGAN, (-0.62, 0.0), 90),
         ("guest", SHIRT, (0.14, 0.76), 0),
     ):
-        chair = wooden_chair.wooden_chair(f"{name}_chair", rng)
-        body = sitter.sitter(name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
+        chair = scene.make("wooden_chair", f"{name}_chair", rng)
+        body = scene.make("sitter", name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
         scene.scenery(
-            _stand(chair, x, y, heading, FLOOR_M), _stand(body, x, y, heading, FLOOR_M + wooden_chair.SEAT_M)
+            scene.place(chair, (x, y), heading, on=FLOOR_M),
+            scene.place(body, (x, y), heading, on=FLOOR_M + wooden_chair.SEAT_M),
         )
-    napkin = dining_table.runner(
-        "napkin", rng, tableware.linen("linen", (0.62, 0.58, 0.48), rng), size_m=(0.17, 0.13)
+    napkin = scene.make(
+        "dining_table.runner",
+        "napkin",
+        rng,
+        material=tableware.linen("linen", (0.62, 0.58, 0.48), rng),
+        size_m=(0.17, 0.13),
     )
-    spare = saucer.saucer("spare_saucer", rng, rim=(0.10, 0.20, 0.34))
-    scene.scenery(_stand(napkin, 0.10, -0.33, 22, 0.002), _stand(spare, 0.47, 0.07, 0))
+    spare = scene.make("saucer", "spare_saucer", rng, rim=(0.10, 0.20, 0.34))
+    scene.scenery(scene.place(napkin, (0.10, -0.33), 22, on=0.002), scene.place(spare, (0.47, 0.07)))
 
 
 def _light(scene: Scene, choices: Choices) -> None:
@@ -196,47 +174,48 @@ def _light(scene: Scene, choices: Choices) -> None:
     )
 
 
-def _landmarks(scene: Scene, place: Placer) -> None:
+def _landmarks(scene: Scene, loose: Loose) -> None:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
-    bowl = sugar_bowl.sugar_bowl("sugar_bowl", rng)
-    flowers = flower_vase.flower_vase("flowers", rng)
+    bowl = scene.make("sugar_bowl", "sugar_bowl", rng)
+    flowers = scene.make("flower_vase", "flowers", rng)
     for id_, name, category, obj in (
-        (1001, "trivet", "trivet", place(tray.trivet("trivet", rng), *TRIVET, loose=0.5)),
-        (1002, "tray", "tray", _stand(tray.tray("tray", rng, size_m=(0.50, 0.27)), *TRAY)),
-        (1003, "sugar_bowl", "sugar_bowl", place(bowl, *SUGAR)),
-        (1004, "biscuits", "plate", place(sugar_bowl.biscuits("biscuits", rng), *BISCUITS)),
-        (1005, "flowers", "vase", place(flowers, *FLOWERS)),
+        (1001, "trivet", "trivet", scene.put("tray.trivet", "trivet", *loose(TRIVET, 0.5), rng=rng)),
+        (1002, "tray", "tray", scene.put("tray", "tray", *TRAY, rng=rng, size_m=(0.50, 0.27))),
+        (1003, "sugar_bowl", "sugar_bowl", scene.place(bowl, *loose(SUGAR))),
+        (1004, "biscuits", "plate", scene.put("sugar_bowl.biscuits", "biscuits", *loose(BISCUITS), rng=rng)),
+        (1005, "flowers", "vase", scene.place(flowers, *loose(FLOWERS))),
     ):
         scene.instance(name, id_, category, obj)
 
 
-def _cups(scene: Scene, choices: Choices, place: Placer) -> dict[str, Instance]:
+def _cups(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
     """Two twins and another, each with some tea in it."""
-    under = saucer.saucer("saucer", scene.rng("saucer"))
-    scene.scenery(place(under, *CUP_BY_HOST[:2], 0.0, loose=0.0))
+    under = scene.make("saucer", "saucer")
+    scene.scenery(scene.place(under, *loose((CUP_BY_HOST[0], 0.0), 0.0)))
     cups = {}
-    for id_, name, (look, attributes), (x, y, heading), z in (
+    for id_, name, (look, attributes), spot, height_m in (
         (1, "cup_by_host", choices.twin, CUP_BY_HOST, saucer.SAUCER_WELL_M),
         (2, "cup_stirred", choices.twin, CUP_STIRRED, tray.TRAY_M),
         (3, "cup_tall", choices.other, CUP_TALL, tray.TRAY_M),
     ):
-        body = place(cup.cup(name, scene.rng(name), look=look), x, y, heading, z, loose=0.4)
+        body = scene.put("cup", name, *loose(spot, 0.4), on=height_m, look=look)
         drink = tea.surface(f"{name}.tea", TEA)
         cups[name] = scene.instance(name, id_, "cup", [body, drink], attributes=attributes)
         _fill(drink, cups[name], look, [CUP_LOW * look.profile[-1][1]] * FRAME_COUNT)
     return cups
 
 
-def _pots(scene: Scene, choices: Choices, place: Placer) -> dict[str, Instance]:
+def _pots(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
     """The pot that pours first stands on the trivet, the other behind the tray."""
     pots = {}
-    for id_, name, (look, attributes), spot, z in (
+    for id_, name, (look, attributes), spot, height_m in (
         (4, "pot_on_trivet", choices.first_pot, POT_ON_TRIVET, tray.TRIVET_M),
         (5, "pot_behind_tray", choices.second_pot, POT_BEHIND_TRAY, 0.0),
     ):
-        body = place(teapot.teapot(name, scene.rng(name), look=look), *spot, z, loose=0.5)
-        pots[name] = scene.instance(name, id_, "teapot", body, attributes=attributes, front="-y")
+        pots[name] = scene.add(
+            id_, "teapot", name, *loose(spot, 0.5), attributes=attributes, on=height_m, look=look
+        )
     return pots
 
 
@@ -265,7 +244,7 @@ def _host(scene: Scene, choices: Choices, cups: dict[str, Instance], pot: Instan
     lip_r, lip_z = choices.twin[0].profile[-1]
     inside = lip_r - cup.WALL_M, lip_z - cup.BOTTOM_M
     way = Stirring(foot, inside, Vector((-1.0, 0.35, 0.0)), SPOON.tip)
-    body = spoon.spoon("spoon", scene.rng("spoon"), look=SPOON)
+    body = scene.make("spoon", "spoon", look=SPOON)
     body.matrix_basis = way.at(0.0)
     held = scene.instance("spoon", 1010, "spoon", body)
     left.hold_from_start(held, grip="pinch", point=body.matrix_basis @ (SPOON.tip.lerp(SPOON.end, 0.82)))
@@ -334,18 +313,16 @@ def _hand(
     """A hand in the sleeve of its owner's pullover; `where` is the shoulder and where the palm rests."""
     owner, side_name = name.split("_")
     hand = Server(
-        scene, name, id_, side=side, look=look, shoulder=where[0], rest_at=where[1],
+        scene,
+        name,
+        id_,
+        side=side,
+        look=look,
+        shoulder=where[0],
+        rest_at=where[1],
         attributes={"side": side_name, "owner": owner},
     )
     _, sleeve = hand.body.meshes
     knit = f"{name}.knit"
     sleeve.data.materials[0] = products.knit(knit, colour, scene.rng(knit), along="Y", bends=True)
     return hand
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

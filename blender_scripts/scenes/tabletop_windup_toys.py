@@ -15,28 +15,16 @@ import random
 from dataclasses import dataclass
 from math import radians
 
-import bpy
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from l4d_blender.assets import (
-    attic_room,
-    biscuit_tin,
-    book,
-    cutting_mat,
-    desk,
-    desk_lamp,
-    sitter,
-    spinning_top,
-    toy_robot,
-    wooden_box,
-    workshop_clutter,
-)
+from l4d_blender.assets import cutting_mat, desk, desk_lamp, spinning_top, toy_robot
 from l4d_blender.assets.hand import HandLook
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.person import Cloth
 from l4d_blender.motion import spinning_tops
 from l4d_blender.motion.spinning_tops import TopHand
 from l4d_blender.motion.windup_robots import WindUpRobot
+from l4d_blender.placing import pose
 from l4d_blender.scene import Instance, Scene
 
 SCALE = "tabletop"
@@ -47,14 +35,14 @@ MAT_M = cutting_mat.THICKNESS_M
 BOX_SIZE_M = (0.21, 0.15, 0.060)
 WOOL = (0.17, 0.060, 0.035)
 
-# x, y in metres, heading in degrees.
-MAT = (0.060, -0.020, 0.0)
-BOX = (-0.050, 0.258, 78.0)
-TIN = (0.150, 0.262, 0.0)
-LAMP = (-0.165, 0.465, 40.0)
-WALKER = (0.112, -0.035, 27.0)
-RELEASED = (-0.080, -0.105, 92.0)
-TURNER = (-0.036, 0.245, 40.0)
+# Where things are: x, y in metres, heading in degrees.
+MAT = ((0.060, -0.020), 0.0)
+BOX = ((-0.050, 0.258), 78.0)
+TIN = ((0.150, 0.262), 0.0)
+LAMP = ((-0.165, 0.465), 40.0)
+WALKER = ((0.112, -0.035), 27.0)
+RELEASED = ((-0.080, -0.105), 92.0)
+TURNER = ((-0.036, 0.245), 40.0)
 WOODEN_TOP = (0.125, 0.075)
 TIN_TOP = (0.010, -0.215)
 
@@ -73,17 +61,12 @@ PAINTS = {
 class Choices:
     """What differs between variants; the story stays the same."""
 
-    twins: str
-    large: str
-    chests: tuple[str, str]
-    walk: tuple[int, int]
-    turn_deg: float
-    lamp_w: float
-
-
-BENCHMARK = Choices(
-    twins="red", large="teal", chests=("dial", "gears"), walk=(4, 44), turn_deg=150.0, lamp_w=6.0
-)
+    twins: str = "red"
+    large: str = "teal"
+    chests: tuple[str, str] = ("dial", "gears")
+    walk: tuple[int, int] = (4, 44)
+    turn_deg: float = 150.0
+    lamp_w: float = 6.0
 
 
 def _draw(rng: random.Random) -> Choices:
@@ -102,7 +85,7 @@ def _draw(rng: random.Random) -> Choices:
 
 def build(scene: Scene) -> None:
     """The whole scene; who does what is in `_robots`, `_right_hand` and `_left_hand`."""
-    choices = BENCHMARK if scene.variant == 0 else _draw(scene.rng("choices"))
+    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _attic(scene)
     _clutter(scene)
     _light(scene, choices)
@@ -119,24 +102,29 @@ def build(scene: Scene) -> None:
 def _attic(scene: Scene) -> None:
     """The room under the roof, the table, the stool and whoever sits there."""
     rng = scene.rng("room")
-    shell = attic_room.attic_room("attic", rng)
-    for part in shell:
-        _stand(part, -0.25, 0.0, 0, FLOOR_M)
-    table = desk.desk(
-        "table", rng, size_m=(1.30, 0.72), light=(0.25, 0.135, 0.060), dark=(0.12, 0.06, 0.026),
+    shell = scene.make("attic_room", "attic", rng)
+    scene.place(shell, (-0.25, 0.0), on=FLOOR_M)
+    table = scene.make(
+        "desk",
+        "table",
+        rng,
+        size_m=(1.30, 0.72),
+        light=(0.25, 0.135, 0.060),
+        dark=(0.12, 0.06, 0.026),
         steel=(0.16, 0.085, 0.04),
     )
     scene.scenery(
         *shell,
-        _stand(table, 0.06, 0.0, -90, FLOOR_M),
-        _stand(
-            sitter.sitter(
-                "tinkerer", rng, pullover=products.knit("pullover", WOOL, rng), jeans=(0.09, 0.075, 0.05)
-            ),
-            -0.45,
-            0.0,
+        scene.place(table, (0.06, 0.0), -90, on=FLOOR_M),
+        scene.put(
+            "sitter",
+            "tinkerer",
+            (-0.45, 0.0),
             90,
-            FLOOR_M + SEAT_M,
+            on=FLOOR_M + SEAT_M,
+            rng=rng,
+            pullover=products.knit("pullover", WOOL, rng),
+            jeans=(0.09, 0.075, 0.05),
         ),
     )
 
@@ -145,11 +133,11 @@ def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
     scene.scenery(
-        _stand(workshop_clutter.screwdriver("screwdriver", rng), 0.245, -0.10, 80, MAT_M),
-        _stand(workshop_clutter.loose_parts("parts", rng), 0.225, 0.065, 20, MAT_M),
-        _stand(workshop_clutter.oil_can("oil_can", rng), 0.235, 0.345, -30),
-        _stand(workshop_clutter.spool("spool", rng), -0.11, -0.375, 0),
-        _stand(workshop_clutter.spool("spool_red", rng, thread=(0.34, 0.05, 0.03)), -0.06, -0.405, 0),
+        scene.put("workshop_clutter.screwdriver", "screwdriver", (0.245, -0.10), 80, on=MAT_M, rng=rng),
+        scene.put("workshop_clutter.loose_parts", "parts", (0.225, 0.065), 20, on=MAT_M, rng=rng),
+        scene.put("workshop_clutter.oil_can", "oil_can", (0.235, 0.345), -30, rng=rng),
+        scene.put("workshop_clutter.spool", "spool", (-0.11, -0.375), rng=rng),
+        scene.put("workshop_clutter.spool", "spool_red", (-0.06, -0.405), rng=rng, thread=(0.34, 0.05, 0.03)),
     )
 
 
@@ -167,31 +155,43 @@ def _light(scene: Scene, choices: Choices) -> None:
         power_w=17,
         colour=(1.0, 0.80, 0.56),
     )
-    lamp = Matrix.Translation((LAMP[0], LAMP[1], 0.0)) @ Matrix.Rotation(radians(LAMP[2]), 4, "Z")
     scene.point_light(
-        "lamp_light", lamp @ desk_lamp.LIGHT, power_w=choices.lamp_w, radius_m=0.03, colour=(1.0, 0.68, 0.36)
+        "lamp_light",
+        pose(*LAMP) @ desk_lamp.LIGHT,
+        power_w=choices.lamp_w,
+        radius_m=0.03,
+        colour=(1.0, 0.68, 0.36),
     )
 
 
 def _landmarks(scene: Scene) -> None:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
-    box = wooden_box.wooden_box("wooden_box", rng, size_m=BOX_SIZE_M)
-    tin = biscuit_tin.biscuit_tin("biscuit_tin", rng)
-    lamp = desk_lamp.desk_lamp("lamp", rng, enamel=(0.09, 0.10, 0.085))
-    mat = cutting_mat.cutting_mat("cutting_mat", rng)
-    scene.instance("wooden_box", 1001, "box", _stand(box, *BOX, MAT_M), front="-y")
-    scene.instance("biscuit_tin", 1002, "tin", _stand(tin, *TIN, MAT_M))
-    scene.instance("lamp", 1003, "lamp", _stand(lamp, *LAMP))
-    scene.instance("cutting_mat", 1007, "mat", _stand(mat, *MAT))
-    notes = book.book(
-        "notebook", rng, size_m=(0.135, 0.190, 0.022), cover=(0.10, 0.055, 0.03), title=("NOTES", "II")
+    scene.add(1001, "wooden_box", "wooden_box", *BOX, on=MAT_M, rng=rng, size_m=BOX_SIZE_M)
+    scene.add(1002, "biscuit_tin", "biscuit_tin", *TIN, on=MAT_M, rng=rng)
+    scene.add(1003, "desk_lamp", "lamp", *LAMP, rng=rng, enamel=(0.09, 0.10, 0.085))
+    scene.add(1007, "cutting_mat", "cutting_mat", *MAT, rng=rng)
+    notes = scene.make(
+        "book",
+        "notebook",
+        rng,
+        size_m=(0.135, 0.190, 0.022),
+        cover=(0.10, 0.055, 0.03),
+        title=("NOTES", "II"),
     )
-    atlas = book.book(
-        "atlas", rng, size_m=(0.19, 0.245, 0.028), cover=(0.06, 0.09, 0.16), title=("CLOCKS", "& TOYS")
+    atlas = scene.make(
+        "book",
+        "atlas",
+        rng,
+        size_m=(0.19, 0.245, 0.028),
+        cover=(0.06, 0.09, 0.16),
+        title=("CLOCKS", "& TOYS"),
     )
     scene.instance(
-        "books", 1006, "book", [_stand(atlas, 0.135, -0.405, -70), _stand(notes, 0.14, -0.405, -94, 0.0285)]
+        "books",
+        1006,
+        "book",
+        [scene.place(atlas, (0.135, -0.405), -70), scene.place(notes, (0.14, -0.405), -94, on=0.0285)],
     )
 
 
@@ -203,13 +203,12 @@ def _robots(scene: Scene, choices: Choices) -> dict[str, Instance]:
         "robot_on_box": (TURNER, MAT_M + BOX_SIZE_M[2], choices.large, choices.chests[1], "large"),
     }
     robots, movers = {}, {}
-    for id_, (name, ((x, y, heading), z, paint, chest, size)) in enumerate(spots.items(), 1):
+    for id_, (name, ((at, heading_deg), z, paint, chest, size)) in enumerate(spots.items(), 1):
         look = toy_robot.Look(paint=PAINTS[paint], chest=chest, scale=1.20 if size == "large" else 1.0)
-        robot = toy_robot.toy_robot(name, scene.rng(name), look=look)
+        robot = scene.make("toy_robot", name, look=look)
         attributes = {"colour": paint, "chest": chest, "size": size}
-        robots[name] = scene.instance(name, id_, "robot", robot.objects, attributes=attributes, front="-y")
-        start = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading), 4, "Z")
-        movers[name] = WindUpRobot(robots[name], robot, start)
+        robots[name] = scene.instance(name, id_, "robot", robot, attributes=attributes, front="-y")
+        movers[name] = WindUpRobot(robots[name], robot, pose((*at, z), heading_deg))
     walk = choices.walk
     movers["robot_walker"].walk(walk)
     movers["robot_walker"].turn((walk[1] + 8, walk[1] + 48), radians(-130.0))
@@ -224,14 +223,21 @@ def _tops(scene: Scene) -> dict[str, Instance]:
     """A tin top that spins from the start and a wooden one that lies there."""
     tin = spinning_top.Look()
     wooden = spinning_top.Look(
-        profile=spinning_top.PEAR, material="wood",
+        profile=spinning_top.PEAR,
+        material="wood",
         segments=(spinning_top.GREEN, spinning_top.CREAM, spinning_top.YELLOW, spinning_top.CREAM),
     )
     looks = {"top_tin": (tin, "tin", "broad"), "top_wooden": (wooden, "wood", "pear")}
     tops = {}
     for id_, (name, (look, material, shape)) in enumerate(looks.items(), 4):
-        obj = spinning_top.spinning_top(name, scene.rng(name), look=look)
-        tops[name] = scene.instance(name, id_, "top", obj, attributes={"material": material, "shape": shape})
+        tops[name] = scene.add(
+            id_,
+            "spinning_top",
+            name,
+            (0.0, 0.0),
+            attributes={"material": material, "shape": shape},
+            look=look,
+        )
     spinning_tops.run_down(
         tops["top_tin"], spinning_top.BROAD, Vector((*TIN_TOP, MAT_M)), falls=(36, 62), towards_rad=1.0
     )
@@ -256,8 +262,14 @@ def _left_hand(scene: Scene, robot: Instance, top: Instance) -> None:
     hand.approach(robot, (0, 13), grip="top")
     hand.release((33, 41))
     hand.twirl(
-        top, spinning_top.PEAR, at=Vector((*WOODEN_TOP, MAT_M)), towards_rad=radians(180),
-        approach=(41, 57), upright=66, let_go=80, heading_rad=radians(90),
+        top,
+        spinning_top.PEAR,
+        at=Vector((*WOODEN_TOP, MAT_M)),
+        towards_rad=radians(180),
+        approach=(41, 57),
+        upright=66,
+        let_go=80,
+        heading_rad=radians(90),
     )
     hand.move_to((-0.14, 0.05, 0.10), (87, 96))
     hand.finish()
@@ -267,17 +279,16 @@ def _hand(scene: Scene, name: str, id_: int, side: str) -> TopHand:
     """A hand in the sleeve of the tinkerer's pullover."""
     look = HandLook(skin="fair", sleeve=Cloth("brown"), cuff="brown", scale=0.94)
     hand = TopHand(
-        scene, name, id_, side=side, look=look, shoulder=SHOULDERS[side], rest_at=RESTS[side], table_m=MAT_M,
+        scene,
+        name,
+        id_,
+        side=side,
+        look=look,
+        shoulder=SHOULDERS[side],
+        rest_at=RESTS[side],
+        table_m=MAT_M,
         attributes={"side": {"r": "right", "l": "left"}[side]},
     )
     _, sleeve = hand.body.meshes
     sleeve.data.materials[0] = products.knit(f"{name}.knit", WOOL, scene.rng(name), along="Y", bends=True)
     return hand
-
-
-def _stand(
-    obj: bpy.types.Object, x: float, y: float, heading_deg: float = 0.0, z: float = 0.0
-) -> bpy.types.Object:
-    """Puts a thing exactly there."""
-    obj.matrix_basis = Matrix.Translation((x, y, z)) @ Matrix.Rotation(radians(heading_deg), 4, "Z")
-    return obj

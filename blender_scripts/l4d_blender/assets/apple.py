@@ -17,6 +17,7 @@ from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import Choice, kind
 
 Colour = tuple[float, float, float]
 RED = ((0.46, 0.24, 0.045), (0.36, 0.016, 0.014))
@@ -62,7 +63,16 @@ class Look:
         return Vector((0.0, 0.0, _EQUATOR * self.radius_m))
 
 
-def apple(name: str, rng: random.Random, *, look: Look) -> bpy.types.Object:
+@kind(
+    "apple",
+    (0.078, 0.08, 0.083),
+    "graspable",
+    "rolls",
+    colour=Choice("look.skin", {"red": RED, "green": GREEN, "yellow": YELLOW}),
+    size=Choice("look.radius_m", {"large": 0.039, "small": 0.0335}),
+    state=Choice("look.bitten", {"whole": False, "bitten": True}),
+)
+def apple(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """One apple, about 7 to 8 cm across."""
     r = look.radius_m
     profile = _resampled()

@@ -8,23 +8,31 @@ import bpy
 
 from l4d_blender.assets import cushion, mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.catalogue import colours, kind
 
 
-def build(name: str, rng: random.Random, *, colour: tuple[float, float, float]) -> bpy.types.Object:
+@kind("armchair", (0.712, 0.76, 0.908), "seat", front="-y", colour=colours("colour"))
+def armchair(
+    name: str, rng: random.Random, *, colour: tuple[float, float, float] = (0.18, 0.27, 0.30)
+) -> bpy.types.Object:
     """Front to -Y, on four splayed legs."""
     cloth = interior.cloth(f"{name}_cloth", colour, rng)
     legs = interior.wood(f"{name}_legs", (0.42, 0.25, 0.12), rng, grain_axis="Z")
     width, depth, foot = 0.74, 0.76, 0.17
-    frame = cushion.block(f"{name}_frame", rng, (width - 0.06, depth - 0.10, 0.13), bevel_m=0.03, puff_m=0.0)
-    seat = cushion.block(f"{name}_seat", rng, (width - 0.24, depth - 0.20, 0.14), bevel_m=0.05, puff_m=0.02)
-    back = cushion.block(f"{name}_back", rng, (width - 0.14, 0.16, 0.66), bevel_m=0.07, puff_m=0.03)
+    frame = cushion.block(
+        f"{name}_frame", rng, size_m=(width - 0.06, depth - 0.10, 0.13), bevel_m=0.03, puff_m=0.0
+    )
+    seat = cushion.block(
+        f"{name}_seat", rng, size_m=(width - 0.24, depth - 0.20, 0.14), bevel_m=0.05, puff_m=0.02
+    )
+    back = cushion.block(f"{name}_back", rng, size_m=(width - 0.14, 0.16, 0.66), bevel_m=0.07, puff_m=0.03)
     parts = [
         mesh.move(frame, z=foot),
         mesh.move(seat, y=-0.05, z=foot + 0.12),
         mesh.move(mesh.rotate(back, "X", -12), y=depth / 2 - 0.17, z=foot + 0.06),
     ]
     for side in (-1, 1):
-        arm = cushion.block(f"{name}_arm", rng, (0.11, depth - 0.10, 0.34), bevel_m=0.05, puff_m=0.015)
+        arm = cushion.block(f"{name}_arm", rng, size_m=(0.11, depth - 0.10, 0.34), bevel_m=0.05, puff_m=0.015)
         parts.append(mesh.move(arm, x=side * (width - 0.14) / 2, y=-0.02, z=foot + 0.05))
     for part in parts:
         mesh.set_material(part, cloth)

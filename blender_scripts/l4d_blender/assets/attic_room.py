@@ -15,6 +15,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, products
 from l4d_blender.assets.materials.base import Nodes, emission, principled
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -22,12 +23,15 @@ KNEE_M = 0.95
 BOARD: Colour = (0.27, 0.165, 0.09)
 
 
+@kind("room", (4.4, 4.2, 2.6), "backdrop")
 def attic_room(
     name: str, rng: random.Random, *, knee_x_m: float = -1.75, gable_y_m: float = 1.45, dusk: float = 1.6
 ) -> list[bpy.types.Object]:
     """[floor, eaves, gable, chimney, lumber]."""
     floor = mesh.from_pydata(
-        f"{name}_floor", [(-2.2, -2.2, 0), (2.2, -2.2, 0), (2.2, 2.0, 0), (-2.2, 2.0, 0)], [(0, 1, 2, 3)],
+        f"{name}_floor",
+        [(-2.2, -2.2, 0), (2.2, -2.2, 0), (2.2, 2.0, 0), (-2.2, 2.0, 0)],
+        [(0, 1, 2, 3)],
         smooth=False,
     )
     mesh.set_material(floor, interior.floorboards(f"{name}_floor", (0.25, 0.15, 0.085), rng))
@@ -75,10 +79,7 @@ def _eaves(name: str, rng: random.Random, x: float, back: float) -> bpy.types.Ob
             @ Matrix.Translation((0.5 * hypot(run, rise), 0.0, -0.10)),
         )
         post = mesh.bevel_box(f"{name}_post", (0.07, 0.075, KNEE_M), 0.006)
-        parts += [
-            mesh.set_material(rafter, beam),
-            mesh.set_material(mesh.move(post, x=x + 0.035, y=y), beam),
-        ]
+        parts += [mesh.set_material(rafter, beam), mesh.set_material(mesh.move(post, x=x + 0.035, y=y), beam)]
     return mesh.join(f"{name}_eaves", parts)
 
 
@@ -114,8 +115,13 @@ def _chimney(name: str, rng: random.Random, at: tuple[float, float]) -> bpy.type
     x, y, z = n.separate(n.object_coords())
     around = n.combine(n.math("ADD", x, y), z, 0.0)
     tone, joint = n.brick(
-        1.0, ((0.30, 0.10, 0.06), (0.21, 0.085, 0.06)), (0.34, 0.31, 0.27), vector=around, width=0.23,
-        height=0.075, mortar_size=0.008,
+        1.0,
+        ((0.30, 0.10, 0.06), (0.21, 0.085, 0.06)),
+        (0.34, 0.31, 0.27),
+        vector=around,
+        width=0.23,
+        height=0.075,
+        mortar_size=0.008,
     )
     soot = n.noise(7.0, 4.0)
     n.set("Base Color", n.mix(n.map_range(soot, 0.45, 0.75, 0.0, 0.7), tone, (0.06, 0.05, 0.045)))
@@ -136,7 +142,8 @@ def _lumber(name: str, rng: random.Random, x: float) -> bpy.types.Object:
         band = mesh.bevel_box(f"{name}_band", (0.456, 0.035, 0.466), 0.02)
         parts.append(mesh.set_material(mesh.move(band, x=x + 0.30, y=y), iron))
     for size, at, turn in (
-        ((0.40, 0.45, 0.34), (x + 0.30, -0.98, 0.0), 7), ((0.32, 0.34, 0.26), (x + 0.30, -0.94, 0.34), -12),
+        ((0.40, 0.45, 0.34), (x + 0.30, -0.98, 0.0), 7),
+        ((0.32, 0.34, 0.26), (x + 0.30, -0.94, 0.34), -12),
         ((0.36, 0.40, 0.30), (x + 0.34, 0.62, 0.0), 14),
     ):
         box = mesh.bevel_box(f"{name}_box", size, 0.004)

@@ -9,8 +9,10 @@ from collections.abc import Callable
 import bpy
 from mathutils import Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
-from .ground import Terrain
+from .ground import LEVEL, Terrain
 from .materials import outdoors
 from .materials.base import Colour
 
@@ -27,13 +29,14 @@ def turned(tree: bpy.types.Object, tone: Colour) -> bpy.types.Object:
     return tree
 
 
+@kind("leaves", (11.9, 11.7, 0.07), "backdrop")
 def fallen_leaves(
     name: str,
-    terrain: Terrain,
     rng: random.Random,
     *,
-    count: int,
-    radius_m: float,
+    terrain: Terrain = LEVEL,
+    count: int = 400,
+    radius_m: float = 6.0,
     keep: Callable[[float, float], float] = lambda x, y: 1.0,
 ) -> bpy.types.Object:
     """Curled leaves strewn over the ground, in drifts."""

@@ -14,6 +14,7 @@ from mathutils import Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind, words
 
 Colour = tuple[float, float, float]
 
@@ -30,7 +31,8 @@ DUFFEL_GRIP = Vector((0.0, 0.0, 0.352))
 BACKPACK_GRIP = Vector((0.0, 0.055, 0.438))
 
 
-def duffel(name: str, rng: random.Random, *, colour: str) -> bpy.types.Object:
+@kind("bag", (0.48, 0.262, 0.358), "graspable", "container", colour=words("colour", *COLOURS))
+def duffel(name: str, rng: random.Random, *, colour: str = "brown") -> bpy.types.Object:
     """A barrel bag that sags on its base, with webbing, end patches, a zip and handles brought together."""
     hide = products.leather(f"{name}_hide", COLOURS[colour], rng)
     trim = products.leather(f"{name}_trim", products.scaled(COLOURS[colour], 0.32), rng)
@@ -89,8 +91,9 @@ def duffel(name: str, rng: random.Random, *, colour: str) -> bpy.types.Object:
     return mesh.drop_to_base(mesh.join(name, parts))
 
 
+@kind("bag", (0.293, 0.28, 0.448), "graspable", "container", colour=words("colour", *COLOURS))
 def backpack(
-    name: str, rng: random.Random, *, colour: str, accent: Colour = (0.55, 0.28, 0.08)
+    name: str, rng: random.Random, *, colour: str = "green", accent: Colour = (0.55, 0.28, 0.08)
 ) -> bpy.types.Object:
     """A daypack 42 cm tall: rounded body, front pocket, zips, padded straps at the back, a loop on top."""
     cloth = products.woven_cloth(f"{name}_cloth", COLOURS[colour], rng, threads_per_m=700.0, contrast=0.3)

@@ -13,6 +13,8 @@ from itertools import product
 import bpy
 from mathutils import Vector
 
+from l4d_blender.catalogue import Range, kind, words
+
 from . import mesh
 from .materials import playground
 
@@ -45,8 +47,24 @@ def _band(way: Vector) -> float:
 PATTERNS: dict[str, Callable[[Vector], float]] = {"striped": _stripes, "dotted": _dots, "banded": _band}
 
 
+@kind(
+    "ball",
+    (0.24, 0.24, 0.241),
+    "rolls",
+    "graspable",
+    colour=words("colour", *playground.PAINTS),
+    mark=words("mark", *playground.PAINTS),
+    pattern=words("pattern", *PATTERNS),
+    radius_m=Range("radius_m", 0.02, 0.2),
+)
 def ball(
-    name: str, rng: random.Random, *, radius_m: float, colour: str, mark: str, pattern: str
+    name: str,
+    rng: random.Random,
+    *,
+    radius_m: float = 0.12,
+    colour: str = "red",
+    mark: str = "white",
+    pattern: str = "striped",
 ) -> bpy.types.Object:
     """A ball that lies on z = 0; colours are names of materials.playground.PAINTS."""
     body = mesh.ellipsoid(name, (radius_m,) * 3, 72, 48, centre=(0.0, 0.0, radius_m))

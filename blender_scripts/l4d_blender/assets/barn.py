@@ -12,6 +12,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import haystack, mesh
 from .materials import outdoors
 
@@ -195,6 +197,7 @@ def _inside(name: str) -> bpy.types.Object:
     return room
 
 
+@kind("barn", (6.86, 6.19, 4.74), front="-y")
 def barn(
     name: str, rng: random.Random, *, tone: tuple[float, float, float] = (0.155, 0.098, 0.066)
 ) -> bpy.types.Object:

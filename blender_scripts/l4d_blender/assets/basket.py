@@ -12,6 +12,8 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Vector, noise
 
+from l4d_blender.catalogue import kind, words
+
 from . import mesh
 from .materials import interior, products
 from .materials.base import Colour, Nodes
@@ -43,6 +45,15 @@ FRUIT: dict[str, Colour] = {
 _STAKES, _ROWS, _WEAVER_M = 26, 13, 0.0078
 
 
+@kind(
+    "basket",
+    (0.458, 0.349, 0.423),
+    "graspable",
+    "container",
+    wicker=words("wicker", *WICKER),
+    cloth=words("cloth", *CLOTHS),
+    content=words("content", "empty", *FRUIT),
+)
 def basket(
     name: str, rng: random.Random, *, wicker: str = "light", cloth: str = "red", content: str = "empty"
 ) -> bpy.types.Object:

@@ -7,6 +7,8 @@ import random
 import bpy
 from mathutils import Matrix
 
+from l4d_blender.catalogue import colours, kind
+
 from . import mesh
 from .materials import lakeside, outdoors
 from .materials.base import Colour
@@ -17,7 +19,8 @@ TRAY_M = (0.36, 0.26)
 SEED_Z_M = 0.024
 
 
-def water_dish(name: str, *, glaze: Colour = (0.16, 0.27, 0.42)) -> bpy.types.Object:
+@kind("dish", (0.27, 0.27, 0.055), "container", colour=colours("glaze"))
+def water_dish(name: str, rng: random.Random, *, glaze: Colour = (0.16, 0.27, 0.42)) -> bpy.types.Object:
     """A wide bowl filled nearly to the rim."""
     r = DISH_RADIUS_M
     profile = [
@@ -36,6 +39,7 @@ def water_dish(name: str, *, glaze: Colour = (0.16, 0.27, 0.42)) -> bpy.types.Ob
     return mesh.join(name, [bowl, water])
 
 
+@kind("tray", (0.53, 0.518, 0.038), "container")
 def seed_tray(name: str, rng: random.Random) -> bpy.types.Object:
     """A wooden tray with a heap of seeds; some have been spilt round it."""
     x, y = TRAY_M

@@ -13,6 +13,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import printed_tin
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -20,30 +21,33 @@ RADIUS_M = 0.052
 HEIGHT_M = 0.088
 
 
+@kind("tin", (0.109, 0.109, 0.088), "container", "graspable", "surface", colour=colours("ground"))
 def biscuit_tin(
-    name: str,
-    rng: random.Random,
-    *,
-    ground: Colour = (0.07, 0.20, 0.12),
-    band: Colour = (0.66, 0.50, 0.22),
+    name: str, rng: random.Random, *, ground: Colour = (0.07, 0.2, 0.12), band: Colour = (0.66, 0.5, 0.22)
 ) -> bpy.types.Object:
     """A tin 10 cm across and 9 cm tall."""
     r, h = RADIUS_M, HEIGHT_M
     can = mesh.lathe(
         f"{name}_can",
         [
-            (r - 0.002, 0.0), (r, 0.002), (r, h - 0.022), (r + 0.0022, h - 0.0215), (r + 0.0024, h - 0.018),
-            (r + 0.0014, h - 0.017), (r + 0.0014, h - 0.003), (r - 0.002, h), (r - 0.006, h - 0.0015),
-            (r - 0.012, h - 0.0022), (0.0, h - 0.0015),
+            (r - 0.002, 0.0),
+            (r, 0.002),
+            (r, h - 0.022),
+            (r + 0.0022, h - 0.0215),
+            (r + 0.0024, h - 0.018),
+            (r + 0.0014, h - 0.017),
+            (r + 0.0014, h - 0.003),
+            (r - 0.002, h),
+            (r - 0.006, h - 0.0015),
+            (r - 0.012, h - 0.0022),
+            (0.0, h - 0.0015),
         ],
         64,
     )
     mesh.shade_smooth(can, 40.0)
     inks = [printed_tin(f"{name}_ink{k}", colour, rng) for k, colour in enumerate((ground, band))]
     mesh.paint(
-        can,
-        inks,
-        lambda at, _: int(0.006 < at.z < 0.012 or 0.052 < at.z < 0.058 or at.z > h - 0.0185),
+        can, inks, lambda at, _: int(0.006 < at.z < 0.012 or 0.052 < at.z < 0.058 or at.z > h - 0.0185)
     )
     parts = [can]
     cream = products.lacquer(f"{name}_cream", (0.70, 0.64, 0.48), rng)

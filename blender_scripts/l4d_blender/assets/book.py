@@ -14,6 +14,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -21,13 +22,14 @@ BOARD_M = 0.0026
 OVERHANG_M = 0.004
 
 
+@kind("book", (0.154, 0.225, 0.03), "graspable", "pushable", "stacks", "surface", colour=colours("cover"))
 def book(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float, float] = (0.155, 0.225, 0.030),
+    size_m: tuple[float, float, float] = (0.155, 0.225, 0.03),
     cover: Colour = (0.035, 0.16, 0.075),
-    foil: Colour = (0.62, 0.50, 0.24),
+    foil: Colour = (0.62, 0.5, 0.24),
     title: tuple[str, str] = ("THE QUIET", "HARBOUR"),
     author: str = "E. Lindqvist",
 ) -> bpy.types.Object:

@@ -9,6 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import Range, kind
 
 BINDINGS = (
     (0.36, 0.06, 0.05),
@@ -23,13 +24,21 @@ BINDINGS = (
 )
 
 
-def build(
+@kind(
+    "bookcase",
+    (0.8, 0.29, 1.7),
+    "surface",
+    front="-y",
+    height_m=Range("height_m", 0.35, 2.0),
+    width_m=Range("width_m", 0.6, 1.6),
+)
+def bookcase(
     name: str,
     rng: random.Random,
     *,
-    width_m: float = 0.80,
+    width_m: float = 0.8,
     depth_m: float = 0.29,
-    height_m: float = 1.70,
+    height_m: float = 1.7,
     shelves: int = 5,
 ) -> bpy.types.Object:
     """The open side faces -Y; shelves are evenly spaced."""

@@ -13,10 +13,12 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import kind
 
 BOARD_M = 0.016
 
 
+@kind("board", (0.36, 0.21, 0.083), "surface", "graspable")
 def bread_board(
     name: str, rng: random.Random, *, size_m: tuple[float, float] = (0.36, 0.21)
 ) -> bpy.types.Object:

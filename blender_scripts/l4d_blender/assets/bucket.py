@@ -12,6 +12,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import Choice, kind, words
+
 from . import mesh
 from .materials import outdoors
 
@@ -100,6 +102,14 @@ def _bail(name: str, angle: float) -> list[bpy.types.Object]:
     return [wire, grip]
 
 
+@kind(
+    "bucket",
+    (0.38, 0.339, 0.493),
+    "graspable",
+    "container",
+    look=words("look", "galvanised", *outdoors.PAINTS),
+    content=Choice("filling", {"empty": None, "water": "water", "grain": "grain"}),
+)
 def bucket(
     name: str,
     rng: random.Random,

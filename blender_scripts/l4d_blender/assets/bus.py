@@ -9,6 +9,8 @@ import random
 
 import bpy
 
+from l4d_blender.catalogue import colours, kind
+
 from . import mesh
 from .lettering import lettering
 from .materials import street
@@ -17,6 +19,7 @@ from .materials.base import emission, principled
 SIZE_M = (2.5, 11.0, 3.0)
 
 
+@kind("bus", (2.56, 11.1, 3.0), "drives", front="-y", colour=colours("colour"))
 def bus(
     name: str,
     rng: random.Random,

@@ -12,6 +12,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import Range, kind
 
 Colour = tuple[float, float, float]
 _FOOT_M = 0.052
@@ -22,12 +23,13 @@ def flame_at(height_m: float) -> Vector:
     return Vector((0.0, 0.0, _FOOT_M + height_m + 0.022))
 
 
+@kind("candle", (0.088, 0.088, 0.217), "graspable", height_m=Range("height_m", 0.06, 0.2))
 def candle(
     name: str,
     rng: random.Random,
     *,
     height_m: float = 0.12,
-    wax: Colour = (0.74, 0.66, 0.50),
+    wax: Colour = (0.74, 0.66, 0.5),
     brass: Colour = (0.58, 0.38, 0.14),
 ) -> bpy.types.Object:
     """A taper `height_m` tall above a brass holder."""

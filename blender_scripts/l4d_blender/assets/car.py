@@ -14,6 +14,8 @@ import bmesh
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind, words
+
 from . import mesh
 from .lettering import lettering
 from .materials import street
@@ -111,7 +113,15 @@ _STATIONS = (
 _PAINT, _GLASS, _TRIM, _ROOF = range(4)
 
 
-def car(name: str, rng: random.Random, look: CarLook) -> Car:
+@kind(
+    "car",
+    (2.0, 3.6, 1.49),
+    "drives",
+    front="-y",
+    colour=words("look.colour", *COLOURS),
+    roof=words("look.roof", "plain", "rack", "white", "black"),
+)
+def car(name: str, rng: random.Random, *, look: CarLook = CarLook()) -> Car:
     """About 3.5 m long, 1.63 m wide, 1.5 m high."""
     paint = street.car_paint(f"{name}_paint", COLOURS[look.colour], rng)
     roof = (

@@ -18,6 +18,7 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.assets import implicit
 from l4d_blender.assets.materials import interior
+from l4d_blender.catalogue import Choice, kind
 
 VOXEL_M = 0.0036
 BODY_FACES = 11500
@@ -448,8 +449,9 @@ def _ball(
     return np.array(vertices), quads if upper_only else quads[:, ::-1]
 
 
-def build(name: str, rng: random.Random, *, coat: Coat) -> tuple[bpy.types.Object, bpy.types.Object]:
-    """(armature, mesh) of a cat in its rest pose; the mesh is parented to the armature and skinned by it."""
+@kind("cat", (0.164, 0.806, 0.397), "walks", front="-y", coat=Choice("coat", COATS))
+def cat(name: str, rng: random.Random, *, coat: Coat = GREY_TABBY) -> bpy.types.Object:
+    """The skinned mesh in its rest pose; its parent is the armature, which stands where the cat stands."""
     skin = _skin()
     seed = Vector((rng.uniform(0, 50), rng.uniform(0, 50), rng.uniform(0, 50)))
     parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, str | None, int]] = [
@@ -491,7 +493,7 @@ def build(name: str, rng: random.Random, *, coat: Coat) -> tuple[bpy.types.Objec
     bpy.context.scene.collection.objects.link(body)
     armature = _armature(f"{name}_armature")
     _bind(body, armature, skin, parts)
-    return armature, body
+    return body
 
 
 def _armature(name: str) -> bpy.types.Object:

@@ -14,6 +14,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -40,6 +41,7 @@ def seat_x(number: int, count: int) -> float:
     return (number - 0.5 * (count - 1)) * PITCH_M
 
 
+@kind("chairs", (2.43, 0.52, 0.848), "seat", front="-y", colour=colours("shell"))
 def chair_row(
     name: str, rng: random.Random, *, count: int = 4, shell: Colour = (0.05, 0.16, 0.28)
 ) -> bpy.types.Object:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import random
+
 import bpy
+
+from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials.base import Nodes
 
 
-def cobbles(name: str, *, radius_m: float = 60.0) -> bpy.types.Object:
+@kind("paving", (120.0, 120.0, 0.0), "backdrop")
+def cobbles(name: str, rng: random.Random, *, radius_m: float = 60.0) -> bpy.types.Object:
     """A flat disc whose top is z = 0."""
     plane = mesh.grid(name, 2 * radius_m, 2 * radius_m, 8, 8)
     return mesh.set_material(plane, _setts(f"{name}_setts"))

@@ -11,10 +11,12 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 
+@kind("machine", (0.96, 0.512, 1.3), front="-y", colour=colours("enamel"))
 def coffee_machine(
     name: str, rng: random.Random, *, enamel: Colour = (0.36, 0.035, 0.03)
 ) -> bpy.types.Object:

@@ -9,11 +9,13 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 HEIGHT_M = 0.42
 
 
-def build(
+@kind("table", (0.95, 0.52, 0.422), "surface")
+def coffee_table(
     name: str,
     rng: random.Random,
     *,
@@ -45,7 +47,10 @@ def build(
     return mesh.join(name, parts)
 
 
-def mug(name: str, rng: random.Random, *, colour: tuple[float, float, float]) -> bpy.types.Object:
+@kind("mug", (0.121, 0.082, 0.092), "graspable", "container", colour=colours("colour"))
+def mug(
+    name: str, rng: random.Random, *, colour: tuple[float, float, float] = (0.62, 0.24, 0.12)
+) -> bpy.types.Object:
     """A mug of 9 cm with its handle at +X."""
     body = mesh.lathe(
         f"{name}_body",
@@ -68,6 +73,7 @@ def mug(name: str, rng: random.Random, *, colour: tuple[float, float, float]) ->
     return mesh.set_material(mesh.join(name, [body, ring]), interior.ceramic(f"{name}_glaze", colour, rng))
 
 
+@kind("bowl", (0.25, 0.25, 0.143), "container")
 def fruit_bowl(name: str, rng: random.Random) -> bpy.types.Object:
     """A bowl 25 cm across with four fruits."""
     profile = [
@@ -102,6 +108,7 @@ def fruit_bowl(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
+@kind("books", (0.266, 0.216, 0.077), "surface")
 def book_stack(name: str, rng: random.Random, *, count: int = 3) -> bpy.types.Object:
     """Books that lie on each other, each a little turned."""
     paper = principled(f"{name}_paper", (0.78, 0.72, 0.60), roughness=0.9, variation=0.2, variation_scale=90)

@@ -13,6 +13,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import Choice, kind
 
 Colour = tuple[float, float, float]
 
@@ -51,6 +52,7 @@ def surface_point(t: float, s: float) -> Vector:
     return Vector((half_width(t) * s, 0.5 * LENGTH_M * t, crown_height(t) * dome))
 
 
+@kind("mouse", (0.063, 0.116, 0.038), "graspable", "pushable", front="-y", colour=Choice("shell", SHELLS))
 def computer_mouse(name: str, rng: random.Random, *, shell: Colour = BLACK) -> bpy.types.Object:
     """A mouse 11.6 cm long; the seams and the rubber sides are faces of their own, so they stay crisp."""
     body = _shell(f"{name}_shell")

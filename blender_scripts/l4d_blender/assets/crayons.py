@@ -13,16 +13,23 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
 RADIUS_M = 0.0045
 COLOURS: tuple[Colour, ...] = (
-    (0.52, 0.04, 0.03), (0.04, 0.12, 0.42), (0.06, 0.30, 0.08), (0.75, 0.50, 0.03), (0.62, 0.20, 0.02),
-    (0.26, 0.06, 0.30), (0.14, 0.07, 0.03),
+    (0.52, 0.04, 0.03),
+    (0.04, 0.12, 0.42),
+    (0.06, 0.30, 0.08),
+    (0.75, 0.50, 0.03),
+    (0.62, 0.20, 0.02),
+    (0.26, 0.06, 0.30),
+    (0.14, 0.07, 0.03),
 )
 
 
+@kind("crayons", (0.117, 0.115, 0.009))
 def loose_crayons(
     name: str, rng: random.Random, *, count: int = 5, spread_m: tuple[float, float] = (0.09, 0.06)
 ) -> bpy.types.Object:
@@ -37,7 +44,8 @@ def loose_crayons(
     return mesh.join(name, parts)
 
 
-def crayon_box(name: str, rng: random.Random, *, card: Colour = (0.70, 0.47, 0.04)) -> bpy.types.Object:
+@kind("box", (0.1, 0.103, 0.013), "container")
+def crayon_box(name: str, rng: random.Random, *, card: Colour = (0.7, 0.47, 0.04)) -> bpy.types.Object:
     """A flat cardboard box 10 cm wide whose crayons stick out at -Y."""
     paper = products.paper(f"{name}_card", card, rng)
     dark = products.paper(f"{name}_band", (0.05, 0.22, 0.10), rng)
@@ -60,8 +68,13 @@ def _crayon(name: str, wax: Colour, rng: random.Random, length_m: float) -> bpy.
     body = mesh.lathe(
         name,
         [
-            (r * 0.9, -half), (r, -half + 0.001), (r, half - 0.014), (r * 0.86, half - 0.0135),
-            (r * 0.80, half - 0.010), (r * 0.34, half - 0.001), (0.0, half),
+            (r * 0.9, -half),
+            (r, -half + 0.001),
+            (r, half - 0.014),
+            (r * 0.86, half - 0.0135),
+            (r * 0.80, half - 0.010),
+            (r * 0.34, half - 0.001),
+            (0.0, half),
         ],
         16,
     )

@@ -16,6 +16,7 @@ from mathutils import Vector
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import Choice, colours, kind, words
 
 Colour = tuple[float, float, float]
 Profile = tuple[tuple[float, float], ...]
@@ -25,16 +26,37 @@ TEA: Colour = (0.26, 0.080, 0.012)
 
 # Outer walls as (radius, height) in metres, from the foot to the lip.
 TULIP: Profile = (
-    (0.0275, 0.0), (0.0285, 0.0015), (0.0290, 0.004), (0.0330, 0.009), (0.0372, 0.019), (0.0400, 0.032),
-    (0.0416, 0.050), (0.0424, 0.068), (0.0428, 0.084), (0.0434, 0.098),
+    (0.0275, 0.0),
+    (0.0285, 0.0015),
+    (0.0290, 0.004),
+    (0.0330, 0.009),
+    (0.0372, 0.019),
+    (0.0400, 0.032),
+    (0.0416, 0.050),
+    (0.0424, 0.068),
+    (0.0428, 0.084),
+    (0.0434, 0.098),
 )
 STRAIGHT: Profile = (
-    (0.0350, 0.0), (0.0375, 0.0015), (0.0390, 0.005), (0.0395, 0.012), (0.0395, 0.030), (0.0395, 0.048),
-    (0.0395, 0.066), (0.0395, 0.084), (0.0395, 0.102),
+    (0.0350, 0.0),
+    (0.0375, 0.0015),
+    (0.0390, 0.005),
+    (0.0395, 0.012),
+    (0.0395, 0.030),
+    (0.0395, 0.048),
+    (0.0395, 0.066),
+    (0.0395, 0.084),
+    (0.0395, 0.102),
 )
 BOWL: Profile = (
-    (0.0250, 0.0), (0.0255, 0.005), (0.0330, 0.011), (0.0400, 0.020), (0.0450, 0.032), (0.0480, 0.045),
-    (0.0495, 0.056), (0.0505, 0.066),
+    (0.0250, 0.0),
+    (0.0255, 0.005),
+    (0.0330, 0.011),
+    (0.0400, 0.020),
+    (0.0450, 0.032),
+    (0.0480, 0.045),
+    (0.0495, 0.056),
+    (0.0505, 0.066),
 )
 
 WALL_M = 0.0034
@@ -79,16 +101,29 @@ class Handle:
         (upper_x, upper_z), (lower_x, lower_z), out = self.top, self.bottom, self.reach_m
         path = keys.Path(
             [
-                (upper_x - 0.0025, 0.0, upper_z), (out - 0.012, 0.0, upper_z + 0.002),
-                (out - 0.002, 0.0, upper_z - 0.010), (out, 0.0, 0.55 * upper_z + 0.45 * lower_z),
-                (out - 0.004, 0.0, lower_z + 0.012), (out - 0.015, 0.0, lower_z + 0.001),
+                (upper_x - 0.0025, 0.0, upper_z),
+                (out - 0.012, 0.0, upper_z + 0.002),
+                (out - 0.002, 0.0, upper_z - 0.010),
+                (out, 0.0, 0.55 * upper_z + 0.45 * lower_z),
+                (out - 0.004, 0.0, lower_z + 0.012),
+                (out - 0.015, 0.0, lower_z + 0.001),
                 (lower_x - 0.0025, 0.0, lower_z),
             ]
         )
         return [path.point(path.length * step / (steps - 1)) for step in range(steps)]
 
 
-def cup(name: str, rng: random.Random, *, look: Look) -> bpy.types.Object:
+@kind(
+    "cup",
+    (0.121, 0.087, 0.1),
+    "graspable",
+    "container",
+    colour=colours("look.glaze"),
+    pattern=words("look.pattern", "plain", "rim_band", "stripes", "dipped", "speckled"),
+    content=Choice("look.liquid", {"empty": None, "coffee": COFFEE, "tea": TEA}),
+    shape=Choice("look.profile", {"tall": TULIP, "straight": STRAIGHT, "wide": BOWL}),
+)
+def cup(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A glazed cup, 7 to 11 cm tall, with its handle along +X."""
     materials = [
         products.glaze(f"{name}_glaze", look.glaze, rng, speckle=0.6 if look.pattern == "speckled" else 0.0),
@@ -114,7 +149,8 @@ def _walls(profile: Profile) -> list[tuple[float, float]]:
     """Up the outside, over a rounded lip, down the inside to the axis."""
     lip_r, lip_z = profile[-1]
     lip = [
-        (lip_r + 0.0002, lip_z + 0.0012), (lip_r - 0.30 * WALL_M, lip_z + 0.0022),
+        (lip_r + 0.0002, lip_z + 0.0012),
+        (lip_r - 0.30 * WALL_M, lip_z + 0.0022),
         (lip_r - 0.75 * WALL_M, lip_z + 0.0016),
     ]
     inside = [(r - WALL_M, z) for r, z in reversed(profile) if z > BOTTOM_M + 0.006]

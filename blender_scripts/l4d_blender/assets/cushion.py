@@ -8,15 +8,18 @@ import bpy
 from mathutils import Vector, noise
 
 from l4d_blender.assets import mesh
+from l4d_blender.assets.materials import interior
+from l4d_blender.catalogue import kind
 
 
-def build(
+@kind("cushion", (0.42, 0.16, 0.42), "graspable")
+def cushion(
     name: str,
     rng: random.Random,
     *,
     size_m: tuple[float, float] = (0.42, 0.42),
     thickness_m: float = 0.15,
-    material: bpy.types.Material,
+    material: bpy.types.Material | None = None,
 ) -> bpy.types.Object:
     """A scatter cushion that stands on one edge, its large faces towards -Y and +Y."""
     width, height = size_m
@@ -54,14 +57,16 @@ def build(
     )
     for (i, j), (k, m) in zip(rim, rim[1:] + rim[:1]):
         faces.append((at(0, k, m), at(0, i, j), at(1, i, j), at(1, k, m)))
+    material = material or interior.cloth(f"{name}_cloth", (0.58, 0.36, 0.08), rng)
     return mesh.set_material(mesh.from_pydata(name, verts, faces), material)
 
 
+@kind("cushion", (0.551, 0.552, 0.176), "seat")
 def block(
     name: str,
     rng: random.Random,
-    size_m: tuple[float, float, float],
     *,
+    size_m: tuple[float, float, float] = (0.55, 0.55, 0.16),
     bevel_m: float = 0.05,
     puff_m: float = 0.015,
 ) -> bpy.types.Object:

@@ -12,17 +12,19 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
 THICKNESS_M = 0.003
 
 
+@kind("mat", (0.45, 0.6, 0.003), "surface")
 def cutting_mat(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float] = (0.45, 0.60),
+    size_m: tuple[float, float] = (0.45, 0.6),
     colour: Colour = (0.035, 0.12, 0.085),
 ) -> bpy.types.Object:
     """A mat of (width, depth) ruled every centimetre, every fifth line brighter."""

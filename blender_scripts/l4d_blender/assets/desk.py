@@ -11,6 +11,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -18,12 +19,13 @@ HEIGHT_M = 0.74
 TOP_M = 0.028
 
 
+@kind("desk", (1.4, 0.8, 0.74), "surface")
 def desk(
     name: str,
     rng: random.Random,
     *,
     size_m: tuple[float, float] = (1.4, 0.8),
-    light: Colour = (0.40, 0.235, 0.115),
+    light: Colour = (0.4, 0.235, 0.115),
     dark: Colour = (0.21, 0.105, 0.045),
     steel: Colour = (0.045, 0.047, 0.05),
 ) -> bpy.types.Object:

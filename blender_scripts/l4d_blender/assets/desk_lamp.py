@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -26,6 +27,7 @@ SHADE_TILT_RAD = -0.42
 LIGHT = NECK + Matrix.Rotation(SHADE_TILT_RAD, 3, "X") @ Vector((0.0, 0.0, -0.086))
 
 
+@kind("lamp", (0.239, 0.398, 0.403), colour=colours("enamel"))
 def desk_lamp(name: str, rng: random.Random, *, enamel: Colour = (0.58, 0.26, 0.035)) -> bpy.types.Object:
     """A lamp about 45 cm tall."""
     paint = products.lacquer(f"{name}_enamel", enamel, rng)
@@ -37,8 +39,14 @@ def desk_lamp(name: str, rng: random.Random, *, enamel: Colour = (0.58, 0.26, 0.
     foot = mesh.lathe(
         f"{name}_foot",
         [
-            (0.074, 0.0), (0.078, 0.002), (0.079, 0.010), (0.076, 0.016), (0.060, 0.020), (0.020, 0.024),
-            (0.014, 0.034), (0.0, 0.036),
+            (0.074, 0.0),
+            (0.078, 0.002),
+            (0.079, 0.010),
+            (0.076, 0.016),
+            (0.060, 0.020),
+            (0.020, 0.024),
+            (0.014, 0.034),
+            (0.0, 0.036),
         ],
         48,
     )
@@ -62,8 +70,16 @@ def desk_lamp(name: str, rng: random.Random, *, enamel: Colour = (0.58, 0.26, 0.
     shade = mesh.lathe(
         f"{name}_shade",
         [
-            (0.018, 0.012), (0.024, 0.008), (0.026, -0.010), (0.034, -0.026), (0.056, -0.060),
-            (0.074, -0.098), (0.0755, -0.101), (0.0735, -0.100), (0.054, -0.061), (0.032, -0.029),
+            (0.018, 0.012),
+            (0.024, 0.008),
+            (0.026, -0.010),
+            (0.034, -0.026),
+            (0.056, -0.060),
+            (0.074, -0.098),
+            (0.0755, -0.101),
+            (0.0735, -0.100),
+            (0.054, -0.061),
+            (0.032, -0.029),
             (0.0, -0.022),
         ][::-1],
         48,
@@ -79,7 +95,10 @@ def desk_lamp(name: str, rng: random.Random, *, enamel: Colour = (0.58, 0.26, 0.
     cord = mesh.tube(
         f"{name}_cord",
         [
-            (0.0, 0.074, 0.006), (0.01, 0.10, 0.004), (0.04, 0.14, 0.003), (0.10, 0.16, 0.003),
+            (0.0, 0.074, 0.006),
+            (0.01, 0.10, 0.004),
+            (0.04, 0.14, 0.003),
+            (0.10, 0.16, 0.003),
             (0.16, 0.15, 0.003),
         ],
         0.003,

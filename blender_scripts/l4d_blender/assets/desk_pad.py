@@ -11,12 +11,14 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
 THICKNESS_M = 0.003
 
 
+@kind("desk_pad", (0.86, 0.46, 0.004), "surface")
 def desk_pad(
     name: str,
     rng: random.Random,

@@ -13,13 +13,15 @@ import bpy
 from mathutils import noise
 
 from l4d_blender.assets import mesh
-from l4d_blender.assets.materials import products
+from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 HEIGHT_M = 0.74
 CLOTH_M = 0.0022
 
 
+@kind("table", (1.5, 0.95, 0.74), "surface")
 def dining_table(
     name: str,
     rng: random.Random,
@@ -47,11 +49,12 @@ def dining_table(
     return mesh.join(name, parts)
 
 
+@kind("tablecloth", (1.71, 1.1, 0.329), "surface")
 def tablecloth(
     name: str,
     rng: random.Random,
-    material: bpy.types.Material,
     *,
+    material: bpy.types.Material | None = None,
     table_m: tuple[float, float] = (1.5, 0.95),
     overhang_m: float = 0.24,
     cell_m: float = 0.024,
@@ -63,11 +66,17 @@ def tablecloth(
     sheet = mesh.grid(name, wide, deep, round(wide / cell_m), round(deep / cell_m))
     for vertex in sheet.data.vertices:
         vertex.co = _drape(vertex.co.x, vertex.co.y, half_x, half_y, phase)
+    material = material or tableware.linen(f"{name}_linen", (0.62, 0.58, 0.48), rng)
     return mesh.set_material(mesh.solidify(sheet, CLOTH_M), material)
 
 
+@kind("napkin", (0.301, 0.202, 0.003), "surface")
 def runner(
-    name: str, rng: random.Random, material: bpy.types.Material, *, size_m: tuple[float, float]
+    name: str,
+    rng: random.Random,
+    *,
+    material: bpy.types.Material | None = None,
+    size_m: tuple[float, float] = (0.30, 0.20),
 ) -> bpy.types.Object:
     """A flat strip of cloth or a napkin spread out; it lies on z = 0 with rippled edges."""
     shift = rng.uniform(-9.0, 9.0)
@@ -78,6 +87,7 @@ def runner(
         vertex.co.y += 0.003 * noise.noise((x * 9, y * 9, shift + 5))
         edge = max(abs(x) / (0.5 * size_m[0]), abs(y) / (0.5 * size_m[1]))
         vertex.co.z = 0.0016 + max(0.0, edge - 0.86) * 0.018 * max(0.0, noise.noise((x * 14, y * 14, shift)))
+    material = material or tableware.linen(f"{name}_linen", (0.62, 0.58, 0.48), rng)
     return mesh.set_material(mesh.solidify(sheet, 0.0014), material)
 
 

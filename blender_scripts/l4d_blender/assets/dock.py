@@ -8,18 +8,21 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
 PLANK_M = 0.036
 
 
+@kind("dock", (4.0, 1.57, 1.32), "surface", "backdrop")
 def dock(
     name: str,
     rng: random.Random,
     *,
-    x_range: tuple[float, float],
-    half_width_m: float,
+    x_range: tuple[float, float] = (-3.0, 1.0),
+    half_width_m: float = 0.66,
     bed_m: float = -1.2,
 ) -> bpy.types.Object:
     """Planks along Y over the range of x, two bearers, and piles that end a little above the deck."""
@@ -55,6 +58,7 @@ def dock(
     return mesh.join(name, [deck, beams, posts])
 
 
+@kind("mooring_post", (0.21, 0.202, 1.82))
 def mooring_post(
     name: str, rng: random.Random, *, bed_m: float = -1.2, top_m: float = 0.62
 ) -> bpy.types.Object:
@@ -71,6 +75,7 @@ def mooring_post(
     return mesh.join(name, [pile, rope])
 
 
+@kind("rope", (0.515, 0.257, 0.055))
 def rope_coil(name: str, rng: random.Random, *, radius_m: float = 0.13) -> bpy.types.Object:
     """A coil of rope that lies on the deck, its end trailing off."""
     points = []

@@ -16,6 +16,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind, words
+
 from . import implicit, mesh
 from .materials import dogs as materials
 
@@ -337,10 +339,19 @@ def _pricked_ear(name: str, s: float) -> bpy.types.Object:
 # --- assembly ---------------------------------------------------------------------------------------------
 
 
-def dog(
-    name: str, rng: random.Random, *, coat: str, collar: str
-) -> tuple[bpy.types.Object, bpy.types.Object]:
-    """(armature, mesh) at rest; `coat` is a key of COATS, `collar` one of materials.dogs.COLLARS."""
+@kind(
+    "dog",
+    (0.284, 1.24, 0.653),
+    "walks",
+    front="-y",
+    coat=words("coat", *COATS),
+    collar=words("collar", *materials.COLLARS),
+)
+def dog(name: str, rng: random.Random, *, coat: str = "golden", collar: str = "red") -> bpy.types.Object:
+    """The skinned mesh at rest; its parent is the armature, which stands where the dog stands.
+
+    `coat` is a key of COATS, `collar` one of materials.dogs.COLLARS.
+    """
     look, skin = COATS[coat], _skin()
     colour = _paint(look, Vector([rng.uniform(-9, 9) for _ in range(3)]))
     body = mesh.from_pydata(f"{name}_skin", skin.vertices.tolist(), skin.faces.tolist())
@@ -379,7 +390,7 @@ def dog(
     rig = _armature(f"{name}_rig")
     whole.parent = rig
     whole.modifiers.new("skin", "ARMATURE").object = rig
-    return rig, whole
+    return whole
 
 
 def _finished(part: bpy.types.Object, material: bpy.types.Material, shade) -> bpy.types.Object:

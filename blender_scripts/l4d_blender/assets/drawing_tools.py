@@ -12,10 +12,12 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 
+@kind("ruler", (0.21, 0.033, 0.004), "graspable", "pushable")
 def ruler(name: str, rng: random.Random, *, length_m: float = 0.21) -> bpy.types.Object:
     """A ruler of beech with engraved centimetres and a steel edge."""
     beech = products.wood(f"{name}_beech", (0.60, 0.42, 0.22), (0.44, 0.28, 0.13), rng, grain_axis="X")
@@ -37,6 +39,7 @@ def ruler(name: str, rng: random.Random, *, length_m: float = 0.21) -> bpy.types
     return mesh.join(name, parts)
 
 
+@kind("eraser", (0.052, 0.023, 0.014), "graspable", "pushable", colour=colours("sleeve"))
 def rubber(name: str, rng: random.Random, *, sleeve: Colour = (0.05, 0.13, 0.36)) -> bpy.types.Object:
     """A white rubber, worn round at one end."""
     white = products.satin_plastic(f"{name}_white", (0.70, 0.69, 0.66), rng, roughness=0.85)

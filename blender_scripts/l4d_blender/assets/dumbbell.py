@@ -10,6 +10,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym
+from l4d_blender.catalogue import COLOURS, Choice, kind
 
 Colour = tuple[float, float, float]
 
@@ -46,7 +47,22 @@ def round_plates(colour: Colour, ring: Colour) -> DumbbellLook:
     return DumbbellLook("round", colour, ring, radius_m=0.100, head_m=0.120)
 
 
-def dumbbell(name: str, rng: random.Random, *, look: DumbbellLook) -> bpy.types.Object:
+BLUE_HEX = hexagonal((0.032, 0.033, 0.036), (0.03, 0.12, 0.42))
+
+
+@kind(
+    "dumbbell",
+    (0.172, 0.357, 0.152),
+    "graspable",
+    shape=Choice(
+        "look",
+        {
+            "hex": hexagonal(COLOURS["black"], COLOURS["blue"]),
+            "round": round_plates(COLOURS["black"], COLOURS["red"]),
+        },
+    ),
+)
+def dumbbell(name: str, rng: random.Random, *, look: DumbbellLook = BLUE_HEX) -> bpy.types.Object:
     """The dumbbell; origin on the floor under the middle of its bar."""
     coat = gym.cast(f"{name}_coat", look.colour, rng)
     ring = gym.cast(f"{name}_ring", look.ring, rng)

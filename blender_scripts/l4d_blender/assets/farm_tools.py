@@ -10,6 +10,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
@@ -19,7 +21,8 @@ def _bar(name: str, start: Vector, end: Vector, width: float, height: float) -> 
     return mesh.tube(name, [start, start.lerp(end, 0.5), end], [(width * 0.7, height * 0.7)] * 3, segments=4)
 
 
-def wheelbarrow(name: str) -> bpy.types.Object:
+@kind("wheelbarrow", (0.747, 1.67, 0.745), "container", front="-y")
+def wheelbarrow(name: str, rng: random.Random) -> bpy.types.Object:
     """1.5 m long: a tray of boards on two shafts, a spoked wheel at -Y, handles at +Y."""
     timber = outdoors.weathered_wood(f"{name}_timber", (0.22, 0.165, 0.115), grain_axis="Y")
     iron = outdoors.wrought_iron(f"{name}_iron")
@@ -89,6 +92,7 @@ def wheelbarrow(name: str) -> bpy.types.Object:
     return mesh.join(name, wood + metal + tray)
 
 
+@kind("ladder", (0.445, 0.065, 3.2))
 def ladder(name: str, rng: random.Random, *, length_m: float = 3.2) -> bpy.types.Object:
     """Stands upright along +Z, 0.42 m wide in X; the recipe leans it."""
     parts = []
@@ -106,7 +110,8 @@ def ladder(name: str, rng: random.Random, *, length_m: float = 3.2) -> bpy.types
     return mesh.set_material(whole, outdoors.weathered_wood(f"{name}_wood", (0.30, 0.23, 0.15)))
 
 
-def hay_fork(name: str) -> bpy.types.Object:
+@kind("fork", (0.224, 0.055, 1.65), "graspable")
+def hay_fork(name: str, rng: random.Random) -> bpy.types.Object:
     """1.65 m long, prongs down at z = 0, in the XZ plane."""
     shaft = mesh.tube(
         f"{name}_shaft",
@@ -132,6 +137,7 @@ def hay_fork(name: str) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
+@kind("churn", (0.421, 0.346, 0.735), "container")
 def milk_churn(name: str, rng: random.Random) -> bpy.types.Object:
     """A 0.7 m churn with shoulders, neck, lid and two ears."""
     profile = [

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 import bpy
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
@@ -20,11 +22,12 @@ def _rough(part: bpy.types.Object, rng: random.Random, amount: float) -> bpy.typ
     return mesh.displace(part, lambda p, _: amount * noise.noise(p * 4.0 + shift))
 
 
+@kind("fence", (4.16, 0.19, 1.35))
 def fence(
     name: str,
     rng: random.Random,
-    line: Sequence[tuple[float, float]],
     *,
+    line: Sequence[tuple[float, float]] = ((-2.0, 0.0), (2.0, 0.0)),
     height: Height = lambda x, y: 0.0,
     post_m: float = 1.15,
     spacing_m: float = 1.7,
@@ -76,6 +79,7 @@ def fence(
     return mesh.set_material(whole, outdoors.weathered_wood(f"{name}_wood", (0.215, 0.185, 0.150)))
 
 
+@kind("gate", (2.4, 0.1, 1.1), "opens", front="-y")
 def gate(name: str, rng: random.Random, *, width_m: float = 2.4, height_m: float = 1.15) -> bpy.types.Object:
     """A five-bar field gate along +X from its hinge at the origin."""
     parts = []

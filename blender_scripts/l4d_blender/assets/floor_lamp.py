@@ -9,11 +9,13 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import kind
 
 SHADE_HEIGHT_M = 1.20
 
 
-def build(name: str, rng: random.Random, *, glow: float = 1.4) -> bpy.types.Object:
+@kind("lamp", (0.38, 0.38, 1.33))
+def floor_lamp(name: str, rng: random.Random, *, glow: float = 1.4) -> bpy.types.Object:
     """The middle of the shade is at `SHADE_HEIGHT_M`."""
     brass = principled(f"{name}_brass", (0.50, 0.34, 0.14), roughness=0.32, metallic=0.9, variation=0.2)
     foot = mesh.cylinder(f"{name}_foot", 0.14, 0.025, 40, bevel_m=0.008)

@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -21,18 +22,29 @@ DAISY = ((0.74, 0.72, 0.66), (0.66, 0.36, 0.03))
 ROSE = ((0.62, 0.13, 0.17), (0.50, 0.05, 0.08))
 CORNFLOWER = ((0.10, 0.15, 0.52), (0.16, 0.06, 0.30))
 _JUG = (
-    (0.034, 0.0), (0.036, 0.002), (0.047, 0.020), (0.052, 0.045), (0.047, 0.072), (0.036, 0.094),
-    (0.033, 0.106), (0.037, 0.120), (0.038, 0.122), (0.035, 0.121), (0.030, 0.106), (0.030, 0.095),
+    (0.034, 0.0),
+    (0.036, 0.002),
+    (0.047, 0.020),
+    (0.052, 0.045),
+    (0.047, 0.072),
+    (0.036, 0.094),
+    (0.033, 0.106),
+    (0.037, 0.120),
+    (0.038, 0.122),
+    (0.035, 0.121),
+    (0.030, 0.106),
+    (0.030, 0.095),
 )
 
 
+@kind("vase", (0.178, 0.189, 0.263), "graspable")
 def flower_vase(
     name: str,
     rng: random.Random,
     *,
     kinds: tuple[tuple[Colour, Colour], ...] = (DAISY, CORNFLOWER),
     heads: int = 17,
-    glaze: Colour = (0.46, 0.50, 0.46),
+    glaze: Colour = (0.46, 0.5, 0.46),
 ) -> bpy.types.Object:
     """A jug 12 cm tall whose bouquet reaches about 25 cm."""
     parts = [

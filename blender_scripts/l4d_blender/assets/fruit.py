@@ -14,18 +14,32 @@ from mathutils import Matrix, Vector, noise
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 BOWL_RIM_M, BOWL_HEIGHT_M, BOWL_FLOOR_M = 0.158, 0.072, 0.0085
 
 
-def fruit_bowl(name: str, rng: random.Random, *, glaze: Colour = (0.10, 0.17, 0.30)) -> bpy.types.Object:
+@kind("bowl", (0.317, 0.317, 0.072), "container", colour=colours("glaze"))
+def fruit_bowl(name: str, rng: random.Random, *, glaze: Colour = (0.1, 0.17, 0.3)) -> bpy.types.Object:
     """A wide shallow bowl with a bare rim; things in it lie at `BOWL_FLOOR_M`, level out to 9 cm."""
     r, h, floor = BOWL_RIM_M, BOWL_HEIGHT_M, BOWL_FLOOR_M
     wall = [
-        (0.055, 0.0), (0.060, 0.0015), (0.062, 0.005), (0.092, 0.009), (0.118, 0.021), (0.142, 0.043),
-        (r, h - 0.003), (r + 0.001, h - 0.001), (r - 0.001, h), (r - 0.004, h - 0.0005), (0.137, 0.047),
-        (0.113, 0.027), (0.094, 0.0135), (0.086, floor), (0.0, floor),
+        (0.055, 0.0),
+        (0.060, 0.0015),
+        (0.062, 0.005),
+        (0.092, 0.009),
+        (0.118, 0.021),
+        (0.142, 0.043),
+        (r, h - 0.003),
+        (r + 0.001, h - 0.001),
+        (r - 0.001, h),
+        (r - 0.004, h - 0.0005),
+        (0.137, 0.047),
+        (0.113, 0.027),
+        (0.094, 0.0135),
+        (0.086, floor),
+        (0.0, floor),
     ]
     path = keys.Path([(a, 0.0, z) for a, z in wall[:-1]])
     points = [path.point(path.length * k / 90) for k in range(91)]
@@ -37,17 +51,20 @@ def fruit_bowl(name: str, rng: random.Random, *, glaze: Colour = (0.10, 0.17, 0.
     return mesh.paint(bowl, skins, lambda centre, _: int(centre.z > h - 0.006 or centre.z < 0.003))
 
 
+@kind("orange", (0.073, 0.074, 0.072), "graspable", "rolls")
 def orange(name: str, rng: random.Random, *, radius_m: float = 0.037) -> bpy.types.Object:
     """An orange with its button."""
     return _citrus(name, rng, (radius_m, radius_m, 0.95 * radius_m), (0.66, 0.20, 0.012), 0.02)
 
 
+@kind("lemon", (0.086, 0.054, 0.054), "graspable")
 def lemon(name: str, rng: random.Random) -> bpy.types.Object:
     """A lemon that lies along X."""
     fruit = _citrus(name, rng, (0.027, 0.027, 0.036), (0.72, 0.50, 0.035), 0.22)
     return mesh.drop_to_base(mesh.rotate(fruit, "Y", 84.0))
 
 
+@kind("pear", (0.072, 0.072, 0.118), "graspable")
 def pear(name: str, rng: random.Random) -> bpy.types.Object:
     """A pear that stands."""
     section = [
@@ -81,6 +98,7 @@ def pear(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, [body, stem])
 
 
+@kind("bananas", (0.161, 0.119, 0.045), "graspable")
 def bananas(name: str, rng: random.Random, *, count: int = 4) -> bpy.types.Object:
     """A bunch that lies on its side and bends towards -Y; the crown is at +X."""
     skin = tableware.ripe_skin(f"{name}_skin", (0.70, 0.46, 0.045), (0.13, 0.07, 0.02), rng)
@@ -104,6 +122,7 @@ def bananas(name: str, rng: random.Random, *, count: int = 4) -> bpy.types.Objec
     return mesh.drop_to_base(mesh.join(name, parts))
 
 
+@kind("grapes", (0.073, 0.174, 0.048), "graspable")
 def grapes(
     name: str, rng: random.Random, *, count: int = 38, colour: Colour = (0.055, 0.016, 0.05)
 ) -> bpy.types.Object:

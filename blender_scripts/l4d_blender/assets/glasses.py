@@ -12,11 +12,13 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
 
-def glasses(name: str, rng: random.Random, *, shell: Colour = (0.10, 0.045, 0.018)) -> bpy.types.Object:
+@kind("glasses", (0.14, 0.143, 0.047), "graspable")
+def glasses(name: str, rng: random.Random, *, shell: Colour = (0.1, 0.045, 0.018)) -> bpy.types.Object:
     """A horn-rimmed frame 14 cm wide."""
     horn = products.satin_plastic(f"{name}_horn", shell, rng, roughness=0.25)
     parts = []
@@ -27,8 +29,12 @@ def glasses(name: str, rng: random.Random, *, shell: Colour = (0.10, 0.045, 0.01
         ]
         parts.append(mesh.tube(f"{name}_rim", rim, 0.0023, segments=8, closed=True))
         temple = [
-            (side * 0.061, 0.003, 0.034), (side * 0.067, 0.010, 0.034), (side * 0.068, 0.060, 0.022),
-            (side * 0.067, 0.100, 0.010), (side * 0.062, 0.128, 0.0028), (side * 0.058, 0.138, 0.0030),
+            (side * 0.061, 0.003, 0.034),
+            (side * 0.067, 0.010, 0.034),
+            (side * 0.068, 0.060, 0.022),
+            (side * 0.067, 0.100, 0.010),
+            (side * 0.062, 0.128, 0.0028),
+            (side * 0.058, 0.138, 0.0030),
         ]
         parts.append(mesh.tube(f"{name}_temple", temple, [0.0026, 0.0028, 0.0022, 0.0022, 0.0026, 0.0022], 8))
     bridge = [(-0.0085, 0.001, 0.030), (0.0, -0.002, 0.0335), (0.0085, 0.001, 0.030)]

@@ -11,14 +11,17 @@ import random
 import bpy
 from mathutils import Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import playground, products
 
 _TUBE_M = 0.022
 
 
+@kind("goal", (1.29, 0.588, 0.822), front="-y")
 def goal(
-    name: str, rng: random.Random, *, width_m: float = 1.25, height_m: float = 0.80, depth_m: float = 0.55
+    name: str, rng: random.Random, *, width_m: float = 1.25, height_m: float = 0.8, depth_m: float = 0.55
 ) -> bpy.types.Object:
     """Frame and net as one object."""
     white = products.lacquer(f"{name}_white", playground.PAINTS["white"], rng)

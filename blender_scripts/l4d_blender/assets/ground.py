@@ -15,6 +15,8 @@ import bpy
 import numpy as np
 from mathutils import Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
@@ -52,7 +54,7 @@ class Terrain:
     planned on z = 0 neither float nor sink visibly; beyond `hills_from_m` the land rises to a skyline.
     """
 
-    seed: int
+    seed: int = 0
     yard: Sequence[tuple[Point2, float]] = ()
     paths: Sequence[Path] = ()
     level_radius_m: float = 3.6
@@ -92,7 +94,13 @@ class Terrain:
         return min(1.0, max(0.0, 0.5 + 1.5 * (wear + 0.55 * ragged - 0.32)))
 
 
-def ground(name: str, terrain: Terrain, *, radius_m: float = 85.0, sectors: int = 168) -> bpy.types.Object:
+LEVEL = Terrain()
+
+
+@kind("ground", (176.1, 176.1, 6.39), "backdrop")
+def ground(
+    name: str, rng: random.Random, *, terrain: Terrain = LEVEL, radius_m: float = 85.0, sectors: int = 168
+) -> bpy.types.Object:
     """The terrain as one polar mesh, fine near the middle, coarse at the skyline; wear is an attribute."""
     radii = [0.0]
     while radii[-1] < radius_m:
@@ -133,13 +141,14 @@ def _blades(
     return verts.reshape(-1, 3).tolist(), quads + tips
 
 
+@kind("grass", (9.73, 9.77, 0.209), "backdrop")
 def grass(
     name: str,
-    terrain: Terrain,
     rng: random.Random,
     *,
-    tufts: int,
-    radius_m: float,
+    terrain: Terrain = LEVEL,
+    tufts: int = 300,
+    radius_m: float = 5.0,
     blades_per_tuft: int = 11,
     length_m: tuple[float, float] = (0.05, 0.16),
     keep: Callable[[float, float], float] | None = None,
@@ -181,8 +190,13 @@ def grass(
     return blades
 
 
+@kind("straw", (1.73, 1.73, 0.021), "backdrop")
 def straw_litter(
-    name: str, terrain: Terrain, rng: random.Random, *, spots: Sequence[tuple[Point2, float, int]]
+    name: str,
+    rng: random.Random,
+    *,
+    terrain: Terrain = LEVEL,
+    spots: Sequence[tuple[Point2, float, int]] = (((0.0, 0.0), 1.0, 60),),
 ) -> bpy.types.Object:
     """Loose stalks lying on the ground; each spot is (centre, radius in metres, stalks)."""
     draw = np.random.default_rng(rng.getrandbits(64))
@@ -216,13 +230,14 @@ def straw_litter(
     return litter
 
 
+@kind("stones", (7.6, 7.37, 0.075), "backdrop")
 def stones(
     name: str,
-    terrain: Terrain,
     rng: random.Random,
     *,
-    count: int,
-    radius_m: float,
+    terrain: Terrain = LEVEL,
+    count: int = 60,
+    radius_m: float = 4.0,
     size_m: tuple[float, float] = (0.015, 0.06),
     keep: Callable[[float, float], float] | None = None,
 ) -> bpy.types.Object:

@@ -15,6 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym, interior
 from l4d_blender.assets.materials.base import principled
 from l4d_blender.assets.materials.products import glow, satin_plastic
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -24,7 +25,8 @@ BALL_COLOURS = ((0.05, 0.20, 0.34), (0.40, 0.07, 0.04), (0.10, 0.11, 0.11), (0.5
 MAT_COLOURS = ((0.10, 0.20, 0.34), (0.34, 0.10, 0.22), (0.12, 0.28, 0.14))
 
 
-def bench(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
+@kind("bench", (1.23, 0.51, 0.44), "seat", "surface", colour=colours("colour"))
+def bench(name: str, rng: random.Random, *, colour: Colour = (0.34, 0.045, 0.035)) -> bpy.types.Object:
     """A flat weight bench along X, 1.2 m long."""
     pad = mesh.move(mesh.bevel_box(f"{name}_pad", (1.22, 0.31, 0.075), 0.026, 4), z=BENCH_TOP_M - 0.075)
     seam = mesh.move(mesh.bevel_box(f"{name}_seam", (1.232, 0.322, 0.008), 0.003), z=BENCH_TOP_M - 0.062)
@@ -51,7 +53,8 @@ def bench(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
-def step(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
+@kind("step", (0.72, 0.38, 0.2), "surface", colour=colours("colour"))
+def step(name: str, rng: random.Random, *, colour: Colour = (0.10, 0.34, 0.36)) -> bpy.types.Object:
     """An aerobics step on two risers, 70 by 38 cm."""
     plastic = satin_plastic(f"{name}_riser", colour, rng)
     grey = satin_plastic(f"{name}_body", (0.10, 0.10, 0.11), rng)
@@ -72,6 +75,7 @@ def step(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
+@kind("treadmill", (0.83, 1.79, 1.33), front="-y")
 def treadmill(name: str, rng: random.Random) -> bpy.types.Object:
     """A running machine; whoever runs faces its console at -Y."""
     dark = satin_plastic(f"{name}_shell", (0.045, 0.047, 0.052), rng)
@@ -113,6 +117,7 @@ def treadmill(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
+@kind("wall_bars", (1.75, 0.161, 2.3), "hangs", front="-y")
 def wall_bars(name: str, rng: random.Random, *, fields: int = 2) -> bpy.types.Object:
     """Swedish bars: beech uprights and rungs, 2.3 m high."""
     beech = interior.wood(f"{name}_beech", (0.48, 0.30, 0.15), rng, grain_axis="Z")
@@ -138,6 +143,7 @@ def wall_bars(name: str, rng: random.Random, *, fields: int = 2) -> bpy.types.Ob
     return mesh.join(name, parts)
 
 
+@kind("rack", (1.31, 0.52, 0.995), front="-y")
 def kettlebell_rack(name: str, rng: random.Random) -> bpy.types.Object:
     """Two sloping shelves: kettlebells below, medicine balls above."""
     coat = gym.powder_coat(f"{name}_frame", (0.05, 0.052, 0.056), rng)
@@ -183,7 +189,10 @@ def kettlebell_rack(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
-def barbell_stand(name: str, rng: random.Random, *, plate: Colour) -> bpy.types.Object:
+@kind("stand", (2.04, 0.95, 2.12), colour=colours("plate"))
+def barbell_stand(
+    name: str, rng: random.Random, *, plate: Colour = (0.030, 0.030, 0.033)
+) -> bpy.types.Object:
     """A squat stand with a loaded barbell in its hooks."""
     coat = gym.powder_coat(f"{name}_frame", (0.40, 0.06, 0.04), rng)
     steel = gym.knurled_steel(f"{name}_bar", rng)
@@ -216,7 +225,10 @@ def barbell_stand(name: str, rng: random.Random, *, plate: Colour) -> bpy.types.
     return mesh.join(name, parts)
 
 
-def punching_bag(name: str, rng: random.Random, *, colour: Colour, hook_m: float = 2.7) -> bpy.types.Object:
+@kind("punching_bag", (0.345, 0.345, 1.98), "swings", colour=colours("colour"))
+def punching_bag(
+    name: str, rng: random.Random, *, colour: Colour = (0.10, 0.03, 0.025), hook_m: float = 2.7
+) -> bpy.types.Object:
     """A heavy bag on chains from the ceiling."""
     skin = gym.vinyl(f"{name}_skin", colour, rng)
     steel = principled(f"{name}_chain", (0.30, 0.30, 0.31), roughness=0.35, metallic=1.0)
@@ -239,8 +251,9 @@ def punching_bag(name: str, rng: random.Random, *, colour: Colour, hook_m: float
     return mesh.join(name, parts)
 
 
+@kind("ball", (0.651, 0.651, 0.651), "rolls", "seat", colour=colours("colour"))
 def exercise_ball(
-    name: str, rng: random.Random, *, colour: Colour, radius_m: float = 0.325
+    name: str, rng: random.Random, *, colour: Colour = (0.30, 0.32, 0.34), radius_m: float = 0.325
 ) -> bpy.types.Object:
     """A ribbed gymnastics ball."""
     ball = mesh.ellipsoid(f"{name}_ball", (radius_m,) * 3, 48, 40, (0, 0, radius_m))
@@ -248,6 +261,7 @@ def exercise_ball(
     return mesh.set_material(ball, satin_plastic(f"{name}_skin", colour, rng))
 
 
+@kind("mats", (0.41, 0.41, 0.64))
 def rolled_mats(name: str, rng: random.Random) -> bpy.types.Object:
     """Rolled exercise mats that stand in a wire basket."""
     steel = principled(f"{name}_wire", (0.10, 0.10, 0.11), roughness=0.4, metallic=0.8)
@@ -278,8 +292,13 @@ def rolled_mats(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
+@kind("mat", (1.5, 1.1, 0.012), "surface", colour=colours("colour"))
 def floor_mat(
-    name: str, rng: random.Random, *, colour: Colour, size_m: tuple[float, float] = (1.5, 1.1)
+    name: str,
+    rng: random.Random,
+    *,
+    colour: Colour = (0.07, 0.12, 0.17),
+    size_m: tuple[float, float] = (1.5, 1.1),
 ) -> bpy.types.Object:
     """A flat foam mat with a welted edge, 12 mm thick."""
     foam = principled(
@@ -289,7 +308,8 @@ def floor_mat(
     return mesh.set_material(pad, foam)
 
 
-def drink_bottle(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
+@kind("bottle", (0.072, 0.072, 0.233), "graspable", "container", colour=colours("colour"))
+def drink_bottle(name: str, rng: random.Random, *, colour: Colour = (0.10, 0.30, 0.50)) -> bpy.types.Object:
     """A sports bottle."""
     body = mesh.lathe(
         f"{name}_body",
@@ -316,7 +336,8 @@ def drink_bottle(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.
     )
 
 
-def folded_towel(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
+@kind("towel", (0.32, 0.085, 0.407), "graspable", colour=colours("colour"))
+def folded_towel(name: str, rng: random.Random, *, colour: Colour = (0.62, 0.58, 0.50)) -> bpy.types.Object:
     """A towel thrown over a bar that runs along X at z = 0."""
     cloth = interior.cloth(f"{name}_cloth", colour, rng)
     rows, columns, width = 20, 10, 0.32

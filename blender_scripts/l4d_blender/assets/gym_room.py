@@ -11,19 +11,21 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import gym, interior
 from l4d_blender.assets.materials.products import window_view
+from l4d_blender.catalogue import kind
 
 WALL_HEIGHT_M = 3.4
 
 
-def build(
+@kind("room", (6.6, 6.1, 3.4), "backdrop")
+def gym_room(
     name: str,
     rng: random.Random,
     *,
-    half_width_m: float,
-    back_m: float,
-    front_m: float,
-    brick: tuple[float, float, float],
-    paint: tuple[float, float, float],
+    half_width_m: float = 3.3,
+    back_m: float = 2.5,
+    front_m: float = -3.6,
+    brick: tuple[float, float, float] = (0.34, 0.13, 0.08),
+    paint: tuple[float, float, float] = (0.36, 0.40, 0.40),
 ) -> list[bpy.types.Object]:
     """Floor, three walls and a painted dado."""
     w, top = half_width_m, WALL_HEIGHT_M
@@ -51,11 +53,12 @@ def build(
     return parts
 
 
+@kind("window", (1.84, 0.2, 2.09), "hangs", front="-y")
 def window(
     name: str,
     rng: random.Random,
     *,
-    columns: int,
+    columns: int = 4,
     rows: int = 5,
     pane_m: tuple[float, float] = (0.385, 0.35),
     sill_m: float = 1.22,
@@ -97,7 +100,8 @@ def window(
     return mesh.move(mesh.join(name, parts), y=-0.014, z=sill_m)
 
 
-def pipes(name: str, rng: random.Random, *, width_m: float) -> bpy.types.Object:
+@kind("pipes", (6.5, 0.37, 0.37), "hangs")
+def pipes(name: str, rng: random.Random, *, width_m: float = 6.5) -> bpy.types.Object:
     """A ventilation duct under the roof, along X, with collars; axis at z = 0."""
     tin = gym.powder_coat(f"{name}_tin", (0.42, 0.43, 0.44), rng)
     duct = mesh.transform(

@@ -7,10 +7,14 @@ and weights.
 
 from __future__ import annotations
 
+import random
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
+from mathutils import Matrix
+
+from l4d_blender.catalogue import Choice, kind
 
 from .anatomy import FINGERS, Bone, vec
 from .implicit import Blob, Cone, Ellipsoid, Grid, blended, clip, relax, smooth_min, smoothstep, surface_nets
@@ -350,9 +354,19 @@ class HandBody:
     side: str
     scale: float
 
+    @property
+    def parts(self) -> list[bpy.types.Object]:
+        """Hand and sleeve; the rig moves them."""
+        return self.meshes
 
-def build_hand(name: str, look: HandLook, side: str) -> HandBody:
-    """Builds a flat hand with its arm at the origin; `side` is "l" or "r"."""
+    def place(self, matrix: Matrix) -> None:
+        """Moves hand and arm."""
+        self.rig.matrix_basis = matrix
+
+
+@kind("hand", (0.147, 0.724, 0.105), side=Choice("side", {"left": "l", "right": "r"}))
+def hand(name: str, rng: random.Random, *, look: HandLook = HandLook(), side: str = "r") -> HandBody:
+    """A flat hand with its arm at the origin; `side` is "l" or "r"."""
     tone = SKIN_TONES[look.skin]
     skin = materials.skin(f"{name}.skin", tone)
     nail_colour = look.nails or tuple(min(c * f, 1.0) for c, f in zip(tone, (1.22, 1.12, 1.16)))

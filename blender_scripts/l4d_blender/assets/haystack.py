@@ -9,6 +9,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
@@ -18,6 +20,7 @@ def _radius(share: float, radius_m: float) -> float:
     return radius_m * (1.0 - share**2.1) ** 0.75 * (0.93 + 0.10 * math.sin(math.pi * min(1.0, share * 2.4)))
 
 
+@kind("haystack", (1.76, 1.78, 1.85))
 def haystack(
     name: str, rng: random.Random, *, radius_m: float = 0.78, height_m: float = 1.55, stalks: int = 3000
 ) -> bpy.types.Object:
@@ -74,6 +77,7 @@ def _stalks(name: str, mass: bpy.types.Object, rng: random.Random, count: int) -
     return mesh.from_pydata(name, verts, faces, smooth=False)
 
 
+@kind("bale", (1.13, 0.748, 0.459), "seat", "surface", "stacks")
 def hay_bale(
     name: str, rng: random.Random, *, size_xyz: tuple[float, float, float] = (0.9, 0.45, 0.38)
 ) -> bpy.types.Object:

@@ -13,11 +13,13 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 
-def headphones(name: str, rng: random.Random, *, shell: Colour = (0.50, 0.48, 0.44)) -> bpy.types.Object:
+@kind("headphones", (0.177, 0.169, 0.072), "graspable", colour=colours("shell"))
+def headphones(name: str, rng: random.Random, *, shell: Colour = (0.5, 0.48, 0.44)) -> bpy.types.Object:
     """Headphones about 17 cm wide: padded band, two cups with soft cushions."""
     body = products.satin_plastic(f"{name}_shell", shell, rng, roughness=0.35)
     pad = products.leather(f"{name}_pad", (0.035, 0.030, 0.028), rng)

@@ -14,6 +14,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind, words
+
 from . import mesh
 from .materials import outdoors
 
@@ -245,6 +247,7 @@ def _armature(name: str) -> bpy.types.Object:
     return rig
 
 
+@kind("hen", (0.203, 0.486, 0.453), "walks", front="-y", plumage=words("plumage", *outdoors.PLUMAGES))
 def hen(name: str, rng: random.Random, *, plumage: str = "russet") -> bpy.types.Object:
     """The skinned mesh; its parent is the armature, which stands where the hen stands.
 

@@ -11,6 +11,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -18,13 +19,14 @@ HEIGHT_M = 1.04
 TOP_M = 0.034
 
 
+@kind("table", (1.6, 0.62, 1.04), "surface")
 def high_table(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float] = (1.60, 0.62),
-    light: Colour = (0.50, 0.36, 0.20),
-    dark: Colour = (0.32, 0.20, 0.10),
+    size_m: tuple[float, float] = (1.6, 0.62),
+    light: Colour = (0.5, 0.36, 0.2),
+    dark: Colour = (0.32, 0.2, 0.1),
     steel: Colour = (0.035, 0.036, 0.04),
 ) -> bpy.types.Object:
     """A table of (width, depth) whose top is at `HEIGHT_M`."""

@@ -11,6 +11,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 from .materials.base import Colour, Nodes, principled
@@ -24,6 +26,7 @@ WALL_COLOURS: tuple[Colour, ...] = (
 )
 
 
+@kind("house", (9.72, 8.08, 8.64), "backdrop", front="-y")
 def house(
     name: str, rng: random.Random, *, size_xy: tuple[float, float] = (9.0, 7.0), eaves_m: float = 4.6
 ) -> bpy.types.Object:

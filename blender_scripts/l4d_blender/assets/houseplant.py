@@ -11,9 +11,11 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import Range, kind
 
 
-def build(
+@kind("plant", (0.987, 0.996, 0.894), height_m=Range("height_m", 0.4, 1.4))
+def houseplant(
     name: str,
     rng: random.Random,
     *,

@@ -13,6 +13,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -43,6 +44,7 @@ LEGENDS = (
 )
 
 
+@kind("keyboard", (0.281, 0.103, 0.028), "pushable", front="-y")
 def keyboard(
     name: str,
     rng: random.Random,
@@ -108,8 +110,14 @@ def _add_key(
     for inset, rise, chamfer in rings:
         hx, hy = 0.5 * width - inset, 0.5 * depth - inset
         corner = [
-            (hx, hy - chamfer), (hx - chamfer, hy), (-hx + chamfer, hy), (-hx, hy - chamfer),
-            (-hx, -hy + chamfer), (-hx + chamfer, -hy), (hx - chamfer, -hy), (hx, -hy + chamfer),
+            (hx, hy - chamfer),
+            (hx - chamfer, hy),
+            (-hx + chamfer, hy),
+            (-hx, hy - chamfer),
+            (-hx, -hy + chamfer),
+            (-hx + chamfer, -hy),
+            (hx - chamfer, -hy),
+            (hx, -hy + chamfer),
         ]
         verts.extend(centre + Vector((x, y, rise)) for x, y in corner)
     for ring in range(2):

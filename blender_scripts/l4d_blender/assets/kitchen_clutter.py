@@ -11,10 +11,12 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, kitchen
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 
+@kind("board", (0.38, 0.26, 0.09), "surface")
 def chopping_board(name: str, rng: random.Random) -> bpy.types.Object:
     """A thick board with tomatoes, carrot slices, half an onion and a knife; front = -Y."""
     wood = interior.wood(f"{name}_wood", (0.50, 0.32, 0.16), rng, grain_axis="X")
@@ -49,7 +51,10 @@ def chopping_board(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, [*parts, mesh.set_material(blade, steel), mesh.set_material(haft, black)])
 
 
-def pot_stand(name: str, rng: random.Random, *, height_m: float, radius_m: float = 0.125) -> bpy.types.Object:
+@kind("stand", (0.254, 0.254, 0.02), "surface")
+def pot_stand(
+    name: str, rng: random.Random, *, height_m: float = 0.02, radius_m: float = 0.125
+) -> bpy.types.Object:
     """A round slab of oak with an iron band, for hot pots."""
     oak = interior.wood(f"{name}_oak", (0.40, 0.24, 0.11), rng, grain_axis="Y")
     band = kitchen.cast_iron(f"{name}_band")
@@ -60,7 +65,10 @@ def pot_stand(name: str, rng: random.Random, *, height_m: float, radius_m: float
     return mesh.join(name, [mesh.set_material(disc, oak), mesh.set_material(ring, band)])
 
 
-def bottle(name: str, rng: random.Random, *, colour: Colour, height_m: float = 0.27) -> bpy.types.Object:
+@kind("bottle", (0.069, 0.069, 0.286), "graspable", "container", colour=colours("colour"))
+def bottle(
+    name: str, rng: random.Random, *, colour: Colour = (0.10, 0.13, 0.03), height_m: float = 0.27
+) -> bpy.types.Object:
     """An oil or vinegar bottle with a label and a cork."""
     k = height_m / 0.27
     body = mesh.lathe(
@@ -102,7 +110,10 @@ def bottle(name: str, rng: random.Random, *, colour: Colour, height_m: float = 0
     )
 
 
-def jar(name: str, rng: random.Random, *, content: Colour, height_m: float = 0.16) -> bpy.types.Object:
+@kind("jar", (0.122, 0.122, 0.18), "graspable", "container", "stacks", colour=colours("content"))
+def jar(
+    name: str, rng: random.Random, *, content: Colour = (0.50, 0.20, 0.07), height_m: float = 0.16
+) -> bpy.types.Object:
     """A storage jar whose content shows, with a wooden lid."""
     r = 0.38 * height_m
     inside = principled(
@@ -126,8 +137,14 @@ def jar(name: str, rng: random.Random, *, content: Colour, height_m: float = 0.1
     return mesh.join(name, parts)
 
 
+@kind("plates", (0.242, 0.242, 0.082), "surface", colour=colours("colour"))
 def plate_stack(
-    name: str, rng: random.Random, *, colour: Colour, count: int = 6, radius_m: float = 0.12
+    name: str,
+    rng: random.Random,
+    *,
+    colour: Colour = (0.66, 0.64, 0.58),
+    count: int = 6,
+    radius_m: float = 0.12,
 ) -> bpy.types.Object:
     """Plates, or with a small radius bowls, on top of each other."""
     glaze = interior.ceramic(f"{name}_glaze", colour, rng)
@@ -156,7 +173,8 @@ def plate_stack(
     return mesh.join(name, parts)
 
 
-def kettle(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object:
+@kind("kettle", (0.256, 0.204, 0.237), "graspable", "pours", colour=colours("colour"))
+def kettle(name: str, rng: random.Random, *, colour: Colour = (0.12, 0.24, 0.34)) -> bpy.types.Object:
     """An enamelled kettle with a spout and a bail."""
     skin, iron = kitchen.enamel(f"{name}_enamel", colour, rng), kitchen.cast_iron(f"{name}_iron")
     body = mesh.lathe(
@@ -185,6 +203,7 @@ def kettle(name: str, rng: random.Random, *, colour: Colour) -> bpy.types.Object
     )
 
 
+@kind("plant", (0.193, 0.18, 0.267), "graspable")
 def herb_pot(name: str, rng: random.Random) -> bpy.types.Object:
     """Basil in a clay pot."""
     clay = principled(f"{name}_clay", (0.42, 0.17, 0.08), roughness=0.85, variation=0.25, bump=(120, 0.001))
@@ -209,6 +228,7 @@ def herb_pot(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, [*parts, mesh.set_material(stem, leaf)])
 
 
+@kind("loaf", (0.3, 0.15, 0.147), "graspable")
 def loaf(name: str, rng: random.Random) -> bpy.types.Object:
     """A crusty oval loaf with three cuts."""
     crust = principled(
@@ -228,7 +248,13 @@ def loaf(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.set_material(mesh.displace(body, cut), crust)
 
 
-def tea_towel(name: str, rng: random.Random, *, colours: tuple[Colour, Colour]) -> bpy.types.Object:
+@kind("towel", (0.34, 0.03, 0.46), "hangs")
+def tea_towel(
+    name: str,
+    rng: random.Random,
+    *,
+    colours: tuple[Colour, Colour] = ((0.62, 0.58, 0.50), (0.35, 0.08, 0.06)),
+) -> bpy.types.Object:
     """A striped towel over a rail: hangs in the plane y = 0 down from z = 0."""
     cloth = interior.striped_cloth(f"{name}_cloth", colours, rng, period_m=0.06, axis=2)
     columns, rows, width, drop = 14, 12, 0.34, 0.46

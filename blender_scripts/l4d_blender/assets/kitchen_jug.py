@@ -11,6 +11,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import kitchen
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 HEIGHT_M = 0.23
 LIP = (-0.104, 0.0, 0.236)
@@ -23,7 +24,10 @@ _PROFILE = (
 )  # fmt: skip
 
 
-def jug(name: str, rng: random.Random, *, colour: tuple[float, float, float]) -> bpy.types.Object:
+@kind("jug", (0.24, 0.168, 0.241), "graspable", "pours", "container", front="-x", colour=colours("colour"))
+def kitchen_jug(
+    name: str, rng: random.Random, *, colour: tuple[float, float, float] = (0.66, 0.63, 0.54)
+) -> bpy.types.Object:
     """The jug, standing on its base."""
     wall = 0.0035
     rim_r, rim_z = _PROFILE[-1]

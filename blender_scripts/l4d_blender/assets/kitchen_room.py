@@ -9,21 +9,23 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, kitchen
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import kind
 
 WALL_HEIGHT_M = 2.6
 TILES_M = (0.90, 1.50)  # from the worktop up to the shelves
 
 
-def build(
+@kind("room", (5.2, 5.25, 2.6), "backdrop")
+def kitchen_room(
     name: str,
     rng: random.Random,
     *,
-    half_width_m: float,
-    back_m: float,
-    front_m: float,
-    wall: tuple[float, float, float],
-    tile: tuple[float, float, float],
-    clay: tuple[float, float, float] = (0.30, 0.13, 0.07),
+    half_width_m: float = 2.6,
+    back_m: float = 1.95,
+    front_m: float = -3.3,
+    wall: tuple[float, float, float] = (0.62, 0.52, 0.36),
+    tile: tuple[float, float, float] = (0.68, 0.64, 0.55),
+    clay: tuple[float, float, float] = (0.3, 0.13, 0.07),
 ) -> list[bpy.types.Object]:
     """Floor, three walls and tiles; walls at x = +-half_width_m and y = back_m, floor to y = front_m."""
     floor = _sheet(
@@ -50,11 +52,12 @@ def build(
     return sheets
 
 
+@kind("window", (1.6, 0.225, 1.19), "hangs", front="-y")
 def window(
     name: str,
     rng: random.Random,
     *,
-    width_m: float = 1.30,
+    width_m: float = 1.3,
     height_m: float = 1.05,
     sill_m: float = 1.12,
     glow: float = 1.3,

@@ -11,10 +11,12 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 SPOON_LENGTH_M = 0.35
 
 
+@kind("spoon", (0.06, 0.02, 0.351), "graspable", "stirs")
 def wooden_spoon(name: str, rng: random.Random, *, length_m: float = SPOON_LENGTH_M) -> bpy.types.Object:
     """A cook's spoon that stands on the tip of its bowl, shaft along +Z, hollow towards -Y."""
     wood = interior.wood(f"{name}_wood", (0.47, 0.27, 0.12), rng, grain_axis="Z")
@@ -35,6 +37,7 @@ def wooden_spoon(name: str, rng: random.Random, *, length_m: float = SPOON_LENGT
     return mesh.join(name, [mesh.set_material(bowl, wood), mesh.set_material(shaft, wood)])
 
 
+@kind("rail", (1.0, 0.14, 0.375), "hangs")
 def hanging_rail(name: str, rng: random.Random, *, width_m: float = 1.0) -> bpy.types.Object:
     """A steel rail on a wall (plane y = 0, room at -Y) with ladles, turners and a whisk on hooks."""
     steel = principled(f"{name}_steel", (0.50, 0.50, 0.51), roughness=0.3, metallic=1.0, variation=0.2)
@@ -73,7 +76,10 @@ def hanging_rail(name: str, rng: random.Random, *, width_m: float = 1.0) -> bpy.
     return mesh.join(name, parts)
 
 
-def crock(name: str, rng: random.Random, *, colour: tuple[float, float, float]) -> bpy.types.Object:
+@kind("crock", (0.147, 0.16, 0.364), "container", colour=colours("colour"))
+def crock(
+    name: str, rng: random.Random, *, colour: tuple[float, float, float] = (0.45, 0.38, 0.28)
+) -> bpy.types.Object:
     """A stoneware crock with spoons, a whisk and a ladle upright in it."""
     glaze = interior.ceramic(f"{name}_glaze", colour, rng)
     pot = mesh.lathe(

@@ -15,6 +15,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior, kitchen
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 TOP_M = 0.90
 DEPTH_M = 0.62
@@ -32,8 +33,14 @@ class Finish:
     stone: tuple[float, float, float] = (0.42, 0.40, 0.37)
 
 
+@kind("worktop", (2.6, 0.634, 0.9), "surface", front="-y")
 def base_run(
-    name: str, rng: random.Random, *, width_m: float, finish: Finish, sink_x: float | None = None
+    name: str,
+    rng: random.Random,
+    *,
+    width_m: float = 2.6,
+    finish: Finish = Finish(),
+    sink_x: float | None = None,
 ) -> bpy.types.Object:
     """Cupboards and drawers under a stone worktop; the worktop is left out for a sink round `sink_x`."""
     paint = kitchen.painted_front(f"{name}_paint", finish.front, rng)
@@ -62,6 +69,7 @@ def base_run(
     return mesh.join(name, parts)
 
 
+@kind("sink", (0.561, 0.563, 0.497), "container", front="-y")
 def sink(name: str, rng: random.Random) -> bpy.types.Object:
     """A white ceramic basin with a bridge tap; origin at the worktop's height, back on y = 0."""
     white = interior.ceramic(f"{name}_ceramic", (0.74, 0.72, 0.67), rng)
@@ -90,7 +98,10 @@ def sink(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, [*parts, mesh.set_material(bridge, chrome)])
 
 
-def wall_cupboard(name: str, rng: random.Random, *, width_m: float, finish: Finish) -> bpy.types.Object:
+@kind("cupboard", (0.85, 0.398, 0.75), "hangs", front="-y")
+def wall_cupboard(
+    name: str, rng: random.Random, *, width_m: float = 0.8, finish: Finish = Finish()
+) -> bpy.types.Object:
     """A cupboard on the wall with two panelled doors; origin at the middle of its bottom's back edge."""
     paint = kitchen.painted_front(f"{name}_paint", finish.front, rng)
     brass = principled(f"{name}_pulls", (0.42, 0.30, 0.13), roughness=0.3, metallic=1.0)
@@ -111,7 +122,8 @@ def wall_cupboard(name: str, rng: random.Random, *, width_m: float, finish: Fini
     return mesh.join(name, parts)
 
 
-def shelf(name: str, rng: random.Random, *, width_m: float) -> bpy.types.Object:
+@kind("shelf", (0.8, 0.22, 0.171), "hangs", "surface", front="-y")
+def shelf(name: str, rng: random.Random, *, width_m: float = 0.8) -> bpy.types.Object:
     """An oak board on two iron brackets; origin at the middle of its top's back edge."""
     wood = interior.wood(f"{name}_oak", (0.40, 0.25, 0.12), rng, grain_axis="X")
     iron = kitchen.cast_iron(f"{name}_iron")
@@ -128,7 +140,10 @@ def shelf(name: str, rng: random.Random, *, width_m: float) -> bpy.types.Object:
     return mesh.join(name, parts)
 
 
-def island(name: str, rng: random.Random, *, width_m: float, finish: Finish) -> bpy.types.Object:
+@kind("island", (2.35, 0.7, 0.9), "surface")
+def island(
+    name: str, rng: random.Random, *, width_m: float = 2.35, finish: Finish = Finish()
+) -> bpy.types.Object:
     """A free-standing block with a stone top, panelled towards -Y; origin under its centre."""
     paint = kitchen.painted_front(f"{name}_paint", finish.front, rng)
     stone = kitchen.worktop(f"{name}_stone", finish.stone, rng)
@@ -141,8 +156,13 @@ def island(name: str, rng: random.Random, *, width_m: float, finish: Finish) -> 
     return mesh.join(name, parts)
 
 
+@kind("hob", (0.8, 0.46, 0.034), "surface", front="+y")
 def hob(
-    name: str, rng: random.Random, burners: list[tuple[float, float]], *, size_m: tuple[float, float]
+    name: str,
+    rng: random.Random,
+    *,
+    burners: list[tuple[float, float]] = ((-0.2, 0.0), (0.2, 0.0)),
+    size_m: tuple[float, float] = (0.8, 0.46),
 ) -> bpy.types.Object:
     """A gas hob to lie on a worktop: steel tray, a burner and a cast grate per place, knobs along +Y."""
     steel = kitchen.steel(f"{name}_steel", rng, roughness=0.34)
@@ -186,7 +206,10 @@ def hob(
     return mesh.join(name, parts)
 
 
-def fridge(name: str, rng: random.Random, *, colour: tuple[float, float, float]) -> bpy.types.Object:
+@kind("fridge", (0.66, 0.695, 1.75), front="-y", colour=colours("colour"))
+def fridge(
+    name: str, rng: random.Random, *, colour: tuple[float, float, float] = (0.62, 0.60, 0.50)
+) -> bpy.types.Object:
     """A rounded fridge-freezer, 1.75 m high, with notes on its door; back on y = 0."""
     paint = kitchen.painted_front(f"{name}_paint", colour, rng)
     chrome = principled(f"{name}_chrome", (0.62, 0.62, 0.63), roughness=0.15, metallic=1.0)

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .ground import Terrain
 from .materials import lakeside
@@ -49,7 +51,11 @@ class Shore(Terrain):
         return min(1.0, max(0.0, (0.75 - back + 0.35 * self._noise(x, y, 1.3)) / 0.45))
 
 
-def water(name: str, shore: Shore, *, size_m: float = 190.0) -> bpy.types.Object:
+CALM = Shore()
+
+
+@kind("water", (190.0, 190.0, 0.0), "backdrop")
+def water(name: str, rng: random.Random, *, shore: Shore = CALM, size_m: float = 190.0) -> bpy.types.Object:
     """The surface, at the shore's water level."""
     sheet = mesh.grid(name, size_m, size_m, 24, 24)
     mesh.move(sheet, z=shore.water_m)
@@ -78,8 +84,14 @@ def wake(name: str) -> bpy.types.Object:
     return mesh.set_material(patch, lakeside.lake_water(f"{name}_surface"))
 
 
+@kind("lily_pads", (1.04, 0.599, 0.008))
 def lily_pads(
-    name: str, rng: random.Random, spots: Sequence[tuple[float, float]], water_m: float, *, each: int = 9
+    name: str,
+    rng: random.Random,
+    *,
+    spots: Sequence[tuple[float, float]] = ((0.0, 0.0),),
+    water_m: float = 0.0,
+    each: int = 9,
 ) -> bpy.types.Object:
     """Floating leaves round some spots, one in six with a white flower."""
     parts = []

@@ -14,6 +14,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import Choice, kind
 
 Colour = tuple[float, float, float]
 
@@ -48,6 +49,16 @@ class Laptop:
     lid: bpy.types.Object
     model: Model
 
+    @property
+    def parts(self) -> list[bpy.types.Object]:
+        """Base and lid."""
+        return [self.base, self.lid]
+
+    def place(self, matrix: Matrix) -> None:
+        """Stands the laptop somewhere, shut."""
+        self.base.matrix_basis = matrix
+        self.lid.matrix_basis = self.base.matrix_basis @ self.lid_matrix(0.0)
+
     def lid_matrix(self, angle_rad: float) -> Matrix:
         """Where the lid is in the base's space when it is open by an angle (0: shut)."""
         return Matrix.Translation((0.0, self._hinge_y, BASE_M + 0.0006)) @ Matrix.Rotation(-angle_rad, 4, "X")
@@ -74,7 +85,18 @@ class Laptop:
         return 0.17 * self.model.size_m[1]
 
 
-def laptop(name: str, rng: random.Random, model: Model, *, page: int = 0) -> Laptop:
+@kind(
+    "laptop",
+    (0.316, 0.328, 0.017),
+    "opens",
+    "graspable",
+    front="-y",
+    colour=Choice(
+        "model",
+        {"silver": COMPACT_SILVER, "black": LARGE_BLACK, "copper": COMPACT_COPPER, "white": LARGE_WHITE},
+    ),
+)
+def laptop(name: str, rng: random.Random, *, model: Model = COMPACT_SILVER, page: int = 0) -> Laptop:
     """A laptop whose lid hangs on nothing: key both parts. `page` chooses what its screen shows."""
     metal = products.metal(f"{name}_metal", model.metal, rng, roughness=0.40)
     base = _base(f"{name}_base", rng, model, metal)

@@ -9,10 +9,13 @@ import random
 
 import bpy
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import products, street
 
 
+@kind("trolley", (0.612, 1.1, 1.02), "rolls", "container", front="-y")
 def luggage_trolley(name: str, rng: random.Random) -> bpy.types.Object:
     """About 0.62 m wide, 1.05 m long and 1.02 m high."""
     steel = street.steel(f"{name}_steel")

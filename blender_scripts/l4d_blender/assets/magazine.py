@@ -16,6 +16,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -37,6 +38,17 @@ class Magazine:
     body: bpy.types.Object
     leaves: list[bpy.types.Object]
 
+    @property
+    def parts(self) -> list[bpy.types.Object]:
+        """The body and its leaves."""
+        return [self.body, *self.leaves]
+
+    def place(self, matrix: Matrix) -> None:
+        """Lays the magazine somewhere, all leaves on the right half."""
+        self.body.matrix_basis = matrix
+        for leaf in self.leaves:
+            leaf.matrix_basis = matrix @ self.leaf_matrix(0.0)
+
     def leaf_matrix(self, angle_rad: float) -> Matrix:
         """Where a leaf is in the body's space."""
         return Matrix.Rotation(-SLOPE_RAD - angle_rad, 4, "Y") @ Matrix.Translation((0.0, 0.0, 0.0012))
@@ -52,7 +64,8 @@ def leaf_edge(angle_rad: float, up_m: float = 0.0, inset_m: float = 0.0) -> Vect
 LEFT_RAD = radians(180.0) - 2 * SLOPE_RAD
 
 
-def magazine(name: str, rng: random.Random, *, leaves: int) -> Magazine:
+@kind("magazine", (0.418, 0.285, 0.054), "graspable", "opens", front="-y")
+def magazine(name: str, rng: random.Random, *, leaves: int = 2) -> Magazine:
     """An open magazine with so many leaves that can be turned over, from the right to the left."""
     paper = products.paper(f"{name}_paper", (0.72, 0.71, 0.68), rng)
     parts = []
@@ -70,6 +83,7 @@ def magazine(name: str, rng: random.Random, *, leaves: int) -> Magazine:
     return Magazine(body, [_leaf(f"{name}_leaf{k}", rng, paper) for k in range(leaves)])
 
 
+@kind("magazines", (0.305, 0.345, 0.026), "surface")
 def pile(name: str, rng: random.Random, *, count: int = 4) -> bpy.types.Object:
     """Closed magazines on top of each other, untidy, the uppermost with a title."""
     parts, z = [], 0.0

@@ -15,6 +15,7 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import Choice, colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -33,17 +34,45 @@ class Look:
     bands: int = 0
 
 
+@kind(
+    "pen",
+    (0.146, 0.016, 0.016),
+    "graspable",
+    "rolls",
+    "writes",
+    colour=colours("look.barrel"),
+    pattern=Choice("look.bands", {"plain": 0, "banded": 3}),
+)
 def marker_pen(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A pen 15 cm long and 16 mm thick."""
     r, length = RADIUS_M, LENGTH_M
     body = mesh.lathe(
         f"{name}_body",
         [
-            (0.0012, 0.0), (0.0016, 0.0035), (0.0030, 0.0055), (0.0040, 0.0120), (0.0048, 0.0125),
-            (0.0060, 0.0200), (0.0066, 0.0380), (0.0069, 0.0385), (0.0078, 0.0395), (0.0078, 0.0440),
-            (r, 0.0450), (r, 0.0620), (r, 0.0680), (r, 0.0740), (r, 0.0800), (r, 0.0860), (r, 0.1180),
-            (r, 0.1240), (r, 0.1300), (r, 0.1360), (r - 0.0006, 0.1400), (r - 0.0030, 0.1440),
-            (0.0030, length - 0.0004), (0.0, length),
+            (0.0012, 0.0),
+            (0.0016, 0.0035),
+            (0.0030, 0.0055),
+            (0.0040, 0.0120),
+            (0.0048, 0.0125),
+            (0.0060, 0.0200),
+            (0.0066, 0.0380),
+            (0.0069, 0.0385),
+            (0.0078, 0.0395),
+            (0.0078, 0.0440),
+            (r, 0.0450),
+            (r, 0.0620),
+            (r, 0.0680),
+            (r, 0.0740),
+            (r, 0.0800),
+            (r, 0.0860),
+            (r, 0.1180),
+            (r, 0.1240),
+            (r, 0.1300),
+            (r, 0.1360),
+            (r - 0.0006, 0.1400),
+            (r - 0.0030, 0.1440),
+            (0.0030, length - 0.0004),
+            (0.0, length),
         ],
         32,
     )

@@ -11,6 +11,8 @@ from math import pi, sin
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import interior, outdoors, products
 from .materials.base import Colour, Nodes
@@ -30,12 +32,13 @@ HEAPS: tuple[tuple[str, Colour, tuple[float, float, float]], ...] = (
 )
 
 
+@kind("stall", (2.38, 1.38, 2.46), "surface", front="-y")
 def market_stall(
     name: str,
     rng: random.Random,
     *,
-    stripes: tuple[Colour, Colour] = ((0.50, 0.04, 0.04), (0.74, 0.70, 0.62)),
-    skirt: Colour = (0.10, 0.20, 0.13),
+    stripes: tuple[Colour, Colour] = ((0.5, 0.04, 0.04), (0.74, 0.7, 0.62)),
+    skirt: Colour = (0.1, 0.2, 0.13),
     crates: int = 4,
 ) -> bpy.types.Object:
     """The whole stall as one object."""
@@ -49,11 +52,11 @@ def market_stall(
             parts.append(mesh.set_material(mesh.move(pole, x, y), post))
     parts.append(mesh.set_material(_skirt(f"{name}_skirt", rng), interior.cloth(f"{name}_skirt", skirt, rng)))
     parts += _awning(name, rng, stripes)
-    kinds = rng.sample(HEAPS, crates)
+    heaps = rng.sample(HEAPS, crates)
     pitch = (WIDTH_M - 0.50) / crates
-    for k, kind in enumerate(kinds):
+    for k, heap in enumerate(heaps):
         at = Matrix.Translation((-WIDTH_M / 2 + 0.10 + pitch * (k + 0.5), -0.06, COUNTER_M + 0.012))
-        crate = _crate(f"{name}_crate_{k}", rng, (pitch - 0.04, 0.42), kind, wood)
+        crate = _crate(f"{name}_crate_{k}", rng, (pitch - 0.04, 0.42), heap, wood)
         parts.append(
             mesh.transform(crate, at @ Matrix.Rotation(0.26, 4, "X") @ Matrix.Translation((0, 0, 0.05)))
         )

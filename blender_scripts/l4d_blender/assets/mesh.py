@@ -325,9 +325,7 @@ def set_material(obj: bpy.types.Object, material: bpy.types.Material) -> bpy.typ
 
 
 def paint(
-    obj: bpy.types.Object,
-    materials: Sequence[bpy.types.Material],
-    choose: Callable[[Vector, Vector], int],
+    obj: bpy.types.Object, materials: Sequence[bpy.types.Material], choose: Callable[[Vector, Vector], int]
 ) -> bpy.types.Object:
     """Several materials on one mesh: `choose(face centre, face normal)` gives the index of each face's."""
     obj.data.materials.clear()

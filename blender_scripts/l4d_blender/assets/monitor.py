@@ -12,6 +12,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -22,10 +23,15 @@ TILT_RAD = -0.10
 PAPER: Colour = (0.030, 0.038, 0.055)
 PANEL: Colour = (0.055, 0.066, 0.090)
 INKS: tuple[Colour, ...] = (
-    (0.55, 0.60, 0.66), (0.10, 0.34, 0.62), (0.52, 0.30, 0.08), (0.16, 0.46, 0.24), (0.50, 0.12, 0.18),
+    (0.55, 0.60, 0.66),
+    (0.10, 0.34, 0.62),
+    (0.52, 0.30, 0.08),
+    (0.16, 0.46, 0.24),
+    (0.50, 0.12, 0.18),
 )
 
 
+@kind("monitor", (0.48, 0.17, 0.374), front="-y")
 def monitor(name: str, rng: random.Random, *, size_m: tuple[float, float] = (0.48, 0.28)) -> bpy.types.Object:
     """A monitor of (width, height) with its lower edge at `BOTTOM_M`."""
     width, height = size_m
@@ -71,16 +77,16 @@ def _screen(name: str, width: float, height: float, rng: random.Random) -> bpy.t
 
     verts: list[Vector] = []
     faces: list[list[int]] = []
-    kinds: list[int] = []
-    for x, z, w, h, layer, kind in panes:
+    tones: list[int] = []
+    for x, z, w, h, layer, tone in panes:
         first = len(verts)
         depth = -0.0001 * layer
         corners = ((x, z), (x + w, z), (x + w, z + h), (x, z + h))
         verts.extend(Vector(((cx - 0.5) * width, depth, cz * height)) for cx, cz in corners)
         faces.append([first, first + 1, first + 2, first + 3])
-        kinds.append(kind)
+        tones.append(tone)
     screen = mesh.from_pydata(name, verts, faces, smooth=False)
     for k, colour in enumerate((PAPER, PANEL, *INKS)):
         screen.data.materials.append(products.glow(f"{name}_{k}", colour, 1.6))
-    screen.data.polygons.foreach_set("material_index", kinds)
+    screen.data.polygons.foreach_set("material_index", tones)
     return screen

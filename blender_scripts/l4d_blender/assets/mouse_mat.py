@@ -13,18 +13,20 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 THICKNESS_M = 0.003
 
 
+@kind("mouse_mat", (0.24, 0.2, 0.003), "surface", colour=colours("cloth"))
 def mouse_mat(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float] = (0.24, 0.20),
-    cloth: Colour = (0.10, 0.16, 0.19),
+    size_m: tuple[float, float] = (0.24, 0.2),
+    cloth: Colour = (0.1, 0.16, 0.19),
     thread: Colour = (0.03, 0.045, 0.055),
 ) -> bpy.types.Object:
     """A mat with its top at `THICKNESS_M`."""

@@ -15,6 +15,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.catalogue import Choice, colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -35,6 +36,7 @@ class Look:
     trim: Colour = (0.45, 0.06, 0.04)
 
 
+@kind("notebook", (0.308, 0.249, 0.01), "surface", colour=colours("look.cover"))
 def open_notebook(name: str, rng: random.Random, *, look: Look = Look(), lines: int = 11) -> bpy.types.Object:
     """A spread 30 cm wide: the left page is written full, the right one is empty but for a heading."""
     width, depth = PAGE_M
@@ -63,13 +65,29 @@ def open_notebook(name: str, rng: random.Random, *, look: Look = Look(), lines: 
     heading = _scribble(f"{name}_heading", rng, 0.040, 0.018, 0.086, tall=1.6)
     parts.append(mesh.set_material(heading, ink))
     ribbon = mesh.tube(
-        f"{name}_ribbon", [(0.004, 0.10, 0.0075), (0.006, -0.02, 0.0080), (0.012, -0.09, 0.0095),
-        (0.016, -0.118, 0.0035), (0.014, -0.140, 0.0012)], [(0.0022, 0.0004)] * 5, segments=6,
+        f"{name}_ribbon",
+        [
+            (0.004, 0.10, 0.0075),
+            (0.006, -0.02, 0.0080),
+            (0.012, -0.09, 0.0095),
+            (0.016, -0.118, 0.0035),
+            (0.014, -0.140, 0.0012),
+        ],
+        [(0.0022, 0.0004)] * 5,
+        segments=6,
     )
     parts.append(mesh.set_material(ribbon, products.woven_cloth(f"{name}_ribbon", look.trim, rng)))
     return mesh.join(name, parts)
 
 
+@kind(
+    "notebook",
+    (0.153, 0.218, 0.016),
+    "surface",
+    "graspable",
+    colour=colours("look.cover"),
+    pattern=Choice("look.dotted", {"plain": False, "dotted": True}),
+)
 def shut_notebook(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A shut book of 15 x 21 cm with an elastic band on its right and a ribbon below."""
     width, depth = PAGE_M
@@ -91,7 +109,8 @@ def shut_notebook(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.
     return mesh.drop_to_base(mesh.join(name, parts))
 
 
-def word(name: str, rng: random.Random, length_m: float) -> bpy.types.Object:
+@kind("word", (0.022, 0.004, 0.0))
+def word(name: str, rng: random.Random, *, length_m: float = 0.02) -> bpy.types.Object:
     """A word of fresh ink that starts at the origin and runs along +X, flat on z = 0."""
     ink = products.satin_plastic(f"{name}_ink", INK, rng, roughness=0.6)
     return mesh.set_material(_scribble(name, rng, length_m, 0.0, 0.0, level=0.0), ink)

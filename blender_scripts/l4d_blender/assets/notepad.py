@@ -13,6 +13,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -20,12 +21,13 @@ THICKNESS_M = 0.009
 LINE_PITCH_M = 0.007
 
 
+@kind("notepad", (0.115, 0.163, 0.017), "surface")
 def notepad(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float] = (0.115, 0.160),
-    page: Colour = (0.80, 0.76, 0.62),
+    size_m: tuple[float, float] = (0.115, 0.16),
+    page: Colour = (0.8, 0.76, 0.62),
     ink: Colour = (0.02, 0.03, 0.12),
 ) -> bpy.types.Object:
     """A pad with the top page at `THICKNESS_M`, its corner a little curled."""

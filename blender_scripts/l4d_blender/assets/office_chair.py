@@ -12,13 +12,15 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 SEAT_M = 0.46
 
 
-def office_chair(name: str, rng: random.Random, *, cloth: Colour = (0.09, 0.10, 0.12)) -> bpy.types.Object:
+@kind("chair", (0.581, 0.623, 0.973), "seat", front="-y", colour=colours("cloth"))
+def office_chair(name: str, rng: random.Random, *, cloth: Colour = (0.09, 0.1, 0.12)) -> bpy.types.Object:
     """A chair with a seat at `SEAT_M` and a back up to 0.98 m."""
     cover = products.woven_cloth(f"{name}_cover", cloth, rng, threads_per_m=320.0)
     shell = products.satin_plastic(f"{name}_shell", (0.03, 0.03, 0.032), rng)

@@ -16,6 +16,7 @@ from mathutils import Matrix
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes, principled
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -24,16 +25,17 @@ SILL_M, LINTEL_M = 0.92, 2.25
 _TALL_M = 6.0
 
 
+@kind("room", (6.88, 5.45, 6.02), "backdrop")
 def office_room(
     name: str,
     rng: random.Random,
     *,
-    half_width_m: float,
-    back_m: float,
-    front_m: float,
-    window_y_m: tuple[float, float],
+    half_width_m: float = 3.3,
+    back_m: float = 1.95,
+    front_m: float = -3.4,
+    window_y_m: tuple[float, float] = (-0.95, 1.05),
     wall: Colour = (0.56, 0.58, 0.57),
-    accent: Colour = (0.10, 0.24, 0.26),
+    accent: Colour = (0.1, 0.24, 0.26),
     carpet: Colour = (0.115, 0.125, 0.14),
     side: int = -1,
 ) -> list[bpy.types.Object]:

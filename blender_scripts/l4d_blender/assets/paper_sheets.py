@@ -13,12 +13,14 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 A5_M = (0.148, 0.210)
 
 
+@kind("paper", (0.179, 0.234, 0.014))
 def paper_sheets(name: str, rng: random.Random, *, count: int = 3) -> bpy.types.Object:
     """A few sheets on top of each other, each a little turned, the upper ones curled at a corner."""
     parts = []
@@ -30,6 +32,7 @@ def paper_sheets(name: str, rng: random.Random, *, count: int = 3) -> bpy.types.
     return mesh.join(name, parts)
 
 
+@kind("notes", (0.076, 0.076, 0.025), colour=colours("colour"))
 def sticky_notes(name: str, rng: random.Random, *, colour: Colour = (0.78, 0.56, 0.08)) -> bpy.types.Object:
     """A block of sticky notes with a lifted top note."""
     block = mesh.bevel_box(f"{name}_block", (0.076, 0.076, 0.012), 0.0008, segments=1)

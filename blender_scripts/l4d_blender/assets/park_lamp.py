@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import random
 from math import cos, pi, sin
 
 import bpy
 from mathutils import Vector
+
+from l4d_blender.catalogue import kind
 
 from . import mesh
 from .materials import street
@@ -14,7 +17,8 @@ from .materials.base import emission
 LANTERN_Z_M = 2.28
 
 
-def park_lamp(name: str, *, glow: float = 5.0) -> bpy.types.Object:
+@kind("lamp_post", (0.4, 0.34, 2.64))
+def park_lamp(name: str, rng: random.Random, *, glow: float = 5.0) -> bpy.types.Object:
     """The lantern's panes are opaque and shine; its light has to come from a lamp of the scene."""
     iron = street.street_metal(f"{name}_iron", (0.018, 0.030, 0.024))
     z = LANTERN_Z_M

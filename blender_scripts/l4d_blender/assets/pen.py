@@ -13,6 +13,7 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -20,6 +21,7 @@ LENGTH_M = 0.142
 RADIUS_M = 0.0052
 
 
+@kind("pen", (0.142, 0.011, 0.013), "graspable", "writes", "rolls", colour=colours("barrel"))
 def pen(name: str, rng: random.Random, *, barrel: Colour = (0.02, 0.05, 0.22)) -> bpy.types.Object:
     """A click pen 14 cm long with a metal tip, ring and clip."""
     pen_ = upright_pen(name, rng, barrel=barrel)
@@ -28,7 +30,8 @@ def pen(name: str, rng: random.Random, *, barrel: Colour = (0.02, 0.05, 0.22)) -
     return mesh.drop_to_base(pen_)
 
 
-def upright_pen(name: str, rng: random.Random, *, barrel: Colour) -> bpy.types.Object:
+@kind("pen", (0.011, 0.013, 0.142), colour=colours("barrel"))
+def upright_pen(name: str, rng: random.Random, *, barrel: Colour = (0.02, 0.05, 0.22)) -> bpy.types.Object:
     """The same pen standing on its tip along +Z."""
     r = RADIUS_M
     tip = mesh.lathe(
@@ -37,9 +40,19 @@ def upright_pen(name: str, rng: random.Random, *, barrel: Colour) -> bpy.types.O
     tube = mesh.lathe(
         f"{name}_barrel",
         [
-            (0.0040, 0.016), (0.0046, 0.018), (r, 0.040), (r, 0.080), (r + 0.0003, 0.081),
-            (r + 0.0003, 0.084), (r, 0.085), (r, 0.126), (r - 0.0009, 0.129), (0.0024, 0.1295),
-            (0.0024, 0.140), (0.0017, LENGTH_M), (0.0, LENGTH_M),
+            (0.0040, 0.016),
+            (0.0046, 0.018),
+            (r, 0.040),
+            (r, 0.080),
+            (r + 0.0003, 0.081),
+            (r + 0.0003, 0.084),
+            (r, 0.085),
+            (r, 0.126),
+            (r - 0.0009, 0.129),
+            (0.0024, 0.1295),
+            (0.0024, 0.140),
+            (0.0017, LENGTH_M),
+            (0.0, LENGTH_M),
         ],
         20,
     )

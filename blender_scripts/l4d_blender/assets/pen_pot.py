@@ -14,24 +14,35 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.pen import upright_pen
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 RADIUS_M = 0.036
 HEIGHT_M = 0.098
 PENCIL_COLOURS: tuple[Colour, ...] = (
-    (0.62, 0.38, 0.02), (0.45, 0.03, 0.02), (0.03, 0.20, 0.10), (0.05, 0.06, 0.07),
+    (0.62, 0.38, 0.02),
+    (0.45, 0.03, 0.02),
+    (0.03, 0.20, 0.10),
+    (0.05, 0.06, 0.07),
 )
 
 
-def pen_pot(name: str, rng: random.Random, *, clay: Colour = (0.30, 0.33, 0.33)) -> bpy.types.Object:
+@kind("pen_pot", (0.096, 0.094, 0.196), "container", colour=colours("clay"))
+def pen_pot(name: str, rng: random.Random, *, clay: Colour = (0.3, 0.33, 0.33)) -> bpy.types.Object:
     """A stoneware pot 10 cm tall with writing things that reach to about 19 cm."""
     r, h = RADIUS_M, HEIGHT_M
     pot = mesh.lathe(
         f"{name}_pot",
         [
-            (r - 0.003, 0.0), (r, 0.003), (r + 0.001, 0.5 * h), (r, h - 0.003), (r - 0.0015, h),
-            (r - 0.0035, h - 0.003), (r - 0.004, 0.012), (0.0, 0.010),
+            (r - 0.003, 0.0),
+            (r, 0.003),
+            (r + 0.001, 0.5 * h),
+            (r, h - 0.003),
+            (r - 0.0015, h),
+            (r - 0.0035, h - 0.003),
+            (r - 0.004, 0.012),
+            (0.0, 0.010),
         ],
         40,
     )

@@ -1,6 +1,6 @@
 """A person: body, face, hands and clothes on one armature, described by a Look.
 
-`build_person` returns a rig with skinned meshes in the rest pose; motion/people.py makes it act.
+`person` returns a rig with skinned meshes in the rest pose; motion/people.py makes it act.
 """
 
 from __future__ import annotations
@@ -10,9 +10,12 @@ from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
+from mathutils import Matrix
+
+from l4d_blender.catalogue import Choice, kind, words
 
 from . import garments, head
-from .anatomy import CHIN_M, FINGERS, SIDES, Anatomy, vec
+from .anatomy import BUILDS, CHIN_M, FINGERS, SIDES, Anatomy, vec
 from .implicit import clip, smoothstep
 from .materials import skin as materials
 from .shell import Shell, make_mesh, make_rig, merged, tube
@@ -96,36 +99,6 @@ class Look:
         return replace(self, **changes)
 
 
-def random_look(rng: random.Random, build: str | None = None) -> Look:
-    """A varied person; fix what a recipe cares for with `.dressed(...)`."""
-    build = build or rng.choice(("woman", "man"))
-    height = {"woman": rng.gauss(1.66, 0.05), "man": rng.gauss(1.77, 0.06), "child": rng.gauss(1.20, 0.07)}[
-        build
-    ]
-    spread = {"woman": (1.52, 1.78), "man": (1.64, 1.92), "child": (1.05, 1.38)}[build]
-    height = min(max(height, spread[0]), spread[1])
-    colours = sorted(set(CLOTH_COLOURS) - {"denim"})
-    top, lower = rng.sample(colours, 2)
-    bottom = rng.choice(("trousers", "trousers", "dress", "skirt")) if build == "woman" else "trousers"
-    return Look(
-        build=build,
-        height_m=round(height, 3),
-        girth=round(rng.uniform(0.95, 1.12), 3),
-        skin=rng.choice(sorted(SKIN_TONES)),
-        hair="short" if build == "man" else rng.choice(head.HAIR_STYLES),
-        hair_colour=rng.choice(sorted(HAIR_COLOURS)),
-        top=Cloth(top, rng.choice(("plain", "plain", "stripes", "checks"))),
-        sleeve=rng.choice(("short", "elbow", "long")),
-        bottom=bottom,
-        lower=Cloth(lower) if bottom in ("dress", "skirt") or rng.random() < 0.4 else Cloth("denim", "denim"),
-        shoes=rng.choice(("shoes", "boots")),
-        shoe_colour=rng.choice(("brown", "black", "grey")),
-        jaw=round(rng.uniform(0.95, 1.06), 3),
-        nose=round(rng.uniform(0.9, 1.15), 3),
-        seed=rng.randrange(1000),
-    )
-
-
 @dataclass
 class PersonBody:
     """A built person: the armature, its skinned meshes, and the anatomy that motion needs."""
@@ -135,9 +108,31 @@ class PersonBody:
     anatomy: Anatomy
     skirt: garments.Skirt | None
 
+    @property
+    def parts(self) -> list[bpy.types.Object]:
+        """All meshes; the rig moves them."""
+        return self.meshes
 
-def build_person(name: str, look: Look) -> PersonBody:
-    """Builds a person in the rest pose at the origin, facing -Y."""
+    def place(self, matrix: Matrix) -> None:
+        """Stands the person somewhere."""
+        self.rig.matrix_basis = matrix
+
+
+@kind(
+    "person",
+    (1.027, 0.337, 1.698),
+    "walks",
+    front="-y",
+    build=words("look.build", *BUILDS),
+    skin=words("look.skin", *SKIN_TONES),
+    hair=words("look.hair", *head.HAIR_STYLES),
+    hair_colour=words("look.hair_colour", *HAIR_COLOURS),
+    top=Choice("look.top", {colour: Cloth(colour) for colour in CLOTH_COLOURS}),
+    sleeve=words("look.sleeve", *garments.SLEEVES),
+    bottom=words("look.bottom", "trousers", "shorts", "skirt", "dress"),
+)
+def person(name: str, rng: random.Random, *, look: Look = Look()) -> PersonBody:
+    """A person in the rest pose at the origin, facing -Y."""
     anatomy = Anatomy(look.build, look.height_m, look.girth)
     phase = random.Random(f"{look.seed}/phase").uniform(0.0, 6.28)
     tailor = garments.Tailor(anatomy, phase)

@@ -9,6 +9,8 @@ import random
 
 import bpy
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import products
 from .materials.base import principled
@@ -16,6 +18,7 @@ from .materials.base import principled
 SIZE_M = (0.074, 0.152, 0.009)
 
 
+@kind("phone", (0.074, 0.152, 0.012), "graspable")
 def phone(name: str, rng: random.Random) -> bpy.types.Object:
     """The phone, centred on its origin."""
     x, y, z = SIZE_M

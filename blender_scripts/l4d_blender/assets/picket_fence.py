@@ -9,17 +9,20 @@ from collections.abc import Callable, Sequence
 import bpy
 from mathutils import Matrix
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import playground, products
 
 Height = Callable[[float, float], float]
 
 
+@kind("fence", (4.09, 0.086, 0.97))
 def picket_fence(
     name: str,
     rng: random.Random,
-    line: Sequence[tuple[float, float]],
     *,
+    line: Sequence[tuple[float, float]] = ((-2.0, 0.0), (2.0, 0.0)),
     colours: Sequence[str] = ("white",),
     height: Height = lambda x, y: 0.0,
     height_m: float = 0.85,
@@ -42,8 +45,7 @@ def picket_fence(
             picket = mesh.bevel_box(f"{name}_picket", (0.082, 0.020, tall), 0.018, 2)
             tilt = Matrix.Rotation(rng.uniform(-0.015, 0.015), 4, "Y")
             mesh.transform(
-                picket,
-                Matrix.Translation((x, y, height(x, y) + 0.05)) @ Matrix.Rotation(turn, 4, "Z") @ tilt,
+                picket, Matrix.Translation((x, y, height(x, y) + 0.05)) @ Matrix.Rotation(turn, 4, "Z") @ tilt
             )
             parts.append(mesh.set_material(picket, paints[count % len(paints)]))
             count += 1

@@ -16,6 +16,7 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -24,12 +25,13 @@ _COVER_M = 0.003
 _PRINT_M = 0.0003
 
 
+@kind("picture_book", (0.308, 0.208, 0.015), "surface", "graspable", colour=colours("cover"))
 def picture_book(
     name: str,
     rng: random.Random,
     *,
     cover: Colour = (0.35, 0.09, 0.05),
-    sky: Colour = (0.36, 0.52, 0.60),
+    sky: Colour = (0.36, 0.52, 0.6),
     words: tuple[str, str] = ("The little house", "on the green hill"),
 ) -> bpy.types.Object:
     """An open spread 30 cm wide with pages that rise towards the spine."""

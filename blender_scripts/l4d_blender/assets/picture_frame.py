@@ -9,6 +9,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import kind
 
 PALETTES = (
     ((0.05, 0.10, 0.07), (0.14, 0.24, 0.12), (0.45, 0.42, 0.20), (0.75, 0.55, 0.34), (0.52, 0.66, 0.74)),
@@ -17,8 +18,9 @@ PALETTES = (
 )
 
 
-def build(
-    name: str, rng: random.Random, *, size_m: tuple[float, float], palette: int = 0
+@kind("picture", (0.36, 0.028, 0.46), "hangs", front="-y")
+def picture_frame(
+    name: str, rng: random.Random, *, size_m: tuple[float, float] = (0.36, 0.46), palette: int = 0
 ) -> bpy.types.Object:
     """The wall is the plane y = 0, the picture looks to -Y, its lower edge is at z = 0."""
     width, height = size_m

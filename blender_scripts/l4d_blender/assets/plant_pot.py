@@ -14,10 +14,12 @@ from mathutils import Matrix, Vector
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 
+@kind("plant", (0.261, 0.289, 0.248), "graspable", colour=colours("pot"))
 def plant_pot(
     name: str,
     rng: random.Random,
@@ -34,8 +36,14 @@ def plant_pot(
     clay = mesh.lathe(
         f"{name}_clay",
         [
-            (0.66 * r, 0.0), (0.70 * r, 0.002), (0.90 * r, 0.74 * h), (0.92 * r, 0.76 * h),
-            (1.0 * r, 0.765 * h), (1.02 * r, 0.985 * h), (1.0 * r, h), (0.93 * r, 0.985 * h),
+            (0.66 * r, 0.0),
+            (0.70 * r, 0.002),
+            (0.90 * r, 0.74 * h),
+            (0.92 * r, 0.76 * h),
+            (1.0 * r, 0.765 * h),
+            (1.02 * r, 0.985 * h),
+            (1.0 * r, h),
+            (0.93 * r, 0.985 * h),
             (0.90 * r, 0.80 * h),
         ],
         44,

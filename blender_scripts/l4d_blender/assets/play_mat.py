@@ -8,6 +8,8 @@ from math import cos, pi, sin
 
 import bpy
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials.base import Colour, Nodes
 from .materials.products import scaled
@@ -16,6 +18,7 @@ THICKNESS_M = 0.014
 COLOURS: tuple[Colour, ...] = ((0.15, 0.33, 0.40), (0.62, 0.42, 0.12), (0.42, 0.14, 0.10), (0.24, 0.36, 0.14))
 
 
+@kind("mat", (1.68, 1.26, 0.015), "surface")
 def play_mat(
     name: str,
     rng: random.Random,

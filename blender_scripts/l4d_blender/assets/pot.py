@@ -15,6 +15,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import kitchen
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import COLOURS, Choice, kind
 
 WALL_M = 0.004
 LOOP_OUT_M = 0.052
@@ -52,7 +53,14 @@ def stock_pot(colour: tuple[float, float, float]) -> PotLook:
     return PotLook(0.146, 0.185, "two_loops", colour)
 
 
-def pot(name: str, rng: random.Random, *, look: PotLook) -> bpy.types.Object:
+@kind(
+    "pot",
+    (0.235, 0.46, 0.132),
+    "graspable",
+    "container",
+    size=Choice("look", {"small": SAUCEPAN, "large": stock_pot(COLOURS["red"])}),
+)
+def pot(name: str, rng: random.Random, *, look: PotLook = SAUCEPAN) -> bpy.types.Object:
     """The empty pot; origin at the centre of its base."""
     r, h = look.radius_m, look.height_m
     metal = kitchen.steel(f"{name}_steel", rng)
@@ -94,20 +102,19 @@ def pot(name: str, rng: random.Random, *, look: PotLook) -> bpy.types.Object:
     return mesh.join(name, [body, *handles])
 
 
+@kind("soup", (0.218, 0.218, 0.002))
 def soup(
     name: str,
     rng: random.Random,
     *,
-    look: PotLook,
-    colour: tuple[float, float, float],
-    bits: tuple[float, float, float],
+    look: PotLook = SAUCEPAN,
+    colour: tuple[float, float, float] = (0.62, 0.13, 0.03),
+    bits: tuple[float, float, float] = (0.20, 0.30, 0.06),
 ) -> bpy.types.Object:
     """The soup's surface at z = 0, creeping up the wall a little."""
     r = look.radius_m - WALL_M
     surface = mesh.lathe(
-        name,
-        [(0.0, 0.0), (0.35 * r, 0.0), (0.7 * r, 0.0), (r - 0.004, 0.0), (r + 0.001, 0.002)],
-        segments=48,
+        name, [(0.0, 0.0), (0.35 * r, 0.0), (0.7 * r, 0.0), (r - 0.004, 0.0), (r + 0.001, 0.002)], segments=48
     )
     return mesh.set_material(surface, kitchen.soup(f"{name}_surface", colour, bits, rng))
 

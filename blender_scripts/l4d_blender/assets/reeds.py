@@ -9,16 +9,19 @@ from collections.abc import Sequence
 import bpy
 from mathutils import Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import lakeside
 
 
+@kind("reeds", (1.24, 1.35, 1.3))
 def reeds(
     name: str,
     rng: random.Random,
-    clumps: Sequence[tuple[float, float, float, int]],
     *,
-    foot_m: float,
+    clumps: Sequence[tuple[float, float, float, int]] = ((0.0, 0.0, 0.4, 60),),
+    foot_m: float = 0.0,
     height_m: tuple[float, float] = (0.75, 1.35),
 ) -> bpy.types.Object:
     """Clumps are (x, y, radius, blades) in world metres; blades are rooted at `foot_m`."""

@@ -11,14 +11,20 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
 COLOURS: tuple[Colour, ...] = (
-    (0.06, 0.25, 0.30), (0.66, 0.40, 0.05), (0.24, 0.34, 0.10), (0.60, 0.20, 0.04), (0.66, 0.60, 0.46),
+    (0.06, 0.25, 0.30),
+    (0.66, 0.40, 0.05),
+    (0.24, 0.34, 0.10),
+    (0.60, 0.20, 0.04),
+    (0.66, 0.60, 0.46),
 )
 
 
+@kind("toy", (0.094, 0.094, 0.147), "graspable")
 def ring_stacker(name: str, rng: random.Random) -> bpy.types.Object:
     """Five rings and a ball, about 15 cm tall."""
     beech = products.wood(f"{name}_beech", (0.58, 0.40, 0.23), (0.42, 0.26, 0.13), rng, grain_axis="Z")

@@ -11,6 +11,8 @@ from math import cos, sin
 import bpy
 from mathutils import Matrix
 
+from l4d_blender.catalogue import colours, kind
+
 from . import mesh
 from .materials import interior
 
@@ -30,7 +32,8 @@ def rocked(angle: float) -> Matrix:
     )
 
 
-def rocking_chair(name: str, rng: random.Random, colour: tuple = (0.42, 0.22, 0.09)) -> bpy.types.Object:
+@kind("chair", (0.304, 0.5, 0.494), "seat", "rocks", front="-y", colour=colours("colour"))
+def rocking_chair(name: str, rng: random.Random, *, colour: tuple = (0.42, 0.22, 0.09)) -> bpy.types.Object:
     """The chair as one object."""
     wood = interior.wood(f"{name}_wood", colour, rng, grain_axis="Z")
     plank = interior.wood(f"{name}_plank", colour, rng, grain_axis="X")

@@ -9,19 +9,21 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import kind
 
 WALL_HEIGHT_M = 2.5
 
 
-def build(
+@kind("room", (6.2, 4.7, 2.5), "backdrop")
+def room(
     name: str,
     rng: random.Random,
     *,
-    half_width_m: float,
-    back_m: float,
-    front_m: float,
-    wall: tuple[float, float, float],
-    figure: tuple[float, float, float],
+    half_width_m: float = 3.1,
+    back_m: float = 1.5,
+    front_m: float = -3.2,
+    wall: tuple[float, float, float] = (0.44, 0.47, 0.38),
+    figure: tuple[float, float, float] = (0.58, 0.60, 0.50),
     boards: tuple[float, float, float] = (0.36, 0.215, 0.115),
 ) -> list[bpy.types.Object]:
     """[floor, walls, panelling]; walls at x = +-half_width_m and y = back_m, floor to y = front_m."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import random
 
 import bpy
 from mathutils import Matrix, Vector
+
+from l4d_blender.catalogue import colours, kind
 
 from . import mesh
 from .materials import lakeside, outdoors
@@ -28,8 +31,9 @@ def _sheer(t: float) -> float:
     return 0.30 + 0.16 * (1.0 - min(t, 1.0)) ** 2.2 + 0.05 * t * t
 
 
+@kind("boat", (1.14, 2.71, 0.609), "swims", front="-y", colour=colours("colour"))
 def rowing_boat(
-    name: str, *, colour: Colour = (0.62, 0.60, 0.54), trim: Colour = (0.04, 0.13, 0.24)
+    name: str, rng: random.Random, *, colour: Colour = (0.62, 0.6, 0.54), trim: Colour = (0.04, 0.13, 0.24)
 ) -> bpy.types.Object:
     """The hull as overlapping strakes, thwarts across, a pair of oars laid along."""
     verts: list[Vector] = []

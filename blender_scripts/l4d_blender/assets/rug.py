@@ -10,6 +10,7 @@ from mathutils import Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.catalogue import Choice, kind
 
 THICKNESS_M = 0.009
 PALETTES: tuple[tuple[tuple[float, float, float], ...], ...] = (
@@ -19,11 +20,17 @@ PALETTES: tuple[tuple[tuple[float, float, float], ...], ...] = (
 )
 
 
-def build(
+@kind(
+    "rug",
+    (2.27, 1.5, 0.009),
+    "surface",
+    palette=Choice("palette", {str(k): palette for k, palette in enumerate(PALETTES)}),
+)
+def rug(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float],
+    size_m: tuple[float, float] = (2.15, 1.50),
     palette: Sequence[tuple[float, float, float]] = PALETTES[0],
 ) -> bpy.types.Object:
     """Lies on z = 0 and is `THICKNESS_M` thick; long side along X."""

@@ -7,10 +7,12 @@ the middle.
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 from mathutils import Matrix, Vector, noise
+
+from l4d_blender.catalogue import kind, words
 
 from . import mesh
 from .materials import outdoors, playground, products
@@ -23,7 +25,7 @@ _PLANK_M, _CAP_M = 0.045, 0.125
 class Sand:
     """Height of the sand's surface over the sandbox' own x and y, level round the `flat` places."""
 
-    seed: Vector
+    seed: Vector = field(default_factory=Vector)
     flat: tuple[tuple[float, float, float], ...] = ()
     level_m: float = 0.075
 
@@ -42,7 +44,10 @@ def sand_of(rng: random.Random, flat: tuple[tuple[float, float, float], ...] = (
     return Sand(Vector([rng.uniform(-50.0, 50.0) for _ in range(3)]), flat)
 
 
-def sandbox(name: str, rng: random.Random, sand: Sand, *, size_m: tuple[float, float]) -> bpy.types.Object:
+@kind("sandbox", (1.14, 1.05, 0.171), "container", "surface")
+def sandbox(
+    name: str, rng: random.Random, *, sand: Sand = Sand(), size_m: tuple[float, float] = (1.02, 0.92)
+) -> bpy.types.Object:
     """Edge and sand as one object."""
     sx, sy = size_m
     parts = [
@@ -65,7 +70,8 @@ def sandbox(name: str, rng: random.Random, sand: Sand, *, size_m: tuple[float, f
     return mesh.join(name, parts)
 
 
-def pail(name: str, rng: random.Random, colour: str = "yellow") -> bpy.types.Object:
+@kind("pail", (0.178, 0.183, 0.142), "graspable", "container", colour=words("colour", *playground.PAINTS))
+def pail(name: str, rng: random.Random, *, colour: str = "yellow") -> bpy.types.Object:
     """A child's pail with a handle folded down."""
     body = mesh.lathe(
         f"{name}_body",
@@ -88,7 +94,8 @@ def pail(name: str, rng: random.Random, colour: str = "yellow") -> bpy.types.Obj
     return mesh.join(name, [body, handle])
 
 
-def spade(name: str, rng: random.Random, colour: str = "blue") -> bpy.types.Object:
+@kind("spade", (0.095, 0.35, 0.028), "graspable", colour=words("colour", *playground.PAINTS))
+def spade(name: str, rng: random.Random, *, colour: str = "blue") -> bpy.types.Object:
     """A toy spade lying on its back along Y, blade towards -Y."""
     blade = mesh.bevel_box(f"{name}_blade", (0.095, 0.13, 0.010), 0.004)
     mesh.displace(blade, lambda p, _: Vector((0.0, 0.0, 2.4 * p.x * p.x)))
@@ -98,6 +105,7 @@ def spade(name: str, rng: random.Random, colour: str = "blue") -> bpy.types.Obje
     return mesh.set_material(made, products.satin_plastic(f"{name}_plastic", playground.PAINTS[colour], rng))
 
 
+@kind("cake", (0.145, 0.149, 0.1))
 def sand_cake(name: str, rng: random.Random) -> bpy.types.Object:
     """What a pail leaves behind when it is turned over: a crumbling cone of sand."""
     cake = mesh.cylinder(name, 0.074, 0.095, 30, bevel_m=0.006, top_radius=0.055)

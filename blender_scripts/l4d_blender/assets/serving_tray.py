@@ -11,6 +11,7 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -18,13 +19,14 @@ FLOOR_M = 0.007
 RIM_M = 0.016
 
 
+@kind("tray", (0.21, 0.294, 0.032), "surface", "graspable")
 def serving_tray(
     name: str,
     rng: random.Random,
     *,
     size_m: tuple[float, float] = (0.21, 0.29),
     paint: Colour = (0.62, 0.56, 0.42),
-    inlay: Colour = (0.10, 0.24, 0.27),
+    inlay: Colour = (0.1, 0.24, 0.27),
 ) -> bpy.types.Object:
     """A tray whose floor is `FLOOR_M` high: painted rim, stained floor."""
     width, depth = size_m

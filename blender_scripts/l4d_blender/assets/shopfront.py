@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .lettering import lettering
 from .materials import outdoors, products, street
@@ -37,7 +39,8 @@ class ShopLook:
     storeys: int = 2
 
 
-def shopfront(name: str, rng: random.Random, look: ShopLook) -> bpy.types.Object:
+@kind("shop", (5.64, 4.26, 9.11), "backdrop", front="-y")
+def shopfront(name: str, rng: random.Random, *, look: ShopLook = ShopLook()) -> bpy.types.Object:
     """The whole house as one object."""
     wide = look.width_m
     wall = (

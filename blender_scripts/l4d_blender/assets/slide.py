@@ -12,6 +12,8 @@ import random
 import bpy
 from mathutils import Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import playground, products
 
@@ -53,6 +55,7 @@ def chute_line(radius_m: float, *, from_y_m: float = 0.0, points: int = 40) -> l
     return line
 
 
+@kind("slide", (0.576, 2.59, 1.53), front="-y")
 def slide(name: str, rng: random.Random, *, frame: str = "red", rails: str = "yellow") -> bpy.types.Object:
     """The whole slide as one object."""
     paint = products.lacquer(f"{name}_frame", playground.PAINTS[frame], rng)

@@ -8,15 +8,17 @@ import bpy
 
 from l4d_blender.assets import cushion, mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.catalogue import colours, kind
 
 SEAT_HEIGHT_M = 0.43
 
 
-def build(
+@kind("sofa", (1.75, 0.863, 0.846), "seat", front="-y", colour=colours("colour"))
+def sofa(
     name: str,
     rng: random.Random,
     *,
-    colour: tuple[float, float, float],
+    colour: tuple[float, float, float] = (0.10, 0.19, 0.21),
     width_m: float = 1.75,
     depth_m: float = 0.86,
     seats: int = 2,
@@ -28,7 +30,7 @@ def build(
     parts = [
         mesh.move(
             cushion.block(
-                f"{name}_plinth", rng, (width_m - 0.04, depth_m - 0.06, 0.20), bevel_m=0.03, puff_m=0.0
+                f"{name}_plinth", rng, size_m=(width_m - 0.04, depth_m - 0.06, 0.20), bevel_m=0.03, puff_m=0.0
             ),
             y=0.02,
             z=foot,
@@ -37,7 +39,7 @@ def build(
     for side in (-1, 1):
         parts.append(
             mesh.move(
-                cushion.block(f"{name}_arm", rng, (arm, depth_m, 0.50), bevel_m=0.06, puff_m=0.02),
+                cushion.block(f"{name}_arm", rng, size_m=(arm, depth_m, 0.50), bevel_m=0.06, puff_m=0.02),
                 x=side * (width_m - arm) / 2,
                 z=foot,
             )
@@ -48,18 +50,22 @@ def build(
         seat = cushion.block(
             f"{name}_seat",
             rng,
-            (seat_width - 0.008, depth_m - back - 0.02, 0.15),
+            size_m=(seat_width - 0.008, depth_m - back - 0.02, 0.15),
             bevel_m=0.045,
             puff_m=0.012,
         )
         parts.append(mesh.move(seat, x=x, y=-back / 2 - 0.01, z=SEAT_HEIGHT_M - 0.158))
-        rest = cushion.block(f"{name}_rest", rng, (seat_width - 0.01, 0.17, 0.42), bevel_m=0.06, puff_m=0.02)
+        rest = cushion.block(
+            f"{name}_rest", rng, size_m=(seat_width - 0.01, 0.17, 0.42), bevel_m=0.06, puff_m=0.02
+        )
         parts.append(
             mesh.move(mesh.rotate(rest, "X", -10), x=x, y=depth_m / 2 - back - 0.03, z=SEAT_HEIGHT_M - 0.02)
         )
     parts.append(
         mesh.move(
-            cushion.block(f"{name}_back", rng, (width_m - 0.06, 0.16, 0.66), bevel_m=0.05, puff_m=0.01),
+            cushion.block(
+                f"{name}_back", rng, size_m=(width_m - 0.06, 0.16, 0.66), bevel_m=0.05, puff_m=0.01
+            ),
             y=depth_m / 2 - 0.08,
             z=foot,
         )

@@ -13,6 +13,7 @@ import bpy
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 PLATE_M = 0.0065  # what stands on a plate stands this high
@@ -39,7 +40,8 @@ class Look:
 FLOOR_M = 0.010
 
 
-def soup_bowl(name: str, rng: random.Random, *, look: Look) -> bpy.types.Object:
+@kind("bowl", (0.24, 0.24, 0.105), "container", "graspable", colour=colours("look.glaze"))
+def soup_bowl(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A round vessel with something thick in it."""
     r, h = look.rim_m
     well = r - look.brim_m
@@ -77,13 +79,14 @@ def soup_bowl(name: str, rng: random.Random, *, look: Look) -> bpy.types.Object:
     return mesh.join(name, [body, soup])
 
 
+@kind("plate", (0.2, 0.2, 0.019), "surface", "pushable", "graspable")
 def plate(
     name: str,
     rng: random.Random,
     *,
-    radius_m: float = 0.10,
+    radius_m: float = 0.1,
     glaze: Colour = (0.62, 0.59, 0.52),
-    rim: Colour = (0.20, 0.24, 0.22),
+    rim: Colour = (0.2, 0.24, 0.22),
 ) -> bpy.types.Object:
     """A flat plate with a painted rim; its well is at `PLATE_M`."""
     r = radius_m

@@ -16,24 +16,54 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import printed_tin
+from l4d_blender.catalogue import Choice, kind, words
 
 Colour = tuple[float, float, float]
 Profile = Sequence[tuple[float, float]]
 
 RED, CREAM, BLUE, GREEN, YELLOW = (
-    (0.50, 0.04, 0.03), (0.72, 0.64, 0.46), (0.04, 0.13, 0.38), (0.06, 0.25, 0.12), (0.72, 0.46, 0.04)
+    (0.50, 0.04, 0.03),
+    (0.72, 0.64, 0.46),
+    (0.04, 0.13, 0.38),
+    (0.06, 0.25, 0.12),
+    (0.72, 0.46, 0.04),
 )
 BEECH: Colour = (0.58, 0.40, 0.23)
 
 BROAD: Profile = (
-    (0.0, 0.0), (0.0022, 0.0012), (0.0042, 0.006), (0.0105, 0.015), (0.0270, 0.024), (0.0370, 0.030),
-    (0.0395, 0.034), (0.0385, 0.038), (0.0300, 0.043), (0.0140, 0.047), (0.0075, 0.050), (0.0060, 0.058),
-    (0.0058, 0.078), (0.0066, 0.082), (0.0050, 0.086), (0.0, 0.087),
+    (0.0, 0.0),
+    (0.0022, 0.0012),
+    (0.0042, 0.006),
+    (0.0105, 0.015),
+    (0.0270, 0.024),
+    (0.0370, 0.030),
+    (0.0395, 0.034),
+    (0.0385, 0.038),
+    (0.0300, 0.043),
+    (0.0140, 0.047),
+    (0.0075, 0.050),
+    (0.0060, 0.058),
+    (0.0058, 0.078),
+    (0.0066, 0.082),
+    (0.0050, 0.086),
+    (0.0, 0.087),
 )
 PEAR: Profile = (
-    (0.0, 0.0), (0.0022, 0.0012), (0.0038, 0.005), (0.0120, 0.018), (0.0240, 0.034), (0.0295, 0.047),
-    (0.0300, 0.054), (0.0265, 0.061), (0.0160, 0.066), (0.0080, 0.069), (0.0056, 0.074), (0.0052, 0.088),
-    (0.0074, 0.092), (0.0074, 0.095), (0.0, 0.098),
+    (0.0, 0.0),
+    (0.0022, 0.0012),
+    (0.0038, 0.005),
+    (0.0120, 0.018),
+    (0.0240, 0.034),
+    (0.0295, 0.047),
+    (0.0300, 0.054),
+    (0.0265, 0.061),
+    (0.0160, 0.066),
+    (0.0080, 0.069),
+    (0.0056, 0.074),
+    (0.0052, 0.088),
+    (0.0074, 0.092),
+    (0.0074, 0.095),
+    (0.0, 0.098),
 )
 
 
@@ -46,6 +76,14 @@ class Look:
     segments: tuple[Colour, ...] = (RED, CREAM, BLUE, CREAM)
 
 
+@kind(
+    "top",
+    (0.079, 0.079, 0.087),
+    "graspable",
+    "spins",
+    shape=Choice("look.profile", {"broad": BROAD, "pear": PEAR}),
+    material=words("look.material", "tin", "wood"),
+)
 def spinning_top(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A top about 9 cm tall; the segments are uneven, so that one sees it turn."""
     body = mesh.lathe(name, look.profile, 60, close_bottom=False)

@@ -15,6 +15,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import COLOURS, Choice, kind
 
 Colour = tuple[float, float, float]
 SILVER: Colour = (0.72, 0.70, 0.66)
@@ -45,7 +46,15 @@ class Look:
         return Vector((0.0, self.length_m - self.bowl_m[1], self.thickness_m))
 
 
-def spoon(name: str, rng: random.Random, *, look: Look) -> bpy.types.Object:
+@kind(
+    "spoon",
+    (0.033, 0.147, 0.017),
+    "graspable",
+    "stirs",
+    grip=Choice("look.grip", {"bare": None, **COLOURS}),
+    end=Choice("look.ring", {"plain": False, "ring": True}),
+)
+def spoon(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """One spoon."""
     if look.material == "wood":
         skin = products.wood(f"{name}_wood", look.colour, products.scaled(look.colour, 0.5), rng)

@@ -7,12 +7,15 @@ import random
 import bpy
 from mathutils import Matrix
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors, street
 
 SEAT_M = 0.455
 
 
+@kind("bench", (1.6, 0.618, 0.875), "seat", front="-y")
 def street_bench(
     name: str, rng: random.Random, *, length_m: float = 1.6, metal: tuple[float, float, float] | None = None
 ) -> bpy.types.Object:

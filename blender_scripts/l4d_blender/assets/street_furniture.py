@@ -10,6 +10,8 @@ from math import cos, pi, sin
 
 import bpy
 
+from l4d_blender.catalogue import colours, kind
+
 from . import mesh, tree
 from .lettering import lettering
 from .materials import street
@@ -18,7 +20,8 @@ from .materials.base import emission, principled
 Colour = tuple[float, float, float]
 
 
-def bollard(name: str, *, height_m: float = 0.92) -> bpy.types.Object:
+@kind("bollard", (0.17, 0.17, 0.92))
+def bollard(name: str, rng: random.Random, *, height_m: float = 0.92) -> bpy.types.Object:
     """A steel post with a domed cap and a white band."""
     steel = street.street_metal(f"{name}_steel", (0.05, 0.055, 0.06))
     band = principled(f"{name}_band", (0.62, 0.61, 0.58), roughness=0.5, variation=0.2)
@@ -28,11 +31,13 @@ def bollard(name: str, *, height_m: float = 0.92) -> bpy.types.Object:
     return mesh.join(name, [post, mesh.set_material(ring, band), foot])
 
 
+@kind("sign", (0.585, 0.16, 2.75), front="-y", colour=colours("face"))
 def sign_post(
     name: str,
-    text: str,
+    rng: random.Random,
     *,
-    face: Colour = (0.02, 0.10, 0.36),
+    text: str = "STOP",
+    face: Colour = (0.02, 0.1, 0.36),
     height_m: float = 2.75,
     timetable: bool = False,
 ) -> bpy.types.Object:
@@ -64,7 +69,8 @@ def sign_post(
     return mesh.join(name, [*parts, foot])
 
 
-def litter_bin(name: str, *, colour: Colour = (0.045, 0.085, 0.060)) -> bpy.types.Object:
+@kind("bin", (0.44, 0.44, 0.985), "container", colour=colours("colour"))
+def litter_bin(name: str, rng: random.Random, *, colour: Colour = (0.045, 0.085, 0.06)) -> bpy.types.Object:
     """A round slatted bin with a hood."""
     metal = street.street_metal(f"{name}_metal", colour)
     dark = street.street_metal(f"{name}_dark", (0.012, 0.012, 0.013))
@@ -88,7 +94,8 @@ def litter_bin(name: str, *, colour: Colour = (0.045, 0.085, 0.060)) -> bpy.type
     return mesh.join(name, parts)
 
 
-def lamp_post(name: str, *, height_m: float = 5.2, glow: float = 6.0) -> bpy.types.Object:
+@kind("lamp_post", (0.24, 1.48, 5.24))
+def lamp_post(name: str, rng: random.Random, *, height_m: float = 5.2, glow: float = 6.0) -> bpy.types.Object:
     """A tapered mast with a flat lantern on an arm towards -Y."""
     metal = street.street_metal(f"{name}_metal", (0.07, 0.075, 0.08))
     mast = mesh.tube(
@@ -118,6 +125,7 @@ def lamp_post(name: str, *, height_m: float = 5.2, glow: float = 6.0) -> bpy.typ
     )
 
 
+@kind("planter", (0.879, 0.891, 1.08))
 def planter(name: str, rng: random.Random) -> bpy.types.Object:
     """A concrete tub with a clipped bush."""
     tub = mesh.lathe(
@@ -128,8 +136,9 @@ def planter(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.join(name, [mesh.set_material(tub, street.stone(f"{name}_concrete")), green])
 
 
+@kind("kerb", (4.49, 0.16, 0.231), "backdrop")
 def kerb(
-    name: str, rng: random.Random, *, length_m: float, height_m: float = 0.13, width_m: float = 0.16
+    name: str, rng: random.Random, *, length_m: float = 4.0, height_m: float = 0.13, width_m: float = 0.16
 ) -> bpy.types.Object:
     """Kerb stones along X round the origin, 0.9 m each; the top is at z = 0, the road at -height."""
     granite = street.stone(f"{name}_granite")

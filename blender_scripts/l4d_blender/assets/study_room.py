@@ -13,6 +13,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -21,15 +22,16 @@ FRONT_M = 2.4
 WALL_HEIGHT_M = 2.5
 
 
+@kind("room", (5.33, 3.3, 2.52), "backdrop")
 def study_room(
     name: str,
     rng: random.Random,
     *,
-    wall_y_m: float,
-    window_x_m: tuple[float, float],
-    sill_m: float,
-    wall: Colour = (0.50, 0.53, 0.50),
-    curtain: Colour = (0.46, 0.40, 0.30),
+    wall_y_m: float = 0.74,
+    window_x_m: tuple[float, float] = (-1.05, 0.32),
+    sill_m: float = 0.86,
+    wall: Colour = (0.5, 0.53, 0.5),
+    curtain: Colour = (0.46, 0.4, 0.3),
 ) -> bpy.types.Object:
     """Three walls round the origin with the window wall at `wall_y_m`; open towards -Y, no ceiling."""
     paint = products.plaster(f"{name}_paint", wall, rng)

@@ -13,15 +13,27 @@ from mathutils import Matrix, Vector, noise
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 
-def sugar_bowl(name: str, rng: random.Random, *, glaze: Colour = (0.52, 0.20, 0.10)) -> bpy.types.Object:
+@kind("sugar_bowl", (0.101, 0.101, 0.073), "graspable", "container", colour=colours("glaze"))
+def sugar_bowl(name: str, rng: random.Random, *, glaze: Colour = (0.52, 0.2, 0.1)) -> bpy.types.Object:
     """A footed bowl 10 cm wide; cubes pile up over its rim."""
     wall = [
-        (0.026, 0.0), (0.028, 0.002), (0.024, 0.008), (0.034, 0.016), (0.046, 0.032), (0.050, 0.048),
-        (0.0505, 0.0505), (0.048, 0.0505), (0.0465, 0.048), (0.042, 0.034), (0.030, 0.020), (0.0, 0.016),
+        (0.026, 0.0),
+        (0.028, 0.002),
+        (0.024, 0.008),
+        (0.034, 0.016),
+        (0.046, 0.032),
+        (0.050, 0.048),
+        (0.0505, 0.0505),
+        (0.048, 0.0505),
+        (0.0465, 0.048),
+        (0.042, 0.034),
+        (0.030, 0.020),
+        (0.0, 0.016),
     ]
     bowl = mesh.set_material(
         mesh.lathe(f"{name}_bowl", wall, 48), products.glaze(f"{name}_glaze", glaze, rng)
@@ -42,14 +54,25 @@ def sugar_bowl(name: str, rng: random.Random, *, glaze: Colour = (0.52, 0.20, 0.
     return mesh.join(name, parts)
 
 
+@kind("plate", (0.19, 0.19, 0.045), "surface")
 def biscuits(
     name: str, rng: random.Random, *, glaze: Colour = (0.72, 0.69, 0.62), rim: Colour = (0.16, 0.28, 0.24)
 ) -> bpy.types.Object:
     """A dessert plate 19 cm wide with round biscuits heaped on it and crumbs."""
     plate = mesh.lathe(
         f"{name}_plate",
-        [(0.050, 0.0), (0.054, 0.002), (0.066, 0.006), (0.092, 0.016), (0.095, 0.0185), (0.0935, 0.0195),
-         (0.088, 0.0175), (0.066, 0.0095), (0.052, 0.0065), (0.0, 0.0065)],
+        [
+            (0.050, 0.0),
+            (0.054, 0.002),
+            (0.066, 0.006),
+            (0.092, 0.016),
+            (0.095, 0.0185),
+            (0.0935, 0.0195),
+            (0.088, 0.0175),
+            (0.066, 0.0095),
+            (0.052, 0.0065),
+            (0.0, 0.0065),
+        ],
         64,
     )
     mesh.paint(

@@ -14,6 +14,8 @@ from math import cos, pi, sin
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind, words
+
 from . import mesh
 from .materials import products
 from .materials.base import principled
@@ -75,7 +77,17 @@ class Suitcase:
         self.axle.matrix_basis = matrix @ Matrix.Translation(self.axle_at)
 
 
-def suitcase(name: str, rng: random.Random, look: CaseLook) -> Suitcase:
+@kind(
+    "suitcase",
+    (0.465, 0.277, 1.0),
+    "graspable",
+    "rolls",
+    front="-y",
+    colour=words("look.colour", *COLOURS),
+    shell=words("look.shell", "ribbed", "smooth", "soft"),
+    size=words("look.size", *SIZES),
+)
+def suitcase(name: str, rng: random.Random, *, look: CaseLook = CaseLook()) -> Suitcase:
     """A suitcase upright on z = 0."""
     w, d, h = SIZES[look.size]
     dark = products.satin_plastic(f"{name}_trim", (0.022, 0.022, 0.024), rng)
@@ -237,13 +249,7 @@ def _pockets(
 
 
 def _strap(
-    name: str,
-    rng: random.Random,
-    colour: str,
-    dark: bpy.types.Material,
-    w: float,
-    d: float,
-    h: float,
+    name: str, rng: random.Random, colour: str, dark: bpy.types.Material, w: float, d: float, h: float
 ) -> list[bpy.types.Object]:
     """A webbing strap pulled tight round the middle, with its buckle in front."""
     webbing = products.woven_cloth(f"{name}_strap", COLOURS[colour], rng, threads_per_m=260.0)

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix, Vector
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import playground, products
 
@@ -38,22 +40,25 @@ class Swing:
         """Everything that makes up the instance."""
         return [self.frame, *self.seats]
 
+    def place(self, matrix: Matrix) -> None:
+        """Moves the frame somewhere; the seats hang still, their pivots on the beam."""
+        self.frame.matrix_basis = matrix
+        for seat, hung in zip(self.seats, resting(matrix)):
+            seat.matrix_basis = hung
 
+
+def resting(matrix: Matrix) -> list[Matrix]:
+    """Where the seats of a swing hang still: pivots on the beam."""
+    return [matrix @ Matrix.Translation((x, 0.0, BEAM_M)) for x in SEATS_X_M]
+
+
+@kind("swing", (2.31, 1.33, 3.62), "swings", "seat", front="-y")
 def swing(name: str, rng: random.Random, *, legs: str = "blue", beam: str = "yellow") -> Swing:
-    """A swing at the origin; place it with `place`."""
+    """A swing at the origin."""
     return Swing(
         _frame(name, rng, playground.PAINTS[legs], playground.PAINTS[beam]),
         [_seat(f"{name}_seat_{k}", rng) for k in range(2)],
     )
-
-
-def place(made: Swing, at: Matrix) -> list[Matrix]:
-    """Stands the swing somewhere; returns the resting matrices of its seats (pivots on the beam)."""
-    made.frame.matrix_basis = at
-    hung = [at @ Matrix.Translation((x, 0.0, BEAM_M)) for x in SEATS_X_M]
-    for seat, matrix in zip(made.seats, hung):
-        seat.matrix_basis = matrix
-    return hung
 
 
 def _frame(name: str, rng: random.Random, legs: tuple, beam: tuple) -> bpy.types.Object:

@@ -15,18 +15,34 @@ from mathutils import Vector
 from l4d_blender import keys
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products, tableware
+from l4d_blender.catalogue import colours, kind, words
 
 Colour = tuple[float, float, float]
 Profile = tuple[tuple[float, float], ...]
 
 # Outer walls as (radius, height) in metres, from the foot to the shoulder where the lid sits.
 ROUND: Profile = (
-    (0.040, 0.0), (0.043, 0.003), (0.044, 0.007), (0.056, 0.018), (0.067, 0.034), (0.0725, 0.053),
-    (0.0715, 0.072), (0.063, 0.090), (0.050, 0.102), (0.043, 0.106),
+    (0.040, 0.0),
+    (0.043, 0.003),
+    (0.044, 0.007),
+    (0.056, 0.018),
+    (0.067, 0.034),
+    (0.0725, 0.053),
+    (0.0715, 0.072),
+    (0.063, 0.090),
+    (0.050, 0.102),
+    (0.043, 0.106),
 )
 TALL: Profile = (
-    (0.061, 0.0), (0.063, 0.003), (0.0630, 0.012), (0.0600, 0.040), (0.0560, 0.080), (0.0520, 0.120),
-    (0.0490, 0.148), (0.0480, 0.156), (0.0465, 0.160),
+    (0.061, 0.0),
+    (0.063, 0.003),
+    (0.0630, 0.012),
+    (0.0600, 0.040),
+    (0.0560, 0.080),
+    (0.0520, 0.120),
+    (0.0490, 0.148),
+    (0.0480, 0.156),
+    (0.0465, 0.160),
 )
 BAR_M = (0.0078, 0.0054)  # half width and half thickness of the ear
 
@@ -63,7 +79,18 @@ class Look:
         return Vector((0.0, 0.127, 0.060)) if self.shape == "round" else Vector((0.0, 0.115, 0.090))
 
 
-def teapot(name: str, rng: random.Random, *, look: Look) -> bpy.types.Object:
+@kind(
+    "teapot",
+    (0.146, 0.268, 0.148),
+    "graspable",
+    "pours",
+    "container",
+    front="-y",
+    colour=colours("look.colour"),
+    shape=words("look.shape", "round", "tall"),
+    pattern=words("look.pattern", "plain", "banded", "dipped"),
+)
+def teapot(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A pot with its lid on, 13 cm (round) or 19 cm (tall)."""
     skin = tableware.enamel if look.material == "enamel" else products.glaze
     glaze, accent = skin(f"{name}_glaze", look.colour, rng), skin(f"{name}_accent", look.accent, rng)
@@ -116,9 +143,13 @@ def _ear(name: str, look: Look) -> bpy.types.Object:
         upper, lower = Vector((0, 0.046, z + 0.052)), Vector((0, 0.053, z - 0.044))
     path = keys.Path(
         [
-            upper, upper + Vector((0, 0.026, 0.008)), Vector((0, out - 0.009, z + 0.033)),
-            Vector((0, out, z + 0.006)), Vector((0, out - 0.003, z - 0.022)),
-            Vector((0, out - 0.018, z - 0.040)), lower,
+            upper,
+            upper + Vector((0, 0.026, 0.008)),
+            Vector((0, out - 0.009, z + 0.033)),
+            Vector((0, out, z + 0.006)),
+            Vector((0, out - 0.003, z - 0.022)),
+            Vector((0, out - 0.018, z - 0.040)),
+            lower,
         ]
     )
     line = [path.point(path.length * k / 30) for k in range(31)]
@@ -133,16 +164,30 @@ def _lid(
     dome = 0.020 if look.shape == "round" else 0.016
     cover = mesh.lathe(
         f"{name}_lid",
-        [(r - 0.004, z - 0.002), (r, z), (r, z + 0.003), (0.93 * r, z + 0.0055), (0.72 * r, z + 0.0115),
-         (0.4 * r, z + 0.8 * dome), (0.0, z + dome)],
+        [
+            (r - 0.004, z - 0.002),
+            (r, z),
+            (r, z + 0.003),
+            (0.93 * r, z + 0.0055),
+            (0.72 * r, z + 0.0115),
+            (0.4 * r, z + 0.8 * dome),
+            (0.0, z + dome),
+        ],
         48,
     )
     mesh.set_material(cover, glaze)
     top = z + dome
     knob = mesh.lathe(
         f"{name}_knob",
-        [(0.0055, top - 0.003), (0.005, top + 0.002), (0.0095, top + 0.006), (0.0125, top + 0.012),
-         (0.0110, top + 0.018), (0.0060, top + 0.0215), (0.0, top + 0.0225)],
+        [
+            (0.0055, top - 0.003),
+            (0.005, top + 0.002),
+            (0.0095, top + 0.006),
+            (0.0125, top + 0.012),
+            (0.0110, top + 0.018),
+            (0.0060, top + 0.0215),
+            (0.0, top + 0.0225),
+        ],
         28,
     )
     wood = look.knob == "wood"

@@ -10,6 +10,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind, words
+
 from . import mesh
 from .materials import interior
 from .materials.base import Colour, Nodes, principled
@@ -32,6 +34,14 @@ RIBBONS: dict[str, Colour] = {
 }
 
 
+@kind(
+    "teddy",
+    (0.281, 0.274, 0.344),
+    "graspable",
+    front="-y",
+    colour=words("plush", *PLUSH),
+    ribbon=words("ribbon", *RIBBONS),
+)
 def teddy(
     name: str, rng: random.Random, *, plush: str = "brown", ribbon: str = "red", scale: float = 1.0
 ) -> bpy.types.Object:

@@ -10,6 +10,8 @@ import random
 
 import bpy
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .lettering import lettering
 from .materials import products, street
@@ -21,6 +23,7 @@ FASCIA_M = 1.5
 HALL_M = 8.5  # depth
 
 
+@kind("terminal", (38.9, 8.84, 5.4), "backdrop")
 def terminal(name: str, rng: random.Random, *, length_m: float = 38.4) -> list[bpy.types.Object]:
     """Facade, hall and fascia, centred on x = 0."""
     return [

@@ -17,6 +17,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.catalogue import Choice, colours, kind, words
 
 Colour = tuple[float, float, float]
 
@@ -36,6 +37,17 @@ class Look:
     wear: float = 0.25
 
 
+@kind(
+    "block",
+    (0.047, 0.047, 0.047),
+    "graspable",
+    "pushable",
+    "stacks",
+    colour=colours("look.paint"),
+    figure=words("look.figure", *FIGURES),
+    size=Choice("look.size_m", {"small": 0.046, "large": 0.060}),
+    finish=Choice("look.wear", {"glossy": 0.12, "worn": 0.42}),
+)
 def toy_block(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A cube of solid wood with rounded edges."""
     size = look.size_m
@@ -60,9 +72,7 @@ def _sides(size: float) -> list[Matrix]:
     """Where the middle of each of the five visible sides is, and how it is turned."""
     middle = Matrix.Translation((0.0, 0.0, 0.5 * size))
     out = Matrix.Translation((0.0, 0.0, 0.5 * size))
-    upright = [
-        Matrix.Rotation(k * pi / 2, 4, "Z") @ Matrix.Rotation(pi / 2, 4, "X") for k in range(4)
-    ]
+    upright = [Matrix.Rotation(k * pi / 2, 4, "Z") @ Matrix.Rotation(pi / 2, 4, "X") for k in range(4)]
     return [middle @ turn @ out for turn in (Matrix.Identity(4), *upright)]
 
 

@@ -13,16 +13,26 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
 WHEEL_M = 0.013
 _SIDE_VIEW = (
-    (-0.052, 0.012), (-0.055, 0.022), (-0.050, 0.030), (-0.022, 0.034), (-0.012, 0.050), (0.018, 0.052),
-    (0.030, 0.036), (0.050, 0.033), (0.053, 0.022), (0.050, 0.012),
+    (-0.052, 0.012),
+    (-0.055, 0.022),
+    (-0.050, 0.030),
+    (-0.022, 0.034),
+    (-0.012, 0.050),
+    (0.018, 0.052),
+    (0.030, 0.036),
+    (0.050, 0.033),
+    (0.053, 0.022),
+    (0.050, 0.012),
 )
 
 
+@kind("car", (0.073, 0.108, 0.071), "graspable", "pushable", front="-y", colour=colours("paint"))
 def toy_car(
     name: str, rng: random.Random, *, paint: Colour = (0.62, 0.36, 0.03), wheels: Colour = (0.22, 0.05, 0.04)
 ) -> bpy.types.Object:

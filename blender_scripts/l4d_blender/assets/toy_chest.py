@@ -7,6 +7,8 @@ import random
 import bpy
 from mathutils import Matrix
 
+from l4d_blender.catalogue import colours, kind
+
 from . import ball, mesh
 from .materials import interior, products
 from .materials.base import Colour
@@ -14,12 +16,13 @@ from .materials.base import Colour
 HEIGHT_M = 0.36
 
 
+@kind("chest", (0.75, 0.51, 0.769), "container", front="-y", colour=colours("paint"))
 def toy_chest(
     name: str,
     rng: random.Random,
     *,
-    size_xy: tuple[float, float] = (0.72, 0.40),
-    paint: Colour = (0.10, 0.30, 0.36),
+    size_xy: tuple[float, float] = (0.72, 0.4),
+    paint: Colour = (0.1, 0.3, 0.36),
 ) -> bpy.types.Object:
     """Box, lid and what sticks out of it, as one object."""
     sx, sy = size_xy

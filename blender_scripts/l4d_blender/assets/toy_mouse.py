@@ -11,13 +11,15 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import kind
 
 
-def build(
+@kind("toy", (0.173, 0.271, 0.132), "graspable", front="-y")
+def toy_mouse(
     name: str,
     rng: random.Random,
     *,
-    length_m: float = 0.20,
+    length_m: float = 0.2,
     colour: tuple[float, float, float] = (0.105, 0.107, 0.115),
 ) -> bpy.types.Object:
     """`length_m` without the tail; the nose points to -Y."""

@@ -14,6 +14,7 @@ from mathutils import Matrix
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -26,12 +27,9 @@ BOARD_M = 0.007
 SLOPE_RAD = atan2(HEIGHT_M, EDGE_Y_M - FOOT_Y_M)
 
 
+@kind("ramp", (0.121, 0.31, 0.122), "surface")
 def toy_ramp(
-    name: str,
-    rng: random.Random,
-    *,
-    paint: Colour = (0.05, 0.22, 0.20),
-    trim: Colour = (0.70, 0.42, 0.05),
+    name: str, rng: random.Random, *, paint: Colour = (0.05, 0.22, 0.2), trim: Colour = (0.7, 0.42, 0.05)
 ) -> bpy.types.Object:
     """A slide 31 cm long and about 10 cm tall."""
     board = products.wood(f"{name}_board", (0.60, 0.42, 0.24), (0.40, 0.25, 0.12), rng, grain_axis="Y")
@@ -63,7 +61,10 @@ def _chute(name: str) -> bpy.types.Object:
     across = 0.5 * WIDTH_M
     under = BOARD_M / HEIGHT_M * (EDGE_Y_M - FOOT_Y_M)
     section = (
-        (EDGE_Y_M, HEIGHT_M), (EDGE_Y_M, HEIGHT_M - BOARD_M), (FOOT_Y_M + under, 0.0), (FOOT_Y_M, 0.0005),
+        (EDGE_Y_M, HEIGHT_M),
+        (EDGE_Y_M, HEIGHT_M - BOARD_M),
+        (FOOT_Y_M + under, 0.0),
+        (FOOT_Y_M, 0.0005),
     )
     chute = mesh.loft(name, [[(x, y, z) for y, z in section] for x in (-across, across)])
     return mesh.shade_smooth(chute, 20.0)

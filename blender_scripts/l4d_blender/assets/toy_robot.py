@@ -16,6 +16,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.catalogue import Choice, colours, kind, words
 
 Colour = tuple[float, float, float]
 
@@ -39,7 +40,7 @@ class Look:
 
 @dataclass(frozen=True)
 class Robot:
-    """The separate parts of a robot, unposed."""
+    """The separate parts of a robot."""
 
     body: bpy.types.Object
     left: bpy.types.Object
@@ -48,11 +49,27 @@ class Robot:
     scale: float
 
     @property
-    def objects(self) -> list[bpy.types.Object]:
+    def parts(self) -> list[bpy.types.Object]:
         """All parts, the body first."""
         return [self.body, self.left, self.right, self.key]
 
+    def place(self, matrix: Matrix) -> None:
+        """Stands the robot somewhere, feet together."""
+        for part in (self.body, self.left, self.right):
+            part.matrix_basis = matrix
+        self.key.matrix_basis = matrix @ Matrix.Translation(KEY_AT * self.scale)
 
+
+@kind(
+    "robot",
+    (0.112, 0.072, 0.149),
+    "graspable",
+    "walks",
+    front="-y",
+    colour=colours("look.paint"),
+    chest=words("look.chest", *CHESTS),
+    size=Choice("look.scale", {"small": 1.0, "large": 1.2}),
+)
 def toy_robot(name: str, rng: random.Random, *, look: Look = Look()) -> Robot:
     """A robot 14 cm tall (times the look's scale)."""
     tin = printed_tin(f"{name}_tin", look.paint, rng)

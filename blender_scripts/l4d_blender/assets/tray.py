@@ -11,18 +11,20 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 TRAY_M = 0.010
 TRIVET_M = 0.014
 
 
+@kind("tray", (0.5, 0.284, 0.041), "surface", "graspable")
 def tray(
     name: str,
     rng: random.Random,
     *,
     size_m: tuple[float, float] = (0.44, 0.27),
-    light: Colour = (0.30, 0.15, 0.06),
+    light: Colour = (0.3, 0.15, 0.06),
     dark: Colour = (0.13, 0.055, 0.02),
 ) -> bpy.types.Object:
     """A tray of (length, depth) with a rim 28 mm high."""
@@ -39,8 +41,13 @@ def tray(
         out = sign * (0.5 * length + 0.006)
         grip = mesh.tube(
             f"{name}_grip",
-            [(out, -0.055, 0.020), (out + sign * 0.016, -0.050, 0.034), (out + sign * 0.022, 0.0, 0.038),
-             (out + sign * 0.016, 0.050, 0.034), (out, 0.055, 0.020)],
+            [
+                (out, -0.055, 0.020),
+                (out + sign * 0.016, -0.050, 0.034),
+                (out + sign * 0.022, 0.0, 0.038),
+                (out + sign * 0.016, 0.050, 0.034),
+                (out, 0.055, 0.020),
+            ],
             0.0042,
             12,
         )
@@ -48,12 +55,13 @@ def tray(
     return mesh.join(name, parts)
 
 
+@kind("trivet", (0.165, 0.165, 0.014), "surface")
 def trivet(
     name: str,
     rng: random.Random,
     *,
     size_m: float = 0.165,
-    light: Colour = (0.50, 0.32, 0.15),
+    light: Colour = (0.5, 0.32, 0.15),
     dark: Colour = (0.28, 0.15, 0.06),
 ) -> bpy.types.Object:
     """Six slats on two cross bars, square."""

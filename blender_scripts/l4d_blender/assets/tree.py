@@ -14,6 +14,8 @@ import bpy
 import numpy as np
 from mathutils import Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
@@ -72,6 +74,7 @@ def _mass(
     return mesh.join(name, parts)
 
 
+@kind("tree", (5.43, 5.4, 6.08))
 def tree(name: str, rng: random.Random, *, height_m: float = 6.0, sprays: int = 2500) -> bpy.types.Object:
     """A free-standing tree; its crown begins at about a third of its height."""
     trunk_top = 0.42 * height_m
@@ -114,6 +117,7 @@ def tree(name: str, rng: random.Random, *, height_m: float = 6.0, sprays: int = 
     return mesh.join(name, [wood, mass, crown])
 
 
+@kind("bush", (1.05, 1.21, 1.13))
 def bush(
     name: str,
     rng: random.Random,
@@ -121,7 +125,7 @@ def bush(
     size_xyz: tuple[float, float, float] = (1.2, 1.0, 0.9),
     sprays: int = 900,
     leaf_m: tuple[float, float] = (0.06, 0.12),
-    tone: tuple[float, float, float] = (0.070, 0.120, 0.028),
+    tone: tuple[float, float, float] = (0.07, 0.12, 0.028),
 ) -> bpy.types.Object:
     """A bush or a piece of hedge of about the given size."""
     sx, sy, sz = size_xyz
@@ -140,6 +144,7 @@ def bush(
     return mesh.join(name, [mass, crown])
 
 
+@kind("wood", (19.1, 7.52, 6.3), "backdrop")
 def far_wood(
     name: str,
     rng: random.Random,

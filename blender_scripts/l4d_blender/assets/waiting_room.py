@@ -15,6 +15,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import Nodes
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
@@ -22,16 +23,17 @@ WALL_HEIGHT_M = 2.7
 DADO_M = 1.12
 
 
+@kind("room", (6.46, 5.61, 2.72), "backdrop")
 def waiting_room(
     name: str,
     rng: random.Random,
     *,
-    half_width_m: float,
-    back_m: float,
-    front_m: float,
-    upper: Colour = (0.66, 0.60, 0.44),
+    half_width_m: float = 3.1,
+    back_m: float = 2.05,
+    front_m: float = -3.4,
+    upper: Colour = (0.66, 0.6, 0.44),
     lower: Colour = (0.17, 0.27, 0.24),
-    tiles: tuple[Colour, Colour] = ((0.50, 0.47, 0.38), (0.16, 0.22, 0.20)),
+    tiles: tuple[Colour, Colour] = ((0.5, 0.47, 0.38), (0.16, 0.22, 0.2)),
 ) -> list[bpy.types.Object]:
     """[floor, upper walls, lower walls, rails]."""
     length, middle = back_m - front_m, 0.5 * (back_m + front_m)
@@ -82,7 +84,8 @@ def linoleum(name: str, tiles: tuple[Colour, Colour], rng: random.Random) -> bpy
     return material
 
 
-def door(name: str, rng: random.Random, *, leaf: Colour = (0.30, 0.165, 0.075)) -> bpy.types.Object:
+@kind("door", (1.1, 0.114, 2.16), "hangs", front="-y")
+def door(name: str, rng: random.Random, *, leaf: Colour = (0.3, 0.165, 0.075)) -> bpy.types.Object:
     """A door in its frame: the wall is y = 0, the room at -Y; frosted pane with lettering, brass handle."""
     wood = products.wood(f"{name}_leaf", leaf, products.scaled(leaf, 0.5), rng, grain_axis="Z")
     frame = products.lacquer(f"{name}_frame", (0.62, 0.58, 0.48), rng)
@@ -118,14 +121,15 @@ def door(name: str, rng: random.Random, *, leaf: Colour = (0.30, 0.165, 0.075)) 
     return mesh.join(name, parts)
 
 
+@kind("poster", (0.5, 0.007, 0.7), "hangs", front="-y")
 def poster(
     name: str,
     rng: random.Random,
     *,
-    title: str,
-    paper: Colour,
-    figure: Colour,
-    size_m: tuple[float, float] = (0.50, 0.70),
+    title: str = "FEEL WELL",
+    paper: Colour = (0.52, 0.56, 0.50),
+    figure: Colour = (0.10, 0.34, 0.26),
+    size_m: tuple[float, float] = (0.5, 0.7),
 ) -> bpy.types.Object:
     """A poster with a big figure, a title and lines of print; the wall is y = 0, its lower edge z = 0."""
     width, height = size_m
@@ -150,6 +154,7 @@ def poster(
     return mesh.join(name, parts)
 
 
+@kind("clock", (0.358, 0.028, 0.358), "hangs", front="-y")
 def clock(name: str, rng: random.Random) -> bpy.types.Object:
     """A station clock 34 cm across; the wall is y = 0, its middle at the origin."""
     rim = mesh.rotate(mesh.torus(f"{name}_rim", 0.165, 0.014, 48, 12), "X", 90.0)

@@ -17,6 +17,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
+from l4d_blender.catalogue import kind, words
+
 from . import implicit, mesh
 from .materials.birds import beak, eye, plumage_surface, scales
 from .waterbird_species import DUCK, GULL, PLUMAGES, Colour, Plumage, Species
@@ -362,7 +364,12 @@ def _armature(name: str, species: Species) -> bpy.types.Object:
     return rig
 
 
-def waterbird(name: str, rng: random.Random, species: Species, *, plumage: str) -> bpy.types.Object:
+@kind(
+    "bird", (1.21, 0.474, 0.339), "walks", "flies", "swims", front="-y", plumage=words("plumage", *PLUMAGES)
+)
+def waterbird(
+    name: str, rng: random.Random, *, species: Species = GULL, plumage: str = "grey_backed"
+) -> bpy.types.Object:
     """The skinned mesh; its parent is the armature, which stands where the bird stands."""
     coat = PLUMAGES[plumage]
     surface, skin = plumage_surface(f"{name}_feathers", coat.mottle), scales(f"{name}_legs")

@@ -8,6 +8,8 @@ import random
 import bpy
 from mathutils import Matrix, Vector, noise
 
+from l4d_blender.catalogue import kind
+
 from . import mesh
 from .materials import outdoors
 
@@ -105,6 +107,7 @@ def _roof(
     return [*parts, cap]
 
 
+@kind("well", (1.66, 1.32, 2.22), "container")
 def well(name: str, rng: random.Random) -> bpy.types.Object:
     """2.1 m high with its roof, 1.2 m wide; posts stand at +-X, the crank is at +X."""
     timber = outdoors.weathered_wood(f"{name}_timber", (0.19, 0.14, 0.10))

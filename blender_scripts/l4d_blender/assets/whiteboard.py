@@ -16,6 +16,7 @@ from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 Colour = tuple[float, float, float]
 
@@ -27,6 +28,7 @@ INK_M = 0.0062
 BLUE: Colour = (0.02, 0.05, 0.30)
 
 
+@kind("whiteboard", (1.53, 0.56, 1.86), front="-y")
 def whiteboard(name: str, rng: random.Random) -> list[bpy.types.Object]:
     """[board, stand]: enamel in an aluminium frame on two legs."""
     steel = products.metal(f"{name}_frame", (0.55, 0.56, 0.57), rng, roughness=0.35)
@@ -63,6 +65,7 @@ def whiteboard(name: str, rng: random.Random) -> list[bpy.types.Object]:
     return [board, stand]
 
 
+@kind("marker", (0.019, 0.019, 0.135), "graspable", "writes", colour=colours("barrel"))
 def marker(name: str, rng: random.Random, *, barrel: Colour = BLUE) -> bpy.types.Object:
     """A felt pen 13.5 cm long that stands on its tip along +Z."""
     body = mesh.lathe(

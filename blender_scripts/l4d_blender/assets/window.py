@@ -10,16 +10,18 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
+from l4d_blender.catalogue import colours, kind
 
 
-def build(
+@kind("window", (1.83, 0.205, 2.04), "hangs", front="-y", curtain=colours("curtain"))
+def window(
     name: str,
     rng: random.Random,
     *,
     width_m: float = 1.15,
     height_m: float = 1.35,
-    sill_m: float = 0.50,
-    curtain: tuple[float, float, float] = (0.62, 0.50, 0.30),
+    sill_m: float = 0.5,
+    curtain: tuple[float, float, float] = (0.62, 0.5, 0.3),
     glow: float = 1.25,
 ) -> list[bpy.types.Object]:
     """[casement, curtains]: the wall is the plane y = 0, the room at -Y; z = 0 is the floor."""

@@ -12,15 +12,17 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.lettering import lettering
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 
 
+@kind("box", (0.215, 0.157, 0.061), "surface", "container", front="-y")
 def wooden_box(
     name: str,
     rng: random.Random,
     *,
-    size_m: tuple[float, float, float] = (0.21, 0.15, 0.060),
+    size_m: tuple[float, float, float] = (0.21, 0.15, 0.06),
     light: Colour = (0.36, 0.18, 0.075),
     words: str = "FLOR FINA",
 ) -> bpy.types.Object:

@@ -11,17 +11,15 @@ import bpy
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
+from l4d_blender.catalogue import kind
 
 Colour = tuple[float, float, float]
 SEAT_M = 0.46
 
 
+@kind("chair", (0.43, 0.494, 0.925), "seat", front="-y")
 def wooden_chair(
-    name: str,
-    rng: random.Random,
-    *,
-    light: Colour = (0.34, 0.19, 0.09),
-    dark: Colour = (0.17, 0.085, 0.035),
+    name: str, rng: random.Random, *, light: Colour = (0.34, 0.19, 0.09), dark: Colour = (0.17, 0.085, 0.035)
 ) -> bpy.types.Object:
     """A chair with a back up to 0.92 m."""
     wood = products.wood(f"{name}_wood", light, dark, rng, grain_axis="Z")

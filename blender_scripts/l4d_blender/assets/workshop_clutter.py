@@ -14,15 +14,24 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import gear
+from l4d_blender.catalogue import colours, kind
 
 
+@kind("screwdriver", (0.198, 0.025, 0.026), "graspable", "rolls")
 def screwdriver(name: str, rng: random.Random) -> bpy.types.Object:
     """A screwdriver 19 cm long that lies along X, its blade to -X."""
     grip = mesh.lathe(
         f"{name}_grip",
         [
-            (0.006, 0.0), (0.010, 0.004), (0.0085, 0.014), (0.0125, 0.030), (0.0130, 0.060), (0.0105, 0.082),
-            (0.0115, 0.090), (0.006, 0.095), (0.0, 0.096),
+            (0.006, 0.0),
+            (0.010, 0.004),
+            (0.0085, 0.014),
+            (0.0125, 0.030),
+            (0.0130, 0.060),
+            (0.0105, 0.082),
+            (0.0115, 0.090),
+            (0.006, 0.095),
+            (0.0, 0.096),
         ],
         10,
     )
@@ -39,6 +48,7 @@ def screwdriver(name: str, rng: random.Random) -> bpy.types.Object:
     return mesh.move(driver, z=0.0125)
 
 
+@kind("parts", (0.102, 0.082, 0.007))
 def loose_parts(name: str, rng: random.Random, *, count: int = 9) -> bpy.types.Object:
     """Cogs and screws strewn over a hand's breadth."""
     brass = products.metal(f"{name}_brass", (0.60, 0.42, 0.15), rng)
@@ -63,15 +73,24 @@ def loose_parts(name: str, rng: random.Random, *, count: int = 9) -> bpy.types.O
     return mesh.join(name, parts)
 
 
+@kind("spool", (0.039, 0.039, 0.05), "graspable", "rolls", colour=colours("thread"))
 def spool(
-    name: str, rng: random.Random, *, thread: tuple[float, float, float] = (0.10, 0.13, 0.32)
+    name: str, rng: random.Random, *, thread: tuple[float, float, float] = (0.1, 0.13, 0.32)
 ) -> bpy.types.Object:
     """A wooden spool of thread, 5 cm tall."""
     beech = products.wood(f"{name}_beech", (0.50, 0.34, 0.18), (0.34, 0.2, 0.1), rng, grain_axis="Z")
     core = mesh.lathe(
         f"{name}_core",
-        [(0.018, 0.0), (0.0195, 0.003), (0.017, 0.007), (0.009, 0.010), (0.009, 0.040), (0.017, 0.043),
-         (0.0195, 0.047), (0.018, 0.050)],
+        [
+            (0.018, 0.0),
+            (0.0195, 0.003),
+            (0.017, 0.007),
+            (0.009, 0.010),
+            (0.009, 0.040),
+            (0.017, 0.043),
+            (0.0195, 0.047),
+            (0.018, 0.050),
+        ],
         32,
         close_top=True,
     )
@@ -82,6 +101,7 @@ def spool(
     )
 
 
+@kind("oil_can", (0.072, 0.099, 0.13), "graspable")
 def oil_can(name: str, rng: random.Random) -> bpy.types.Object:
     """A little can with a long bent spout, 13 cm tall."""
     copper = products.metal(f"{name}_copper", (0.52, 0.24, 0.11), rng)
@@ -99,7 +119,9 @@ def oil_can(name: str, rng: random.Random) -> bpy.types.Object:
         40,
     )
     spout = mesh.tube(
-        f"{name}_spout", [(0, 0, 0.062), (0, -0.006, 0.085), (0, -0.030, 0.110), (0, -0.062, 0.128)],
-        [0.0055, 0.0042, 0.003, 0.0018], segments=12,
+        f"{name}_spout",
+        [(0, 0, 0.062), (0, -0.006, 0.085), (0, -0.030, 0.110), (0, -0.062, 0.128)],
+        [0.0055, 0.0042, 0.003, 0.0018],
+        segments=12,
     )
     return mesh.set_material(mesh.join(name, [can, spout]), copper)

@@ -10,11 +10,13 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
+from l4d_blender.catalogue import colours, kind
 
 RED = (0.50, 0.022, 0.030)
 
 
-def build(
+@kind("toy", (0.143, 0.142, 0.143), "graspable", "rolls", colour=colours("colour"))
+def yarn_ball(
     name: str, rng: random.Random, *, radius_m: float = 0.072, colour: tuple[float, float, float] = RED
 ) -> bpy.types.Object:
     """Origin at the bottom; balls built from equal random states are twins to the last strand."""

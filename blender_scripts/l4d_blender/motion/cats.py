@@ -268,7 +268,8 @@ class Cat:
         """
         self.scene = scene
         self._rng = scene.rng(f"{name}/motion")
-        self.rig, body = anatomy.build(name, scene.rng(f"coat/{coat.name}"), coat=coat)
+        body = anatomy.cat(name, scene.rng(f"coat/{coat.name}"), coat=coat)
+        self.rig = body.parent
         self.instance = scene.instance(
             name, id, "cat", body, attributes=attributes or {}, front="-y", frame_object=self.rig
         )

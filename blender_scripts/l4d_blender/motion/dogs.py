@@ -45,7 +45,8 @@ class Dog:
         """`at` is (x, y) of the middle, `heading` 0 faces -Y; posture stand, sit or lie."""
         self.scene = scene
         self._rng = scene.rng(f"{name}/motion")
-        self.rig, body = anatomy.dog(name, scene.rng(f"coat/{coat}"), coat=coat, collar=collar)
+        body = anatomy.dog(name, scene.rng(f"coat/{coat}"), coat=coat, collar=collar)
+        self.rig = body.parent
         self.instance = scene.instance(
             name, id, "dog", body, attributes=attributes, front="-y", frame_object=self.rig
         )

@@ -14,7 +14,7 @@ from mathutils import Matrix, Vector
 
 from .. import keys
 from ..assets.anatomy import vec
-from ..assets.hand import DIGITS, HandLook, build_hand
+from ..assets.hand import DIGITS, HandLook, hand
 from ..scene import Instance, RecipeError, Scene
 from ..timeline import FPS, FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from .arm import DOWN, Arm, matrix_of, thumbward
@@ -50,7 +50,7 @@ class Hand:
         pose: str = "relaxed",
     ) -> None:
         self.scene, self.side, self.table_m = scene, side, table_m
-        self.body = build_hand(name, look or HandLook(), side)
+        self.body = hand(name, scene.rng(name), look=look or HandLook(), side=side)
         self.scale = self.body.scale
         self.instance = scene.instance(
             name,

@@ -14,7 +14,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..assets.anatomy import SIDES, vec
-from ..assets.person import Look, build_person
+from ..assets.person import Look, person
 from ..scene import Instance, RecipeError, Scene
 from ..timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
 from . import gait
@@ -71,7 +71,7 @@ class PersonPlan:
         ground_m: float = 0.0,
     ) -> None:
         self.scene, self.look, self.ground_m = scene, look, ground_m
-        self.body = build_person(name, look)
+        self.body = person(name, scene.rng(name), look=look)
         self.puppet = Puppet(self.body.anatomy, self.body.skirt)
         self.instance = scene.instance(
             name,

@@ -69,11 +69,7 @@ class Traveller(Person):
         up = ease((ROWS - last) / UPRIGHT_FRAMES)
         tilt = slope * (1.0 - up)
         fist = np.stack(
-            [
-                np.full(FRAME_COUNT, s * aside),
-                behind + 0.03 * up,
-                WHEEL_RADIUS_M + length * np.cos(tilt),
-            ],
+            [np.full(FRAME_COUNT, s * aside), behind + 0.03 * up, WHEEL_RADIUS_M + length * np.cos(tilt)],
             axis=1,
         )
         turned = self.puppet.hand_rotation(side, vec(0.0, 0.30, -0.95), vec(0.0, 0.95, 0.30))

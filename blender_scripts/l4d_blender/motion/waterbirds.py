@@ -44,7 +44,7 @@ class WaterBird:
         heading: float,
     ) -> None:
         """`at` is (x, y, z of what it stands on); `heading` 0 faces -Y, counter-clockwise from above."""
-        body = shape.waterbird(name, scene.rng(f"plumage/{plumage}"), species, plumage=plumage)
+        body = shape.waterbird(name, scene.rng(f"plumage/{plumage}"), species=species, plumage=plumage)
         self.instance = scene.instance(
             name, id, category, body, attributes=attributes, front="-y", frame_object=body.parent
         )

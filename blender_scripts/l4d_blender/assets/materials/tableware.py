@@ -132,8 +132,12 @@ def apple_skin(name: str, ground: Colour, blush: Colour, rng: random.Random) -> 
     level = n.math("ADD", n.math("MULTIPLY", streaks, 0.62), n.math("MULTIPLY", side, 0.75))
     tone = n.ramp(
         level,
-        [(0.50, ground), (0.62, tuple(0.5 * (a + b) for a, b in zip(ground, blush))), (0.74, blush),
-         (0.92, scaled(blush, 0.62))],
+        [
+            (0.50, ground),
+            (0.62, tuple(0.5 * (a + b) for a, b in zip(ground, blush))),
+            (0.74, blush),
+            (0.92, scaled(blush, 0.62)),
+        ],
     )
     spots = n.math("LESS_THAN", n.voronoi(150.0, vector=coords), 0.13)
     tone = n.mix(n.math("MULTIPLY", spots, 0.55), tone, scaled(ground, 1.35))
