@@ -14,7 +14,7 @@ import tempfile
 from pathlib import Path
 from typing import NoReturn
 
-from . import recipes
+from . import new_scene, recipes
 from .recipes import WorkerError
 from .timeline import CAMERA_COUNT, LAST_FRAME
 
@@ -64,8 +64,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="l4d_blender", description=__doc__)
     commands = parser.add_subparsers(required=True)
 
-    def recipe_options(command: argparse.ArgumentParser) -> None:
-        command.add_argument("--scene", required=True)
+    def recipe_options(command: argparse.ArgumentParser, *, may_be_new: bool = False) -> None:
+        which = command.add_mutually_exclusive_group(required=True)
+        which.add_argument("--scene")
+        if may_be_new:
+            which.add_argument("--new", metavar="NAME", help="write the smallest recipe of that name first")
         command.add_argument("--variant", type=int, default=0, help="0 is the benchmark")
         command.add_argument("--seed", type=int, default=0)
         command.add_argument(
@@ -85,8 +88,8 @@ def _parser() -> argparse.ArgumentParser:
     render.set_defaults(run=_render)
 
     preview = commands.add_parser("preview", help="one PNG of some frames and views, for people")
-    recipe_options(preview)
-    preview.add_argument("--out", type=Path, required=True, help="folder of the PNG")
+    recipe_options(preview, may_be_new=True)
+    preview.add_argument("--out", type=Path, default=Path("preview"), help="folder of the PNG (preview)")
     preview.add_argument("--name", help="file name without .png (default: the scene's name)")
     preview.add_argument("--frames", type=_numbers(LAST_FRAME), default=[0, 48, 96])
     views = preview.add_mutually_exclusive_group()
@@ -122,6 +125,9 @@ def _render(options: argparse.Namespace, events: _Events) -> None:
 
 
 def _preview(options: argparse.Namespace, events: _Events) -> None:
+    if options.new:
+        events.send("written", path=str(new_scene.write(options.new, options.recipes)))
+        options.scene = options.new
     scene, _ = recipes.build(options.scene, options.variant, options.seed, options.recipes)
     from . import preview
 

@@ -129,6 +129,29 @@ def _alive(process: int) -> bool:
         return False
 
 
+@pytest.mark.parametrize("name", ["outdoor_try", "room_try", "tabletop_try"])
+def test_a_new_scene_renders_and_plans_at_once(tmp_path, name):
+    options = ("--recipes", str(tmp_path), "--size", "32x24", "--samples", "1", "--views", "1")
+    process = start_worker(
+        "preview", "--new", name, *options, "--frames", "0", "--out", str(tmp_path / "out")
+    )
+    assert process.returncode == 0, process.stdout + process.stderr
+    assert [event["event"] for event in events_of(process)] == ["written", "preview"]
+    assert (tmp_path / "out" / f"{name}.png").stat().st_size > 0
+    options = ("--recipes", str(tmp_path), "--out", str(tmp_path / "plan"), "--without-usd")
+    process = start_worker("plan", "--scene", name, *options)
+    assert [event["event"] for event in events_of(process)] == ["done"], process.stdout
+
+
+def test_a_new_scene_never_replaces_one_and_has_a_scale_in_its_name(tmp_path):
+    (tmp_path / "room_here.py").write_text("mine")
+    assert "exists" in failure("preview", "--new", "room_here", "--recipes", str(tmp_path))["message"]
+    assert (tmp_path / "room_here.py").read_text() == "mine"
+    for name in ("moon_base", "room", "room_../x", "Room_Tea"):
+        event = failure("preview", "--new", name, "--recipes", str(tmp_path))
+        assert "outdoor|room|tabletop" in event["hint"]
+
+
 def test_requirements_and_pyproject_pin_the_same_versions():
     import tomllib
 
