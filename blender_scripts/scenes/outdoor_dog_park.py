@@ -18,7 +18,7 @@ from mathutils import Vector
 
 from l4d_blender.assets import autumn, ground, mesh
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.cats import Ball
+from l4d_blender.motion.ball_games import Ball
 from l4d_blender.motion.dogs import Dog
 from l4d_blender.motion.people import Person
 from l4d_blender.motion.throwing import Thrower, toss

@@ -19,7 +19,8 @@ from mathutils import Vector
 from l4d_blender import keys
 from l4d_blender.assets import bucket, ground
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.hens import HenActor
+from l4d_blender.motion.birds import heading_on
+from l4d_blender.motion.hens import Hen
 from l4d_blender.motion.people import Person
 from l4d_blender.placing import pose
 from l4d_blender.scattering import NEARLY, scatter, skyline
@@ -336,20 +337,10 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
 
 
 def _hens(scene: Scene, choices: Choices) -> None:
-    def actor(name: str, id: int, x: float, y: float, heading: float) -> HenActor:
-        bird = scene.make("hen", name, plumage=choices.plumage)
-        instance = scene.instance(
-            name,
-            id,
-            "hen",
-            bird,
-            attributes={"colour": choices.plumage},
-            front="-y",
-            frame_object=bird.parent,
-        )
-        return HenActor(instance, Vector((x, y, 0.0)), heading, scene.rng(f"{name}/acts"))
+    def actor(name: str, id: int, at: Vector, heading: float) -> Hen:
+        return Hen(scene, name, id, plumage=choices.plumage, at=at, heading=heading)
 
-    pecker = actor("hen_pecking", 7, -0.62, -1.18, 0.9)
+    pecker = actor("hen_pecking", 7, Vector((-0.62, -1.18, 0.0)), 0.9)
     first, last = choices.peck
     pecker.stand(0, first - 1)
     pecker.peck(first, last)
@@ -357,13 +348,12 @@ def _hens(scene: Scene, choices: Choices) -> None:
     pecker.finish()
 
     way = keys.Path([(0.02, -1.56), (0.35, -1.52), (0.62, -1.36), (0.80, -1.14)])
-    start = way.point(0.0), way.tangent(0.0)
-    walker = actor("hen_walking", 8, start[0].x, start[0].y, math.atan2(start[1].x, -start[1].y))
+    walker = actor("hen_walking", 8, way.point(0.0), heading_on(way, 0.0))
     walker.walk(way, 0, 72)
     walker.stand(73, LAST_FRAME)
     walker.finish()
 
-    watcher = actor("hen_watching", 9, 0.60, -0.12, -0.7)
+    watcher = actor("hen_watching", 9, Vector((0.60, -0.12, 0.0)), -0.7)
     watcher.stand(0, LAST_FRAME)
     watcher.finish()
 

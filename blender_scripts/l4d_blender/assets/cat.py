@@ -14,10 +14,11 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Vector, noise
+from mathutils import Vector, noise
 
-from l4d_blender.assets import implicit
+from l4d_blender.assets import implicit, rigs
 from l4d_blender.assets.materials import interior
+from l4d_blender.assets.rigs import armature, hang
 from l4d_blender.catalogue import Choice, kind
 
 VOXEL_M = 0.0036
@@ -491,29 +492,18 @@ def cat(name: str, rng: random.Random, *, coat: Coat = GREY_TABBY) -> bpy.types.
 
     body = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(body)
-    armature = _armature(f"{name}_armature")
-    _bind(body, armature, skin, parts)
-    return body
+    _weigh(body, skin, parts)
+    return hang(body, armature(f"{name}_armature", [_at_rest(bone) for bone in BONES]))
 
 
-def _armature(name: str) -> bpy.types.Object:
-    armature = bpy.data.objects.new(name, bpy.data.armatures.new(name))
-    bpy.context.scene.collection.objects.link(armature)
-    bpy.context.view_layer.objects.active = armature
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone in BONES:
-        edit = armature.data.edit_bones.new(bone.name)
-        side = bone.name[-2:] if bone.name.endswith((".L", ".R")) else ""
-        edit.head, edit.tail = joint(bone.head), joint(bone.tail)
-        if bone.name.startswith("lid"):
-            edit.tail = joint("eye" + side) + Vector((0, -0.02, 0))
-        if bone.parent:
-            edit.parent = armature.data.edit_bones[bone.parent]
-    bpy.ops.object.mode_set(mode="OBJECT")
-    return armature
+def _at_rest(bone: Bone) -> rigs.Bone:
+    tail = joint(bone.tail)
+    if bone.name.startswith("lid"):
+        tail = joint("eye" + bone.name[-2:]) + Vector((0, -0.02, 0))
+    return rigs.Bone(bone.name, joint(bone.head), tail, bone.parent)
 
 
-def _bind(body: bpy.types.Object, armature: bpy.types.Object, skin: _Skin, parts: list) -> None:
+def _weigh(body: bpy.types.Object, skin: _Skin, parts: list) -> None:
     for bone in BONES:
         body.vertex_groups.new(name=bone.name)
     for column, group in enumerate(skin.groups):
@@ -525,7 +515,3 @@ def _bind(body: bpy.types.Object, armature: bpy.types.Object, skin: _Skin, parts
         if bone is not None:
             body.vertex_groups[bone].add(list(range(offset, offset + len(vertices))), 1.0, "REPLACE")
         offset += len(vertices)
-    body.parent = armature
-    body.matrix_parent_inverse = Matrix.Identity(4)
-    modifier = body.modifiers.new("armature", "ARMATURE")
-    modifier.object = armature

@@ -20,6 +20,7 @@ from l4d_blender.catalogue import kind, words
 
 from . import implicit, mesh
 from .materials import dogs as materials
+from .rigs import hang, upright_armature
 
 VOXEL_M = 0.0088
 BODY_FACES = 13000
@@ -387,25 +388,10 @@ def dog(name: str, rng: random.Random, *, coat: str = "golden", collar: str = "r
     add(band, "neck", materials.collar(f"{name}_collar", collar), lambda p: (0.5, 0.5, 0.5))
 
     whole = mesh.store_rest_position(mesh.join(name, parts))
-    rig = _armature(f"{name}_rig")
-    whole.parent = rig
-    whole.modifiers.new("skin", "ARMATURE").object = rig
-    return whole
+    return hang(whole, upright_armature(f"{name}_rig", bone_heads()))
 
 
 def _finished(part: bpy.types.Object, material: bpy.types.Material, shade) -> bpy.types.Object:
     layer = part.data.attributes.new("coat", "FLOAT_COLOR", "POINT")
     layer.data.foreach_set("color", [c for v in part.data.vertices for c in (*shade(v.co), 1.0)])
     return mesh.set_material(mesh.shade_smooth(part), material)
-
-
-def _armature(name: str) -> bpy.types.Object:
-    rig = bpy.data.objects.new(name, bpy.data.armatures.new(name))
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone, head in bone_heads().items():
-        edit = rig.data.edit_bones.new(bone)
-        edit.head, edit.tail = head, head + Vector((0.0, 0.0, 0.05))
-    bpy.ops.object.mode_set(mode="OBJECT")
-    return rig

@@ -20,7 +20,8 @@ from .anatomy import FINGERS, Bone, vec
 from .implicit import Blob, Cone, Ellipsoid, Grid, blended, clip, relax, smooth_min, smoothstep, surface_nets
 from .materials import skin as materials
 from .person import CLOTH_COLOURS, SKIN_TONES, Cloth
-from .shell import Shell, make_mesh, make_rig, merged
+from .rigs import armature
+from .shell import Shell, make_mesh, merged
 
 DIGITS = ("thumb", *FINGERS)
 FOREARM_M, UPPER_ARM_M = 0.255, 0.285
@@ -382,7 +383,7 @@ def hand(name: str, rng: random.Random, *, look: HandLook = HandLook(), side: st
     bones = [
         Bone(b.name, b.head * mirror * look.scale, b.tail * mirror * look.scale, b.parent) for b in BONES
     ]
-    rig = make_rig(f"{name}.rig", bones)
+    rig = armature(f"{name}.rig", bones)
     return HandBody(rig, [make_mesh(flesh, rig), make_mesh(sleeve, rig)], side, look.scale)
 
 

@@ -18,6 +18,7 @@ from l4d_blender.catalogue import kind, words
 
 from . import mesh
 from .materials import outdoors
+from .rigs import hang, upright_armature
 
 #: Joints in metres in the rest pose; left is +X.
 BODY_PIVOT = Vector((0.0, 0.01, 0.215))
@@ -28,13 +29,17 @@ BEAK_TIP = Vector((0.0, -0.222, 0.401))
 HIP = {"left": Vector((0.045, 0.005, 0.200)), "right": Vector((-0.045, 0.005, 0.200))}
 HOCK = {"left": Vector((0.050, 0.040, 0.108)), "right": Vector((-0.050, 0.040, 0.108))}
 ANKLE = {"left": Vector((0.050, 0.000, 0.014)), "right": Vector((-0.050, 0.000, 0.014))}
-BONES = (
-    *("body", "neck_low", "neck_high", "head"),
-    *(f"{bone}_{side}" for side in ("left", "right") for bone in ("thigh", "shank", "foot")),
-)
+
+_MIDDLE = {"pivot": BODY_PIVOT, "neck_low": NECK_LOW, "neck_mid": NECK_MID, "neck_top": NECK_TOP}
+_LEGS = {"hip": HIP, "hock": HOCK, "ankle": ANKLE}
 
 #: One row per vertex of a part: the bones that carry it and their shares.
 Weights = list[dict[str, float]]
+
+
+def joint(name: str, side: str = "left") -> Vector:
+    """A rest joint; those of legs exist on both sides."""
+    return (_LEGS[name][side] if name in _LEGS else _MIDDLE[name]).copy()
 
 
 def _weigh(part: bpy.types.Object, weights: str | Weights) -> None:
@@ -230,23 +235,6 @@ def _leg(name: str, side: str) -> list[tuple[bpy.types.Object, str, str]]:
     return parts
 
 
-def _armature(name: str) -> bpy.types.Object:
-    heads = {"body": BODY_PIVOT, "neck_low": NECK_LOW, "neck_high": NECK_MID, "head": NECK_TOP}
-    for side in ("left", "right"):
-        heads |= {f"thigh_{side}": HIP[side], f"shank_{side}": HOCK[side], f"foot_{side}": ANKLE[side]}
-    data = bpy.data.armatures.new(f"{name}_bones")
-    rig = bpy.data.objects.new(f"{name}_rig", data)
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone_name in BONES:
-        bone = data.edit_bones.new(bone_name)
-        bone.head = heads[bone_name]
-        bone.tail = bone.head + Vector((0.0, 0.0, 0.05))
-    bpy.ops.object.mode_set(mode="OBJECT")
-    return rig
-
-
 @kind("hen", (0.203, 0.486, 0.453), "walks", front="-y", plumage=words("plumage", *outdoors.PLUMAGES))
 def hen(name: str, rng: random.Random, *, plumage: str = "russet") -> bpy.types.Object:
     """The skinned mesh; its parent is the armature, which stands where the hen stands.
@@ -275,8 +263,7 @@ def hen(name: str, rng: random.Random, *, plumage: str = "russet") -> bpy.types.
             add(part, bone, tissue)
 
     bird = mesh.store_rest_position(mesh.join(name, parts))
-    rig = _armature(name)
-    bird.parent = rig
-    skin = bird.modifiers.new("skin", "ARMATURE")
-    skin.object = rig
-    return bird
+    heads = {"body": BODY_PIVOT, "neck_low": NECK_LOW, "neck_high": NECK_MID, "head": NECK_TOP}
+    for side in ("left", "right"):
+        heads |= {f"thigh_{side}": HIP[side], f"shank_{side}": HOCK[side], f"foot_{side}": ANKLE[side]}
+    return hang(bird, upright_armature(f"{name}_rig", heads))

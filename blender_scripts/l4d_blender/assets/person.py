@@ -18,7 +18,8 @@ from . import garments, head
 from .anatomy import BUILDS, CHIN_M, FINGERS, SIDES, Anatomy, vec
 from .implicit import clip, smoothstep
 from .materials import skin as materials
-from .shell import Shell, make_mesh, make_rig, merged, tube
+from .rigs import armature
+from .shell import Shell, make_mesh, merged, tube
 
 Colour = tuple[float, float, float]
 
@@ -144,7 +145,7 @@ def person(name: str, rng: random.Random, *, look: Look = Look()) -> PersonBody:
         _head(name, look, anatomy, skin, phase),
         *clothes,
     ]
-    rig = make_rig(f"{name}.rig", [*anatomy.bones, *(skirt.bones if skirt else [])])
+    rig = armature(f"{name}.rig", [*anatomy.bones, *(skirt.bones if skirt else [])])
     meshes = [make_mesh(shell, rig) for shell in shells]
     return PersonBody(rig, meshes, anatomy, skirt)
 

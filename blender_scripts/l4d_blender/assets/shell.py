@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 import bmesh
 import bpy
 import numpy as np
-from mathutils import Vector
 
 from . import mesh
-from .anatomy import Bone
+from .rigs import hang
 
 Weights = dict[str, np.ndarray]
 MAX_BONES_PER_VERTEX = 4
@@ -35,22 +34,6 @@ class Shell:
     extra: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def make_rig(name: str, bones: Sequence[Bone]) -> bpy.types.Object:
-    """An armature whose bones rest where the anatomy says."""
-    data = bpy.data.armatures.new(name)
-    rig = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone in bones:
-        edit = data.edit_bones.new(bone.name)
-        edit.head, edit.tail = Vector(bone.head), Vector(bone.tail)
-        if bone.parent:
-            edit.parent = data.edit_bones[bone.parent]
-    bpy.ops.object.mode_set(mode="OBJECT")
-    return rig
-
-
 def make_mesh(shell: Shell, rig: bpy.types.Object) -> bpy.types.Object:
     """The mesh object of a shell, deformed by the rig and parented to it."""
     obj = mesh.from_pydata(shell.name, shell.verts.tolist(), shell.faces, smooth=True)
@@ -66,10 +49,7 @@ def make_mesh(shell: Shell, rig: bpy.types.Object) -> bpy.types.Object:
         strands = obj.data.attributes.new("strand", "FLOAT_VECTOR", "POINT")
         strands.data.foreach_set("vector", shell.strand.ravel())
     _assign(obj, shell.weights)
-    obj.parent = rig
-    modifier = obj.modifiers.new("armature", "ARMATURE")
-    modifier.object = rig
-    return obj
+    return hang(obj, rig)
 
 
 def _assign(obj: bpy.types.Object, weights: Weights) -> None:

@@ -21,6 +21,7 @@ from l4d_blender.catalogue import kind, words
 
 from . import implicit, mesh
 from .materials.birds import beak, eye, plumage_surface, scales
+from .rigs import hang, upright_armature
 from .waterbird_species import DUCK, GULL, PLUMAGES, Colour, Plumage, Species
 
 __all__ = ["DUCK", "GULL", "PLUMAGES", "SIDES", "Species", "waterbird", "wing_motion"]
@@ -338,32 +339,6 @@ def _face(name: str, species: Species, coat: Plumage, parts: _Parts) -> None:
         parts.add(ball, "head", lambda p: coat.eye, bright)
 
 
-def _armature(name: str, species: Species) -> bpy.types.Object:
-    heads = {
-        "body": species.joint("pivot"),
-        "neck_low": species.joint("neck_low"),
-        "neck_high": species.joint("neck_mid"),
-        "head": species.joint("neck_top"),
-    }
-    for side in SIDES:
-        for bone, joint in (("thigh", "hip"), ("shank", "hock"), ("foot", "ankle")):
-            heads[f"{bone}_{side}"] = species.joint(joint, side)
-        for part, frame in wing_frames(species, 1.0).items():
-            root = frame.translation
-            heads[f"{part}_{side}"] = root if side == "left" else MIRROR @ root
-    data = bpy.data.armatures.new(f"{name}_bones")
-    rig = bpy.data.objects.new(f"{name}_rig", data)
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone_name, head in heads.items():
-        bone = data.edit_bones.new(bone_name)
-        bone.head = head
-        bone.tail = head + Vector((0.0, 0.0, 0.04))
-    bpy.ops.object.mode_set(mode="OBJECT")
-    return rig
-
-
 @kind(
     "bird", (1.21, 0.474, 0.339), "walks", "flies", "swims", front="-y", plumage=words("plumage", *PLUMAGES)
 )
@@ -384,7 +359,20 @@ def waterbird(
         _wing(name, species, side, coat, parts, surface)
         _leg(name, species, side, coat, parts, surface, skin)
     bird = mesh.store_rest_position(mesh.join(name, parts.found))
-    rig = _armature(name, species)
-    bird.parent = rig
-    bird.modifiers.new("skin", "ARMATURE").object = rig
-    return bird
+    return hang(bird, upright_armature(f"{name}_rig", _bone_heads(species), 0.04))
+
+
+def _bone_heads(species: Species) -> dict[str, Vector]:
+    heads = {
+        "body": species.joint("pivot"),
+        "neck_low": species.joint("neck_low"),
+        "neck_high": species.joint("neck_mid"),
+        "head": species.joint("neck_top"),
+    }
+    for side in SIDES:
+        for bone, joint in (("thigh", "hip"), ("shank", "hock"), ("foot", "ankle")):
+            heads[f"{bone}_{side}"] = species.joint(joint, side)
+        for part, frame in wing_frames(species, 1.0).items():
+            root = frame.translation
+            heads[f"{part}_{side}"] = root if side == "left" else MIRROR @ root
+    return heads

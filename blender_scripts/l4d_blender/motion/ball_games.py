@@ -1,11 +1,11 @@
-"""Balls that children play with: they roll without slipping, down a slope, over the ground, to rest.
+"""Balls that children, cats and dogs play with: they roll without slipping, pushed or down a slope, to rest.
 
 Owns a ball's way over all frames and how it turns; refuses to know who pushes it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from mathutils import Matrix, Quaternion, Vector
 
@@ -73,3 +73,61 @@ class RollingBall:
             keys.key_matrices(obj, matrices)
         for frames in self._rolls:
             self.instance.scene.event(self.instance, "roll", frames)
+
+
+class Ball:
+    """A ball on a floor that rolls without slipping along straight pushes."""
+
+    def __init__(
+        self,
+        instance: Instance,
+        radius_m: float,
+        at: Sequence[float],
+        floor_m: float = 0.0,
+        turn: float = 0.0,
+    ) -> None:
+        """`at` is (x, y); `turn` (radians, about a slanted axis) is how it happens to lie at first."""
+        self.instance, self.radius_m, self._floor_m = instance, radius_m, floor_m
+        self._turn = Quaternion((0.5, 0.3, 0.8), turn)
+        self.moving: list[Frames] = []
+        self.place(at)
+
+    def place(self, at: Sequence[float]) -> None:
+        """Lies at (x, y) until it is pushed."""
+        centre = Vector((at[0], at[1], self._floor_m + self.radius_m))
+        self.centres = [centre.copy() for _ in range(FRAME_COUNT)]
+
+    def roll_to(self, to: Sequence[float], frames: Frames) -> None:
+        """A push at the first frame, then friction: fast at first, at rest at the last frame."""
+        first, last = frames
+        start = self.centres[first].copy()
+        end = Vector((to[0], to[1], start.z))
+        for frame in range(first, FRAME_COUNT):
+            u = min((frame - first) / (last - first), 1.0)
+            self.centres[frame] = start.lerp(end, u * u * (6 - 8 * u + 3 * u * u))
+        self.moving.append(frames)
+
+    def finish(self) -> None:
+        """Keys position and rolling, and records one `roll` per uninterrupted stretch of motion."""
+        turn = self._turn
+        matrices = []
+        for frame, centre in enumerate(self.centres):
+            step = centre - self.centres[max(frame - 1, 0)]
+            if step.length > 1e-9:
+                axis = Vector((0, 0, 1)).cross(step)
+                turn = Quaternion(axis, step.length / self.radius_m) @ turn
+            spun = turn.to_matrix().to_4x4()
+            matrices.append(Matrix.Translation(centre) @ spun @ Matrix.Translation((0, 0, -self.radius_m)))
+        keys.key_matrices(self.instance.objects[0], matrices)
+        for first, last in _merged(self.moving):
+            self.instance.scene.event(self.instance, "roll", (first, last))
+
+
+def _merged(intervals: Iterable[Frames]) -> list[Frames]:
+    merged: list[Frames] = []
+    for first, last in sorted(intervals):
+        if merged and first <= merged[-1][1] + 1:
+            merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
+        else:
+            merged.append((first, last))
+    return merged

@@ -1,33 +1,34 @@
 """Dogs that act: run with planted paws, sit, lie down, get up, look about, nudge a ball with the nose.
 
-A `Dog` holds one `Pose` per canonical frame; actions change the poses from their first frame on and record
-what they show. Postures and limbs are dog_poses.py's business, shape is assets/dog.py.
+Postures and limbs are dog_poses.py's business, what dogs share with cats quadrupeds.py's, shape is
+assets/dog.py.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from .. import keys
 from ..assets import dog as anatomy
 from ..scene import Instance, Scene
-from ..timeline import FPS, FRAME_COUNT
-from .dog_poses import NOSE_TIP, PAWS, POSTURES, Pose, solve, standing, trunk
-
-STRIDE_M = 0.80
-SWING = 0.57  # share of a stride that a paw is in the air: a running trot
-PHASE = {"fore.R": 0.0, "hind.L": 0.0, "fore.L": 0.5, "hind.R": 0.5}
-REACH_AHEAD_M = 0.12
-
-Frames = tuple[int, int]
+from ..timeline import FPS
+from .dog_poses import NOSE_TIP, POSTURES, DogPose, solve, standing, trunk
+from .quadrupeds import PAWS, Frames, Gait, Quadruped
 
 
-class Dog:
-    """One dog of a scene. Actions take inclusive canonical frames and are called in the order of time."""
+class Dog(Quadruped):
+    """One dog of a scene."""
+
+    STEP_STARTS = (0.0, 0.15, 0.30, 0.45)
+    STEP_SHARE = 0.5
+    STEP_LIFT = (0.4, 0.045)
+    GAZE = (1.2, -0.55, 0.75, 0.10)
+    SETTLE_FRAMES = 8
 
     def __init__(
         self,
@@ -43,15 +44,9 @@ class Dog:
         attributes: Mapping[str, str] | None = None,
     ) -> None:
         """`at` is (x, y) of the middle, `heading` 0 faces -Y; posture stand, sit or lie."""
-        self.scene = scene
-        self._rng = scene.rng(f"{name}/motion")
-        body = anatomy.dog(name, scene.rng(f"coat/{coat}"), coat=coat, collar=collar)
-        self.rig = body.parent
-        self.instance = scene.instance(
-            name, id, "dog", body, attributes=attributes, front="-y", frame_object=self.rig
-        )
         start = POSTURES[posture]((at[0], at[1], heading))
-        self.poses = [start.copy() for _ in range(FRAME_COUNT)]
+        shape = anatomy.dog(name, scene.rng(f"coat/{coat}"), coat=coat, collar=collar)
+        super().__init__(scene, name, id, "dog", shape, attributes, start)
         self._wags: list[tuple[Frames, float]] = []
 
     # ---- postures --------------------------------------------------------------------------------
@@ -75,24 +70,6 @@ class Dog:
         self._change("stand", frames)
         self.scene.event(self.instance, "stand_up", frames)
 
-    def _change(self, posture: str, frames: Frames) -> None:
-        """From whatever pose into a posture on the spot; paws that have to move take one step each."""
-        first, last = frames
-        start = self.poses[first].copy()
-        goal = POSTURES[posture](start.root)
-        goal.head[1:] = start.head[1:]
-        slots = {"fore.L": 0.0, "hind.R": 0.15, "fore.R": 0.30, "hind.L": 0.45}
-        for frame in range(first, last + 1):
-            u = (frame - first) / (last - first)
-            pose = start.blended(goal, keys.ease(u))
-            for i, paw in enumerate(PAWS):
-                t = keys.ease((u - slots[paw]) / 0.5)
-                pose.paws[i] = (1 - t) * start.paws[i] + t * goal.paws[i]
-                far = float(np.linalg.norm(goal.paws[i, :2] - start.paws[i, :2]))
-                pose.paws[i, 2] += min(0.4 * far, 0.045) * math.sin(math.pi * t)
-            self.poses[frame] = pose
-        self._hold(last)
-
     # ---- running ---------------------------------------------------------------------------------
 
     def run_along(
@@ -105,16 +82,8 @@ class Dog:
         here = Vector((x, y, 0.0))
         ahead = here + 0.20 * Vector((math.sin(heading), -math.cos(heading), 0.0))
         track = _Track(keys.Path([here, ahead, *[Vector((p[0], p[1], 0.0)) for p in points]]), heading)
-        gait = _Gait(track, start, (last - first) / FPS)
-        rest = standing(start.root)
-        for frame in range(first, last + 1):
-            u = (frame - first) / (last - first)
-            pose = gait.pose(u, rest)
-            paws, root = pose.paws, pose.root
-            pose = start.blended(pose, keys.ease((frame - first) / 8))
-            pose.paws, pose.root = paws, root
-            self.poses[frame] = pose
-        self._hold(last)
+        gait = _Trot(track, start, (last - first) / FPS)
+        self._go(gait, standing(start.root), frames)
         self.scene.event(self.instance, "run", frames)
         if after is not None:
             self.scene.event(self.instance, "chase", frames, after)
@@ -147,18 +116,6 @@ class Dog:
             self.poses[frame] = bowed
         self.scene.event(self.instance, "nudge", frames, thing)
 
-    def watch(self, targets: Sequence[Vector] | Vector, frames: Frames, *, ease_frames: int = 8) -> None:
-        """Turns the head to a point (or one point per frame) and keeps looking there until told otherwise."""
-        first, last = frames
-        previous = None
-        for frame in range(first, FRAME_COUNT):
-            pose = self.poses[frame]
-            target = targets if isinstance(targets, Vector) else targets[min(frame, last)]
-            aim = self._aim(pose, target)
-            previous = aim if previous is None else previous + 0.30 * (aim - previous)
-            share = keys.ease_between(frame, first, first + ease_frames)
-            pose.head = pose.head + share * (previous - pose.head)
-
     def tilt(self, roll: float, frames: Frames) -> None:
         """Leans the head to one side for a while and half shuts its mouth: what a petted dog does."""
         first, last = frames
@@ -183,10 +140,20 @@ class Dog:
         pose = self.poses[frame]
         return pose.world() @ (trunk(pose)["chest"] @ Vector((0.0, -0.150, 0.486)))
 
-    # ---- keys ------------------------------------------------------------------------------------
+    def _joint(self, name: str) -> Vector:
+        return anatomy.joint(name)
 
-    def finish(self) -> None:
-        """Adds wagging and panting, solves every frame and keys the rig."""
+    def _body(self, pose: DogPose) -> dict[str, Matrix]:
+        return trunk(pose)
+
+    def _solve(self, pose: DogPose) -> dict[str, Matrix]:
+        return solve(pose)
+
+    def _posture(self, posture: str, root: np.ndarray) -> DogPose:
+        return POSTURES[posture](root)
+
+    def _live(self) -> None:
+        """Pants, breathes and wags."""
         beat = self._rng.uniform(0.0, 6.3)
         for frame, pose in enumerate(self.poses):
             pant = 0.5 + 0.5 * math.sin(2 * math.pi * 1.6 * frame / FPS + beat)
@@ -198,25 +165,6 @@ class Dog:
                 )
                 for i in range(anatomy.TAIL_BONES):
                     pose.tail[i, 1] += share * amount * math.sin(2 * math.pi * 2.0 * frame / FPS - 0.45 * i)
-        keys.key_matrices(self.rig, [pose.world() for pose in self.poses])
-        rest = {bone.name: bone.matrix_local.copy() for bone in self.rig.data.bones}
-        bones = []
-        for pose in self.poses:
-            moved = solve(pose)
-            bones.append({name: moved[name] @ rest[name] for name in rest})
-        keys.key_bones(self.rig, bones, space="armature")
-
-    def _hold(self, frame: int) -> None:
-        for later in range(frame + 1, FRAME_COUNT):
-            self.poses[later] = self.poses[frame].copy()
-
-    def _aim(self, pose: Pose, target: Vector) -> np.ndarray:
-        """Head pitch, yaw, roll that point the nose at a world point, within what a neck can do."""
-        eyes = trunk(pose)["head"] @ anatomy.joint("skull")
-        to = pose.world().inverted() @ target - eyes
-        yaw = max(-1.2, min(1.2, math.atan2(to.x, -to.y)))
-        pitch = max(-0.55, min(0.75, math.atan2(-to.z, math.hypot(to.x, to.y))))
-        return np.array([pitch, yaw, 0.10 * yaw])
 
 
 class _Track:
@@ -238,50 +186,19 @@ class _Track:
         return float(np.interp(s, self._samples, self._headings))
 
 
-class _Gait:
-    """Foot plants of a running trot along a track; `u` is 0..1 over its time."""
+class _Trot(Gait):
+    """Foot plants of a running trot."""
 
-    def __init__(self, track: _Track, start: Pose, seconds: float) -> None:
-        self._track = track
-        self._beats = max(1, round(track.length / STRIDE_M)) + SWING
-        if self._beats / seconds > 2.9:
-            raise ValueError(f"{track.length:.2f} m in {seconds:.2f} s: {self._beats / seconds:.1f} Hz")
-        self._steps = {paw: self._plan(paw, start.paws[i]) for i, paw in enumerate(PAWS)}
+    STRIDE_M = 0.80
+    SWING = 0.57
+    PHASE: ClassVar = {"fore.R": 0.0, "hind.L": 0.0, "fore.L": 0.5, "hind.R": 0.5}
+    SOFT = 0.26
+    STANCE: ClassVar = {"fore": (0.060, -0.196), "hind": (0.064, 0.268)}
+    REACH_AHEAD_M = 0.12
+    MAX_HZ = 2.9
 
-    def _plan(self, paw: str, start: np.ndarray) -> list[tuple[float, float, np.ndarray]]:
-        """Swings of a paw as (lift-off, landing, plant), in strides."""
-        swings, lift = [], PHASE[paw]
-        while lift + SWING <= self._beats + 1e-6:
-            landing = lift + SWING
-            middle = landing + (1 - SWING) / 2
-            s = self._distance(middle / self._beats)
-            if lift + 1 + SWING > self._beats + 1e-6:
-                s = min(self._track.length, self._distance(landing / self._beats) + REACH_AHEAD_M)
-            swings.append((lift, landing, self._neutral(paw, s)))
-            lift += 1.0
-        return [(-1.0, 0.0, start), *swings]
-
-    def _distance(self, u: float) -> float:
-        """Metres gone at u: even speed with soft start and stop."""
-        soft = 0.26
-        u = min(max(u, 0.0), 1.0)
-        peak = 1.0 / (1.0 - soft)
-        if u < soft:
-            return self._track.length * peak * u * u / (2 * soft)
-        if u > 1 - soft:
-            return self._track.length * (1 - peak * (1 - u) ** 2 / (2 * soft))
-        return self._track.length * peak * (u - soft / 2)
-
-    def _neutral(self, paw: str, s: float) -> np.ndarray:
-        kind, side = paw.split(".")
-        x, y = (0.060, -0.196) if kind == "fore" else (0.064, 0.268)
-        at = s - y
-        heading = self._track.heading(at)
-        left = Vector((math.cos(heading), math.sin(heading), 0.0)) * (x if side == "L" else -x)
-        point = self._track.point(at) + left
-        return np.array([point.x, point.y, 0.0, 0.0, heading, 0.0])
-
-    def pose(self, u: float, rest: Pose) -> Pose:
+    def pose(self, u: float, rest: DogPose) -> DogPose:
+        """The pose at a share of the time."""
         pose = rest.copy()
         beat, s = u * self._beats, self._distance(u)
         moving = min(1.0, 6 * u, 6 * (1 - u))

@@ -15,7 +15,7 @@ from mathutils import Vector
 from ..assets.anatomy import vec
 from ..scene import Instance, RecipeError
 from ..timeline import FPS, FRAME_COUNT
-from .cats import Ball
+from .ball_games import Ball
 from .people import Person
 from .plan_person import ROWS, SIGN, Frames
 
