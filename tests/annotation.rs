@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use l4d_data::query::text_digest;
 use l4d_data::{Benchmark, Interval, Name, QueryId, Status};
-use l4d_votes::key::Behind;
-use l4d_votes::{Answer, Ballot, Choice, Event, ItemId, Key, Round, RoundDir, Seen};
+use l4d_votes::key::ItemSource;
+use l4d_votes::{Answer, Ballot, Choice, Event, ItemId, Key, Round, RoundDir, ShownFrames};
 use serde_json::{Value, json};
 
 use crate::support::{Dir, Run, root};
@@ -60,11 +60,11 @@ fn read_round(dir: &Dir, name: &str) -> (RoundDir, Round, Key) {
 
 /// The right answer to an item.
 fn right(key: &Key, item: &ItemId) -> Choice {
-    match key.behind(item).unwrap() {
-        Behind::Query { meaning, .. } => Choice::Objects(meaning.referents.clone()),
-        Behind::Absent { .. } => Choice::None,
-        Behind::Vague { .. } => Choice::Ambiguous { reason: "which of them?".to_owned() },
-        Behind::Repeat { of } => right(key, of),
+    match key.source(item).unwrap() {
+        ItemSource::Query { meaning, .. } => Choice::Objects(meaning.referents.clone()),
+        ItemSource::Absent { .. } => Choice::None,
+        ItemSource::Vague { .. } => Choice::Ambiguous { reason: "which of them?".to_owned() },
+        ItemSource::Repeat { of } => right(key, of),
     }
 }
 
@@ -75,7 +75,7 @@ fn vote(dir: &Dir, round: &str, annotator: &str, otherwise: &BTreeMap<ItemId, Ev
     assert!(notices.is_empty(), "{notices:?}");
     for item in ballot.order().to_vec() {
         let event = otherwise.get(&item).cloned().unwrap_or_else(|| choose(right(&key, &item)));
-        ballot.record(&item, event, Seen::default(), Duration::from_secs(5)).unwrap();
+        ballot.record(&item, event, ShownFrames::default(), Duration::from_secs(5)).unwrap();
     }
     ballot.seal().unwrap();
 }
@@ -94,8 +94,8 @@ pub(crate) fn panel_votes(dir: &Dir, round: &str, who: &str, otherwise: &BTreeMa
 
 /// Items that ask queries, with the queries.
 fn queries(key: &Key) -> Vec<(ItemId, QueryId)> {
-    let query = |(item, behind): (&ItemId, &Behind)| match behind {
-        Behind::Query { query, .. } => Some((item.clone(), query.clone())),
+    let query = |(item, source): (&ItemId, &ItemSource)| match source {
+        ItemSource::Query { query, .. } => Some((item.clone(), query.clone())),
         _ => None,
     };
     key.entries().iter().filter_map(query).collect()
@@ -229,7 +229,7 @@ fn nobody_looks_before_all_have_sealed() {
     }
     let (mut ballot, _) = Ballot::open(&folder, &round, &Name::new("eve").unwrap()).unwrap();
     let first = ballot.order()[0].clone();
-    ballot.record(&first, choose(right(&key, &first)), Seen::default(), Duration::ZERO).unwrap();
+    ballot.record(&first, choose(right(&key, &first)), ShownFrames::default(), Duration::ZERO).unwrap();
     drop(ballot);
 
     let refused = dir.run(&["verdict", "--round", "pilot"]);
@@ -422,15 +422,15 @@ fn annotators_are_told_nothing_by_the_files_that_they_open() {
     let (folder, _, key) = opened(&dir, "pilot", &["--composites"]);
     let shown = std::fs::read_to_string(folder.items()).unwrap()
         + &std::fs::read_to_string(folder.settings()).unwrap();
-    for behind in key.entries().values() {
-        if let Behind::Query { query, meaning, .. } = behind {
+    for source in key.entries().values() {
+        if let ItemSource::Query { query, meaning, .. } = source {
             assert!(!shown.contains(&query.to_string()));
             assert!(meaning.referents.iter().all(|name| !shown.contains(&format!("\"{name}\""))), "{query}");
         }
     }
     // Whether an item is a query, a control or a repeat does not show in its number.
     let kinds: Vec<bool> =
-        key.entries().values().map(|behind| matches!(behind, Behind::Query { .. })).collect();
+        key.entries().values().map(|source| matches!(source, ItemSource::Query { .. })).collect();
     let (first, second) = kinds.split_at(kinds.len() / 2);
     assert!(first.contains(&false) && second.contains(&false), "{kinds:?}");
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use l4d_data::Name;
-use l4d_votes::key::Behind;
+use l4d_votes::key::ItemSource;
 use l4d_votes::{Ballot, ItemId, Key, Round, RoundDir};
 
 use crate::support::{Dir, Noise};
@@ -77,7 +77,7 @@ impl Desk {
 
     fn answered(&self, annotator: &str) -> usize {
         let ballot = self.ballot(annotator);
-        ballot.order().iter().filter(|item| ballot.answer(item).is_some()).count()
+        ballot.order().iter().filter(|item| ballot.response(item).unwrap().answer.is_some()).count()
     }
 
     /// The keys that answer each item rightly, for one annotator.
@@ -88,15 +88,15 @@ impl Desk {
         let scenes = l4d_annotate::scene::load(&self.dir.path("data/tiny"), &round, &annotator).unwrap();
         let keys = |item: &l4d_votes::Item| {
             let card = &scenes[&item.scene];
-            let mut behind = key.behind(&item.id).unwrap();
-            while let Behind::Repeat { of } = behind {
-                behind = key.behind(of).unwrap();
+            let mut source = key.source(&item.id).unwrap();
+            while let ItemSource::Repeat { of } = source {
+                source = key.source(of).unwrap();
             }
-            match behind {
-                Behind::Query { meaning, .. } => {
+            match source {
+                ItemSource::Query { meaning, .. } => {
                     meaning.referents.iter().map(|name| card.number_of(name).unwrap().to_string()).collect()
                 }
-                Behind::Absent { .. } => "n".to_owned(),
+                ItemSource::Absent { .. } => "n".to_owned(),
                 _ => "a".to_owned(),
             }
         };
@@ -305,7 +305,7 @@ fn assert_given_back(tmux: &Tmux, name: &str, screen: &str) {
 #[test]
 #[ignore = "run by another test, in a terminal"]
 fn panics_in_a_terminal() {
-    let _taken = l4d_annotate::terminal::Taken::take().unwrap();
+    let _taken = l4d_annotate::terminal::TerminalGuard::take().unwrap();
     // From another thread: nothing unwinds through the guard.
     std::thread::spawn(|| panic!("as if l4d had a fault")).join().ok();
     std::process::exit(3);

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use l4d_data::Interval;
 use l4d_votes::{Answer, Choice};
 
-use crate::scene::SceneCard;
+use crate::scene::SceneInfo;
 
 /// What the prompt means, in numbers on the screen.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Saying {
+pub enum DraftChoice {
     /// These; nothing said yet if there are none.
     Objects(BTreeSet<usize>),
     /// Nothing in the scene.
@@ -22,7 +22,7 @@ pub enum Saying {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Draft {
     /// What.
-    pub saying: Saying,
+    pub choice: DraftChoice,
     /// When; none is the whole clip.
     pub frames: Option<Interval>,
     /// The first digits of a number that is not complete.
@@ -42,21 +42,21 @@ pub enum Digit {
 
 impl Default for Draft {
     fn default() -> Self {
-        Self { saying: Saying::Objects(BTreeSet::new()), frames: None, typed: String::new() }
+        Self { choice: DraftChoice::Objects(BTreeSet::new()), frames: None, typed: String::new() }
     }
 }
 
 impl Draft {
     /// Whether nothing is said yet.
     pub fn is_blank(&self) -> bool {
-        matches!(&self.saying, Saying::Objects(numbers) if numbers.is_empty()) && self.typed.is_empty()
+        matches!(&self.choice, DraftChoice::Objects(numbers) if numbers.is_empty()) && self.typed.is_empty()
     }
 
     /// The chosen numbers, ascending.
     pub fn numbers(&self) -> impl Iterator<Item = usize> {
-        let numbers = match &self.saying {
-            Saying::Objects(numbers) => Some(numbers.iter().copied()),
-            Saying::None | Saying::Ambiguous(_) => None,
+        let numbers = match &self.choice {
+            DraftChoice::Objects(numbers) => Some(numbers.iter().copied()),
+            DraftChoice::None | DraftChoice::Ambiguous(_) => None,
         };
         numbers.into_iter().flatten()
     }
@@ -68,7 +68,7 @@ impl Draft {
         if !numbers.remove(&number) {
             numbers.insert(number);
         }
-        self.saying = Saying::Objects(numbers);
+        self.choice = DraftChoice::Objects(numbers);
     }
 
     /// Reads a number of 1 to `count`, digit by digit; it is complete when no further digit can follow.
@@ -94,17 +94,17 @@ impl Draft {
     }
 
     /// When the answer holds.
-    pub fn holds(&self, scene: &SceneCard) -> Interval {
+    pub fn holds(&self, scene: &SceneInfo) -> Interval {
         self.frames.unwrap_or_else(|| scene.whole())
     }
 
     /// What would be saved; none while nothing is said.
-    pub fn answer(&self, scene: &SceneCard) -> Option<Answer> {
-        let choice = match &self.saying {
-            Saying::None => Choice::None,
-            Saying::Ambiguous(reason) => Choice::Ambiguous { reason: reason.clone() },
-            Saying::Objects(numbers) if numbers.is_empty() => return None,
-            Saying::Objects(numbers) => {
+    pub fn answer(&self, scene: &SceneInfo) -> Option<Answer> {
+        let choice = match &self.choice {
+            DraftChoice::None => Choice::None,
+            DraftChoice::Ambiguous(reason) => Choice::Ambiguous { reason: reason.clone() },
+            DraftChoice::Objects(numbers) if numbers.is_empty() => return None,
+            DraftChoice::Objects(numbers) => {
                 let name = |number: &usize| scene.object(*number).map(|object| object.name.clone());
                 Choice::Objects(numbers.iter().filter_map(name).collect())
             }
@@ -145,10 +145,10 @@ mod tests {
 
     #[test]
     fn a_number_withdraws_what_was_said_before() {
-        for saying in [Saying::None, Saying::Ambiguous("two cats".to_owned())] {
-            let mut draft = Draft { saying, ..Draft::default() };
+        for choice in [DraftChoice::None, DraftChoice::Ambiguous("two cats".to_owned())] {
+            let mut draft = Draft { choice, ..Draft::default() };
             draft.toggle(2);
-            assert_eq!(draft.saying, Saying::Objects([2].into()));
+            assert_eq!(draft.choice, DraftChoice::Objects([2].into()));
         }
     }
 }

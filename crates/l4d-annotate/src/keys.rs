@@ -4,15 +4,20 @@ use ratatui::crossterm::event::{
     Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
 };
 use ratatui::layout::Size;
+use tui_input::InputRequest;
 
-use crate::field::Edit;
 use crate::message::Message;
 use crate::model::Mode;
+
+/// More steps back than anything has.
+const TO_FIRST: i64 = i64::MIN / 2;
+/// More steps forward than anything has.
+const TO_LAST: i64 = i64::MAX / 2;
 
 /// A heading of the help page with its keys.
 pub type Group = (&'static str, &'static [(&'static str, &'static str)]);
 
-/// Most columns of an explanation on the help page, so that two stand side by side in 80.
+/// Most columns of an explanation on the help page, so that two fit side by side in 80.
 pub const HELP_COLUMNS: usize = 27;
 
 /// The help page.
@@ -104,8 +109,8 @@ fn list_key(key: KeyEvent) -> Option<Message> {
         KeyCode::Down | KeyCode::Char('j') => Message::StepLine(1),
         KeyCode::PageUp => Message::StepLine(-10),
         KeyCode::PageDown => Message::StepLine(10),
-        KeyCode::Home => Message::StepLine(i64::MIN / 2),
-        KeyCode::End => Message::StepLine(i64::MAX / 2),
+        KeyCode::Home => Message::StepLine(TO_FIRST),
+        KeyCode::End => Message::StepLine(TO_LAST),
         KeyCode::Char('S') => Message::Seal,
         _ => return None,
     })
@@ -132,8 +137,8 @@ fn item_key(key: KeyEvent) -> Option<Message> {
         KeyCode::Down if shifted => Message::Pan(0, 1),
         KeyCode::Left => Message::StepFrame(-1),
         KeyCode::Right => Message::StepFrame(1),
-        KeyCode::Home => Message::FirstFrame,
-        KeyCode::End => Message::LastFrame,
+        KeyCode::Home => Message::StepFrame(TO_FIRST),
+        KeyCode::End => Message::StepFrame(TO_LAST),
         KeyCode::Up => Message::StepView(-1),
         KeyCode::Down => Message::StepView(1),
         KeyCode::Char(' ') => Message::Play,
@@ -163,19 +168,19 @@ fn text_key(key: KeyEvent) -> Option<Message> {
     let edit = match key.code {
         KeyCode::Enter => return Some(Message::Accept),
         KeyCode::Esc => return Some(Message::Back),
-        KeyCode::Char('u') if control => Edit::EraseAll,
-        KeyCode::Char('w') if control => Edit::EraseWord,
-        KeyCode::Char('a') if control => Edit::Start,
-        KeyCode::Char('e') if control => Edit::End,
-        KeyCode::Char('h') if control => Edit::Erase,
+        KeyCode::Char('u') if control => InputRequest::DeleteLine,
+        KeyCode::Char('w') if control => InputRequest::DeletePrevWord,
+        KeyCode::Char('a') if control => InputRequest::GoToStart,
+        KeyCode::Char('e') if control => InputRequest::GoToEnd,
+        KeyCode::Char('h') if control => InputRequest::DeletePrevChar,
         KeyCode::Char(_) if control || key.modifiers.contains(KeyModifiers::ALT) => return None,
-        KeyCode::Char(letter) => Edit::Type(letter),
-        KeyCode::Backspace => Edit::Erase,
-        KeyCode::Delete => Edit::EraseNext,
-        KeyCode::Left => Edit::Left,
-        KeyCode::Right => Edit::Right,
-        KeyCode::Home => Edit::Start,
-        KeyCode::End => Edit::End,
+        KeyCode::Char(letter) => InputRequest::InsertChar(letter),
+        KeyCode::Backspace => InputRequest::DeletePrevChar,
+        KeyCode::Delete => InputRequest::DeleteNextChar,
+        KeyCode::Left => InputRequest::GoToPrevChar,
+        KeyCode::Right => InputRequest::GoToNextChar,
+        KeyCode::Home => InputRequest::GoToStart,
+        KeyCode::End => InputRequest::GoToEnd,
         _ => return None,
     };
     Some(Message::Edit(edit))
@@ -246,7 +251,7 @@ mod tests {
         for letter in "q n1?S< ".chars() {
             assert!(matches!(
                 press(&mode, KeyCode::Char(letter)),
-                Some(Message::Edit(Edit::Type(typed))) if typed == letter
+                Some(Message::Edit(InputRequest::InsertChar(typed))) if typed == letter
             ));
         }
     }

@@ -62,36 +62,8 @@ pub fn timeline_bar(timeline: Rect) -> Rect {
 
 /// Breaks text between words so that no line is wider than `columns`; longer words are cut.
 pub fn wrap(text: &str, columns: u16) -> Vec<String> {
-    let limit = usize::from(columns.max(1));
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let line = lines.last_mut().expect("there is always a line");
-        if line.is_empty() && width(word) <= limit {
-            line.push_str(word);
-        } else if width(line) + 1 + width(word) <= limit {
-            line.push(' ');
-            line.push_str(word);
-        } else if width(word) <= limit {
-            lines.push(word.to_owned());
-        } else {
-            push_cut(&mut lines, word, limit);
-        }
-    }
-    lines
-}
-
-fn push_cut(lines: &mut Vec<String>, word: &str, limit: usize) {
-    if lines.last().is_some_and(|line| !line.is_empty()) {
-        lines.push(String::new());
-    }
-    for letter in word.chars() {
-        let line = lines.last_mut().expect("there is always a line");
-        if width(line) + width(letter.encode_utf8(&mut [0; 4])) > limit {
-            lines.push(letter.to_string());
-        } else {
-            line.push(letter);
-        }
-    }
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    textwrap::wrap(&text, usize::from(columns.max(1))).into_iter().map(String::from).collect()
 }
 
 /// Columns that a text takes.

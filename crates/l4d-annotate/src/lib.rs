@@ -1,9 +1,9 @@
 //! The terminal application in which a person finds what a sentence means.
 //!
 //! Model, update and view are apart: [`keys`] turns what the terminal says into messages, [`update`] is a pure
-//! function from state and message to state and wishes, [`view`] draws the state into cells, [`session`] carries
-//! out the wishes. Pictures are decoded and encoded in [`studio`], a thread of its own, so that no key waits for
-//! one.
+//! function from state and message to state and effects, [`view`] draws the state into cells, [`session`] carries
+//! out the effects. Pictures are decoded and encoded in a thread of their own ([`paint_thread`]), so that no key waits
+//! for one.
 //!
 //! The annotator is shown a prompt, pictures and numbers drawn by lot. This crate knows nothing of the key of a
 //! round, of other ballots, and of what a vote leads to.
@@ -17,12 +17,12 @@ pub mod layout;
 pub mod look;
 pub mod message;
 pub mod model;
+pub mod paint_thread;
 pub mod painter;
 pub mod picture;
 mod run;
 pub mod scene;
 pub mod session;
-pub mod studio;
 pub mod terminal;
 #[cfg(test)]
 mod testing;
@@ -31,5 +31,5 @@ pub mod view;
 pub mod viewport;
 
 pub use error::AnnotateError;
-pub use look::PictureWish;
+pub use look::PictureMode;
 pub use run::{Options, Outcome, annotate};

@@ -14,7 +14,7 @@ const USUAL_CELL: FontSize = FontSize { width: 10, height: 20 };
 /// Which colours the terminal takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colours {
-    /// None, by wish (NO_COLOR) or by nature.
+    /// None, because of NO_COLOR or the terminal.
     None,
     /// The 256 of xterm.
     Palette,
@@ -33,9 +33,9 @@ pub enum Medium {
     Pixels,
 }
 
-/// A wish for a medium, as given on the command line.
+/// How pictures shall be shown, as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PictureWish {
+pub enum PictureMode {
     /// What the terminal can do best.
     #[default]
     Auto,
@@ -96,6 +96,9 @@ impl Environment {
     }
 
     /// What can be shown without asking the terminal.
+    ///
+    /// # Errors
+    /// The terminal cannot place text.
     pub fn look(&self) -> Result<Look, AnnotateError> {
         if self.term.is_empty() || self.term == "dumb" {
             return Err(AnnotateError::DumbTerminal(self.term.clone()));
@@ -129,30 +132,33 @@ impl Environment {
 }
 
 impl Look {
-    /// Whether following a wish means asking the terminal.
-    pub fn wants_to_ask(&self, wish: PictureWish) -> bool {
-        !matches!(wish, PictureWish::None | PictureWish::Halfblocks)
+    /// Whether the terminal has to be asked what it can show.
+    pub fn must_ask(&self, mode: PictureMode) -> bool {
+        !matches!(mode, PictureMode::None | PictureMode::Halfblocks)
     }
 
-    /// Follows a wish. Gives the means to encode pixels where pixels are shown.
+    /// Chooses how pictures are shown; the picker encodes pixels where pixels are shown.
     ///
-    /// If `can_ask` the terminal is asked what it can do: it has to be in raw mode, and nobody else may read from
-    /// it meanwhile.
-    pub fn fulfil(
+    /// If `can_ask` the terminal is asked what it can do: it has to be in raw mode, and nothing else may read from it
+    /// meanwhile.
+    ///
+    /// # Errors
+    /// The protocol of kitty is chosen and the locale is not UTF-8.
+    pub fn with_pictures(
         mut self,
-        wish: PictureWish,
+        mode: PictureMode,
         can_ask: bool,
     ) -> Result<(Self, Option<Picker>), AnnotateError> {
-        let protocol = match wish {
-            PictureWish::None => {
+        let protocol = match mode {
+            PictureMode::None => {
                 self.medium = Medium::Nothing;
                 return Ok((self, None));
             }
-            PictureWish::Halfblocks => return Ok((self, None)),
-            PictureWish::Auto => None,
-            PictureWish::Sixel => Some(ProtocolType::Sixel),
-            PictureWish::Kitty => Some(ProtocolType::Kitty),
-            PictureWish::Iterm2 => Some(ProtocolType::Iterm2),
+            PictureMode::Halfblocks => return Ok((self, None)),
+            PictureMode::Auto => None,
+            PictureMode::Sixel => Some(ProtocolType::Sixel),
+            PictureMode::Kitty => Some(ProtocolType::Kitty),
+            PictureMode::Iterm2 => Some(ProtocolType::Iterm2),
         };
         // Compressing takes the painter a moment; not compressing takes a slow line many.
         let questions = QueryStdioOptions { kitty_compression: true, ..QueryStdioOptions::default() };

@@ -1,16 +1,15 @@
-//! What can happen, and what is to be done about it: the only ways into and out of [`crate::update`].
+//! Messages into [`crate::update`], and the effects that come out of it.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use l4d_votes::{Event, ItemId, Seen};
+use l4d_votes::{Event, ItemId, Response, ShownFrames};
 use ratatui::layout::Size;
+use tui_input::InputRequest;
 
-use crate::field::Edit;
-use crate::model::Standing;
 use crate::picture::{ExportRequest, Picture, PictureRequest};
 
-/// Something happened.
+/// An event.
 #[derive(Debug, Clone)]
 pub enum Message {
     /// A digit of an object's number.
@@ -26,15 +25,11 @@ pub enum Message {
     /// Take everything back that was not saved.
     Clear,
     /// A key in a line of text.
-    Edit(Edit),
+    Edit(InputRequest),
     /// Text from the clipboard.
     Paste(String),
-    /// Frames forwards, or backwards if negative.
+    /// Frames forwards, or backwards if negative; stops at the ends of the clip.
     StepFrame(i64),
-    /// The first frame.
-    FirstFrame,
-    /// The last frame.
-    LastFrame,
     /// Views forwards, or backwards if negative.
     StepView(i64),
     /// Play or stop.
@@ -57,7 +52,7 @@ pub enum Message {
     Skip,
     /// Write a remark.
     Comment,
-    /// Take the latest act back.
+    /// Take the latest event back.
     Undo,
     /// Items forwards, or backwards if negative.
     StepItem(i64),
@@ -89,7 +84,7 @@ pub enum Message {
     Painted(Arc<Picture>),
     /// A picture cannot be shown, and why.
     NotPainted(PictureRequest, String),
-    /// What the log said to an act.
+    /// What the log said to an event.
     Recorded(Result<Recorded, String>),
     /// What the log said to the seal.
     Sealed(Result<(), String>),
@@ -97,35 +92,35 @@ pub enum Message {
     Exported(Result<String, String>),
 }
 
-/// An act that is on disk.
+/// An event that is on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recorded {
     /// The item.
     pub item: ItemId,
     /// What the log says about it now.
-    pub standing: Standing,
+    pub response: Response,
     /// The item that an undo would change now.
     pub undoable: Option<ItemId>,
 }
 
-/// Something is to be done.
+/// What the session does for the model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Effect {
-    /// Paint a picture; an older wish that is not fulfilled yet is void.
+    /// Paint a picture instead of any that was asked for before.
     Paint {
         /// The picture.
         request: PictureRequest,
         /// Frames that are likely to be asked for next.
         ahead: Vec<u32>,
     },
-    /// Write an act to the log and answer with [`Message::Recorded`].
+    /// Write an event to the log and answer with [`Message::Recorded`].
     Record {
         /// The item.
         item: ItemId,
-        /// The act.
+        /// The event.
         event: Event,
         /// What was on the screen before it.
-        seen: Seen,
+        seen: ShownFrames,
         /// How long the item was on the screen.
         elapsed: Duration,
     },

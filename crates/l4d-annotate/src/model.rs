@@ -6,37 +6,19 @@ use std::time::Duration;
 
 use l4d_data::{Interval, Name};
 use l4d_frames::mask::PixelBox;
-use l4d_votes::{Answer, Choice, ItemId, Round, Seen};
+use l4d_votes::{Answer, Choice, ItemId, Response, Round, ShownFrames};
 use ratatui::layout::Size;
 
-use crate::draft::{Draft, Saying};
+use crate::draft::{Draft, DraftChoice};
 use crate::field::Field;
 use crate::layout::{Screen, screen};
 use crate::look::Look;
 use crate::picture::{Picture, PictureRequest};
-use crate::scene::{SceneCard, Scenes};
+use crate::scene::{SceneInfo, Scenes};
 use crate::viewport::Viewport;
 
-/// How long a picture stands while playing, if the clip has a frame for each canonical one.
+/// How long a picture is shown while playing, if the clip has a frame for each canonical one.
 const FRAME_TIME: Duration = Duration::from_nanos(1_000_000_000 / 24);
-
-/// What the log says about an item.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Standing {
-    /// The answer that counts.
-    pub answer: Option<Answer>,
-    /// Left without an answer on purpose.
-    pub skipped: bool,
-    /// Remarks, oldest first.
-    pub comments: Vec<String>,
-}
-
-impl Standing {
-    /// Neither answered nor skipped.
-    pub fn is_open(&self) -> bool {
-        self.answer.is_none() && !self.skipped
-    }
-}
 
 /// An item with what the log says about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,7 +30,7 @@ pub struct Question {
     /// Where to look.
     pub scene: Name,
     /// What was said.
-    pub standing: Standing,
+    pub response: Response,
 }
 
 /// What the keys do now.
@@ -56,7 +38,7 @@ pub struct Question {
 pub enum Mode {
     /// Looking, and choosing objects.
     Choose,
-    /// Looking, and saying when the choice holds.
+    /// Looking, and choice when the choice holds.
     When,
     /// Typing why the prompt is ambiguous.
     Reason(Field),
@@ -73,7 +55,7 @@ pub enum Mode {
     Leave,
 }
 
-/// What the last act led to, in one sentence.
+/// What the last event led to, in one sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Notice {
     /// For the person.
@@ -82,7 +64,7 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// An act that was sent to the log and not confirmed yet.
+/// An event that was sent to the log and not confirmed yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Pending {
     /// An answer.
@@ -91,13 +73,13 @@ pub enum Pending {
     Skip,
     /// A remark.
     Comment,
-    /// Taking the latest act back.
+    /// Taking the latest event back.
     Undo,
 }
 
 /// The part of a click that lasts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Grip {
+pub enum MouseDrag {
     /// The button went down on the picture at this cell and did not move since.
     Press(u16, u16),
     /// The picture follows the pointer, last seen at this cell.
@@ -129,8 +111,8 @@ pub struct Model {
     pub(crate) outlines: bool,
     /// When the next frame is due.
     pub(crate) playing: Option<Duration>,
-    pub(crate) grip: Option<Grip>,
-    pub(crate) seen: Seen,
+    pub(crate) grip: Option<MouseDrag>,
+    pub(crate) seen: ShownFrames,
     pub(crate) shown_at: Duration,
     pub(crate) notice: Option<Notice>,
     pub(crate) pending: Option<Pending>,
@@ -166,7 +148,7 @@ pub struct Start<'a> {
 impl Model {
     /// A session at the first open item, or at the summary if there is none.
     pub fn new(start: Start<'_>) -> Self {
-        let open = start.questions.iter().position(|question| question.standing.is_open());
+        let open = start.questions.iter().position(|question| question.response.is_open());
         let mode = if open.is_some() { Mode::Choose } else { Mode::Summary { selected: 0, sealing: false } };
         let mut model = Self {
             title: start.round.name.to_string(),
@@ -186,7 +168,7 @@ impl Model {
             outlines: true,
             playing: None,
             grip: None,
-            seen: Seen::default(),
+            seen: ShownFrames::default(),
             shown_at: Duration::ZERO,
             notice: None,
             pending: None,
@@ -207,7 +189,7 @@ impl Model {
     }
 
     /// The scene of the item on the screen.
-    pub fn scene(&self) -> &SceneCard {
+    pub fn scene(&self) -> &SceneInfo {
         &self.scenes[&self.question().scene]
     }
 
@@ -228,17 +210,17 @@ impl Model {
 
     /// Items that are answered, and items that are skipped.
     pub fn progress(&self) -> (usize, usize) {
-        let count = |test: fn(&Standing) -> bool| {
-            self.questions.iter().filter(|question| test(&question.standing)).count()
+        let count = |test: fn(&Response) -> bool| {
+            self.questions.iter().filter(|question| test(&question.response)).count()
         };
-        (count(|standing| standing.answer.is_some()), count(|standing| standing.skipped))
+        (count(|response| response.answer.is_some()), count(|response| response.skipped))
     }
 
     /// Places of the items without an answer: open ones first, then skipped ones.
     pub fn unanswered(&self) -> Vec<usize> {
         let places = |skipped: bool| {
             let matches = move |(_, question): &(usize, &Question)| {
-                question.standing.answer.is_none() && question.standing.skipped == skipped
+                question.response.answer.is_none() && question.response.skipped == skipped
             };
             self.questions.iter().enumerate().filter(matches).map(|(place, _)| place)
         };
@@ -247,7 +229,7 @@ impl Model {
 
     /// Whether the draft says something that the log does not.
     pub fn is_unsaved(&self) -> bool {
-        !self.draft.is_blank() && self.draft.answer(self.scene()) != self.question().standing.answer
+        !self.draft.is_blank() && self.draft.answer(self.scene()) != self.question().response.answer
     }
 
     /// Whether leaving now would drop something that was entered.
@@ -259,21 +241,21 @@ impl Model {
 
     /// The draft that says what an answer of the current item says.
     pub(crate) fn draft_of(&self, answer: Answer) -> Draft {
-        let saying = match answer.choice {
-            Choice::None => Saying::None,
-            Choice::Ambiguous { reason } => Saying::Ambiguous(reason),
+        let choice = match answer.choice {
+            Choice::None => DraftChoice::None,
+            Choice::Ambiguous { reason } => DraftChoice::Ambiguous(reason),
             Choice::Objects(names) => {
                 let number = |name: &Name| self.scene().number_of(name);
-                Saying::Objects(names.iter().filter_map(number).collect())
+                DraftChoice::Objects(names.iter().filter_map(number).collect())
             }
         };
         let frames = Some(answer.frames).filter(|frames| *frames != self.scene().whole());
-        Draft { saying, frames, typed: String::new() }
+        Draft { choice, frames, typed: String::new() }
     }
 
     /// Makes the draft what the log says.
     pub(crate) fn recall_draft(&mut self) {
-        let answer = self.question().standing.answer.clone();
+        let answer = self.question().response.answer.clone();
         self.draft = answer.map_or_else(Draft::default, |answer| self.draft_of(answer));
     }
 
@@ -283,7 +265,7 @@ impl Model {
         self.draft.numbers().filter_map(|number| scene.object(number)).map(|object| object.id).collect()
     }
 
-    /// The picture that ought to be on the screen; none where there is no room or no wish for one.
+    /// The picture that ought to be on the screen; none where there is no room or pictures are off.
     pub fn wanted(&self) -> Option<PictureRequest> {
         let area = self.screen()?.picture;
         if self.help || !self.look.shows_pictures() || !self.shows_scene() {
@@ -326,7 +308,7 @@ impl Model {
         self.playing.filter(|_| !self.is_loading())
     }
 
-    /// How long each frame stands while playing.
+    /// How long each frame is shown while playing.
     pub fn frame_time(&self) -> Duration {
         let frames = &self.scene().frames;
         let stride = frames.get(1).map_or(1, |second| second - frames[0]);

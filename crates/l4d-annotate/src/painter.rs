@@ -1,4 +1,4 @@
-//! Frames on disk to pictures on the screen. Slow by nature: [`crate::studio`] runs it beside the keyboard.
+//! Frames on disk to pictures on the screen. Slow by nature: [`crate::paint_thread`] runs it beside the keyboard.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
@@ -26,7 +26,7 @@ use crate::art;
 use crate::error::in_full;
 use crate::look::{Colours, Look};
 use crate::picture::{Art, ExportRequest, Ids, Label, Picture, PictureRequest};
-use crate::scene::{SceneCard, Scenes};
+use crate::scene::{SceneInfo, Scenes};
 
 /// Decoded frames that are kept: a whole clip from several views for `small`, a clip for `full`.
 const FRAME_BUDGET_BYTES: usize = 256 << 20;
@@ -91,6 +91,9 @@ impl Painter {
     }
 
     /// Decodes a frame, or finds it among the decoded ones.
+    ///
+    /// # Errors
+    /// The frame cannot be read.
     pub fn frame(&mut self, key: &FrameKey) -> Result<Arc<Shown>, DataError> {
         if let Some(shown) = self.frames.get(key) {
             return Ok(Arc::clone(shown));
@@ -105,7 +108,7 @@ impl Painter {
         Ok(shown)
     }
 
-    fn rendered(&mut self, card: &SceneCard, path: PathBuf, scene: &Name) -> Result<Shown, DataError> {
+    fn rendered(&mut self, card: &SceneInfo, path: PathBuf, scene: &Name) -> Result<Shown, DataError> {
         let decoded = read_frame(&path, card.size)?;
         let display = self.displays.entry(scene.clone()).or_insert_with(|| Display::new(card.exposure));
         let ids = Arc::new(Ids { size: card.size, ids: decoded.surfaces.id.clone() });
@@ -113,7 +116,7 @@ impl Painter {
     }
 
     /// A picture of a capture; objects are where people drew them, and nowhere else.
-    fn taken(&mut self, card: &SceneCard, (scene, view, frame): &FrameKey) -> Result<Shown, DataError> {
+    fn taken(&mut self, card: &SceneInfo, (scene, view, frame): &FrameKey) -> Result<Shown, DataError> {
         let dir = CaptureDir::new(&self.data, scene);
         let picture = photograph(&dir.picture(view, *frame), card.size)?;
         let drawn = match self.drawn.get(scene) {
@@ -137,6 +140,9 @@ impl Painter {
     }
 
     /// Paints a decoded frame.
+    ///
+    /// # Errors
+    /// The pixels cannot be encoded for the terminal.
     pub fn paint(&mut self, request: &PictureRequest, shown: &Shown) -> Result<Arc<Picture>, String> {
         let card = self.card(&request.scene).map_err(|error| in_full(&error))?;
         let art = match &self.picker {
@@ -152,6 +158,9 @@ impl Painter {
     }
 
     /// Writes a whole picture with outlines and numbers; gives its path.
+    ///
+    /// # Errors
+    /// The frame cannot be read, or the file not be written.
     pub fn export(&mut self, request: &ExportRequest) -> Result<PathBuf, DataError> {
         let card = self.card(&request.scene)?;
         let shown = self.frame(&(request.scene.clone(), request.view.clone(), request.frame))?;
@@ -165,7 +174,7 @@ impl Painter {
         Ok(path)
     }
 
-    fn card(&self, scene: &Name) -> Result<SceneCard, DataError> {
+    fn card(&self, scene: &Name) -> Result<SceneInfo, DataError> {
         self.scenes.get(scene).cloned().ok_or_else(|| {
             let remedy = "this is a fault of l4d: please report it";
             DataError::invalid(&self.data, "scene", format!("{scene} is not one of the round"), remedy)
@@ -191,7 +200,7 @@ fn kept_pictures(cells: Size, picker: &Picker) -> NonZeroUsize {
 }
 
 /// What is chosen is outlined in white, which no number has.
-fn marks(card: &SceneCard, chosen: &BTreeSet<u32>, look: &Look) -> Vec<Mark> {
+fn marks(card: &SceneInfo, chosen: &BTreeSet<u32>, look: &Look) -> Vec<Mark> {
     let mut marks = card.marks();
     for mark in &mut marks {
         if look.colours == Colours::None || chosen.contains(&mark.id) {
@@ -215,7 +224,7 @@ fn cut(request: &PictureRequest, shown: &Shown, look: &Look, (wide, high): (u32,
     closeup
 }
 
-fn characters(request: &PictureRequest, shown: &Shown, card: &SceneCard, look: &Look) -> Art {
+fn characters(request: &PictureRequest, shown: &Shown, card: &SceneInfo, look: &Look) -> Art {
     let grain = art::grain(look);
     let mut closeup = cut(request, shown, look, grain);
     let mut labels = Vec::new();
@@ -229,7 +238,7 @@ fn characters(request: &PictureRequest, shown: &Shown, card: &SceneCard, look: &
 fn pixels(
     request: &PictureRequest,
     shown: &Shown,
-    card: &SceneCard,
+    card: &SceneInfo,
     look: &Look,
     picker: &Picker,
 ) -> Result<Art, String> {
@@ -247,7 +256,7 @@ fn pixels(
 
 /// A cell for each visible object's number: on the object if it is large enough, else above it, and never on
 /// another number.
-fn place_labels(closeup: &Closeup, card: &SceneCard, cells: Size, (wide, high): (u32, u32)) -> Vec<Label> {
+fn place_labels(closeup: &Closeup, card: &SceneInfo, cells: Size, (wide, high): (u32, u32)) -> Vec<Label> {
     let mut labels: Vec<Label> = Vec::new();
     for object in &card.objects {
         let Some(anchor) = closeup.anchor(object.id) else { continue };

@@ -14,14 +14,14 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::iterator::Signals;
 
 use crate::error::AnnotateError;
-use crate::look::{Environment, PictureWish};
+use crate::look::{Environment, PictureMode};
 use crate::model::{Model, Start};
 use crate::painter::Painter;
 use crate::scene::Scenes;
-use crate::session::{BallotLog, Input, Sender, Session, questions, studio};
-use crate::terminal::Taken;
+use crate::session::{BallotLog, Input, Sender, Session, paint_thread, questions};
+use crate::terminal::TerminalGuard;
 
-/// Where things are and what is wished.
+/// Where files are, and how pictures are shown.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Folder of the rendered scenes.
@@ -29,7 +29,7 @@ pub struct Options {
     /// Folder that receives pictures which the person opens.
     pub exports: PathBuf,
     /// How pictures are shown.
-    pub picture: PictureWish,
+    pub picture: PictureMode,
 }
 
 /// How far the work is when the person leaves.
@@ -46,6 +46,9 @@ pub struct Outcome {
 }
 
 /// Lets a person answer on the terminal of the process until they leave.
+///
+/// # Errors
+/// There is no terminal that can show the session, it was lost, or a signal ended the session.
 pub fn annotate(
     round: &Round,
     ballot: Ballot,
@@ -55,9 +58,9 @@ pub fn annotate(
 ) -> Result<Outcome, AnnotateError> {
     let environment = Environment::of_process();
     let look = environment.look()?;
-    let taken = Taken::take()?;
-    let can_ask = !look.wants_to_ask(options.picture) || taken.answers(!environment.tmux.is_empty());
-    let (look, picker) = look.fulfil(options.picture, can_ask)?;
+    let taken = TerminalGuard::take()?;
+    let can_ask = !look.must_ask(options.picture) || taken.answers(!environment.tmux.is_empty());
+    let (look, picker) = look.with_pictures(options.picture, can_ask)?;
     if picker.as_ref().is_some_and(|picker| picker.protocol_type() == ProtocolType::Kitty) {
         taken.keeps_pictures();
     }
@@ -78,7 +81,7 @@ pub fn annotate(
         undoable: log.0.undoable().cloned(),
     });
     let painter = Painter::new(&options.data, &options.exports, scenes, look, picker);
-    let mut session = Session::new(model, log, studio(painter, &send));
+    let mut session = Session::new(model, log, paint_thread(painter, &send));
     session.serve(&mut terminal, &inputs)?;
     let (answered, skipped) = session.model.progress();
     Ok(Outcome { items: round.items.len(), answered, skipped, sealed: session.model.sealed })

@@ -32,7 +32,7 @@ pub struct Object {
 
 /// A scene, as far as an annotator sees it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SceneCard {
+pub struct SceneInfo {
     /// Columns and rows of every picture.
     pub size: UVec2,
     /// Factor on linear light.
@@ -52,9 +52,9 @@ pub struct SceneCard {
 }
 
 /// The scenes of a round.
-pub type Scenes = BTreeMap<Name, SceneCard>;
+pub type Scenes = BTreeMap<Name, SceneInfo>;
 
-impl SceneCard {
+impl SceneInfo {
     /// From the first frame to the last.
     pub fn whole(&self) -> Interval {
         let ends = self.frames.first().zip(self.frames.last());
@@ -97,6 +97,9 @@ impl SceneCard {
 }
 
 /// Reads the scenes of a round and makes sure that every picture that may be asked for is there.
+///
+/// # Errors
+/// A scene cannot be read, or pictures of it are missing.
 pub fn load(data: &Path, round: &Round, annotator: &Name) -> Result<Scenes, DataError> {
     let mut scenes = Scenes::new();
     let mut lacking = BTreeMap::new();
@@ -119,7 +122,7 @@ pub fn load(data: &Path, round: &Round, annotator: &Name) -> Result<Scenes, Data
             lacking.insert(name.clone(), format!("is rendered for profile {}", scene.profile));
             continue;
         }
-        let card = SceneCard::new(&scene, round, annotator);
+        let card = SceneInfo::new(&scene, round, annotator);
         match missing_pictures(&dir, &card) {
             0 => drop(scenes.insert(name.clone(), card)),
             count => drop(lacking.insert(name.clone(), format!("lacks {count} pictures"))),
@@ -128,7 +131,7 @@ pub fn load(data: &Path, round: &Round, annotator: &Name) -> Result<Scenes, Data
     if lacking.is_empty() { Ok(scenes) } else { Err(not_rendered(data, round.profile, &lacking)) }
 }
 
-fn missing_pictures(dir: &SceneDir, card: &SceneCard) -> usize {
+fn missing_pictures(dir: &SceneDir, card: &SceneInfo) -> usize {
     let pictures = card.views.iter().flat_map(|view| card.frames.iter().map(move |frame| (view, *frame)));
     pictures.filter(|(view, frame)| !dir.frame(view, *frame).is_file()).count()
 }

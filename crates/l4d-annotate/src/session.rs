@@ -4,7 +4,7 @@ use std::io;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use l4d_votes::{Ballot, Event, ItemId, Round, Seen};
+use l4d_votes::{Ballot, Event, ItemId, Round, ShownFrames};
 use ratatui::Terminal;
 use ratatui::backend::Backend;
 use ratatui::crossterm::event::Event as TerminalEvent;
@@ -12,9 +12,9 @@ use ratatui::crossterm::event::Event as TerminalEvent;
 use crate::error::{AnnotateError, in_full};
 use crate::keys;
 use crate::message::{Effect, Message, Recorded};
-use crate::model::{Model, Question, Standing};
+use crate::model::{Model, Question};
+use crate::paint_thread::PaintThread;
 use crate::painter::Painter;
-use crate::studio::Studio;
 use crate::update::{start, update};
 use crate::view;
 
@@ -33,18 +33,24 @@ pub enum Input {
     PainterDied,
 }
 
-/// Where acts are kept: a ballot, or a stand-in.
+/// Where events are kept: a ballot, or one that fails when a test wants it.
 pub trait Log {
-    /// Keeps an act; when this returns, it survives whatever happens to the process.
+    /// Keeps an event; when this returns, it survives whatever happens to the process.
+    ///
+    /// # Errors
+    /// Why it is not kept.
     fn record(
         &mut self,
         item: &ItemId,
         event: Event,
-        seen: Seen,
+        seen: ShownFrames,
         elapsed: Duration,
     ) -> Result<Recorded, String>;
 
     /// Ends the work.
+    ///
+    /// # Errors
+    /// Why it goes on.
     fn seal(&mut self) -> Result<(), String>;
 }
 
@@ -52,29 +58,18 @@ pub trait Log {
 #[derive(Debug)]
 pub struct BallotLog(pub Ballot);
 
-impl BallotLog {
-    /// What the ballot says about an item.
-    pub fn standing(&self, item: &ItemId) -> Standing {
-        Standing {
-            answer: self.0.answer(item).cloned(),
-            skipped: self.0.is_skipped(item),
-            comments: self.0.comments(item).into_iter().map(str::to_owned).collect(),
-        }
-    }
-}
-
 impl Log for BallotLog {
     fn record(
         &mut self,
         item: &ItemId,
         event: Event,
-        seen: Seen,
+        seen: ShownFrames,
         elapsed: Duration,
     ) -> Result<Recorded, String> {
         self.0.record(item, event, seen, elapsed).map_err(|error| in_full(&error))?;
         Ok(Recorded {
             item: item.clone(),
-            standing: self.standing(item),
+            response: self.0.response(item).unwrap_or_default(),
             undoable: self.0.undoable().cloned(),
         })
     }
@@ -89,7 +84,7 @@ pub struct Session<L> {
     /// What is known.
     pub model: Model,
     log: L,
-    studio: Studio,
+    paint_thread: PaintThread,
     started: Instant,
     redraw: bool,
     over: bool,
@@ -97,14 +92,18 @@ pub struct Session<L> {
 
 impl<L: Log> Session<L> {
     /// A session whose first picture is asked for already.
-    pub fn new(mut model: Model, log: L, studio: Studio) -> Self {
+    pub fn new(mut model: Model, log: L, paint_thread: PaintThread) -> Self {
         let effects = start(&mut model);
-        let mut session = Self { model, log, studio, started: Instant::now(), redraw: false, over: false };
+        let mut session =
+            Self { model, log, paint_thread, started: Instant::now(), redraw: false, over: false };
         effects.into_iter().for_each(|effect| session.carry_out(effect));
         session
     }
 
     /// Serves the terminal until the person leaves.
+    ///
+    /// # Errors
+    /// The terminal or the painter is lost, or a signal came.
     pub fn serve<B: Backend>(
         &mut self,
         terminal: &mut Terminal<B>,
@@ -189,8 +188,8 @@ impl<L: Log> Session<L> {
 
     fn carry_out(&mut self, effect: Effect) {
         match effect {
-            Effect::Paint { request, ahead } => self.studio.paint(request, ahead),
-            Effect::Export(request) => self.studio.export(request),
+            Effect::Paint { request, ahead } => self.paint_thread.paint(request, ahead),
+            Effect::Export(request) => self.paint_thread.export(request),
             Effect::Record { item, event, seen, elapsed } => {
                 let result = self.log.record(&item, event, seen, elapsed);
                 self.tell(Message::Recorded(result));
@@ -213,7 +212,7 @@ pub fn questions(round: &Round, log: &BallotLog) -> Vec<Question> {
             id: id.clone(),
             text: item.text.clone(),
             scene: item.scene.clone(),
-            standing: log.standing(id),
+            response: log.0.response(id).unwrap_or_default(),
         })
     };
     log.0.order().iter().filter_map(question).collect()
@@ -223,12 +222,12 @@ pub fn questions(round: &Round, log: &BallotLog) -> Vec<Question> {
 pub type Sender = mpsc::Sender<Input>;
 
 /// A painter in a thread of its own that answers to a loop.
-pub fn studio(painter: Painter, inputs: &Sender) -> Studio {
+pub fn paint_thread(painter: Painter, inputs: &Sender) -> PaintThread {
     let (news, alarm) = (inputs.clone(), inputs.clone());
     // A loop that is over needs no news.
     let send = move |message| drop(news.send(Input::Message(message)));
     let died = move || drop(alarm.send(Input::PainterDied));
-    Studio::open(painter, send, died)
+    PaintThread::open(painter, send, died)
 }
 
 #[cfg(test)]

@@ -28,10 +28,13 @@ const FORGET_PICTURES: &[u8] = b"\x1b_Ga=d,d=A,q=2\x1b\\";
 
 /// The terminal, taken: raw, on its second screen, with mouse. Dropping it gives it back.
 #[derive(Debug)]
-pub struct Taken(());
+pub struct TerminalGuard(());
 
-impl Taken {
+impl TerminalGuard {
     /// Takes the terminal of the process. A panic in any thread gives it back before it is reported.
+    ///
+    /// # Errors
+    /// Input or output is no terminal, or it cannot be set up.
     pub fn take() -> Result<Self, AnnotateError> {
         if !io::stdin().is_terminal() {
             return Err(AnnotateError::NoTerminal("standard input"));
@@ -52,8 +55,8 @@ impl Taken {
         KEEPS_PICTURES.store(true, Ordering::SeqCst);
     }
 
-    /// Whether the terminal answers questions: one that does not must not be asked any others, since whoever
-    /// waits for the answer would take the person's keys for it.
+    /// Whether the terminal answers questions: one that does not must not be asked any others, since waiting
+    /// for the answer would swallow the person's keys.
     pub fn answers(&self, in_tmux: bool) -> bool {
         const ANSWER: &[u8] = b"\x1b[0n";
         let question = if in_tmux { "\x1bPtmux;\x1b\x1b[5n\x1b\\" } else { "\x1b[5n" };
@@ -73,7 +76,7 @@ impl Taken {
     }
 }
 
-impl Drop for Taken {
+impl Drop for TerminalGuard {
     fn drop(&mut self) {
         give_back();
     }
@@ -93,7 +96,7 @@ fn next_byte(deadline: Instant) -> Option<u8> {
 /// Gives the terminal back if it is taken.
 fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
-        // Nobody is left to tell if this fails.
+        // No one is left to report to if this fails.
         leave(&mut io::stdout()).ok();
         disable_raw_mode().ok();
     }

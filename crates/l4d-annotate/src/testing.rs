@@ -12,7 +12,7 @@ use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
 use l4d_data::{Camera, Name, Profile, Split, json};
 use l4d_frames::exr::write_frame;
 use l4d_frames::{Frame, Surfaces};
-use l4d_votes::{Answer, Event, ItemId, Round, RoundDir, Seen};
+use l4d_votes::{Answer, Ballot, Event, ItemId, Response, Round, RoundDir, ShownFrames};
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{Event as TerminalEvent, KeyCode, KeyEvent, KeyModifiers};
 use ratatui::layout::{Rect, Size};
@@ -20,10 +20,10 @@ use ratatui::layout::{Rect, Size};
 use crate::keys;
 use crate::look::{Colours, Environment, Look, Medium};
 use crate::message::{Effect, Message, Recorded};
-use crate::model::{Model, Question, Standing, Start};
+use crate::model::{Model, Question, Start};
 use crate::painter::Painter;
 use crate::scene::{Scenes, load};
-use crate::session::Log;
+use crate::session::{BallotLog, Log};
 use crate::update::{start, update};
 use crate::view;
 
@@ -84,13 +84,19 @@ impl Fixture {
             id: item.id.clone(),
             text: item.text.clone(),
             scene: item.scene.clone(),
-            standing: Standing::default(),
+            response: Response::default(),
         };
         self.round.items.iter().map(question).collect()
     }
 
     pub(crate) fn painter(&self, look: Look) -> Painter {
         Painter::new(&self.data(), &self.exports(), Arc::clone(&self.scenes), look, None)
+    }
+
+    /// The ballot of `ada`.
+    pub(crate) fn log(&self) -> TestLog {
+        let (ballot, _) = Ballot::open(&self.dir(), &self.round, &name("ada")).unwrap();
+        TestLog { ballot: BallotLog(ballot), events: Vec::new(), fails: false }
     }
 
     pub(crate) fn model(&self, look: Look, size: Size, questions: Vec<Question>) -> Model {
@@ -112,7 +118,8 @@ impl Fixture {
     }
 
     pub(crate) fn drive_with(&self, look: Look, size: Size) -> Driver {
-        Driver::new(self.model(look, size, self.questions()), self.painter(look), Arc::clone(&self.folder))
+        let model = self.model(look, size, self.questions());
+        Driver::new(model, self.log(), self.painter(look), Arc::clone(&self.folder))
     }
 }
 
@@ -121,74 +128,49 @@ pub(crate) fn look(unicode: bool, colours: Colours) -> Look {
     Look { unicode, colours, medium: Medium::Characters, ..environment.look().unwrap() }
 }
 
-/// A log in memory that can be told to fail.
-#[derive(Default)]
-pub(crate) struct FakeLog {
-    pub(crate) events: Vec<(ItemId, Event, Seen, Duration)>,
-    pub(crate) is_sealed: bool,
+/// A ballot that can be made to fail, with what it was given.
+pub(crate) struct TestLog {
+    ballot: BallotLog,
+    pub(crate) events: Vec<(ItemId, Event, ShownFrames, Duration)>,
     pub(crate) fails: bool,
 }
 
-impl FakeLog {
-    fn acts(&self) -> Vec<(&ItemId, &Event)> {
-        let mut acts: Vec<(&ItemId, &Event)> = Vec::new();
-        for (item, event, _, _) in &self.events {
-            if *event == Event::Undo {
-                let latest = acts.iter().rposition(|(other, _)| *other == item);
-                latest.map(|latest| acts.remove(latest));
-            } else {
-                acts.push((item, event));
-            }
-        }
-        acts
+impl TestLog {
+    pub(crate) fn is_sealed(&self) -> bool {
+        self.ballot.0.is_sealed()
     }
 
-    pub(crate) fn standing(&self, item: &ItemId) -> Standing {
-        let mut standing = Standing::default();
-        for (_, event) in self.acts().into_iter().filter(|(other, _)| *other == item) {
-            match event {
-                Event::Choose(answer) => (standing.answer, standing.skipped) = (Some(answer.clone()), false),
-                Event::Skip => (standing.answer, standing.skipped) = (None, true),
-                Event::Comment(text) => standing.comments.push(text.clone()),
-                Event::Undo => {}
-            }
-        }
-        standing
+    fn refuse(&self) -> Result<(), String> {
+        if self.fails { Err("no space left on device".to_owned()) } else { Ok(()) }
     }
 }
 
-impl Log for FakeLog {
+impl Log for TestLog {
     fn record(
         &mut self,
         item: &ItemId,
         event: Event,
-        seen: Seen,
+        seen: ShownFrames,
         elapsed: Duration,
     ) -> Result<Recorded, String> {
-        if self.fails {
-            return Err("no space left on device".to_owned());
-        }
-        self.events.push((item.clone(), event, seen, elapsed));
-        let undoable = self.acts().last().map(|(item, _)| (*item).clone());
-        Ok(Recorded { item: item.clone(), standing: self.standing(item), undoable })
+        self.refuse()?;
+        self.events.push((item.clone(), event.clone(), seen.clone(), elapsed));
+        self.ballot.record(item, event, seen, elapsed)
     }
 
     fn seal(&mut self) -> Result<(), String> {
-        if self.fails {
-            return Err("no space left on device".to_owned());
-        }
-        self.is_sealed = true;
-        Ok(())
+        self.refuse()?;
+        self.ballot.seal()
     }
 }
 
 /// A session whose clock stands still unless it is moved, and whose painter is there at once unless it is told to wait.
 pub(crate) struct Driver {
     pub(crate) model: Model,
-    pub(crate) log: FakeLog,
+    pub(crate) log: TestLog,
     pub(crate) now: Duration,
     pub(crate) paints: bool,
-    pub(crate) wishes: Vec<crate::picture::PictureRequest>,
+    pub(crate) requests: Vec<crate::picture::PictureRequest>,
     pub(crate) exported: Vec<crate::picture::ExportRequest>,
     pub(crate) is_over: bool,
     painter: Painter,
@@ -197,14 +179,14 @@ pub(crate) struct Driver {
 }
 
 impl Driver {
-    fn new(mut model: Model, painter: Painter, folder: Arc<tempfile::TempDir>) -> Self {
+    fn new(mut model: Model, log: TestLog, painter: Painter, folder: Arc<tempfile::TempDir>) -> Self {
         let effects = start(&mut model);
         let mut driver = Self {
             model,
-            log: FakeLog::default(),
+            log,
             now: Duration::ZERO,
             paints: true,
-            wishes: Vec::new(),
+            requests: Vec::new(),
             exported: Vec::new(),
             is_over: false,
             painter,
@@ -223,7 +205,7 @@ impl Driver {
         for effect in effects {
             match effect {
                 Effect::Paint { request, .. } => {
-                    self.wishes.push(request);
+                    self.requests.push(request);
                     if self.paints {
                         self.paint();
                     }
@@ -243,9 +225,9 @@ impl Driver {
         }
     }
 
-    /// Fulfils the latest wish.
+    /// Paints what was asked for last.
     pub(crate) fn paint(&mut self) {
-        let request = self.wishes.last().unwrap().clone();
+        let request = self.requests.last().unwrap().clone();
         let key = (request.scene.clone(), request.view.clone(), request.frame);
         let shown = self.painter.frame(&key).unwrap();
         let picture = self.painter.paint(&request, &shown).unwrap();

@@ -1,4 +1,4 @@
-//! How the state changes: a message in, wishes out. Nothing here reads a clock, a file or the terminal.
+//! How the state changes: a message in, effects out. Nothing here reads a clock, a file or the terminal.
 
 mod answer;
 mod looking;
@@ -9,7 +9,8 @@ mod tests;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::field::Edit;
+use tui_input::InputRequest;
+
 use crate::look::Medium;
 use crate::message::{Effect, Message};
 use crate::model::{Mode, Model};
@@ -18,12 +19,12 @@ use crate::picture::Picture;
 /// Applies a message; `now` is the time since the start of the session.
 pub fn update(model: &mut Model, message: Message, now: Duration) -> Vec<Effect> {
     let showed_picture = model.requested.is_some();
-    if is_act(&message) {
+    if is_deliberate(&message) {
         model.notice = None;
     }
     let mut effects = Vec::new();
     apply(model, message, now, &mut effects);
-    wish_for_picture(model, &mut effects);
+    request_picture(model, &mut effects);
     // Characters that are drawn over pixels do not remove them.
     if model.look.medium == Medium::Pixels && showed_picture != model.requested.is_some() {
         effects.push(Effect::Redraw);
@@ -31,10 +32,10 @@ pub fn update(model: &mut Model, message: Message, now: Duration) -> Vec<Effect>
     effects
 }
 
-/// The wish for the first picture.
+/// Asks for the first picture.
 pub fn start(model: &mut Model) -> Vec<Effect> {
     let mut effects = Vec::new();
-    wish_for_picture(model, &mut effects);
+    request_picture(model, &mut effects);
     effects
 }
 
@@ -93,8 +94,6 @@ fn on_item(model: &mut Model, message: Message, now: Duration, effects: &mut Vec
         Message::Undo => answer::undo(model, now, effects),
         Message::StepItem(step) => answer::step_item(model, step, now),
         Message::StepFrame(step) => looking::step_frame(model, step),
-        Message::FirstFrame => looking::step_frame(model, i64::MIN / 2),
-        Message::LastFrame => looking::step_frame(model, i64::MAX / 2),
         Message::StepView(step) => looking::step_view(model, step),
         Message::Play => looking::play(model, now),
         Message::Zoom(steps) => looking::zoom(model, steps),
@@ -118,7 +117,7 @@ fn in_text(model: &mut Model, message: Message, now: Duration, effects: &mut Vec
     match message {
         Message::Edit(edit) => field.edit(edit),
         Message::Paste(text) => field.paste(&text),
-        Message::Digit(digit) => field.edit(Edit::Type(digit)),
+        Message::Digit(digit) => field.edit(InputRequest::InsertChar(digit)),
         Message::Accept => answer::finish_text(model, now, effects),
         Message::Back => model.mode = Mode::Choose,
         _ => {}
@@ -135,14 +134,8 @@ fn on_summary(model: &mut Model, message: &Message, now: Duration, effects: &mut
         Message::Quit => leave(model, effects),
         Message::Help => model.help = true,
         _ if model.sealed => {}
-        Message::StepLine(step) => {
-            let last = count.saturating_sub(1) as i64;
-            *selected = (*selected as i64 + step).clamp(0, last) as usize;
-        }
-        Message::Wheel(_, _, turns) => {
-            let last = count.saturating_sub(1) as i64;
-            *selected = (*selected as i64 - i64::from(*turns)).clamp(0, last) as usize;
-        }
+        Message::StepLine(step) => *selected = step_line(*selected, *step, count),
+        Message::Wheel(_, _, turns) => *selected = step_line(*selected, -i64::from(*turns), count),
         Message::Accept => {
             let place = *selected;
             answer::open_unanswered(model, place, now);
@@ -153,6 +146,10 @@ fn on_summary(model: &mut Model, message: &Message, now: Duration, effects: &mut
         Message::Seal | Message::Summary => answer::ask_for_seal(model),
         _ => {}
     }
+}
+
+fn step_line(selected: usize, step: i64, count: usize) -> usize {
+    (selected as i64).saturating_add(step).clamp(0, count.saturating_sub(1) as i64) as usize
 }
 
 fn on_leave(model: &mut Model, message: &Message, effects: &mut Vec<Effect>) {
@@ -179,7 +176,7 @@ fn leave(model: &mut Model, effects: &mut Vec<Effect>) {
 
 fn painted(model: &mut Model, picture: Arc<Picture>) {
     let request = &picture.request;
-    // Answers to older wishes are still better than what is on the screen, unless they show another scene.
+    // Answers to older requests are still better than what is on the screen, unless they show another scene.
     if request.scene != model.question().scene {
         return;
     }
@@ -191,7 +188,7 @@ fn painted(model: &mut Model, picture: Arc<Picture>) {
     model.picture = Some(picture);
 }
 
-fn wish_for_picture(model: &mut Model, effects: &mut Vec<Effect>) {
+fn request_picture(model: &mut Model, effects: &mut Vec<Effect>) {
     let wanted = model.wanted();
     if wanted == model.requested {
         return;
@@ -204,8 +201,8 @@ fn wish_for_picture(model: &mut Model, effects: &mut Vec<Effect>) {
     }
 }
 
-/// Whether a message is something that the person did on purpose, after which old news are stale.
-fn is_act(message: &Message) -> bool {
+/// Whether a message is something that the person did on purpose, after which an old notice is stale.
+fn is_deliberate(message: &Message) -> bool {
     !matches!(
         message,
         Message::Painted(_)

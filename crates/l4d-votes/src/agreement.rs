@@ -44,12 +44,12 @@ pub use self::coefficients::{Undefined, Unit, gwet_ac1, krippendorff_alpha, raw}
 use self::estimate::bootstrap;
 pub use self::estimate::{Estimate, Share, wilson};
 use crate::control::{self, Consistency};
-use crate::event::{Answer, Choice};
 use crate::item::Item;
-use crate::key::{Behind, Key};
+use crate::key::{ItemSource, Key};
+use crate::responses::Responses;
 use crate::round::Round;
-use crate::sheet::Sheet;
-use crate::verdict::{Mark, sheets_of};
+use crate::verdict::{Mark, by_annotator};
+use crate::vote::{Answer, Choice};
 
 /// Schema tag of `agreement.json`.
 pub const SCHEMA: &str = "l4d/agreement/1";
@@ -142,9 +142,9 @@ struct Polled<'a> {
 }
 
 /// Agreement, consistency and the human ceiling of a round.
-pub fn measure(round: &Round, key: &Key, sheets: &[Sheet]) -> Agreement {
-    let sheets = sheets_of(round, sheets);
-    let polled = poll(round, key, &sheets);
+pub fn measure(round: &Round, key: &Key, responses: &[Responses]) -> Agreement {
+    let responses = by_annotator(round, responses);
+    let polled = poll(round, key, &responses);
     let group = |category: Option<Category>| {
         let is_in = |polled: &&Polled<'_>| category.is_none_or(|wanted| polled.categories.contains(&wanted));
         let chosen: Vec<&Polled<'_>> = polled.iter().filter(is_in).collect();
@@ -156,21 +156,25 @@ pub fn measure(round: &Round, key: &Key, sheets: &[Sheet]) -> Agreement {
         schema: SCHEMA,
         round: round.name.clone(),
         simulated: round.simulated,
-        is_final: sheets.iter().all(|(_, sheet)| sheet.is_some_and(|sheet| sheet.sealed)),
+        is_final: responses.iter().all(|(_, given)| given.is_some_and(|given| given.sealed)),
         draws: DRAWS,
         seed: round.seed,
         overall: group(None),
         categories: occurring.into_iter().map(|category| (category, group(Some(category)))).collect(),
-        annotators: sheets.iter().map(|(name, sheet)| annotator(round, key, name, *sheet)).collect(),
+        annotators: responses.iter().map(|(name, given)| annotator(round, key, name, *given)).collect(),
     }
 }
 
-fn poll<'a>(round: &'a Round, key: &'a Key, sheets: &[(&'a Name, Option<&'a Sheet>)]) -> Vec<Polled<'a>> {
+fn poll<'a>(
+    round: &'a Round,
+    key: &'a Key,
+    responses: &[(&'a Name, Option<&'a Responses>)],
+) -> Vec<Polled<'a>> {
     let mut polled = Vec::new();
     for item in &round.items {
-        if let Some(Behind::Query { categories, meaning, .. }) = key.behind(&item.id) {
+        if let Some(ItemSource::Query { categories, meaning, .. }) = key.source(&item.id) {
             let answers =
-                sheets.iter().filter_map(|(_, sheet)| sheet.and_then(|sheet| sheet.answer(&item.id)));
+                responses.iter().filter_map(|(_, given)| given.and_then(|given| given.answer(&item.id)));
             let marked = answers.map(|answer| (answer, meaning.mark(answer, round.frames) == Mark::Right));
             polled.push(Polled { item, categories, answers: marked.collect() });
         }
@@ -257,28 +261,28 @@ fn ceiling(correct: &[[f64; 2]], draw: &Draw<'_>) -> Estimate {
     share
 }
 
-fn annotator(round: &Round, key: &Key, name: &Name, sheet: Option<&Sheet>) -> Annotator {
+fn annotator(round: &Round, key: &Key, name: &Name, given: Option<&Responses>) -> Annotator {
     let mut totals = Annotator {
         name: name.clone(),
-        sealed: sheet.is_some_and(|sheet| sheet.sealed),
+        sealed: given.is_some_and(|given| given.sealed),
         answered: 0,
         skipped: 0,
         right: 0,
         gold: Consistency::default(),
         repeats: Consistency::default(),
     };
-    let Some(sheet) = sheet else { return totals };
-    for (item, behind) in key.entries() {
-        if let (Behind::Query { meaning, .. }, Some(standing)) = (behind, sheet.standing(item)) {
-            totals.skipped += usize::from(standing.skipped);
-            if let Some(answer) = &standing.answer {
+    let Some(given) = given else { return totals };
+    for (item, source) in key.entries() {
+        if let (ItemSource::Query { meaning, .. }, Some(response)) = (source, given.response(item)) {
+            totals.skipped += usize::from(response.skipped);
+            if let Some(answer) = &response.answer {
                 totals.answered += 1;
                 totals.right += usize::from(meaning.mark(answer, round.frames) == Mark::Right);
             }
         }
     }
-    totals.gold = control::gold(key, sheet);
-    totals.repeats = control::repeats(key, sheet);
+    totals.gold = control::gold(key, given);
+    totals.repeats = control::repeats(key, given);
     totals
 }
 

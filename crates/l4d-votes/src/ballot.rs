@@ -1,10 +1,9 @@
-//! One annotator at work: the log is locked, replayed, mended and appended to.
+//! The log of an annotator at work: locked, replayed, repaired and appended to.
 //!
 //! Nothing else writes a log, and this module opens no other file of the round than `round.toml` and `items.jsonl`,
 //! which the caller has read. An event counts once it is on the disk; one that cannot be written is cut off again
 //! and refused. If even that fails, the ballot refuses everything until it is opened anew.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
@@ -12,20 +11,18 @@ use std::time::{Duration, SystemTime};
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::store::make_folder;
-use l4d_data::{DataError, Name};
+use l4d_data::{DataError, Finding, Name};
 
 use crate::codes;
-use crate::event::{Answer, Event, Seen};
-use crate::item::ItemId;
-use crate::journal::{FileJournal, Journal};
-use crate::ledger::Ledger;
-use crate::line::{Act, Line, Place, digest_of, event_problem};
+use crate::history::History;
+use crate::item::{Item, ItemId};
+use crate::line::{Act, Line, digest_of};
+use crate::log_file::{LockedFile, LogFile};
 use crate::replay::{Replay, replay};
-use crate::round::{Round, RoundDir};
-use crate::sheet::{MAX_BYTES, Standing, standing};
-
-/// What was noticed while reading a log: nothing that stops the work, something a person should know.
-pub type Notice = l4d_data::Finding;
+use crate::responses::MAX_BYTES;
+use crate::round::Round;
+use crate::round_dir::RoundDir;
+use crate::vote::{Event, Response, ShownFrames};
 
 /// The open log of one annotator. No second process can open it meanwhile.
 pub struct Ballot {
@@ -33,10 +30,8 @@ pub struct Ballot {
     round: Round,
     annotator: Name,
     order: Vec<ItemId>,
-    /// Position in `order`, from 1.
-    positions: BTreeMap<ItemId, usize>,
-    ledger: Ledger,
-    journal: Box<dyn Journal>,
+    history: History,
+    file: Box<dyn LogFile>,
     clock: fn() -> SystemTime,
     length: u64,
     lines: u64,
@@ -60,8 +55,11 @@ impl fmt::Debug for Ballot {
 
 impl Ballot {
     /// Locks and replays the log of an annotator; makes it where there is none. A line that was not written to
-    /// its end is cut off and noticed; a log that was edited is refused, since nothing more would count in it.
-    pub fn open(dir: &RoundDir, round: &Round, annotator: &Name) -> Result<(Self, Vec<Notice>), DataError> {
+    /// its end is cut off and reported; a log that was edited is refused, since nothing more would count in it.
+    ///
+    /// # Errors
+    /// The round does not name the annotator, another process has the log, or it was edited or cannot be read.
+    pub fn open(dir: &RoundDir, round: &Round, annotator: &Name) -> Result<(Self, Vec<Finding>), DataError> {
         Self::open_at(dir, round, annotator, SystemTime::now)
     }
 
@@ -70,7 +68,7 @@ impl Ballot {
         round: &Round,
         annotator: &Name,
         clock: fn() -> SystemTime,
-    ) -> Result<(Self, Vec<Notice>), DataError> {
+    ) -> Result<(Self, Vec<Finding>), DataError> {
         round.require_annotator(annotator)?;
         let path = dir.ballot(annotator);
         let file = open_locked(&path, annotator)?;
@@ -83,19 +81,19 @@ impl Ballot {
                 "move the file away and vote again",
             ));
         }
-        Self::resume(path.clone(), round, annotator, Box::new(FileJournal::new(file, path)), length, clock)
+        Self::resume(path.clone(), round, annotator, Box::new(LockedFile::new(file, path)), length, clock)
     }
 
     pub(crate) fn resume(
         path: PathBuf,
         round: &Round,
         annotator: &Name,
-        mut journal: Box<dyn Journal>,
+        mut file: Box<dyn LogFile>,
         length: u64,
         clock: fn() -> SystemTime,
-    ) -> Result<(Self, Vec<Notice>), DataError> {
-        let bytes = journal.read(length).map_err(|source| DataError::io(&path, "read", source))?;
-        let Replay { ledger, whole, lines, last, edited, sealed, mut report, last_at } =
+    ) -> Result<(Self, Vec<Finding>), DataError> {
+        let bytes = file.read(length).map_err(|source| DataError::io(&path, "read", source))?;
+        let Replay { history, whole, lines, last, edited, sealed, mut report, last_at } =
             replay(&path, &bytes, round, annotator);
         if let Some((line, how)) = edited {
             return Err(DataError::invalid(
@@ -116,18 +114,16 @@ impl Ballot {
         }
         let length = whole as u64;
         if whole < bytes.len() {
-            journal.cut(length).map_err(|source| DataError::io(&path, "cut off a torn line", source))?;
+            file.cut(length).map_err(|source| DataError::io(&path, "cut off a torn line", source))?;
         }
         let order = round.order(annotator);
-        let positions = order.iter().enumerate().map(|(place, item)| (item.clone(), place + 1)).collect();
         let ballot = Self {
             path,
             round: round.clone(),
             annotator: annotator.clone(),
             order,
-            positions,
-            ledger,
-            journal,
+            history,
+            file,
             clock,
             length,
             lines,
@@ -139,11 +135,14 @@ impl Ballot {
     }
 
     /// Writes an event. It counts, and survives a power cut, when this returns `Ok`; otherwise nothing happened.
+    ///
+    /// # Errors
+    /// The ballot is sealed, the event cannot be, or it cannot be written.
     pub fn record(
         &mut self,
         item: &ItemId,
         event: Event,
-        seen: Seen,
+        seen: ShownFrames,
         elapsed: Duration,
     ) -> Result<(), DataError> {
         let refuse = |message: String, remedy: &str| {
@@ -152,30 +151,34 @@ impl Ballot {
         if self.sealed {
             return refuse("the ballot is sealed: nothing more counts".to_owned(), "vote in a further round");
         }
-        let (Some(asked), Some(&order)) = (self.round.item(item), self.positions.get(item)) else {
+        let position = self.order.iter().position(|other| other == item);
+        let (Some(asked), Some(position)) = (self.round.item(item), position) else {
             return refuse("the round does not ask it".to_owned(), "choose an item of the round");
         };
-        if let Some(problem) = event_problem(&event) {
-            return refuse(problem.to_owned(), "mend it and try again");
+        if let Some(problem) = event.problem() {
+            return refuse(problem.to_owned(), "change it and try again");
         }
-        let digest = asked.digest.clone();
-        if event == Event::Undo && self.ledger.undoable(item, &digest).is_none() {
+        if event == Event::Undo && self.history.undoable(asked).is_none() {
             return refuse("nothing is left to undo".to_owned(), "go to an item that was answered");
         }
+        let digest = asked.digest.clone();
         let act = Act::On {
             item: item.clone(),
-            order,
+            order: position + 1,
             digest: digest.clone(),
             event: event.clone(),
             seen,
             elapsed,
         };
         let seq = self.append(act)?;
-        self.ledger.apply(seq, item, &digest, event).expect("an undo was checked before it was written");
+        self.history.apply(seq, item, &digest, event);
         Ok(())
     }
 
     /// Ends the work for good: nothing after it counts. Refused while an item is neither answered nor skipped.
+    ///
+    /// # Errors
+    /// An item is open, the file is not what was written, or the seal cannot be written.
     pub fn seal(&mut self) -> Result<(), DataError> {
         let refuse = |place: &str, message: String, remedy: &str| {
             Err(DataError::invalid(&self.path, place, message, remedy))
@@ -189,7 +192,7 @@ impl Ballot {
             return refuse("seal", message, "answer or skip every item first");
         }
         let bytes =
-            self.journal.read(self.length).map_err(|source| DataError::io(&self.path, "read", source))?;
+            self.file.read(self.length).map_err(|source| DataError::io(&self.path, "read", source))?;
         let again = replay(&self.path, &bytes, &self.round, &self.annotator);
         if again.last != self.last || again.lines != self.lines || again.edited.is_some() {
             return refuse(
@@ -208,64 +211,27 @@ impl Ballot {
         self.sealed
     }
 
-    /// Whose ballot it is.
-    pub fn annotator(&self) -> &Name {
-        &self.annotator
-    }
-
     /// All items in the order in which this annotator is asked.
     pub fn order(&self) -> &[ItemId] {
         &self.order
     }
 
-    /// The standing answer to an item.
-    pub fn answer(&self, item: &ItemId) -> Option<&Answer> {
-        self.ledger.answer(item, self.digest(item)?)
-    }
-
-    /// Whether the item stands as skipped.
-    pub fn is_skipped(&self, item: &ItemId) -> bool {
-        self.digest(item).is_some_and(|digest| self.ledger.is_skipped(item, digest))
-    }
-
-    /// Whether the item is neither answered nor skipped.
-    pub fn is_open(&self, item: &ItemId) -> bool {
-        self.answer(item).is_none() && !self.is_skipped(item)
-    }
-
-    /// Items that stand as skipped, in asking order.
-    pub fn skipped(&self) -> Vec<&ItemId> {
-        self.order.iter().filter(|item| self.is_skipped(item)).collect()
-    }
-
-    /// Standing comments on an item, oldest first.
-    pub fn comments(&self, item: &ItemId) -> Vec<&str> {
-        self.digest(item).map(|digest| self.ledger.comments(item, digest)).unwrap_or_default()
-    }
-
-    /// The first item, in asking order, that is neither answered nor skipped.
-    pub fn next_open(&self) -> Option<&ItemId> {
-        self.order.iter().find(|item| self.is_open(item))
+    /// What the log says about an item; none for one that the round does not ask.
+    pub fn response(&self, item: &ItemId) -> Option<Response> {
+        self.round.item(item).map(|item| self.history.response(item))
     }
 
     /// How many items are neither answered nor skipped.
     pub fn open_count(&self) -> usize {
-        self.order.iter().filter(|item| self.is_open(item)).count()
+        let is_open = |item: &&Item| self.history.response(item).is_open();
+        self.round.items.iter().filter(is_open).count()
     }
 
     /// The item whose latest event is the latest of all that an undo could take back.
     pub fn undoable(&self) -> Option<&ItemId> {
-        let latest = |item: &&ItemId| self.ledger.undoable(item, self.digest(item)?);
-        self.order.iter().filter(|item| latest(item).is_some()).max_by_key(latest)
-    }
-
-    /// What a verdict would read of one item now.
-    pub fn standing(&self, item: &ItemId) -> Option<Standing> {
-        Some(standing(&self.ledger, self.round.item(item)?))
-    }
-
-    fn digest(&self, item: &ItemId) -> Option<&str> {
-        self.round.item(item).map(|item| item.digest.as_str())
+        let latest =
+            self.round.items.iter().filter_map(|item| Some((self.history.undoable(item)?, &item.id)));
+        latest.max().map(|(_, id)| id)
     }
 
     /// Puts a line on the disk and tells its number.
@@ -278,7 +244,7 @@ impl Ballot {
                 "make room on the disk and start again: what was acknowledged is safe",
             ));
         }
-        if !self.journal.is_intact(self.length) {
+        if !self.file.is_intact(self.length) {
             return Err(DataError::invalid(
                 &self.path,
                 "file",
@@ -287,19 +253,13 @@ impl Ballot {
             ));
         }
         let seq = self.lines;
-        let place = Place {
-            round: self.round.name.clone(),
-            annotator: self.annotator.clone(),
-            seq,
-            at: (self.clock)(),
-            prev: self.last.clone(),
-        };
-        let bytes = Line::new(place, act).to_bytes();
+        let log = (&self.round.name, &self.annotator);
+        let bytes = Line::new(log, seq, (self.clock)(), &self.last, act).to_bytes();
         if self.length + bytes.len() as u64 > MAX_BYTES {
             return Err(DataError::invalid(&self.path, "size", "is full", "vote in a further round"));
         }
-        if let Err(source) = self.journal.append(self.length, &bytes) {
-            self.torn = self.journal.cut(self.length).is_err();
+        if let Err(source) = self.file.append(self.length, &bytes) {
+            self.torn = self.file.cut(self.length).is_err();
             return Err(DataError::io(&self.path, "write the event, so it does not count", source));
         }
         self.length += bytes.len() as u64;

@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use crate::codes;
 use crate::item::ItemId;
-use crate::key::{Behind, Key};
+use crate::key::{ItemSource, Key};
+use crate::responses::Responses;
 use crate::round::Round;
-use crate::sheet::Sheet;
 
 /// How one annotator did on one kind of control items.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -42,14 +42,14 @@ impl Consistency {
 }
 
 /// Answers to the sentences whose right answer is known.
-pub fn gold(key: &Key, sheet: &Sheet) -> Consistency {
+pub fn gold(key: &Key, given: &Responses) -> Consistency {
     let mut consistency = Consistency::default();
-    for (item, behind) in key.entries() {
-        match behind {
-            Behind::Absent { .. } | Behind::Vague { .. } => {
-                consistency.count(item, sheet.answer(item).and_then(|answer| behind.gold(answer)));
+    for (item, source) in key.entries() {
+        match source {
+            ItemSource::Absent { .. } | ItemSource::Vague { .. } => {
+                consistency.count(item, given.answer(item).and_then(|answer| source.gold(answer)));
             }
-            Behind::Query { .. } | Behind::Repeat { .. } => {}
+            ItemSource::Query { .. } | ItemSource::Repeat { .. } => {}
         }
     }
     consistency
@@ -57,11 +57,11 @@ pub fn gold(key: &Key, sheet: &Sheet) -> Consistency {
 
 /// Answers to the prompts that are asked twice. The same objects, or the same refusal, are the same choice; why
 /// something is ambiguous may be worded anew, and frames may differ.
-pub fn repeats(key: &Key, sheet: &Sheet) -> Consistency {
+pub fn repeats(key: &Key, given: &Responses) -> Consistency {
     let mut consistency = Consistency::default();
-    for (item, behind) in key.entries() {
-        if let Behind::Repeat { of } = behind {
-            let both = sheet.answer(of).zip(sheet.answer(item));
+    for (item, source) in key.entries() {
+        if let ItemSource::Repeat { of } = source {
+            let both = given.answer(of).zip(given.answer(item));
             consistency.count(item, both.map(|(first, again)| first.choice.label() == again.choice.label()));
         }
     }
@@ -72,11 +72,11 @@ pub fn repeats(key: &Key, sheet: &Sheet) -> Consistency {
 pub(crate) fn report_misses(
     round: &Round,
     key: &Key,
-    sheets: &[(&Name, Option<&Sheet>)],
+    responses: &[(&Name, Option<&Responses>)],
     report: &mut Report,
 ) {
-    for (annotator, sheet) in sheets {
-        let Some(gold) = sheet.map(|sheet| gold(key, sheet)) else { continue };
+    for (annotator, given) in responses {
+        let Some(gold) = given.map(|given| gold(key, given)) else { continue };
         if gold.share().is_some_and(|share| share < round.gold.flag_below) {
             report.warning(
                 codes::GOLD_MISSED,
@@ -91,15 +91,11 @@ pub(crate) fn report_misses(
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use l4d_data::{Interval, Temporal};
 
     use super::*;
-    use crate::event::{Answer, Choice};
-    use crate::fixture::{items, name, objects, round_of};
-    use crate::key::Meaning;
-    use crate::sheet::Standing;
+    use crate::fixture::{items, meaning, name, objects, round_of, whole};
+    use crate::vote::{Choice, Response};
 
     fn id(number: usize) -> ItemId {
         ItemId::numbered(number, 4)
@@ -107,17 +103,15 @@ mod tests {
 
     /// Items 1 and 2 ask the bare category, 3 asks a query, 4 asks it again.
     fn key() -> Key {
-        let meaning = || Meaning {
-            referents: ["a", "b"].map(name).into(),
-            temporal: Temporal::Whole,
-            frames: vec![Interval::WHOLE],
-            tracks: String::new(),
+        let meaning = || meaning(&["a", "b"], Temporal::Whole, Interval::WHOLE);
+        let vague = || ItemSource::Vague { category: "cat".to_owned(), meaning: meaning() };
+        let query = ItemSource::Query {
+            query: "room/001".parse().unwrap(),
+            categories: Vec::new(),
+            meaning: meaning(),
         };
-        let vague = || Behind::Vague { category: "cat".to_owned(), meaning: meaning() };
-        let query =
-            Behind::Query { query: "room/001".parse().unwrap(), categories: Vec::new(), meaning: meaning() };
         Key::new(
-            [vague(), vague(), query, Behind::Repeat { of: id(3) }]
+            [vague(), vague(), query, ItemSource::Repeat { of: id(3) }]
                 .into_iter()
                 .zip(1..)
                 .map(|(b, n)| (id(n), b))
@@ -125,12 +119,11 @@ mod tests {
         )
     }
 
-    fn sheet(answers: &[(usize, Choice)]) -> Sheet {
-        let answer = |choice: &Choice| Some(Answer { choice: choice.clone(), frames: Interval::WHOLE });
-        let standing = |choice| Standing { answer: answer(choice), ..Standing::default() };
-        let items: BTreeMap<ItemId, Standing> =
-            answers.iter().map(|(number, choice)| (id(*number), standing(choice))).collect();
-        Sheet { annotator: name("ada"), sealed: true, items }
+    fn sheet(answers: &[(usize, Choice)]) -> Responses {
+        let response =
+            |choice: &Choice| Response { answer: Some(whole(choice.clone())), ..Response::default() };
+        let items = answers.iter().map(|(number, choice)| (id(*number), response(choice))).collect();
+        Responses { annotator: name("ada"), sealed: true, items }
     }
 
     fn ambiguous(reason: &str) -> Choice {

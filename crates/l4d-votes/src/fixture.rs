@@ -6,14 +6,15 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use l4d_data::layout::BenchDir;
-use l4d_data::{Benchmark, Category, Interval, Name, Profile};
+use l4d_data::{Benchmark, Category, Interval, Name, Profile, Temporal, json};
 
-use crate::event::Choice;
 use crate::item::{Item, ItemId};
-use crate::key::{Behind, Key, Meaning};
-use crate::round::{Gold, Round, RoundDir, SCHEMA, Settings};
+use crate::key::{ItemSource, Key, Meaning};
+use crate::responses::Responses;
+use crate::round::{Gold, Round, RoundSettings, SCHEMA};
+use crate::round_dir::RoundDir;
 use crate::rule::{FrameRule, Rule};
-use crate::sheet::{Sheet, Standing};
+use crate::vote::{Answer, Choice, Response};
 
 pub(crate) fn name(text: &str) -> Name {
     Name::new(text).unwrap()
@@ -30,8 +31,8 @@ pub(crate) fn items(scene: &str, prompts: &[&str]) -> Vec<Item> {
     prompts.iter().enumerate().map(item).collect()
 }
 
-pub(crate) fn settings(annotators: &[&str]) -> Settings {
-    Settings {
+pub(crate) fn settings(annotators: &[&str]) -> RoundSettings {
+    RoundSettings {
         schema: SCHEMA.to_owned(),
         name: name("r1"),
         title: "A test".to_owned(),
@@ -49,10 +50,10 @@ pub(crate) fn settings(annotators: &[&str]) -> Settings {
 
 /// The round `r1` of these annotators, unanimous.
 pub(crate) fn round_of(annotators: &[&str], items: Vec<Item>) -> Round {
-    Round::new(&RoundDir::new("r1"), settings(annotators), items)
+    Round::new(&RoundDir::new("r1"), settings(annotators), items, "mend the test").unwrap()
 }
 
-/// A clock that stands.
+/// A clock that stands still.
 pub(crate) fn noon() -> SystemTime {
     SystemTime::UNIX_EPOCH + Duration::from_secs(1_700_000_000)
 }
@@ -65,24 +66,69 @@ pub(crate) fn objects(names: &[&str]) -> Choice {
     Choice::Objects(names.iter().map(|text| name(text)).collect())
 }
 
-/// A round of one query a scene, all sealed: what each means and what each annotator says to it. Scenes are `s1`
-/// and on, categories take turns.
-pub(crate) fn poll(annotators: &[&str], queries: &[(Meaning, Vec<Standing>)]) -> (Round, Key, Vec<Sheet>) {
-    let mut asked = items("room", &vec!["The cat"; queries.len()]);
-    let mut entries = BTreeMap::new();
-    for (index, (item, (meaning, _))) in asked.iter_mut().zip(queries).enumerate() {
-        item.scene = name(&format!("s{}", index + 1));
-        item.digest = meaning.digest(&item.text);
-        let query = format!("{}/001", item.scene).parse().unwrap();
+pub(crate) fn whole(choice: Choice) -> Answer {
+    Answer { choice, frames: Interval::WHOLE }
+}
+
+pub(crate) fn meaning(referents: &[&str], temporal: Temporal, frames: Interval) -> Meaning {
+    let referents = referents.iter().map(|text| name(text)).collect();
+    Meaning { referents, temporal, frames: vec![frames], tracks: "0".repeat(64) }
+}
+
+/// The round `r1` that asks these queries, unanimous, with its key: scene, text and meaning; categories take turns.
+pub(crate) fn round_and_key(annotators: &[&str], queries: Vec<(String, String, Meaning)>) -> (Round, Key) {
+    let (mut items, mut entries) = (Vec::new(), BTreeMap::new());
+    let count = queries.len();
+    for (index, (scene, text, meaning)) in queries.into_iter().enumerate() {
+        let id = ItemId::numbered(index + 1, count);
+        items.push(Item { id: id.clone(), scene: name(&scene), digest: meaning.digest(&text), text });
+        let query = format!("{scene}/{:03}", index + 1).parse().unwrap();
         let categories = vec![Category::ALL[index % 4]];
-        entries.insert(item.id.clone(), Behind::Query { query, categories, meaning: meaning.clone() });
+        entries.insert(id, ItemSource::Query { query, categories, meaning });
     }
-    let sheet = |(place, annotator): (usize, &&str)| {
-        let said = asked.iter().zip(queries).map(|(item, (_, said))| (item.id.clone(), said[place].clone()));
-        Sheet { annotator: name(annotator), sealed: true, items: said.collect() }
+    (round_of(annotators, items), Key::new(entries))
+}
+
+/// A round of one query per scene, all sealed: what each means and what each annotator says to it.
+pub(crate) fn poll(
+    annotators: &[&str],
+    queries: &[(Meaning, Vec<Response>)],
+) -> (Round, Key, Vec<Responses>) {
+    let asked = queries
+        .iter()
+        .zip(1..)
+        .map(|((meaning, _), scene)| (format!("s{scene}"), "The cat".to_owned(), meaning.clone()));
+    let (round, key) = round_and_key(annotators, asked.collect());
+    let given = |(place, annotator): (usize, &&str)| {
+        let said =
+            round.items.iter().zip(queries).map(|(item, (_, said))| (item.id.clone(), said[place].clone()));
+        Responses { annotator: name(annotator), sealed: true, items: said.collect() }
     };
-    let sheets = annotators.iter().enumerate().map(sheet).collect();
-    (round_of(annotators, asked), Key::new(entries), sheets)
+    let given = annotators.iter().enumerate().map(given).collect();
+    (round, key, given)
+}
+
+/// A folder in memory where there is one: some tests sync thousands of times.
+pub(crate) fn folder() -> (tempfile::TempDir, RoundDir) {
+    let memory = Path::new("/dev/shm");
+    let made = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
+    let made = made.unwrap();
+    let dir = RoundDir::new(made.path().join("r1"));
+    (made, dir)
+}
+
+/// Writes the three files of a round over those of an earlier one.
+pub(crate) fn save(dir: &RoundDir, round: &Round, key: &Key) {
+    fs::create_dir_all(dir.root()).unwrap();
+    fs::write(dir.settings(), toml::to_string(&round.settings).unwrap()).unwrap();
+    json::write_lines(&dir.items(), &round.items).unwrap();
+    key.write(dir).unwrap();
+}
+
+pub(crate) fn open(dir: &RoundDir) -> (Round, Key) {
+    let round = Round::open(dir).unwrap();
+    let key = Key::read(dir, &round).unwrap();
+    (round, key)
 }
 
 /// One scene of the repository's benchmark in a folder of its own, to be edited.

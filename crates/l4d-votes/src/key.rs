@@ -1,4 +1,4 @@
-//! What stands behind the items: `key.jsonl`. Only a verdict opens it.
+//! What the items were drawn from: `key.jsonl`. Only a verdict opens it.
 //!
 //! The key keeps what each prompt meant when the round was opened, so that votes can be read against it for good.
 //! The digest of an item covers its prompt and this meaning: a key that was edited doesn't fit its items, and a
@@ -7,17 +7,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::digest::sha256_hex;
-use l4d_data::query::Query;
-use l4d_data::{Benchmark, Category, DataError, Interval, Name, Profile, QueryId, Temporal, json};
+use l4d_data::{Benchmark, Category, DataError, Interval, Name, QueryId, Temporal, json};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::cast::Cast;
-use crate::event::{Answer, Choice};
 use crate::item::{Item, ItemId};
-use crate::round::{Round, RoundDir};
+use crate::round::Round;
+use crate::round_dir::RoundDir;
 use crate::rule::FrameRule;
+use crate::scene::SceneNow;
 use crate::verdict::Mark;
+use crate::vote::{Answer, Choice};
 
 /// What a prompt means, and in which version of its scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,26 +34,6 @@ pub struct Meaning {
 }
 
 impl Meaning {
-    /// The meaning of a query in a scene whose tracks have this digest.
-    pub fn of_query(query: &Query, tracks: &str) -> Self {
-        Self {
-            referents: query.referents.iter().cloned().collect(),
-            temporal: query.temporal,
-            frames: query.frames.clone(),
-            tracks: tracks.to_owned(),
-        }
-    }
-
-    /// The meaning of a bare category: all of its objects, always.
-    pub(crate) fn of_category(category: &str, cast: &Cast) -> Self {
-        Self {
-            referents: cast.of_category(category),
-            temporal: Temporal::Whole,
-            frames: vec![cast.whole],
-            tracks: cast.digest.clone(),
-        }
-    }
-
     /// Ties a prompt to this meaning: what a vote is bound to. The status of a query is no part of it.
     pub fn digest(&self, text: &str) -> String {
         let Self { referents, temporal, frames, tracks } = self;
@@ -83,7 +63,7 @@ impl Meaning {
 /// What an item was drawn from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
-pub enum Behind {
+pub enum ItemSource {
     /// A query that is voted on.
     Query {
         /// Which.
@@ -114,7 +94,7 @@ pub enum Behind {
     },
 }
 
-impl Behind {
+impl ItemSource {
     /// What the prompt means; a repeat means what its original does.
     pub fn meaning(&self) -> Option<&Meaning> {
         match self {
@@ -139,28 +119,31 @@ impl Behind {
 
 /// One line of `key.jsonl`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct KeyLine {
-    pub(crate) item: ItemId,
+struct KeyLine {
+    item: ItemId,
     #[serde(flatten)]
-    pub(crate) behind: Behind,
+    source: ItemSource,
 }
 
 /// `key.jsonl`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Key {
-    entries: BTreeMap<ItemId, Behind>,
+    entries: BTreeMap<ItemId, ItemSource>,
 }
 
 impl Key {
     /// Reads the key and checks it against the items.
+    ///
+    /// # Errors
+    /// The file cannot be read, or does not fit the items of the round.
     pub fn read(dir: &RoundDir, round: &Round) -> Result<Self, DataError> {
         let path = dir.key();
         let remedy = "restore the key.jsonl that `l4d open-round` wrote";
         let mut entries = BTreeMap::new();
-        for (line, KeyLine { item, behind }) in json::read_lines::<KeyLine>(&path)? {
+        for (line, KeyLine { item, source }) in json::read_lines::<KeyLine>(&path)? {
             let place = format!("line {line}, item {item}");
-            if entries.insert(item, behind).is_some() {
-                return Err(DataError::invalid(&path, place, "stands there twice", remedy));
+            if entries.insert(item, source).is_some() {
+                return Err(DataError::invalid(&path, place, "is listed twice", remedy));
             }
         }
         let key = Self { entries };
@@ -170,17 +153,23 @@ impl Key {
         }
     }
 
-    pub(crate) fn new(entries: BTreeMap<ItemId, Behind>) -> Self {
+    pub(crate) fn new(entries: BTreeMap<ItemId, ItemSource>) -> Self {
         Self { entries }
     }
 
-    /// What stands behind an item.
-    pub fn behind(&self, item: &ItemId) -> Option<&Behind> {
+    pub(crate) fn write(&self, dir: &RoundDir) -> Result<(), DataError> {
+        let line =
+            |(item, source): (&ItemId, &ItemSource)| KeyLine { item: item.clone(), source: source.clone() };
+        json::write_lines(&dir.key(), &self.entries.iter().map(line).collect::<Vec<_>>())
+    }
+
+    /// What an item was drawn from.
+    pub fn source(&self, item: &ItemId) -> Option<&ItemSource> {
         self.entries.get(item)
     }
 
     /// All entries by item.
-    pub fn entries(&self) -> &BTreeMap<ItemId, Behind> {
+    pub fn entries(&self) -> &BTreeMap<ItemId, ItemSource> {
         &self.entries
     }
 
@@ -193,21 +182,21 @@ impl Key {
     }
 
     fn item_problem(&self, round: &Round, item: &Item) -> Option<String> {
-        let Some(behind) = self.entries.get(&item.id) else {
+        let Some(source) = self.entries.get(&item.id) else {
             return Some("is missing".to_owned());
         };
-        if let Behind::Repeat { of } = behind {
-            let is_original = matches!(self.entries.get(of), Some(Behind::Query { .. }));
+        if let ItemSource::Repeat { of } = source {
+            let is_original = matches!(self.entries.get(of), Some(ItemSource::Query { .. }));
             let fits = round.item(of).is_some_and(|original| {
                 (&original.scene, &original.text, &original.digest) == (&item.scene, &item.text, &item.digest)
             });
             return (!is_original || !fits || *of >= item.id)
                 .then(|| format!("is no repeat of {of}: it must ask the same query, with a larger id"));
         }
-        let fits = behind.meaning().is_some_and(|meaning| meaning.digest(&item.text) == item.digest);
-        let scene = match behind {
-            Behind::Query { query, .. } | Behind::Absent { query, .. } => Some(&query.scene),
-            Behind::Vague { .. } | Behind::Repeat { .. } => None,
+        let fits = source.meaning().is_some_and(|meaning| meaning.digest(&item.text) == item.digest);
+        let scene = match source {
+            ItemSource::Query { query, .. } | ItemSource::Absent { query, .. } => Some(&query.scene),
+            ItemSource::Vague { .. } | ItemSource::Repeat { .. } => None,
         };
         if scene.is_some_and(|scene| *scene != item.scene) {
             return Some("is a query of another scene".to_owned());
@@ -216,59 +205,57 @@ impl Key {
     }
 }
 
-/// The digest that each item would have if the round were opened now; none where its query is gone.
-pub fn current_digests(
-    round: &Round,
-    key: &Key,
-    bench: &Benchmark,
-) -> Result<BTreeMap<ItemId, String>, DataError> {
-    let mut scenes: BTreeMap<&Name, Vec<&Item>> = BTreeMap::new();
+/// What became of an item's query since the round was opened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// Nothing.
+    No,
+    /// Its text, its meaning or its scene was edited.
+    Edited,
+    /// It was removed.
+    Gone,
+}
+
+/// What became of each item, by the digest that it would have if the round were opened now.
+///
+/// # Errors
+/// A scene of the benchmark cannot be read.
+pub fn changes(round: &Round, key: &Key, bench: &Benchmark) -> Result<BTreeMap<ItemId, Change>, DataError> {
+    let mut scenes: BTreeMap<&Name, Option<SceneNow>> = BTreeMap::new();
+    let mut changes = BTreeMap::new();
     for item in &round.items {
-        scenes.entry(&item.scene).or_default().push(item);
-    }
-    let mut digests = BTreeMap::new();
-    for (scene, items) in scenes {
-        if bench.manifest.scenes.contains(scene) {
-            let now = SceneNow::read(bench, round.profile, scene)?;
-            let found = items.into_iter().filter_map(|item| Some((item.id.clone(), now.digest(key, item)?)));
-            digests.extend(found);
-        }
-    }
-    Ok(digests)
-}
-
-/// A scene as the benchmark has it now.
-struct SceneNow {
-    queries: BTreeMap<QueryId, Query>,
-    cast: Cast,
-}
-
-impl SceneNow {
-    fn read(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
-        let mut queries = bench.queries(scene)?;
-        queries.extend(bench.composites(scene)?);
-        queries.extend(bench.absents(scene)?);
-        Ok(Self {
-            queries: queries.into_iter().map(|query| (query.id.clone(), query)).collect(),
-            cast: Cast::read(bench, profile, scene)?,
-        })
-    }
-
-    fn digest(&self, key: &Key, item: &Item) -> Option<String> {
-        let behind = match key.behind(&item.id)? {
-            Behind::Repeat { of } => key.behind(of)?,
-            behind => behind,
+        let scene = match scenes.get(&item.scene) {
+            Some(scene) => scene,
+            None => {
+                let is_there = bench.manifest.scenes.contains(&item.scene);
+                let read = || SceneNow::read(bench, round.profile, &item.scene);
+                let scene = is_there.then(read).transpose()?;
+                scenes.entry(&item.scene).or_insert(scene)
+            }
         };
-        match behind {
-            Behind::Query { query, .. } | Behind::Absent { query, .. } => {
-                let query = self.queries.get(query)?;
-                Some(Meaning::of_query(query, &self.cast.digest).digest(&query.text))
-            }
-            Behind::Vague { category, .. } => {
-                Some(Meaning::of_category(category, &self.cast).digest(&item.text))
-            }
-            Behind::Repeat { .. } => None,
+        let change = match scene.as_ref().and_then(|scene| current_digest(scene, key, item)) {
+            None => Change::Gone,
+            Some(digest) if digest != item.digest => Change::Edited,
+            Some(_) => Change::No,
+        };
+        changes.insert(item.id.clone(), change);
+    }
+    Ok(changes)
+}
+
+fn current_digest(scene: &SceneNow, key: &Key, item: &Item) -> Option<String> {
+    let source = match key.source(&item.id)? {
+        ItemSource::Repeat { of } => key.source(of)?,
+        source => source,
+    };
+    match source {
+        ItemSource::Query { query: id, .. } | ItemSource::Absent { query: id, .. } => {
+            let query = scene.queries.iter().chain(&scene.absents).find(|query| query.id == *id)?;
+            Some(scene.meaning(query).digest(&query.text))
         }
+        ItemSource::Vague { category, .. } => Some(scene.meaning_of_category(category).digest(&item.text)),
+        ItemSource::Repeat { .. } => None,
     }
 }
 

@@ -6,17 +6,13 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::{Interval, Name};
 use serde::{Deserialize, Serialize};
 
-use crate::event::{Answer, Choice, Event, Seen};
 use crate::item::ItemId;
+use crate::vote::{Answer, Choice, Event, ShownFrames};
 
 /// The version that this crate writes and reads.
 pub(crate) const VERSION: u32 = 1;
 /// `prev` of the first line.
 pub(crate) const NO_LINE: &str = "0000000000000000000000000000000000000000000000000000000000000000";
-/// No clip is longer; keeps arithmetic on frames far from its limits.
-pub(crate) const MAX_FRAME: u32 = 999_999;
-/// Longest reason or comment, bytes.
-pub(crate) const MAX_REMARK: usize = 2000;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -33,7 +29,7 @@ enum Verb {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Line {
     v: u32,
-    seq: u64,
+    pub(crate) seq: u64,
     at: String,
     pub(crate) round: Name,
     pub(crate) annotator: Name,
@@ -55,20 +51,10 @@ pub(crate) struct Line {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    seen: Option<Seen>,
+    seen: Option<ShownFrames>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     elapsed_ms: Option<u64>,
     client: String,
-    prev: String,
-}
-
-/// Where in which log a line stands.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
-    pub(crate) round: Name,
-    pub(crate) annotator: Name,
-    pub(crate) seq: u64,
-    pub(crate) at: SystemTime,
     pub(crate) prev: String,
 }
 
@@ -82,10 +68,10 @@ pub(crate) enum Act {
         order: usize,
         digest: String,
         event: Event,
-        seen: Seen,
+        seen: ShownFrames,
         elapsed: Duration,
     },
-    /// The end: as many lines stand before it, and the file up to it has this digest.
+    /// The end: so many lines precede it, and the file up to it has this digest.
     Seal { lines: u64, sha256: String },
 }
 
@@ -98,14 +84,20 @@ pub(crate) struct Link {
 }
 
 impl Line {
-    pub(crate) fn new(place: Place, act: Act) -> Self {
-        let Place { round, annotator, seq, at, prev } = place;
+    /// The line number `seq`, from 0, of a log; `prev` is the digest of the one before.
+    pub(crate) fn new(
+        (round, annotator): (&Name, &Name),
+        seq: u64,
+        at: SystemTime,
+        prev: &str,
+        act: Act,
+    ) -> Self {
         let mut line = Self {
             v: VERSION,
             seq,
-            at: humantime::format_rfc3339_millis(at).to_string(),
-            round,
-            annotator,
+            at: timestamp(at),
+            round: round.clone(),
+            annotator: annotator.clone(),
             item: None,
             order: None,
             digest: None,
@@ -118,38 +110,24 @@ impl Line {
             seen: None,
             elapsed_ms: None,
             client: concat!("l4d ", env!("CARGO_PKG_VERSION")).to_owned(),
-            prev,
+            prev: prev.to_owned(),
         };
-        match act {
-            Act::Seal { lines, sha256 } => {
-                line.lines = Some(lines);
-                line.sha256 = Some(sha256);
-            }
+        let (item, order, digest, event, seen, elapsed) = match act {
             Act::On { item, order, digest, event, seen, elapsed } => {
-                line.item = Some(item);
-                line.order = Some(order);
-                line.digest = Some(digest);
-                line.seen = Some(seen);
-                line.elapsed_ms = Some(u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX));
-                line.take(event);
+                (item, order, digest, event, seen, elapsed)
             }
-        }
-        line
-    }
-
-    fn take(&mut self, event: Event) {
+            Act::Seal { lines, sha256 } => return Self { lines: Some(lines), sha256: Some(sha256), ..line },
+        };
+        (line.item, line.order, line.digest) = (Some(item), Some(order), Some(digest));
+        line.seen = Some(seen);
+        line.elapsed_ms = Some(u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX));
         match event {
             Event::Choose(Answer { choice, frames }) => {
-                self.event = Verb::Choose;
-                self.choice = Some(choice);
-                self.frames = Some(frames);
+                Self { event: Verb::Choose, choice: Some(choice), frames: Some(frames), ..line }
             }
-            Event::Undo => self.event = Verb::Undo,
-            Event::Skip => self.event = Verb::Skip,
-            Event::Comment(text) => {
-                self.event = Verb::Comment;
-                self.text = Some(text);
-            }
+            Event::Undo => Self { event: Verb::Undo, ..line },
+            Event::Skip => Self { event: Verb::Skip, ..line },
+            Event::Comment(text) => Self { event: Verb::Comment, text: Some(text), ..line },
         }
     }
 
@@ -187,7 +165,7 @@ impl Line {
             (Verb::Skip, None, None, None) => Event::Skip,
             _ => return Err("the fields do not fit the event".to_owned()),
         };
-        if let Some(problem) = event_problem(&event) {
+        if let Some(problem) = event.problem() {
             return Err(problem.to_owned());
         }
         match (item, order, digest) {
@@ -204,22 +182,8 @@ impl Line {
     }
 }
 
-/// What no log may hold, whoever writes it.
-pub(crate) fn event_problem(event: &Event) -> Option<&'static str> {
-    let is_remark = |text: &str| {
-        !text.trim().is_empty() && text.len() <= MAX_REMARK && !text.chars().any(char::is_control)
-    };
-    match event {
-        Event::Choose(answer) if answer.frames.last() > MAX_FRAME => Some("the frames lie beyond any clip"),
-        Event::Choose(Answer { choice: Choice::Objects(objects), .. }) if objects.is_empty() => {
-            Some("no object is chosen: choose one, or none")
-        }
-        Event::Choose(Answer { choice: Choice::Ambiguous { reason }, .. }) if !is_remark(reason) => {
-            Some("a reason is one line of at most 2000 bytes")
-        }
-        Event::Comment(text) if !is_remark(text) => Some("a comment is one line of at most 2000 bytes"),
-        _ => None,
-    }
+fn timestamp(at: SystemTime) -> String {
+    humantime::format_rfc3339_millis(at).to_string()
 }
 
 /// What the next line calls this one: the digest of its bytes without the newline.
@@ -229,18 +193,15 @@ pub(crate) fn digest_of(line: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-
     use super::*;
+    use crate::fixture::{interval, name, objects};
 
-    fn place() -> Place {
-        Place {
-            round: Name::new("r1").unwrap(),
-            annotator: Name::new("ada").unwrap(),
-            seq: 3,
-            at: SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_123),
-            prev: NO_LINE.to_owned(),
-        }
+    fn at() -> SystemTime {
+        SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_123)
+    }
+
+    fn line(act: Act) -> Line {
+        Line::new((&name("r1"), &name("ada")), 3, at(), NO_LINE, act)
     }
 
     fn on(event: Event) -> Act {
@@ -249,22 +210,15 @@ mod tests {
             order: 2,
             digest: "d".to_owned(),
             event,
-            seen: Seen {
-                views: BTreeSet::from([Name::new("cam00").unwrap()]),
-                frames: BTreeSet::from([0, 12]),
-            },
+            seen: ShownFrames { views: [name("cam00")].into(), frames: [0, 12].into() },
             elapsed: Duration::from_millis(8300),
         }
-    }
-
-    fn objects(names: &[&str]) -> Choice {
-        Choice::Objects(names.iter().map(|name| Name::new(*name).unwrap()).collect())
     }
 
     #[test]
     fn a_line_has_the_documented_form() {
         let answer = Answer { choice: objects(&["b", "a"]), frames: Interval::WHOLE };
-        let line = Line::new(place(), on(Event::Choose(answer)));
+        let line = line(on(Event::Choose(answer)));
         let text = String::from_utf8(line.to_bytes()).unwrap();
         let client = env!("CARGO_PKG_VERSION");
         assert_eq!(
@@ -278,7 +232,7 @@ mod tests {
 
     #[test]
     fn every_act_comes_back() {
-        let answer = |choice| Event::Choose(Answer { choice, frames: Interval::new(3, 40).unwrap() });
+        let answer = |choice| Event::Choose(Answer { choice, frames: interval(3, 40) });
         let acts = [
             on(answer(objects(&["a"]))),
             on(answer(Choice::None)),
@@ -289,24 +243,18 @@ mod tests {
             Act::Seal { lines: 3, sha256: "s".to_owned() },
         ];
         for act in acts {
-            let line = Line::new(place(), act.clone());
+            let line = line(act.clone());
             let read = Line::parse(line.to_bytes().trim_ascii_end()).unwrap();
             assert_eq!(read, line);
-            assert_eq!(read.at().unwrap(), place().at);
+            assert_eq!(read.at().unwrap(), at());
             assert_eq!(read.act().unwrap(), act);
         }
     }
 
     #[test]
     fn lines_that_contradict_themselves_are_refused() {
-        let good = String::from_utf8(
-            Line::new(
-                place(),
-                on(Event::Choose(Answer { choice: objects(&["a"]), frames: Interval::WHOLE })),
-            )
-            .to_bytes(),
-        )
-        .unwrap();
+        let answer = Answer { choice: objects(&["a"]), frames: Interval::WHOLE };
+        let good = String::from_utf8(line(on(Event::Choose(answer))).to_bytes()).unwrap();
         for (from, to) in [
             (r#""event":"choose""#, r#""event":"skip""#),
             (r#""event":"choose""#, r#""event":"seal""#),
@@ -328,13 +276,5 @@ mod tests {
             let said = Line::parse(bad.as_bytes()).and_then(Line::act);
             assert!(said.is_err(), "{bad} was taken: {said:?}");
         }
-    }
-
-    #[test]
-    fn remarks_are_one_bounded_line() {
-        for text in ["", "  ", "a\nb", "\u{1b}[2J", &"x".repeat(2001)] {
-            assert!(event_problem(&Event::Comment(text.to_owned())).is_some(), "{text:?}");
-        }
-        assert!(event_problem(&Event::Comment("x".repeat(2000))).is_none());
     }
 }

@@ -1,8 +1,8 @@
 //! Reads the bytes of a log: which lines count, what they add up to, and what is wrong with the others.
 //!
-//! Lines form a chain: each names the digest of the one before. Where the chain breaks, somebody edited the file,
-//! and nothing from the first line on that is not what was written counts. (The last line is named by nobody: only
-//! a seal, or the next event, protects it.) A line that was not edited but is not about this round, annotator or
+//! Lines form a chain: each names the digest of the one before. Where the chain breaks, the file was edited, and
+//! nothing counts from the first line on that is not what was written. (No line names the last one: only a seal, or
+//! the next event, protects it.) A line that was not edited but is not about this round, annotator or
 //! any of its items is left out by itself. Whatever is left out stays in the file and is reported.
 
 use std::collections::BTreeMap;
@@ -14,15 +14,15 @@ use l4d_data::error::inert;
 use l4d_data::{Name, Report, Severity};
 
 use crate::codes;
+use crate::history::History;
 use crate::item::ItemId;
-use crate::ledger::Ledger;
 use crate::line::{Act, Line, Link, NO_LINE, VERSION, digest_of};
 use crate::round::Round;
 
 /// What a log adds up to.
 #[derive(Debug)]
 pub(crate) struct Replay {
-    pub(crate) ledger: Ledger,
+    pub(crate) history: History,
     /// Bytes up to the last newline.
     pub(crate) whole: usize,
     /// Lines that are what was written, counted or not.
@@ -47,7 +47,7 @@ pub(crate) fn replay(path: &Path, bytes: &[u8], round: &Round, annotator: &Name)
         round,
         annotator,
         before: RunningDigest::default(),
-        ledger: Ledger::default(),
+        history: History::default(),
         last_at: None,
         sealed: false,
         problems: BTreeMap::new(),
@@ -77,8 +77,8 @@ pub(crate) fn replay(path: &Path, bytes: &[u8], round: &Round, annotator: &Name)
             "nothing to do: it is cut off when the annotator goes on",
         );
     }
-    let Reader { ledger, last_at, sealed, .. } = reader;
-    Replay { ledger, whole, lines: lines.len() as u64, last, last_at, edited, sealed, report }
+    let Reader { history, last_at, sealed, .. } = reader;
+    Replay { history, whole, lines: lines.len() as u64, last, last_at, edited, sealed, report }
 }
 
 /// The lines from the first on that are what was written.
@@ -107,7 +107,7 @@ impl<'a> Chain<'a> {
                     Some((before, format!("line {number} continues another one")))
                 }
                 Ok(link) if link.seq != before as u64 => {
-                    Some((number, format!("it says that {} stand before it", link.seq)))
+                    Some((number, format!("it says that {} precede it", link.seq)))
                 }
                 Ok(_) => None,
             };
@@ -135,7 +135,7 @@ struct Reader<'a> {
     annotator: &'a Name,
     /// Digest of the lines before the one at hand.
     before: RunningDigest,
-    ledger: Ledger,
+    history: History,
     last_at: Option<SystemTime>,
     sealed: bool,
     problems: BTreeMap<&'static str, Problem>,
@@ -145,7 +145,7 @@ impl Reader<'_> {
     fn take(&mut self, index: usize, bytes: &[u8]) {
         let number = index + 1;
         if self.sealed {
-            let message = "stands after the seal and does not count".to_owned();
+            let message = "follows the seal and does not count".to_owned();
             self.error(codes::AFTER_SEAL, number, message, "let the annotator vote in a further round");
             return;
         }
@@ -186,7 +186,7 @@ impl Reader<'_> {
                 if self.round.item(&item).is_none() {
                     return self.unknown(number, &item);
                 }
-                if self.ledger.apply(index as u64, &item, &digest, event).is_err() {
+                if !self.history.apply(index as u64, &item, &digest, event) {
                     let message = format!("takes back something about {item}, but nothing is left");
                     self.warning(codes::IDLE_UNDO, number, message, "nothing to do");
                 }

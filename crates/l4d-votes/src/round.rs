@@ -1,80 +1,21 @@
 //! A round as an annotator may see it: `round.toml` and `items.jsonl`. The key is read elsewhere.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::ops::Deref;
 
 use l4d_data::error::inert;
-use l4d_data::store::read_bounded;
+use l4d_data::store::{list_folder, read_bounded, write_atomic};
 use l4d_data::{DataError, Name, Profile, json};
 use serde::{Deserialize, Serialize};
 
 use crate::item::{Item, ItemId};
+use crate::key::Key;
 use crate::order;
+use crate::round_dir::RoundDir;
 use crate::rule::{FrameRule, Rule};
 
 /// Schema tag of `round.toml`.
 pub const SCHEMA: &str = "l4d/round/1";
-
-/// `annotation/rounds/<round>`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RoundDir(PathBuf);
-
-impl RoundDir {
-    /// The folder of a round.
-    pub fn new(root: impl Into<PathBuf>) -> Self {
-        Self(root.into())
-    }
-
-    /// The folder.
-    pub fn root(&self) -> &Path {
-        &self.0
-    }
-
-    /// `round.toml`: what the round is.
-    pub fn settings(&self) -> PathBuf {
-        self.0.join("round.toml")
-    }
-
-    /// `items.jsonl`: what is asked.
-    pub fn items(&self) -> PathBuf {
-        self.0.join("items.jsonl")
-    }
-
-    /// `key.jsonl`: what stands behind the items. No annotator's process opens it.
-    pub fn key(&self) -> PathBuf {
-        self.0.join("key.jsonl")
-    }
-
-    /// `votes`: the logs.
-    pub fn votes(&self) -> PathBuf {
-        self.0.join("votes")
-    }
-
-    /// `votes/<annotator>.jsonl`.
-    pub fn ballot(&self, annotator: &Name) -> PathBuf {
-        self.votes().join(format!("{annotator}.jsonl"))
-    }
-
-    /// `verdicts.csv`.
-    pub fn verdicts(&self) -> PathBuf {
-        self.0.join("verdicts.csv")
-    }
-
-    /// `agreement.json`.
-    pub fn agreement(&self) -> PathBuf {
-        self.0.join("agreement.json")
-    }
-
-    /// `refine.jsonl`: rejected prompts with what people said about them.
-    pub fn refine(&self) -> PathBuf {
-        self.0.join("refine.jsonl")
-    }
-
-    /// `rejected.png`: contact sheet of the rejected prompts.
-    pub fn rejected(&self) -> PathBuf {
-        self.0.join("rejected.png")
-    }
-}
 
 /// Control items that are mixed in, unmarked.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -97,28 +38,9 @@ impl Default for Gold {
 /// `round.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
-    pub(crate) schema: String,
-    pub(crate) name: Name,
-    pub(crate) title: String,
-    pub(crate) profile: Profile,
-    pub(crate) seed: u64,
-    pub(crate) annotators: Vec<Name>,
-    pub(crate) rule: Rule,
-    #[serde(default)]
-    pub(crate) frames: FrameRule,
-    #[serde(default)]
-    pub(crate) simulated: bool,
-    pub(crate) views: usize,
-    #[serde(default)]
-    pub(crate) repeats: usize,
-    #[serde(default)]
-    pub(crate) gold: Gold,
-}
-
-/// A round, without what stands behind its items.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Round {
+pub struct RoundSettings {
+    /// [`SCHEMA`].
+    pub schema: String,
     /// Name of its folder.
     pub name: Name,
     /// One line for people.
@@ -132,35 +54,52 @@ pub struct Round {
     /// How many have to be right.
     pub rule: Rule,
     /// How well the frames have to fit.
+    #[serde(default)]
     pub frames: FrameRule,
     /// Whether the annotators are programs. Such a round never counts as verification by people.
+    #[serde(default)]
     pub simulated: bool,
     /// How many views annotators may look at.
     pub views: usize,
-    /// How many prompts were wanted twice.
+    /// How many prompts are asked twice, at most.
+    #[serde(default)]
     pub repeats: usize,
-    /// How many control items were wanted.
+    /// How many control items are asked, at most.
+    #[serde(default)]
     pub gold: Gold,
+}
+
+/// A round without its key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Round {
+    /// `round.toml`; its fields are also fields of the round.
+    pub settings: RoundSettings,
     /// What is asked, by id.
     pub items: Vec<Item>,
     dir: RoundDir,
-    places: BTreeMap<ItemId, usize>,
+}
+
+impl Deref for Round {
+    type Target = RoundSettings;
+
+    fn deref(&self) -> &RoundSettings {
+        &self.settings
+    }
 }
 
 impl Round {
     /// Reads and checks `round.toml` and `items.jsonl`.
+    ///
+    /// # Errors
+    /// A file is missing, cannot be read, or says what cannot be.
     pub fn open(dir: &RoundDir) -> Result<Self, DataError> {
         let path = dir.settings();
         if !path.exists() {
-            return Err(DataError::invalid(
-                &path,
-                "file",
-                "there is no such round",
-                known_rounds(dir).unwrap_or_else(|| "open a round with `l4d open-round`".to_owned()),
-            ));
+            let remedy = known_rounds(dir).unwrap_or_else(|| "open a round with `l4d open-round`".to_owned());
+            return Err(DataError::invalid(&path, "file", "there is no such round", remedy));
         }
         let bytes = read_bounded(&path, 1 << 20)?;
-        let settings: Settings = std::str::from_utf8(&bytes)
+        let settings: RoundSettings = std::str::from_utf8(&bytes)
             .map_err(|error| error.to_string())
             .and_then(|text| toml::from_str(text).map_err(|error| error.to_string()))
             .map_err(|message| DataError::Format {
@@ -168,7 +107,6 @@ impl Round {
                 location: "settings".to_owned(),
                 message: inert(&message),
             })?;
-        let items: Vec<Item> = json::read_lines(&dir.items())?.into_iter().map(|(_, item)| item).collect();
         let folder = dir.root().file_name().and_then(|name| name.to_str());
         if let Some(folder) = folder.filter(|folder| *folder != settings.name.as_str()) {
             return Err(DataError::invalid(
@@ -178,88 +116,78 @@ impl Round {
                 "give the folder the name of its round",
             ));
         }
+        let items = json::read_lines(&dir.items())?.into_iter().map(|(_, item)| item).collect();
+        Self::new(dir, settings, items, "restore the file that `l4d open-round` wrote")
+    }
+
+    /// Checks settings and items; `remedy` is for items that cannot be.
+    pub(crate) fn new(
+        dir: &RoundDir,
+        settings: RoundSettings,
+        items: Vec<Item>,
+        remedy: &str,
+    ) -> Result<Self, DataError> {
         if let Some((field, message, remedy)) = settings_problem(&settings) {
-            return Err(DataError::invalid(&path, format!("field `{field}`"), message, remedy));
+            return Err(DataError::invalid(&dir.settings(), format!("field `{field}`"), message, remedy));
         }
         if let Some((place, message)) = items_problem(&items) {
-            let remedy = "restore the file that `l4d open-round` wrote";
             return Err(DataError::invalid(&dir.items(), place, message, remedy));
         }
-        Ok(Self::new(dir, settings, items))
+        Ok(Self { settings, items, dir: dir.clone() })
     }
 
-    pub(crate) fn new(dir: &RoundDir, settings: Settings, items: Vec<Item>) -> Self {
-        let places = items.iter().enumerate().map(|(place, item)| (item.id.clone(), place)).collect();
-        let Settings {
-            schema: _,
-            name,
-            title,
-            profile,
-            seed,
-            annotators,
-            rule,
-            frames,
-            simulated,
-            views,
-            repeats,
-            gold,
-        } = settings;
-        Self {
-            name,
-            title,
-            profile,
-            seed,
-            annotators,
-            rule,
-            frames,
-            simulated,
-            views,
-            repeats,
-            gold,
-            items,
-            dir: dir.clone(),
-            places,
+    /// Writes `key.jsonl`, `items.jsonl` and `round.toml` into a folder without a round.
+    ///
+    /// # Errors
+    /// There is a round already, or a file cannot be written.
+    pub fn write(&self, dir: &RoundDir, key: &Key) -> Result<(), DataError> {
+        let path = dir.settings();
+        let has_votes = dir.votes().exists() && !list_folder(&dir.votes())?.is_empty();
+        if path.exists() || has_votes {
+            return Err(DataError::invalid(
+                dir.root(),
+                "folder",
+                "there is such a round already: votes are bound to it",
+                "give the new round another name",
+            ));
         }
+        let settings = toml::to_string(&self.settings).map_err(|error| DataError::Format {
+            path: path.clone(),
+            location: "settings".to_owned(),
+            message: error.to_string(),
+        })?;
+        key.write(dir)?;
+        json::write_lines(&dir.items(), &self.items)?;
+        // Last: a folder with a round.toml is a whole round.
+        let heading = "# A round of annotation. Votes are bound to its name, items and seed: open another one to change them.";
+        write_atomic(&path, format!("{heading}\n{settings}").as_bytes())
     }
 
-    pub(crate) fn settings(&self) -> Settings {
-        Settings {
-            schema: SCHEMA.to_owned(),
-            name: self.name.clone(),
-            title: self.title.clone(),
-            profile: self.profile,
-            seed: self.seed,
-            annotators: self.annotators.clone(),
-            rule: self.rule,
-            frames: self.frames,
-            simulated: self.simulated,
-            views: self.views,
-            repeats: self.repeats,
-            gold: self.gold,
-        }
-    }
-
-    /// Where its files stand.
+    /// Its folder.
     pub fn dir(&self) -> &RoundDir {
         &self.dir
     }
 
-    /// Refuses somebody whom the round does not name.
+    /// Refuses an annotator whom the round does not name.
+    ///
+    /// # Errors
+    /// The round does not name them; the hint lists who may vote.
     pub fn require_annotator(&self, name: &str) -> Result<(), DataError> {
         if self.annotators.iter().any(|annotator| annotator.as_str() == name) {
             return Ok(());
         }
+        let names: Vec<&str> = self.annotators.iter().map(Name::as_str).collect();
         Err(DataError::invalid(
             &self.dir.settings(),
             "field `annotators`",
             format!("does not name `{}`", name.escape_debug()),
-            format!("vote as one of {}", names(&self.annotators)),
+            format!("vote as one of {}", names.join(", ")),
         ))
     }
 
     /// The item of that id.
     pub fn item(&self, id: &ItemId) -> Option<&Item> {
-        self.places.get(id).map(|&place| &self.items[place])
+        self.items.binary_search_by(|item| item.id.cmp(id)).ok().map(|place| &self.items[place])
     }
 
     /// The order in which an annotator is asked: a shuffle of the annotator's own, with a prompt that is asked
@@ -269,8 +197,8 @@ impl Round {
     }
 }
 
-pub(crate) fn settings_problem(settings: &Settings) -> Option<(&'static str, String, &'static str)> {
-    let Settings { schema, annotators, rule, seed, views, title, gold, .. } = settings;
+fn settings_problem(settings: &RoundSettings) -> Option<(&'static str, String, &'static str)> {
+    let RoundSettings { schema, annotators, rule, seed, views, title, gold, .. } = settings;
     if schema != SCHEMA {
         return Some((
             "schema",
@@ -286,8 +214,8 @@ pub(crate) fn settings_problem(settings: &Settings) -> Option<(&'static str, Str
     if distinct.len() != annotators.len() {
         return Some((
             "annotators",
-            "names somebody twice, capitals aside".into(),
-            "give everybody a name of their own",
+            "names one annotator twice, capitals aside".into(),
+            "give every annotator a name of their own",
         ));
     }
     if annotators.len() != rule.annotators {
@@ -301,7 +229,7 @@ pub(crate) fn settings_problem(settings: &Settings) -> Option<(&'static str, Str
         return Some(("seed", "is 2^63 or more, which TOML does not know".into(), "choose a smaller one"));
     }
     if *views == 0 {
-        return Some(("views", "is 0: nobody would see anything".into(), "write 1 or more"));
+        return Some(("views", "is 0: annotators would see nothing".into(), "write 1 or more"));
     }
     if !(0.0..=1.0).contains(&gold.flag_below) {
         return Some(("gold.flag_below", "is no share".into(), "write a number from 0 to 1"));
@@ -309,29 +237,29 @@ pub(crate) fn settings_problem(settings: &Settings) -> Option<(&'static str, Str
     None
 }
 
-pub(crate) fn items_problem(items: &[Item]) -> Option<(String, String)> {
+fn items_problem(items: &[Item]) -> Option<(String, String)> {
     if items.is_empty() {
         return Some(("file".to_owned(), "asks nothing".to_owned()));
     }
     let mut last: Option<&ItemId> = None;
     let mut prompts: BTreeMap<(&Name, &str), usize> = BTreeMap::new();
     for item in items {
-        let place = format!("item {}", item.id);
+        let problem = |message: &str| Some((format!("item {}", item.id), message.to_owned()));
         if last.is_some_and(|last| *last >= item.id) {
-            return Some((place, "stands there twice or out of order".to_owned()));
+            return problem("is listed twice or out of order");
         }
         last = Some(&item.id);
         let is_line = !item.text.chars().any(char::is_control);
         if item.text.trim().is_empty() || item.text.len() > 500 || !is_line {
-            return Some((place, "field `text` must be one line of 1 to 500 bytes".to_owned()));
+            return problem("field `text` must be one line of 1 to 500 bytes");
         }
         if item.digest.len() != 64 || !item.digest.bytes().all(|byte| byte.is_ascii_hexdigit()) {
-            return Some((place, "field `digest` must be 64 hex digits".to_owned()));
+            return problem("field `digest` must be 64 hex digits");
         }
         let times = prompts.entry((&item.scene, &item.text)).or_default();
         *times += 1;
         if *times > 2 {
-            return Some((place, "asks the same for the third time".to_owned()));
+            return problem("asks the same for the third time");
         }
     }
     None
@@ -339,13 +267,9 @@ pub(crate) fn items_problem(items: &[Item]) -> Option<(String, String)> {
 
 fn known_rounds(dir: &RoundDir) -> Option<String> {
     let rounds = dir.root().parent()?;
-    let mut names = l4d_data::store::list_folder(rounds).ok()?;
+    let mut names = list_folder(rounds).ok()?;
     names.retain(|name| RoundDir::new(rounds.join(name)).settings().exists());
     (!names.is_empty()).then(|| format!("choose among {}", names.join(", ")))
-}
-
-fn names(names: &[Name]) -> String {
-    names.iter().map(Name::as_str).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

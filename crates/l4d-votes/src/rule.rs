@@ -152,10 +152,7 @@ impl fmt::Display for FrameRule {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn interval(first: u32, last: u32) -> Interval {
-        Interval::new(first, last).unwrap()
-    }
+    use crate::fixture::interval;
 
     #[test]
     fn rules_round_trip() {

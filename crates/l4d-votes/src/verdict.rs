@@ -3,28 +3,28 @@
 //! A prompt is valid if as many distinct annotators as the rule demands chose exactly the instances meant, at
 //! frames that fit by the rule of the round. Where it isn't, its verdict keeps every vote and says why:
 //!
-//! - `stale`: the query or its scene changed after the round was opened, so nobody was asked what it says now; or
+//! - `stale`: the query or its scene changed after the round was opened, so no one was asked what it says now; or
 //!   an annotator has only answered an earlier wording of the item;
 //! - `incomplete`: an annotator has not answered, or skipped;
-//! - `rejected`: everybody answered, too few were right.
+//! - `rejected`: all answered, too few were right.
 //!
 //! Control items get no verdict (see [`crate::control`]), and the second answer to a repeated prompt never counts.
 //! Nothing here writes a query's status: that is what `l4d verdict` does with these verdicts.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::{self, Write as _};
+use std::collections::BTreeMap;
+use std::fmt;
 
-use l4d_data::{Category, DataError, Interval, Name, QueryId, Report};
+use l4d_data::{Category, DataError, Finding, Name, QueryId, Report};
 use serde::{Deserialize, Serialize};
 
-use crate::ballot::Notice;
 use crate::codes;
 use crate::control;
-use crate::event::{Answer, Choice};
 use crate::item::{Item, ItemId};
-use crate::key::{Behind, Key, Meaning};
-use crate::round::{Round, RoundDir};
-use crate::sheet::{Sheet, Standing};
+use crate::key::{Change, ItemSource, Key, Meaning};
+use crate::responses::Responses;
+use crate::round::Round;
+use crate::round_dir::RoundDir;
+use crate::vote::{Answer, Choice, Response};
 
 /// What becomes of a prompt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ pub enum Outcome {
     Valid,
     /// They did not.
     Rejected,
-    /// Somebody has not answered.
+    /// An annotator has not answered.
     Incomplete,
     /// The query or its scene changed after the round was opened, or answers belong to an earlier wording.
     Stale,
@@ -175,7 +175,7 @@ pub struct Verdicts {
     /// By item.
     pub items: Vec<ItemVerdict>,
     /// What was not counted, and why; who was wrong on the control items.
-    pub findings: Vec<Notice>,
+    pub findings: Vec<Finding>,
 }
 
 impl Verdicts {
@@ -185,17 +185,26 @@ impl Verdicts {
     }
 }
 
-/// Judges every query of a round. `current` are the digests that the items would have now
-/// ([`crate::key::current_digests`]).
-pub fn judge(round: &Round, key: &Key, sheets: &[Sheet], current: &BTreeMap<ItemId, String>) -> Verdicts {
-    let sheets = sheets_of(round, sheets);
+/// Judges every query of a round. `changes` are those since the round was opened ([`crate::key::changes`]); an item
+/// that is missing there did not change.
+pub fn judge(
+    round: &Round,
+    key: &Key,
+    responses: &[Responses],
+    changes: &BTreeMap<ItemId, Change>,
+) -> Verdicts {
+    let responses = by_annotator(round, responses);
     let mut report = Report::default();
     let mut items = Vec::new();
     for item in &round.items {
-        let Some(Behind::Query { query, categories, meaning }) = key.behind(&item.id) else {
+        let Some(ItemSource::Query { query, categories, meaning }) = key.source(&item.id) else {
             continue;
         };
-        let change = change(item, current);
+        let change = match changes.get(&item.id).copied().unwrap_or(Change::No) {
+            Change::No => None,
+            Change::Edited => Some("or its scene has changed since the round was opened"),
+            Change::Gone => Some("is gone since the round was opened"),
+        };
         if let Some(change) = change {
             report.warning(
                 codes::STALE_ITEM,
@@ -206,7 +215,7 @@ pub fn judge(round: &Round, key: &Key, sheets: &[Sheet], current: &BTreeMap<Item
             );
         }
         let votes: Vec<Vote> =
-            sheets.iter().map(|(name, sheet)| vote(round, item, meaning, name, *sheet)).collect();
+            responses.iter().map(|(name, given)| vote(round, item, meaning, name, *given)).collect();
         let mut verdict = ItemVerdict {
             item: item.id.clone(),
             query: query.clone(),
@@ -223,7 +232,7 @@ pub fn judge(round: &Round, key: &Key, sheets: &[Sheet], current: &BTreeMap<Item
         verdict.reasons.extend(verdict.votes.iter().filter_map(reason));
         items.push(verdict);
     }
-    let unsealed = unsealed(&sheets);
+    let unsealed = unsealed(&responses);
     for annotator in &unsealed {
         report.warning(
             codes::NOT_SEALED,
@@ -233,13 +242,16 @@ pub fn judge(round: &Round, key: &Key, sheets: &[Sheet], current: &BTreeMap<Item
             "let the annotator finish and seal it",
         );
     }
-    control::report_misses(round, key, &sheets, &mut report);
+    control::report_misses(round, key, &responses, &mut report);
     Verdicts { is_final: unsealed.is_empty(), items, findings: report.into_sorted() }
 }
 
 /// Refuses ballots that are not sealed: who looks at votes early can tell others what to vote.
-pub fn require_sealed(dir: &RoundDir, round: &Round, sheets: &[Sheet]) -> Result<(), DataError> {
-    let unsealed = unsealed(&sheets_of(round, sheets));
+///
+/// # Errors
+/// A ballot is not sealed.
+pub fn require_sealed(dir: &RoundDir, round: &Round, responses: &[Responses]) -> Result<(), DataError> {
+    let unsealed = unsealed(&by_annotator(round, responses));
     if unsealed.is_empty() {
         return Ok(());
     }
@@ -248,32 +260,27 @@ pub fn require_sealed(dir: &RoundDir, round: &Round, sheets: &[Sheet]) -> Result
         &dir.votes(),
         "seals",
         format!("not sealed yet: {}", names.join(", ")),
-        "wait until everybody has sealed, or take a look that changes nothing with `--unsealed`",
+        "wait until all have sealed, or take a look that changes nothing with `--unsealed`",
     ))
 }
 
-/// The sheet of each annotator of the round, once; whatever else is among the sheets is left out.
-pub(crate) fn sheets_of<'a>(round: &'a Round, sheets: &'a [Sheet]) -> Vec<(&'a Name, Option<&'a Sheet>)> {
-    let sheet_of = |annotator: &Name| sheets.iter().find(|sheet| sheet.annotator == *annotator);
-    round.annotators.iter().map(|annotator| (annotator, sheet_of(annotator))).collect()
+/// The responses of each annotator of the round, once; others are left out.
+pub(crate) fn by_annotator<'a>(
+    round: &'a Round,
+    responses: &'a [Responses],
+) -> Vec<(&'a Name, Option<&'a Responses>)> {
+    let of = |annotator: &Name| responses.iter().find(|given| given.annotator == *annotator);
+    round.annotators.iter().map(|annotator| (annotator, of(annotator))).collect()
 }
 
-fn unsealed<'a>(sheets: &[(&'a Name, Option<&'a Sheet>)]) -> Vec<&'a Name> {
-    let is_sealed = |sheet: &Option<&Sheet>| sheet.is_some_and(|sheet| sheet.sealed);
-    sheets.iter().filter(|(_, sheet)| !is_sealed(sheet)).map(|(name, _)| *name).collect()
+fn unsealed<'a>(responses: &[(&'a Name, Option<&'a Responses>)]) -> Vec<&'a Name> {
+    let is_sealed = |given: &Option<&Responses>| given.is_some_and(|given| given.sealed);
+    responses.iter().filter(|(_, given)| !is_sealed(given)).map(|(name, _)| *name).collect()
 }
 
-fn change(item: &Item, current: &BTreeMap<ItemId, String>) -> Option<&'static str> {
-    match current.get(&item.id) {
-        None => Some("is gone since the round was opened"),
-        Some(digest) if *digest != item.digest => Some("or its scene has changed since the round was opened"),
-        Some(_) => None,
-    }
-}
-
-fn vote(round: &Round, item: &Item, meaning: &Meaning, name: &Name, sheet: Option<&Sheet>) -> Vote {
-    let standing = sheet.and_then(|sheet| sheet.standing(&item.id)).cloned().unwrap_or_default();
-    let Standing { answer, skipped, stale, comments } = standing;
+fn vote(round: &Round, item: &Item, meaning: &Meaning, name: &Name, given: Option<&Responses>) -> Vote {
+    let response = given.and_then(|given| given.response(&item.id)).cloned().unwrap_or_default();
+    let Response { answer, skipped, stale, comments } = response;
     let mark = match (&answer, skipped, &stale) {
         (Some(answer), _, _) => meaning.mark(answer, round.frames),
         (None, true, _) => Mark::Skipped,
@@ -303,31 +310,21 @@ fn reason(vote: &Vote) -> Option<String> {
         (Mark::Stale, _) => format!("{annotator} answered an earlier wording or scene"),
         (Mark::Missing, _) | (_, None) => format!("{annotator} has not answered"),
         (Mark::OtherFrames, Some(answer)) => {
-            format!("{annotator} chose the objects meant, at {}", frames(answer.frames))
+            let (first, last) = (answer.frames.first(), answer.frames.last());
+            format!("{annotator} chose the objects meant, at frames {first} to {last}")
         }
         (_, Some(answer)) => format!("{annotator} {}", said(&answer.choice)),
     })
 }
 
-fn frames(interval: Interval) -> String {
-    format!("frames {} to {}", interval.first(), interval.last())
-}
-
 fn said(choice: &Choice) -> String {
     match choice {
-        Choice::Objects(objects) => format!("chose {}", list(objects)),
+        Choice::Objects(objects) => {
+            format!("chose {}", objects.iter().map(Name::as_str).collect::<Vec<_>>().join(", "))
+        }
         Choice::None => "found nothing that fits".to_owned(),
         Choice::Ambiguous { reason } => format!("called it ambiguous: {reason}"),
     }
-}
-
-fn list(names: &BTreeSet<Name>) -> String {
-    let mut text = String::new();
-    for (index, name) in names.iter().enumerate() {
-        let joint = if index == 0 { "" } else { ", " };
-        write!(text, "{joint}{name}").expect("writing to a string does not fail");
-    }
-    text
 }
 
 #[cfg(test)]

@@ -9,9 +9,9 @@ use anyhow::Result;
 use l4d_data::digest::sha256_hex;
 use l4d_data::store::list_folder;
 use l4d_data::{Benchmark, Category, Name, Query, QueryId, Status};
-use l4d_votes::key::Behind;
-use l4d_votes::make::{RoundPlan, make_round, write_round};
-use l4d_votes::round::Gold;
+use l4d_votes::draw::draw_round;
+use l4d_votes::key::ItemSource;
+use l4d_votes::round::{Gold, RoundSettings, SCHEMA};
 use l4d_votes::{Key, Round, RoundDir};
 
 use crate::cli::annotation::{AskedArg, OpenRoundArgs};
@@ -35,10 +35,10 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
             "edit what `refine.jsonl` of an earlier round lists, choose other --scenes, or --queries all";
         return Err(refusal("there is no query to ask about", hint));
     }
-    let plan = plan(args, name, &bench, only)?;
-    let (round, key) = make_round(&plan, &bench)?;
+    let settings = settings(args, name, &bench, only.len())?;
+    let (round, key) = draw_round(settings, &bench.select(&args.bench.scenes)?, &only, &bench)?;
     clear(&dir)?;
-    write_round(&dir, &round, &key)?;
+    round.write(&dir, &key)?;
     out.data(dir.root().display())?;
     out.note(summary(&round, &key));
     if round.simulated {
@@ -54,13 +54,15 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
     Ok(ExitStatus::Success)
 }
 
-fn plan(args: &OpenRoundArgs, name: Name, bench: &Benchmark, only: BTreeSet<QueryId>) -> Result<RoundPlan> {
+/// The settings of a round that asks so many queries.
+fn settings(args: &OpenRoundArgs, name: Name, bench: &Benchmark, queries: usize) -> Result<RoundSettings> {
     let annotators = args.annotators.iter().map(|name| Ok(Name::new(name.as_str())?));
     let annotators = annotators.collect::<Result<Vec<Name>>>()?;
     // Half of the control items have no answer, half have too many.
-    let control = share_of(only.len(), args.gold, "--gold")?;
+    let control = share_of(queries, args.gold, "--gold")?;
     let gold = Gold { absent: control.div_ceil(2), vague: control / 2, ..Gold::default() };
-    Ok(RoundPlan {
+    Ok(RoundSettings {
+        schema: SCHEMA.to_owned(),
         title: args.title.clone().unwrap_or_else(|| format!("{} {}", bench.manifest.name, name)),
         name,
         profile: args.bench.profile,
@@ -70,11 +72,8 @@ fn plan(args: &OpenRoundArgs, name: Name, bench: &Benchmark, only: BTreeSet<Quer
         frames: args.frames,
         simulated: args.simulated,
         views: args.views,
-        repeats: share_of(only.len(), args.repeats, "--repeats")?,
+        repeats: share_of(queries, args.repeats, "--repeats")?,
         gold,
-        scenes: bench.select(&args.bench.scenes)?,
-        composites: args.composites,
-        only: Some(only),
     })
 }
 
@@ -163,14 +162,14 @@ fn clear(dir: &RoundDir) -> Result<()> {
 fn summary(round: &Round, key: &Key) -> String {
     let mut categories: BTreeMap<String, usize> = BTreeMap::new();
     let (mut controls, mut repeats) = (0, 0);
-    for behind in key.entries().values() {
-        match behind {
-            Behind::Query { categories: of, .. } => {
+    for source in key.entries().values() {
+        match source {
+            ItemSource::Query { categories: of, .. } => {
                 let names: Vec<&str> = of.iter().map(|category| category.as_str()).collect();
                 *categories.entry(names.join("+")).or_default() += 1;
             }
-            Behind::Absent { .. } | Behind::Vague { .. } => controls += 1,
-            Behind::Repeat { .. } => repeats += 1,
+            ItemSource::Absent { .. } | ItemSource::Vague { .. } => controls += 1,
+            ItemSource::Repeat { .. } => repeats += 1,
         }
     }
     let queries: usize = categories.values().sum();

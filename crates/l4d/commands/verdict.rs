@@ -13,7 +13,7 @@ use anyhow::Result;
 use l4d_data::store::write_atomic;
 use l4d_data::{Benchmark, Finding, Query, QueryId, Severity, json};
 use l4d_votes::agreement::{Agreement, measure};
-use l4d_votes::record::{Refine, agreement_json, verdicts_csv};
+use l4d_votes::files::{Refine, agreement_json, verdicts_csv};
 use l4d_votes::verdict::{ItemVerdict, Outcome};
 use serde_json::{Value, json};
 
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &VerdictArgs, out: &Printer) -> Result<ExitStatus> {
     if args.check {
         return check::run(args, &judged, &bench, out);
     }
-    let agreement = measure(&judged.round, &judged.key, &judged.sheets);
+    let agreement = measure(&judged.round, &judged.key, &judged.responses);
     let changes = if args.unsealed { Vec::new() } else { status::changes(&judged, &args.rounds, &bench)? };
     if args.json {
         out.json(&document(&judged, &agreement, &changes))?;

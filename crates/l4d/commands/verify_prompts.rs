@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use l4d_annotate::{AnnotateError, Options, Outcome, PictureWish, annotate, scene};
+use l4d_annotate::{AnnotateError, Options, Outcome, PictureMode, annotate, scene};
 use l4d_data::Name;
 use l4d_votes::{Ballot, Round, RoundDir};
 
@@ -36,14 +36,14 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
     Ok(ExitStatus::Success)
 }
 
-fn wish(picture: PictureArg) -> PictureWish {
+fn wish(picture: PictureArg) -> PictureMode {
     match picture {
-        PictureArg::Auto => PictureWish::Auto,
-        PictureArg::Halfblocks => PictureWish::Halfblocks,
-        PictureArg::Sixel => PictureWish::Sixel,
-        PictureArg::Kitty => PictureWish::Kitty,
-        PictureArg::Iterm2 => PictureWish::Iterm2,
-        PictureArg::None => PictureWish::None,
+        PictureArg::Auto => PictureMode::Auto,
+        PictureArg::Halfblocks => PictureMode::Halfblocks,
+        PictureArg::Sixel => PictureMode::Sixel,
+        PictureArg::Kitty => PictureMode::Kitty,
+        PictureArg::Iterm2 => PictureMode::Iterm2,
+        PictureArg::None => PictureMode::None,
     }
 }
 

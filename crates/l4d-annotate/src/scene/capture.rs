@@ -8,7 +8,7 @@ use l4d_data::layout::CaptureDir;
 use l4d_data::{Camera, DataError, Name};
 use l4d_votes::Round;
 
-use super::{SceneCard, chosen_views, numbered};
+use super::{SceneInfo, chosen_views, numbered};
 
 /// Reads the capture `<data>/<scene>`. Moments are those that the held-out view saw, and views those that saw all of
 /// them.
@@ -17,7 +17,7 @@ pub(super) fn card(
     scene: &Name,
     round: &Round,
     annotator: &Name,
-) -> Result<SceneCard, DataError> {
+) -> Result<SceneInfo, DataError> {
     let dir = CaptureDir::new(data, scene);
     let refuse = |place: &str, message: &str, remedy: &str| {
         Err(DataError::invalid(dir.root(), place, message.to_owned(), remedy.to_owned()))
@@ -43,7 +43,7 @@ pub(super) fn card(
         return refuse("frames", &format!("lacks {missing} pictures"), "run `l4d import-scene` again");
     }
     let objects = drawn.instances.iter().map(|one| (one.id, one.name.clone())).collect();
-    Ok(SceneCard {
+    Ok(SceneInfo {
         size: UVec2::new(capture.width, capture.height),
         exposure: 1.0,
         views,

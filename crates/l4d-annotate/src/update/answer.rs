@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use l4d_data::Interval;
-use l4d_votes::{Choice, Event};
+use l4d_votes::{Choice, Event, Response, ShownFrames};
 
-use crate::draft::{Digit, Draft, Saying};
+use crate::draft::{Digit, Draft, DraftChoice};
 use crate::field::Field;
 use crate::message::{Effect, Recorded};
-use crate::model::{Mode, Model, Pending, Standing};
+use crate::model::{Mode, Model, Pending};
 use crate::viewport::Viewport;
 
 pub(super) fn digit(model: &mut Model, digit: char) {
@@ -26,15 +26,15 @@ pub(super) fn toggle(model: &mut Model, number: usize) {
 
 pub(super) fn none(model: &mut Model) {
     model.mode = Mode::Choose;
-    let is_none = model.draft.saying == Saying::None;
-    let saying = if is_none { Draft::default().saying } else { Saying::None };
-    model.draft = Draft { saying, ..Draft::default() };
+    let is_none = model.draft.choice == DraftChoice::None;
+    let choice = if is_none { Draft::default().choice } else { DraftChoice::None };
+    model.draft = Draft { choice, ..Draft::default() };
 }
 
 pub(super) fn ambiguous(model: &mut Model) {
-    let reason = match &model.draft.saying {
-        Saying::Ambiguous(reason) => Field::new(reason),
-        Saying::Objects(_) | Saying::None => Field::default(),
+    let reason = match &model.draft.choice {
+        DraftChoice::Ambiguous(reason) => Field::new(reason),
+        DraftChoice::Objects(_) | DraftChoice::None => Field::default(),
     };
     model.mode = Mode::Reason(reason);
 }
@@ -78,11 +78,11 @@ fn hold(model: &mut Model, first: u32, last: u32) {
 /// Enter: objects lead to the question when, everything else is saved.
 pub(super) fn accept(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
     model.draft.finish_number();
-    match (&model.mode, &model.draft.saying) {
-        (_, Saying::Objects(numbers)) if numbers.is_empty() => {
+    match (&model.mode, &model.draft.choice) {
+        (_, DraftChoice::Objects(numbers)) if numbers.is_empty() => {
             model.complain("Choose objects by their numbers, or n for none, or a for ambiguous");
         }
-        (Mode::Choose, Saying::Objects(_)) => model.mode = Mode::When,
+        (Mode::Choose, DraftChoice::Objects(_)) => model.mode = Mode::When,
         _ => save(model, now, effects),
     }
 }
@@ -93,7 +93,7 @@ fn save(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
         // There is nothing that could hold at a time.
         answer.frames = model.scene().whole();
     }
-    if model.question().standing.answer.as_ref() == Some(&answer) {
+    if model.question().response.answer.as_ref() == Some(&answer) {
         model.say("This is the saved answer already");
         return go_on(model, now);
     }
@@ -101,7 +101,7 @@ fn save(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
 }
 
 pub(super) fn skip(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
-    if model.question().standing.skipped {
+    if model.question().response.skipped {
         return go_on(model, now);
     }
     record(model, Pending::Skip, Event::Skip, now, effects);
@@ -114,7 +114,7 @@ pub(super) fn finish_text(model: &mut Model, now: Duration, effects: &mut Vec<Ef
         }
         Mode::Comment(field) if field.text().is_empty() => model.mode = Mode::Choose,
         Mode::Reason(field) => {
-            model.draft = Draft { saying: Saying::Ambiguous(field.text()), ..Draft::default() };
+            model.draft = Draft { choice: DraftChoice::Ambiguous(field.text()), ..Draft::default() };
             save(model, now, effects);
         }
         Mode::Comment(field) => {
@@ -133,7 +133,7 @@ pub(super) fn undo(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) 
         model.recall_draft();
         return model.say("Took back what was not saved");
     }
-    if !on_item || model.question().standing == Standing::default() {
+    if !on_item || model.question().response == Response::default() {
         let place = model.undoable.as_ref().and_then(|item| place_of(model, item));
         match place {
             Some(place) => open(model, place, now),
@@ -161,7 +161,7 @@ pub(super) fn open_unanswered(model: &mut Model, selected: usize, now: Duration)
 }
 
 pub(super) fn ask_for_seal(model: &mut Model) {
-    let open = model.questions.iter().filter(|question| question.standing.is_open()).count();
+    let open = model.questions.iter().filter(|question| question.response.is_open()).count();
     match &mut model.mode {
         _ if open > 0 => {
             let items = if open == 1 { "1 item is".to_owned() } else { format!("{open} items are") };
@@ -180,7 +180,7 @@ pub(super) fn recorded(model: &mut Model, result: Result<Recorded, String>, now:
         Err(why) => return model.complain(format!("NOT SAVED: {why}")),
     };
     let Some(place) = place_of(model, &recorded.item) else { return };
-    let before = std::mem::replace(&mut model.questions[place].standing, recorded.standing);
+    let before = std::mem::replace(&mut model.questions[place].response, recorded.response);
     model.undoable = recorded.undoable;
     let id = recorded.item;
     match pending {
@@ -202,8 +202,8 @@ pub(super) fn recorded(model: &mut Model, result: Result<Recorded, String>, now:
     }
 }
 
-fn taken_back(model: &mut Model, before: &Standing) {
-    let now = &model.question().standing;
+fn taken_back(model: &mut Model, before: &Response) {
+    let now = &model.question().response;
     let what = if now.comments.len() < before.comments.len() {
         "the comment"
     } else if before.skipped && !now.skipped {
@@ -237,7 +237,7 @@ pub(super) fn sealed(model: &mut Model, result: Result<(), String>) {
 fn go_on(model: &mut Model, now: Duration) {
     let count = model.questions.len();
     let places = (1..=count).map(|step| (model.at + step) % count);
-    let next = places.into_iter().find(|&place| model.questions[place].standing.is_open());
+    let next = places.into_iter().find(|&place| model.questions[place].response.is_open());
     let notice = model.notice.take();
     match next {
         Some(place) => open(model, place, now),
@@ -263,7 +263,7 @@ fn open(model: &mut Model, place: usize, now: Duration) {
         model.outlines = true;
         model.playing = None;
         model.grip = None;
-        model.seen = l4d_votes::Seen::default();
+        model.seen = ShownFrames::default();
         model.shown_at = now;
         match model.drafts.remove(&place) {
             Some(draft) => model.draft = draft,

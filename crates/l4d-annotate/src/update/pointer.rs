@@ -8,7 +8,7 @@ use ratatui::layout::{Position, Rect};
 
 use super::{answer, looking};
 use crate::layout::timeline_bar;
-use crate::model::{Grip, Model};
+use crate::model::{Model, MouseDrag};
 use crate::picture::{Art, Picture};
 
 /// Cells beside an object in which a click still means it.
@@ -18,31 +18,31 @@ pub(super) fn press(model: &mut Model, column: u16, row: u16) {
     let Some(screen) = model.screen() else { return };
     let at = Position::new(column, row);
     if timeline_bar(screen.timeline).contains(at) {
-        model.grip = Some(Grip::Scrub);
+        model.grip = Some(MouseDrag::Scrub);
         scrub(model, column);
     } else if picture_area(model).is_some_and(|area| area.contains(at)) {
-        model.grip = Some(Grip::Press(column, row));
+        model.grip = Some(MouseDrag::Press(column, row));
     }
 }
 
 pub(super) fn drag(model: &mut Model, column: u16, row: u16) {
     match model.grip {
-        Some(Grip::Scrub) => scrub(model, column),
-        Some(Grip::Press(from_column, from_row) | Grip::Pan(from_column, from_row)) => {
+        Some(MouseDrag::Scrub) => scrub(model, column),
+        Some(MouseDrag::Press(from_column, from_row) | MouseDrag::Pan(from_column, from_row)) => {
             let Some(area) = picture_area(model) else { return };
             let moved = DVec2::new(
                 (f64::from(from_column) - f64::from(column)) / f64::from(area.width),
                 (f64::from(from_row) - f64::from(row)) / f64::from(area.height),
             );
             model.viewport = model.viewport.panned(moved);
-            model.grip = Some(Grip::Pan(column, row));
+            model.grip = Some(MouseDrag::Pan(column, row));
         }
         None => {}
     }
 }
 
 pub(super) fn release(model: &mut Model, column: u16, row: u16) {
-    if let Some(Grip::Press(..)) = model.grip.take() {
+    if let Some(MouseDrag::Press(..)) = model.grip.take() {
         click(model, column, row);
     }
 }

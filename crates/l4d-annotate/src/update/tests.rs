@@ -36,7 +36,7 @@ fn numbers_then_time_then_the_next_item() {
     let expected = Answer { choice: objects(&["ball_d", "disc_a"]), frames: Interval::WHOLE };
     assert_eq!(driver.last_answer(), Some(&expected));
     assert_eq!((driver.model.at, driver.notice()), (1, "Saved q0001"));
-    assert_eq!(driver.model.questions[0].standing.answer, Some(expected));
+    assert_eq!(driver.model.questions[0].response.answer, Some(expected));
     assert!(driver.model.draft.is_blank());
 }
 
@@ -131,13 +131,13 @@ fn a_seal_needs_nothing_open_and_a_yes() {
     assert!(matches!(driver.model.mode, Mode::Summary { .. }));
     assert_eq!(driver.model.progress(), (3, 1));
     driver.keys("S<Enter>");
-    assert!(!driver.log.is_sealed);
+    assert!(!driver.log.is_sealed());
     driver.log.fails = true;
     driver.keys("Sy");
     assert!(driver.notice().starts_with("NOT SEALED") && !driver.model.sealed);
     driver.log.fails = false;
     driver.keys("Sy");
-    assert!(driver.log.is_sealed && driver.model.sealed);
+    assert!(driver.log.is_sealed() && driver.model.sealed);
     // Nothing can be opened any more.
     driver.keys("<Enter><Esc>u");
     assert!(matches!(driver.model.mode, Mode::Summary { .. }) && !driver.is_over);
@@ -173,7 +173,7 @@ fn undo_of_a_skip_and_a_comment_say_so() {
     driver.keys("su");
     assert_eq!((driver.notice(), driver.model.progress()), ("Took back the skip of q0001", (0, 0)));
     driver.keys("chello<Enter>");
-    assert_eq!(driver.model.question().standing.comments, ["hello"]);
+    assert_eq!(driver.model.question().response.comments, ["hello"]);
     driver.keys("u");
     assert_eq!(driver.notice(), "Took back the comment of q0001");
     driver.keys("u");
@@ -214,13 +214,13 @@ fn items_end_where_they_end() {
 fn a_session_goes_on_at_the_first_open_item() {
     let fixture = Fixture::new();
     let mut questions = fixture.questions();
-    questions[0].standing.answer = Some(Answer { choice: Choice::None, frames: Interval::WHOLE });
-    questions[1].standing.skipped = true;
+    questions[0].response.answer = Some(Answer { choice: Choice::None, frames: Interval::WHOLE });
+    questions[1].response.skipped = true;
     let look = look(true, Colours::Full);
     let model = fixture.model(look, Size::new(80, 24), questions.clone());
     assert_eq!((model.at, &model.mode), (2, &Mode::Choose));
     for question in &mut questions {
-        question.standing.skipped = true;
+        question.response.skipped = true;
     }
     assert!(matches!(fixture.model(look, Size::new(80, 24), questions).mode, Mode::Summary { .. }));
 }
@@ -240,7 +240,7 @@ fn changing_an_answer_replaces_it_and_saving_it_again_writes_nothing() {
     driver.keys("<n1<Enter><Enter>");
     assert_eq!(kinds(&driver), ["choose", "choose"]);
     assert!(matches!(
-        driver.model.questions[0].standing.answer,
+        driver.model.questions[0].response.answer,
         Some(Answer { choice: Choice::Objects(_), .. })
     ));
 }
@@ -264,14 +264,14 @@ fn only_painted_pictures_count_as_seen() {
 }
 
 #[test]
-fn wishes_follow_what_is_looked_at_and_are_not_repeated() {
+fn requests_follow_what_is_looked_at_and_are_not_repeated() {
     let mut driver = Fixture::new().drive();
-    assert_eq!(driver.wishes.len(), 1);
+    assert_eq!(driver.requests.len(), 1);
     driver.keys("<Left>w[<Esc>");
-    assert_eq!(driver.wishes.len(), 1);
+    assert_eq!(driver.requests.len(), 1);
     driver.keys("<Right>x+");
-    assert_eq!(driver.wishes.len(), 4);
-    let last = driver.wishes.last().unwrap();
+    assert_eq!(driver.requests.len(), 4);
+    let last = driver.requests.last().unwrap();
     assert!(last.frame == 12 && !last.outlines && last.region.last_col - last.region.first_col < 100);
 }
 
@@ -280,8 +280,8 @@ fn a_picture_that_cannot_be_shown_says_why_and_the_next_one_is_tried() {
     let mut driver = Fixture::new().drive();
     driver.paints = false;
     driver.keys("<Right>");
-    let wish = driver.wishes.last().unwrap().clone();
-    driver.tell(Message::NotPainted(wish, "it is torn".to_owned()));
+    let request = driver.requests.last().unwrap().clone();
+    driver.tell(Message::NotPainted(request, "it is torn".to_owned()));
     assert!(driver.text().contains("it is torn"));
     assert!(!driver.model.is_loading());
     driver.paints = true;
@@ -336,7 +336,7 @@ fn zoom_goes_to_what_is_chosen_and_back() {
     let mut driver = Fixture::new().drive();
     let c = driver.number("disc_c");
     driver.keys(&format!("{c}z"));
-    let region = driver.wishes.last().unwrap().region;
+    let region = driver.requests.last().unwrap().region;
     // Disc c spans columns 87 to 113 and rows 27 to 53, 27 of 96: 1.4 times as large it fills two fifths.
     assert!((30..87).contains(&region.first_col) && region.last_col > 113, "{region:?}");
     assert!((1..27).contains(&region.first_row) && (54..80).contains(&region.last_row), "{region:?}");
@@ -410,11 +410,11 @@ fn the_wheel_zooms_and_dragging_moves_without_choosing() {
     for _ in 0..3 {
         mouse(&mut driver, MouseEventKind::ScrollUp, column, row);
     }
-    let before = driver.wishes.last().unwrap().region;
+    let before = driver.requests.last().unwrap().region;
     mouse(&mut driver, MouseEventKind::Down(MouseButton::Left), column, row);
     mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), column + 6, row);
     mouse(&mut driver, MouseEventKind::Up(MouseButton::Left), column + 6, row);
-    let after = driver.wishes.last().unwrap().region;
+    let after = driver.requests.last().unwrap().region;
     assert!(after.first_col < before.first_col && after.first_row == before.first_row);
     assert!(driver.model.draft.is_blank());
 }
@@ -456,7 +456,7 @@ fn without_pictures_everything_else_works() {
     let fixture = Fixture::new();
     let look = crate::look::Look { medium: Medium::Nothing, ..look(true, Colours::Full) };
     let mut driver = fixture.drive_with(look, Size::new(80, 24));
-    assert!(driver.wishes.is_empty() && driver.text().contains("Pictures are off"));
+    assert!(driver.requests.is_empty() && driver.text().contains("Pictures are off"));
     driver.keys("1<Right><Enter>[<Enter>");
     assert_eq!(driver.last_answer().unwrap().frames.first(), 12);
 }

@@ -3,7 +3,7 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::Widget as _;
+use ratatui::widgets::{List, ListState, StatefulWidget, Widget as _};
 
 use super::theme::{dim, marked, strong};
 use crate::keys::{HELP, HELP_COLUMNS};
@@ -57,17 +57,18 @@ pub(super) fn summary(model: &Model, area: Rect, buffer: &mut Buffer) {
         format!("{} items: {answered} answered, {skipped} skipped, {open} open", model.questions.len());
     buffer.set_string(area.x + 1, area.y + 1, counts, dim());
     let closing = closing_lines(model, sealing, open, area.width.saturating_sub(2));
-    let list_top = area.y + 3;
-    let list_height = usize::from(area.height).saturating_sub(3 + closing.len() + 1);
-    let first = (selected + 1).saturating_sub(list_height).min(unanswered.len());
-    for (row, &place) in unanswered.iter().skip(first).take(list_height).enumerate() {
+    let list_rows = area.height.saturating_sub(3 + closing.len() as u16 + 1);
+    let list_area = Rect::new(area.x + 1, area.y + 3, area.width.saturating_sub(2), list_rows);
+    let rows = unanswered.iter().map(|&place| {
         let question = &model.questions[place];
-        let state = if question.standing.skipped { "skipped" } else { "open   " };
-        let text = format!(" {}  {state}  {}", question.id, question.text);
-        let style = if first + row == selected { marked() } else { dim() };
-        let columns = usize::from(area.width.saturating_sub(2));
-        buffer.set_stringn(area.x + 1, list_top + row as u16, cut(&text, columns), columns, style);
-    }
+        let state = if question.response.skipped { "skipped" } else { "open   " };
+        let start = format!(" {}  {state}  ", question.id);
+        let room = list_area.width.saturating_sub(width(&start) as u16);
+        Line::from(start + &cut(&question.text, room))
+    });
+    let list = List::new(rows).style(dim()).highlight_style(marked());
+    let mut state = ListState::default().with_selected(Some(selected));
+    StatefulWidget::render(list, list_area, buffer, &mut state);
     let top = area.bottom() - closing.len() as u16;
     for (row, (text, is_strong)) in (top..).zip(closing) {
         buffer.set_string(area.x + 1, row, text, if is_strong { strong() } else { dim() });
@@ -104,16 +105,9 @@ fn closing_lines(model: &Model, sealing: bool, open: usize, columns: u16) -> Vec
     lines
 }
 
-fn cut(text: &str, columns: usize) -> String {
-    if width(text) <= columns {
+fn cut(text: &str, columns: u16) -> String {
+    if width(text) <= usize::from(columns) {
         return text.to_owned();
     }
-    let mut short = String::new();
-    for letter in text.chars() {
-        if width(&short) + 4 > columns {
-            break;
-        }
-        short.push(letter);
-    }
-    short + "..."
+    wrap(text, columns.saturating_sub(3)).remove(0) + "..."
 }

@@ -8,7 +8,7 @@ use ratatui::widgets::Widget as _;
 
 use super::theme::{self, dim, marked, strong};
 use super::timeline;
-use crate::draft::Saying;
+use crate::draft::DraftChoice;
 use crate::field::Field;
 use crate::layout::{width, wrap};
 use crate::model::{Mode, Model};
@@ -83,26 +83,26 @@ fn looking(model: &Model, page: &mut Page) {
 fn which(model: &Model, page: &mut Page, style: Style) {
     page.text("Which objects are meant?", style);
     numbers(model, page);
-    let answer = match &model.draft.saying {
+    let answer = match &model.draft.choice {
         _ if !model.draft.typed.is_empty() => format!("{}_", model.draft.typed),
-        Saying::None => "none".to_owned(),
-        Saying::Ambiguous(reason) => format!("ambiguous: {reason}"),
-        Saying::Objects(numbers) => {
+        DraftChoice::None => "none".to_owned(),
+        DraftChoice::Ambiguous(reason) => format!("ambiguous: {reason}"),
+        DraftChoice::Objects(numbers) => {
             numbers.iter().map(ToString::to_string).collect::<Vec<String>>().join(", ")
         }
     };
-    let standing = &model.question().standing;
-    let state = match (&standing.answer, model.is_unsaved()) {
+    let response = &model.question().response;
+    let state = match (&response.answer, model.is_unsaved()) {
         (_, true) => "not saved yet",
         (Some(_), false) => "saved",
-        (None, false) if standing.skipped => "skipped",
+        (None, false) if response.skipped => "skipped",
         (None, false) => "no answer yet",
     };
     page.text(
         &if answer.is_empty() { state.to_owned() } else { format!("{answer} ({state})") },
         Style::new(),
     );
-    match standing.comments.len() {
+    match response.comments.len() {
         0 => {}
         1 => page.text("1 comment", dim()),
         count => page.text(&format!("{count} comments"), dim()),

@@ -10,7 +10,7 @@ pub(super) fn strong() -> Style {
     Style::new().add_modifier(Modifier::BOLD)
 }
 
-/// What is there for those who look for it.
+/// What matters less.
 pub(super) fn dim() -> Style {
     Style::new().add_modifier(Modifier::DIM)
 }

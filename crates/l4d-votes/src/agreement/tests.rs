@@ -1,42 +1,37 @@
 use l4d_data::{Interval, Temporal};
 
 use super::*;
-use crate::fixture::{name, objects, poll};
+use crate::fixture::{meaning, objects, poll, whole};
 use crate::key::Meaning;
-use crate::sheet::Standing;
+use crate::vote::Response;
 
 const FIVE: [&str; 5] = ["ada", "ben", "cho", "dee", "eve"];
 
 fn tabby() -> Meaning {
-    Meaning {
-        referents: BTreeSet::from([name("tabby")]),
-        temporal: Temporal::Whole,
-        frames: vec![Interval::WHOLE],
-        tracks: "0".repeat(64),
-    }
+    meaning(&["tabby"], Temporal::Whole, Interval::WHOLE)
 }
 
-/// One letter an answer: `+` right, `x` and `y` other objects, `0` none, `?` ambiguous, `s` skipped, `.` missing.
-fn answers(letters: &str) -> Vec<Standing> {
-    let standing = |letter: char| {
+/// One letter per answer: `+` right, `x` and `y` other objects, `0` none, `?` ambiguous, `s` skipped, `.` missing.
+fn answers(letters: &str) -> Vec<Response> {
+    let response = |letter: char| {
         let choice = match letter {
             '+' => objects(&["tabby"]),
             'x' => objects(&["ginger"]),
             'y' => objects(&["ginger", "tabby"]),
             '0' => Choice::None,
             '?' => Choice::Ambiguous { reason: format!("{letters} of them") },
-            's' => return Standing { skipped: true, ..Standing::default() },
-            _ => return Standing::default(),
+            's' => return Response { skipped: true, ..Response::default() },
+            _ => return Response::default(),
         };
-        Standing { answer: Some(Answer { choice, frames: Interval::WHOLE }), ..Standing::default() }
+        Response { answer: Some(whole(choice)), ..Response::default() }
     };
-    letters.chars().map(standing).collect()
+    letters.chars().map(response).collect()
 }
 
 fn measured(queries: &[&str]) -> Agreement {
     let queries: Vec<_> = queries.iter().map(|letters| (tabby(), answers(letters))).collect();
-    let (round, key, sheets) = poll(&FIVE, &queries);
-    measure(&round, &key, &sheets)
+    let (round, key, given) = poll(&FIVE, &queries);
+    measure(&round, &key, &given)
 }
 
 #[track_caller]
@@ -99,10 +94,10 @@ fn what_is_undefined_says_so() {
         measured(&["+....", "..x.."]).overall.right.raw.to_string(),
         "undefined (no item has two votes)"
     );
-    let nobody = measured(&["....s"]).overall;
-    assert_eq!(nobody.right.ac1.to_string(), "undefined (no votes)");
-    assert_eq!(nobody.ceiling.to_string(), "undefined (no votes)");
-    assert_eq!((nobody.unanimous.rate(), nobody.unanimous.interval), (None, None));
+    let unanswered = measured(&["....s"]).overall;
+    assert_eq!(unanswered.right.ac1.to_string(), "undefined (no votes)");
+    assert_eq!(unanswered.ceiling.to_string(), "undefined (no votes)");
+    assert_eq!((unanswered.unanimous.rate(), unanswered.unanimous.interval), (None, None));
 }
 
 #[test]
@@ -144,9 +139,9 @@ fn the_file_is_the_same_every_time_and_null_where_undefined() {
     let text = |seed: u64| {
         let queries = ["++++x", "+++xx", "+++++", "xxxxx", "+x+x0", "+0000", "??+++", "++++0", "++++?"];
         let queries: Vec<_> = queries.iter().map(|letters| (tabby(), answers(letters))).collect();
-        let (mut round, key, sheets) = poll(&FIVE, &queries);
-        round.seed = seed;
-        serde_json::to_value(measure(&round, &key, &sheets)).unwrap()
+        let (mut round, key, given) = poll(&FIVE, &queries);
+        round.settings.seed = seed;
+        serde_json::to_value(measure(&round, &key, &given)).unwrap()
     };
     assert_eq!(text(1), text(1));
     assert_ne!(text(1)["overall"]["ceiling"], text(2)["overall"]["ceiling"]);

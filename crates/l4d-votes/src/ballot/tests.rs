@@ -1,18 +1,14 @@
-use std::collections::BTreeSet;
 use std::io;
 use std::sync::{Arc, Mutex};
 
-use l4d_data::Interval;
-
 use super::*;
-use crate::event::Choice;
-use crate::fixture::{items, name, noon, round_of};
+use crate::fixture::{folder, items, name, noon, objects, round_of, whole};
 
 fn round() -> Round {
     round_of(&["ada", "ben"], items("room", &["The cat", "The dog", "The toy"]))
 }
 
-fn open(dir: &RoundDir) -> Result<(Ballot, Vec<Notice>), DataError> {
+fn open(dir: &RoundDir) -> Result<(Ballot, Vec<Finding>), DataError> {
     Ballot::open_at(dir, &round(), &name("ada"), noon)
 }
 
@@ -21,26 +17,19 @@ fn id(number: usize) -> ItemId {
 }
 
 fn choose(object: &str) -> Event {
-    let choice = Choice::Objects(BTreeSet::from([name(object)]));
-    Event::Choose(Answer { choice, frames: Interval::WHOLE })
+    Event::Choose(whole(objects(&[object])))
 }
 
 fn record(ballot: &mut Ballot, number: usize, event: Event) -> Result<(), DataError> {
-    ballot.record(&id(number), event, Seen::default(), Duration::from_millis(900))
+    ballot.record(&id(number), event, ShownFrames::default(), Duration::from_millis(900))
 }
 
 fn chosen(ballot: &Ballot, number: usize) -> Option<String> {
-    ballot.answer(&id(number)).map(|answer| answer.choice.label())
+    ballot.response(&id(number)).unwrap().answer.map(|answer| answer.choice.label())
 }
 
 fn bytes(dir: &RoundDir) -> Vec<u8> {
     fs::read(dir.ballot(&name("ada"))).unwrap()
-}
-
-fn folder() -> (tempfile::TempDir, RoundDir) {
-    let folder = tempfile::tempdir().unwrap();
-    let dir = RoundDir::new(folder.path().join("r1"));
-    (folder, dir)
 }
 
 #[test]
@@ -48,7 +37,7 @@ fn a_ballot_resumes_where_it_was_left() {
     let (_folder, dir) = folder();
     let (mut ballot, notices) = open(&dir).unwrap();
     assert_eq!(notices, []);
-    assert_eq!(ballot.next_open(), ballot.order().first());
+    assert_eq!(ballot.open_count(), 3);
     record(&mut ballot, 1, choose("tabby")).unwrap();
     record(&mut ballot, 2, Event::Skip).unwrap();
     record(&mut ballot, 2, Event::Comment("too dark".to_owned())).unwrap();
@@ -58,9 +47,9 @@ fn a_ballot_resumes_where_it_was_left() {
     let (ballot, notices) = open(&dir).unwrap();
     assert_eq!(notices, []);
     assert_eq!(chosen(&ballot, 1).as_deref(), Some("tabby"));
-    assert_eq!(ballot.skipped(), [&id(2)]);
-    assert_eq!(ballot.comments(&id(2)), ["too dark"]);
-    assert_eq!((ballot.next_open(), ballot.open_count()), (Some(&id(3)), 1));
+    let second = ballot.response(&id(2)).unwrap();
+    assert_eq!((second.skipped, second.comments), (true, vec!["too dark".to_owned()]));
+    assert_eq!(ballot.open_count(), 1);
     assert_eq!(ballot.undoable(), Some(&id(2)));
 }
 
@@ -94,7 +83,7 @@ fn two_windows_of_one_annotator_refuse_each_other() {
 }
 
 #[test]
-fn somebody_else_is_told_who_may_vote() {
+fn an_unknown_annotator_gets_the_list_of_those_who_may_vote() {
     let (_folder, dir) = folder();
     let error = Ballot::open(&dir, &round(), &name("eve")).unwrap_err();
     assert!(error.to_string().contains("does not name `eve`"), "{error}");
@@ -198,11 +187,9 @@ fn a_seal_looks_at_the_file_again() {
 fn unknown_items_and_odd_remarks_are_refused() {
     let (_folder, dir) = folder();
     let (mut ballot, _) = open(&dir).unwrap();
-    for (number, event) in [
-        (9, Event::Skip),
-        (1, Event::Comment(" ".to_owned())),
-        (1, Event::Choose(Answer { choice: Choice::Objects(BTreeSet::new()), frames: Interval::WHOLE })),
-    ] {
+    for (number, event) in
+        [(9, Event::Skip), (1, Event::Comment(" ".to_owned())), (1, Event::Choose(whole(objects(&[]))))]
+    {
         assert!(record(&mut ballot, number, event).is_err());
     }
     assert_eq!(bytes(&dir), b"");
@@ -231,9 +218,9 @@ struct Disk {
 }
 
 #[derive(Debug, Clone, Default)]
-struct FlakyJournal(Arc<Mutex<Disk>>);
+struct FlakyFile(Arc<Mutex<Disk>>);
 
-impl FlakyJournal {
+impl FlakyFile {
     fn disk(&self) -> std::sync::MutexGuard<'_, Disk> {
         self.0.lock().unwrap()
     }
@@ -246,7 +233,7 @@ impl FlakyJournal {
     }
 }
 
-impl Journal for FlakyJournal {
+impl LogFile for FlakyFile {
     fn is_intact(&self, length: u64) -> bool {
         self.disk().bytes.len() as u64 == length
     }
@@ -278,120 +265,68 @@ impl Journal for FlakyJournal {
 
 #[test]
 fn a_vote_that_cannot_be_written_is_not_taken_wherever_the_disk_fails() {
-    let journal = FlakyJournal::default();
-    let mut ballot = journal.open();
+    let file = FlakyFile::default();
+    let mut ballot = file.open();
     record(&mut ballot, 1, choose("tabby")).unwrap();
-    let before = journal.disk().bytes.clone();
+    let before = file.disk().bytes.clone();
     // 0: nothing arrives; the whole line and its newline arrive, and only the sync fails.
     for arrives in 0..500 {
-        journal.disk().append_fails_after = Some(arrives);
+        file.disk().append_fails_after = Some(arrives);
         let error = record(&mut ballot, 2, choose("rex")).unwrap_err();
         assert!(error.to_string().contains("does not count"), "{error}");
         assert!(error.hint().unwrap().contains("free some disk space"));
-        assert_eq!(journal.disk().bytes, before, "{arrives} bytes");
+        assert_eq!(file.disk().bytes, before, "{arrives} bytes");
         assert_eq!(chosen(&ballot, 2), None);
         let seal = ballot.seal();
         assert!(seal.is_err() && !ballot.is_sealed());
     }
-    journal.disk().append_fails_after = None;
+    file.disk().append_fails_after = None;
     record(&mut ballot, 2, choose("rex")).unwrap();
-    let again = journal.open();
+    let again = file.open();
     assert_eq!((chosen(&again, 1).as_deref(), chosen(&again, 2).as_deref()), (Some("tabby"), Some("rex")));
 }
 
 #[test]
 fn a_seal_that_cannot_be_written_is_no_seal() {
-    let journal = FlakyJournal::default();
-    let mut ballot = journal.open();
+    let file = FlakyFile::default();
+    let mut ballot = file.open();
     for number in 1..=3 {
         record(&mut ballot, number, Event::Skip).unwrap();
     }
-    journal.disk().append_fails_after = Some(40);
+    file.disk().append_fails_after = Some(40);
     assert!(ballot.seal().is_err());
-    journal.disk().append_fails_after = None;
+    file.disk().append_fails_after = None;
     record(&mut ballot, 1, choose("tabby")).unwrap();
     ballot.seal().unwrap();
-    assert!(journal.open().is_sealed());
+    assert!(file.open().is_sealed());
 }
 
 #[test]
 fn a_ballot_that_cannot_even_be_cut_back_refuses_everything_until_it_is_opened_anew() {
-    let journal = FlakyJournal::default();
-    let mut ballot = journal.open();
+    let file = FlakyFile::default();
+    let mut ballot = file.open();
     record(&mut ballot, 1, choose("tabby")).unwrap();
-    let before = journal.disk().bytes.clone();
-    journal.disk().append_fails_after = Some(30);
-    journal.disk().cut_fails = true;
+    let before = file.disk().bytes.clone();
+    file.disk().append_fails_after = Some(30);
+    file.disk().cut_fails = true;
     assert!(record(&mut ballot, 2, choose("rex")).is_err());
-    assert_eq!(journal.disk().bytes.len(), before.len() + 30);
-    journal.disk().append_fails_after = None;
-    journal.disk().cut_fails = false;
+    assert_eq!(file.disk().bytes.len(), before.len() + 30);
+    file.disk().append_fails_after = None;
+    file.disk().cut_fails = false;
     let error = record(&mut ballot, 3, choose("rex")).unwrap_err().to_string();
     assert!(error.contains("neither be written nor cut off"), "{error}");
     drop(ballot);
-    let again = journal.open();
+    let again = file.open();
     assert_eq!((chosen(&again, 1).as_deref(), chosen(&again, 2)), (Some("tabby"), None));
-    assert_eq!(journal.disk().bytes, before);
+    assert_eq!(file.disk().bytes, before);
 }
 
-/// `/dev/full` takes no byte and cannot be cut back: the real thing behind the test above.
+/// `/dev/full` takes no byte and cannot be cut back: the real thing behind the tests above.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_device_that_is_full_takes_no_vote() {
     let path = PathBuf::from("/dev/full");
     let file = OpenOptions::new().read(true).write(true).open(&path).unwrap();
-    let mut journal = FileJournal::new(file, path);
-    let error = journal.append(0, b"{}\n").unwrap_err();
+    let error = LockedFile::new(file, path).append(0, b"{}\n").unwrap_err();
     assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-}
-
-/// A disk of 64 KiB in a namespace of its own, filled up: this test runs itself again inside.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_takes_no_vote_and_loses_none() {
-    const INSIDE: &str = "L4D_TEST_FULL_DISK";
-    if let Some(disk) = std::env::var_os(INSIDE) {
-        return vote_until_full(Path::new(&disk));
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let test = std::env::current_exe().unwrap();
-    let output = std::process::Command::new("unshare")
-        .args(["--user", "--map-root-user", "--mount", "sh", "-c"])
-        .arg("mount -t tmpfs -o size=64k none \"$0\" || exit 77; exec \"$1\" --exact --nocapture \"$2\"")
-        .arg(folder.path())
-        .arg(&test)
-        .arg("ballot::tests::a_full_disk_takes_no_vote_and_loses_none")
-        .env(INSIDE, folder.path())
-        .output();
-    match output {
-        Ok(output) if output.status.success() => {
-            let said = String::from_utf8_lossy(&output.stdout).into_owned();
-            assert!(said.contains("1 passed") && said.contains("the disk was full"), "{said}");
-        }
-        Ok(output) if output.status.code() == Some(101) => {
-            panic!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-        }
-        other => eprintln!("not tested on a full disk: this machine allows no mount of its own ({other:?})"),
-    }
-}
-
-#[cfg(target_os = "linux")]
-fn vote_until_full(disk: &Path) {
-    let dir = RoundDir::new(disk.join("r1"));
-    let (mut ballot, _) = open(&dir).unwrap();
-    let mut taken = 0;
-    let error = loop {
-        match record(&mut ballot, 1, choose(&format!("object_{taken}"))) {
-            Ok(()) => taken += 1,
-            Err(error) => break error,
-        }
-        assert!(taken < 1000, "the disk never fills");
-    };
-    assert!(error.hint().unwrap().contains("disk space"), "{error}");
-    let last = format!("object_{}", taken - 1);
-    assert_eq!(chosen(&ballot, 1).as_ref(), Some(&last));
-    drop(ballot);
-    let (ballot, notices) = open(&dir).unwrap();
-    assert_eq!((notices, chosen(&ballot, 1).as_ref()), (Vec::new(), Some(&last)));
-    println!("the disk was full after {taken} votes");
 }

@@ -1,9 +1,11 @@
 use std::fs;
 
+use l4d_data::Query;
+
 use super::*;
-use crate::fixture::{copy_of_one_scene, interval, name, objects};
-use crate::make::{RoundPlan, make_round, write_round};
-use crate::round::Gold;
+use crate::draw::draw_round;
+use crate::fixture::{copy_of_one_scene, interval, meaning, name, objects, settings, whole};
+use crate::round::{Gold, RoundSettings};
 
 const SCENE: &str = "room_living_cats";
 
@@ -19,51 +21,37 @@ fn kit() -> Kit {
     let folder = tempfile::tempdir().unwrap();
     let bench = copy_of_one_scene(&folder.path().join("bench"), SCENE);
     let dir = RoundDir::new(folder.path().join("r1"));
-    let plan = RoundPlan {
-        name: name("r1"),
-        title: String::new(),
-        profile: l4d_data::Profile::Tiny,
-        seed: 3,
-        annotators: vec![name("ada")],
-        rule: "unanimous:1".parse().unwrap(),
-        frames: FrameRule::Any,
-        simulated: true,
-        views: 1,
-        repeats: 2,
-        gold: Gold { absent: 1, vague: 1, ..Gold::default() },
-        scenes: vec![name(SCENE)],
-        composites: true,
-        only: None,
-    };
-    let (round, key) = make_round(&plan, &bench).unwrap();
-    write_round(&dir, &round, &key).unwrap();
+    let gold = Gold { absent: 1, vague: 1, ..Gold::default() };
+    let settings = RoundSettings { seed: 3, repeats: 2, gold, ..settings(&["ada"]) };
+    let scene = name(SCENE);
+    let all = [bench.queries(&scene).unwrap(), bench.composites(&scene).unwrap()].concat();
+    let asked = all.into_iter().map(|query| query.id).collect();
+    let (round, key) = draw_round(settings, &[scene], &asked, &bench).unwrap();
+    round.write(&dir, &key).unwrap();
     let round = Round::open(&dir).unwrap();
     Kit { _folder: folder, bench, dir, round, key }
 }
 
-fn item_of(key: &Key, is_meant: impl Fn(&Behind) -> bool) -> ItemId {
-    key.entries().iter().find(|(_, behind)| is_meant(behind)).unwrap().0.clone()
+fn item_of(key: &Key, is_meant: impl Fn(&ItemSource) -> bool) -> ItemId {
+    key.entries().iter().find(|(_, source)| is_meant(source)).unwrap().0.clone()
 }
 
 #[test]
-fn nothing_is_stale_before_anything_changes() {
+fn nothing_changes_before_anything_is_edited() {
     let Kit { bench, round, key, _folder, .. } = kit();
-    let current = current_digests(&round, &key, &bench).unwrap();
-    let asked: BTreeMap<ItemId, String> =
-        round.items.iter().map(|item| (item.id.clone(), item.digest.clone())).collect();
-    assert_eq!(current, asked);
+    let all = changes(&round, &key, &bench).unwrap();
+    assert!(all.len() == round.items.len() && all.values().all(|change| *change == Change::No), "{all:?}");
 }
 
-/// What of the round no longer has its digest after an edit of a file.
+/// What of the round changed with an edit of a file.
 fn changed(kit: &Kit, path: &std::path::Path, edit: impl Fn(&str) -> String) -> Vec<ItemId> {
     let before = fs::read_to_string(path).unwrap();
     let after = edit(&before);
     assert_ne!(before, after);
     fs::write(path, after).unwrap();
-    let current = current_digests(&kit.round, &kit.key, &kit.bench).unwrap();
+    let all = changes(&kit.round, &kit.key, &kit.bench).unwrap();
     fs::write(path, before).unwrap();
-    let is_changed = |item: &&Item| current.get(&item.id) != Some(&item.digest);
-    kit.round.items.iter().filter(is_changed).map(|item| item.id.clone()).collect()
+    all.into_iter().filter(|(_, change)| *change != Change::No).map(|(id, _)| id).collect()
 }
 
 #[test]
@@ -71,10 +59,11 @@ fn edits_of_text_referents_time_and_scene_change_the_digest_and_status_does_not(
     let kit = kit();
     let path = kit.bench.dir.queries(SCENE);
     let first: QueryId = format!("{SCENE}/001").parse().unwrap();
-    let asks_first = |behind: &Behind| matches!(behind, Behind::Query { query, .. } if *query == first);
+    let asks_first =
+        |source: &ItemSource| matches!(source, ItemSource::Query { query, .. } if *query == first);
     let mut expected = vec![item_of(&kit.key, asks_first)];
-    let again = |behind: &Behind| matches!(behind, Behind::Repeat { of } if *of == expected[0]);
-    let repeat = kit.key.entries().iter().find(|(_, behind)| again(behind)).map(|(id, _)| id.clone());
+    let again = |source: &ItemSource| matches!(source, ItemSource::Repeat { of } if *of == expected[0]);
+    let repeat = kit.key.entries().iter().find(|(_, source)| again(source)).map(|(id, _)| id.clone());
     expected.extend(repeat);
 
     let edit = |change: &dyn Fn(&mut Query)| {
@@ -106,7 +95,7 @@ fn edits_of_text_referents_time_and_scene_change_the_digest_and_status_does_not(
 fn a_scene_that_left_the_benchmark_is_gone() {
     let Kit { mut bench, round, key, _folder, .. } = kit();
     bench.manifest.scenes.clear();
-    assert!(current_digests(&round, &key, &bench).unwrap().is_empty());
+    assert!(changes(&round, &key, &bench).unwrap().values().all(|change| *change == Change::Gone));
 }
 
 #[test]
@@ -124,7 +113,7 @@ fn a_key_that_was_edited_does_not_fit() {
         (good.replace("[[0,96]]", "[[0,95]]"), "does not fit the digest"),
         (good.replacen("\"cat_player\"", "\"cat_walker\"", 1), "does not fit the digest"),
         (good.replacen(first, "", 1), "is missing"),
-        (format!("{good}{first}\n"), "stands there twice"),
+        (format!("{good}{first}\n"), "is listed twice"),
         (good.replacen("\"q0001\"", "\"q0999\"", 1), "q0999: the round does not ask it"),
         (good.replacen("\"kind\":\"query\"", "\"kind\":\"guess\"", 1), "line"),
         (good.replacen(query, &query.replace(&format!("{SCENE}/"), "room_gym/"), 1), "another scene"),
@@ -140,12 +129,8 @@ fn a_key_that_was_edited_does_not_fit() {
 
 #[test]
 fn only_a_sentence_that_is_bound_to_a_time_asks_for_frames() {
-    let mut meaning = Meaning {
-        referents: BTreeSet::from([name("a"), name("b")]),
-        temporal: Temporal::While,
-        frames: vec![interval(0, 12), interval(50, 80)],
-        tracks: String::new(),
-    };
+    let mut meaning = meaning(&["a", "b"], Temporal::While, interval(0, 12));
+    meaning.frames.push(interval(50, 80));
     let answer = |names: &[&str], frames| Answer { choice: objects(names), frames };
     let mark = |meaning: &Meaning, answer| meaning.mark(&answer, FrameRule::Any);
     assert_eq!(mark(&meaning, answer(&["b", "a"], interval(70, 96))), Mark::Right);
@@ -159,22 +144,23 @@ fn only_a_sentence_that_is_bound_to_a_time_asks_for_frames() {
 #[test]
 fn controls_know_their_right_answers() {
     let Kit { key, .. } = kit();
-    let say = |choice| Answer { choice, frames: Interval::WHOLE };
-    let ambiguous = || say(Choice::Ambiguous { reason: "three".to_owned() });
-    for behind in key.entries().values() {
-        match behind {
-            Behind::Absent { .. } => {
-                assert_eq!(behind.gold(&say(Choice::None)), Some(true));
-                assert_eq!(behind.gold(&ambiguous()), Some(false));
-                assert_eq!(behind.gold(&say(objects(&["cat_player"]))), Some(false));
+    let ambiguous = || whole(Choice::Ambiguous { reason: "three".to_owned() });
+    for source in key.entries().values() {
+        match source {
+            ItemSource::Absent { .. } => {
+                assert_eq!(source.gold(&whole(Choice::None)), Some(true));
+                assert_eq!(source.gold(&ambiguous()), Some(false));
+                assert_eq!(source.gold(&whole(objects(&["cat_player"]))), Some(false));
             }
-            Behind::Vague { meaning, .. } => {
-                assert_eq!(behind.gold(&ambiguous()), Some(true));
-                assert_eq!(behind.gold(&say(Choice::Objects(meaning.referents.clone()))), Some(true));
-                assert_eq!(behind.gold(&say(Choice::None)), Some(false));
-                assert_eq!(behind.gold(&say(objects(&["cat_player"]))), Some(false));
+            ItemSource::Vague { meaning, .. } => {
+                assert_eq!(source.gold(&ambiguous()), Some(true));
+                assert_eq!(source.gold(&whole(Choice::Objects(meaning.referents.clone()))), Some(true));
+                assert_eq!(source.gold(&whole(Choice::None)), Some(false));
+                assert_eq!(source.gold(&whole(objects(&["cat_player"]))), Some(false));
             }
-            Behind::Query { .. } | Behind::Repeat { .. } => assert_eq!(behind.gold(&ambiguous()), None),
+            ItemSource::Query { .. } | ItemSource::Repeat { .. } => {
+                assert_eq!(source.gold(&ambiguous()), None)
+            }
         }
     }
 }

@@ -1,12 +1,11 @@
 use std::time::Duration;
 
+use l4d_data::Finding;
 use l4d_data::digest::sha256_hex;
-use l4d_data::{Finding, Interval};
 
 use super::*;
-use crate::event::{Answer, Choice, Event, Seen};
-use crate::fixture::{items, name, noon, round_of};
-use crate::line::Place;
+use crate::fixture::{items, name, noon, round_of, whole};
+use crate::vote::{Choice, Event, ShownFrames};
 
 /// A log of `ada` in `r1`, written line by line without a [`crate::Ballot`].
 #[derive(Default)]
@@ -15,13 +14,14 @@ struct Log {
 }
 
 impl Log {
-    fn with(mut self, change: impl FnOnce(&mut Place), act: Act) -> Self {
+    /// Adds a line that claims to be of another log, number or time.
+    fn with(mut self, change: impl FnOnce(&mut (Name, Name, u64, SystemTime)), act: Act) -> Self {
         let seq = self.lines.len() as u64;
         let prev = self.lines.last().map_or_else(|| NO_LINE.to_owned(), |line| digest_of(line));
-        let at = noon() + Duration::from_secs(seq);
-        let mut place = Place { round: name("r1"), annotator: name("ada"), seq, at, prev };
+        let mut place = (name("r1"), name("ada"), seq, noon() + Duration::from_secs(seq));
         change(&mut place);
-        self.lines.push(Line::new(place, act).to_bytes());
+        let (round, annotator, seq, at) = place;
+        self.lines.push(Line::new((&round, &annotator), seq, at, &prev, act).to_bytes());
         self
     }
 
@@ -55,11 +55,11 @@ fn replay_bytes(bytes: &[u8]) -> Replay {
 fn on(item: &str, event: Event) -> Act {
     let id: ItemId = item.parse().unwrap();
     let digest = round().item(&id).map_or_else(String::new, |item| item.digest.clone());
-    Act::On { item: id, order: 1, digest, event, seen: Seen::default(), elapsed: Duration::ZERO }
+    Act::On { item: id, order: 1, digest, event, seen: ShownFrames::default(), elapsed: Duration::ZERO }
 }
 
 fn choose(item: &str) -> Act {
-    on(item, Event::Choose(Answer { choice: Choice::None, frames: Interval::WHOLE }))
+    on(item, Event::Choose(whole(Choice::None)))
 }
 
 fn findings(replay: &Replay) -> Vec<Finding> {
@@ -72,10 +72,7 @@ fn codes_and_places(replay: &Replay) -> Vec<(&'static str, String)> {
 
 fn answers(replay: &Replay) -> [bool; 2] {
     let round = round();
-    [0, 1].map(|index| {
-        let item = &round.items[index];
-        replay.ledger.answer(&item.id, &item.digest).is_some()
-    })
+    [0, 1].map(|index| replay.history.response(&round.items[index]).answer.is_some())
 }
 
 #[test]
@@ -140,15 +137,15 @@ fn removed_inserted_and_swapped_lines_are_edits() {
 
 #[test]
 fn a_line_that_skips_a_number_is_an_edit() {
-    let replay = Log::default().then(choose("q0001")).with(|place| place.seq = 5, choose("q0002")).replay();
+    let replay = Log::default().then(choose("q0001")).with(|place| place.2 = 5, choose("q0002")).replay();
     assert_eq!(replay.edited.map(|(line, _)| line), Some(2));
 }
 
 #[test]
 fn lines_about_something_else_are_left_out_one_by_one() {
     let replay = Log::default()
-        .with(|place| place.round = name("r2"), choose("q0001"))
-        .with(|place| place.annotator = name("ben"), choose("q0001"))
+        .with(|place| place.0 = name("r2"), choose("q0001"))
+        .with(|place| place.1 = name("ben"), choose("q0001"))
         .then(choose("q0009"))
         .then(on("q0001", Event::Undo))
         .then(choose("q0002"))
@@ -163,7 +160,7 @@ fn lines_about_something_else_are_left_out_one_by_one() {
 fn a_clock_that_goes_backwards_is_said_and_forgiven() {
     let replay = Log::default()
         .then(choose("q0001"))
-        .with(|place| place.at = noon() - Duration::from_secs(60), choose("q0002"))
+        .with(|place| place.3 = noon() - Duration::from_secs(60), choose("q0002"))
         .then(on("q0002", Event::Skip))
         .replay();
     assert_eq!(answers(&replay), [true, false]);
@@ -208,11 +205,9 @@ fn a_seal_that_does_not_fit_seals_nothing() {
 }
 
 #[test]
-fn garbage_costs_neither_time_nor_memory_and_reaches_no_terminal() {
-    let start = std::time::Instant::now();
+fn garbage_is_read_no_further_than_its_first_line_and_reaches_no_terminal() {
     let replay = replay_bytes(&vec![b'\n'; 64 << 20]);
     assert_eq!((replay.edited.map(|(line, _)| line), replay.lines), (Some(1), 0));
-    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
     let deep = format!("{}\n", "[".repeat(1 << 20));
     assert!(replay_bytes(deep.as_bytes()).edited.is_some());
     let escape = format!("{{\"v\":1,\"seq\":0,\"prev\":\"{NO_LINE}\",\"\\u001b[2J\":0}}\n");

@@ -1,5 +1,5 @@
 use super::*;
-use crate::fixture::{items, round_of, settings};
+use crate::fixture::items;
 
 const GOOD: &str = r#"
 schema = "l4d/round/1"
@@ -54,7 +54,7 @@ fn settings_that_cannot_be_are_refused_by_field() {
         ("\"r1\"", "\"r2\"", "field `name`"),
         ("\"r1\"", "\"../r1\"", "is not a name"),
         ("A test", "A\\u001b[2J", "field `title`"),
-        ("\"ben\"", "\"Ada\"", "names somebody twice"),
+        ("\"ben\"", "\"Ada\"", "names one annotator twice"),
         ("unanimous:2", "unanimous:5", "are 2, but the rule `unanimous:5` is about 5"),
         ("unanimous:2", "most", "is not a rule"),
         ("views = 3", "views = 0", "field `views`"),
@@ -81,7 +81,7 @@ fn what_a_file_holds_does_not_reach_the_terminal() {
 fn items_that_cannot_be_are_refused_by_name() {
     let good = lines(&two_items());
     for (from, to, expected) in [
-        ("q0002", "q0001", "item q0001: stands there twice"),
+        ("q0002", "q0001", "item q0001: is listed twice"),
         ("q0002", "r0002", "is not an item"),
         ("The dog", " ", "field `text`"),
         ("The dog", "\\u001b]0;x", "field `text`"),
@@ -108,12 +108,4 @@ fn an_unknown_round_is_told_from_the_known_ones() {
     let error = Round::open(&RoundDir::new(folder.path().join("r2"))).unwrap_err();
     assert!(error.to_string().contains("no such round"), "{error}");
     assert_eq!(error.hint().as_deref(), Some("choose among r1"));
-}
-
-#[test]
-fn settings_come_back_from_a_round() {
-    let round = round_of(&["ada", "ben"], two_items());
-    assert_eq!(round.settings(), settings(&["ada", "ben"]));
-    let text = toml::to_string(&round.settings()).unwrap();
-    assert_eq!(toml::from_str::<Settings>(&text).unwrap(), round.settings());
 }

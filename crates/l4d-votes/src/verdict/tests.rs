@@ -1,98 +1,69 @@
-use l4d_data::Temporal;
+use l4d_data::{Interval, Temporal};
 
 use super::*;
-use crate::fixture::{interval, name, objects, poll};
+use crate::fixture::{interval, meaning, name, objects, poll, whole};
 
 /// The verdict on one query that means `tabby` while frames 40 to 60, if these are the answers.
-fn one(rule: &str, answers: &[Standing]) -> ItemVerdict {
+fn one(rule: &str, answers: Vec<Response>) -> ItemVerdict {
     let names = ["ada", "ben", "cho", "dee", "eve"];
-    let meaning = Meaning {
-        referents: BTreeSet::from([name("tabby")]),
-        temporal: Temporal::While,
-        frames: vec![interval(40, 60)],
-        tracks: "0".repeat(64),
-    };
-    let (mut round, key, sheets) = poll(&names[..answers.len()], &[(meaning, answers.to_vec())]);
-    round.rule = rule.parse().unwrap();
-    let current = round.items.iter().map(|item| (item.id.clone(), item.digest.clone())).collect();
-    judge(&round, &key, &sheets, &current).items.remove(0)
+    let tabby = meaning(&["tabby"], Temporal::While, interval(40, 60));
+    let (mut round, key, given) = poll(&names[..answers.len()], &[(tabby, answers)]);
+    round.settings.rule = rule.parse().unwrap();
+    judge(&round, &key, &given, &BTreeMap::new()).items.remove(0)
 }
 
-fn said(choice: Choice) -> Standing {
-    Standing { answer: Some(Answer { choice, frames: Interval::WHOLE }), ..Standing::default() }
-}
-
-fn right() -> Standing {
-    said(objects(&["tabby"]))
-}
-
-#[test]
-fn all_five_must_choose_exactly_what_is_meant() {
-    let verdict = one("unanimous:5", &[right(), right(), right(), right(), right()]);
-    assert_eq!((verdict.outcome, verdict.pattern().as_str()), (Outcome::Valid, "+++++"));
-    assert!(verdict.reasons.is_empty());
+/// What an annotator says so that this is its letter in the pattern; `X` is one object too many.
+fn response(letter: char) -> Response {
+    let said = |choice| Response { answer: Some(whole(choice)), ..Response::default() };
     let late = Answer { frames: interval(61, 96), choice: objects(&["tabby"]) };
-    let wrong = [
-        (said(objects(&["ginger"])), "++++x", "eve chose ginger"),
-        (said(objects(&["ginger", "tabby"])), "++++x", "eve chose ginger, tabby"),
-        (said(Choice::None), "++++0", "eve found nothing that fits"),
-        (said(Choice::Ambiguous { reason: "two sit".into() }), "++++?", "eve called it ambiguous: two sit"),
-        (
-            Standing { answer: Some(late), ..Standing::default() },
-            "++++t",
-            "eve chose the objects meant, at frames 61 to 96",
-        ),
-    ];
-    for (standing, pattern, reason) in wrong {
-        let verdict = one("unanimous:5", &[right(), right(), right(), right(), standing]);
-        assert_eq!((verdict.outcome, verdict.pattern().as_str()), (Outcome::Rejected, pattern));
-        assert_eq!(verdict.reasons, [reason]);
+    match letter {
+        '+' => said(objects(&["tabby"])),
+        'x' => said(objects(&["ginger"])),
+        'X' => said(objects(&["ginger", "tabby"])),
+        '0' => said(Choice::None),
+        '?' => said(Choice::Ambiguous { reason: "two sit".into() }),
+        't' => Response { answer: Some(late), ..Response::default() },
+        's' => Response { skipped: true, ..Response::default() },
+        '~' => Response { stale: response('+').answer, ..Response::default() },
+        _ => Response::default(),
     }
 }
 
 #[test]
-fn a_majority_still_needs_every_answer() {
-    let wrong = || said(Choice::None);
-    assert_eq!(one("majority:3/5", &[right(), wrong(), right(), wrong(), right()]).outcome, Outcome::Valid);
-    assert_eq!(
-        one("majority:3/5", &[right(), wrong(), right(), wrong(), wrong()]).outcome,
-        Outcome::Rejected
-    );
-    let missing = one("majority:3/5", &[right(), right(), right(), right(), Standing::default()]);
-    assert_eq!((missing.outcome, missing.counted(), missing.right()), (Outcome::Incomplete, 4, 4));
-    assert_eq!(missing.reasons, ["eve has not answered"]);
-}
-
-#[test]
-fn a_skip_is_no_answer() {
-    let skip = Standing { skipped: true, ..Standing::default() };
-    let verdict = one("unanimous:2", &[right(), skip]);
-    assert_eq!((verdict.outcome, verdict.pattern().as_str()), (Outcome::Incomplete, "+s"));
-    assert_eq!(verdict.reasons, ["ben skipped it"]);
-}
-
-#[test]
-fn an_answer_to_earlier_words_is_kept_and_not_counted() {
-    let stale = Standing { stale: right().answer, ..Standing::default() };
-    let verdict = one("unanimous:2", &[right(), stale]);
-    assert_eq!((verdict.outcome, verdict.pattern().as_str(), verdict.counted()), (Outcome::Stale, "+~", 1));
-    assert_eq!(verdict.votes[1].answer, right().answer);
+fn the_outcome_follows_from_the_rule_and_the_marks() {
+    let unanimous = "unanimous:5";
+    let majority = "majority:3/5";
+    for (rule, letters, outcome, reason) in [
+        (unanimous, "+++++", Outcome::Valid, None),
+        (unanimous, "++++x", Outcome::Rejected, Some("eve chose ginger")),
+        (unanimous, "++++X", Outcome::Rejected, Some("eve chose ginger, tabby")),
+        (unanimous, "++++0", Outcome::Rejected, Some("eve found nothing that fits")),
+        (unanimous, "++++?", Outcome::Rejected, Some("eve called it ambiguous: two sit")),
+        (unanimous, "++++t", Outcome::Rejected, Some("eve chose the objects meant, at frames 61 to 96")),
+        (majority, "+0+0+", Outcome::Valid, Some("dee found nothing that fits")),
+        (majority, "+0+00", Outcome::Rejected, Some("eve found nothing that fits")),
+        // A majority still needs every answer.
+        (majority, "++++.", Outcome::Incomplete, Some("eve has not answered")),
+        ("unanimous:2", "+s", Outcome::Incomplete, Some("ben skipped it")),
+        ("unanimous:2", "+~", Outcome::Stale, Some("ben answered an earlier wording or scene")),
+    ] {
+        let verdict = one(rule, letters.chars().map(response).collect());
+        assert_eq!((verdict.outcome, verdict.pattern()), (outcome, letters.replace('X', "x")));
+        assert_eq!(verdict.reasons.last().map(String::as_str), reason);
+        let counted = letters.len() - letters.chars().filter(|letter| ".s~".contains(*letter)).count();
+        assert_eq!((verdict.counted(), verdict.right()), (counted, letters.matches('+').count()));
+    }
+    let stale = one("unanimous:2", vec![response('+'), response('~')]);
+    assert_eq!(stale.votes[1].answer, response('+').answer);
 }
 
 #[test]
 fn a_query_that_changed_or_went_is_stale_whatever_was_said() {
-    let meaning = || Meaning {
-        referents: BTreeSet::from([name("tabby")]),
-        temporal: Temporal::Whole,
-        frames: vec![Interval::WHOLE],
-        tracks: "0".repeat(64),
-    };
-    let (round, key, sheets) =
-        poll(&["ada"], &[(meaning(), vec![right()]), (meaning(), vec![right()]), (meaning(), vec![right()])]);
-    let ids: Vec<ItemId> = round.items.iter().map(|item| item.id.clone()).collect();
-    let current =
-        BTreeMap::from([(ids[0].clone(), round.items[0].digest.clone()), (ids[1].clone(), "f".repeat(64))]);
-    let verdicts = judge(&round, &key, &sheets, &current);
+    let tabby = || (meaning(&["tabby"], Temporal::Whole, Interval::WHOLE), vec![response('+')]);
+    let (round, key, given) = poll(&["ada"], &[tabby(), tabby(), tabby()]);
+    let ids = round.items.iter().map(|item| item.id.clone());
+    let changes = ids.zip([Change::No, Change::Edited, Change::Gone]).collect();
+    let verdicts = judge(&round, &key, &given, &changes);
     let outcomes: Vec<Outcome> = verdicts.items.iter().map(|verdict| verdict.outcome).collect();
     assert_eq!(outcomes, [Outcome::Valid, Outcome::Stale, Outcome::Stale]);
     assert_eq!(verdicts.items[2].reasons, ["the query is gone since the round was opened"]);
@@ -103,24 +74,18 @@ fn a_query_that_changed_or_went_is_stale_whatever_was_said() {
 
 #[test]
 fn one_annotator_does_not_count_for_two() {
-    let meaning = Meaning {
-        referents: BTreeSet::from([name("tabby")]),
-        temporal: Temporal::Whole,
-        frames: vec![Interval::WHOLE],
-        tracks: "0".repeat(64),
-    };
-    let (round, key, mut sheets) = poll(&["ada", "ben"], &[(meaning, vec![right(), right()])]);
-    sheets[1].annotator = name("ada");
-    sheets.push(Sheet { annotator: name("eve"), ..sheets[0].clone() });
-    let current = BTreeMap::from([(round.items[0].id.clone(), round.items[0].digest.clone())]);
-    let verdicts = judge(&round, &key, &sheets, &current);
+    let tabby = meaning(&["tabby"], Temporal::Whole, Interval::WHOLE);
+    let (round, key, mut given) = poll(&["ada", "ben"], &[(tabby, vec![response('+'), response('+')])]);
+    given[1].annotator = name("ada");
+    given.push(Responses { annotator: name("eve"), ..given[0].clone() });
+    let verdicts = judge(&round, &key, &given, &BTreeMap::new());
     assert_eq!((verdicts.items[0].pattern().as_str(), verdicts.is_final), ("+.", false));
-    let error = require_sealed(round.dir(), &round, &sheets).unwrap_err();
+    let error = require_sealed(round.dir(), &round, &given).unwrap_err();
     assert!(error.to_string().contains("not sealed yet: ben"), "{error}");
 }
 
 #[test]
 fn letters_tell_marks_apart() {
-    let letters: BTreeSet<char> = Mark::ALL.into_iter().map(Mark::letter).collect();
+    let letters: std::collections::BTreeSet<char> = Mark::ALL.into_iter().map(Mark::letter).collect();
     assert_eq!(letters.len(), Mark::ALL.len());
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
 use l4d_data::{Benchmark, QueryId};
-use l4d_votes::record::Change;
+use l4d_votes::key::Change;
 use l4d_votes::verdict::{ItemVerdict, Outcome};
 
 use crate::cli::annotation::OpenRoundArgs;

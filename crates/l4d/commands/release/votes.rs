@@ -57,8 +57,8 @@ fn queries(bench: &Benchmark) -> Result<Vec<QueryId>> {
 
 /// The round as it was pronounced, agreement before anything was left out.
 fn facts(judged: &Judged) -> Round {
-    let Judged { round, key, sheets, verdicts, .. } = judged;
-    let overall = measure(round, key, sheets).overall;
+    let Judged { round, key, responses, verdicts, .. } = judged;
+    let overall = measure(round, key, responses).overall;
     Round {
         name: round.name.to_string(),
         rule: round.rule.to_string(),

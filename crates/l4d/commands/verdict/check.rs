@@ -4,7 +4,7 @@ use anyhow::Result;
 use l4d_data::store::read_bounded;
 use l4d_data::{Benchmark, Report};
 use l4d_votes::agreement::measure;
-use l4d_votes::record::{agreement_json, verdicts_csv};
+use l4d_votes::files::{agreement_json, verdicts_csv};
 
 use super::judged::Judged;
 use super::status::{self, Change};

@@ -5,17 +5,17 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Finding, Name};
-use l4d_votes::key::current_digests;
-use l4d_votes::record::{Change, remembered};
+use l4d_votes::files::remembered;
+use l4d_votes::key::{Change, changes};
 use l4d_votes::verdict::{Verdicts, judge, require_sealed};
-use l4d_votes::{ItemId, Key, Round, RoundDir, Sheet, sheet};
+use l4d_votes::{ItemId, Key, Responses, Round, RoundDir, read_responses};
 
 /// A judged round.
 pub(crate) struct Judged {
     pub(crate) dir: RoundDir,
     pub(crate) round: Round,
     pub(crate) key: Key,
-    pub(crate) sheets: Vec<Sheet>,
+    pub(crate) responses: Vec<Responses>,
     /// What has changed until now.
     pub(crate) changes_now: BTreeMap<ItemId, Change>,
     /// What had changed when the verdict was pronounced; if it was not yet, what has changed now.
@@ -35,17 +35,16 @@ impl Judged {
         let dir = RoundDir::new(rounds.join(name.as_str()));
         let round = Round::open(&dir)?;
         let key = Key::read(&dir, &round)?;
-        let (sheets, notices) = sheet::read_all(&dir, &round)?;
-        let current = current_digests(&round, &key, bench)?;
-        let changes_now = Change::of_items(&round, &current);
+        let (responses, notices) = read_responses(&dir, &round)?;
+        let changes_now = changes(&round, &key, bench)?;
         let changes = remembered(&dir.verdicts())?.unwrap_or_else(|| changes_now.clone());
-        let verdicts = judge(&round, &key, &sheets, &Change::as_digests(&round, &changes));
-        let now = judge(&round, &key, &sheets, &current);
-        Ok(Self { dir, round, key, sheets, changes_now, changes, verdicts, now, notices })
+        let verdicts = judge(&round, &key, &responses, &changes);
+        let now = judge(&round, &key, &responses, &changes_now);
+        Ok(Self { dir, round, key, responses, changes_now, changes, verdicts, now, notices })
     }
 
     /// Refuses a round in which somebody may still vote.
     pub(crate) fn require_sealed(&self) -> Result<()> {
-        Ok(require_sealed(&self.dir, &self.round, &self.sheets)?)
+        Ok(require_sealed(&self.dir, &self.round, &self.responses)?)
     }
 }

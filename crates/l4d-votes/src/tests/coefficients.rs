@@ -3,10 +3,22 @@
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use l4d_votes::agreement::{Undefined, Unit, gwet_ac1, krippendorff_alpha, raw, wilson};
+use l4d_data::{Interval, Temporal};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
+
+use crate::Response;
+use crate::agreement::{Undefined, Unit, gwet_ac1, krippendorff_alpha, measure, raw, wilson};
+use crate::fixture::{meaning, objects, poll, whole};
+
+/// Of Krippendorff (2011), section C, and of Gwet's irrCAC, `cac.raw4raters`.
+const FOUR_RATERS: [&str; 4] = [
+    "1 2 3 3 2 1 4 1 2 * * *",
+    "1 2 3 3 2 2 4 1 2 5 * 3",
+    "* 3 3 3 2 3 4 2 2 5 1 *",
+    "1 2 3 3 2 4 4 1 2 5 1 *",
+];
 
 /// One row per rater, one column per item, `*` where an answer is missing.
 fn raters(rows: &[&str]) -> Vec<Unit> {
@@ -39,12 +51,7 @@ fn alpha_of_krippendorffs_examples() {
     near(krippendorff_alpha(&binary), 2.0 / 21.0, 1e-12);
     let nominal = raters(&["a a b b d c c c e d d a", "b a b b b c c c e d d d"]);
     near(krippendorff_alpha(&nominal), 0.692, 5e-4);
-    let missing = raters(&[
-        "1 2 3 3 2 1 4 1 2 * * *",
-        "1 2 3 3 2 2 4 1 2 5 * 3",
-        "* 3 3 3 2 3 4 2 2 5 1 *",
-        "1 2 3 3 2 4 4 1 2 5 1 *",
-    ]);
+    let missing = raters(&FOUR_RATERS);
     near(krippendorff_alpha(&missing), 0.743, 5e-4);
     near(krippendorff_alpha(&missing), 113.0 / 152.0, 1e-12);
 }
@@ -64,12 +71,7 @@ fn alpha_of_three_coders() {
 /// Gwet's package irrCAC, its overview: `cac.raw4raters`, `cont3x3abstractors`, `distrib.6raters`.
 #[test]
 fn ac1_of_gwets_examples() {
-    let missing = raters(&[
-        "1 2 3 3 2 1 4 1 2 * * *",
-        "1 2 3 3 2 2 4 1 2 5 * 3",
-        "* 3 3 3 2 3 4 2 2 5 1 *",
-        "1 2 3 3 2 4 4 1 2 5 1 *",
-    ]);
+    let missing = raters(&FOUR_RATERS);
     near(raw(&missing), 0.8181818, 1e-7);
     near(gwet_ac1(&missing, 5), 0.77544, 5e-6);
     near(krippendorff_alpha(&missing), 0.74342, 5e-6);
@@ -151,7 +153,7 @@ fn wilsons_interval_is_the_published_one() {
 }
 
 /// `python3` runs the second implementation; the test fails where there is none.
-pub(crate) fn python(question: &Value) -> Value {
+fn python(question: &Value) -> Value {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/agreement.py");
     let mut child = Command::new("python3")
         .args(["-I", script])
@@ -203,4 +205,45 @@ fn python_computes_the_same_numbers() {
         defined.iter().all(|&count| (100..200).contains(&count)),
         "{defined:?} of 200 cases have a value"
     );
+}
+
+/// 210 queries over 21 scenes, some of which are harder, and a bootstrap with other draws.
+#[test]
+fn python_draws_the_same_intervals() {
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut said = |scene: usize| {
+        let ease = if scene % 10 == 3 { 0.8 } else { 0.97 };
+        let is_right = random.random_bool(ease);
+        let choice = objects(if is_right { &["cat_a"] } else { &["cat_b"] });
+        Response { answer: Some(whole(choice)), ..Response::default() }
+    };
+    let cat = meaning(&["cat_a"], Temporal::Whole, Interval::WHOLE);
+    let queries: Vec<_> =
+        (0..210).map(|index| (cat.clone(), (0..5).map(|_| said(index % 21)).collect::<Vec<_>>())).collect();
+    let (mut round, key, given) = poll(&["ada", "ben", "cho", "dee", "eve"], &queries);
+    for (index, item) in round.items.iter_mut().enumerate() {
+        item.scene = crate::fixture::name(&format!("scene_{:02}", index % 21));
+    }
+    let ceiling = measure(&round, &key, &given).overall.ceiling;
+    let right = whole(objects(&["cat_a"]));
+    let units: Vec<_> = round
+        .items
+        .iter()
+        .map(|item| {
+            let rights = given.iter().filter(|given| given.answer(&item.id) == Some(&right)).count();
+            json!([item.scene, rights, given.len()])
+        })
+        .collect();
+    let said = python(&json!({ "cases": [], "bootstrap": { "units": units, "draws": 4000 } }));
+    let [low, high] = ceiling.interval.unwrap();
+    for (ours, theirs) in [low, high].into_iter().zip(said["bootstrap"].as_array().unwrap()) {
+        let theirs = theirs.as_f64().unwrap();
+        assert!(
+            (ours - theirs).abs() < 0.15 * (high - low),
+            "{ours} is far from {theirs} in [{low}, {high}]"
+        );
+    }
+    // Scenes differ, so an interval over single answers would be too narrow.
+    let alone = wilson((ceiling.value.unwrap() * 1050.0).round() as usize, 1050).unwrap();
+    assert!(high - low > 1.5 * (alone[1] - alone[0]), "[{low}, {high}] against {alone:?}");
 }

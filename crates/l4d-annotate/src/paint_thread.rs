@@ -1,7 +1,7 @@
-//! The thread that paints: wishes in, pictures out, and the latest wish wins.
+//! The thread that paints: requests in, pictures out, and the latest request wins.
 //!
-//! A wish that comes while another one is being fulfilled voids it, but never two in a row: whoever holds a key
-//! down still sees pictures pass.
+//! A request voids the one before that is still being painted, but never two in a row: while a key is held down,
+//! pictures still pass.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::picture::{ExportRequest, PictureRequest};
 /// What waits to be done.
 #[derive(Default)]
 struct Inbox {
-    wish: Option<(PictureRequest, Vec<u32>)>,
+    request: Option<(PictureRequest, Vec<u32>)>,
     exports: VecDeque<ExportRequest>,
     stop: bool,
 }
@@ -35,8 +35,8 @@ impl Shared {
     }
 }
 
-/// A painter at work.
-pub struct Studio {
+/// A painter on a thread of its own.
+pub struct PaintThread {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -47,7 +47,7 @@ enum Task {
     Export(ExportRequest),
 }
 
-impl Studio {
+impl PaintThread {
     /// Starts the thread; it answers through `send`, and calls `died` if it panics.
     pub fn open(
         painter: Painter,
@@ -65,7 +65,7 @@ impl Studio {
 
     /// Asks for a picture instead of the one that was asked for before.
     pub fn paint(&self, request: PictureRequest, ahead: Vec<u32>) {
-        self.shared.lock().wish = Some((request, ahead));
+        self.shared.lock().request = Some((request, ahead));
         self.shared.changed.notify_one();
     }
 
@@ -76,7 +76,7 @@ impl Studio {
     }
 }
 
-impl Drop for Studio {
+impl Drop for PaintThread {
     fn drop(&mut self) {
         self.shared.lock().stop = true;
         self.shared.changed.notify_one();
@@ -101,7 +101,7 @@ struct Worker<'a> {
     painter: Painter,
     shared: &'a Shared,
     send: &'a dyn Fn(Message),
-    /// Whether the last wish was voided.
+    /// Whether the last request was voided.
     gave_up: bool,
 }
 
@@ -118,14 +118,14 @@ impl Worker<'_> {
         }
     }
 
-    /// Waits for something to do; none when the studio closes.
+    /// Waits for something to do; none when the thread ends.
     fn next(&self) -> Option<Task> {
         let mut inbox = self.shared.lock();
         loop {
             if inbox.stop {
                 return None;
             }
-            if let Some((request, ahead)) = inbox.wish.take() {
+            if let Some((request, ahead)) = inbox.request.take() {
                 return Some(Task::Paint(request, ahead));
             }
             if let Some(request) = inbox.exports.pop_front() {
@@ -166,7 +166,7 @@ impl Worker<'_> {
     /// Whether something else is wanted by now.
     fn is_void(&self) -> bool {
         let inbox = self.shared.lock();
-        inbox.stop || inbox.wish.is_some()
+        inbox.stop || inbox.request.is_some()
     }
 
     fn export(&mut self, request: &ExportRequest) -> Result<String, String> {
@@ -192,7 +192,7 @@ fn open(path: &Path) -> bool {
     let silent = Stdio::null;
     let child = Command::new(program).arg(path).stdin(silent()).stdout(silent()).stderr(silent()).spawn();
     let Ok(mut child) = child else { return false };
-    // Somebody has to take note of its end, and it may live for hours.
+    // Its end has to be waited for, and it may live for hours.
     std::thread::spawn(move || child.wait());
     true
 }

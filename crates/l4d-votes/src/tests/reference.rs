@@ -1,5 +1,5 @@
 //! Whatever annotators, editors and power cuts do in whatever order, the verdict is that of a slow, obvious
-//! reference which knows nothing of files, stacks or digests.
+//! reference without files, stacks and digests.
 
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
@@ -7,17 +7,18 @@ use std::io::Write as _;
 use std::time::Duration;
 
 use l4d_data::{Interval, Temporal};
-use l4d_votes::verdict::{Outcome, judge, require_sealed};
-use l4d_votes::{Ballot, Choice, Event, ItemId, Round, RoundDir, Seen, sheet};
 use proptest::prelude::*;
 
-use crate::support::{self, Asked, interval, meaning, objects, whole};
+use crate::fixture::{folder, interval, meaning, name, objects, open, round_and_key, save, whole};
+use crate::key::{Change, Key};
+use crate::verdict::{Outcome, judge, require_sealed};
+use crate::{Answer, Ballot, Choice, Event, ItemId, Round, RoundDir, ShownFrames, read_responses};
 
 const ANNOTATORS: [&str; 3] = ["ada", "ben", "cho"];
 const ITEMS: usize = 2;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Deed {
+enum Act {
     /// One of the answers of [`answer`].
     Choose(usize),
     Skip,
@@ -30,7 +31,7 @@ enum Step {
     Do {
         who: usize,
         item: usize,
-        deed: Deed,
+        act: Act,
     },
     /// Skips what is open and seals.
     Finish {
@@ -54,10 +55,10 @@ enum Step {
     Look,
 }
 
-fn answer(which: usize) -> l4d_votes::Answer {
+fn answer(which: usize) -> Answer {
     match which {
         0..=3 => whole(objects(&["a"])),
-        4 => l4d_votes::Answer { frames: interval(0, 12), ..whole(objects(&["a"])) },
+        4 => Answer { frames: interval(0, 12), ..whole(objects(&["a"])) },
         5 => whole(objects(&["b"])),
         6 => whole(objects(&["a", "b"])),
         7 => whole(Choice::None),
@@ -76,22 +77,23 @@ fn letter(which: usize, item: usize) -> char {
     }
 }
 
-fn asked(versions: &[usize; ITEMS]) -> Vec<Asked> {
+/// The round that asks the items in these wordings.
+fn asked(versions: &[usize; ITEMS], rule: &str) -> (Round, Key) {
     let always = meaning(&["a"], Temporal::Whole, Interval::WHOLE);
     let while_ = meaning(&["a"], Temporal::While, interval(40, 60));
-    let item = |(index, meaning): (usize, _)| Asked {
-        scene: "room".to_owned(),
-        text: format!("The cat {index} in words {}", versions[index]),
-        category: "action",
-        meaning,
+    let item = |(index, meaning): (usize, _)| {
+        ("room".to_owned(), format!("The cat {index} in words {}", versions[index]), meaning)
     };
-    [always, while_].into_iter().enumerate().map(item).collect()
+    let (mut round, key) =
+        round_and_key(&ANNOTATORS, [always, while_].into_iter().enumerate().map(item).collect());
+    round.settings.rule = rule.parse().unwrap();
+    (round, key)
 }
 
 /// What was acknowledged, in order, and nothing else.
 #[derive(Debug, Default)]
 struct Reference {
-    deeds: Vec<(usize, usize, usize, Deed)>,
+    acts: Vec<(usize, usize, usize, Act)>,
     sealed: [bool; ANNOTATORS.len()],
     /// Wording in the benchmark.
     bench: [usize; ITEMS],
@@ -100,39 +102,39 @@ struct Reference {
 }
 
 impl Reference {
-    /// What of somebody's deeds on a wording was not taken back, by walking through all of them.
-    fn left(&self, who: usize, item: usize, version: usize) -> Vec<(usize, Deed)> {
+    /// What of somebody's acts on a wording was not taken back, by walking through all of them.
+    fn left(&self, who: usize, item: usize, version: usize) -> Vec<(usize, Act)> {
         let mut left = Vec::new();
-        for (time, (by, on, words, deed)) in self.deeds.iter().enumerate() {
+        for (time, (by, on, words, act)) in self.acts.iter().enumerate() {
             if (*by, *on, *words) == (who, item, version) {
-                if *deed == Deed::Undo {
+                if *act == Act::Undo {
                     left.remove(left.len() - 1);
                 } else {
-                    left.push((time, deed.clone()));
+                    left.push((time, act.clone()));
                 }
             }
         }
         left
     }
 
-    fn last_decision(&self, who: usize, item: usize, version: usize) -> Option<(usize, Deed)> {
+    fn last_decision(&self, who: usize, item: usize, version: usize) -> Option<(usize, Act)> {
         let mut left = self.left(who, item, version);
-        left.retain(|(_, deed)| !matches!(deed, Deed::Comment(_)));
+        left.retain(|(_, act)| !matches!(act, Act::Comment(_)));
         left.pop()
     }
 
     fn comments(&self, who: usize, item: usize) -> Vec<String> {
         let left = self.left(who, item, self.round[item]).into_iter();
-        left.filter_map(|(_, deed)| match deed {
-            Deed::Comment(number) => Some(format!("remark {number}")),
+        left.filter_map(|(_, act)| match act {
+            Act::Comment(number) => Some(format!("remark {number}")),
             _ => None,
         })
         .collect()
     }
 
-    fn is_allowed(&self, who: usize, item: usize, deed: &Deed) -> bool {
+    fn is_allowed(&self, who: usize, item: usize, act: &Act) -> bool {
         let has_some = !self.left(who, item, self.round[item]).is_empty();
-        !self.sealed[who] && (*deed != Deed::Undo || has_some)
+        !self.sealed[who] && (*act != Act::Undo || has_some)
     }
 
     fn may_seal(&self, who: usize) -> bool {
@@ -142,14 +144,14 @@ impl Reference {
 
     fn mark(&self, who: usize, item: usize) -> char {
         match self.last_decision(who, item, self.round[item]) {
-            Some((_, Deed::Choose(which))) => letter(which, item),
+            Some((_, Act::Choose(which))) => letter(which, item),
             Some(_) => 's',
             None => {
                 let elsewhere = (0..9).filter(|version| *version != self.round[item]);
                 let latest = elsewhere
                     .filter_map(|version| self.last_decision(who, item, version))
                     .max_by_key(|x| x.0);
-                if matches!(latest, Some((_, Deed::Choose(_)))) { '~' } else { '.' }
+                if matches!(latest, Some((_, Act::Choose(_)))) { '~' } else { '.' }
             }
         }
     }
@@ -189,10 +191,9 @@ fn id(item: usize) -> ItemId {
 
 impl World {
     fn new(rule: (&'static str, usize)) -> Self {
-        let folder = support::folder();
-        let dir = RoundDir::new(folder.path().join("r1"));
-        support::write(&dir, &ANNOTATORS, rule.0, "any", &asked(&[0; ITEMS]));
-        let (round, _) = support::open(&dir);
+        let (folder, dir) = folder();
+        let (round, key) = asked(&[0; ITEMS], rule.0);
+        save(&dir, &round, &key);
         let ballots = ANNOTATORS.iter().map(|_| None).collect();
         Self { _folder: folder, dir, rule, round, ballots, reference: Reference::default() }
     }
@@ -200,7 +201,7 @@ impl World {
     fn ballot(&mut self, who: usize) -> &mut Ballot {
         let (dir, round) = (&self.dir, &self.round);
         self.ballots[who].get_or_insert_with(|| {
-            let (ballot, notices) = Ballot::open(dir, round, &support::name(ANNOTATORS[who])).unwrap();
+            let (ballot, notices) = Ballot::open(dir, round, &name(ANNOTATORS[who])).unwrap();
             assert!(notices.is_empty(), "{notices:?}");
             ballot
         })
@@ -208,11 +209,11 @@ impl World {
 
     fn step(&mut self, step: Step) {
         match step {
-            Step::Do { who, item, deed } => self.act(who, item, deed),
+            Step::Do { who, item, act } => self.act(who, item, act),
             Step::Finish { who } => {
                 for item in 0..ITEMS {
-                    if self.ballot(who).is_open(&id(item)) {
-                        self.act(who, item, Deed::Skip);
+                    if self.ballot(who).response(&id(item)).unwrap().is_open() {
+                        self.act(who, item, Act::Skip);
                     }
                 }
                 self.seal(who);
@@ -221,8 +222,9 @@ impl World {
             Step::Edit { item, version } => self.reference.bench[item] = version,
             Step::Reissue => {
                 self.reference.round = self.reference.bench;
-                support::write(&self.dir, &ANNOTATORS, self.rule.0, "any", &asked(&self.reference.round));
-                self.round = support::open(&self.dir).0;
+                let (round, key) = asked(&self.reference.round, self.rule.0);
+                save(&self.dir, &round, &key);
+                self.round = round;
                 self.ballots.fill_with(|| None);
             }
             Step::Kill { who, bytes } => self.kill(who, bytes),
@@ -230,17 +232,18 @@ impl World {
         }
     }
 
-    fn act(&mut self, who: usize, item: usize, deed: Deed) {
-        let event = match deed {
-            Deed::Choose(which) => Event::Choose(answer(which)),
-            Deed::Skip => Event::Skip,
-            Deed::Comment(number) => Event::Comment(format!("remark {number}")),
-            Deed::Undo => Event::Undo,
+    fn act(&mut self, who: usize, item: usize, act: Act) {
+        let event = match act {
+            Act::Choose(which) => Event::Choose(answer(which)),
+            Act::Skip => Event::Skip,
+            Act::Comment(number) => Event::Comment(format!("remark {number}")),
+            Act::Undo => Event::Undo,
         };
-        let result = self.ballot(who).record(&id(item), event, Seen::default(), Duration::from_millis(5));
-        assert_eq!(result.is_ok(), self.reference.is_allowed(who, item, &deed), "{deed:?}: {result:?}");
+        let result =
+            self.ballot(who).record(&id(item), event, ShownFrames::default(), Duration::from_millis(5));
+        assert_eq!(result.is_ok(), self.reference.is_allowed(who, item, &act), "{act:?}: {result:?}");
         if result.is_ok() {
-            self.reference.deeds.push((who, item, self.reference.round[item], deed));
+            self.reference.acts.push((who, item, self.reference.round[item], act));
         }
     }
 
@@ -255,7 +258,7 @@ impl World {
         self.ballots[who] = None;
         let line = br#"{"v":1,"seq":0,"at":"2026-11-21T06:00:00.000Z","round":"r1","annotator":"ada","item":"q0001","order":1,"digest":""}"#;
         let torn = &line[..bytes.min(line.len())];
-        let annotator = support::name(ANNOTATORS[who]);
+        let annotator = name(ANNOTATORS[who]);
         let path = self.dir.ballot(&annotator);
         OpenOptions::new().append(true).open(path).unwrap().write_all(torn).unwrap();
         self.look();
@@ -266,12 +269,12 @@ impl World {
 
     /// The verdict against the reference's.
     fn look(&self) {
-        let (round, key) = support::open(&self.dir);
-        let (sheets, _) = sheet::read_all(&self.dir, &round).unwrap();
-        let today = asked(&self.reference.bench);
-        let current: BTreeMap<ItemId, String> =
-            today.iter().enumerate().map(|(item, asked)| (id(item), asked.digest())).collect();
-        let verdicts = judge(&round, &key, &sheets, &current);
+        let (round, key) = open(&self.dir);
+        let (responses, _) = read_responses(&self.dir, &round).unwrap();
+        let Reference { bench, round: asked, .. } = &self.reference;
+        let is_edited = (0..ITEMS).filter(|&item| bench[item] != asked[item]);
+        let changes: BTreeMap<ItemId, Change> = is_edited.map(|item| (id(item), Change::Edited)).collect();
+        let verdicts = judge(&round, &key, &responses, &changes);
         for (item, verdict) in verdicts.items.iter().enumerate() {
             assert_eq!(verdict.item, id(item));
             assert_eq!(verdict.pattern(), self.reference.pattern(item), "item {item}");
@@ -283,23 +286,23 @@ impl World {
         assert_eq!(verdicts.items.len(), ITEMS);
         let all_sealed = self.reference.sealed.iter().all(|sealed| *sealed);
         assert_eq!(verdicts.is_final, all_sealed);
-        assert_eq!(require_sealed(&self.dir, &round, &sheets).is_ok(), all_sealed);
+        assert_eq!(require_sealed(&self.dir, &round, &responses).is_ok(), all_sealed);
     }
 }
 
-fn deeds() -> impl Strategy<Value = Deed> {
+fn acts() -> impl Strategy<Value = Act> {
     prop_oneof![
-        6 => (0..9_usize).prop_map(Deed::Choose),
-        1 => Just(Deed::Skip),
-        1 => (0..9_u8).prop_map(Deed::Comment),
-        3 => Just(Deed::Undo),
+        6 => (0..9_usize).prop_map(Act::Choose),
+        1 => Just(Act::Skip),
+        1 => (0..9_u8).prop_map(Act::Comment),
+        3 => Just(Act::Undo),
     ]
 }
 
 fn steps() -> impl Strategy<Value = Step> {
     let who = 0..ANNOTATORS.len();
     prop_oneof![
-        20 => (who.clone(), 0..ITEMS, deeds()).prop_map(|(who, item, deed)| Step::Do { who, item, deed }),
+        20 => (who.clone(), 0..ITEMS, acts()).prop_map(|(who, item, act)| Step::Do { who, item, act }),
         1 => who.clone().prop_map(|who| Step::Finish { who }),
         1 => who.clone().prop_map(|who| Step::Seal { who }),
         1 => (0..ITEMS, 0..3_usize).prop_map(|(item, version)| Step::Edit { item, version }),

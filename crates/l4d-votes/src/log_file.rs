@@ -5,8 +5,8 @@ use std::fs::{File, Metadata};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::PathBuf;
 
-/// Where the lines of a ballot go.
-pub(crate) trait Journal: fmt::Debug + Send {
+/// Where the lines of a ballot go: a file, or a disk that fails when a test wants it.
+pub(crate) trait LogFile: fmt::Debug + Send {
     /// Whether the file is still the one that was opened and has this length.
     fn is_intact(&self, length: u64) -> bool;
     /// Writes at the end and waits until it is on the disk.
@@ -19,18 +19,18 @@ pub(crate) trait Journal: fmt::Debug + Send {
 
 /// A locked file.
 #[derive(Debug)]
-pub(crate) struct FileJournal {
+pub(crate) struct LockedFile {
     file: File,
     path: PathBuf,
 }
 
-impl FileJournal {
+impl LockedFile {
     pub(crate) fn new(file: File, path: PathBuf) -> Self {
         Self { file, path }
     }
 }
 
-impl Journal for FileJournal {
+impl LogFile for LockedFile {
     fn is_intact(&self, length: u64) -> bool {
         // A synced write into a file that was replaced or removed meanwhile would be lost all the same.
         match (self.file.metadata(), std::fs::metadata(&self.path)) {
@@ -58,7 +58,7 @@ impl Journal for FileJournal {
     }
 }
 
-impl Drop for FileJournal {
+impl Drop for LockedFile {
     fn drop(&mut self) {
         // A child that is just being started holds a copy of the handle, and with it the lock, for a moment longer.
         self.file.unlock().ok();

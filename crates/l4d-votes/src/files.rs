@@ -13,49 +13,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::agreement::Agreement;
 use crate::item::ItemId;
+use crate::key::Change;
 use crate::round::Round;
 use crate::verdict::{ItemVerdict, Outcome, Verdicts};
 
 /// No table of verdicts is larger.
 const MAX_BYTES: u64 = 64 << 20;
-
-/// What became of a query between the opening of the round and its verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Change {
-    /// Nothing.
-    No,
-    /// Its text, its meaning or its scene was edited.
-    Edited,
-    /// It was removed.
-    Gone,
-}
-
-impl Change {
-    /// What became of each item, from the digests that they would have now.
-    pub fn of_items(round: &Round, current: &BTreeMap<ItemId, String>) -> BTreeMap<ItemId, Self> {
-        let change = |id: &ItemId, digest: &String| match current.get(id) {
-            None => Self::Gone,
-            Some(now) if now != digest => Self::Edited,
-            Some(_) => Self::No,
-        };
-        round.items.iter().map(|item| (item.id.clone(), change(&item.id, &item.digest))).collect()
-    }
-
-    /// Digests that make [`crate::verdict::judge`] see these changes.
-    pub fn as_digests(round: &Round, changes: &BTreeMap<ItemId, Self>) -> BTreeMap<ItemId, String> {
-        let digest = |id: &ItemId, digest: &String| match changes.get(id).copied().unwrap_or(Self::No) {
-            Self::No => Some(digest.clone()),
-            Self::Edited => Some(String::new()),
-            Self::Gone => None,
-        };
-        round
-            .items
-            .iter()
-            .filter_map(|item| Some((item.id.clone(), digest(&item.id, &item.digest)?)))
-            .collect()
-    }
-}
 
 /// A line of `verdicts.csv`.
 #[derive(Debug, Serialize)]
@@ -80,7 +43,10 @@ struct Remembered {
     change: Change,
 }
 
-/// `verdicts.csv`: one row a query, by item.
+/// `verdicts.csv`: one row per query, by item.
+///
+/// # Errors
+/// A row cannot be written as CSV.
 pub fn verdicts_csv(
     round: &Round,
     verdicts: &Verdicts,
@@ -107,6 +73,9 @@ pub fn verdicts_csv(
 }
 
 /// What `verdicts.csv` remembers of changes before the verdict; none where no verdict was pronounced yet.
+///
+/// # Errors
+/// The file cannot be read, or a line of it is not what was written.
 pub fn remembered(path: &Path) -> Result<Option<BTreeMap<ItemId, Change>>, DataError> {
     if !path.exists() {
         return Ok(None);
@@ -123,6 +92,9 @@ pub fn remembered(path: &Path) -> Result<Option<BTreeMap<ItemId, Change>>, DataE
 }
 
 /// `agreement.json`.
+///
+/// # Errors
+/// A number cannot be written as JSON.
 pub fn agreement_json(agreement: &Agreement) -> Result<Vec<u8>, serde_json::Error> {
     let mut bytes = serde_json::to_vec_pretty(agreement)?;
     bytes.push(b'\n');
@@ -138,7 +110,7 @@ pub struct Refine {
     pub item: ItemId,
     /// What became of it.
     pub outcome: Outcome,
-    /// One letter an annotator, in the order of `round.toml`.
+    /// One letter per annotator, in the order of `round.toml`.
     pub pattern: String,
     /// The prompt as it reads now; null where it was removed.
     pub text: Option<String>,
@@ -179,8 +151,7 @@ impl Refine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{items, round_of};
-    use crate::key::Meaning;
+    use crate::fixture::{items, meaning, round_of};
     use crate::verdict::{Mark, Vote};
 
     fn verdict(round: &Round, place: usize, outcome: Outcome) -> ItemVerdict {
@@ -196,12 +167,7 @@ mod tests {
             query: format!("s/{:03}", place + 1).parse().unwrap(),
             categories: vec![l4d_data::Category::Action, l4d_data::Category::Spatial],
             text: item.text.clone(),
-            meaning: Meaning {
-                referents: [Name::new("cup_a").unwrap()].into(),
-                temporal: Temporal::Whole,
-                frames: vec![Interval::WHOLE],
-                tracks: "00".to_owned(),
-            },
+            meaning: meaning(&["cup_a"], Temporal::Whole, Interval::WHOLE),
             outcome,
             votes: round.annotators.iter().zip([Mark::Right, Mark::SaidAmbiguous]).map(vote).collect(),
             reasons: vec!["ben called it ambiguous: which, \"one\"?".to_owned()],
@@ -231,14 +197,8 @@ mod tests {
     #[test]
     fn what_had_changed_is_remembered() {
         let round = round_of(&["ada", "ben"], items("s", &["one", "two", "three"]));
-        let mut current: BTreeMap<ItemId, String> =
-            round.items.iter().map(|item| (item.id.clone(), item.digest.clone())).collect();
-        current.insert(round.items[1].id.clone(), "other".to_owned());
-        current.remove(&round.items[2].id);
-        let changes = Change::of_items(&round, &current);
-        let kinds: Vec<Change> = changes.values().copied().collect();
-        assert_eq!(kinds, [Change::No, Change::Edited, Change::Gone]);
-
+        let ids = round.items.iter().map(|item| item.id.clone());
+        let changes = ids.zip([Change::No, Change::Edited, Change::Gone]).collect();
         let verdicts = Verdicts {
             items: (0..3).map(|place| verdict(&round, place, Outcome::Stale)).collect(),
             ..Verdicts::default()
@@ -247,9 +207,7 @@ mod tests {
         let path = folder.path().join("verdicts.csv");
         assert_eq!(remembered(&path).unwrap(), None);
         std::fs::write(&path, verdicts_csv(&round, &verdicts, &changes).unwrap()).unwrap();
-        let again = remembered(&path).unwrap().unwrap();
-        assert_eq!(again, changes);
-        assert_eq!(Change::of_items(&round, &Change::as_digests(&round, &again)), changes);
+        assert_eq!(remembered(&path).unwrap(), Some(changes));
     }
 
     #[test]

@@ -1,0 +1,66 @@
+//! The files of a round.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::Name;
+
+/// `annotation/rounds/<round>`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RoundDir(PathBuf);
+
+impl RoundDir {
+    /// The folder of a round.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self(root.into())
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.0
+    }
+
+    /// `round.toml`: what the round is.
+    pub fn settings(&self) -> PathBuf {
+        self.0.join("round.toml")
+    }
+
+    /// `items.jsonl`: what is asked.
+    pub fn items(&self) -> PathBuf {
+        self.0.join("items.jsonl")
+    }
+
+    /// `key.jsonl`: what the items were drawn from. No annotator's process opens it.
+    pub fn key(&self) -> PathBuf {
+        self.0.join("key.jsonl")
+    }
+
+    /// `votes`: the logs.
+    pub fn votes(&self) -> PathBuf {
+        self.0.join("votes")
+    }
+
+    /// `votes/<annotator>.jsonl`.
+    pub fn ballot(&self, annotator: &Name) -> PathBuf {
+        self.votes().join(format!("{annotator}.jsonl"))
+    }
+
+    /// `verdicts.csv`.
+    pub fn verdicts(&self) -> PathBuf {
+        self.0.join("verdicts.csv")
+    }
+
+    /// `agreement.json`.
+    pub fn agreement(&self) -> PathBuf {
+        self.0.join("agreement.json")
+    }
+
+    /// `refine.jsonl`: rejected prompts with what people said about them.
+    pub fn refine(&self) -> PathBuf {
+        self.0.join("refine.jsonl")
+    }
+
+    /// `rejected.png`: contact sheet of the rejected prompts.
+    pub fn rejected(&self) -> PathBuf {
+        self.0.join("rejected.png")
+    }
+}
