@@ -54,7 +54,7 @@ pub fn screen(size: Size, prompt: &str, aspect: f64) -> Option<Screen> {
 
 /// The bar of the timeline: column 0 of it is the first frame, its last column the last one.
 pub fn timeline_bar(timeline: Rect) -> Rect {
-    /// Room for what stands beside the bar: a sign on the left, frame and time on the right.
+    /// Room for what is beside the bar: a sign on the left, frame and time on the right.
     const BESIDE: (u16, u16) = (3, 20);
     let width = timeline.width.saturating_sub(BESIDE.0 + BESIDE.1);
     Rect::new(timeline.x + BESIDE.0, timeline.y, width, timeline.height)

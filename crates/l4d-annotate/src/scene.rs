@@ -150,7 +150,7 @@ fn not_rendered(data: &Path, profile: Profile, lacking: &BTreeMap<Name, String>)
     )
 }
 
-/// The held-out view, whose masks are scored, then those that stand farthest from the ones before.
+/// The held-out view, whose masks are scored, then those that are farthest from the ones before.
 fn chosen_views(cameras: &[Camera], count: usize) -> Vec<Name> {
     let first_frame = 0;
     let place = |camera: &Camera| camera.world_from_camera(first_frame).w_axis.truncate();

@@ -19,7 +19,7 @@ use crate::error::AnnotateError;
 
 /// Whether the terminal is ours now.
 static TAKEN: AtomicBool = AtomicBool::new(false);
-/// Whether the terminal keeps pictures until it is told to forget them.
+/// Whether the terminal keeps pictures until a command makes it forget them.
 static KEEPS_PICTURES: AtomicBool = AtomicBool::new(false);
 /// Longest wait for a terminal that may not answer.
 const ANSWER_TIME: Duration = Duration::from_millis(500);

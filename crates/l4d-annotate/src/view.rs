@@ -54,7 +54,7 @@ fn prompt(text: &str, area: Rect, buffer: &mut Buffer) {
             last.push_str(notice);
         }
     }
-    // One line in a room for two stands next to the picture.
+    // One line in a room for two is next to the picture.
     let top = area.height.saturating_sub(lines.len() as u16);
     for (row, line) in (top..).zip(lines) {
         let place = Rect { y: area.y + row, height: 1, ..area };

@@ -1,6 +1,6 @@
 //! What one camera shows over a clip: colour and depth, and from where.
 //!
-//! Refuses to know what drew it, and whatever only the truth knows.
+//! What drew it, and what only the truth knows, is not part of it.
 
 use glam::{DMat4, DVec2, DVec3};
 use l4d_data::{Camera, Timeline};

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! <root>/<scene>/<nnn>/<view>.json               all frames of a view, as in the mask files of results
-//! <root>/<scene>/<nnn>/<view>/<frame:04>.png     or one picture a frame
+//! <root>/<scene>/<nnn>/<view>/<frame:04>.png     or one picture per frame
 //! ```
 //!
 //! Every frame of the clip needs an answer: null, or an empty mask, says that nothing is to be seen there. Files are
-//! taken as hostile: sizes are checked before room is made, and nothing but regular files is opened. The module
-//! refuses to know how masks came about, and so whether the truth had a part in it: that is for the user to say.
+//! untrusted: sizes are checked before memory is allocated, and nothing but regular files is opened. How masks came
+//! about is not known here, and so whether the truth had a part in it: that is for the user to say.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,10 @@ pub struct Files {
 }
 
 impl Files {
-    /// Takes stock of `<root>/<scene>`; where there is no such folder, every question is answered by an error.
+    /// Lists and digests `<root>/<scene>`; where there is no such folder, every question is answered by an error.
+    ///
+    /// # Errors
+    /// A folder or a file cannot be read.
     pub fn open(root: &Path, scene: Name) -> Result<Self, DataError> {
         let folder = root.join(scene.as_str());
         let mut digest = RunningDigest::default();
@@ -55,7 +58,7 @@ impl Files {
             return Err(DataError::invalid(&self.folder, "folder", message, remedy));
         }
         let Some(number) = &question.number else {
-            let message = "masks stand under the numbers of queries, and this sentence has none";
+            let message = "masks are stored under the numbers of queries, and this sentence has none";
             let remedy = "ask a query of the benchmark, or another grounder";
             return Err(DataError::invalid(&self.folder, "folder", message, remedy));
         };
@@ -66,7 +69,7 @@ impl Files {
             (true, false) => (read_json(&file, clip, question)?, file),
             (false, true) => (read_pngs(&folder, clip, question)?, folder),
             (true, true) => {
-                let message = format!("stands beside the folder {view}, which answers the same");
+                let message = format!("is beside the folder {view}, which answers the same");
                 return Err(DataError::invalid(&file, "file", message, "keep one of them"));
             }
             (false, false) => {
@@ -141,7 +144,7 @@ fn read_pngs(folder: &Path, clip: &ViewClip, question: &Question) -> Result<BTre
     Ok(masks)
 }
 
-/// The regular files where masks may stand, in the order of their names; none where there is no folder.
+/// The regular files where masks may be, in the order of their names; none where there is no folder.
 fn mask_files(scene: &Path) -> Result<Vec<PathBuf>, DataError> {
     let entries = |folder: &Path| -> Result<Vec<PathBuf>, DataError> {
         Ok(list_folder(folder)?.iter().map(|name| folder.join(name)).collect())

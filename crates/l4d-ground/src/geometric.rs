@@ -1,22 +1,24 @@
 //! The grounder that needs nothing: no model, no truth, no file.
 //!
-//! It reads the sentence with a grammar, sees things with a [`Perception`], and asks which of them the sentence
+//! It reads the sentence with a grammar, finds things by [`Classical`] perception, and asks which of them the sentence
 //! describes. One view at a time: what it gets wrong it gets wrong for this view, and other views may vote it down.
 
-pub mod classical;
-pub mod kinds;
-pub mod lab;
-pub mod lexicon;
+mod classical;
+mod kinds;
+mod lab;
+mod lexicon;
 mod link;
 mod looks;
 mod motion;
-pub mod parse;
-pub mod perceive;
+mod parse;
+mod perceive;
 mod reason;
 mod segment;
-pub mod settings;
+mod settings;
 mod stage;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod vocabulary;
 
 use std::collections::BTreeMap;
@@ -29,7 +31,7 @@ use serde_json::{Value, json};
 use self::classical::Classical;
 use self::lexicon::Lexicon;
 use self::parse::{Parsed, parse};
-use self::perceive::{Perception, Seen};
+use self::perceive::Perceived;
 use self::settings::ReasonSettings;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
@@ -38,30 +40,20 @@ use crate::unread::Unread;
 /// Clips whose findings are kept: the views of one scene and some more.
 const REMEMBERED: usize = 16;
 
-/// The geometric grounder over some perception.
+/// The geometric grounder.
 #[derive(Debug, Default)]
-pub struct Geometric<P = Classical> {
-    perception: P,
+pub struct Geometric {
+    perception: Classical,
     settings: ReasonSettings,
     /// Digest of a clip -> what is seen in it; the latest last.
-    remembered: Mutex<Vec<(String, Arc<Seen>)>>,
+    remembered: Mutex<Vec<(String, Arc<Perceived>)>>,
 }
 
-impl<P: Perception> Geometric<P> {
-    /// Over this perception, with the usual thresholds.
-    pub fn new(perception: P) -> Self {
-        Self::with_settings(perception, ReasonSettings::default())
-    }
-
-    /// With other thresholds.
-    pub fn with_settings(perception: P, settings: ReasonSettings) -> Self {
-        Self { perception, settings, remembered: Mutex::default() }
-    }
-
+impl Geometric {
     /// What is seen in a clip: worked out once, then remembered for the other questions.
-    pub fn prepare(&self, clip: &ViewClip) -> Arc<Seen> {
+    fn perceived(&self, clip: &ViewClip) -> Arc<Perceived> {
         let digest = digest_of(clip);
-        let known = |entries: &[(String, Arc<Seen>)]| {
+        let known = |entries: &[(String, Arc<Perceived>)]| {
             entries.iter().find(|(key, _)| *key == digest).map(|(_, seen)| Arc::clone(seen))
         };
         // A panic elsewhere leaves nothing half-written here.
@@ -78,7 +70,7 @@ impl<P: Perception> Geometric<P> {
     }
 }
 
-impl<P: Perception> Grounder for Geometric<P> {
+impl Grounder for Geometric {
     fn identity(&self) -> Value {
         json!({
             "kind": "geometric",
@@ -107,7 +99,7 @@ impl<P: Perception> Grounder for Geometric<P> {
             Ok(parsed) => parsed,
             Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
         };
-        let seen = self.prepare(clip);
+        let seen = self.perceived(clip);
         let answer = reason::answer(&seen, lexicon, &self.settings, &parsed);
         let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
         for (frame, mask) in answer.masks {

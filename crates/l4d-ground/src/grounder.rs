@@ -122,7 +122,7 @@ impl Grounding {
     }
 }
 
-/// Something that finds what a sentence means in what one camera shows.
+/// Finds what a sentence means in what one camera shows.
 pub trait Grounder: Sync {
     /// Everything that its answers depend on beside clip and question: kind, version, model, settings, seeds. Answers
     /// are kept under its digest.
@@ -147,6 +147,6 @@ pub trait Grounder: Sync {
         None
     }
 
-    /// Asks about one view. Whatever goes wrong is an outcome.
+    /// Asks about one view. Every failure is an outcome.
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding;
 }

@@ -1,18 +1,18 @@
-//! Grounders: a sentence and what one camera shows in, one mask a frame out (paper, section 4, "Multi-View Semantic
+//! Grounders: a sentence and what one camera shows in, one mask per frame out (paper, section 4, "Multi-View Semantic
 //! Grounder").
 //!
 //! This crate owns the contract ([`Grounder`]) and everything that keeps it. A grounder sees one view at a time and
-//! knows nothing of the others: whether views agree is for `l4d-solve` to say. It refuses to know how clips were
-//! drawn, what becomes of masks, and how they are judged.
+//! knows nothing of the others: whether views agree is for `l4d-solve` to say. How clips were drawn, what becomes of
+//! masks, and how they are judged is not known here.
 
-mod asked;
 pub mod clip;
 pub mod files;
 pub mod geometric;
 pub mod grounder;
 mod nearest;
 pub mod oracle;
-pub mod plan;
+mod plan;
+mod question;
 #[cfg(test)]
 mod testing;
 mod unread;

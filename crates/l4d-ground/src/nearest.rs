@@ -1,6 +1,6 @@
 //! Which of some sentences is the most like another one, by the words that they share.
 //!
-//! Knows no grammar and no meaning: it is there to suggest a sentence to somebody whose own was not understood.
+//! Knows no grammar and no meaning: it suggests a sentence to a user whose own was not understood.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
-//! A grounder that looks the answer up, and errs as it is told: for measuring what consensus and lifting make of
-//! errors whose kind, rate and correlation between views are known.
+//! A grounder that looks the answer up, with stated errors: for measuring what consensus and lifting make of errors
+//! whose kind, rate and correlation between views are known.
 //!
-//! It sees what the renderer knew of the training views, never the held-out one. Whatever is made of its answers is
-//! marked as using the truth. The module owns the errors; it refuses to know how views are compared.
+//! It sees what the renderer knew of the training views, never the held-out one. What is made of its answers is marked
+//! as using the truth. How views are compared is not known here.
 //!
 //! - [`noise`]: which errors, how often;
 //! - [`target`]: what a query means;
@@ -20,14 +20,14 @@ use std::collections::BTreeMap;
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::json::canonical;
-use l4d_data::{DataError, Name};
+use l4d_data::{DataError, Name, QueryId};
 use l4d_frames::{Mask, morphology};
 use serde_json::{Value, json};
 
 use self::draws::{Draws, Meant};
 pub use self::ids::{DrawnIds, IdSource, RenderedIds, TrainingIds};
-pub use self::noise::{Blobs, CORRELATIONS, NoiseError, NoiseModel, NoisePreset, Span, Swap};
-pub use self::target::{Target, TargetError};
+pub use self::noise::{Blobs, CORRELATIONS, NoiseModel, NoisePreset, Span, Swap};
+pub use self::target::Target;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
 
@@ -40,40 +40,69 @@ pub struct Oracle<S> {
     preset: NoisePreset,
 }
 
-/// Why the oracle has nothing to say.
+/// Why there is no oracle, or no answer of it.
 #[derive(Debug, thiserror::Error)]
-enum Silence {
-    #[error("the oracle knows scene {known}, but is asked about {asked}: ask the oracle of that scene")]
-    OtherScene { known: Name, asked: Name },
-    #[error("the oracle knows queries of the benchmark by their number alone: ask another grounder")]
-    NoNumber,
-    #[error("scene {scene} has no query {number}: check the benchmark's folder and the number")]
-    UnknownQuery { scene: Name, number: Name },
-    #[error("the clip is {}x{}, but ids of view {view} at frame {frame} are {}x{}: draw clips at the size of the rendered frames", clip.0, clip.1, ids.0, ids.1)]
-    Size { view: Name, frame: u32, clip: (u32, u32), ids: (u32, u32) },
+pub enum OracleError {
+    /// A number of the noise that is no share, or no length.
+    #[error("`{field}` is {found}, but {allowed}")]
+    Noise {
+        /// Field, as in the file.
+        field: String,
+        /// What it says.
+        found: String,
+        /// What it may say.
+        allowed: String,
+    },
+    /// A referent that the scene does not have.
+    #[error("query {query} refers to `{name}`, which is no object of its scene: run `l4d check-queries`")]
+    Referent {
+        /// The query.
+        query: QueryId,
+        /// The referent.
+        name: Name,
+    },
+    /// A question that it cannot be asked, with the remedy.
+    #[error("{0}")]
+    Question(String),
+    /// A picture that cannot be read.
     #[error(transparent)]
     Picture(#[from] DataError),
 }
 
 impl<S: IdSource> Oracle<S> {
     /// The oracle of a scene, which knows queries by their numbers.
+    ///
+    /// # Errors
+    /// A number of the noise cannot be.
     pub fn new(
         scene: Name,
         ids: S,
         targets: BTreeMap<Name, Target>,
         preset: NoisePreset,
-    ) -> Result<Self, NoiseError> {
+    ) -> Result<Self, OracleError> {
         preset.check()?;
         Ok(Self { scene, ids, targets, preset })
     }
 
-    fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, Silence> {
-        if question.scene != self.scene {
-            return Err(Silence::OtherScene { known: self.scene.clone(), asked: question.scene.clone() });
+    fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, OracleError> {
+        let refuse = |message: String| Err(OracleError::Question(message));
+        let scene = &self.scene;
+        if question.scene != *scene {
+            let asked = &question.scene;
+            return refuse(format!(
+                "the oracle knows scene {scene}, but is asked about {asked}: ask the oracle of that scene"
+            ));
         }
-        let number = question.number.as_ref().ok_or(Silence::NoNumber)?;
-        let unknown = || Silence::UnknownQuery { scene: self.scene.clone(), number: number.clone() };
-        let target = self.targets.get(number).ok_or_else(unknown)?;
+        let Some(number) = &question.number else {
+            let message =
+                "the oracle knows queries of the benchmark by their number alone: ask another grounder";
+            return refuse(message.to_owned());
+        };
+        let Some(target) = self.targets.get(number) else {
+            return refuse(format!(
+                "scene {scene} has no query {number}: check the benchmark's folder and the number"
+            ));
+        };
         let noise = self.preset.of_categories(&target.categories);
         let draws = Draws { seed: self.preset.seed, scene: &self.scene, number };
         let view = &clip.camera.name;
@@ -101,12 +130,16 @@ impl<S: IdSource> Oracle<S> {
         Ok(Grounding::of_masks(clip, masks, vec![note(&meant, target)]))
     }
 
-    fn pixels(&self, clip: &ViewClip, frame: u32, ids: &[u32]) -> Result<Mask, Silence> {
+    fn pixels(&self, clip: &ViewClip, frame: u32, ids: &[u32]) -> Result<Mask, OracleError> {
         let view = &clip.camera.name;
         let mask = self.ids.pixels_of(view, frame, ids)?;
         let size = (clip.width, clip.height);
         if mask.size() != size {
-            return Err(Silence::Size { view: view.clone(), frame, clip: size, ids: mask.size() });
+            let ((clip_width, clip_height), (width, height)) = (size, mask.size());
+            return Err(OracleError::Question(format!(
+                "the clip is {clip_width}x{clip_height}, but ids of view {view} at frame {frame} are {width}x{height}: \
+                 draw clips at the size of the rendered frames"
+            )));
         }
         Ok(mask)
     }
@@ -128,9 +161,9 @@ impl<S: IdSource> Grounder for Oracle<S> {
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
-        self.answer(clip, question).unwrap_or_else(|silence| {
-            Grounding::without_answer(match silence {
-                Silence::Picture(error) => Outcome::of_data_error(&error),
+        self.answer(clip, question).unwrap_or_else(|error| {
+            Grounding::without_answer(match error {
+                OracleError::Picture(error) => Outcome::of_data_error(&error),
                 other => Outcome::Error(other.to_string()),
             })
         })

@@ -1,69 +1,69 @@
 //! A grounding plan: what a model says of one view, in the terms that segmenters take.
 //!
-//! This module owns the plan and its reading from a model's reply, whatever stands around it or is missing in it.
-//! It refuses to know how a model is asked and what a segmenter makes of a plan. Nothing is guessed: what cannot
-//! be read is told apart from "it is not there".
+//! This module owns the plan and its reading from a model's reply, whatever surrounds it or is missing in it. How a
+//! model is asked and what a segmenter makes of a plan is not known here. Nothing is guessed: what cannot be read is
+//! told apart from "it is not there".
 
 mod clock;
 mod objects;
 mod reply;
+#[cfg(test)]
+mod tests;
 
 use l4d_data::Interval;
-use serde::{Deserialize, Serialize};
 
-pub use clock::Clock;
-pub use reply::{Showing, Wanted, read};
-pub(crate) use reply::{clean, document, intervals};
+pub(crate) use clock::Clock;
+pub(crate) use reply::{SentPictures, Wanted, clean, document, intervals, read};
 
 use crate::grounder::Outcome;
 
 /// What a model says of one view. A segmenter takes the parts that it understands.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct GroundingPlan {
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct GroundingPlan {
     /// Words that tell the target from everything else in this view; empty if none were given.
-    pub expression: String,
+    pub(crate) expression: String,
     /// What kind of thing it is, in a few words; empty if none were given.
-    pub noun_phrase: String,
+    pub(crate) noun_phrase: String,
     /// Where it is, by ascending frame and object.
-    pub keyframes: Vec<Keyframe>,
+    pub(crate) keyframes: Vec<Keyframe>,
     /// When the query holds, canonical frames; empty if nothing was said.
-    pub intervals: Vec<Interval>,
+    pub(crate) intervals: Vec<Interval>,
     /// What a person who relies on the plan should know.
-    pub notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// Where one object is in one frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Keyframe {
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Keyframe {
     /// Canonical frame.
-    pub frame: u32,
+    pub(crate) frame: u32,
     /// Which of the objects that are meant, from 1: boxes of an object in several frames share it.
-    pub object: u32,
+    pub(crate) object: u32,
     /// Left, upper, right and lower edge, pixels of the clip; `x0 < x1`, `y0 < y1`, inside the picture.
-    pub box_px: Option<[f64; 4]>,
+    pub(crate) box_px: Option<[f64; 4]>,
     /// Places on it: column and row, pixels of the clip.
-    pub points_px: Vec<[f64; 2]>,
+    pub(crate) points_px: Vec<[f64; 2]>,
 }
 
 /// A reply, read.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub(crate) struct Reading {
     /// Found if the plan can be carried out; absent if the model says that the view does not show it.
-    pub outcome: Outcome,
+    pub(crate) outcome: Outcome,
     /// What was read; without use unless the outcome is found.
-    pub plan: GroundingPlan,
+    pub(crate) plan: GroundingPlan,
 }
 
 impl GroundingPlan {
     /// How many frames have a box or a point.
-    pub fn frame_count(&self) -> usize {
+    pub(crate) fn frame_count(&self) -> usize {
         let mut frames: Vec<u32> = self.keyframes.iter().map(|keyframe| keyframe.frame).collect();
         frames.dedup();
         frames.len()
     }
 
     /// Whether the query holds at a frame, as far as the plan says.
-    pub fn holds_at(&self, frame: u32) -> bool {
+    pub(crate) fn holds_at(&self, frame: u32) -> bool {
         self.intervals.is_empty() || self.intervals.iter().any(|interval| interval.contains(frame))
     }
 }

@@ -6,7 +6,7 @@ use l4d_frames::drawn::{DepthMap, RgbImage};
 use crate::clip::{ClipFrame, ViewClip};
 use crate::grounder::Question;
 
-/// A clip that shows nothing.
+/// A clip without depth, whose frames differ in colour.
 pub(crate) fn blank_clip(view: &str, width: u32, height: u32, frames: &[u32]) -> ViewClip {
     let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let camera = Camera {
@@ -20,7 +20,7 @@ pub(crate) fn blank_clip(view: &str, width: u32, height: u32, frames: &[u32]) ->
     };
     let frame = |&frame: &u32| ClipFrame {
         frame,
-        colour: RgbImage::new(width, height),
+        colour: RgbImage::from_pixel(width, height, [90, frame as u8, 60].into()),
         depth: DepthMap::empty(width, height),
     };
     ViewClip {
@@ -30,6 +30,16 @@ pub(crate) fn blank_clip(view: &str, width: u32, height: u32, frames: &[u32]) ->
         timeline: Timeline::CANONICAL,
         frames: frames.iter().map(frame).collect(),
     }
+}
+
+/// The same of the view `cam01`.
+pub(crate) fn clip(width: u32, height: u32, frames: &[u32]) -> ViewClip {
+    blank_clip("cam01", width, height, frames)
+}
+
+/// A sentence of the user's own.
+pub(crate) fn sentence(text: &str) -> Question {
+    Question { number: None, text: text.to_owned(), ..question("tabletop_cups", "001") }
 }
 
 /// A query of the benchmark.

@@ -1,37 +1,37 @@
 //! Grounding by models that are asked (paper, section 4, "Multi-View Semantic Grounder"): a vision-language model says
 //! what is meant, a segmenter outlines it.
 //!
-//! This module owns the couplings of the two, which the paper leaves open. It refuses to know how a question travels
-//! (`l4d-endpoint`) and how masks are made ([`crate::worker`]). One view at a time, one question each (`pick`: two).
+//! This module owns the couplings of the two, which the paper leaves open. How a question travels is known to
+//! `l4d-endpoint`, how masks are made to [`crate::worker`]. One view at a time, one question each (`pick`: two).
 
-mod account;
 mod coupling;
 mod ground;
 mod pick;
 mod pictures;
-mod question;
+mod request;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
 use l4d_data::digest::sha256_hex;
 use l4d_endpoint::{Calibrations, Client, Convention, Endpoint, EndpointError, Plan};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-pub use account::Account;
 pub use coupling::Coupling;
 
-use self::account::Books;
-use self::ground::Stop;
-use self::question::Watching;
-use crate::asked::{self, Asked};
+use self::ground::NoMasks;
+use self::request::SentFrames;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
+use crate::question::{self, CheckedQuestion};
 use crate::unread::Unread;
 use crate::worker::{Segmenter, WorkerError};
 
 /// How a model is asked.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// Pictures of a view that are sent, spread over the clip.
     pub keyframes: usize,
@@ -102,11 +102,13 @@ pub struct Vlm {
     segmenter: Arc<Segmenter>,
     coupling: Coupling,
     settings: Settings,
-    books: Books,
 }
 
 impl Vlm {
     /// A coupling of a model and a segmenter. Boxes need a convention of coordinates, configured or calibrated.
+    ///
+    /// # Errors
+    /// A setting cannot be, the segmenter does not take what the coupling gives, or the convention is not known.
     pub fn new(
         client: Client,
         calibrations: &Calibrations,
@@ -130,21 +132,19 @@ impl Vlm {
             // No coordinates are asked for.
             Coupling::Text | Coupling::Pick => Convention::named("rel1000_xyxy")?,
         };
-        Ok(Self { client, convention, segmenter, coupling, settings, books: Books::default() })
+        Ok(Self { client, convention, segmenter, coupling, settings })
     }
 
-    /// Who is asked.
+    /// The server that is asked.
     pub fn endpoint(&self) -> &Endpoint {
         self.client.endpoint()
     }
 
-    /// What was asked and spent so far.
-    pub fn account(&self) -> Account {
-        self.books.account()
-    }
-
-    /// What asking these questions would mean; nothing is sent. For `pick`, the second question stands with unmarked
-    /// pictures, since its candidates are not known yet.
+    /// What asking these questions would mean; nothing is sent. For `pick`, the second question is counted with
+    /// unmarked pictures, since its candidates are not known yet.
+    ///
+    /// # Errors
+    /// A picture cannot be encoded, or the cache not be read.
     pub fn estimate<'a>(
         &self,
         questions: impl IntoIterator<Item = (&'a ViewClip, &'a Question)>,
@@ -152,16 +152,16 @@ impl Vlm {
         let mut total = Plan::default();
         for (clip, question) in questions {
             // What cannot be asked costs nothing.
-            let Ok(asked) = Asked::new(clip, question) else { continue };
-            let watching = Watching::choose(clip, &asked, &self.settings);
+            let Ok(asked) = CheckedQuestion::new(clip, question) else { continue };
+            let sent = SentFrames::choose(clip, &asked, &self.settings);
             let mut requests = Vec::new();
             if self.coupling == Coupling::Pick {
                 requests.push(self.noun_request(&asked));
             }
-            let pictures = pictures::plain(&watching)?;
+            let pictures = pictures::plain(&sent)?;
             requests.push(match self.coupling {
-                Coupling::Pick => pick::request(&asked, &watching, pictures, 1, &self.settings),
-                Coupling::Text | Coupling::Box => self.plan_request(&asked, &watching, pictures),
+                Coupling::Pick => pick::request(&asked, &sent, pictures, 1, &self.settings),
+                Coupling::Text | Coupling::Box => self.plan_request(&asked, &sent, pictures),
             });
             total += self.client.plan(&requests);
         }
@@ -180,7 +180,7 @@ impl Grounder for Vlm {
             "coupling": self.coupling,
             "prompts": prompts,
             "model": endpoint.model,
-            // Where it runs may change what it says; the address itself is nobody's business.
+            // Where it runs may change what it says; the address itself stays private.
             "endpoint": sha256_hex(endpoint.id().as_bytes())[..12],
             "server": endpoint.server,
             "body": endpoint.body,
@@ -191,16 +191,16 @@ impl Grounder for Vlm {
     }
 
     fn reads(&self, text: &str) -> Result<(), Unread> {
-        asked::sentence(text).map(|_| ())
+        question::sentence(text).map(|_| ())
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
         match self.try_ground(clip, question) {
             Ok(grounding) => grounding,
-            Err(Stop { outcome: Outcome::Absent, notes }) => {
+            Err(NoMasks { outcome: Outcome::Absent, notes }) => {
                 Grounding::of_masks(clip, Default::default(), notes)
             }
-            Err(Stop { outcome, notes }) => Grounding { notes, ..Grounding::without_answer(outcome) },
+            Err(NoMasks { outcome, notes }) => Grounding { notes, ..Grounding::without_answer(outcome) },
         }
     }
 }

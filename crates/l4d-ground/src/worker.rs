@@ -1,27 +1,29 @@
 //! Segmenters in processes of their own: prompts and frames in, masks out, over JSON Lines (docs/workers.md).
 //!
 //! This module owns the other end of the protocol: starting a worker, asking it, and what becomes of a view when it
-//! dies, hangs, floods or says what cannot be. It refuses to know what runs inside a worker and who wrote the prompts.
+//! dies, hangs, floods or says what cannot be. It knows nothing of what runs inside a worker and where prompts come
+//! from.
 
-mod book;
-pub mod error;
-pub mod frames;
+mod answer;
+mod error;
+mod frames;
 mod process;
-pub mod protocol;
+mod protocol;
 mod segmenter;
+#[cfg(test)]
+mod tests;
 mod text;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-pub use book::{Answer, Found};
 pub use error::WorkerError;
 pub use frames::{FrameStore, Frames};
-pub use protocol::{Hello, Prompt, TextKind, What};
+pub use protocol::{Hello, TextKind, Weights};
 pub use segmenter::{ClipPrompt, Object, Segmented, Segmenter};
+use serde_json::Value;
 pub use text::TextGrounder;
 
 use self::process::Process;
@@ -49,9 +51,9 @@ pub struct Patience {
     pub hello: Duration,
     /// Without any line while something is asked.
     pub silence: Duration,
-    /// For one answer, from when everything before it was answered.
+    /// For one answer.
     pub answer: Duration,
-    /// To leave by itself when it is told to.
+    /// To leave by itself at `shutdown`.
     pub farewell: Duration,
 }
 
@@ -62,56 +64,63 @@ impl Default for Patience {
     }
 }
 
-/// A worker. Threads share it by reference; what they ask waits in its queue. It dies with this value, with
-/// everything that it started.
+/// A worker. Threads share it by reference and take turns. It dies with this value, with everything that it started.
 #[derive(Debug)]
 pub struct Worker {
     launch: Launch,
     patience: Patience,
     hello: Hello,
-    next_id: AtomicU64,
     state: Mutex<State>,
 }
 
 #[derive(Debug)]
 struct State {
-    process: Option<Arc<Process>>,
+    process: Option<Process>,
+    /// Of the latest request.
+    id: u64,
     failures_in_a_row: u32,
     last_failure: String,
 }
 
 impl Worker {
     /// Starts a worker and waits for its hello.
+    ///
+    /// # Errors
+    /// The program cannot be run, or does not get ready.
     pub fn start(launch: Launch, patience: Patience) -> Result<Self, WorkerError> {
         let process = Process::start(&launch, patience)?;
         let hello = process.hello().clone();
         let state =
-            State { process: Some(Arc::new(process)), failures_in_a_row: 0, last_failure: String::new() };
-        Ok(Self { launch, patience, hello, next_id: AtomicU64::new(1), state: Mutex::new(state) })
+            State { process: Some(process), id: 0, failures_in_a_row: 0, last_failure: String::new() };
+        Ok(Self { launch, patience, hello, state: Mutex::new(state) })
     }
 
-    /// Who it says it is.
+    /// What it says of itself.
     pub fn hello(&self) -> &Hello {
         &self.hello
     }
 
-    /// Asks for masks and waits. A process that fails is replaced once; what it was asked is asked again.
-    pub fn segment(
+    /// Asks for masks and waits; masks are by index of the frame. A process that fails is replaced once; what it was
+    /// asked is asked again.
+    fn segment(
         &self,
         frames: &Frames,
-        prompts: &[Prompt],
+        prompts: &[Value],
         range: [u32; 2],
         threshold: f64,
-    ) -> Result<Answer, WorkerError> {
+    ) -> Result<Segmented, WorkerError> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let mut is_first_try = true;
         loop {
-            let process = self.running()?;
-            let id = self.next_id.fetch_add(1, Ordering::Relaxed);
+            state.id += 1;
+            let id = state.id;
+            let process = self.running(&mut state)?;
             let result = process.segment(&Segment { id, frames, prompts, range, threshold });
             match &result {
-                Ok(_) => self.state().failures_in_a_row = 0,
-                Err(error) if error.is_of_process() => {
-                    self.bury(&process, error);
+                Ok(_) => state.failures_in_a_row = 0,
+                Err(error @ WorkerError::Process { .. }) => {
+                    state.process = None;
+                    state.fail(error);
                     if is_first_try {
                         tracing::warn!("{error}; starting it again");
                         is_first_try = false;
@@ -125,49 +134,38 @@ impl Worker {
     }
 
     /// The process, started anew if the last one failed.
-    fn running(&self) -> Result<Arc<Process>, WorkerError> {
-        let mut state = self.state();
-        if let Some(process) = &state.process {
-            return Ok(Arc::clone(process));
-        }
-        if state.failures_in_a_row >= FAILURES_IN_A_ROW {
-            let (worker, last) = (self.hello.name.clone(), state.last_failure.clone());
-            return Err(WorkerError::GivenUp { worker, failures: state.failures_in_a_row, last });
-        }
-        let started = Process::start(&self.launch, self.patience).and_then(|process| {
-            // Answers are kept under the hello of the first one.
-            if process.hello() == &self.hello { Ok(process) } else { Err(self.changed()) }
-        });
-        match started {
-            Ok(process) => {
-                let process = Arc::new(process);
-                state.process = Some(Arc::clone(&process));
-                Ok(process)
+    fn running<'a>(&self, state: &'a mut State) -> Result<&'a mut Process, WorkerError> {
+        if state.process.is_none() {
+            if state.failures_in_a_row >= FAILURES_IN_A_ROW {
+                return Err(WorkerError::given_up(
+                    &self.hello.name,
+                    state.failures_in_a_row,
+                    &state.last_failure,
+                ));
             }
-            Err(error) => {
-                state.failures_in_a_row += 1;
-                state.last_failure = error.to_string();
-                Err(error)
+            let started = Process::start(&self.launch, self.patience).and_then(|process| {
+                // Answers are kept under the hello of the first one.
+                if process.hello() == &self.hello {
+                    return Ok(process);
+                }
+                let message = "it says another hello than when it was first started";
+                Err(WorkerError::breaks_protocol(&self.hello.name, message))
+            });
+            match started {
+                Ok(process) => state.process = Some(process),
+                Err(error) => {
+                    state.fail(&error);
+                    return Err(error);
+                }
             }
         }
+        Ok(state.process.as_mut().expect("it was just started"))
     }
+}
 
-    fn changed(&self) -> WorkerError {
-        let message = "says another hello than when it was first started".to_owned();
-        WorkerError::Protocol { worker: self.hello.name.clone(), message }
-    }
-
-    /// Lets go of a process that failed. Several threads may notice; it counts once.
-    fn bury(&self, process: &Arc<Process>, error: &WorkerError) {
-        let mut state = self.state();
-        if state.process.as_ref().is_some_and(|current| Arc::ptr_eq(current, process)) {
-            state.process = None;
-            state.failures_in_a_row += 1;
-            state.last_failure = error.to_string();
-        }
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+impl State {
+    fn fail(&mut self, error: &WorkerError) {
+        self.failures_in_a_row += 1;
+        self.last_failure = error.to_string();
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! # What counts
 //!
-//! Every answer that was given to an item as it stands in `items.jsonl`, sealed or not, whatever its verdict. An
+//! Every answer that was given to an item as it is in `items.jsonl`, sealed or not, whatever its verdict. An
 //! edit of the benchmark after the vote makes the *verdict* stale, but not what people said: leaving such items
 //! out would leave out the rejected ones, which are the ones that get edited. Control items and the second answer
 //! to a repeated prompt do not enter. Items with two categories count in both, and once overall.

@@ -2,7 +2,7 @@
 
 /// The log of an annotator is missing or cannot be read.
 pub const NO_BALLOT: &str = "L4D503";
-/// A log of somebody whom the round does not name.
+/// A log of an annotator whom the round does not name.
 pub const STRANGER: &str = "L4D504";
 /// The last line of a log was not written to its end.
 pub const TORN_LINE: &str = "L4D510";
@@ -20,7 +20,7 @@ pub const CLOCK_BACKWARDS: &str = "L4D515";
 pub const IDLE_UNDO: &str = "L4D516";
 /// A line after the seal.
 pub const AFTER_SEAL: &str = "L4D517";
-/// A seal that does not fit what stands before it.
+/// A seal that does not fit the lines before it.
 pub const BROKEN_SEAL: &str = "L4D518";
 /// Answers to an earlier wording or scene.
 pub const STALE_VOTES: &str = "L4D519";

@@ -1,4 +1,4 @@
-//! What is asked: an item shows a prompt and a scene, and nothing of what stands behind it.
+//! What is asked: an item shows a prompt and a scene, and nothing of what it was drawn from.
 
 use std::fmt;
 use std::str::FromStr;

@@ -10,7 +10,6 @@ use l4d_data::layout::SceneDir;
 use l4d_ground::Grounder;
 use l4d_ground::files::Files;
 use l4d_ground::geometric::Geometric;
-use l4d_ground::geometric::classical::Classical;
 use l4d_ground::oracle::{NoisePreset, Oracle, Target, TrainingIds};
 use l4d_ground::vlm::Vlm;
 use l4d_solve::clips::Plan;
@@ -51,7 +50,7 @@ impl Grounders {
         let lacking =
             |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
         Ok(match args.grounder {
-            GrounderArg::Geometric => Self::Shared(Arc::new(Geometric::<Classical>::default())),
+            GrounderArg::Geometric => Self::Shared(Arc::new(Geometric::default())),
             GrounderArg::Oracle => {
                 let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
                 Self::Oracle(noise.unwrap_or_else(NoisePreset::none))

@@ -26,35 +26,7 @@ struct File {
     coupling: String,
     segmenter: SegmenterEntry,
     #[serde(default)]
-    model: ModelEntry,
-}
-
-/// How the model is asked; what is left out has its default.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ModelEntry {
-    keyframes: Option<usize>,
-    picture_pixels: Option<u32>,
-    answer_tokens: Option<u32>,
-    temperature: Option<f64>,
-    seed: Option<u32>,
-    gate: Option<bool>,
-    repeat: Option<u32>,
-}
-
-impl ModelEntry {
-    fn settings(&self) -> Settings {
-        let usual = Settings::default();
-        Settings {
-            keyframes: self.keyframes.unwrap_or(usual.keyframes),
-            picture_pixels: self.picture_pixels.unwrap_or(usual.picture_pixels),
-            answer_tokens: self.answer_tokens.unwrap_or(usual.answer_tokens),
-            temperature: self.temperature.or(usual.temperature),
-            seed: self.seed.or(usual.seed),
-            gate: self.gate.unwrap_or(usual.gate),
-            repeat: self.repeat.unwrap_or(usual.repeat),
-        }
-    }
+    model: Settings,
 }
 
 /// A grounder of models.
@@ -80,8 +52,7 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path, out: &Printer)
     let coupling = coupling.ok_or_else(|| unknown_coupling(path, &file.coupling))?;
     let client = open_client(server)?;
     let calibrations = Calibrations::read(&work.join("endpoints.json"))?;
-    let settings = file.model.settings();
-    let vlm = Vlm::new(client, &calibrations, segmenter, coupling, settings).map_err(|error| {
+    let vlm = Vlm::new(client, &calibrations, segmenter, coupling, file.model).map_err(|error| {
         let hint = error.hint();
         refusal(format!("{}: {error}", path.display()), hint)
     })?;

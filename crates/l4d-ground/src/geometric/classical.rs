@@ -1,6 +1,4 @@
-//! Perception without learning: depth, colour and motion, and nothing that anybody was taught.
-
-use std::collections::BTreeMap;
+//! Perception without learning: depth, colour and motion.
 
 use glam::DVec2;
 use l4d_data::Scale;
@@ -8,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::lab::LabTable;
 use super::link::{Chain, link};
-use super::perceive::{Perception, Seen, Track, median};
+use super::perceive::{Perceived, Track, median};
 use super::segment::{Level, segments};
 use super::settings::PerceptionSettings;
 use super::surface::{Backdrop, Surface};
@@ -16,24 +14,19 @@ use crate::clip::ViewClip;
 
 /// Segments from depth, colour and motion, linked over time within one view.
 #[derive(Debug, Default)]
-pub struct Classical {
+pub(crate) struct Classical {
     settings: PerceptionSettings,
     table: LabTable,
 }
 
 impl Classical {
-    /// With other thresholds than the usual ones.
-    pub fn new(settings: PerceptionSettings) -> Self {
-        Self { settings, table: LabTable::new() }
-    }
-}
-
-impl Perception for Classical {
-    fn identity(&self) -> Value {
+    /// Everything that its findings depend on beside the clip.
+    pub(super) fn identity(&self) -> Value {
         json!({ "perception": "classical", "version": 1, "settings": self.settings })
     }
 
-    fn perceive(&self, clip: &ViewClip) -> Seen {
+    /// The things of a clip. Never fails: what it cannot make out is not there.
+    pub(super) fn perceive(&self, clip: &ViewClip) -> Perceived {
         let settings = &self.settings;
         let frames: Vec<u32> = clip.frame_numbers().collect();
         let surfaces: Vec<Surface> =
@@ -54,7 +47,7 @@ impl Perception for Classical {
         let levels_m = backdrop.levels_m.iter().map(|&level| f64::from(level)).collect();
         let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
         let eye = clip.camera.unproject(middle, DVec2::ZERO, 0.0);
-        Seen {
+        Perceived {
             tracks: distinct(chains, settings),
             frames,
             timeline: clip.timeline,
@@ -102,7 +95,7 @@ fn distinct(chains: Vec<Chain>, settings: &PerceptionSettings) -> Vec<Track> {
             break;
         }
     }
-    kept.into_iter().map(|(_, glimpses)| Track { glimpses, kinds: BTreeMap::new() }).collect()
+    kept.into_iter().map(|(_, glimpses)| Track { glimpses }).collect()
 }
 
 /// Intersection over union of all pixels of all frames.

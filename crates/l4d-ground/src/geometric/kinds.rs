@@ -1,12 +1,12 @@
-//! How readily a track is taken for a kind of thing: what perception says, or else its size.
+//! How readily a track is taken for a kind of thing, by its size.
 
 use glam::DVec3;
 use l4d_data::Scale;
 
 use super::lexicon::{Lexicon, Noun};
 use super::motion::Kinematics;
-use super::parse::ANYBODY;
-use super::perceive::{Glimpse, Seen, Track};
+use super::parse::ANY_PERSON;
+use super::perceive::{Glimpse, Perceived, Track};
 use super::settings::ReasonSettings;
 
 /// Two things are alike in size if their sides differ by this much: standard deviation of the logarithm.
@@ -14,19 +14,16 @@ const ALIKE_DEVIATION: f64 = 0.15;
 
 /// 0 to 1: whether a track may be one of these.
 pub(crate) fn fits(
-    seen: &Seen,
+    seen: &Perceived,
     track: &Track,
     moves: &Kinematics,
     noun: &str,
     lexicon: &Lexicon,
     settings: &ReasonSettings,
 ) -> f64 {
-    if !track.kinds.is_empty() {
-        return named(track, noun, lexicon);
-    }
     let noun = match (noun, seen.scale) {
-        (ANYBODY, Scale::Tabletop) => "hand",
-        (ANYBODY, _) => "person",
+        (ANY_PERSON, Scale::Tabletop) => "hand",
+        (ANY_PERSON, _) => "person",
         _ => noun,
     };
     let Some(noun) = lexicon.noun(noun) else { return 0.0 };
@@ -49,8 +46,8 @@ fn cut_share(track: &Track) -> f64 {
     cut as f64 / track.seen().count().max(1) as f64
 }
 
-/// 0 to 1 for each track: whether there is another of the same size elsewhere. Who says which one has several in mind.
-pub(crate) fn alike(seen: &Seen) -> Vec<f64> {
+/// 0 to 1 for each track: whether there is another of the same size elsewhere. "Which one" means that there are several.
+pub(crate) fn alike(seen: &Perceived) -> Vec<f64> {
     let middle = seen.frames.len() / 2;
     let sides =
         |track: &Track| [track.median(Glimpse::longest_m), track.median(|seen| seen.high.z - seen.low.z)];
@@ -74,17 +71,8 @@ pub(crate) fn alike(seen: &Seen) -> Vec<f64> {
     measured.iter().map(best).collect()
 }
 
-/// What perception says; somebody is anything alive.
-fn named(track: &Track, noun: &str, lexicon: &Lexicon) -> f64 {
-    if noun != ANYBODY {
-        return track.kinds.get(noun).copied().unwrap_or(0.0);
-    }
-    let is_live = |name: &&String| lexicon.noun(name).is_some_and(|noun| noun.live);
-    track.kinds.iter().filter(|(name, _)| is_live(name)).map(|(_, sure)| *sure).fold(0.0, f64::max)
-}
-
 /// Whether it stands on a level surface.
-fn stands(seen: &Seen, track: &Track, settings: &ReasonSettings) -> f64 {
+fn stands(seen: &Perceived, track: &Track, settings: &ReasonSettings) -> f64 {
     let height_m = track.median(|seen| seen.high.z - seen.low.z);
     let bottom_m = track.median(|seen| seen.low.z);
     let off = seen.levels_m.iter().map(|level| (bottom_m - level).abs()).fold(f64::INFINITY, f64::min);
@@ -92,7 +80,7 @@ fn stands(seen: &Seen, track: &Track, settings: &ReasonSettings) -> f64 {
 }
 
 /// Whether it is where things happen.
-fn near_focus(seen: &Seen, track: &Track, settings: &ReasonSettings) -> f64 {
+fn near_focus(seen: &Perceived, track: &Track, settings: &ReasonSettings) -> f64 {
     let Some((focus, spread_m)) = seen.focus else { return 1.0 };
     let nearest_m = track
         .seen()

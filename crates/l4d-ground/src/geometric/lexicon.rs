@@ -1,6 +1,6 @@
 //! The words that the parser knows, and what perception may expect of them: `lexicon.toml`, indexed by surface form.
 //!
-//! Knows no grammar, and refuses to guess: a word that isn't here is nobody's.
+//! Knows no grammar and guesses nothing: a word that isn't here is unknown.
 
 mod inflect;
 
@@ -21,14 +21,14 @@ const SHIPPED_TEXT: &str = include_str!("lexicon.toml");
 /// A kind of thing.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Noun {
+pub(crate) struct Noun {
     /// Longest side of such a thing: from, to; metres.
-    pub size: [f64; 2],
+    pub(crate) size: [f64; 2],
     /// Its height as it usually stands: from, to; metres.
-    pub tall: [f64; 2],
+    pub(crate) tall: [f64; 2],
     /// Whether it moves by itself.
     #[serde(default)]
-    pub live: bool,
+    pub(crate) live: bool,
     #[serde(default)]
     words: Vec<String>,
     plural: Option<String>,
@@ -37,7 +37,7 @@ pub struct Noun {
 /// What something done looks like from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Motion {
+pub(crate) enum Motion {
     /// Goes somewhere.
     Travel,
     /// Goes somewhere fast.
@@ -78,25 +78,25 @@ pub enum Motion {
 
 impl Motion {
     /// Whether it takes two.
-    pub fn is_mutual(self) -> bool {
+    pub(crate) fn is_mutual(self) -> bool {
         self >= Self::Holding
     }
 }
 
 /// Something that is done.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Verb {
+pub(crate) struct Verb {
     /// Base form as predicates spell it.
-    pub name: String,
+    pub(crate) name: String,
     /// Base forms that mean it, with their particles.
-    pub words: Vec<String>,
+    pub(crate) words: Vec<String>,
     /// What it looks like.
-    pub motion: Motion,
+    pub(crate) motion: Motion,
 }
 
 /// Form of a verb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Form {
+pub(crate) enum Form {
     /// walk
     Base,
     /// walks
@@ -109,19 +109,19 @@ pub enum Form {
 
 /// A reading of a word as the head of a verb.
 #[derive(Debug, Clone, PartialEq)]
-pub struct VerbReading {
+pub(crate) struct VerbReading {
     /// Index into [`Lexicon::verb`].
-    pub verb: usize,
+    pub(crate) verb: usize,
     /// Particles that must follow, at once or after the object.
-    pub particles: Vec<String>,
+    pub(crate) particles: Vec<String>,
     /// Form of the head.
-    pub form: Form,
+    pub(crate) form: Form,
 }
 
 /// What pictures show of a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Look {
+pub(crate) enum Look {
     /// Colour.
     Colour,
     /// How much the colour varies.
@@ -173,7 +173,7 @@ struct AttributeEntry {
 
 /// All words, by surface form.
 #[derive(Debug)]
-pub struct Lexicon {
+pub(crate) struct Lexicon {
     nouns: BTreeMap<String, Noun>,
     noun_forms: BTreeMap<String, (String, bool)>,
     verbs: Vec<Verb>,
@@ -189,12 +189,12 @@ pub struct Lexicon {
 
 impl Lexicon {
     /// The words that come with the crate; the text of the mistake where the file is damaged.
-    pub fn shipped() -> Result<&'static Self, String> {
+    pub(crate) fn shipped() -> Result<&'static Self, String> {
         SHIPPED.as_ref().map_err(ToString::to_string)
     }
 
     /// SHA-256 of the words that come with the crate.
-    pub fn shipped_digest() -> String {
+    pub(crate) fn shipped_digest() -> String {
         sha256_hex(SHIPPED_TEXT.as_bytes())
     }
 
@@ -271,7 +271,7 @@ impl Lexicon {
     }
 
     /// The noun that stands at the beginning of `words`, as its name, whether it is a plural, and its length in words.
-    pub fn noun_at(&self, words: &[String]) -> Option<(&str, bool, usize)> {
+    pub(crate) fn noun_at(&self, words: &[String]) -> Option<(&str, bool, usize)> {
         (1..=words.len().min(4)).rev().find_map(|length| {
             let (name, is_plural) = self.noun_forms.get(&words[..length].join(" "))?;
             Some((name.as_str(), *is_plural, length))
@@ -279,38 +279,38 @@ impl Lexicon {
     }
 
     /// What is known of a kind of thing.
-    pub fn noun(&self, name: &str) -> Option<&Noun> {
+    pub(crate) fn noun(&self, name: &str) -> Option<&Noun> {
         self.nouns.get(name)
     }
 
     /// All kinds of things by name, and the other words for each.
-    pub fn kinds(&self) -> impl Iterator<Item = (&str, &[String])> {
+    pub(crate) fn kinds(&self) -> impl Iterator<Item = (&str, &[String])> {
         self.nouns.iter().map(|(name, noun)| (name.as_str(), noun.words.as_slice()))
     }
 
     /// All verbs, by name; "move" and "move something" are two.
-    pub fn verbs(&self) -> &[Verb] {
+    pub(crate) fn verbs(&self) -> &[Verb] {
         &self.verbs
     }
 
     /// Readings of a word as a verb.
-    pub fn verbs_at(&self, word: &str) -> &[VerbReading] {
+    pub(crate) fn verbs_at(&self, word: &str) -> &[VerbReading] {
         self.verb_heads.get(word).map_or(&[], Vec::as_slice)
     }
 
     /// A verb of a reading.
-    pub fn verb(&self, index: usize) -> Option<&Verb> {
+    pub(crate) fn verb(&self, index: usize) -> Option<&Verb> {
         self.verbs.get(index)
     }
 
     /// What a verb of a predicate looks like; `mutual` tells "move" from "move something".
-    pub fn motion(&self, name: &str, mutual: bool) -> Option<Motion> {
+    pub(crate) fn motion(&self, name: &str, mutual: bool) -> Option<Motion> {
         let named = self.verbs.iter().filter(|verb| verb.name == name);
         named.map(|verb| verb.motion).find(|motion| motion.is_mutual() == mutual)
     }
 
     /// Property and value that an adjective means.
-    pub fn attribute(&self, word: &str) -> Option<(&str, &str)> {
+    pub(crate) fn attribute(&self, word: &str) -> Option<(&str, &str)> {
         self.attributes.get(word).map(|(key, value)| (key.as_str(), value.as_str()))
     }
 
@@ -331,45 +331,46 @@ impl Lexicon {
     }
 
     /// What can be seen of a property.
-    pub fn look(&self, key: &str) -> Look {
+    pub(crate) fn look(&self, key: &str) -> Look {
         self.looks.get(key).copied().unwrap_or(Look::None)
     }
 
     /// The group of a word for a part of something, or for something worn.
-    pub fn part(&self, word: &str) -> Option<&str> {
+    pub(crate) fn part(&self, word: &str) -> Option<&str> {
         self.parts.get(word).map(String::as_str).filter(|group| *group != "qualities")
     }
 
     /// Whether it is an adjective that is said of parts alone.
-    pub fn is_quality(&self, word: &str) -> bool {
+    pub(crate) fn is_quality(&self, word: &str) -> bool {
         self.parts.get(word).is_some_and(|group| group == "qualities")
             || matches!(word, "long" | "short" | "tall" | "round" | "wide" | "open" | "low" | "high")
     }
 
     /// Whether it is a word of the grammar itself.
-    pub fn is_grammar(&self, word: &str) -> bool {
+    pub(crate) fn is_grammar(&self, word: &str) -> bool {
         self.grammar.contains(word)
     }
 
     /// Whether it is something that flows or fills.
-    pub fn is_material(&self, word: &str) -> bool {
+    pub(crate) fn is_material(&self, word: &str) -> bool {
         self.materials.iter().any(|material| material == word)
     }
 
     /// Name of a colour: "grey" of "gray", "cream" of "cream-coloured".
-    pub fn colour(&self, word: &str) -> Option<&str> {
+    pub(crate) fn colour(&self, word: &str) -> Option<&str> {
         let word = word.trim_end_matches("-coloured").trim_end_matches("-colored").replace('-', "_");
         let name = self.colour_words.get(&word).unwrap_or(&word);
         self.colours.get_key_value(name).map(|(name, _)| name.as_str())
     }
 
     /// Typical specimens of a colour, sRGB.
-    pub fn specimens(&self, colour: &str) -> &[[u8; 3]] {
+    pub(crate) fn specimens(&self, colour: &str) -> &[[u8; 3]] {
         self.colours.get(colour).map_or(&[], Vec::as_slice)
     }
 
     /// All colours with their specimens, by name.
-    pub fn colours(&self) -> impl Iterator<Item = (&str, &[[u8; 3]])> {
+    #[cfg(test)]
+    pub(crate) fn colours(&self) -> impl Iterator<Item = (&str, &[[u8; 3]])> {
         self.colours.iter().map(|(name, specimens)| (name.as_str(), specimens.as_slice()))
     }
 }

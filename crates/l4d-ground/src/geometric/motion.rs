@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::lexicon::Motion;
-use super::perceive::{Glimpse, Seen, Track};
+use super::perceive::{Glimpse, Perceived, Track};
 use super::settings::ReasonSettings;
 
 /// Time over which speed is measured, either way, seconds.
@@ -12,7 +12,7 @@ const WINDOW_S: f64 = 0.25;
 /// A track in motion; lists have one entry for each frame of the clip.
 #[derive(Debug, Clone)]
 pub(crate) struct Kinematics {
-    /// Metres a second; zero where it isn't seen.
+    /// Metres per second; zero where it isn't seen.
     pub(crate) velocity: Vec<DVec3>,
     /// Share of the silhouette that is another than a moment ago, 0 to 1.
     change: Vec<f64>,
@@ -22,7 +22,7 @@ pub(crate) struct Kinematics {
 }
 
 impl Kinematics {
-    pub(crate) fn new(track: &Track, seen: &Seen) -> Self {
+    pub(crate) fn new(track: &Track, seen: &Perceived) -> Self {
         let seconds: Vec<f64> = seen.frames.iter().map(|&frame| seen.timeline.seconds(frame)).collect();
         let count = seconds.len();
         let step = if count > 1 { (seconds[count - 1] - seconds[0]) / (count - 1) as f64 } else { 1.0 };

@@ -16,7 +16,7 @@ pub(super) use self::places::place_words;
 use super::lexicon::Lexicon;
 use crate::unread::{Reason, Unread, Word};
 
-/// Longest sentence that is read, words: nobody describes one thing in more.
+/// Longest sentence that is read, words.
 const MAX_WORDS: usize = 60;
 /// Longest sentence that is looked at, bytes.
 const MAX_BYTES: usize = 600;
@@ -25,27 +25,27 @@ const MAX_STEPS: u32 = 20_000;
 /// Deepest description within a description.
 const MAX_NESTING: u32 = 4;
 
-/// The noun of somebody who is not described: "somebody", "nobody".
-pub const ANYBODY: &str = "somebody";
+/// The noun of a person who is not described.
+pub(crate) const ANY_PERSON: &str = "somebody";
 
 /// What a sentence means.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parsed {
+pub(crate) struct Parsed {
     /// Whom or what it describes.
-    pub predicate: Predicate,
+    pub(crate) predicate: Predicate,
     /// Whether it names an identity or a while.
-    pub temporal: Temporal,
+    pub(crate) temporal: Temporal,
     /// Whether it speaks of several ("the hens").
-    pub is_plural: bool,
+    pub(crate) is_plural: bool,
     /// The words of the sentence.
-    pub words: Vec<Word>,
+    pub(crate) words: Vec<Word>,
 }
 
 /// Reads a sentence.
 ///
 /// # Errors
 /// The words that it does not understand.
-pub fn parse(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unread> {
+pub(crate) fn parse(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unread> {
     let words = words_of(text)?;
     let mut reader = Reader::new(lexicon, words.iter().map(|word| word.text.clone()).collect());
     let unknown = reader.unknown_words();
@@ -248,7 +248,7 @@ impl<'l> Reader<'l> {
     /// Another one, as a party of a relation or an interaction.
     fn party(&mut self) -> Option<Party> {
         if self.take_any(&["somebody", "someone", "anybody", "anyone", "everybody", "everyone"]).is_some() {
-            return Some(Party::Category(ANYBODY.to_owned()));
+            return Some(Party::Category(ANY_PERSON.to_owned()));
         }
         let phrase = self.attempt(|reader| reader.description(false))?;
         if !phrase.clauses.is_empty() {

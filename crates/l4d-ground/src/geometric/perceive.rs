@@ -1,94 +1,75 @@
-//! What is seen over a clip from one camera: things, where they are, how they look. The contract of perception.
-//!
-//! Refuses to know sentences. What a thing is called is for [`Track::kinds`] to say, where an implementation knows.
-
-use std::collections::BTreeMap;
+//! What is seen over a clip from one camera: things, where they are, how they look.
 
 use glam::DVec3;
 use l4d_data::{Scale, Timeline};
 use l4d_frames::Mask;
 use l4d_frames::mask::PixelBox;
-use serde_json::Value;
-
-use crate::clip::ViewClip;
-
-/// Finds things in what one camera shows.
-pub trait Perception: Sync {
-    /// Everything that its findings depend on beside the clip.
-    fn identity(&self) -> Value;
-
-    /// The things of a clip. Never fails: what it cannot make out is not there.
-    fn perceive(&self, clip: &ViewClip) -> Seen;
-}
 
 /// What is seen over a clip.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub(crate) struct Perceived {
     /// Frames of the clip, ascending.
-    pub frames: Vec<u32>,
+    pub(crate) frames: Vec<u32>,
     /// When they were.
-    pub timeline: Timeline,
+    pub(crate) timeline: Timeline,
     /// Things, in an order that depends on the clip alone. Several may be readings of the same pixels: a whole and
     /// its parts.
-    pub tracks: Vec<Track>,
+    pub(crate) tracks: Vec<Track>,
     /// Size of the scene, as far as one camera can tell.
-    pub scale: Scale,
+    pub(crate) scale: Scale,
     /// Distance between the points of neighbouring pixels, metres; median over what is seen. Nothing is known finer.
-    pub spacing_m: f64,
-    /// Where the camera stands in the middle of the clip, metres, world.
-    pub eye: DVec3,
+    pub(crate) spacing_m: f64,
+    /// Where the camera is in the middle of the clip, metres, world.
+    pub(crate) eye: DVec3,
     /// Where most of what moves is, metres, world, and how far around it things move: what the clip is about. None
     /// if nothing moves.
-    pub focus: Option<(DVec3, f64)>,
+    pub(crate) focus: Option<(DVec3, f64)>,
     /// Heights of level surfaces that things stand on, metres, world.
-    pub levels_m: Vec<f64>,
+    pub(crate) levels_m: Vec<f64>,
 }
 
 /// A thing over time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Track {
+pub(crate) struct Track {
     /// What is seen of it, one for each frame of the clip; none where it isn't seen.
-    pub glimpses: Vec<Option<Glimpse>>,
-    /// Noun of the lexicon -> how surely it is one, 0 to 1. Empty where the implementation knows no kinds: then
-    /// sizes have to do.
-    pub kinds: BTreeMap<String, f64>,
+    pub(crate) glimpses: Vec<Option<Glimpse>>,
 }
 
 /// A thing at a moment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Glimpse {
+pub(crate) struct Glimpse {
     /// Its pixels.
-    pub mask: Mask,
+    pub(crate) mask: Mask,
     /// Number of its pixels.
-    pub area_px: u64,
+    pub(crate) area_px: u64,
     /// The smallest box around its pixels.
-    pub bounds: PixelBox,
+    pub(crate) bounds: PixelBox,
     /// Mean of its colours, CIE L*a*b*.
-    pub colour: [f32; 3],
+    pub(crate) colour: [f32; 3],
     /// Middle of its visible surface, metres, world.
-    pub centre: DVec3,
+    pub(crate) centre: DVec3,
     /// Lowest corner of the box around its visible surface, metres, world axes.
-    pub low: DVec3,
+    pub(crate) low: DVec3,
     /// Highest corner.
-    pub high: DVec3,
+    pub(crate) high: DVec3,
     /// Some points of its surface, metres, world.
-    pub points: Vec<DVec3>,
+    pub(crate) points: Vec<DVec3>,
     /// Colours of some of its pixels, CIE L*a*b*.
-    pub colours: Vec<[f32; 3]>,
+    pub(crate) colours: Vec<[f32; 3]>,
     /// Whether the border of the picture cuts it.
-    pub is_cut: bool,
+    pub(crate) is_cut: bool,
     /// Share of its outline at which its surface ends: 1 for a thing that stands free, less for a piece of one.
-    pub closed: f64,
+    pub(crate) closed: f64,
 }
 
 impl Track {
     /// Frames (indices) in which it is seen.
-    pub fn seen(&self) -> impl Iterator<Item = (usize, &Glimpse)> {
+    pub(crate) fn seen(&self) -> impl Iterator<Item = (usize, &Glimpse)> {
         self.glimpses.iter().enumerate().filter_map(|(index, glimpse)| Some((index, glimpse.as_ref()?)))
     }
 
     /// Median over the frames in which it is seen whole, or seen at all.
-    pub fn median(&self, measure: impl Fn(&Glimpse) -> f64) -> f64 {
+    pub(crate) fn median(&self, measure: impl Fn(&Glimpse) -> f64) -> f64 {
         let whole: Vec<f64> =
             self.seen().filter(|(_, seen)| !seen.is_cut).map(|(_, seen)| measure(seen)).collect();
         let values =
@@ -97,7 +78,7 @@ impl Track {
     }
 
     /// Where it is at a frame, or where it was seen last before or first after.
-    pub fn nearest(&self, index: usize) -> Option<&Glimpse> {
+    pub(crate) fn nearest(&self, index: usize) -> Option<&Glimpse> {
         let before = self.glimpses.iter().take(index + 1).rev().flatten().next();
         before.or_else(|| self.glimpses.iter().skip(index).flatten().next())
     }
@@ -105,7 +86,7 @@ impl Track {
 
 impl Glimpse {
     /// Pixels that it shares with another of the same picture.
-    pub fn shared_px(&self, other: &Self) -> u64 {
+    pub(crate) fn shared_px(&self, other: &Self) -> u64 {
         let (a, b) = (&self.bounds, &other.bounds);
         let rows = a.first_row.max(b.first_row)..a.last_row.min(b.last_row) + 1;
         let is_apart = rows.is_empty() || a.first_col > b.last_col || b.first_col > a.last_col;
@@ -113,7 +94,7 @@ impl Glimpse {
     }
 
     /// Longest side of its box, metres.
-    pub fn longest_m(&self) -> f64 {
+    pub(crate) fn longest_m(&self) -> f64 {
         (self.high - self.low).max_element()
     }
 }

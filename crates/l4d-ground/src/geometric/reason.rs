@@ -18,7 +18,7 @@ use super::lexicon::Lexicon;
 use super::looks::is_visible;
 use super::motion::Kinematics;
 use super::parse::Parsed;
-use super::perceive::{Seen, Track};
+use super::perceive::{Perceived, Track};
 use super::settings::ReasonSettings;
 use crate::unread::{Reason, Unread, Word};
 
@@ -51,8 +51,8 @@ struct Candidate {
 }
 
 /// Everything that a question is answered from.
-struct Mind<'s> {
-    seen: &'s Seen,
+struct Reasoner<'s> {
+    seen: &'s Perceived,
     lexicon: &'s Lexicon,
     settings: &'s ReasonSettings,
     moves: Vec<Kinematics>,
@@ -96,13 +96,18 @@ fn can_judge(lexicon: &Lexicon, clause: &Clause) -> bool {
 }
 
 /// Answers a sentence.
-pub(crate) fn answer(seen: &Seen, lexicon: &Lexicon, settings: &ReasonSettings, parsed: &Parsed) -> Answer {
+pub(crate) fn answer(
+    seen: &Perceived,
+    lexicon: &Lexicon,
+    settings: &ReasonSettings,
+    parsed: &Parsed,
+) -> Answer {
     let moves = seen.tracks.iter().map(|track| Kinematics::new(track, seen)).collect();
-    let mind = Mind { seen, lexicon, settings, moves, alike: alike(seen), same: RefCell::default() };
-    mind.answer(parsed)
+    let reasoner = Reasoner { seen, lexicon, settings, moves, alike: alike(seen), same: RefCell::default() };
+    reasoner.answer(parsed)
 }
 
-impl Mind<'_> {
+impl Reasoner<'_> {
     fn answer(&self, parsed: &Parsed) -> Answer {
         let mut notes = vec![format!("reads the sentence as {}", parsed.predicate)];
         let ranked = self.ranked(&parsed.predicate, parsed.temporal == Temporal::While);

@@ -18,9 +18,9 @@ pub(crate) enum Level {
     Lump,
     /// Depth and colour: evenly coloured parts, coarse.
     Part,
-    /// What stands before the background.
+    /// What is in front of the background.
     Mover,
-    /// Depth and colour of what stands before the background.
+    /// Depth and colour of what is in front of the background.
     MovingPart,
 }
 

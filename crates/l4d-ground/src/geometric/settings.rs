@@ -6,37 +6,37 @@ use serde::{Deserialize, Serialize};
 /// Thresholds of perception.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct PerceptionSettings {
+pub(crate) struct PerceptionSettings {
     /// Pixels filled less than this show nothing.
-    pub least_alpha: f32,
+    pub(crate) least_alpha: f32,
     /// A surface goes on to the next pixel if their points are at most so many pixel footprints apart.
-    pub gap_footprints: f32,
+    pub(crate) gap_footprints: f32,
     /// How readily colours merge into one part (Felzenszwalb and Huttenlocher 2004, k, in units of L*a*b*).
-    pub colour_k: f32,
+    pub(crate) colour_k: f32,
     /// Least pixels of a thing, as a share of the picture.
-    pub least_share: f64,
+    pub(crate) least_share: f64,
     /// Least pixels of a thing.
-    pub least_px: usize,
+    pub(crate) least_px: usize,
     /// Most segments of a frame at a level, by pixels.
-    pub most_segments: usize,
+    pub(crate) most_segments: usize,
     /// Most pixels of a thing, as a share of the picture: more is background.
-    pub most_share: f64,
+    pub(crate) most_share: f64,
     /// A level surface is a support if it fills this share of the picture.
-    pub support_share: f64,
+    pub(crate) support_share: f64,
     /// Thickness of a support, as a share of the median depth.
-    pub support_thickness: f64,
-    /// Something stands before the background if it is nearer by this share of its depth.
-    pub moving_share: f32,
+    pub(crate) support_thickness: f64,
+    /// Something is in front of the background if it is nearer by this share of its depth.
+    pub(crate) moving_share: f32,
     /// Least affinity with which a segment goes on with a track.
-    pub link_affinity: f64,
-    /// Speed with which things may move between frames, lengths a second.
-    pub link_speed: f64,
+    pub(crate) link_affinity: f64,
+    /// Speed with which things may move between frames, lengths per second.
+    pub(crate) link_speed: f64,
     /// Two tracks whose masks have this IoU are one.
-    pub same_iou: f64,
+    pub(crate) same_iou: f64,
     /// Most things of a clip, by pixels.
-    pub most_tracks: usize,
+    pub(crate) most_tracks: usize,
     /// Median depth up to which a scene is a tabletop, and up to which it is a room; metres.
-    pub scale_depth_m: [f64; 2],
+    pub(crate) scale_depth_m: [f64; 2],
 }
 
 impl Default for PerceptionSettings {
@@ -64,59 +64,59 @@ impl Default for PerceptionSettings {
 /// Thresholds of reasoning.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ReasonSettings {
+pub(crate) struct ReasonSettings {
     /// How fast a size outside the usual range speaks against a kind: standard deviation of its logarithm.
-    pub size_deviation: f64,
+    pub(crate) size_deviation: f64,
     /// What something that never moves is worth as something alive.
-    pub lifeless: f64,
+    pub(crate) lifeless: f64,
     /// What something that neither moves nor stands on anything level is worth.
-    pub unsupported: f64,
+    pub(crate) unsupported: f64,
     /// It stands if its bottom is off a level by this share of its height.
-    pub stand_share: f64,
+    pub(crate) stand_share: f64,
     /// What is farther from where things happen than this many times their spread hardly counts.
-    pub focus_reach: f64,
+    pub(crate) focus_reach: f64,
     /// How sharply it counts less beyond.
-    pub focus_power: f64,
+    pub(crate) focus_power: f64,
     /// Least spread of where things happen, as a share of its distance from the camera.
-    pub focus_share: f64,
+    pub(crate) focus_share: f64,
     /// How much a piece of a thing is worth less than the thing: power of the closed share of its outline.
-    pub closed_power: f64,
+    pub(crate) closed_power: f64,
     /// What being cut by the border of the picture all the time costs something lifeless.
-    pub cut_cost: f64,
+    pub(crate) cut_cost: f64,
     /// How much something thin or ragged is worth less: power of the share of its bounding box that it fills.
-    pub fill_power: f64,
+    pub(crate) fill_power: f64,
     /// How much something without its like is worth less, as one of whom there are several.
-    pub alike_power: f64,
+    pub(crate) alike_power: f64,
     /// How much something that is rarely seen is worth less: power of the share of frames in which it is.
-    pub seen_power: f64,
+    pub(crate) seen_power: f64,
     /// Things of a kind are those that fit it at least this well, as a share of the best fit.
-    pub kind_share: f64,
+    pub(crate) kind_share: f64,
     /// Colour distance (CIE 1976) at which something is hardly of a colour any more.
-    pub colour_deviation: f64,
+    pub(crate) colour_deviation: f64,
     /// Worth of a clause that fails altogether, so that one mistake of perception doesn't decide alone.
-    pub floor: f64,
+    pub(crate) floor: f64,
     /// Least score of an answer; below it the thing is absent.
-    pub least_score: f64,
+    pub(crate) least_score: f64,
     /// A plural takes what scores at least this share of the best.
-    pub plural_share: f64,
+    pub(crate) plural_share: f64,
     /// A gate is open where the clause scores at least this share of its best.
-    pub gate_share: f64,
+    pub(crate) gate_share: f64,
     /// Contact fades over so many footprints.
-    pub contact_footprints: f64,
+    pub(crate) contact_footprints: f64,
     /// Distances are taken to members of a party that are at least this sure, as a share of the surest.
-    pub sure_share: f64,
+    pub(crate) sure_share: f64,
     /// Grades of what happens are stretched until the best is 1, at most by this factor.
-    pub most_stretch: f64,
+    pub(crate) most_stretch: f64,
     /// What the motion of one alone is worth as a sign that two act on each other.
-    pub alone_share: f64,
-    /// Most others that a party may stand for.
-    pub most_members: usize,
-    /// Speed of something that travels, lengths a second.
-    pub travel_speed: f64,
-    /// Speed of something that runs, metres a second.
-    pub dash_speed_m: f64,
+    pub(crate) alone_share: f64,
+    /// Most others that a party may mean.
+    pub(crate) most_members: usize,
+    /// Speed of something that travels, lengths per second.
+    pub(crate) travel_speed: f64,
+    /// Speed of something that runs, metres per second.
+    pub(crate) dash_speed_m: f64,
     /// Share of the silhouette that changes from frame to frame of something that stirs.
-    pub stir_share: f64,
+    pub(crate) stir_share: f64,
 }
 
 impl Default for ReasonSettings {

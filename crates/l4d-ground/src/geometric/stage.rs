@@ -8,9 +8,9 @@ use l4d_data::tracks::{Pair, SCHEMA, Track as TrackedBoxes, TrackedInstance, Tra
 use l4d_data::{Name, Role, Timeline};
 
 use super::motion::{Kinematics, gap_m};
-use super::perceive::{Glimpse, Seen, Track};
+use super::perceive::{Glimpse, Perceived, Track};
 
-/// Slower than this, lengths a second, something keeps the front that it had.
+/// Slower than this, lengths per second, something keeps the front that it had.
 const HEADING_SPEED: f64 = 0.3;
 
 /// Name of a track on the stage.
@@ -18,10 +18,10 @@ pub(crate) fn name_of(track: usize) -> Option<Name> {
     Name::new(format!("t{track}")).ok()
 }
 
-/// Puts tracks on a stage: `subjects` stand in relations to `others`. What has no front of its own is taken to turn it
-/// to the camera: "in front of the tree" is where one looks at it from.
+/// Estimated tracks as those of a scene, with the distances of `subjects` to `others`. What has no front of its own is
+/// taken to face the camera: "in front of the tree" is between tree and camera.
 pub(crate) fn stage(
-    seen: &Seen,
+    seen: &Perceived,
     moves: &[Kinematics],
     subjects: &[usize],
     others: &[usize],
@@ -76,7 +76,7 @@ pub(crate) fn stage(
     })
 }
 
-/// Canonical frames a second, if the clip is told in as many of them as any other.
+/// Canonical frames per second, if the clip had as many of them as any other.
 fn canonical_fps(timeline: Timeline) -> f64 {
     let duration_s = timeline.duration_s();
     if duration_s > 0.0 { f64::from(LAST_FRAME) / duration_s } else { timeline.frames_per_second() }

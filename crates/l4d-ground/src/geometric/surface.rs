@@ -1,4 +1,4 @@
-//! A frame as points in space: which belong to what supports everything else, and which stand before the background.
+//! A frame as points in space: which belong to what supports everything else, and which are in front of the background.
 
 use glam::{DVec2, DVec3, Vec3};
 

@@ -15,12 +15,15 @@ use l4d_frames::truth::Observation;
 use l4d_frames::{Mask, rle};
 use serde_json::{Value, json};
 
-/// Where the oracle looks up what is where.
+/// Which pixels show which instance.
 pub trait IdSource: Sync {
     /// What the ids depend on.
     fn identity(&self) -> Value;
 
     /// The pixels of a picture that show any of these instances.
+    ///
+    /// # Errors
+    /// The view is held out or unknown, or the picture cannot be read.
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError>;
 }
 
@@ -40,7 +43,7 @@ impl TrainingIds {
     /// many.
     ///
     /// # Errors
-    /// A scene that is not there; a capture of which nobody drew on a training view.
+    /// A scene that is not there; a capture without masks on a training view.
     pub fn open(dir: SceneDir, profile: Profile, size: [u32; 2], of: [u32; 2]) -> Result<Self, DataError> {
         Ok(match profile.is_rendered() {
             true => Self::Rendered(RenderedIds::open(dir)?),
@@ -84,6 +87,9 @@ pub struct RenderedIds {
 
 impl RenderedIds {
     /// Opens a rendered scene.
+    ///
+    /// # Errors
+    /// `scene.json` cannot be read.
     pub fn open(dir: SceneDir) -> Result<Self, DataError> {
         let path = dir.scene();
         let scene = Scene::read(&path)?;
@@ -91,17 +97,12 @@ impl RenderedIds {
         Ok(Self { dir, scene, scene_sha256, seen: Mutex::default() })
     }
 
-    /// The scene.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
     fn observed(&self, view: &Name, frame: u32) -> Result<Arc<Observation>, DataError> {
         let key = (view.clone(), frame);
         if let Some(known) = self.lock().get(&key) {
             return Ok(Arc::clone(known));
         }
-        // Not under the lock: views are asked side by side. Whoever reads a picture twice gets the same.
+        // Not under the lock: views are asked side by side. A picture that is read twice gives the same.
         let size = UVec2::new(self.scene.width, self.scene.height);
         let surfaces = read_surfaces(&self.dir.frame(view, frame), size)?;
         let observation = Arc::new(Observation::of(&surfaces, true));

@@ -1,4 +1,4 @@
-//! How wrong the oracle is: shares, lengths in pixels, and how errors of different views hang together.
+//! How wrong the oracle is: shares, lengths in pixels, and how errors of different views are correlated.
 //!
 //! Knows nothing of pictures and draws nothing; [`super::draws`] does.
 
@@ -8,6 +8,8 @@ use std::path::Path;
 use l4d_data::store::read_bounded;
 use l4d_data::{Category, DataError};
 use serde::{Deserialize, Serialize};
+
+use super::OracleError;
 
 /// Correlations of the ablation of consensus.
 pub const CORRELATIONS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
@@ -73,18 +75,6 @@ pub enum Span {
     Clip,
 }
 
-/// A number that is no share, or no length.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("`{field}` is {found}, but {allowed}")]
-pub struct NoiseError {
-    /// Field, as in the file.
-    pub field: String,
-    /// What stands there.
-    pub found: String,
-    /// What may.
-    pub allowed: String,
-}
-
 impl NoiseModel {
     /// No error at all: what the training views show, pixel for pixel.
     pub const fn none() -> Self {
@@ -103,7 +93,10 @@ impl NoiseModel {
     }
 
     /// Whether every number is one that can be.
-    pub fn check(&self) -> Result<(), NoiseError> {
+    ///
+    /// # Errors
+    /// The first that cannot.
+    pub(super) fn check(&self) -> Result<(), OracleError> {
         for (field, share) in [
             ("swap.probability", self.swap.probability),
             ("swap.correlation", self.swap.correlation),
@@ -167,6 +160,9 @@ impl NoisePreset {
     }
 
     /// Reads a preset.
+    ///
+    /// # Errors
+    /// The file cannot be read, or a number in it cannot be.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let bytes = read_bounded(path, 1 << 20)?;
         let format = |message: String| DataError::Format {
@@ -176,15 +172,18 @@ impl NoisePreset {
         };
         let text = std::str::from_utf8(&bytes).map_err(|error| format(error.to_string()))?;
         let preset: Self = toml::from_str(text).map_err(|error| format(error.to_string()))?;
-        preset.check().map_err(|error| {
-            let location = format!("field `{}`", error.field);
-            DataError::invalid(path, location, error.to_string(), "write a number of that range")
-        })?;
+        let refuse = |error: OracleError| {
+            DataError::invalid(path, "noise preset", error.to_string(), "write a number of that range")
+        };
+        preset.check().map_err(refuse)?;
         Ok(preset)
     }
 
     /// Whether every number is one that can be.
-    pub fn check(&self) -> Result<(), NoiseError> {
+    ///
+    /// # Errors
+    /// The first that cannot.
+    pub(super) fn check(&self) -> Result<(), OracleError> {
         self.noise.check()?;
         self.swap_probability.iter().try_for_each(|(category, &share)| {
             check_share(&format!("swap_probability.{}", category.as_str()), share)
@@ -199,17 +198,17 @@ impl NoisePreset {
     }
 }
 
-fn check_share(field: &str, share: f64) -> Result<(), NoiseError> {
+fn check_share(field: &str, share: f64) -> Result<(), OracleError> {
     if (0.0..=1.0).contains(&share) {
         return Ok(());
     }
     let allowed = "a share lies between 0 and 1".to_owned();
-    Err(NoiseError { field: field.to_owned(), found: share.to_string(), allowed })
+    Err(OracleError::Noise { field: field.to_owned(), found: share.to_string(), allowed })
 }
 
-fn range_error(field: &str, found: &impl std::fmt::Debug, least: &str) -> NoiseError {
+fn range_error(field: &str, found: &impl std::fmt::Debug, least: &str) -> OracleError {
     let allowed = format!("it is [smallest, largest] in pixels, from {least} to {MAX_PX}");
-    NoiseError { field: field.to_owned(), found: format!("{found:?}"), allowed }
+    OracleError::Noise { field: field.to_owned(), found: format!("{found:?}"), allowed }
 }
 
 #[cfg(test)]
@@ -259,6 +258,6 @@ mod tests {
             let error = NoisePreset::read(&path).unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");
         }
-        assert_eq!(NoiseModel::none().check(), Ok(()));
+        assert!(NoiseModel::none().check().is_ok());
     }
 }

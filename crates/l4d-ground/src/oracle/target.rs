@@ -1,8 +1,10 @@
 //! What a query means, as ids: the referents, what could be taken for them, and when they count.
 
 use l4d_data::scene::{Instance, Role};
-use l4d_data::{Category, Interval, Name, Query, QueryId};
+use l4d_data::{Category, Interval, Query};
 use serde::{Deserialize, Serialize};
+
+use super::OracleError;
 
 /// The truth about one query.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,26 +20,19 @@ pub struct Target {
     pub frames: Vec<Interval>,
 }
 
-/// A referent that the scene does not have.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("query {query} refers to `{name}`, which is no object of its scene: run `l4d check-queries`")]
-pub struct TargetError {
-    /// The query.
-    pub query: QueryId,
-    /// The referent.
-    pub name: Name,
-}
-
 impl Target {
     /// Looks a query up among the instances of its scene.
-    pub fn of(instances: &[Instance], query: &Query) -> Result<Self, TargetError> {
+    ///
+    /// # Errors
+    /// A referent is no object of the scene.
+    pub fn of(instances: &[Instance], query: &Query) -> Result<Self, OracleError> {
         let objects = || instances.iter().filter(|instance| instance.role == Role::Object);
         let meant: Vec<&Instance> = query
             .referents
             .iter()
             .map(|name| {
                 let found = objects().find(|instance| instance.name == *name);
-                found.ok_or_else(|| TargetError { query: query.id.clone(), name: name.clone() })
+                found.ok_or_else(|| OracleError::Referent { query: query.id.clone(), name: name.clone() })
             })
             .collect::<Result<_, _>>()?;
         let is_meant = |id: u32| meant.iter().any(|instance| instance.id == id);
@@ -67,7 +62,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use l4d_data::query::{Provenance, Temporal, text_digest};
-    use l4d_data::{Interval, Status};
+    use l4d_data::{Name, Status};
 
     use super::*;
 

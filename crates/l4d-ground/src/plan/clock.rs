@@ -9,9 +9,9 @@ use serde_json::Value;
 /// Times further than this from a label belong to no picture.
 const TOLERANCE: f64 = 0.25;
 
-/// Which frame each label stands for.
+/// Which frame each label means.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Clock {
+pub(crate) struct Clock {
     sent: Vec<u32>,
     first: u32,
     last: u32,
@@ -19,28 +19,28 @@ pub struct Clock {
 
 impl Clock {
     /// A clock of the frames that are sent, ascending, out of the frames that are asked about.
-    pub fn new(sent: Vec<u32>, asked: Interval) -> Self {
+    pub(crate) fn new(sent: Vec<u32>, asked: Interval) -> Self {
         Self { sent, first: asked.first(), last: asked.last() }
     }
 
     /// The frames that are sent, ascending.
-    pub fn sent(&self) -> &[u32] {
+    pub(crate) fn sent(&self) -> &[u32] {
         &self.sent
     }
 
-    /// What stands before the picture of this index.
-    pub fn label(index: usize) -> String {
+    /// The text before the picture of this index.
+    pub(crate) fn label(index: usize) -> String {
         format!("<{index}.0 seconds>")
     }
 
     /// The canonical frame that a time of an answer means: a number, or text with a number in it.
-    pub fn frame(&self, time: &Value) -> Option<u32> {
+    pub(crate) fn frame(&self, time: &Value) -> Option<u32> {
         self.sent.get(self.index(time)?).copied()
     }
 
     /// The canonical frames between two times of an answer, up to half way to the next picture on either side, since
     /// nothing is known in between.
-    pub fn interval(&self, start: &Value, end: &Value) -> Option<Interval> {
+    pub(crate) fn interval(&self, start: &Value, end: &Value) -> Option<Interval> {
         let [start, end] = [seconds(start)?, seconds(end)?];
         let last = self.sent.len().checked_sub(1)? as f64;
         if !(start <= end && start <= last + TOLERANCE && end >= -TOLERANCE) {

@@ -1,10 +1,10 @@
-//! Which boxes of several frames are the same object, where a model gives more than one a frame.
+//! Which boxes of several frames are the same object, where a model gives more than one per frame.
 
 use super::Keyframe;
 
 /// Boxes that overlap by more than this within a frame are one box, written twice.
 const SAME_BOX_IOU: f64 = 0.9;
-/// More objects than anybody means by one sentence.
+/// More objects than one sentence means.
 const MOST_OBJECTS: usize = 16;
 
 /// Numbers the objects from 1: each box goes to the object whose last box overlaps it most, or lies nearest; what is

@@ -23,7 +23,7 @@ const EXCERPT: usize = 160;
 
 /// What a plan must have to be carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wanted {
+pub(crate) enum Wanted {
     /// An expression or a noun phrase.
     Words,
     /// A box or a point in at least one frame.
@@ -32,28 +32,28 @@ pub enum Wanted {
 
 /// What the model was shown.
 #[derive(Debug, Clone, Copy)]
-pub struct Showing<'a> {
+pub(crate) struct SentPictures<'a> {
     /// Labels of the pictures.
-    pub clock: &'a Clock,
+    pub(crate) clock: &'a Clock,
     /// Width and height of the pictures that were sent, pixels.
-    pub sent: (u32, u32),
+    pub(crate) size: (u32, u32),
     /// Width and height of the clip, pixels.
-    pub clip: (u32, u32),
+    pub(crate) clip: (u32, u32),
     /// How the model writes boxes.
-    pub convention: &'a Convention,
+    pub(crate) convention: &'a Convention,
 }
 
 /// Reads a plan.
-pub fn read(reply: &Reply, wanted: Wanted, showing: &Showing<'_>) -> Reading {
+pub(crate) fn read(reply: &Reply, wanted: Wanted, pictures: &SentPictures<'_>) -> Reading {
     let mut plan = GroundingPlan::default();
     let outcome = match document(reply) {
         Ok(document) => {
             plan.expression = words(&document, &["expression", "referring_expression", "description"]);
             plan.noun_phrase = words(&document, &["noun_phrase", "noun", "phrase"]);
-            plan.intervals = intervals(&document, showing.clock, &mut plan.notes);
+            plan.intervals = intervals(&document, pictures.clock, &mut plan.notes);
             match wanted {
                 Wanted::Words => read_words(&document, &mut plan),
-                Wanted::Boxes => read_boxes(&document, showing, &mut plan),
+                Wanted::Boxes => read_boxes(&document, pictures, &mut plan),
             }
         }
         Err(outcome) => outcome,
@@ -119,24 +119,24 @@ fn read_words(document: &Value, plan: &mut GroundingPlan) -> Outcome {
         (_, is_without_expression, is_without_noun) => {
             if is_without_expression {
                 plan.expression.clone_from(&plan.noun_phrase);
-                plan.notes.push("the answer has no expression; its noun phrase stands in".to_owned());
+                plan.notes.push("the answer has no expression; its noun phrase is used".to_owned());
             } else if is_without_noun {
                 plan.noun_phrase.clone_from(&plan.expression);
-                plan.notes.push("the answer has no noun phrase; its expression stands in".to_owned());
+                plan.notes.push("the answer has no noun phrase; its expression is used".to_owned());
             }
             Outcome::Found
         }
     }
 }
 
-fn read_boxes(document: &Value, showing: &Showing<'_>, plan: &mut GroundingPlan) -> Outcome {
-    let mut places = Places { showing, found: Vec::new(), seen: 0, outside: 0, unusable: 0, timeless: 0 };
+fn read_boxes(document: &Value, pictures: &SentPictures<'_>, plan: &mut GroundingPlan) -> Outcome {
+    let mut places = Places { pictures, found: Vec::new(), seen: 0, outside: 0, unusable: 0, timeless: 0 };
     places.gather(document, When::Unsaid);
     places.note(&mut plan.notes);
     let seen = places.seen;
     let (keyframes, dropped) = numbered(places.found);
     if dropped > 0 {
-        plan.notes.push(format!("{dropped} boxes were left out: repeated, or more than anybody can mean"));
+        plan.notes.push(format!("{dropped} boxes were left out: repeated, or more than a sentence can mean"));
     }
     plan.keyframes = keyframes;
     match (visible(document), seen, plan.keyframes.len()) {
@@ -207,9 +207,9 @@ enum When {
     Nowhere,
 }
 
-/// Boxes and points of an answer, wherever they stand.
+/// Boxes and points of an answer, in whatever place.
 struct Places<'a> {
-    showing: &'a Showing<'a>,
+    pictures: &'a SentPictures<'a>,
     found: Vec<Keyframe>,
     seen: usize,
     outside: usize,
@@ -218,7 +218,7 @@ struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// Walks through the answer; a time counts for everything inside its object.
+    /// Goes through the answer; a time counts for everything inside its object.
     fn gather(&mut self, value: &Value, when: When) {
         match value {
             Value::Array(items) => items.iter().for_each(|item| self.gather(item, when)),
@@ -231,7 +231,7 @@ impl Places<'_> {
                 } else {
                     for (name, field) in fields {
                         // Some answers use the time as a key.
-                        let named = self.showing.clock.frame(&Value::from(name.as_str()));
+                        let named = self.pictures.clock.frame(&Value::from(name.as_str()));
                         self.gather(field, named.map_or(when, When::At));
                     }
                 }
@@ -243,12 +243,12 @@ impl Places<'_> {
     fn time(&self, fields: &Map<String, Value>) -> Option<When> {
         const KEYS: [&str; 7] = ["time", "timestamp", "second", "seconds", "frame", "frame_index", "image"];
         let time = KEYS.iter().find_map(|key| fields.get(*key))?;
-        Some(self.showing.clock.frame(time).map_or(When::Nowhere, When::At))
+        Some(self.pictures.clock.frame(time).map_or(When::Nowhere, When::At))
     }
 
     fn take_box(&mut self, numbers: [f64; 4], when: When) {
         let Some(frame) = self.admit(when) else { return };
-        let Showing { sent, clip, convention, .. } = *self.showing;
+        let SentPictures { size: sent, clip, convention, .. } = *self.pictures;
         self.outside += usize::from(!convention.holds(numbers, sent));
         let Some(place) = convention.pixels(numbers, sent) else {
             self.unusable += 1;
@@ -261,7 +261,7 @@ impl Places<'_> {
 
     fn take_point(&mut self, numbers: [f64; 2], when: When) {
         let Some(frame) = self.admit(when) else { return };
-        let Showing { sent, clip, convention, .. } = *self.showing;
+        let SentPictures { size: sent, clip, convention, .. } = *self.pictures;
         let Some([x, y]) = convention.point(numbers, sent) else {
             self.unusable += 1;
             return;
@@ -276,7 +276,7 @@ impl Places<'_> {
         if self.seen > MOST_PLACES {
             return None;
         }
-        let frame = match (when, self.showing.clock.sent()) {
+        let frame = match (when, self.pictures.clock.sent()) {
             (When::At(frame), _) => Some(frame),
             // There is no other that could be meant.
             (When::Unsaid, [only]) => Some(*only),
@@ -298,7 +298,7 @@ impl Places<'_> {
             notes.push(format!("{} {of} have no area inside the picture", self.unusable));
         }
         if self.outside > 0 {
-            let name = &self.showing.convention.name;
+            let name = &self.pictures.convention.name;
             notes.push(format!(
                 "{} {of} leave the range of `{name}` and were cut; if that happens often, `l4d endpoint calibrate` tells \
                  whether it is the right convention",

@@ -1,10 +1,8 @@
 //! The ways in which a model and a segmenter work together.
 
-use std::str::FromStr;
-
 use serde::{Deserialize, Serialize};
 
-use super::question::Template;
+use super::request::Template;
 
 /// What a model hands to a segmenter. The paper does not say; `text` fits what it does say best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,14 +52,5 @@ impl Coupling {
             Self::Text | Self::Box => vec![self.template()],
             Self::Pick => vec![Template::NOUN, Template::PICK],
         }
-    }
-}
-
-impl FromStr for Coupling {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|coupling| coupling.as_str() == text);
-        found.ok_or_else(|| format!("unknown coupling `{}`: use text, box or pick", text.escape_debug()))
     }
 }

@@ -1,20 +1,18 @@
 //! One view, from question to masks, by each coupling.
 
-use std::time::Instant;
-
 use l4d_endpoint::{EndpointError, Image, Reply, Request};
 
 use super::pick::{self, Candidates};
-use super::question::{self, Template, Watching};
+use super::request::{self, SentFrames, Template};
 use super::{Coupling, Vlm, pictures};
-use crate::asked::Asked;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounding, Outcome, Question};
-use crate::plan::{GroundingPlan, Showing, Wanted, clean, read};
+use crate::plan::{GroundingPlan, SentPictures, Wanted, clean, read};
+use crate::question::CheckedQuestion;
 use crate::worker::{ClipPrompt, Segmented, TextKind, WorkerError};
 
 /// Why a view has no masks, with what was noted on the way.
-pub(super) struct Stop {
+pub(super) struct NoMasks {
     pub(super) outcome: Outcome,
     pub(super) notes: Vec<String>,
 }
@@ -22,32 +20,25 @@ pub(super) struct Stop {
 impl Vlm {
     pub(super) fn plan_request(
         &self,
-        asked: &Asked<'_>,
-        watching: &Watching<'_>,
+        asked: &CheckedQuestion<'_>,
+        sent: &SentFrames<'_>,
         pictures: Vec<Image>,
     ) -> Request {
-        question::request(
-            self.coupling.template(),
-            asked,
-            watching,
-            pictures,
-            self.convention,
-            &self.settings,
-        )
+        request::request(self.coupling.template(), asked, sent, pictures, self.convention, &self.settings)
     }
 
-    pub(super) fn noun_request(&self, asked: &Asked<'_>) -> Request {
-        question::text_request(Template::NOUN, asked, &self.settings)
+    pub(super) fn noun_request(&self, asked: &CheckedQuestion<'_>) -> Request {
+        request::text_request(Template::NOUN, asked, &self.settings)
     }
 
     /// Masks, or why there are none.
-    pub(super) fn try_ground(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, Stop> {
-        let asked = Asked::new(clip, question).map_err(Stop::without_notes)?;
-        let watching = Watching::choose(clip, &asked, &self.settings);
+    pub(super) fn try_ground(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, NoMasks> {
+        let asked = CheckedQuestion::new(clip, question).map_err(NoMasks::without_notes)?;
+        let sent = SentFrames::choose(clip, &asked, &self.settings);
         let (plan, found) = match self.coupling {
-            Coupling::Text => self.by_words(clip, &asked, &watching)?,
-            Coupling::Box => self.by_boxes(clip, &asked, &watching)?,
-            Coupling::Pick => self.by_choice(clip, &asked, &watching)?,
+            Coupling::Text => self.by_words(clip, &asked, &sent)?,
+            Coupling::Box => self.by_boxes(clip, &asked, &sent)?,
+            Coupling::Pick => self.by_choice(clip, &asked, &sent)?,
         };
         let GroundingPlan { mut notes, intervals, .. } = plan.clone();
         notes.extend(found.skipped.iter().map(|step| format!("the segmenter left out: {step}")));
@@ -65,10 +56,10 @@ impl Vlm {
     fn by_words(
         &self,
         clip: &ViewClip,
-        asked: &Asked<'_>,
-        watching: &Watching<'_>,
-    ) -> Result<(GroundingPlan, Segmented), Stop> {
-        let mut plan = self.plan(asked, watching, Wanted::Words)?;
+        asked: &CheckedQuestion<'_>,
+        sent: &SentFrames<'_>,
+    ) -> Result<(GroundingPlan, Segmented), NoMasks> {
+        let mut plan = self.plan(asked, sent, Wanted::Words)?;
         let words = match self.segmenter.hello().text {
             Some(TextKind::Phrase) => plan.noun_phrase.clone(),
             Some(TextKind::Sentence) | None => plan.expression.clone(),
@@ -82,12 +73,12 @@ impl Vlm {
     fn by_boxes(
         &self,
         clip: &ViewClip,
-        asked: &Asked<'_>,
-        watching: &Watching<'_>,
-    ) -> Result<(GroundingPlan, Segmented), Stop> {
-        let mut plan = self.plan(asked, watching, Wanted::Boxes)?;
-        let (with, sent) = (plan.frame_count(), watching.clock.sent().len());
-        plan.notes.push(format!("places in {with} of {sent} pictures"));
+        asked: &CheckedQuestion<'_>,
+        sent: &SentFrames<'_>,
+    ) -> Result<(GroundingPlan, Segmented), NoMasks> {
+        let mut plan = self.plan(asked, sent, Wanted::Boxes)?;
+        let (with, all) = (plan.frame_count(), sent.clock.sent().len());
+        plan.notes.push(format!("places in {with} of {all} pictures"));
         let takes_points = self.segmenter.takes("point").is_ok();
         let mut prompts = Vec::new();
         for keyframe in &plan.keyframes {
@@ -100,7 +91,7 @@ impl Vlm {
             let worker = &self.segmenter.hello().name;
             let outcome =
                 Outcome::Error(format!("the model gives points alone, which `{worker}` does not take"));
-            return Err(Stop { outcome, notes: plan.notes });
+            return Err(NoMasks { outcome, notes: plan.notes });
         }
         let found = self.segment(clip, &prompts, asked, &plan)?;
         Ok((plan, found))
@@ -110,24 +101,24 @@ impl Vlm {
     fn by_choice(
         &self,
         clip: &ViewClip,
-        asked: &Asked<'_>,
-        watching: &Watching<'_>,
-    ) -> Result<(GroundingPlan, Segmented), Stop> {
+        asked: &CheckedQuestion<'_>,
+        sent: &SentFrames<'_>,
+    ) -> Result<(GroundingPlan, Segmented), NoMasks> {
         let (request, mut notes) = (self.noun_request(asked), vec![self.prompt_note(Template::NOUN)]);
         let reply = self.ask(&request, &mut notes)?;
-        let mut plan = self.read_plan(&reply, &request, watching, Wanted::Words, notes)?;
+        let mut plan = self.read_plan(&reply, &request, sent, Wanted::Words, notes)?;
         let prompt = ClipPrompt::Text(plan.noun_phrase.clone());
         let found = self.segment(clip, &[prompt], asked, &plan)?;
         plan.notes.push(format!("{} candidates for: {}", found.objects.len(), plan.noun_phrase));
         let candidates = Candidates::of(found, &mut plan.notes);
         if candidates.objects.is_empty() {
-            return Err(Stop { outcome: Outcome::Absent, notes: plan.notes });
+            return Err(NoMasks { outcome: Outcome::Absent, notes: plan.notes });
         }
-        let pictures = pictures::marked(watching, &candidates).map_err(|error| plan.stop(&error))?;
-        let request = pick::request(asked, watching, pictures, candidates.objects.len(), &self.settings);
+        let pictures = pictures::marked(sent, &candidates).map_err(|error| plan.stop(&error))?;
+        let request = pick::request(asked, sent, pictures, candidates.objects.len(), &self.settings);
         plan.notes.push(self.prompt_note(Template::PICK));
         let reply = self.ask(&request, &mut plan.notes)?;
-        match pick::read_choice(&reply, &watching.clock, candidates.objects.len()) {
+        match pick::read_choice(&reply, &sent.clock, candidates.objects.len()) {
             Ok(choice) => {
                 plan.intervals = choice.intervals;
                 plan.notes.extend(choice.notes);
@@ -136,39 +127,39 @@ impl Vlm {
             }
             Err(outcome) => {
                 self.forget(&request, &outcome);
-                Err(Stop { outcome, notes: plan.notes })
+                Err(NoMasks { outcome, notes: plan.notes })
             }
         }
     }
 
     fn plan(
         &self,
-        asked: &Asked<'_>,
-        watching: &Watching<'_>,
+        asked: &CheckedQuestion<'_>,
+        sent: &SentFrames<'_>,
         wanted: Wanted,
-    ) -> Result<GroundingPlan, Stop> {
-        let pictures = pictures::plain(watching).map_err(|error| Stop::of(&error))?;
-        let request = self.plan_request(asked, watching, pictures);
+    ) -> Result<GroundingPlan, NoMasks> {
+        let pictures = pictures::plain(sent).map_err(|error| NoMasks::of(&error))?;
+        let request = self.plan_request(asked, sent, pictures);
         let mut notes = vec![self.prompt_note(self.coupling.template())];
         let reply = self.ask(&request, &mut notes)?;
-        self.read_plan(&reply, &request, watching, wanted, notes)
+        self.read_plan(&reply, &request, sent, wanted, notes)
     }
 
     fn read_plan(
         &self,
         reply: &Reply,
         request: &Request,
-        watching: &Watching<'_>,
+        sent: &SentFrames<'_>,
         wanted: Wanted,
         mut notes: Vec<String>,
-    ) -> Result<GroundingPlan, Stop> {
-        let showing = Showing {
-            clock: &watching.clock,
-            sent: watching.size(),
-            clip: (watching.clip.width, watching.clip.height),
+    ) -> Result<GroundingPlan, NoMasks> {
+        let pictures = SentPictures {
+            clock: &sent.clock,
+            size: sent.size(),
+            clip: (sent.clip.width, sent.clip.height),
             convention: self.convention,
         };
-        let reading = read(reply, wanted, &showing);
+        let reading = read(reply, wanted, &pictures);
         let mut plan = reading.plan;
         if !plan.expression.is_empty() {
             notes.push(format!("it says: {} ({})", plan.expression, plan.noun_phrase));
@@ -178,15 +169,12 @@ impl Vlm {
             return Ok(GroundingPlan { notes, ..plan });
         }
         self.forget(request, &reading.outcome);
-        Err(Stop { outcome: reading.outcome, notes })
+        Err(NoMasks { outcome: reading.outcome, notes })
     }
 
     /// A reply, whole or not; what it was asked with, and for how many tokens, is noted.
-    fn ask(&self, request: &Request, notes: &mut Vec<String>) -> Result<Reply, Stop> {
-        let started = Instant::now();
-        let result = self.client.ask(request);
-        self.books.note_asking(&result, started.elapsed());
-        match result {
+    fn ask(&self, request: &Request, notes: &mut Vec<String>) -> Result<Reply, NoMasks> {
+        match self.client.ask(request) {
             Ok(reply) => {
                 let count = |tokens: Option<u64>| tokens.map_or("?".to_owned(), |tokens| tokens.to_string());
                 let (prompt, completion) = (reply.usage.prompt_tokens, reply.usage.completion_tokens);
@@ -200,7 +188,7 @@ impl Vlm {
                 notes.extend(reply.notes.iter().map(|note| clean(note, 300)));
                 Ok(reply)
             }
-            Err(error) => Err(Stop { notes: std::mem::take(notes), ..Stop::of(&error) }),
+            Err(error) => Err(NoMasks { notes: std::mem::take(notes), ..NoMasks::of(&error) }),
         }
     }
 
@@ -208,12 +196,10 @@ impl Vlm {
         &self,
         clip: &ViewClip,
         prompts: &[ClipPrompt],
-        asked: &Asked<'_>,
+        asked: &CheckedQuestion<'_>,
         plan: &GroundingPlan,
-    ) -> Result<Segmented, Stop> {
-        let started = Instant::now();
+    ) -> Result<Segmented, NoMasks> {
         let result = self.segmenter.segment(clip, prompts, Some(asked.range));
-        self.books.note_segmenting(result.is_ok(), started.elapsed());
         let outcome = |error: WorkerError| match error.outcome() {
             // These are the model's words, not the user's: asked again it may find others.
             Outcome::Unsupported(unread) => {
@@ -221,7 +207,7 @@ impl Vlm {
             }
             outcome => outcome,
         };
-        result.map_err(|error| Stop { outcome: outcome(error), notes: plan.notes.clone() })
+        result.map_err(|error| NoMasks { outcome: outcome(error), notes: plan.notes.clone() })
     }
 
     /// Only answers are remembered: a reply without sense may come out better next time.
@@ -238,7 +224,7 @@ impl Vlm {
     }
 }
 
-impl Stop {
+impl NoMasks {
     fn without_notes(outcome: Outcome) -> Self {
         Self { outcome, notes: Vec::new() }
     }
@@ -249,7 +235,7 @@ impl Stop {
 }
 
 impl GroundingPlan {
-    fn stop(&self, error: &EndpointError) -> Stop {
-        Stop { notes: self.notes.clone(), ..Stop::of(error) }
+    fn stop(&self, error: &EndpointError) -> NoMasks {
+        NoMasks { notes: self.notes.clone(), ..NoMasks::of(error) }
     }
 }

@@ -5,10 +5,10 @@ use l4d_endpoint::{Image, Reply, Request, Schema};
 use serde_json::{Value, json};
 
 use super::Settings;
-use super::question::{Filling, Template, Watching, interval_schema, with_pictures};
-use crate::asked::Asked;
+use super::request::{Filling, SentFrames, Template, interval_schema, object_schema, with_pictures};
 use crate::grounder::Outcome;
 use crate::plan::{Clock, document};
+use crate::question::CheckedQuestion;
 use crate::worker::{Object, Segmented};
 
 /// More outlines than this hide what they outline.
@@ -52,8 +52,8 @@ impl Candidates {
 
 /// The question which of `candidates` candidates is meant.
 pub(super) fn request(
-    asked: &Asked<'_>,
-    watching: &Watching<'_>,
+    asked: &CheckedQuestion<'_>,
+    sent: &SentFrames<'_>,
     pictures: Vec<Image>,
     candidates: usize,
     settings: &Settings,
@@ -63,9 +63,9 @@ pub(super) fn request(
         "numbers": { "type": "array", "items": { "type": "integer", "minimum": 1, "maximum": candidates } },
     });
     interval_schema(settings, &mut example, &mut properties);
-    let filling = Filling { candidates, example, ..Filling::of(asked, watching, settings) };
+    let filling = Filling { candidates, example, ..Filling::of(asked, sent, settings) };
     let text = Template::PICK.fill(&filling);
-    with_pictures(pictures, text, Schema::new("choice", super::question::object_schema(properties)), settings)
+    with_pictures(pictures, text, Schema::new("choice", object_schema(properties)), settings)
 }
 
 /// Reads a choice among `count` candidates.

@@ -5,16 +5,16 @@ use l4d_frames::Surfaces;
 use l4d_frames::overlay::{Mark, encode_jpeg, enlarge, object_colour, outline};
 
 use super::pick::Candidates;
-use super::question::Watching;
+use super::request::SentFrames;
 
 /// The frames as they are.
-pub(super) fn plain(watching: &Watching<'_>) -> Result<Vec<Image>, EndpointError> {
-    let frames = watching.frames();
-    frames.map(|seen| Image::new(encode_jpeg(&enlarge(&seen.colour, watching.factor)))).collect()
+pub(super) fn plain(sent: &SentFrames<'_>) -> Result<Vec<Image>, EndpointError> {
+    let frames = sent.frames();
+    frames.map(|seen| Image::new(encode_jpeg(&enlarge(&seen.colour, sent.factor)))).collect()
 }
 
 /// The frames with all candidates outlined and numbered.
-pub(super) fn marked(watching: &Watching<'_>, candidates: &Candidates) -> Result<Vec<Image>, EndpointError> {
+pub(super) fn marked(sent: &SentFrames<'_>, candidates: &Candidates) -> Result<Vec<Image>, EndpointError> {
     let marks: Vec<Mark> = (0..candidates.objects.len())
         .map(|place| Mark {
             id: place as u32 + 1,
@@ -23,19 +23,19 @@ pub(super) fn marked(watching: &Watching<'_>, candidates: &Candidates) -> Result
             faint: false,
         })
         .collect();
-    let frames = watching.frames();
+    let frames = sent.frames();
     let draw = |seen: &crate::clip::ClipFrame| {
-        let mut picture = enlarge(&seen.colour, watching.factor);
-        let surfaces = surfaces(watching, candidates, seen.frame);
-        outline(&mut picture, &surfaces, watching.factor, &marks);
+        let mut picture = enlarge(&seen.colour, sent.factor);
+        let surfaces = surfaces(sent, candidates, seen.frame);
+        outline(&mut picture, &surfaces, sent.factor, &marks);
         Image::new(encode_jpeg(&picture))
     };
     frames.map(draw).collect()
 }
 
 /// The candidates as an id picture. Where they overlap, the smaller one is seen.
-fn surfaces(watching: &Watching<'_>, candidates: &Candidates, frame: u32) -> Surfaces {
-    let (width, height) = (watching.clip.width, watching.clip.height);
+fn surfaces(sent: &SentFrames<'_>, candidates: &Candidates, frame: u32) -> Surfaces {
+    let (width, height) = (sent.clip.width, sent.clip.height);
     let pixels = width as usize * height as usize;
     let mut id = vec![0; pixels];
     let mut masks: Vec<_> = candidates.objects.iter().zip(1..).collect();

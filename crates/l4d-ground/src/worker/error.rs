@@ -1,6 +1,5 @@
 //! What can go wrong with a worker, and what becomes of the view.
 
-use std::io;
 use std::time::Duration;
 
 use l4d_data::DataError;
@@ -14,43 +13,15 @@ pub enum WorkerError {
     /// The frames could not be written for it.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// The program cannot be run.
-    #[error("the worker `{program}` cannot be started: {source}")]
-    Start {
-        /// What was to be run.
-        program: String,
-        /// The operating system's words.
-        source: io::Error,
-    },
-    /// It ended, or closed its output.
-    #[error("the worker `{worker}` ended early ({status}){}", last_words(tail))]
-    Died {
+    /// Its process cannot be started, ended, hangs, breaks the protocol or was given up.
+    #[error("the worker `{worker}` {message}")]
+    Process {
         /// Its name, or the program before it told its name.
         worker: String,
-        /// Exit status or signal.
-        status: String,
-        /// The end of what it wrote to stderr.
-        tail: String,
-    },
-    /// It says nothing any more.
-    #[error("the worker `{worker}` {what} for {} seconds{}", waited.as_secs_f64(), last_words(tail))]
-    Hangs {
-        /// Its name.
-        worker: String,
-        /// What it did not do.
-        what: &'static str,
-        /// How long it was waited for.
-        waited: Duration,
-        /// The end of what it wrote to stderr.
-        tail: String,
-    },
-    /// It says what the protocol does not know, or what was not asked.
-    #[error("the worker `{worker}` breaks the protocol: {message}")]
-    Protocol {
-        /// Its name.
-        worker: String,
-        /// In what way.
+        /// What it did.
         message: String,
+        /// What to do about it.
+        hint: &'static str,
     },
     /// A mask, a frame or an object that was not asked for. The process goes on.
     #[error("the answer of the worker `{worker}` is of no use: {message}")]
@@ -60,7 +31,7 @@ pub enum WorkerError {
         /// What is wrong with it.
         message: String,
     },
-    /// It refused, in its own words.
+    /// It refused, in its own words. The process goes on.
     #[error("the worker `{worker}` says `{kind}`: {message}")]
     Refused {
         /// Its name.
@@ -78,22 +49,40 @@ pub enum WorkerError {
         /// What it lacks.
         message: String,
     },
-    /// It failed so often that it is not started again.
-    #[error("the worker `{worker}` was given up after {failures} failures in a row, the last one: {last}")]
-    GivenUp {
-        /// Its name.
-        worker: String,
-        /// How many.
-        failures: u32,
-        /// The last one.
-        last: String,
-    },
 }
 
+const RUN_BY_HAND: &str = "run it by hand with the same arguments and see its log; if memory ran out, use a smaller model or fewer frames";
+const READ_THE_PROTOCOL: &str =
+    "see docs/workers.md; `l4d_workers` takes care of stdout for workers in Python";
+
 impl WorkerError {
-    /// Whether the process is of no use any more.
-    pub(super) fn is_of_process(&self) -> bool {
-        matches!(self, Self::Died { .. } | Self::Hangs { .. } | Self::Protocol { .. })
+    pub(super) fn not_started(program: &str, source: &std::io::Error) -> Self {
+        let hint = "check the path of the program, or let l4d make its environment";
+        Self::process(program, format!("cannot be started: {source}"), hint)
+    }
+
+    /// `log` is the end of what it wrote to stderr.
+    pub(super) fn died(worker: &str, status: &str, log: &str) -> Self {
+        Self::process(worker, format!("ended early ({status}){}", last_words(log)), RUN_BY_HAND)
+    }
+
+    pub(super) fn hangs(worker: &str, what: &str, waited: Duration, log: &str) -> Self {
+        let hint = "see its log; a slow processor may need more patience, or a smaller model";
+        let message = format!("{what} for {} seconds{}", waited.as_secs_f64(), last_words(log));
+        Self::process(worker, message, hint)
+    }
+
+    pub(super) fn breaks_protocol(worker: &str, message: &str) -> Self {
+        Self::process(worker, format!("breaks the protocol: {message}"), READ_THE_PROTOCOL)
+    }
+
+    pub(super) fn given_up(worker: &str, failures: u32, last: &str) -> Self {
+        let message = format!("was given up after {failures} failures in a row, the last one: {last}");
+        Self::process(worker, message, RUN_BY_HAND)
+    }
+
+    fn process(worker: &str, message: String, hint: &'static str) -> Self {
+        Self::Process { worker: worker.to_owned(), message, hint }
     }
 
     /// What becomes of the view that was asked about.
@@ -110,27 +99,19 @@ impl WorkerError {
     /// What to do about it.
     pub fn hint(&self) -> String {
         match self {
-            Self::Data(error) => error.hint().unwrap_or_default(),
-            Self::Start { .. } => "check the path of the program, or let l4d make its environment".to_owned(),
-            Self::Died { .. } | Self::GivenUp { .. } => {
-                "run it by hand with the same arguments and see its log; if memory ran out, use a smaller model or fewer frames"
-                    .to_owned()
-            }
-            Self::Hangs { .. } => {
-                "see its log; a slow processor may need more patience, or a smaller model".to_owned()
-            }
-            Self::Protocol { .. } | Self::Answer { .. } => {
-                "see docs/workers.md; `l4d_workers` takes care of stdout for workers in Python".to_owned()
-            }
+            Self::Data(error) => return error.hint().unwrap_or_default(),
+            Self::Process { hint, .. } => hint,
+            Self::Answer { .. } => READ_THE_PROTOCOL,
             Self::Refused { kind, .. } if kind == "oom" => {
-                "use a smaller model, a shorter range, or --device cpu".to_owned()
+                "use a smaller model, a shorter range, or --device cpu"
             }
-            Self::Refused { .. } => "see docs/workers.md for what each worker takes".to_owned(),
-            Self::Unfit { .. } => "choose another worker or another coupling".to_owned(),
+            Self::Refused { .. } => "see docs/workers.md for what each worker takes",
+            Self::Unfit { .. } => "choose another worker or another coupling",
         }
+        .to_owned()
     }
 }
 
-fn last_words(tail: &str) -> String {
-    if tail.is_empty() { String::new() } else { format!("; it wrote:\n{tail}") }
+fn last_words(log: &str) -> String {
+    if log.is_empty() { String::new() } else { format!("; it wrote:\n{log}") }
 }

@@ -39,6 +39,9 @@ impl FrameStore {
     }
 
     /// The frames of a clip; those that are missing are written.
+    ///
+    /// # Errors
+    /// A file cannot be written.
     pub fn frames(&self, clip: &ViewClip) -> Result<Frames, DataError> {
         let dir = self.root.join(&digest(clip)[..16]);
         let dir = std::path::absolute(&dir).map_err(|source| DataError::io(&dir, "resolve", source))?;

@@ -1,24 +1,31 @@
 //! A worker's process: its three pipes, a thread for each, and its end.
 
+use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use l4d_data::error::inert;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use super::book::{Answer, Book, End};
+use super::answer::PartialAnswer;
 use super::error::WorkerError;
-use super::protocol::{Hello, Order, Segment, read_line, write_line};
+use super::protocol::{Hello, PROTOCOL, Part, Request, Segment, WorkerLine, read_line, write_line};
+use super::segmenter::Segmented;
 use super::{Launch, Patience};
+use crate::plan::clean;
 
 /// A line that is longer holds no mask of a clip.
 const LONGEST_LINE: u64 = 16 << 20;
-const LONGEST_TALK: u64 = 2 << 10;
+/// Lines that wait to be taken; then the worker waits.
+const WAITING_LINES: usize = 64;
+const LONGEST_LOG_LINE: u64 = 2 << 10;
+/// Lines of stderr that are kept for an error.
+const LOG_LINES: usize = 12;
 const POLL: Duration = Duration::from_millis(10);
 
 /// A running worker. Dropping it ends it, and everything in its process group.
@@ -27,22 +34,14 @@ pub(super) struct Process {
     name: String,
     hello: Hello,
     patience: Patience,
-    child: Mutex<Running>,
-    orders: Mutex<Option<Sender<String>>>,
-    shared: Arc<Shared>,
-}
-
-#[derive(Debug)]
-struct Running {
     child: Child,
     /// How it ended, once that is known.
     status: Option<String>,
-}
-
-#[derive(Debug)]
-struct Shared {
-    book: Mutex<Book>,
-    changed: Condvar,
+    requests: Option<Sender<String>>,
+    /// What it says; an error where it breaks the protocol.
+    lines: Receiver<Result<WorkerLine, String>>,
+    /// The end of what it wrote to stderr, the last line first.
+    log: Arc<Mutex<VecDeque<String>>>,
 }
 
 impl Process {
@@ -54,128 +53,134 @@ impl Process {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // A group of its own: what it starts must not outlive it, and a Ctrl-C is for l4d to answer.
         command.process_group(0);
-        let start = |source| WorkerError::Start { program: program.clone(), source };
-        let mut child = command.spawn().map_err(start)?;
-        let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let shared = Arc::new(Shared { book: Mutex::new(Book::new()), changed: Condvar::new() });
-        let (orders, waiting) = channel();
-        if let (Some(stdin), Some(stdout), Some(stderr)) = pipes {
-            let (reading, talking) = (Arc::clone(&shared), Arc::clone(&shared));
-            thread::spawn(move || write_orders(stdin, &waiting));
-            thread::spawn(move || read_lines(stdout, &reading));
-            let name = program.clone();
-            thread::spawn(move || read_talk(stderr, &name, &talking));
+        let mut child = command.spawn().map_err(|source| WorkerError::not_started(&program, &source))?;
+        let (requests, to_write) = channel();
+        let (read, lines) = sync_channel(WAITING_LINES);
+        let log = Arc::new(Mutex::new(VecDeque::new()));
+        if let (Some(stdin), Some(stdout), Some(stderr)) =
+            (child.stdin.take(), child.stdout.take(), child.stderr.take())
+        {
+            let (name, log) = (program.clone(), Arc::clone(&log));
+            thread::spawn(move || write_requests(stdin, &to_write));
+            thread::spawn(move || read_lines(stdout, &read));
+            thread::spawn(move || read_log(stderr, &name, &log));
         }
         let mut process = Self {
             name: program,
-            hello: nobody(),
+            hello: Hello::default(),
             patience,
-            child: Mutex::new(Running { child, status: None }),
-            orders: Mutex::new(Some(orders)),
-            shared,
+            child,
+            status: None,
+            requests: Some(requests),
+            lines,
+            log,
         };
         process.hello = process.wait_for_hello()?;
         process.name.clone_from(&process.hello.name);
         Ok(process)
     }
 
-    /// Who it says it is.
+    /// What it says of itself.
     pub(super) fn hello(&self) -> &Hello {
         &self.hello
     }
 
-    /// Asks and waits.
-    pub(super) fn segment(&self, segment: &Segment<'_>) -> Result<Answer, WorkerError> {
-        let id = segment.id;
-        self.book().open(id, (segment.frames.width, segment.frames.height), segment.range);
-        self.order(&Order::Segment(segment));
-        let asked = Instant::now();
-        let mut book = self.book();
+    fn wait_for_hello(&mut self) -> Result<Hello, WorkerError> {
+        let waited = self.patience.hello;
+        let deadline = Instant::now() + waited;
         loop {
-            if let Some(result) = book.close(id, &self.name) {
-                // The next request's clock begins now.
-                self.shared.changed.notify_all();
-                if matches!(result, Err(WorkerError::Answer { .. })) {
-                    self.order(&Order::Cancel { id });
+            let rest = deadline.saturating_duration_since(Instant::now());
+            match self.next_line(rest, "was not ready", waited)? {
+                WorkerLine::Alive => {}
+                WorkerLine::Hello(hello) if hello.protocol == PROTOCOL => return Ok(*hello),
+                WorkerLine::Hello(hello) => {
+                    let theirs = hello.protocol;
+                    let message =
+                        format!("it speaks version {theirs} of the protocol, l4d speaks {PROTOCOL}");
+                    return Err(WorkerError::breaks_protocol(&self.name, &message));
                 }
-                return result;
+                WorkerLine::About(..) => {
+                    return Err(WorkerError::breaks_protocol(&self.name, "it answers before its hello"));
+                }
             }
-            if let Some(end) = book.end.clone() {
-                book.pending.remove(&id);
-                drop(book);
-                return Err(self.ended(end));
-            }
-            let turn_since = book.is_turn_of(id);
-            let silent = book.last_heard.max(asked).elapsed();
-            let working = turn_since.map_or(Duration::ZERO, |since| since.elapsed());
-            let (what, waited) = if silent >= self.patience.silence {
-                ("said nothing", self.patience.silence)
-            } else if working >= self.patience.answer {
-                ("worked on one answer", self.patience.answer)
-            } else {
-                let rest = (self.patience.silence - silent).min(self.patience.answer - working);
-                book = self.wait(book, rest);
-                continue;
-            };
-            // Whoever else waits for it waits in vain.
-            book.end.get_or_insert(End::Hung(what, waited));
-            self.shared.changed.notify_all();
         }
     }
 
-    fn wait_for_hello(&self) -> Result<Hello, WorkerError> {
-        let started = Instant::now();
-        let mut book = self.book();
+    /// Asks and waits.
+    pub(super) fn segment(&mut self, segment: &Segment<'_>) -> Result<Segmented, WorkerError> {
+        self.send(&Request::Segment(segment));
+        let mut answer = PartialAnswer::new(segment);
+        let Patience { silence, answer: whole, .. } = self.patience;
+        let deadline = Instant::now() + whole;
         loop {
-            if let Some(hello) = &book.hello {
-                return Ok(hello.clone());
-            }
-            if let Some(end) = book.end.clone() {
-                drop(book);
-                return Err(self.ended(end));
-            }
-            let Some(rest) =
-                self.patience.hello.checked_sub(started.elapsed()).filter(|rest| !rest.is_zero())
-            else {
-                let (worker, waited) = (self.name.clone(), self.patience.hello);
-                let what = "was not ready";
-                return Err(WorkerError::Hangs { worker, what, waited, tail: book.tail() });
+            let rest = deadline.saturating_duration_since(Instant::now());
+            let line = if rest < silence {
+                self.next_line(rest, "worked on one answer", whole)?
+            } else {
+                self.next_line(silence, "said nothing", silence)?
             };
-            book = self.wait(book, rest);
-        }
-    }
-
-    fn wait<'a>(&self, book: MutexGuard<'a, Book>, rest: Duration) -> MutexGuard<'a, Book> {
-        self.shared.changed.wait_timeout(book, rest).unwrap_or_else(PoisonError::into_inner).0
-    }
-
-    fn order(&self, order: &Order<'_>) {
-        let orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
-        if let (Ok(line), Some(orders)) = (write_line(order), orders.as_ref()) {
-            // A worker that reads no more is noticed by its end or its silence.
-            orders.send(line).ok();
-        }
-    }
-
-    fn ended(&self, end: End) -> WorkerError {
-        let worker = self.name.clone();
-        match end {
-            End::Broken(message) => WorkerError::Protocol { worker, message },
-            End::Hung(what, waited) => WorkerError::Hangs { worker, what, waited, tail: self.book().tail() },
-            End::Closed => {
-                let status = self.finish();
-                WorkerError::Died { worker, status, tail: self.book().tail() }
+            let part = match line {
+                WorkerLine::Alive => continue,
+                WorkerLine::Hello(_) => {
+                    return Err(WorkerError::breaks_protocol(&self.name, "it says hello twice"));
+                }
+                // A request that was given up: late lines do no harm.
+                WorkerLine::About(id, _) if id < segment.id => continue,
+                WorkerLine::About(id, _) if id > segment.id => {
+                    let message = format!("it answers request {id}, which was not asked");
+                    return Err(WorkerError::breaks_protocol(&self.name, &message));
+                }
+                WorkerLine::About(_, part) => part,
+            };
+            match part {
+                Part::Mask(line) => {
+                    if let Err(message) = answer.add(&line) {
+                        self.send(&Request::Cancel { id: segment.id });
+                        return Err(WorkerError::Answer { worker: self.name.clone(), message });
+                    }
+                }
+                Part::Done { skipped } => return Ok(answer.finish(&skipped)),
+                Part::Failed { kind, message } => {
+                    let (kind, message) = (clean(&kind, 40), clean(&message, 500));
+                    return Err(WorkerError::Refused { worker: self.name.clone(), kind, message });
+                }
             }
         }
     }
 
-    /// Waits a little, ends whatever is left of its group, and tells how it ended.
-    fn finish(&self) -> String {
-        let mut running = self.child.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(status) = &running.status {
+    /// The next line within `rest`; otherwise it did `what` for as long as `waited`.
+    fn next_line(&mut self, rest: Duration, what: &str, waited: Duration) -> Result<WorkerLine, WorkerError> {
+        let line =
+            if rest.is_zero() { Err(RecvTimeoutError::Timeout) } else { self.lines.recv_timeout(rest) };
+        match line {
+            Ok(Ok(line)) => Ok(line),
+            Ok(Err(message)) => Err(WorkerError::breaks_protocol(&self.name, &message)),
+            Err(RecvTimeoutError::Timeout) => Err(WorkerError::hangs(&self.name, what, waited, &self.log())),
+            Err(RecvTimeoutError::Disconnected) => {
+                let status = self.finish();
+                Err(WorkerError::died(&self.name, &status, &self.log()))
+            }
+        }
+    }
+
+    fn send(&self, request: &Request<'_>) {
+        if let (Ok(line), Some(requests)) = (write_line(request), &self.requests) {
+            // A worker that reads no more is noticed by its end or its silence.
+            requests.send(line).ok();
+        }
+    }
+
+    fn log(&self) -> String {
+        let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
+        log.iter().rev().map(String::as_str).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Waits a little, ends what is left of its group, and says how it ended.
+    fn finish(&mut self) -> String {
+        if let Some(status) = &self.status {
             return status.clone();
         }
-        let pid = Pid::from_child(&running.child);
+        let pid = Pid::from_child(&self.child);
         let deadline = Instant::now() + self.patience.farewell;
         // Without reaping: the number of the group must stay taken until it is killed.
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
@@ -183,92 +188,60 @@ impl Process {
             thread::sleep(POLL);
         }
         kill_process_group(pid, Signal::KILL).ok();
-        let status = running.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
-        running.status = Some(status.clone());
-        status
-    }
-
-    fn book(&self) -> MutexGuard<'_, Book> {
-        self.shared.book()
+        let status = self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
+        self.status.insert(status).clone()
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        self.order(&Order::Shutdown);
-        // Its stdin ends, too, which tells it the same.
-        self.orders.lock().unwrap_or_else(PoisonError::into_inner).take();
+        self.send(&Request::Shutdown);
+        // Its stdin ends, too, which says the same.
+        self.requests = None;
         self.finish();
     }
 }
 
-impl Shared {
-    fn book(&self) -> MutexGuard<'_, Book> {
-        self.book.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn end(&self, end: End) {
-        let mut book = self.book();
-        book.end.get_or_insert(end);
-        self.changed.notify_all();
-    }
-}
-
-fn nobody() -> Hello {
-    Hello {
-        protocol: 0,
-        name: String::new(),
-        version: String::new(),
-        prompts: Vec::new(),
-        text: None,
-        text_max_tokens: None,
-        device: None,
-        weights: None,
-        deps: Default::default(),
-        settings: Default::default(),
-    }
-}
-
-fn write_orders(mut stdin: ChildStdin, orders: &Receiver<String>) {
-    while let Ok(line) = orders.recv() {
+fn write_requests(mut stdin: ChildStdin, requests: &Receiver<String>) {
+    while let Ok(line) = requests.recv() {
         if stdin.write_all(line.as_bytes()).and_then(|()| stdin.flush()).is_err() {
             return;
         }
     }
 }
 
-fn read_lines(stdout: ChildStdout, shared: &Shared) {
+/// Reads up to the end, or up to the first line that breaks the protocol: a flood fills its pipe and stops until the
+/// worker is killed.
+fn read_lines(stdout: ChildStdout, lines: &SyncSender<Result<WorkerLine, String>>) {
     let mut stdout = BufReader::new(stdout);
     let mut line = Vec::new();
     loop {
-        let read = read_bounded(&mut stdout, &mut line, LONGEST_LINE);
-        let noted = match read {
-            Ok(0) | Err(_) => return shared.end(End::Closed),
+        let read = match read_bounded(&mut stdout, &mut line, LONGEST_LINE) {
+            Ok(0) | Err(_) => return,
             Ok(_) if line.len() as u64 == LONGEST_LINE => Err("a line without end".to_owned()),
-            Ok(_) if line.trim_ascii().is_empty() => Ok(()),
-            Ok(_) => read_line(&line)
-                .map_err(|error| {
-                    let excerpt: String = String::from_utf8_lossy(&line).chars().take(80).collect();
-                    format!("{error}: {}", inert(excerpt.trim()))
-                })
-                .and_then(|said| shared.book().note(said)),
+            Ok(_) if line.trim_ascii().is_empty() => continue,
+            Ok(_) => read_line(&line).map_err(|error| {
+                let excerpt: String = String::from_utf8_lossy(&line).chars().take(80).collect();
+                format!("{error}: {}", inert(excerpt.trim()))
+            }),
         };
-        if let Err(message) = noted {
-            // Nothing more is read: a flood fills its pipe and stands still until it is killed.
-            return shared.end(End::Broken(message));
+        let is_broken = read.is_err();
+        if lines.send(read).is_err() || is_broken {
+            return;
         }
-        shared.changed.notify_all();
     }
 }
 
-fn read_talk(stderr: ChildStderr, name: &str, shared: &Shared) {
+fn read_log(stderr: ChildStderr, name: &str, log: &Mutex<VecDeque<String>>) {
     let mut stderr = BufReader::new(stderr);
     let mut line = Vec::new();
-    while read_bounded(&mut stderr, &mut line, LONGEST_TALK).is_ok_and(|count| count > 0) {
+    while read_bounded(&mut stderr, &mut line, LONGEST_LOG_LINE).is_ok_and(|count| count > 0) {
         let text = inert(String::from_utf8_lossy(&line).trim_end());
         if !text.is_empty() {
             tracing::info!(worker = name, "{text}");
-            shared.book().note_talk(text);
+            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
+            log.truncate(LOG_LINES - 1);
+            log.push_front(text);
         }
     }
 }

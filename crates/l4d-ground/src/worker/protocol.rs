@@ -9,10 +9,10 @@ use serde_json::Value;
 use super::frames::Frames;
 
 /// Version of the protocol that this crate speaks.
-pub const PROTOCOL: u32 = 1;
+pub(super) const PROTOCOL: u32 = 1;
 
 /// What a worker says of itself when it is ready.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
     /// Version of the protocol.
     pub protocol: u32,
@@ -38,7 +38,7 @@ pub struct Hello {
     /// Libraries and their versions.
     #[serde(default)]
     pub deps: BTreeMap<String, String>,
-    /// Whatever else its answers depend on.
+    /// What else its answers depend on.
     #[serde(default)]
     pub settings: BTreeMap<String, Value>,
 }
@@ -53,7 +53,7 @@ pub enum TextKind {
     Sentence,
 }
 
-/// What a model is, wherever it stands.
+/// What a model is, wherever its files are.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Weights {
     /// Name of its folder or file.
@@ -62,47 +62,13 @@ pub struct Weights {
     pub sha256: String,
 }
 
-/// What to look for. Frames are indices into the list of files.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Prompt {
-    /// Number of the object, from 1. Text may find several: the worker numbers those itself.
-    pub obj: u32,
-    /// Where or what it is.
-    #[serde(flatten)]
-    pub what: What,
-}
-
-/// A prompt's content.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum What {
-    /// A box in a frame.
-    Box {
-        /// Index of the frame.
-        frame: u32,
-        /// Left, upper, right, lower edge, pixels.
-        box_px: [f64; 4],
-    },
-    /// A place on the object in a frame.
-    Point {
-        /// Index of the frame.
-        frame: u32,
-        /// Column and row, pixels.
-        point_px: [f64; 2],
-    },
-    /// Words.
-    Text {
-        /// The words.
-        text: String,
-    },
-}
-
 /// A request for masks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Segment<'a> {
     pub(super) id: u64,
     pub(super) frames: &'a Frames,
-    pub(super) prompts: &'a [Prompt],
+    /// As [`super::ClipPrompt::indexed`] spells them.
+    pub(super) prompts: &'a [Value],
     /// First and last frame that masks are wanted of.
     pub(super) range: [u32; 2],
     /// Least score of an object that is wanted.
@@ -112,33 +78,32 @@ pub(super) struct Segment<'a> {
 /// What is written to a worker.
 #[derive(Debug, Serialize)]
 #[serde(tag = "op", rename_all = "snake_case")]
-pub(super) enum Order<'a> {
+pub(super) enum Request<'a> {
     Segment(&'a Segment<'a>),
     Cancel { id: u64 },
     Shutdown,
 }
 
-/// What a worker writes, one a line.
+/// What a worker writes, one per line.
 #[derive(Debug)]
-pub(super) enum Said {
+pub(super) enum WorkerLine {
     Hello(Box<Hello>),
     /// It is at work.
     Alive,
+    /// About the request of this id.
+    About(u64, Part),
+}
+
+/// A part of an answer.
+#[derive(Debug)]
+pub(super) enum Part {
     Mask(MaskLine),
-    Done {
-        id: u64,
-        skipped: Vec<String>,
-    },
-    Failed {
-        id: u64,
-        kind: String,
-        message: String,
-    },
+    Done { skipped: Vec<String> },
+    Failed { kind: String, message: String },
 }
 
 #[derive(Debug)]
 pub(super) struct MaskLine {
-    pub(super) id: u64,
     pub(super) frame: u32,
     pub(super) object: u32,
     pub(super) rle: Rle,
@@ -186,31 +151,29 @@ struct Failure {
 }
 
 /// Reads a line; the error says what is wrong with it.
-pub(super) fn read_line(bytes: &[u8]) -> Result<Said, String> {
+pub(super) fn read_line(bytes: &[u8]) -> Result<WorkerLine, String> {
     let line: Line = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
     if let Some(hello) = line.hello {
-        return Ok(Said::Hello(hello));
+        return Ok(WorkerLine::Hello(hello));
     }
     let Some(id) = line.id else {
-        return if line.alive == Some(true) {
-            Ok(Said::Alive)
-        } else {
-            Err("a line without an id".to_owned())
-        };
+        let is_alive = line.alive == Some(true);
+        return if is_alive { Ok(WorkerLine::Alive) } else { Err("a line without an id".to_owned()) };
     };
-    match (line.error, line.done, line.frame, line.obj, line.rle) {
-        (Some(Failure { kind, msg }), ..) => Ok(Said::Failed { id, kind, message: msg }),
-        (None, Some(true), ..) => Ok(Said::Done { id, skipped: line.skipped }),
+    let part = match (line.error, line.done, line.frame, line.obj, line.rle) {
+        (Some(Failure { kind, msg }), ..) => Part::Failed { kind, message: msg },
+        (None, Some(true), ..) => Part::Done { skipped: line.skipped },
         (None, _, Some(frame), Some(object), Some(rle)) => {
-            Ok(Said::Mask(MaskLine { id, frame, object, rle, score: line.score }))
+            Part::Mask(MaskLine { frame, object, rle, score: line.score })
         }
-        _ => Err("a line that is neither mask nor end nor error".to_owned()),
-    }
+        _ => return Err("a line that is neither mask nor end nor error".to_owned()),
+    };
+    Ok(WorkerLine::About(id, part))
 }
 
 /// A line for a worker.
-pub(super) fn write_line(order: &Order<'_>) -> Result<String, serde_json::Error> {
-    let mut line = serde_json::to_string(order)?;
+pub(super) fn write_line(request: &Request<'_>) -> Result<String, serde_json::Error> {
+    let mut line = serde_json::to_string(request)?;
     line.push('\n');
     Ok(line)
 }
@@ -218,43 +181,51 @@ pub(super) fn write_line(order: &Order<'_>) -> Result<String, serde_json::Error>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::worker::ClipPrompt;
 
     #[test]
-    fn orders_are_spelled_as_documented() {
+    fn requests_are_spelled_as_documented() {
         let frames = Frames { dir: "/clip".into(), files: vec!["a.png".into()], width: 4, height: 3 };
         let prompts = [
-            Prompt { obj: 1, what: What::Box { frame: 0, box_px: [1.0, 0.5, 2.0, 3.0] } },
-            Prompt { obj: 2, what: What::Point { frame: 0, point_px: [1.0, 2.0] } },
-            Prompt { obj: 3, what: What::Text { text: "a \"cup\"\n".into() } },
+            ClipPrompt::Box { object: 1, frame: 12, box_px: [1.0, 0.5, 2.0, 3.0] },
+            ClipPrompt::Point { object: 2, frame: 12, point_px: [1.0, 2.0] },
+            ClipPrompt::Text("a \"cup\"\n".into()),
+            ClipPrompt::Point { object: 2, frame: 24, point_px: [1.0, 2.0] },
         ];
+        let index = |frame: u32| (frame == 12).then_some(0);
+        let prompts: Vec<Value> = prompts.iter().filter_map(|prompt| prompt.indexed(index)).collect();
         let segment = Segment { id: 7, frames: &frames, prompts: &prompts, range: [0, 0], threshold: 0.5 };
-        let line = write_line(&Order::Segment(&segment)).unwrap();
+        let line = write_line(&Request::Segment(&segment)).unwrap();
         assert_eq!(
             line,
             concat!(
                 r#"{"op":"segment","id":7,"frames":{"dir":"/clip","files":["a.png"],"width":4,"height":3},"#,
                 r#""prompts":[{"obj":1,"frame":0,"box_px":[1.0,0.5,2.0,3.0]},{"obj":2,"frame":0,"point_px":[1.0,2.0]},"#,
-                r#"{"obj":3,"text":"a \"cup\"\n"}],"range":[0,0],"threshold":0.5}"#,
+                r#"{"obj":1,"text":"a \"cup\"\n"}],"range":[0,0],"threshold":0.5}"#,
                 "\n"
             )
         );
-        assert_eq!(write_line(&Order::Cancel { id: 7 }).unwrap(), "{\"op\":\"cancel\",\"id\":7}\n");
-        assert_eq!(write_line(&Order::Shutdown).unwrap(), "{\"op\":\"shutdown\"}\n");
+        assert_eq!(write_line(&Request::Cancel { id: 7 }).unwrap(), "{\"op\":\"cancel\",\"id\":7}\n");
+        assert_eq!(write_line(&Request::Shutdown).unwrap(), "{\"op\":\"shutdown\"}\n");
     }
 
     #[test]
     fn lines_are_told_apart_and_others_are_refused() {
         let mask = br#"{"id":7,"frame":1,"obj":2,"rle":{"size":[2,3],"counts":"132"},"score":0.5}"#;
-        let Ok(Said::Mask(line)) = read_line(mask) else { panic!("no mask") };
-        assert_eq!((line.id, line.frame, line.object, line.score), (7, 1, 2, Some(0.5)));
+        let Ok(WorkerLine::About(7, Part::Mask(line))) = read_line(mask) else { panic!("no mask") };
+        assert_eq!((line.frame, line.object, line.score), (1, 2, Some(0.5)));
         assert_eq!(line.rle.decode(3, 2).unwrap().area(), 3);
         assert!(line.rle.decode(2, 3).unwrap_err().contains("3x2"));
-        assert!(matches!(read_line(br#"{"alive":true}"#), Ok(Said::Alive)));
-        assert!(matches!(read_line(br#"{"id":7,"done":true,"more":1}"#), Ok(Said::Done { id: 7, .. })));
-        assert!(matches!(
-            read_line(br#"{"id":7,"error":{"kind":"oom","msg":"x"}}"#),
-            Ok(Said::Failed { .. })
-        ));
+        for (line, expected) in [
+            (r#"{"alive":true}"#, "Ok(Alive)"),
+            (r#"{"id":7,"done":true,"more":1}"#, "Ok(About(7, Done { skipped: [] }))"),
+            (
+                r#"{"id":7,"error":{"kind":"oom","msg":"x"}}"#,
+                r#"Ok(About(7, Failed { kind: "oom", message: "x" }))"#,
+            ),
+        ] {
+            assert_eq!(format!("{:?}", read_line(line.as_bytes())), expected);
+        }
         for bad in [
             "",
             "loading...",

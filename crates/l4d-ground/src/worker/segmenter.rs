@@ -6,10 +6,10 @@ use l4d_data::Interval;
 use l4d_frames::Mask;
 use serde_json::{Value, json};
 
+use super::Worker;
 use super::error::WorkerError;
 use super::frames::FrameStore;
-use super::protocol::{Hello, Prompt, What};
-use super::{Answer, Worker};
+use super::protocol::Hello;
 use crate::clip::ViewClip;
 
 /// A worker with the place where it finds frames.
@@ -55,7 +55,7 @@ pub struct Segmented {
 }
 
 /// An object that was found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Object {
     /// Canonical frame -> its mask, at the size of the clip.
     pub masks: BTreeMap<u32, Mask>,
@@ -69,7 +69,7 @@ impl Segmenter {
         Self { worker, store, threshold }
     }
 
-    /// Who does the work.
+    /// What the worker says of itself.
     pub fn hello(&self) -> &Hello {
         self.worker.hello()
     }
@@ -80,6 +80,9 @@ impl Segmenter {
     }
 
     /// Whether it takes prompts of a kind (`box`, `point`, `text`).
+    ///
+    /// # Errors
+    /// It does not.
     pub fn takes(&self, kind: &str) -> Result<(), WorkerError> {
         let hello = self.hello();
         if hello.prompts.iter().any(|taken| taken == kind) {
@@ -90,6 +93,9 @@ impl Segmenter {
     }
 
     /// Looks for objects in a clip, or in the part of it that is asked about.
+    ///
+    /// # Errors
+    /// Frames cannot be written, or the worker fails or refuses.
     pub fn segment(
         &self,
         clip: &ViewClip,
@@ -103,27 +109,21 @@ impl Segmenter {
             return Ok(Segmented::default());
         };
         let frames = self.store.frames(clip)?;
-        let prompts: Vec<Prompt> =
-            prompts.iter().filter_map(|prompt| indexed(prompt, &numbers, &asked)).collect();
+        let index = |frame: u32| numbers.binary_search(&frame).ok().filter(|_| asked(&frame));
+        let prompts: Vec<Value> = prompts.iter().filter_map(|prompt| prompt.indexed(index)).collect();
         if prompts.is_empty() {
             return Ok(Segmented::default());
         }
-        let answer = self.worker.segment(&frames, &prompts, [first as u32, last as u32], self.threshold)?;
-        Ok(self.canonical(answer, &numbers))
-    }
-
-    fn canonical(&self, answer: Answer, numbers: &[u32]) -> Segmented {
-        let Answer { objects, skipped } = answer;
-        let mut objects: Vec<Object> = objects
-            .into_values()
-            .filter(|found| found.score.is_none_or(|score| score >= self.threshold))
-            .map(|found| {
-                let canonical = |(index, mask): (u32, Mask)| Some((*numbers.get(index as usize)?, mask));
-                Object { masks: found.masks.into_iter().filter_map(canonical).collect(), score: found.score }
-            })
-            .collect();
-        objects.sort_by(|a, b| b.score.unwrap_or(0.0).total_cmp(&a.score.unwrap_or(0.0)));
-        Segmented { objects, skipped }
+        let mut found =
+            self.worker.segment(&frames, &prompts, [first as u32, last as u32], self.threshold)?;
+        found.objects.retain(|object| object.score.is_none_or(|score| score >= self.threshold));
+        for object in &mut found.objects {
+            let masks = std::mem::take(&mut object.masks).into_iter();
+            object.masks =
+                masks.filter_map(|(index, mask)| Some((*numbers.get(index as usize)?, mask))).collect();
+        }
+        found.objects.sort_by(|a, b| b.score.unwrap_or(0.0).total_cmp(&a.score.unwrap_or(0.0)));
+        Ok(found)
     }
 }
 
@@ -141,19 +141,18 @@ impl Segmented {
     }
 }
 
-/// A prompt with an index instead of a frame; none if the frame is not asked about.
-fn indexed(prompt: &ClipPrompt, numbers: &[u32], is_asked: &dyn Fn(&u32) -> bool) -> Option<Prompt> {
-    let index = |frame: &u32| -> Option<u32> {
-        let index = numbers.binary_search(frame).ok().filter(|_| is_asked(frame))?;
-        u32::try_from(index).ok()
-    };
-    Some(match prompt {
-        ClipPrompt::Box { object, frame, box_px } => {
-            Prompt { obj: *object, what: What::Box { frame: index(frame)?, box_px: *box_px } }
-        }
-        ClipPrompt::Point { object, frame, point_px } => {
-            Prompt { obj: *object, what: What::Point { frame: index(frame)?, point_px: *point_px } }
-        }
-        ClipPrompt::Text(text) => Prompt { obj: 1, what: What::Text { text: text.clone() } },
-    })
+impl ClipPrompt {
+    /// The prompt as a worker reads it, with an index instead of the frame; none if the frame has no index.
+    pub(super) fn indexed(&self, index: impl Fn(u32) -> Option<usize>) -> Option<Value> {
+        Some(match self {
+            Self::Box { object, frame, box_px } => {
+                json!({ "obj": object, "frame": index(*frame)?, "box_px": box_px })
+            }
+            Self::Point { object, frame, point_px } => {
+                json!({ "obj": object, "frame": index(*frame)?, "point_px": point_px })
+            }
+            // Text may find several objects: the worker numbers those itself.
+            Self::Text(text) => json!({ "obj": 1, "text": text }),
+        })
+    }
 }

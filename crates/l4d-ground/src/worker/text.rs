@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 use super::error::WorkerError;
 use super::segmenter::{ClipPrompt, Segmenter};
-use crate::asked::{self, Asked};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Question};
+use crate::question::{self, CheckedQuestion};
 use crate::unread::Unread;
 
 /// Answers with whatever the segmenter makes of the sentence (`no-vlm`).
@@ -18,7 +18,10 @@ pub struct TextGrounder {
 }
 
 impl TextGrounder {
-    /// A segmenter that takes no text is an error.
+    /// The sentence as it is, to this segmenter.
+    ///
+    /// # Errors
+    /// The segmenter takes no text.
     pub fn new(segmenter: Arc<Segmenter>) -> Result<Self, WorkerError> {
         segmenter.takes("text")?;
         Ok(Self { segmenter })
@@ -31,11 +34,11 @@ impl Grounder for TextGrounder {
     }
 
     fn reads(&self, text: &str) -> Result<(), Unread> {
-        asked::sentence(text).map(|_| ())
+        question::sentence(text).map(|_| ())
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
-        let asked = match Asked::new(clip, question) {
+        let asked = match CheckedQuestion::new(clip, question) {
             Ok(asked) => asked,
             Err(outcome) => return Grounding::without_answer(outcome),
         };

@@ -87,7 +87,6 @@ else:
     count = starts() if FILE else 1
     hello(version=str(count) if MODE == "changes" else "1")
 
-late = []
 for order in orders():
     if order["op"] == "cancel":
         if FILE:
@@ -107,16 +106,6 @@ for order in orders():
         while True:
             say({"alive": True})
             time.sleep(0.02)
-    elif MODE == "backwards":
-        # Two requests, answered the other way round, frames mixed and backwards.
-        late.append(order)
-        if len(late) == 2:
-            for frame in (1, 0):
-                for which in (1, 0):
-                    columns = (0, len(late[which]["prompts"][0]["text"]))
-                    say(box(late[which], frame, columns))
-            for which in (1, 0):
-                say({"id": late[which]["id"], "done": True})
     elif MODE == "wrong-size" and text == "bad":
         say({"id": number, "frame": 0, "obj": 1, "rle": {"size": [4, 4], "counts": "@0"}})
         say({"id": number, "done": True})

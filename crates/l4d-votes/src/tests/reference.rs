@@ -66,7 +66,7 @@ fn answer(which: usize) -> Answer {
     }
 }
 
-/// How [`answer`] stands to item 0, which always means `a`, and to item 1, which means `a` at frames 40 to 60.
+/// What [`answer`] is to item 0, which always means `a`, and to item 1, which means `a` at frames 40 to 60.
 fn letter(which: usize, item: usize) -> char {
     match which {
         0..=3 => '+',
@@ -102,7 +102,7 @@ struct Reference {
 }
 
 impl Reference {
-    /// What of somebody's acts on a wording was not taken back, by walking through all of them.
+    /// What of an annotator's acts on a wording was not taken back, by going through all of them.
     fn left(&self, who: usize, item: usize, version: usize) -> Vec<(usize, Act)> {
         let mut left = Vec::new();
         for (time, (by, on, words, act)) in self.acts.iter().enumerate() {

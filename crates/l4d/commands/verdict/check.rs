@@ -20,12 +20,12 @@ pub(super) fn run(
     bench: &Benchmark,
     out: &Printer,
 ) -> Result<ExitStatus> {
-    let Judged { dir, round, key, sheets, verdicts, changes, .. } = judged;
+    let Judged { dir, round, key, responses, verdicts, changes, .. } = judged;
     let mut report = Report::default();
     super::findings(judged).into_iter().for_each(|finding| report.add(finding));
     let derived = [
         (dir.verdicts(), verdicts_csv(round, verdicts, changes)?),
-        (dir.agreement(), agreement_json(&measure(round, key, sheets))?),
+        (dir.agreement(), agreement_json(&measure(round, key, responses))?),
     ];
     for (path, bytes) in derived {
         let hint = format!("run `l4d verdict --round {}`", round.name);

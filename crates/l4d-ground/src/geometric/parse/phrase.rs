@@ -4,7 +4,7 @@ use l4d_data::Temporal;
 use l4d_query::{Clause, Party};
 
 use super::places::FILLERS;
-use super::{ANYBODY, MAX_NESTING, Order, Phrase, Reader};
+use super::{ANY_PERSON, MAX_NESTING, Order, Phrase, Reader};
 
 const ARTICLES: &[&str] = &[
     "one of the",
@@ -382,7 +382,7 @@ impl Reader<'_> {
     /// "a cook stirs (it)", "nobody carries (it)", "a jug is emptied into".
     fn done_by_another(&mut self) -> Option<Clause> {
         let is_negated = self.take_any(&["nobody", "no one", "no-one"]).is_some();
-        let by = if is_negated { Party::Category(ANYBODY.to_owned()) } else { self.party()? };
+        let by = if is_negated { Party::Category(ANY_PERSON.to_owned()) } else { self.party()? };
         let clause = self.done_by(by)?;
         Some(if is_negated { Clause::Not(Box::new(clause)) } else { clause })
     }

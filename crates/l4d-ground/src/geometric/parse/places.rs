@@ -122,7 +122,7 @@ pub(super) const FILLERS: &[&str] = &[
     "very",
 ];
 
-/// Ways on which something moves: said for colour, they pick nobody out.
+/// Ways on which something moves: said for colour, they tell nothing apart.
 const WAYS: &[&str] = &[
     "away from",
     "out of",

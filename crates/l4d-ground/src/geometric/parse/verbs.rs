@@ -5,7 +5,7 @@ use l4d_query::{Clause, Party};
 use super::super::lexicon::{Form, Motion, VerbReading};
 use super::phrase::{attribute, is_plain_event};
 use super::places::{ClipEnd, FILLERS};
-use super::{ANYBODY, Order, Reader};
+use super::{ANY_PERSON, Order, Reader};
 
 const BEING: &[&str] = &[
     "is being",
@@ -236,7 +236,7 @@ impl Reader<'_> {
         if !motion.is_mutual() {
             return Some(Clause::Does { verb: name, to: None });
         }
-        let somebody = Party::Category(ANYBODY.to_owned());
+        let somebody = Party::Category(ANY_PERSON.to_owned());
         let by = by.or(by_other).or(held_in).unwrap_or(somebody);
         Some(Clause::Undergoes { verb: name, by })
     }
@@ -275,7 +275,7 @@ impl Reader<'_> {
         let clause = match clause {
             // What flows is not who pours.
             Clause::Undergoes { verb, by } if self.is_flowing(&by) => {
-                Clause::Undergoes { verb, by: Party::Category(ANYBODY.to_owned()) }
+                Clause::Undergoes { verb, by: Party::Category(ANY_PERSON.to_owned()) }
             }
             other => other,
         };

@@ -9,7 +9,7 @@ use super::super::looks::{likeness, tells_colour};
 use super::super::motion::{Encounter, gap_m};
 use super::super::stage::{name_of, stage};
 use super::parties::Member;
-use super::{Candidate, Grades, Mind, best_of};
+use super::{Candidate, Grades, Reasoner, best_of};
 
 /// Time over which an order in time fades, seconds.
 const ORDER_S: f64 = 0.5;
@@ -31,7 +31,7 @@ fn alone(motion: Motion, is_agent: bool) -> Option<Motion> {
     }
 }
 
-impl Mind<'_> {
+impl Reasoner<'_> {
     /// Grades of all candidates, in their order.
     pub(super) fn grade(&self, clause: &Clause, candidates: &[Candidate]) -> Vec<Grades> {
         let grades = self.graded(clause, candidates);
@@ -175,7 +175,7 @@ impl Mind<'_> {
 
     fn encounter(&self, motion: Motion, track: usize, members: &[Member], is_agent: bool) -> Grades {
         let contact_m = self.settings.contact_footprints * self.seen.spacing_m;
-        // What is lifted rises, whoever is seen to lift it.
+        // What is lifted rises, whether or not the lifter is seen.
         let mut grades = match alone(motion, is_agent) {
             Some(looks) => {
                 let own = self.moves[track].looks_like(looks, self.settings);

@@ -2,17 +2,17 @@
 
 use l4d_query::{Clause, Party, Predicate};
 
-use super::{Mind, noun_of};
+use super::{Reasoner, noun_of};
 
-/// A track that a party may stand for, and how surely: the surest 1.
+/// A track that a party may mean, and how surely: the surest 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Member {
     pub(super) track: usize,
     pub(super) weight: f64,
 }
 
-impl Mind<'_> {
-    /// The tracks that a party may stand for, the surest first, no two of the same thing.
+impl Reasoner<'_> {
+    /// The tracks that a party may mean, the surest first, no two of the same thing.
     pub(super) fn members(&self, party: &Party) -> Vec<Member> {
         let scores: Vec<(usize, f64)> = match party {
             Party::Such(predicate) if predicate.0.len() > 1 => self.described(predicate),

@@ -38,7 +38,7 @@ impl DrawnIds {
         let path = dir.root().join(MASKS);
         let remedy = "draw on pictures of training views and run `l4d import-scene ... --masks-only`, or choose another grounder";
         if !path.exists() {
-            let message = "nobody has drawn on the capture, and the oracle knows nothing else";
+            let message = "the capture has no drawn masks, and the oracle knows nothing else";
             return Err(DataError::invalid(&path, "file", message, remedy));
         }
         let capture = Capture::read(dir.root())?;
@@ -72,7 +72,7 @@ impl DrawnIds {
         &self.instances
     }
 
-    /// A mask of a picture as clips show it: a pixel is what stands at its centre.
+    /// A mask of a picture as clips show it: a pixel is what is at its centre.
     fn shown(&self, mask: &Mask) -> Mask {
         let from = |place: u32, axis: usize| nearest(place, self.of[axis], self.size[axis]);
         let [width, height] = self.size;
@@ -98,7 +98,7 @@ impl IdSource for DrawnIds {
             |one: &MaskedInstance| one.masks.get(view).is_some_and(|frames| frames.contains_key(&key));
         if !self.set.instances.iter().any(is_drawn) {
             let remedy = "draw on it, or ask about fewer frames with --clip-every";
-            return refuse("nobody drew on this picture".to_owned(), remedy);
+            return refuse("no mask is drawn on this picture".to_owned(), remedy);
         }
         let mut pixels = Mask::empty(self.set.width, self.set.height);
         for one in self.set.instances.iter().filter(|one| ids.contains(&one.id)) {
@@ -181,7 +181,7 @@ mod tests {
         let said = |view: &str, frame| {
             ids.pixels_of(&Name::new(view).unwrap(), frame, &[1]).unwrap_err().to_string()
         };
-        assert!(said("cam01", 1).contains("view cam01, frame 1: nobody drew"));
+        assert!(said("cam01", 1).contains("view cam01, frame 1: no mask is drawn"));
         assert!(said("cam00", 0).contains("no picture of a training view"));
     }
 
@@ -194,6 +194,6 @@ mod tests {
         assert!(error.hint().unwrap().contains("--masks-only"));
         std::fs::remove_file(dir.root().join(MASKS)).unwrap();
         let error = DrawnIds::open(dir, SIZE, SIZE).unwrap_err();
-        assert!(error.to_string().contains("nobody has drawn"), "{error}");
+        assert!(error.to_string().contains("has no drawn masks"), "{error}");
     }
 }

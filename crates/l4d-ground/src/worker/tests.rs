@@ -1,22 +1,15 @@
-//! Workers in processes of their own: the ones that ship, and one that misbehaves. Those with networks run with
-//! `L4D_WORKERS_PYTHON=<python of their environment> cargo test -p l4d-ground --test worker`.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
-
-mod clips;
-#[path = "worker/torch.rs"]
-mod torch;
+//! The workers of the package, and one that misbehaves.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
-use clips::{clip, frames_of, question};
 use l4d_data::Interval;
 use l4d_frames::Mask;
-use l4d_ground::worker::{
-    ClipPrompt, FrameStore, Launch, Patience, Prompt, Segmenter, TextGrounder, What, Worker, WorkerError,
-};
-use l4d_ground::{Grounder, Grounding, Outcome, Unread};
+
+use super::*;
+use crate::testing::{asked_from, clip, sentence};
+use crate::{Grounder, Grounding, Outcome, Unread};
 
 fn here() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -51,11 +44,11 @@ fn hasty() -> Patience {
     Patience { silence: Duration::from_millis(400), answer: Duration::from_millis(800), ..brief() }
 }
 
-struct Setting {
+struct Kit {
     folder: tempfile::TempDir,
 }
 
-impl Setting {
+impl Kit {
     fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap() }
     }
@@ -71,7 +64,7 @@ impl Setting {
 
     fn ask(&self, mode: &[&str], patience: Patience, text: &str) -> Grounding {
         let grounder = TextGrounder::new(self.segmenter(scripted(mode), patience)).unwrap();
-        grounder.ground(&clip(8, 6, &[0, 12]), &question(text))
+        grounder.ground(&clip(8, 6, &[0, 12]), &sentence(text))
     }
 }
 
@@ -89,8 +82,8 @@ fn error_of(grounding: &Grounding) -> &str {
 
 #[test]
 fn the_box_worker_goes_straight_between_boxes() {
-    let setting = Setting::new();
-    let segmenter = setting.segmenter(shipped(Path::new("python3"), &["box"]), brief());
+    let kit = Kit::new();
+    let segmenter = kit.segmenter(shipped(Path::new("python3"), &["box"]), brief());
     assert_eq!((segmenter.hello().name.as_str(), segmenter.hello().text), ("box", None));
     let clip = clip(64, 48, &[0, 12, 24, 36, 48]);
     let place = |frame, box_px| ClipPrompt::Box { object: 1, frame, box_px };
@@ -109,10 +102,10 @@ fn the_box_worker_goes_straight_between_boxes() {
 
 #[test]
 fn the_null_worker_says_absent_in_every_frame() {
-    let setting = Setting::new();
+    let kit = Kit::new();
     let grounder =
-        TextGrounder::new(setting.segmenter(shipped(Path::new("python3"), &["null"]), brief())).unwrap();
-    let grounding = grounder.ground(&clip(8, 6, &[0, 12, 24]), &question("the 猫 that 🎾"));
+        TextGrounder::new(kit.segmenter(shipped(Path::new("python3"), &["null"]), brief())).unwrap();
+    let grounding = grounder.ground(&clip(8, 6, &[0, 12, 24]), &sentence("the 猫 that 🎾"));
     assert_eq!((grounding.outcome, grounding.masks.len()), (Outcome::Absent, 3));
     let identity = grounder.identity();
     assert_eq!(identity["segmenter"]["worker"]["name"], "null", "{identity}");
@@ -120,95 +113,83 @@ fn the_null_worker_says_absent_in_every_frame() {
 
 #[test]
 fn masks_come_back_at_their_frames() {
-    let grounding = Setting::new().ask(&["plain"], brief(), "cup");
+    let grounding = Kit::new().ask(&["plain"], brief(), "cup");
     assert_eq!(grounding.outcome, Outcome::Found);
-    assert_eq!(frames_of(&grounding), [0, 12]);
+    assert_eq!(grounding.masks.len(), 2);
     assert_eq!(grounding.masks[&12], columns(8, 6, 0, 4));
-    let asked = Setting::new().segmenter(scripted(&["plain"]), brief());
+    let asked = Kit::new().segmenter(scripted(&["plain"]), brief());
     let grounder = TextGrounder::new(asked).unwrap();
-    let mut ranged = question("cup");
-    ranged.range = Some(Interval::new(6, 20).unwrap());
-    let grounding = grounder.ground(&clip(8, 6, &[0, 12]), &ranged);
+    let grounding = grounder.ground(&clip(8, 6, &[0, 12]), &asked_from(sentence("cup"), 6, 20));
     assert!(grounding.masks[&0].is_empty() && !grounding.masks[&12].is_empty());
 }
 
 #[test]
 fn sentences_that_cannot_be_asked_never_reach_the_worker() {
-    let setting = Setting::new();
-    let grounder = TextGrounder::new(setting.segmenter(scripted(&["dies"]), brief())).unwrap();
+    let kit = Kit::new();
+    let grounder = TextGrounder::new(kit.segmenter(scripted(&["dies"]), brief())).unwrap();
     for text in ["", "  \n\t ", &"word ".repeat(10_000)] {
-        let outcome = grounder.ground(&clip(8, 6, &[0]), &question(text)).outcome;
+        let outcome = grounder.ground(&clip(8, 6, &[0]), &sentence(text)).outcome;
         assert_eq!(outcome, Outcome::Unsupported(grounder.reads(text).unwrap_err()));
     }
-    let outcome = grounder.ground(&clip(8, 6, &[]), &question("cup")).outcome;
+    let outcome = grounder.ground(&clip(8, 6, &[]), &sentence("cup")).outcome;
     assert!(matches!(outcome, Outcome::Error(_)), "{outcome:?}");
 }
 
 #[test]
 fn refusals_are_told_apart() {
-    let setting = Setting::new();
-    let grounding = setting.ask(&["plain"], brief(), "refuse");
+    let kit = Kit::new();
+    let grounding = kit.ask(&["plain"], brief(), "refuse");
     assert_eq!(grounding.outcome, Outcome::Unsupported(Unread::whole("too long[0m")));
-    assert!(error_of(&setting.ask(&["plain"], brief(), "memory")).contains("says `oom`: no memory"));
+    assert!(error_of(&kit.ask(&["plain"], brief(), "memory")).contains("says `oom`: no memory"));
 }
 
 #[test]
 fn a_worker_that_dies_is_started_again_once() {
-    let setting = Setting::new();
-    let grounding = setting.ask(&["dies-once", &setting.file()], brief(), "cup");
+    let kit = Kit::new();
+    let grounding = kit.ask(&["dies-once", &kit.file()], brief(), "cup");
     assert_eq!(grounding.outcome, Outcome::Found);
-    assert_eq!(std::fs::read_to_string(setting.file()).unwrap(), "xx");
+    assert_eq!(std::fs::read_to_string(kit.file()).unwrap(), "xx");
 }
 
 #[test]
 fn one_that_dies_again_and_again_is_given_up() {
-    let setting = Setting::new();
-    let grounder =
-        TextGrounder::new(setting.segmenter(scripted(&["dies", &setting.file()]), brief())).unwrap();
-    let ask = || grounder.ground(&clip(8, 6, &[0]), &question("cup"));
+    let kit = Kit::new();
+    let grounder = TextGrounder::new(kit.segmenter(scripted(&["dies", &kit.file()]), brief())).unwrap();
+    let ask = || grounder.ground(&clip(8, 6, &[0]), &sentence("cup"));
     assert!(error_of(&ask()).contains("ended early (exit status: 7)"));
     assert!(error_of(&ask()).contains("ended early"));
     assert!(error_of(&ask()).contains("given up after 4 failures in a row"));
-    assert_eq!(std::fs::read_to_string(setting.file()).unwrap(), "xxxx");
+    assert_eq!(std::fs::read_to_string(kit.file()).unwrap(), "xxxx");
 }
 
 #[test]
 fn one_that_is_another_after_its_restart_is_not_believed() {
-    let setting = Setting::new();
-    let grounding = setting.ask(&["changes", &setting.file()], brief(), "cup");
+    let kit = Kit::new();
+    let grounding = kit.ask(&["changes", &kit.file()], brief(), "cup");
     assert!(error_of(&grounding).contains("another hello"), "{grounding:?}");
 }
 
 #[test]
 fn one_that_hangs_is_killed_after_its_time() {
-    let started = Instant::now();
-    assert!(
-        error_of(&Setting::new().ask(&["hangs"], hasty(), "cup")).contains("said nothing for 0.4 seconds")
-    );
-    assert!(
-        error_of(&Setting::new().ask(&["busy"], hasty(), "cup"))
-            .contains("worked on one answer for 0.8 seconds")
-    );
-    assert!(started.elapsed() < Duration::from_secs(15));
+    for (mode, words) in
+        [("hangs", "said nothing for 0.4 seconds"), ("busy", "worked on one answer for 0.8 seconds")]
+    {
+        let grounding = Kit::new().ask(&[mode], hasty(), "cup");
+        assert!(error_of(&grounding).contains(words), "{grounding:?}");
+    }
 }
 
 #[test]
-fn answers_in_any_order_find_their_requests() {
-    let worker = Worker::start(scripted(&["backwards"]), brief()).unwrap();
-    let setting = Setting::new();
-    let frames = FrameStore::new(setting.folder.path()).frames(&clip(8, 6, &[0, 12])).unwrap();
-    let ask = |text: &str| {
-        let prompt = Prompt { obj: 1, what: What::Text { text: text.to_owned() } };
-        worker.segment(&frames, &[prompt], [0, 1], 0.0).unwrap()
-    };
-    let (one, three) = std::thread::scope(|scope| {
-        let threads = (scope.spawn(|| ask("a")), scope.spawn(|| ask("abc")));
-        (threads.0.join().unwrap(), threads.1.join().unwrap())
+fn threads_take_turns() {
+    let kit = Kit::new();
+    let grounder = TextGrounder::new(kit.segmenter(scripted(&["plain"]), brief())).unwrap();
+    std::thread::scope(|scope| {
+        let ask = || grounder.ground(&clip(8, 6, &[0, 12]), &sentence("cup")).masks[&12].clone();
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
+        for thread in threads {
+            assert_eq!(thread.join().unwrap(), columns(8, 6, 0, 4));
+        }
     });
-    for (answer, width) in [(one, 1), (three, 3)] {
-        assert_eq!(answer.objects[&1].masks[&0], columns(8, 6, 0, width));
-        assert_eq!(answer.objects[&1].masks[&1], columns(8, 6, 0, width));
-    }
 }
 
 #[test]
@@ -221,32 +202,32 @@ fn a_useless_answer_costs_one_view_and_not_the_worker() {
         ("crowd", "more than 64 objects"),
         ("late", "a mask of frame 7"),
     ] {
-        let setting = Setting::new();
-        let launch = scripted(&[mode, &setting.file()]);
-        let grounder = TextGrounder::new(setting.segmenter(launch, brief())).unwrap();
-        let ask = |text: &str| grounder.ground(&clip(8, 6, &[0, 12]), &question(text));
+        let kit = Kit::new();
+        let launch = scripted(&[mode, &kit.file()]);
+        let grounder = TextGrounder::new(kit.segmenter(launch, brief())).unwrap();
+        let ask = |text: &str| grounder.ground(&clip(8, 6, &[0, 12]), &sentence(text));
         let bad = ask("bad");
         assert!(error_of(&bad).contains(words), "{mode}: {bad:?}");
         assert_eq!(ask("good").outcome, Outcome::Found, "{mode}");
-        assert_eq!(std::fs::read_to_string(setting.file()).unwrap(), "x", "{mode} was started again");
+        assert_eq!(std::fs::read_to_string(kit.file()).unwrap(), "x", "{mode} was started again");
     }
 }
 
 #[test]
 fn one_that_breaks_the_protocol_is_not_believed() {
     for (mode, words) in [
-        ("wrong-id", "which nobody asked"),
+        ("wrong-id", "which was not asked"),
         ("garbage", "{'id': 1, 'done': True}"),
         ("flood", "a line without end"),
     ] {
-        let grounding = Setting::new().ask(&[mode], brief(), "cup");
+        let grounding = Kit::new().ask(&[mode], brief(), "cup");
         assert!(error_of(&grounding).contains(words), "{mode}: {grounding:?}");
     }
 }
 
 #[test]
 fn talk_is_no_answer_and_no_danger() {
-    assert_eq!(Setting::new().ask(&["talks"], brief(), "cup").outcome, Outcome::Found);
+    assert_eq!(Kit::new().ask(&["talks"], brief(), "cup").outcome, Outcome::Found);
 }
 
 #[test]
@@ -260,23 +241,24 @@ fn a_worker_that_never_gets_ready_says_why() {
     assert!(dead.contains("exit status: 3") && dead.contains("no such model"), "{dead}");
     let none = Launch { program: "/nowhere/python".into(), arguments: Vec::new(), environment: Vec::new() };
     let error = Worker::start(none, brief()).unwrap_err();
-    assert!(matches!(error, WorkerError::Start { .. }) && error.to_string().contains("/nowhere/python"));
+    assert!(error.to_string().contains("`/nowhere/python` cannot be started"), "{error}");
 }
 
 #[test]
 fn nothing_outlives_a_worker_that_is_dropped() {
-    let setting = Setting::new();
-    let worker = Worker::start(scripted(&["grandchild", &setting.file()]), brief()).unwrap();
-    let grandchild = std::fs::read_to_string(setting.file()).unwrap();
+    let kit = Kit::new();
+    let worker = Worker::start(scripted(&["grandchild", &kit.file()]), brief()).unwrap();
+    let grandchild = std::fs::read_to_string(kit.file()).unwrap();
     let status = PathBuf::from(format!("/proc/{grandchild}/stat"));
     let is_running = || std::fs::read_to_string(&status).is_ok_and(|text| !text.contains(") Z "));
     assert!(is_running());
     drop(worker);
-    let deadline = Instant::now() + Duration::from_secs(5);
-    while is_running() {
-        assert!(Instant::now() < deadline, "process {grandchild} still runs");
+    // It is killed by now; its end may take the system a moment.
+    let is_gone = (0..3000).any(|_| {
         std::thread::sleep(Duration::from_millis(20));
-    }
+        !is_running()
+    });
+    assert!(is_gone, "process {grandchild} still runs");
 }
 
 #[test]
@@ -284,9 +266,7 @@ fn frames_are_written_once_for_the_same_pixels() {
     let folder = tempfile::tempdir().unwrap();
     let store = FrameStore::new(folder.path());
     let first = store.frames(&clip(8, 6, &[0, 12])).unwrap();
-    let time = |frames: &l4d_ground::worker::Frames| {
-        std::fs::metadata(frames.dir.join("0012.png")).unwrap().modified().unwrap()
-    };
+    let time = |frames: &Frames| std::fs::metadata(frames.dir.join("0012.png")).unwrap().modified().unwrap();
     let (written, second) = (time(&first), store.frames(&clip(8, 6, &[0, 12])).unwrap());
     assert_eq!((&first, written), (&second, time(&second)));
     assert!(first.dir.is_absolute() && first.files == ["0000.png", "0012.png"]);
@@ -294,4 +274,38 @@ fn frames_are_written_once_for_the_same_pixels() {
     store.frames(&clip(8, 6, &[0, 12])).unwrap();
     assert!(first.dir.join("0000.png").exists(), "a missing frame is written again");
     assert_ne!(store.frames(&clip(8, 6, &[0, 24])).unwrap().dir, first.dir);
+}
+
+/// On tiny random models of the real classes, which `workers/tests/tiny_models.py` writes.
+#[test]
+#[ignore = "needs L4D_WORKERS_PYTHON, the Python of the workers' environment with torch"]
+fn networks_load_and_answer_through_the_protocol() {
+    let python = PathBuf::from(std::env::var_os("L4D_WORKERS_PYTHON").unwrap());
+    let kit = Kit::new();
+    let models = kit.folder.path().join("models");
+    let script = here().join("workers/tests/tiny_models.py");
+    let made = Command::new(&python).arg(script).arg(&models).env("OMP_NUM_THREADS", "1").status().unwrap();
+    assert!(made.success());
+    let open = |name: &str, model: &str| {
+        let folder = models.join(model).display().to_string();
+        let launch = shipped(&python, &[name, "--model", &folder, "--device", "cpu", "--threads", "1"]);
+        kit.segmenter(launch, Patience { hello: Duration::from_secs(300), ..Patience::default() })
+    };
+    let clip = clip(64, 48, &[0, 12, 24, 36, 48]);
+
+    let sam2 = open("sam2-hf", "sam2");
+    let prompt = ClipPrompt::Box { object: 1, frame: 24, box_px: [10.0, 10.0, 30.0, 30.0] };
+    let found = sam2.segment(&clip, &[prompt], None).unwrap();
+    assert_eq!(found.objects.len(), 1);
+    let frames: Vec<u32> = found.objects[0].masks.keys().copied().collect();
+    assert_eq!(frames, [0, 12, 24, 36, 48], "followed both ways");
+    assert!(found.objects[0].score.is_some());
+    assert_eq!(sam2.identity()["worker"]["deps"]["transformers"], "5.23.0");
+
+    let grounder = TextGrounder::new(open("sam3-hf", "sam3")).unwrap();
+    let grounding = grounder.ground(&clip, &sentence("red cup"));
+    assert!(grounding.outcome.is_answer(), "{grounding:?}");
+    assert_eq!(grounding.masks.len(), 5);
+    let long = grounder.ground(&clip, &sentence("the cup that is moved from left to right by the hand"));
+    assert!(matches!(long.outcome, Outcome::Unsupported(_)), "{long:?}");
 }

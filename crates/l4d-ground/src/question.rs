@@ -1,4 +1,4 @@
-//! What a question must be before a model is troubled with it.
+//! What a question must be before a model is asked.
 
 use l4d_data::Interval;
 use l4d_frames::Mask;
@@ -26,7 +26,7 @@ pub(crate) fn sentence(text: &str) -> Result<&str, Unread> {
 
 /// A question that can be asked of a clip.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct CheckedQuestion<'a> {
     /// The sentence without blanks around it.
     pub(crate) sentence: &'a str,
     /// The frames of the clip that are asked about, ascending; at least one.
@@ -35,7 +35,7 @@ pub(crate) struct Asked<'a> {
     pub(crate) range: Interval,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> CheckedQuestion<'a> {
     /// Checks question and clip; the outcome says why there is nothing to ask.
     pub(crate) fn new(clip: &ViewClip, question: &'a Question) -> Result<Self, Outcome> {
         let sentence = sentence(&question.text).map_err(Outcome::Unsupported)?;

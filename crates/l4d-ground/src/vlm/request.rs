@@ -8,9 +8,9 @@ use l4d_endpoint::{Convention, Image, Message, Part, Request, Schema};
 use serde_json::{Map, Value, json};
 
 use super::Settings;
-use crate::asked::Asked;
 use crate::clip::{ClipFrame, ViewClip};
 use crate::plan::Clock;
+use crate::question::CheckedQuestion;
 
 /// Largest factor by which small clips are enlarged: nothing is gained beyond.
 const LARGEST_FACTOR: u32 = 16;
@@ -55,7 +55,7 @@ impl Template {
     }
 }
 
-/// What stands in the places of a prompt.
+/// What fills the places of a prompt.
 pub(super) struct Filling<'a> {
     pub(super) query: &'a str,
     pub(super) count: usize,
@@ -67,11 +67,11 @@ pub(super) struct Filling<'a> {
 }
 
 impl<'a> Filling<'a> {
-    pub(super) fn of(asked: &Asked<'a>, watching: &Watching<'_>, settings: &Settings) -> Self {
+    pub(super) fn of(asked: &CheckedQuestion<'a>, sent: &SentFrames<'_>, settings: &Settings) -> Self {
         Self {
             query: asked.sentence,
-            count: watching.clock.sent().len(),
-            seconds: f64::from(asked.range.frame_count()) / watching.clip.timeline.frames_per_second(),
+            count: sent.clock.sent().len(),
+            seconds: f64::from(asked.range.frame_count()) / sent.clip.timeline.frames_per_second(),
             key: "",
             gate: settings.gate,
             candidates: 0,
@@ -98,25 +98,25 @@ impl<'a> Filling<'a> {
 
 /// Which frames of a clip are sent, and how large.
 #[derive(Debug)]
-pub(super) struct Watching<'a> {
+pub(super) struct SentFrames<'a> {
     pub(super) clip: &'a ViewClip,
     pub(super) clock: Clock,
     /// By which pictures are enlarged.
     pub(super) factor: u32,
 }
 
-impl<'a> Watching<'a> {
+impl<'a> SentFrames<'a> {
     /// Frames spread over what is asked about, its first and last among them.
-    pub(super) fn choose(clip: &'a ViewClip, asked: &Asked<'_>, settings: &Settings) -> Self {
+    pub(super) fn choose(clip: &'a ViewClip, asked: &CheckedQuestion<'_>, settings: &Settings) -> Self {
         let (available, wanted) = (asked.frames.len(), settings.keyframes.min(asked.frames.len()));
         let moment = |index: usize| match wanted {
             1 => available / 2,
             _ => (index * (available - 1) + (wanted - 1) / 2) / (wanted - 1),
         };
-        let sent = (0..wanted).filter_map(|index| asked.frames.get(moment(index)).copied()).collect();
+        let frames = (0..wanted).filter_map(|index| asked.frames.get(moment(index)).copied()).collect();
         let pixels = f64::from(clip.width) * f64::from(clip.height);
         let factor = (f64::from(settings.picture_pixels) / pixels).sqrt().round() as u32;
-        Self { clip, clock: Clock::new(sent, asked.range), factor: factor.clamp(1, LARGEST_FACTOR) }
+        Self { clip, clock: Clock::new(frames, asked.range), factor: factor.clamp(1, LARGEST_FACTOR) }
     }
 
     /// Width and height of the pictures that are sent, pixels.
@@ -132,33 +132,33 @@ impl<'a> Watching<'a> {
 /// The question for a plan.
 pub(super) fn request(
     template: Template,
-    asked: &Asked<'_>,
-    watching: &Watching<'_>,
+    asked: &CheckedQuestion<'_>,
+    sent: &SentFrames<'_>,
     pictures: Vec<Image>,
     convention: &Convention,
     settings: &Settings,
 ) -> Request {
     let (mut example, mut properties) = words_schema();
     if template == Template::BOX {
-        let numbers = convention.numbers(centre_of(watching.size()), watching.size());
+        let numbers = convention.numbers(centre_of(sent.size()), sent.size());
         // Whole numbers, unless a side is 1.
         let number =
             |number: f64| if is_fraction(convention) { json!(number) } else { json!(number.round() as i64) };
         let numbers: Vec<Value> = numbers.into_iter().map(number).collect();
         example["boxes"] = json!([{ "time": 0.0, &convention.key: numbers }]);
         properties["boxes"] = json!({ "type": "array", "items": object_schema(json!({
-            "time": { "type": "number", "minimum": 0, "maximum": watching.clock.sent().len().saturating_sub(1) },
+            "time": { "type": "number", "minimum": 0, "maximum": sent.clock.sent().len().saturating_sub(1) },
             &convention.key: { "type": "array", "items": number_schema(convention), "minItems": 4, "maxItems": 4 },
         })) });
     }
     interval_schema(settings, &mut example, &mut properties);
-    let filling = Filling { key: &convention.key, example, ..Filling::of(asked, watching, settings) };
+    let filling = Filling { key: &convention.key, example, ..Filling::of(asked, sent, settings) };
     let schema = Schema::new("grounding_plan", object_schema(properties));
     with_pictures(pictures, template.fill(&filling), schema, settings)
 }
 
 /// A question without pictures.
-pub(super) fn text_request(template: Template, asked: &Asked<'_>, settings: &Settings) -> Request {
+pub(super) fn text_request(template: Template, asked: &CheckedQuestion<'_>, settings: &Settings) -> Request {
     let (example, properties) = words_schema();
     let filling = Filling {
         query: asked.sentence,
@@ -228,7 +228,7 @@ fn is_fraction(convention: &Convention) -> bool {
     matches!(convention.scale, Scale::Relative(range) if range == 1.0)
 }
 
-/// A box for the example: in the middle, where it means nothing.
+/// A box for the example: in the middle, where it says nothing about the target.
 fn centre_of((width, height): (u32, u32)) -> l4d_endpoint::BoxPx {
     let (width, height) = (f64::from(width), f64::from(height));
     l4d_endpoint::BoxPx { x0: width * 0.4, y0: height * 0.4, x1: width * 0.6, y1: height * 0.6 }

@@ -3,14 +3,13 @@
 //! The lexicon and the grammar were written beside the sentences of the dev split; those of the benchmark were never
 //! looked at, and are counted (`--ignored`) to say what the reading is worth.
 
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests, which show what they count")]
-
 use std::path::{Path, PathBuf};
 
 use l4d_data::query::{Query, read_queries};
-use l4d_ground::geometric::lexicon::Lexicon;
-use l4d_ground::geometric::parse::{ANYBODY, parse};
 use l4d_query::{Clause, Party, Predicate};
+
+use super::super::lexicon::Lexicon;
+use super::super::parse::{ANY_PERSON, parse};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -27,11 +26,11 @@ struct Count {
     clauses_alike: usize,
 }
 
-/// The clause without what the author alone can know: keys of properties, names of somebody.
+/// The clause without what the author alone can know: keys of properties, names of people.
 fn outline(clause: &Clause) -> Clause {
     let party = |party: &Party| match party {
         Party::Such(predicate) => Party::Such(Predicate(predicate.0.iter().map(outline).collect())),
-        Party::Name(_) | Party::Category(_) => Party::Category(ANYBODY.to_owned()),
+        Party::Name(_) | Party::Category(_) => Party::Category(ANY_PERSON.to_owned()),
     };
     match clause {
         Clause::Category(noun) => Clause::Category(noun.clone()),

@@ -1,19 +1,18 @@
-//! From question to masks, with workers of the package that need nothing but Python.
+//! From question to masks, with a server that says what a test makes it say and workers that need nothing but Python.
+
+mod server;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use l4d_endpoint::{CacheUse, Calibrations, Client, Endpoint, Link};
+use l4d_endpoint::{CacheUse, Link};
 use l4d_frames::Mask;
-use l4d_ground::vlm::{Coupling, Settings, Vlm, VlmError};
-use l4d_ground::worker::{FrameStore, Launch, Patience, Segmenter, Worker};
-use l4d_ground::{Grounder, Grounding, Outcome, Question, ViewClip};
-use serde_json::{Value, json};
 
-use super::clips::{clip, frames_of, question};
-use super::server::{Server, says, words};
+use self::server::{Server, says, words};
+use super::*;
+use crate::testing::{asked_from, clip, sentence};
+use crate::worker::{FrameStore, Launch, Patience, Worker};
 
 const FRAMES: [u32; 5] = [0, 24, 48, 72, 96];
 
@@ -69,9 +68,9 @@ fn boxes_of_a_reply_become_masks() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(|_| says(PLAN));
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
-    let grounding = vlm.ground(&view(), &question("the cup that \"tips\" 🥤"));
+    let grounding = vlm.ground(&view(), &sentence("the cup that \"tips\" 🥤"));
     assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
-    assert_eq!(frames_of(&grounding), FRAMES);
+    assert!(grounding.masks.keys().eq(&FRAMES));
     assert!(grounding.masks.values().all(|mask| *mask == left_half()));
     let notes = grounding.notes.join("\n");
     for words in
@@ -99,8 +98,6 @@ fn boxes_of_a_reply_become_masks() {
     );
     let schema = &asked["response_format"]["json_schema"]["schema"];
     assert_eq!(schema["required"], json!(["visible", "expression", "noun_phrase", "boxes"]));
-    let account = vlm.account();
-    assert_eq!((account.replies, account.kept, account.prompt_tokens, account.segmented), (1, 0, 4000, 1));
 }
 
 #[test]
@@ -108,12 +105,10 @@ fn only_what_is_asked_about_is_shown_and_answered() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(|_| says(PLAN));
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
-    let mut ranged = question("the cup");
-    ranged.range = Some(l4d_data::Interval::new(20, 80).unwrap());
-    let grounding = vlm.ground(&view(), &ranged);
+    let grounding = vlm.ground(&view(), &asked_from(sentence("the cup"), 20, 80));
     let seen: Vec<u32> =
         grounding.masks.iter().filter(|(_, mask)| !mask.is_empty()).map(|(frame, _)| *frame).collect();
-    assert_eq!((seen, frames_of(&grounding).len()), (vec![24, 48, 72], 5));
+    assert_eq!((seen, grounding.masks.len()), (vec![24, 48, 72], 5));
 }
 
 #[test]
@@ -137,7 +132,7 @@ fn outcomes_without_masks_are_told_apart() {
         }
     });
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
-    let ask = |text: &str| vlm.ground(&view(), &question(text));
+    let ask = |text: &str| vlm.ground(&view(), &sentence(text));
     let absent = ask("absent");
     assert_eq!((absent.outcome, absent.masks.len()), (Outcome::Absent, 5));
     for (text, word) in [
@@ -167,13 +162,12 @@ fn views_whose_question_fails_do_not_stop_the_others() {
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
     let outcomes: Vec<&str> = std::thread::scope(|scope| {
         let views: Vec<_> = (0..8)
-            .map(|_| scope.spawn(|| vlm.ground(&view(), &question("the cup")).outcome.word()))
+            .map(|_| scope.spawn(|| vlm.ground(&view(), &sentence("the cup")).outcome.word()))
             .collect();
         views.into_iter().map(|view| view.join().unwrap()).collect()
     });
     let count = |word| outcomes.iter().filter(|outcome| **outcome == word).count();
     assert_eq!((count("found"), count("error")), (4, 4), "{outcomes:?}");
-    assert_eq!((vlm.account().replies, vlm.account().failed), (4, 4));
 }
 
 #[test]
@@ -185,11 +179,11 @@ fn answers_are_kept_and_replies_without_sense_are_not() {
     });
     let client = live(&server).with_cache(&folder.path().join("cache"), CacheUse::Take);
     let vlm = vlm(client, "box", Coupling::Box, small(), folder.path());
-    let first = vlm.ground(&view(), &question("the cup"));
-    assert_eq!(vlm.ground(&view(), &question("the cup")), first, "the cache leaves no trace in an answer");
-    assert_eq!((vlm.account().replies, vlm.account().kept), (1, 1));
+    let first = vlm.ground(&view(), &sentence("the cup"));
+    assert_eq!(vlm.ground(&view(), &sentence("the cup")), first, "the cache leaves no trace in an answer");
+    assert_eq!(server.seen().len(), 1);
     for _ in 0..2 {
-        assert_eq!(vlm.ground(&view(), &question("prose")).outcome.word(), "unparsed");
+        assert_eq!(vlm.ground(&view(), &sentence("prose")).outcome.word(), "unparsed");
     }
     assert_eq!(server.seen().len(), 3, "a reply without sense is asked for again");
 }
@@ -201,12 +195,12 @@ fn a_recording_stands_in_for_the_server() {
     let recorded = {
         let server = Server::start(|_| says(PLAN));
         let client = Client::open(endpoint(&server.url()), &Link::Record(tape.clone())).unwrap();
-        vlm(client, "box", Coupling::Box, small(), folder.path()).ground(&view(), &question("the cup"))
+        vlm(client, "box", Coupling::Box, small(), folder.path()).ground(&view(), &sentence("the cup"))
     };
     let replay = || Client::open(Endpoint::recorded(&tape).unwrap(), &Link::Replay(tape.clone())).unwrap();
     let vlm = vlm(replay(), "box", Coupling::Box, small(), folder.path());
-    assert_eq!(vlm.ground(&view(), &question("the cup")), recorded);
-    let other = vlm.ground(&view(), &question("the plate"));
+    assert_eq!(vlm.ground(&view(), &sentence("the cup")), recorded);
+    let other = vlm.ground(&view(), &sentence("the plate"));
     assert!(matches!(&other.outcome, Outcome::Error(why) if why.contains("holds no answer")), "{other:?}");
 }
 
@@ -216,7 +210,7 @@ fn words_go_to_a_segmenter_of_text() {
     let server =
         Server::start(|_| says(r#"{"visible":true,"expression":"two cups","noun_phrase":"things"}"#));
     let vlm = vlm(live(&server), "scripted", Coupling::Text, small(), folder.path());
-    let grounding = vlm.ground(&view(), &question("the cups that touch"));
+    let grounding = vlm.ground(&view(), &sentence("the cups that touch"));
     assert_eq!(grounding.outcome, Outcome::Found);
     let expected = Mask::from_fn(32, 24, |column, _| column < 4 || (10..20).contains(&column));
     assert!(grounding.masks.values().all(|mask| *mask == expected));
@@ -238,7 +232,7 @@ fn a_choice_among_numbered_candidates_becomes_masks() {
     let server = chooses("things", r#"{"numbers":[2],"intervals":[{"start":1.0,"end":2.0}]}"#);
     let settings = Settings { gate: true, ..small() };
     let vlm = vlm(live(&server), "scripted", Coupling::Pick, settings, folder.path());
-    let grounding = vlm.ground(&view(), &question("the cup that is pushed"));
+    let grounding = vlm.ground(&view(), &sentence("the cup that is pushed"));
     assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
     // Half way from picture 0 (frame 0) to picture 1 (frame 48) the query begins to hold.
     let expected = Mask::from_fn(32, 24, |column, _| (10..20).contains(&column));
@@ -265,7 +259,7 @@ fn a_choice_of_nothing_is_absent_and_one_of_others_has_no_sense() {
         let folder = tempfile::tempdir().unwrap();
         let server = chooses(phrase, choice);
         let vlm = vlm(live(&server), "scripted", Coupling::Pick, small(), folder.path());
-        let grounding = vlm.ground(&view(), &question("the cup"));
+        let grounding = vlm.ground(&view(), &sentence("the cup"));
         assert_eq!(
             (grounding.outcome.word(), server.seen().len()),
             (word, questions),
@@ -279,7 +273,7 @@ fn an_estimate_sends_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(|_| says(PLAN));
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
-    let (view, questions) = (view(), [question("the cup"), question(""), question("the plate")]);
+    let (view, questions) = (view(), [sentence("the cup"), sentence(""), sentence("the plate")]);
     let plan = vlm.estimate(questions.iter().map(|question| (&view, question))).unwrap();
     assert_eq!((plan.questions, plan.kept, plan.images), (2, 0, 6));
     assert_eq!(plan.tokens.completion, 2 * 2048);
@@ -326,23 +320,20 @@ fn what_cannot_work_is_told_before_anything_is_asked() {
     assert!(error.to_string().contains("tiny-vl") && error.hint().contains("calibrate"), "{error}");
     let error = open(live(&server), "box", Coupling::Box, Settings { keyframes: 0, ..small() });
     assert!(error.to_string().starts_with("keyframes"), "{error}");
-    assert!("boxes".parse::<Coupling>().unwrap_err().contains("text, box or pick"));
 }
 
 /// A real server with a tiny random model: `L4D_VLM_URL=http://127.0.0.1:8801/v1` of `tests/endpoint_server/serve.py`.
 #[test]
+#[ignore = "needs L4D_VLM_URL, a running model server"]
 fn a_real_model_of_random_weights_gets_an_outcome() {
-    let Ok(url) = std::env::var("L4D_VLM_URL") else { return };
+    let url = std::env::var("L4D_VLM_URL").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut endpoint = Endpoint::new(&url, "tiny").unwrap();
     endpoint.coordinates = Some("rel1000_xyxy".to_owned());
     let client = Client::open(endpoint, &Link::Live).unwrap();
     let settings = Settings { answer_tokens: 400, ..small() };
     let vlm = vlm(client, "box", Coupling::Box, settings, folder.path());
-    let ask = |text: &str| -> Grounding {
-        let asked: Question = question(text);
-        vlm.ground(&view(), &asked)
-    };
+    let ask = |text: &str| vlm.ground(&view(), &sentence(text));
     let grounding = ask("the cup that tips over");
     assert!(!matches!(grounding.outcome, Outcome::Error(_)), "{grounding:?}");
     assert!(grounding.notes.iter().any(|note| note.starts_with("question ")), "{grounding:?}");

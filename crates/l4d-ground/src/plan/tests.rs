@@ -1,10 +1,10 @@
 //! Every way in which a reply was seen to go wrong, as data: `replies.jsonl`. Four pictures of 200x100 were sent, of
 //! the frames 0, 32, 64 and 96 of a clip of 100x50.
 
-use l4d_data::Interval;
 use l4d_endpoint::{Convention, Finish, Reply};
-use l4d_ground::plan::{Clock, Reading, Showing, Wanted, read};
 use serde::Deserialize;
+
+use super::*;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,8 +32,8 @@ struct Expected {
     note: Option<String>,
 }
 
-pub(crate) fn reply(text: &str, finish: Finish) -> Reply {
-    // The client takes thinking away before anybody sees a reply.
+fn reply(text: &str, finish: Finish) -> Reply {
+    // The client takes thinking away before a reply is read.
     let text = text.rfind("</think>").map_or(text, |end| &text[end + "</think>".len()..]).trim();
     let text = if text.starts_with("<think>") { "" } else { text };
     Reply { finish, ..Reply::saying(text) }
@@ -48,14 +48,14 @@ fn reading(case: &Case) -> Reading {
     };
     let clock = Clock::new([0, 32, 64, 96][..case.sent].to_vec(), Interval::WHOLE);
     let convention = Convention::named(&case.convention).unwrap();
-    let showing = Showing { clock: &clock, sent: (200, 100), clip: (100, 50), convention };
+    let pictures = SentPictures { clock: &clock, size: (200, 100), clip: (100, 50), convention };
     let wanted = if case.wanted == "boxes" { Wanted::Boxes } else { Wanted::Words };
-    read(&reply(&case.text, finish), wanted, &showing)
+    read(&reply(&case.text, finish), wanted, &pictures)
 }
 
 #[test]
 fn every_known_shape_of_a_reply_is_read_or_told() {
-    let corpus = include_str!("replies.jsonl");
+    let corpus = include_str!("../../tests/vlm/replies.jsonl");
     let cases: Vec<Case> = corpus.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert!(cases.len() > 50, "the corpus is cut");
     for case in &cases {
@@ -94,9 +94,9 @@ fn every_known_shape_of_a_reply_is_read_or_told() {
 fn endless_replies_are_read_in_part() {
     let clock = Clock::new(vec![0], Interval::WHOLE);
     let convention = Convention::named("rel1000_xyxy").unwrap();
-    let showing = Showing { clock: &clock, sent: (200, 100), clip: (100, 50), convention };
+    let pictures = SentPictures { clock: &clock, size: (200, 100), clip: (100, 50), convention };
     let many = vec![r#"{"time":0,"bbox_2d":[1,2,3,4]}"#; 100_000].join(",");
-    let Reading { plan, .. } = read(&reply(&format!("[{many}]"), Finish::Stop), Wanted::Boxes, &showing);
+    let Reading { plan, .. } = read(&reply(&format!("[{many}]"), Finish::Stop), Wanted::Boxes, &pictures);
     assert_eq!(plan.keyframes.len(), 1);
     assert!(plan.notes.iter().any(|note| note.starts_with("only 1024 of 100000")), "{:?}", plan.notes);
 }
