@@ -61,7 +61,7 @@ impl fmt::Display for AdapterChoice {
 /// An adapter as manifests and `l4d doctor` name it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct AdapterReport {
-    /// Name of the hardware, or of the program that stands in for it.
+    /// Name of the hardware, or of the software adapter.
     pub name: String,
     /// `discrete`, `integrated`, `virtual`, `software` or `other`.
     pub kind: &'static str,

@@ -1,4 +1,4 @@
-//! From a picture's error to the gradient of the splats.
+//! Backward: from the gradient of a picture to that of the splats.
 
 use bytemuck::{Pod, Zeroable};
 use l4d_splat::raster::{Drawing, DrawingGradient};

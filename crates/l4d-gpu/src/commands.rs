@@ -72,7 +72,7 @@ impl Gpu {
         }))
     }
 
-    /// Begins a list of things to do.
+    /// Begins a list of commands.
     pub(crate) fn commands(&self) -> Commands<'_> {
         let encoder = self.device.create_command_encoder(&CommandEncoderDescriptor::default());
         Commands { gpu: self, encoder }

@@ -38,7 +38,7 @@ pub(crate) struct BufferLimits {
     pub(crate) groups: u64,
 }
 
-/// What the driver said when nobody was listening.
+/// Errors of the driver outside of any scope.
 #[derive(Debug, Default)]
 struct DriverErrors {
     lost: OnceLock<String>,
@@ -48,8 +48,8 @@ struct DriverErrors {
 impl Gpu {
     /// Opens an adapter. Its passes are compiled when they are first needed.
     ///
-    /// The first of `l4d doctor`'s list if nothing else is asked for. Fails if there is no such adapter, with the
-    /// list of those that there are and what to install, or if it lacks what WebGPU promises.
+    /// # Errors
+    /// No such adapter (with the list of those found), and limits below what WebGPU promises.
     pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let adapter = choose(choice)?;
         let report = AdapterReport::of(&adapter);
@@ -250,7 +250,7 @@ mod tests {
     fn memory_that_is_used_up_has_an_error_of_its_own() {
         let error = driver_error(wgpu::Error::OutOfMemory { source: "vkAllocateMemory".into() });
         assert!(matches!(error, GpuError::OutOfMemory));
-        // Reported while nobody listened: the next one to ask hears of it.
+        // Reported outside of any scope: the next call returns it.
         let gpu = open();
         gpu.driver_errors.note(error);
         let error = gpu.prepare(&one_gaussian(), &small_view(), &RasterSettings::default()).err().unwrap();
@@ -269,7 +269,7 @@ mod tests {
             Ok(())
         });
         assert!(source_of(&wrong.unwrap_err()).contains("the graphics driver reports"));
-        // The same where nobody listens: the next one to ask hears of it, once.
+        // The same outside of any scope: the next call returns it, once.
         let mut commands = gpu.commands();
         let buffer = gpu.buffer("alone", 16).unwrap();
         commands.run(Pass::Count, 1, &[0_u32; 4], &[whole(&buffer)]).unwrap();

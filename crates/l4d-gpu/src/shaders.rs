@@ -1,6 +1,6 @@
 //! The shaders: which there are, and the constants that they share with the host.
 //!
-//! A pass is a file under `shaders/`; what passes share stands under `shaders/shared/` and is put in front.
+//! A pass is a file under `shaders/`; what passes share is under `shaders/shared/` and is put in front.
 
 use l4d_splat::raster::TILE;
 
@@ -19,7 +19,7 @@ const SUMMED: u32 = 4;
 /// Channels that spread and gather carry at a time.
 pub(crate) const CHANNELS: u32 = 8;
 /// Gaussians of a tile that one dispatch blends; longer lists take several. Drivers stop what takes too long, and
-/// llvmpipe ends all loops of a lane after 65 535 turns altogether without saying so.
+/// llvmpipe ends all loops of a lane after 65 535 turns altogether silently.
 pub(crate) const WINDOW: u32 = 2048;
 /// Tiles of a picture, for the same reason: a Gaussian may cover all of them.
 pub(crate) const MOST_TILES: u32 = 60_000;
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn no_loop_takes_more_turns_than_a_driver_allows() {
         // Of the longest pass: each batch of staged Gaussians, in it each tile sum, in it each Gaussian and each lane;
-        // then those that nobody sees.
+        // then those that are not visible.
         let batch = 1 + LANES / SUMMED * (1 + SUMMED + LANES);
         let unseen = 1 + GRADIENT_SUMS;
         assert!(WINDOW.div_ceil(LANES) * (batch + unseen) + 100 < 65_535);

@@ -32,17 +32,17 @@ struct PackedGaussian {
 
 /// Splats that an adapter holds.
 #[derive(Debug)]
-pub struct Uploaded<'a> {
+pub(crate) struct Uploaded<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) splats: &'a Splats,
     pub(crate) gaussians: Buffer,
-    /// Seen in pieces: up to 192 bytes a Gaussian.
+    /// Seen in pieces: up to 192 bytes per Gaussian.
     pub(crate) sh: Buffer,
 }
 
 impl Gpu {
-    /// Copies splats to the adapter once, to be looked at from many sides.
-    pub fn upload<'a>(&'a self, splats: &'a Splats) -> Result<Uploaded<'a>, RasterError> {
+    /// Copies splats to the adapter.
+    fn upload<'a>(&'a self, splats: &'a Splats) -> Result<Uploaded<'a>, RasterError> {
         self.with_error_scopes(|| {
             let gaussians: Vec<PackedGaussian> =
                 (splats.means(), splats.scales(), splats.rotations(), splats.opacities())
@@ -64,16 +64,6 @@ impl Gpu {
 }
 
 impl<'a> Uploaded<'a> {
-    /// Projects and orders the splats for one picture.
-    pub fn project(
-        &self,
-        view: &View,
-        settings: &RasterSettings,
-    ) -> Result<impl Projected + use<'a>, RasterError> {
-        settings.check()?;
-        self.gpu.with_error_scopes(|| Projection::new(self, view, settings))
-    }
-
     /// Runs of Gaussians whose spherical harmonics, and whose gradients, one pass may see.
     pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Failure> {
         let sh_stride = self.splats.sh_degree().coefficients() as u64 * size_of::<[f32; 3]>() as u64;
@@ -130,6 +120,7 @@ impl Rasterizer for Gpu {
         settings: &RasterSettings,
     ) -> Result<Box<dyn Projected + 'a>, RasterError> {
         settings.check()?;
-        Ok(Box::new(self.upload(splats)?.project(view, settings)?))
+        let uploaded = self.upload(splats)?;
+        Ok(Box::new(self.with_error_scopes(|| Projection::new(&uploaded, view, settings))?))
     }
 }

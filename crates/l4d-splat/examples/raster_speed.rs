@@ -1,6 +1,6 @@
 //! Times the CPU rasterizer on a scene from a file: `raster_speed SCENE.json THREADS REPEAT PICTURE.f32`.
 //!
-//! The format of the scene stands in `benchmark/perf/splats_forward.py`, which calls this. Prints one JSON object with
+//! The format of the scene is in `benchmark/perf/splats_forward.py`, which calls this. Prints one JSON object with
 //! the best times of `REPEAT` pictures, and writes the picture as rows of red, green, blue, alpha, summed depth.
 
 use std::error::Error;
@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use l4d_splat::raster::{Cpu, DrawingGradient, RasterSettings, Rasterizer};
+use l4d_splat::raster::{Cpu, DrawingGradient, RasterError, RasterSettings, Rasterizer};
 use l4d_splat::splats::{SplatParts, Splats};
 use l4d_splat::view::View;
 use serde::Deserialize;
@@ -73,56 +73,35 @@ fn measure(
         *slope = [(pixel as f32).sin(), (pixel as f32).cos(), 0.3];
     }
     let mask: Vec<f32> = (0..view.pixel_count()).map(|pixel| f32::from(u8::from(pixel % 3 == 0))).collect();
-    let mut best = [f64::INFINITY; 7];
-    for _ in 0..repeat {
-        let times = {
+    let features = vec![1.0; splats.len()];
+    let projected = cpu.prepare(splats, view, &bare)?;
+    let full = cpu.prepare(splats, view, &RasterSettings::default())?;
+    let drawing = projected.draw()?;
+    let best = |work: &dyn Fn() -> Result<(), RasterError>| -> Result<f64, RasterError> {
+        (0..repeat).try_fold(f64::INFINITY, |best, _| {
             let start = Instant::now();
-            let projected = cpu.prepare(splats, view, &bare)?;
-            let prepared = milliseconds(start);
-            let drawing = projected.draw()?;
-            let forward = milliseconds(start);
-            let start = Instant::now();
-            projected.backward(&drawing, &gradient)?;
-            let backward = milliseconds(start);
-            let start = Instant::now();
-            projected.gather_features(&mask, 1)?;
-            let gather = milliseconds(start);
-            let start = Instant::now();
-            let features = vec![1.0; splats.len()];
-            projected.splat_features(&features, 1)?;
-            let spread = milliseconds(start);
-            let full = cpu.prepare(splats, view, &RasterSettings::default())?;
-            let start = Instant::now();
-            full.draw()?;
-            [forward, prepared, forward - prepared, backward, gather, spread, milliseconds(start)]
-        };
-        for (best, time) in best.iter_mut().zip(times) {
-            *best = best.min(time);
-        }
-    }
-    let drawing = cpu.prepare(splats, view, &bare)?.draw()?;
+            work()?;
+            Ok(best.min(start.elapsed().as_secs_f64() * 1e3))
+        })
+    };
+    let times = json!({
+        "rasterizer": cpu.name(),
+        "gaussians": splats.len(),
+        "size": [view.width(), view.height()],
+        "threads": rayon::current_num_threads(),
+        "forward_ms": best(&|| cpu.prepare(splats, view, &bare)?.draw().map(drop))?,
+        "prepare_ms": best(&|| cpu.prepare(splats, view, &bare).map(drop))?,
+        "draw_ms": best(&|| projected.draw().map(drop))?,
+        "draw_with_quantiles_ms": best(&|| full.draw().map(drop))?,
+        "backward_ms": best(&|| projected.backward(&drawing, &gradient).map(drop))?,
+        "gather_ms": best(&|| projected.gather_features(&mask, 1).map(drop))?,
+        "spread_ms": best(&|| projected.splat_features(&features, 1).map(drop))?,
+    });
     let rows = drawing.colour.iter().zip(&drawing.alpha).zip(&drawing.depth_sum_m);
     let bytes: Vec<u8> = rows
         .flat_map(|((&[red, green, blue], &alpha), &depth)| [red, green, blue, alpha, depth])
         .flat_map(f32::to_le_bytes)
         .collect();
     std::fs::write(picture, bytes)?;
-    let [forward, prepare, draw, backward, gather, spread, draw_with_quantiles] = best;
-    Ok(json!({
-        "rasterizer": cpu.name(),
-        "gaussians": splats.len(),
-        "size": [view.width(), view.height()],
-        "threads": rayon::current_num_threads(),
-        "forward_ms": forward,
-        "prepare_ms": prepare,
-        "draw_ms": draw,
-        "draw_with_quantiles_ms": draw_with_quantiles,
-        "backward_ms": backward,
-        "gather_ms": gather,
-        "spread_ms": spread,
-    }))
-}
-
-fn milliseconds(since: Instant) -> f64 {
-    since.elapsed().as_secs_f64() * 1e3
+    Ok(times)
 }

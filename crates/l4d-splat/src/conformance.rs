@@ -16,7 +16,7 @@ mod differences;
 mod outputs;
 mod scenes;
 
-pub use compare::{Bounds, Finding, check, check_case, refusals};
+pub use compare::{Bounds, Finding, check, refusals};
 pub use differences::{Agreement, central_differences};
 pub use outputs::Outputs;
 pub use scenes::{Case, cases};

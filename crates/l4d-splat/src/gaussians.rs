@@ -45,7 +45,7 @@ pub struct Gaussians {
     pub rotations: Vec<[f32; 4]>,
     /// Opacities before the sigmoid.
     pub opacity_logits: Vec<f32>,
-    /// Spherical harmonics: coefficient `k` of Gaussian `i` stands at `i * sh_degree.coefficients() + k`, as
+    /// Spherical harmonics: coefficient `k` of Gaussian `i` is at `i * sh_degree.coefficients() + k`, as
     /// (red, green, blue) of display colour. Colour = 0.5 + their sum, clamped below at 0.
     pub sh: Vec<[f32; 3]>,
 }
@@ -57,7 +57,7 @@ pub struct BadValue {
     pub field: &'static str,
     /// Which Gaussian.
     pub index: usize,
-    /// What stands there.
+    /// Its value.
     pub value: f32,
 }
 
@@ -84,6 +84,39 @@ impl Gaussians {
         &self.sh[index * count..(index + 1) * count]
     }
 
+    /// The Gaussians that `rows` names, in that order.
+    #[must_use]
+    pub fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Self {
+        Self {
+            sh_degree: self.sh_degree,
+            means: rows.clone().map(|row| self.means[row]).collect(),
+            log_scales: rows.clone().map(|row| self.log_scales[row]).collect(),
+            rotations: rows.clone().map(|row| self.rotations[row]).collect(),
+            opacity_logits: rows.clone().map(|row| self.opacity_logits[row]).collect(),
+            sh: rows.flat_map(|row| self.sh_of(row).iter().copied()).collect(),
+        }
+    }
+
+    /// Adds Gaussians of the same degree behind the others.
+    pub fn append(&mut self, more: Self) {
+        self.means.extend(more.means);
+        self.log_scales.extend(more.log_scales);
+        self.rotations.extend(more.rotations);
+        self.opacity_logits.extend(more.opacity_logits);
+        self.sh.extend(more.sh);
+    }
+
+    /// All numbers, list after list in the order of the fields.
+    pub fn flat_mut(&mut self) -> [&mut [f32]; 5] {
+        [
+            self.means.as_flattened_mut(),
+            self.log_scales.as_flattened_mut(),
+            self.rotations.as_flattened_mut(),
+            &mut self.opacity_logits,
+            self.sh.as_flattened_mut(),
+        ]
+    }
+
     /// The first value that is not finite, Gaussian by Gaussian within a field.
     pub fn bad_value(&self) -> Option<BadValue> {
         let coefficients = self.sh_degree.coefficients();
@@ -106,31 +139,10 @@ fn first_bad<const N: usize>(field: &'static str, rows: usize, list: &[[f32; N]]
 mod tests {
     use super::*;
 
-    fn two() -> Gaussians {
-        Gaussians {
-            sh_degree: ShDegree::new(1).unwrap(),
-            means: vec![[0.0; 3], [1.0; 3]],
-            log_scales: vec![[-3.0; 3]; 2],
-            rotations: vec![[1.0, 0.0, 0.0, 0.0]; 2],
-            opacity_logits: vec![0.0; 2],
-            sh: vec![[0.5; 3]; 8],
-        }
-    }
-
     #[test]
     fn degrees_have_as_many_coefficients_as_squares() {
         let counts: Vec<usize> = (0..=3).map(|d| ShDegree::new(d).unwrap().coefficients()).collect();
         assert_eq!(counts, [1, 4, 9, 16]);
         assert_eq!(ShDegree::new(4), None);
-    }
-
-    #[test]
-    fn a_value_that_is_not_finite_is_named_with_its_gaussian_and_field() {
-        assert_eq!(two().bad_value(), None);
-        let mut poisoned = two();
-        poisoned.sh[5][2] = f32::INFINITY;
-        assert_eq!(poisoned.bad_value().unwrap().to_string(), "Gaussian 1, field `sh` is inf");
-        poisoned.opacity_logits[0] = f32::NAN;
-        assert_eq!(poisoned.bad_value().unwrap().field, "opacity_logits");
     }
 }

@@ -1,8 +1,7 @@
 //! 4D Gaussian splatting: a scene as Gaussians whose parameters depend on time.
 //!
-//! This crate owns the model ([`Gaussians`]), how it reaches a disk and comes back, how it becomes a picture and how
-//! a picture's error becomes a gradient. It refuses to know where training pictures come from, what a query means,
-//! and anything about graphics hardware (`l4d-gpu` draws the same model there).
+//! Owns the model ([`Gaussians`], [`Model`]), its checkpoints, rasterization forward and backward, and training. Refuses
+//! to know where training pictures come from, what a query means, and graphics hardware (`l4d-gpu` draws the same model).
 
 pub mod checkpoint;
 pub mod clip;
@@ -12,7 +11,6 @@ pub mod gaussians;
 pub mod model;
 pub mod optimise;
 pub mod raster;
-pub mod real;
 pub mod reduce;
 pub mod source;
 pub mod splats;

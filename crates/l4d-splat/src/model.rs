@@ -1,6 +1,6 @@
 //! A whole 4D scene: Gaussians in a canonical state, the field that moves some of them, and which ones it moves.
 //!
-//! Owns how a model becomes what a rasterizer draws at a moment, and its way from and to the folders that hold one.
+//! Owns how a model becomes what a rasterizer draws at a moment, and how it is read and written.
 //! Refuses to know how it was trained and what is drawn with it.
 
 use std::path::Path;
@@ -19,9 +19,9 @@ use crate::splats::{SplatError, Splats};
 pub struct Model {
     /// Canonical Gaussians.
     pub gaussians: Gaussians,
-    /// Those that go through the field, ascending; the others stand still.
+    /// Those that go through the field, ascending; the others are static.
     pub dynamic: Vec<u32>,
-    /// How the dynamic ones change; none for a scene that stands still.
+    /// How the dynamic ones change; none for a static scene.
     pub field: Option<DeformationField>,
 }
 
@@ -120,7 +120,7 @@ mod tests {
             sh_coefficients: 1,
             ..DeformConfig::dynerf()
         };
-        let bounds = Bounds::around(&gaussians.means, 1.0).unwrap();
+        let bounds = Bounds::new([[2.0; 3], [-2.0; 3]]).unwrap();
         let field = DeformationField::new(config, bounds, Init::Foreign, 7).unwrap();
         Model { gaussians, dynamic: vec![1], field: Some(field) }
     }

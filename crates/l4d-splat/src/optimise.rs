@@ -15,7 +15,7 @@ mod rate;
 mod rates;
 mod ssim;
 
-pub use adam::{Adam, AdamSettings, Group, GroupUpdate, LEAST_EPSILON, Moments};
+pub use adam::{Adam, Group, GroupUpdate, Moments};
 pub use depth::{DepthGradient, RenderedDepth, depth_l1};
 pub use error::OptimiseError;
 pub use l1::l1;

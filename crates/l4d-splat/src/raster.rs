@@ -1,4 +1,4 @@
-//! How splats become a picture, and how a picture's error becomes their gradient.
+//! Rasterization of splats, forward and backward.
 //!
 //! Owns the contract that every rasterizer keeps ([`Rasterizer`], [`Projected`]) and two that keep it on the CPU:
 //! [`Reference`] is the equations written out, [`Cpu`] is fast. Anisotropic Gaussians are projected with the local
@@ -33,6 +33,9 @@ pub trait Rasterizer: Send + Sync {
     fn name(&self) -> String;
 
     /// Projects and orders the splats once, for everything that is then asked about one picture.
+    ///
+    /// # Errors
+    /// Settings out of range, a Gaussian that overflows in this view, and what the backend reports.
     fn prepare<'a>(
         &'a self,
         splats: &'a Splats,
@@ -61,23 +64,41 @@ pub trait Rasterizer: Send + Sync {
 /// Splats as one view sees them. Pixels are row-major; per-Gaussian results are in the order of the splats.
 pub trait Projected: Send + Sync {
     /// Colour, accumulated alpha and depths.
+    ///
+    /// # Errors
+    /// What the backend reports.
     fn draw(&self) -> Result<Drawing, RasterError>;
 
     /// Blends any numbers that the Gaussians carry, as colours are blended, without a background: A s.
-    /// `features` holds `channels` numbers a Gaussian; the result holds as many a pixel.
+    /// `features` holds `channels` numbers per Gaussian; the result as many per pixel.
+    ///
+    /// # Errors
+    /// Features of another length, too many channels, and what the backend reports.
     fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
 
     /// The transpose of [`Self::spread`]: A^T m, for each Gaussian the sum over pixels of its blend weight times
     /// what `pixels` holds there, `channels` numbers each.
+    ///
+    /// # Errors
+    /// Pixels of another length, too many channels, and what the backend reports.
     fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
 
     /// Which Gaussians a pixel shows, front to back, with the weights a_i T_i of their colours.
+    ///
+    /// # Errors
+    /// A pixel outside the picture, and what the backend reports.
     fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError>;
 
     /// Radii of the squares in which the Gaussians are drawn, whole pixels; 0 for those that are not visible.
+    ///
+    /// # Errors
+    /// What the backend reports.
     fn radii_px(&self) -> Result<Vec<f32>, RasterError>;
 
     /// Derivatives of a loss by the splats, given those by the picture. `drawing` is what [`Self::draw`] gave.
+    ///
+    /// # Errors
+    /// A drawing or gradient of another size, and what the backend reports.
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError>;
 
     /// As [`Self::backward`] for those Gaussians that `trainable` marks; the derivatives by all others are left at zero.
@@ -109,52 +130,12 @@ pub struct Contribution {
 /// Why nothing was drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum RasterError {
-    /// A setting with which no picture can be drawn.
-    #[error("raster setting `{field}` is {value}: {remedy}")]
-    Setting {
-        /// Name of the field.
-        field: &'static str,
-        /// What stands there.
-        value: f32,
-        /// What may stand there.
-        remedy: &'static str,
-    },
-    /// A list that does not fit the splats or the picture.
-    #[error("{what}: {found} numbers where {expected} are needed")]
-    Shape {
-        /// Which list.
-        what: &'static str,
-        /// Numbers needed.
-        expected: usize,
-        /// Numbers found.
-        found: usize,
-    },
-    /// A pixel outside the picture.
-    #[error("pixel ({column}, {row}) lies outside the picture of {width} x {height}")]
-    Pixel {
-        /// Column asked for.
-        column: u32,
-        /// Row asked for.
-        row: u32,
-        /// Pixels.
-        width: u32,
-        /// Pixels.
-        height: u32,
-    },
+    /// A setting, list or pixel that does not fit, or more work than any picture is worth: what, and the remedy.
+    #[error("{0}")]
+    Invalid(String),
     /// A Gaussian whose projection overflows.
     #[error("{0}, which overflows in this view: mend the value or remove the Gaussian")]
     Overflow(BadValue),
-    /// More work than any picture is worth.
-    #[error(
-        "the splats touch {pairs} tiles in all, at most {most} can be drawn: draw a smaller picture or remove Gaussians \
-         that fill it"
-    )]
-    Crowded {
-        /// Pairs of a tile and a Gaussian that touches it.
-        pairs: u64,
-        /// Pairs that can be drawn.
-        most: u64,
-    },
     /// The machinery underneath failed.
     #[error("rasterizer {rasterizer} failed")]
     Backend {
@@ -165,31 +146,47 @@ pub enum RasterError {
     },
 }
 
-/// Channels that can be carried at once.
+/// Channels that can be splatted at once.
 const MOST_CHANNELS: usize = 1 << 12;
 
-/// Whether so many channels can be carried: without splats, a list of any number of channels has the right length.
+/// Whether so many channels can be splatted: without splats, a list of any number of channels has the right length.
+///
+/// # Errors
+/// More than can be splatted.
 pub fn check_channels(channels: usize) -> Result<(), RasterError> {
     if channels <= MOST_CHANNELS {
         Ok(())
     } else {
-        Err(RasterError::Shape { what: "channels, at most", expected: MOST_CHANNELS, found: channels })
+        Err(RasterError::Invalid(format!(
+            "channels: {channels} where at most {MOST_CHANNELS} can be splatted"
+        )))
     }
 }
 
 /// Whether a list has the length that was asked for.
-pub fn check_length(what: &'static str, found: usize, expected: Option<usize>) -> Result<(), RasterError> {
+///
+/// # Errors
+/// Another length.
+pub fn check_length(what: &str, found: usize, expected: Option<usize>) -> Result<(), RasterError> {
     // An expectation that overflows is met by no list.
     let expected = expected.unwrap_or(usize::MAX);
-    if found == expected { Ok(()) } else { Err(RasterError::Shape { what, expected, found }) }
+    if found == expected {
+        return Ok(());
+    }
+    Err(RasterError::Invalid(format!("{what}: {found} numbers where {expected} are needed")))
 }
 
 /// Whether a pixel lies in the picture.
+///
+/// # Errors
+/// A pixel outside.
 pub fn check_pixel(view: &View, column: u32, row: u32) -> Result<(), RasterError> {
     let (width, height) = (view.width(), view.height());
     if column < width && row < height {
         Ok(())
     } else {
-        Err(RasterError::Pixel { column, row, width, height })
+        Err(RasterError::Invalid(format!(
+            "pixel ({column}, {row}) lies outside the picture of {width} x {height}"
+        )))
     }
 }

@@ -58,17 +58,9 @@ pub fn strongest(weights: &[f64], count: usize) -> Vec<u32> {
 pub fn keep(model: &Model, indices: &[u32]) -> Model {
     let from = &model.gaussians;
     let rows = || indices.iter().map(|&index| index as usize).filter(|&index| index < from.len());
-    let gaussians = Gaussians {
-        sh_degree: from.sh_degree,
-        means: rows().map(|index| from.means[index]).collect(),
-        log_scales: rows().map(|index| from.log_scales[index]).collect(),
-        rotations: rows().map(|index| from.rotations[index]).collect(),
-        opacity_logits: rows().map(|index| from.opacity_logits[index]).collect(),
-        sh: rows().flat_map(|index| from.sh_of(index).iter().copied()).collect(),
-    };
     let moves = |index: usize| model.dynamic.binary_search(&(index as u32)).is_ok();
     let dynamic = rows().enumerate().filter(|&(_, index)| moves(index)).map(|(row, _)| row as u32).collect();
-    Model { gaussians, dynamic, field: model.field.clone() }
+    Model { gaussians: from.select(rows()), dynamic, field: model.field.clone() }
 }
 
 /// The model with colours of a lower degree: higher coefficients, and what the field does to them, are left out.
@@ -114,9 +106,9 @@ fn first_rows(tensor: &Tensor, rows: usize) -> Tensor {
 /// How far each dynamic Gaussian strays, and where it is on average.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Displacement {
-    /// Largest distance from the mean place, metres; one a dynamic Gaussian.
+    /// Largest distance from the mean place, metres; one per dynamic Gaussian.
     pub reach_m: Vec<f32>,
-    /// Mean offsets over the times, a row a dynamic Gaussian.
+    /// Mean offsets over the times, a row per dynamic Gaussian.
     mean: Offsets,
 }
 
@@ -137,7 +129,7 @@ impl Displacement {
         let share = 1.0 / times.len() as f32;
         for &time in times {
             let offsets = field.offsets(&positions, time)?;
-            for (sums, values) in lists_mut(&mut mean).into_iter().zip(lists(&offsets)) {
+            for (sums, values) in mean.flat_mut().into_iter().zip(offsets.flat()) {
                 for (sum, value) in sums.iter_mut().zip(values) {
                     *sum += share * value;
                 }
@@ -158,52 +150,17 @@ impl Displacement {
     /// # Errors
     /// A model that has other dynamic Gaussians than the one that was followed.
     pub fn freeze(&self, model: &Model, threshold_m: f32) -> Result<Model, ModelError> {
-        let is_still = |row: usize| self.reach_m.get(row).is_some_and(|&reach| reach < threshold_m);
-        let (still, moving): (Vec<usize>, Vec<usize>) =
-            (0..model.dynamic.len()).partition(|&row| is_still(row));
-        let names = |rows: &[usize]| rows.iter().map(|&row| model.dynamic[row]).collect::<Vec<u32>>();
+        let is_still = |row: &u32| self.reach_m.get(*row as usize).is_some_and(|&reach| reach < threshold_m);
+        let (still, moving): (Vec<u32>, Vec<u32>) = (0..model.dynamic.len() as u32).partition(is_still);
+        let names = |rows: &[u32]| rows.iter().map(|&row| model.dynamic[row as usize]).collect::<Vec<u32>>();
         let mut gaussians = model.gaussians.clone();
-        self.mean_of(&still, gaussians.sh_degree).add_to(&mut gaussians, &names(&still))?;
+        let mut mean = Offsets::default();
+        self.mean.gather(gaussians.sh_degree.coefficients(), &still, &mut mean);
+        mean.add_to(&mut gaussians, &names(&still))?;
         let dynamic = names(&moving);
         let field = model.field.clone().filter(|_| !dynamic.is_empty());
         Ok(Model { gaussians, dynamic, field })
     }
-
-    fn mean_of(&self, rows: &[usize], degree: ShDegree) -> Offsets {
-        let coefficients = degree.coefficients();
-        let sh = |&row: &usize| self.mean.sh.iter().skip(row * coefficients).take(coefficients).copied();
-        Offsets {
-            means: pick(&self.mean.means, rows),
-            log_scales: pick(&self.mean.log_scales, rows),
-            rotations: pick(&self.mean.rotations, rows),
-            opacity_logits: pick(&self.mean.opacity_logits, rows),
-            sh: rows.iter().flat_map(sh).collect(),
-        }
-    }
-}
-
-fn pick<T: Copy>(list: &[T], rows: &[usize]) -> Vec<T> {
-    rows.iter().filter_map(|&row| list.get(row).copied()).collect()
-}
-
-fn lists(offsets: &Offsets) -> [&[f32]; 5] {
-    [
-        offsets.means.as_flattened(),
-        offsets.log_scales.as_flattened(),
-        offsets.rotations.as_flattened(),
-        &offsets.opacity_logits,
-        offsets.sh.as_flattened(),
-    ]
-}
-
-fn lists_mut(offsets: &mut Offsets) -> [&mut [f32]; 5] {
-    [
-        offsets.means.as_flattened_mut(),
-        offsets.log_scales.as_flattened_mut(),
-        offsets.rotations.as_flattened_mut(),
-        &mut offsets.opacity_logits,
-        offsets.sh.as_flattened_mut(),
-    ]
 }
 
 /// What is stored in 16-bit floats; the rest stays at 32 bits.

@@ -1,7 +1,6 @@
 //! A model on disk, whatever program wrote it.
 //!
-//! Owns how a path is told to be one of the three families of files, and what a reader has to know of where a model
-//! came from. Refuses to know what is done with it.
+//! Owns the detection of the three families of files, and what a model says of its origin.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -18,7 +17,7 @@ use crate::model::Model;
 const REMEDY: &str =
     "give a checkpoint folder of `l4d train-splats`, a model folder of 4DGaussians, or a PLY of 3DGS";
 
-/// Who wrote a model.
+/// Program that wrote a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// A folder with `checkpoint.json`.
@@ -44,7 +43,7 @@ impl fmt::Display for Family {
 pub struct Source {
     /// What can be drawn.
     pub model: Model,
-    /// Who wrote it.
+    /// Program that wrote it.
     pub family: Family,
     /// Scene of the benchmark that it was trained on, where it says so.
     pub scene: Option<Name>,

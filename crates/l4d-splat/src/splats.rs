@@ -4,11 +4,10 @@
 //! drawn. Knows no camera.
 
 use crate::gaussians::{BadValue, Gaussians, ShDegree};
-use crate::real::Real;
 
 mod gradients;
 
-pub use gradients::{GaussianGradients, SplatGradients};
+pub use gradients::SplatGradients;
 
 /// Quaternions shorter than this have no direction; they count as no rotation.
 const SHORTEST_QUATERNION: f64 = 1e-12;
@@ -41,34 +40,30 @@ pub struct SplatParts<F = f32> {
     pub sh: Vec<[F; 3]>,
 }
 
-/// Why something cannot be drawn.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SplatError {
-    /// A field has more or fewer entries than there are Gaussians.
-    #[error("field `{field}` has {found} entries where {expected} are needed")]
-    Length {
-        /// Name of the field.
-        field: &'static str,
-        /// Entries needed.
-        expected: usize,
-        /// Entries found.
-        found: usize,
-    },
-    /// A value that no picture can show.
-    #[error("{0}, which cannot be drawn: mend the value or remove the Gaussian")]
-    Value(BadValue),
+/// Why something cannot be drawn: the field, the Gaussian and the remedy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SplatError(String);
+
+impl From<BadValue> for SplatError {
+    fn from(bad: BadValue) -> Self {
+        Self(format!("{bad}, which cannot be drawn: mend the value or remove the Gaussian"))
+    }
 }
 
 impl Splats {
     /// Splats of these values, unless one of them cannot be drawn. The first offender is named, field by field.
+    ///
+    /// # Errors
+    /// Lists of different lengths, and a value that cannot be drawn.
     pub fn new(parts: SplatParts) -> Result<Self, SplatError> {
         parts.check_lengths()?;
         parts.check_values()?;
         Ok(Self { parts })
     }
 
-    /// The same values at another width.
-    pub fn cast<F: Real>(&self) -> Splats<F> {
+    /// The same values in f64.
+    pub fn to_f64(&self) -> Splats<f64> {
         let parts = &self.parts;
         Splats {
             parts: SplatParts {
@@ -76,7 +71,7 @@ impl Splats {
                 means: rows(&parts.means),
                 scales: rows(&parts.scales),
                 rotations: rows(&parts.rotations),
-                opacities: parts.opacities.iter().map(|&value| F::of(value.into())).collect(),
+                opacities: parts.opacities.iter().copied().map(f64::from).collect(),
                 sh: rows(&parts.sh),
             },
         }
@@ -136,8 +131,21 @@ impl<F> Splats<F> {
     }
 }
 
-fn rows<F: Real, const N: usize>(list: &[[f32; N]]) -> Vec<[F; N]> {
-    list.iter().map(|row| row.map(|value| F::of(value.into()))).collect()
+fn rows<const N: usize>(list: &[[f32; N]]) -> Vec<[f64; N]> {
+    list.iter().map(|row| row.map(f64::from)).collect()
+}
+
+impl<F> SplatParts<F> {
+    /// All numbers, flat, in the order of [`SplatGradients::lists`].
+    pub(crate) fn lists_mut(&mut self) -> [&mut [F]; 5] {
+        [
+            self.means.as_flattened_mut(),
+            self.scales.as_flattened_mut(),
+            self.rotations.as_flattened_mut(),
+            &mut self.opacities,
+            self.sh.as_flattened_mut(),
+        ]
+    }
 }
 
 impl SplatParts {
@@ -150,7 +158,9 @@ impl SplatParts {
             ("sh", self.sh.len(), count.saturating_mul(self.sh_degree.coefficients())),
         ];
         match fields.into_iter().find(|(_, found, expected)| found != expected) {
-            Some((field, found, expected)) => Err(SplatError::Length { field, expected, found }),
+            Some((field, found, expected)) => {
+                Err(SplatError(format!("field `{field}` has {found} entries where {expected} are needed")))
+            }
             None => Ok(()),
         }
     }
@@ -168,7 +178,7 @@ impl SplatParts {
                 let bad = first("sh", &self.sh, |coefficient| not_finite(coefficient))?;
                 Some(BadValue { index: bad.index / self.sh_degree.coefficients(), ..bad })
             });
-        bad.map_or(Ok(()), |bad| Err(SplatError::Value(bad)))
+        bad.map_or(Ok(()), |bad| Err(bad.into()))
     }
 }
 
@@ -209,9 +219,12 @@ impl Gaussians {
     ///
     /// A quaternion shorter than 1e-12 counts as no rotation. Values that are not finite, and scales that overflow,
     /// are refused with the raw field and the index.
+    ///
+    /// # Errors
+    /// A value that is not finite, and a scale that overflows.
     pub fn activate(&self) -> Result<Splats, SplatError> {
         if let Some(bad) = self.bad_value() {
-            return Err(SplatError::Value(bad));
+            return Err(bad.into());
         }
         let scales = self.log_scales.iter().map(|row| row.map(f32::exp)).collect();
         let parts = SplatParts {
@@ -225,7 +238,7 @@ impl Gaussians {
         parts.check_lengths()?;
         if let Some(bad) = first("log_scales", &parts.scales, |scale| not_finite(scale)) {
             let value = self.log_scales[bad.index].iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            return Err(SplatError::Value(BadValue { value, ..bad }));
+            return Err(BadValue { value, ..bad }.into());
         }
         Ok(Splats { parts })
     }

@@ -68,15 +68,15 @@ impl Room {
     pub fn model(&self) -> Result<Model, DeformError> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         let moving = ((self.gaussians as f64 * self.moving) as usize).min(self.gaussians);
-        let standing = self.gaussians - moving;
+        let resting = self.gaussians - moving;
         let mut gaussians = Gaussians { sh_degree: self.sh_degree, ..Gaussians::default() };
-        for _ in 0..standing {
-            self.push_disc(&mut gaussians, standing, &mut random);
+        for _ in 0..resting {
+            self.push_disc(&mut gaussians, resting, &mut random);
         }
         for index in 0..moving {
             self.push_mote(&mut gaussians, BALLS[index % BALLS.len()], moving, &mut random);
         }
-        let dynamic = (standing as u32..self.gaussians as u32).collect();
+        let dynamic = (resting as u32..self.gaussians as u32).collect();
         Ok(Model { gaussians, dynamic, field: Some(self.field(&mut random)?) })
     }
 
@@ -214,7 +214,7 @@ impl Room {
     }
 }
 
-/// Row-major pose of a camera that stands at a place and looks at another, upright.
+/// Row-major pose of a camera at one place that looks at another, upright.
 fn looking_at(stands: DVec3, target: DVec3) -> [f64; 16] {
     let forward = (target - stands).normalize();
     let right = forward.cross(DVec3::Z).normalize();

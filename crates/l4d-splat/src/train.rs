@@ -1,11 +1,9 @@
 //! How a model is learned from pictures, with depth or without.
 //!
-//! What stands still is told from what moves by depth and colour alone ([`Motion`]); where nobody measured depth, it is
-//! found by comparing pictures, and only says where Gaussians begin. *Coarse*: Gaussians on what stands
-//! still learn the mean pictures of the standing cameras, without a field. *Fine*: Gaussians on what moves are added
-//! at one moment, the clip is unfolded from there to both ends, then everything learns everywhere; only what moves
-//! or changes colour goes through the deformation field. Owns schedules, initial points, density and the loop. Refuses to
-//! know files, held-out views and instances.
+//! Static is told from dynamic by depth and colour alone ([`Motion`]). *Coarse*: static Gaussians learn the mean
+//! pictures of the static cameras, without a field. *Fine*: Gaussians of what moves are added at one moment, the clip is
+//! learned from there to both ends, then everything learns; only what moves or changes colour goes through the
+//! deformation field. Refuses to know files, held-out views and instances.
 
 mod colmap;
 mod crop;

@@ -20,47 +20,17 @@ pub struct View {
     camera_from_world: [[f64; 4]; 3],
 }
 
-/// Why a view cannot be drawn from.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ViewError {
-    /// No pixels, or too many.
-    #[error(
-        "a picture of {width} x {height} pixels: sides are 1 to {LONGEST_SIDE}, pixels at most {MOST_PIXELS}"
-    )]
-    Size {
-        /// Pixels.
-        width: u32,
-        /// Pixels.
-        height: u32,
-    },
-    /// A number that no camera has.
-    #[error("field `{field}` of the view is {value}: {remedy}")]
-    Value {
-        /// Name of the field.
-        field: &'static str,
-        /// What stands there.
-        value: f64,
-        /// What may stand there.
-        remedy: &'static str,
-    },
-    /// The pose stretches, mirrors or is not finite.
-    #[error("field `camera_from_world` of the view is not a rigid motion (rotation and translation)")]
-    Pose,
-    /// A moving camera that was not recorded then.
-    #[error("camera `{camera}` has {poses} poses, none for frame {frame}")]
-    Frame {
-        /// Name of the camera.
-        camera: String,
-        /// Canonical frame.
-        frame: u32,
-        /// Poses that there are.
-        poses: usize,
-    },
-}
+/// Why a view cannot be drawn from: the field, its value and the remedy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ViewError(String);
 
 impl View {
     /// A view of `size` (width, height) pixels; `focal` and `principal` are (x, y) in pixels, `camera_from_world`
     /// the upper three rows of a rigid motion in metres.
+    ///
+    /// # Errors
+    /// Sizes and numbers that no camera has; a pose that is not a rigid motion.
     pub fn new(
         size: [u32; 2],
         focal: [f64; 2],
@@ -70,34 +40,33 @@ impl View {
         let [width, height] = size;
         let sides_fit = size.iter().all(|side| (1..=LONGEST_SIDE).contains(side));
         if !sides_fit || u64::from(width) * u64::from(height) > MOST_PIXELS {
-            return Err(ViewError::Size { width, height });
+            return Err(size_error(width, height));
         }
         for (field, value) in [("fx", focal[0]), ("fy", focal[1])] {
             if !(value.is_finite() && (1e-3..=1e9).contains(&value)) {
-                return Err(ViewError::Value {
-                    field,
-                    value,
-                    remedy: "a focal length is 0.001 to 1e9 pixels",
-                });
+                let remedy = "a focal length is 0.001 to 1e9 pixels";
+                return Err(ViewError(format!("field `{field}` of the view is {value}: {remedy}")));
             }
         }
         for (field, value) in [("cx", principal[0]), ("cy", principal[1])] {
             if !(value.is_finite() && value.abs() <= 1e9) {
-                return Err(ViewError::Value {
-                    field,
-                    value,
-                    remedy: "a principal point is finite, below 1e9",
-                });
+                let remedy = "a principal point is finite, below 1e9";
+                return Err(ViewError(format!("field `{field}` of the view is {value}: {remedy}")));
             }
         }
         if !is_rigid(&camera_from_world) {
-            return Err(ViewError::Pose);
+            let message =
+                "field `camera_from_world` of the view is not a rigid motion (rotation and translation)";
+            return Err(ViewError(message.to_owned()));
         }
         Ok(Self { size, focal, principal, camera_from_world })
     }
 
     /// What `camera` sees at a canonical frame, in a picture of `size` pixels; its intrinsics are those of pictures
     /// of `camera_size` (the size in its `scene.json`).
+    ///
+    /// # Errors
+    /// As [`Self::new`], and a frame for which a moving camera has no pose.
     pub fn of_camera(
         camera: &Camera,
         frame: u32,
@@ -106,11 +75,12 @@ impl View {
     ) -> Result<Self, ViewError> {
         let poses = camera.world_from_camera.len();
         if poses == 0 || (poses > 1 && frame as usize >= poses) {
-            return Err(ViewError::Frame { camera: camera.name.to_string(), frame, poses });
+            let name = &camera.name;
+            return Err(ViewError(format!("camera `{name}` has {poses} poses, none for frame {frame}")));
         }
         let [width, height] = camera_size;
         if width == 0 || height == 0 {
-            return Err(ViewError::Size { width, height });
+            return Err(size_error(width, height));
         }
         let camera = camera.resized(camera_size, size);
         let columns = camera.camera_from_world(frame).to_cols_array_2d();
@@ -153,11 +123,17 @@ impl View {
         self.camera_from_world.map(|[x, y, z, _]| [x, y, z])
     }
 
-    /// Where the camera stands in world axes, metres.
+    /// Position of the camera in world axes, metres.
     pub fn centre(&self) -> [f64; 3] {
         let pose = &self.camera_from_world;
         std::array::from_fn(|axis| -pose.iter().map(|row| row[axis] * row[3]).sum::<f64>())
     }
+}
+
+fn size_error(width: u32, height: u32) -> ViewError {
+    ViewError(format!(
+        "a picture of {width} x {height} pixels: sides are 1 to {LONGEST_SIDE}, pixels at most {MOST_PIXELS}"
+    ))
 }
 
 fn is_rigid(pose: &[[f64; 4]; 3]) -> bool {
@@ -222,7 +198,7 @@ mod tests {
         let with = |size, focal, pose| View::new(size, focal, [0.0, 0.0], pose);
         assert!(with([1, 1], [1.0, 1.0], AHEAD).is_ok());
         for size in [[0, 4], [4, 0], [1 << 16, 1], [1 << 15, 1 << 15]] {
-            assert!(matches!(with(size, [1.0, 1.0], AHEAD), Err(ViewError::Size { .. })), "{size:?}");
+            assert!(with(size, [1.0, 1.0], AHEAD).is_err(), "{size:?}");
         }
         for focal in [0.0, -3.0, f64::NAN, f64::INFINITY] {
             let error = with([4, 4], [1.0, focal], AHEAD).unwrap_err().to_string();
@@ -233,7 +209,7 @@ mod tests {
         let mut lost = AHEAD;
         lost[1][3] = f64::NAN;
         for pose in [mirrored, lost, [[0.0; 4]; 3]] {
-            assert_eq!(with([4, 4], [1.0, 1.0], pose), Err(ViewError::Pose));
+            assert!(with([4, 4], [1.0, 1.0], pose).unwrap_err().to_string().contains("rigid motion"));
         }
         assert!(View::of_camera(&camera(), 0, [0, 96], [128, 96]).is_err());
     }

@@ -1,4 +1,4 @@
-//! The rasterizer on an adapter: against the reference, against the processor, against itself.
+//! The rasterizer on an adapter: against the reference and against itself.
 //!
 //! Without an adapter these tests fail and say what to install; they never skip.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
@@ -7,7 +7,6 @@ use std::sync::OnceLock;
 
 use l4d_gpu::{AdapterChoice, Gpu};
 
-mod agreement;
 mod conformance;
 mod determinism;
 mod refusals;

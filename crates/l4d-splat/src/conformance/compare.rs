@@ -58,32 +58,29 @@ impl Finding {
 }
 
 /// Compares a rasterizer with the reference on all scenes.
+///
+/// # Errors
+/// As the rasterizer.
 pub fn check(rasterizer: &dyn Rasterizer, bounds: &Bounds) -> Result<Vec<Finding>, RasterError> {
     let mut findings = Vec::new();
-    for case in cases() {
-        findings.extend(check_case(rasterizer, &case, bounds)?);
+    for case in &cases() {
+        let reference = Reference::scene(&case.splats.to_f64(), &case.view, &case.settings)?;
+        let projected = rasterizer.prepare(&case.splats, &case.view, &case.settings)?;
+        let projected = projected.as_ref();
+        let mut comparison = Comparison { case, bounds, projected, reference, findings: &mut findings };
+        comparison.pictures()?;
+        comparison.weights()?;
+        comparison.contributors()?;
+        comparison.radii()?;
+        comparison.gradients()?;
     }
     Ok(findings)
 }
 
-/// Compares a rasterizer with the reference on one scene.
-pub fn check_case(
-    rasterizer: &dyn Rasterizer,
-    case: &Case,
-    bounds: &Bounds,
-) -> Result<Vec<Finding>, RasterError> {
-    let reference = Reference::<f64>::new().scene(&case.splats.cast(), &case.view, &case.settings)?;
-    let projected = rasterizer.prepare(&case.splats, &case.view, &case.settings)?;
-    let mut findings = Vec::new();
-    let mut comparison = Comparison { case, bounds, findings: &mut findings };
-    comparison.pictures(projected.as_ref(), &reference)?;
-    comparison.weights(projected.as_ref(), &reference)?;
-    comparison.contributors(projected.as_ref(), &reference)?;
-    comparison.gradients(projected.as_ref(), &reference)?;
-    Ok(findings)
-}
-
 /// Names what a rasterizer should have refused and did not.
+///
+/// # Errors
+/// As the rasterizer.
 pub fn refusals(rasterizer: &dyn Rasterizer) -> Result<Vec<&'static str>, RasterError> {
     let Some(case) = cases().into_iter().find(|case| case.name == "cloud") else { return Ok(Vec::new()) };
     let projected = rasterizer.prepare(&case.splats, &case.view, &case.settings)?;
@@ -128,6 +125,8 @@ fn random_numbers(count: usize, seed: u64) -> Vec<f32> {
 struct Comparison<'a> {
     case: &'a Case,
     bounds: &'a Bounds,
+    projected: &'a dyn Projected,
+    reference: ReferenceScene,
     findings: &'a mut Vec<Finding>,
 }
 
@@ -137,125 +136,117 @@ impl Comparison<'_> {
         self.findings.push(Finding { case, quantity, error, bound, flips, flips_allowed });
     }
 
-    /// Compares lists with `width` numbers a pixel. Where a pixel is off by more than the bound, but by no more than
-    /// a flip, it counts as flipped.
-    fn per_pixel(&mut self, quantity: &'static str, ours: &[f32], theirs: &[f64], width: usize, bound: f64) {
-        let scale = theirs.iter().fold(1.0_f64, |most, value| most.max(value.abs()));
+    fn flips_allowed(&self, entries: usize) -> usize {
+        (self.bounds.flips * entries as f64).ceil() as usize
+    }
+
+    /// Compares lists with `width` numbers per row, relative to `scale`. A row that is off by more than the bound, but by
+    /// no more than `flip`, counts as flipped. Also the number of rows.
+    fn compare(
+        ours: &[f32],
+        theirs: &[f64],
+        width: usize,
+        [scale, bound, flip]: [f64; 3],
+    ) -> (f64, usize, usize) {
         let (mut worst, mut flips) = (0.0_f64, 0);
         for (ours, theirs) in ours.chunks(width).zip(theirs.chunks(width)) {
             let error = std::iter::zip(ours, theirs)
+                .map(|(&ours, theirs)| (f64::from(ours) - theirs).abs() / scale)
                 // NaN is as wrong as can be.
-                .map(|(&ours, theirs)| {
-                    let error = (f64::from(ours) - theirs).abs() / scale;
-                    if error.is_nan() { f64::INFINITY } else { error }
-                })
-                .fold(0.0, f64::max);
-            if error > bound && error <= self.bounds.flip {
+                .fold(0.0, |most: f64, error| if error.is_nan() { f64::INFINITY } else { most.max(error) });
+            if error > bound && error <= flip {
                 flips += 1;
             } else {
                 worst = worst.max(error);
             }
         }
-        if ours.len() != theirs.len() {
-            worst = f64::INFINITY;
-        }
-        let allowed = self.flips_allowed(theirs.len() / width);
-        self.report(quantity, worst, bound, flips, allowed);
+        let worst = if ours.len() == theirs.len() { worst } else { f64::INFINITY };
+        (worst, flips, theirs.len() / width)
     }
 
-    fn flips_allowed(&self, entries: usize) -> usize {
-        (self.bounds.flips * entries as f64).ceil() as usize
+    /// Compares lists with `width` numbers per pixel.
+    fn per_pixel(&mut self, quantity: &'static str, ours: &[f32], theirs: &[f64], width: usize, bound: f64) {
+        let scale = theirs.iter().fold(1.0_f64, |most, value| most.max(value.abs()));
+        let (worst, flips, rows) = Self::compare(ours, theirs, width, [scale, bound, self.bounds.flip]);
+        self.report(quantity, worst, bound, flips, self.flips_allowed(rows));
     }
 
-    fn pictures(
-        &mut self,
-        projected: &dyn Projected,
-        reference: &ReferenceScene<f64>,
-    ) -> Result<(), RasterError> {
-        let (ours, theirs) = (projected.draw()?, reference.draw());
-        self.per_pixel(
-            "colour",
-            ours.colour.as_flattened(),
-            theirs.colour.as_flattened(),
-            3,
-            self.bounds.colour,
-        );
-        self.per_pixel("alpha", &ours.alpha, &theirs.alpha, 1, self.bounds.colour);
-        self.per_pixel("transmittance", &ours.transmittance, &theirs.transmittance, 1, self.bounds.colour);
-        self.per_pixel("depth sum", &ours.depth_sum_m, &theirs.depth_sum_m, 1, self.bounds.depth);
-        self.quantiles(&ours, reference);
-        let again = projected.draw()?;
+    /// Compares lists with `width` numbers per Gaussian, relative to the largest of them.
+    fn per_field(&mut self, quantity: &'static str, ours: &[f32], theirs: &[f64], width: usize) {
+        let largest = theirs.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let scale = if largest > 0.0 { largest } else { 1.0 };
+        let limits = [scale, self.bounds.gradient, self.bounds.flipped_gradient];
+        let (worst, flips, rows) = Self::compare(ours, theirs, width, limits);
+        // A flipped pixel touches all Gaussians that show in it; how many that are depends on the scene.
+        self.report(quantity, worst, self.bounds.gradient, flips, self.flips_allowed(20 * rows));
+    }
+
+    fn pictures(&mut self) -> Result<(), RasterError> {
+        let (ours, theirs) = (self.projected.draw()?, self.reference.draw());
+        let Bounds { colour, depth, .. } = *self.bounds;
+        self.per_pixel("colour", ours.colour.as_flattened(), theirs.colour.as_flattened(), 3, colour);
+        self.per_pixel("alpha", &ours.alpha, &theirs.alpha, 1, colour);
+        self.per_pixel("transmittance", &ours.transmittance, &theirs.transmittance, 1, colour);
+        self.per_pixel("depth sum", &ours.depth_sum_m, &theirs.depth_sum_m, 1, depth);
+        self.quantiles(&ours);
+        let again = self.projected.draw()?;
         self.report("drawn again", f64::from(u8::from(again != ours)), 0.0, 0, 0);
         Ok(())
     }
 
     /// A depth quantile is right if some transmittance within the bound of the level explains it.
-    fn quantiles(&mut self, drawing: &Drawing, reference: &ReferenceScene<f64>) {
+    fn quantiles(&mut self, drawing: &Drawing) {
         let Some(ours) = &drawing.quantiles else {
             return self.report("depth quantiles", f64::INFINITY, 0.0, 0, 0);
         };
-        let depths = reference.depths_m();
+        let depths = self.reference.depths_m();
         let width = self.case.view.width() as usize;
         let mut wrong = 0;
         for pixel in 0..self.case.view.pixel_count() {
-            let list = reference.contributors(pixel % width, pixel / width);
-            let found = [ours.near_m[pixel], ours.median_m[pixel], ours.far_m[pixel]];
+            let list = self.reference.contributors(pixel % width, pixel / width);
+            let found = [ours.near_m[pixel], ours.median_m[pixel], ours.far_m[pixel]].map(f64::from);
             for (found, level) in found.into_iter().zip(DepthQuantiles::LEVELS) {
-                let level = f64::from(level);
-                let fits = [1.0 - self.bounds.colour, 1.0 + self.bounds.colour]
-                    .map(|factor| crossing(&list, &depths, level * factor));
-                let fits = fits.iter().any(|&depth| {
-                    let found = f64::from(found);
+                let fits = [1.0 - self.bounds.colour, 1.0 + self.bounds.colour].iter().any(|factor| {
+                    let depth = crossing(&list, &depths, f64::from(level) * factor);
                     depth == found || (depth - found).abs() <= self.bounds.depth * depth.abs()
                 });
                 wrong += usize::from(!fits);
             }
         }
-        let allowed = self.flips_allowed(3 * self.case.view.pixel_count());
-        self.report("depth quantiles", 0.0, 0.0, wrong, allowed);
+        self.report("depth quantiles", 0.0, 0.0, wrong, self.flips_allowed(3 * self.case.view.pixel_count()));
     }
 
-    fn weights(
-        &mut self,
-        projected: &dyn Projected,
-        reference: &ReferenceScene<f64>,
-    ) -> Result<(), RasterError> {
+    fn weights(&mut self) -> Result<(), RasterError> {
         // More than the channels of one pass.
         let channels = 19;
         let features = random_numbers(self.case.splats.len() * channels, 21);
         let pixels = random_numbers(self.case.view.pixel_count() * channels, 22);
         let wide = |list: &[f32]| list.iter().copied().map(f64::from).collect::<Vec<_>>();
-        let spread = projected.splat_features(&features, channels)?;
-        let expected = reference.splat_features(&wide(&features), channels);
-        self.per_pixel("spread", &spread, &expected, channels, self.bounds.colour);
-        let gathered = projected.gather_features(&pixels, channels)?;
-        let expected = reference.gather_features(&wide(&pixels), channels);
-        self.per_field("gather", &gathered, &expected, channels);
+        let splatted = self.projected.splat_features(&features, channels)?;
+        let expected = self.reference.splat_features(&wide(&features), channels);
+        self.per_pixel("splatted features", &splatted, &expected, channels, self.bounds.colour);
+        let gathered = self.projected.gather_features(&pixels, channels)?;
+        let expected = self.reference.gather_features(&wide(&pixels), channels);
+        self.per_field("gathered features", &gathered, &expected, channels);
         let dot = |a: &[f32], b: &[f32]| -> (f64, f64) {
             std::iter::zip(a, b)
                 .map(|(&a, &b)| f64::from(a) * f64::from(b))
                 .fold((0.0, 0.0), |(sum, size), x| (sum + x, size + x.abs()))
         };
-        let ((there, size), (back, _)) = (dot(&spread, &pixels), dot(&features, &gathered));
-        let error = if size > 0.0 { (there - back).abs() / size } else { (there - back).abs() };
+        let ((there, size), (back, _)) = (dot(&splatted, &pixels), dot(&features, &gathered));
+        let error = (there - back).abs() / if size > 0.0 { size } else { 1.0 };
         self.report("gather is transposed", error, 1e-6, 0, 0);
         Ok(())
     }
 
-    fn contributors(
-        &mut self,
-        projected: &dyn Projected,
-        reference: &ReferenceScene<f64>,
-    ) -> Result<(), RasterError> {
+    fn contributors(&mut self) -> Result<(), RasterError> {
         let (width, height) = (self.case.view.width(), self.case.view.height());
         let pixels = [(0, 0), (width / 2, height / 2), (width - 1, height - 1), (width / 3, 2 * height / 3)];
         let (mut worst, mut flips) = (0.0_f64, 0);
         for (column, row) in pixels {
-            let ours = projected.contributors(column, row)?;
-            let theirs = reference.contributors(column as usize, row as usize);
-            let same = ours.len() == theirs.len()
-                && std::iter::zip(&ours, &theirs).all(|(ours, theirs)| ours.index as usize == theirs.0);
-            if !same {
+            let ours = self.projected.contributors(column, row)?;
+            let theirs = self.reference.contributors(column as usize, row as usize);
+            if !ours.iter().map(|ours| ours.index as usize).eq(theirs.iter().map(|theirs| theirs.0)) {
                 flips += 1;
                 continue;
             }
@@ -267,49 +258,28 @@ impl Comparison<'_> {
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        projected: &dyn Projected,
-        reference: &ReferenceScene<f64>,
-    ) -> Result<(), RasterError> {
+    /// Radii are rounded up to whole pixels, of which large ones have no digits.
+    fn radii(&mut self) -> Result<(), RasterError> {
+        let (ours, theirs) = (self.projected.radii_px()?, self.reference.radii_px()?);
+        let fits =
+            |(a, b): &(&f32, &f32)| (*a - *b).abs() <= 1.0_f32.max(1e-5 * *b) && (**a > 0.0) == (**b > 0.0);
+        let wrong = std::iter::zip(&ours, &theirs).filter(|pair| !fits(pair)).count();
+        self.report("radii", 0.0, 0.0, wrong + ours.len().abs_diff(theirs.len()), 0);
+        Ok(())
+    }
+
+    fn gradients(&mut self) -> Result<(), RasterError> {
         let gradient = random_gradient(&self.case.view, 23);
-        let ours: SplatGradients = projected.backward(&projected.draw()?, &gradient)?;
-        let theirs = reference.backward(&gradient.cast())?;
-        self.per_field("by means", ours.means.as_flattened(), theirs.means.as_flattened(), 3);
-        self.per_field("by scales", ours.scales.as_flattened(), theirs.scales.as_flattened(), 3);
-        self.per_field("by rotations", ours.rotations.as_flattened(), theirs.rotations.as_flattened(), 4);
-        self.per_field("by opacities", &ours.opacities, &theirs.opacities, 1);
-        self.per_field("by sh", ours.sh.as_flattened(), theirs.sh.as_flattened(), 3);
+        let ours: SplatGradients = self.projected.backward(&self.projected.draw()?, &gradient)?;
+        let theirs = self.reference.backward(&gradient.to_f64())?;
+        let fields = ["by means", "by scales", "by rotations", "by opacities", "by sh"];
+        for (list, (field, width)) in fields.into_iter().zip([3, 3, 4, 1, 3]).enumerate() {
+            self.per_field(field, ours.lists()[list], theirs.lists()[list], width);
+        }
         self.per_field("by means (ndc)", ours.means_ndc.as_flattened(), theirs.means_ndc.as_flattened(), 2);
         let differ = std::iter::zip(&ours.visible, &theirs.visible).filter(|(a, b)| a != b).count();
         self.report("visible", 0.0, 0.0, differ, self.flips_allowed(ours.visible.len()));
         Ok(())
-    }
-
-    /// Compares lists with `width` numbers a Gaussian, relative to the largest of them.
-    fn per_field(&mut self, quantity: &'static str, ours: &[f32], theirs: &[f64], width: usize) {
-        let largest = theirs.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let scale = if largest > 0.0 { largest } else { 1.0 };
-        let (mut worst, mut flips) = (0.0_f64, 0);
-        for (ours, theirs) in ours.chunks(width).zip(theirs.chunks(width)) {
-            let error = std::iter::zip(ours, theirs)
-                .map(|(&ours, theirs)| {
-                    let error = (f64::from(ours) - theirs).abs() / scale;
-                    if error.is_nan() { f64::INFINITY } else { error }
-                })
-                .fold(0.0, f64::max);
-            if error > self.bounds.gradient && error <= self.bounds.flipped_gradient {
-                flips += 1;
-            } else {
-                worst = worst.max(error);
-            }
-        }
-        if ours.len() != theirs.len() {
-            worst = f64::INFINITY;
-        }
-        // A flipped pixel touches all Gaussians that show in it; how many that are depends on the scene.
-        let allowed = self.flips_allowed(20 * theirs.len() / width);
-        self.report(quantity, worst, self.bounds.gradient, flips, allowed);
     }
 }
 

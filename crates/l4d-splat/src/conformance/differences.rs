@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::compare::random_gradient;
 use super::scenes::Case;
 use crate::raster::{Drawing, DrawingGradient, RasterError, Reference, ReferenceScene};
-use crate::splats::{SplatGradients, Splats};
+use crate::splats::Splats;
 
 /// How well gradients and central differences agree.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -19,74 +19,26 @@ pub struct Agreement {
     pub skipped: usize,
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Field {
-    Means,
-    Scales,
-    Rotations,
-    Opacities,
-    Sh,
-}
-
-const FIELDS: [Field; 5] = [Field::Means, Field::Scales, Field::Rotations, Field::Opacities, Field::Sh];
-
-impl Field {
-    fn entry(self, splats: &mut Splats<f64>, index: usize, choice: usize) -> &mut f64 {
-        let parts = &mut splats.parts;
-        match self {
-            Self::Means => &mut parts.means[index][choice % 3],
-            Self::Scales => &mut parts.scales[index][choice % 3],
-            Self::Rotations => &mut parts.rotations[index][choice % 4],
-            Self::Opacities => &mut parts.opacities[index],
-            Self::Sh => {
-                let count = parts.sh_degree.coefficients();
-                &mut parts.sh[index * count + choice / 3 % count][choice % 3]
-            }
-        }
-    }
-
-    fn gradient(self, gradients: &SplatGradients<f64>, index: usize, choice: usize) -> f64 {
-        match self {
-            Self::Means => gradients.means[index][choice % 3],
-            Self::Scales => gradients.scales[index][choice % 3],
-            Self::Rotations => gradients.rotations[index][choice % 4],
-            Self::Opacities => gradients.opacities[index],
-            Self::Sh => {
-                let count = gradients.sh.len() / gradients.means.len();
-                gradients.sh[index * count + choice / 3 % count][choice % 3]
-            }
-        }
-    }
-
-    fn largest(self, gradients: &SplatGradients<f64>) -> f64 {
-        let list = match self {
-            Self::Means => gradients.means.as_flattened(),
-            Self::Scales => gradients.scales.as_flattened(),
-            Self::Rotations => gradients.rotations.as_flattened(),
-            Self::Opacities => &gradients.opacities,
-            Self::Sh => gradients.sh.as_flattened(),
-        };
-        list.iter().fold(0.0, |most, value| most.max(value.abs()))
-    }
-
-    /// A step that is small in the picture and large in f64.
-    fn step(self, value: f64, metres_per_pixel: f64) -> f64 {
-        match self {
-            Self::Means => 1e-4 * metres_per_pixel,
-            Self::Scales => (1e-5 * value).max(1e-5 * metres_per_pixel),
-            Self::Rotations | Self::Opacities => 1e-6,
-            Self::Sh => 1e-5,
-        }
+/// A step by a number of a field, in the order of [`crate::splats::SplatGradients::lists`]: small in the picture and large in f64.
+fn step(field: usize, value: f64, metres_per_pixel: f64) -> f64 {
+    match field {
+        0 => 1e-4 * metres_per_pixel,
+        1 => (1e-5 * value).max(1e-5 * metres_per_pixel),
+        2 | 3 => 1e-6,
+        _ => 1e-5,
     }
 }
 
 /// Compares `samples` derivatives of each field, drawn among the visible Gaussians, of a loss that weights every
 /// number of the picture at random.
+///
+/// # Errors
+/// As the reference.
 pub fn central_differences(case: &Case, samples: usize) -> Result<Agreement, RasterError> {
-    let scene = |splats: &Splats<f64>| Reference::<f64>::new().scene(splats, &case.view, &case.settings);
-    let splats = case.splats.cast::<f64>();
+    let scene = |splats: &Splats<f64>| Reference::scene(splats, &case.view, &case.settings);
+    let splats = case.splats.to_f64();
     let base = scene(&splats)?;
-    let weights = random_gradient(&case.view, 31).cast();
+    let weights = random_gradient(&case.view, 31).to_f64();
     let gradients = base.backward(&weights)?;
     let depths = base.depths_m();
     let visible: Vec<usize> = (0..splats.len()).filter(|&index| gradients.visible[index]).collect();
@@ -97,18 +49,19 @@ pub fn central_differences(case: &Case, samples: usize) -> Result<Agreement, Ras
     let decisions = base.decisions();
     let (_, size) = loss(&base.draw(), &weights);
     let mut random = ChaCha8Rng::seed_from_u64(32);
-    for field in FIELDS {
-        let largest = field.largest(&gradients);
+    for (field, gradient) in gradients.lists().into_iter().enumerate() {
+        let largest = gradient.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let width = gradient.len() / splats.len();
         for _ in 0..samples {
             let index = visible[random.random_range(0..visible.len())];
-            let choice = random.random_range(0..1000);
+            let place = index * width + random.random_range(0..1000_usize) % width;
             let mut moved = splats.clone();
-            let value = *field.entry(&mut moved, index, choice);
-            let step = field.step(value, depths[index] / case.view.focal()[0]);
+            let value = moved.parts.lists_mut()[field][place];
+            let step = step(field, value, depths[index] / case.view.focal()[0]);
             // The step that was really taken: a coordinate far from the origin rounds it.
             let (ahead, behind) = (value + step, value - step);
-            let mut at = |value: f64| -> Result<ReferenceScene<f64>, RasterError> {
-                *field.entry(&mut moved, index, choice) = value;
+            let mut at = |value: f64| -> Result<ReferenceScene, RasterError> {
+                moved.parts.lists_mut()[field][place] = value;
                 scene(&moved)
             };
             let (ahead_scene, behind_scene) = (at(ahead)?, at(behind)?);
@@ -119,7 +72,7 @@ pub fn central_differences(case: &Case, samples: usize) -> Result<Agreement, Ras
             let rise = loss(&ahead_scene.draw(), &weights).0 - loss(&behind_scene.draw(), &weights).0;
             let difference = rise / (ahead - behind);
             let rounding = 16.0 * f64::EPSILON * size / (ahead - behind);
-            let excess = (difference - field.gradient(&gradients, index, choice)).abs() - rounding;
+            let excess = (difference - gradient[place]).abs() - rounding;
             let scale = if largest > 0.0 { largest } else { 1.0 };
             agreement.error = agreement.error.max(excess / scale);
             agreement.compared += 1;

@@ -183,7 +183,7 @@ fn room() -> Case {
     case("room", blobs, ahead([64, 48]))
 }
 
-/// Coplanar and partly identical Gaussians: only their order in the list says who is in front.
+/// Coplanar and partly identical Gaussians: only their order in the list decides.
 fn equal_depths() -> Vec<Blob> {
     let mut blobs = cloud(4, 40, [0.1, 0.6], [0.2, 0.95]);
     for (index, blob) in blobs.iter_mut().enumerate() {

@@ -23,28 +23,16 @@ impl Bounds {
             let is_finite = max[axis].is_finite() && min[axis].is_finite();
             // An extent that over- or underflows would turn positions into NaN.
             if !is_finite || max[axis] <= min[axis] || !scale[axis].is_normal() {
-                return Err(DeformError::Box { axis: ['x', 'y', 'z'][axis], min: min[axis], max: max[axis] });
+                return Err(DeformError(format!(
+                    "bounding box of the deformation field: axis {} runs from {} to {}: both must be finite and the \
+                     first (row 1 of `aabb`) smaller than the second (row 0); widen the box along this axis",
+                    ["x", "y", "z"][axis],
+                    min[axis],
+                    max[axis]
+                )));
             }
         }
         Ok(Self { max, min, scale })
-    }
-
-    /// The smallest box that holds all points with `margin_m` to spare on every side.
-    ///
-    /// # Errors
-    /// A point that is not finite; no points, or a flat cloud without a margin.
-    pub fn around(points: &[[f32; 3]], margin_m: f32) -> Result<Self, DeformError> {
-        let mut corners = [[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]];
-        for (row, &position) in points.iter().enumerate() {
-            if !position.iter().all(|value| value.is_finite()) {
-                return Err(DeformError::Position { row, position });
-            }
-            for axis in 0..3 {
-                corners[0][axis] = corners[0][axis].max(position[axis] + margin_m);
-                corners[1][axis] = corners[1][axis].min(position[axis] - margin_m);
-            }
-        }
-        Self::new(corners)
     }
 
     /// Corners as checkpoints have them: the larger, then the smaller, metres.
@@ -85,15 +73,5 @@ mod tests {
         assert!(refused([f32::INFINITY, 1.0, 1.0], [0.0; 3]).contains("axis x"));
         assert!(refused([f32::MAX; 3], [f32::MIN; 3]).contains("axis x"));
         assert!(refused([1.0, 1.0e-40, 1.0], [0.0; 3]).contains("axis y"));
-    }
-
-    #[test]
-    fn a_box_around_points_has_its_margin() {
-        let bounds = Bounds::around(&[[0.0, 5.0, -1.0], [2.0, 5.0, 0.0]], 0.5).unwrap();
-        assert_eq!(bounds.corners(), [[2.5, 5.5, 0.5], [-0.5, 4.5, -1.5]]);
-        assert!(Bounds::around(&[], 1.0).is_err());
-        assert!(Bounds::around(&[[0.0; 3]], 0.0).is_err());
-        let poisoned = Bounds::around(&[[0.0; 3], [0.0, f32::NAN, 0.0]], 1.0).unwrap_err();
-        assert!(poisoned.to_string().starts_with("row 1: the position"));
     }
 }

@@ -157,13 +157,13 @@ impl DeformConfig {
         ];
         for (field, value, most) in sizes {
             if value == 0 || value > most {
-                return Err(DeformError::Config { field, value, most });
+                return Err(size_error(field, value, most));
             }
         }
         let count = self.parameter_count();
         if count > MAX_PARAMETERS {
             let field = "spatial_resolution, time_resolution, multires, channels";
-            return Err(DeformError::Config { field, value: count, most: MAX_PARAMETERS });
+            return Err(size_error(field, count, MAX_PARAMETERS));
         }
         Ok(())
     }
@@ -181,6 +181,10 @@ impl DeformConfig {
         let layers = width * (self.features() as u64 + 1) + heads.sum::<u64>();
         texels.saturating_mul(self.channels as u64).saturating_add(layers)
     }
+}
+
+fn size_error(field: &str, value: u64, most: u64) -> DeformError {
+    DeformError(format!("deformation config: `{field}` is {value}: must be at least 1 and at most {most}"))
 }
 
 #[cfg(test)]

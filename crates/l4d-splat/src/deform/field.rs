@@ -138,7 +138,7 @@ impl DeformationField {
     ) -> Result<Gaussians, DeformError> {
         let count = canonical.len();
         let position = |(row, &index): (usize, &u32)| {
-            canonical.means.get(index as usize).copied().ok_or(DeformError::Row { row, index, count })
+            canonical.means.get(index as usize).copied().ok_or_else(|| DeformError::row(row, index, count))
         };
         let positions: Vec<_> = dynamic.iter().enumerate().map(position).collect::<Result<_, _>>()?;
         let mut gaussians = canonical.clone();
@@ -164,11 +164,13 @@ impl DeformationField {
     ) -> Result<Vec<[f32; 3]>, DeformError> {
         upstream.check_lengths(&self.config, trace.positions.len())?;
         if let Some((field, row, value)) = upstream.bad_value(&self.config) {
-            return Err(DeformError::Gradient { field, row, value });
+            return Err(DeformError(format!(
+                "row {row}: the gradient of `{field}` is {value}: the loss or the rasterizer before it has diverged"
+            )));
         }
         let Trace { time, positions, blocks, samples } = trace;
         let grid = self.grid_at(*time);
-        // What nobody saw says nothing; most Gaussians are outside of a picture or behind others.
+        // Rows without gradient are skipped: most Gaussians are outside of a picture or behind others.
         let rows = upstream.nonzero_rows(&self.config, positions.len());
         let at: Vec<[f32; 3]> = rows.iter().map(|&row| positions[row as usize]).collect();
         let mut slopes = vec![[0.0; 3]; rows.len()];
@@ -190,7 +192,7 @@ impl DeformationField {
                     parts.zip(samples.chunks_mut(BLOCK_ROWS * grid.sample_gradients()))
                 {
                     self.network.gather(blocks, BLOCK_ROWS, rows, &mut block);
-                    upstream.gather(&self.config, rows, &mut outputs);
+                    upstream.gather(self.config.sh_coefficients, rows, &mut outputs);
                     features.resize(block.features.len(), 0.0);
                     self.network.backward(&block, outputs.flat(), &mut sums, &mut scratch, &mut features);
                     grid.backward(&self.bounds, at, &features, slopes, samples);
@@ -239,18 +241,23 @@ impl DeformationField {
 
     fn check(&self, positions: &[[f32; 3]], time: f32) -> Result<(), DeformError> {
         if !(0.0..=1.0).contains(&time) {
-            return Err(DeformError::Time { time });
+            return Err(DeformError(format!(
+                "time is {time}: must be from 0 (first frame) to 1 (last frame)"
+            )));
         }
         let is_finite = |position: &[f32; 3]| position.iter().all(|value| value.is_finite());
         match positions.iter().position(|position| !is_finite(position)) {
-            Some(row) => Err(DeformError::Position { row, position: positions[row] }),
+            Some(row) => Err(DeformError::position(row, positions[row])),
             None => Ok(()),
         }
     }
 
     fn checked(&self, offsets: Offsets) -> Result<Offsets, DeformError> {
         match offsets.bad_value(&self.config) {
-            Some((field, row, value)) => Err(DeformError::Diverged { field, row, value }),
+            Some((field, row, value)) => Err(DeformError(format!(
+                "row {row}: the offset of `{field}` is {value}: the parameters of the field have diverged; go back to \
+                 an earlier checkpoint or train with lower learning rates"
+            ))),
             None => Ok(offsets),
         }
     }

@@ -24,7 +24,7 @@ pub(crate) struct Plane {
     pub(crate) channels: usize,
     /// Whether the second axis is time.
     pub(crate) has_time: bool,
-    /// Row after row; the channels of a texel stand together, since they are always read together.
+    /// Row after row; the channels of a texel are adjacent, since they are always read together.
     pub(crate) texels: Vec<f32>,
 }
 
@@ -91,7 +91,7 @@ impl GridAt<'_> {
         self.levels.len() * self.channels
     }
 
-    /// Numbers a row in what [`Self::backward`] hands to [`Self::spread`].
+    /// Numbers per row in what [`Self::backward`] hands to [`Self::scatter_add`].
     pub(super) fn sample_gradients(&self) -> usize {
         self.features() * FACTORS
     }
@@ -132,7 +132,7 @@ impl GridAt<'_> {
 
     /// Adds every sample's gradient to the texels that it was read from.
     ///
-    /// One task a plane walks the rows in their order, so that no two tasks write to a plane and sums are taken in
+    /// One task per plane goes over the rows in their order, so that no two tasks write to a plane and sums are taken in
     /// one order.
     pub(super) fn scatter_add(
         &self,

@@ -1,12 +1,12 @@
-//! What a field says of a list of Gaussians at one time, and how it changes them.
+//! Offsets that a field gives for Gaussians at one time.
 
 use crate::gaussians::Gaussians;
 
 use super::config::{DeformConfig, Head};
 use super::error::DeformError;
-use super::network::{Slices, SlicesMut};
+use super::network::SlicesMut;
 
-/// Offsets of raw parameters, one a row, or their gradients. A list is empty where the field leaves that parameter
+/// Offsets of raw parameters, one per row, or their gradients. A list is empty where the field leaves that parameter
 /// alone.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Offsets {
@@ -52,12 +52,12 @@ impl Offsets {
         ];
         for (field, found, expected) in lengths {
             if found != 0 && found != expected {
-                return Err(DeformError::Length { field, found, expected });
+                return Err(DeformError::length(field, found, expected));
             }
         }
         let count = gaussians.len();
         if let Some((row, &index)) = rows.iter().enumerate().find(|&(_, &index)| index as usize >= count) {
-            return Err(DeformError::Row { row, index, count });
+            return Err(DeformError::row(row, index, count));
         }
         add_rows(&mut gaussians.means, &self.means, rows, 1);
         add_rows(&mut gaussians.log_scales, &self.log_scales, rows, 1);
@@ -79,7 +79,7 @@ impl Offsets {
     }
 
     /// Some of the rows, in place of what `into` held.
-    pub(super) fn gather(&self, config: &DeformConfig, rows: &[u32], into: &mut Self) {
+    pub(crate) fn gather(&self, coefficients: usize, rows: &[u32], into: &mut Self) {
         fn picked<T: Copy>(from: &[T], into: &mut Vec<T>, rows: &[u32], numbers: usize) {
             into.clear();
             if !from.is_empty() {
@@ -91,17 +91,28 @@ impl Offsets {
         picked(&self.log_scales, &mut into.log_scales, rows, 1);
         picked(&self.rotations, &mut into.rotations, rows, 1);
         picked(&self.opacity_logits, &mut into.opacity_logits, rows, 1);
-        picked(&self.sh, &mut into.sh, rows, config.sh_coefficients);
+        picked(&self.sh, &mut into.sh, rows, coefficients);
     }
 
-    /// All numbers, head after head.
-    pub(super) fn flat(&self) -> Slices<'_> {
+    /// All numbers, list after list in the order of the fields.
+    pub fn flat(&self) -> [&[f32]; 5] {
         [
             self.means.as_flattened(),
             self.log_scales.as_flattened(),
             self.rotations.as_flattened(),
             &self.opacity_logits,
             self.sh.as_flattened(),
+        ]
+    }
+
+    /// As [`Self::flat`], to be changed.
+    pub fn flat_mut(&mut self) -> [&mut [f32]; 5] {
+        [
+            self.means.as_flattened_mut(),
+            self.log_scales.as_flattened_mut(),
+            self.rotations.as_flattened_mut(),
+            &mut self.opacity_logits,
+            self.sh.as_flattened_mut(),
         ]
     }
 
@@ -112,16 +123,9 @@ impl Offsets {
         rows: usize,
         count: usize,
     ) -> Vec<SlicesMut<'_>> {
-        let lists = [
-            self.means.as_flattened_mut(),
-            self.log_scales.as_flattened_mut(),
-            self.rotations.as_flattened_mut(),
-            &mut self.opacity_logits,
-            self.sh.as_flattened_mut(),
-        ];
         let outputs = Head::ALL.map(|head| head.outputs(config));
         let mut index = 0;
-        let mut blocks = lists.map(|list| {
+        let mut blocks = self.flat_mut().map(|list| {
             index += 1;
             list.chunks_mut(rows * outputs[index - 1])
         });
@@ -141,7 +145,7 @@ impl Offsets {
         for (head, list) in Head::ALL.into_iter().zip(self.flat()) {
             let expected = if head.is_on(config) { rows * head.outputs(config) } else { 0 };
             if list.len() != expected {
-                return Err(DeformError::Length { field: head.field(), found: list.len(), expected });
+                return Err(DeformError::length(head.field(), list.len(), expected));
             }
         }
         Ok(())

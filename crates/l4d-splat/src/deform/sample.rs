@@ -2,7 +2,7 @@
 //!
 //! Corners of the planes are texel centres (`align_corners`), and what lies outside is clamped to the border, where
 //! the derivative is zero. All rows share their time, so that each plane with a time axis is first cut along it to
-//! a line of texels: two texels a row instead of four, and lines small enough to stay in the nearest cache.
+//! a line of texels: two texels per row instead of four, and lines small enough to stay in the nearest cache.
 
 use super::grid::Plane;
 use super::lanes::{LANES, Lanes, add_scaled, lerp, load, minus, sum, times};

@@ -1,6 +1,6 @@
 //! Names and shapes of a field's parameters in a checkpoint: those of 4DGaussians' `state_dict`.
 //!
-//! There a plane is \[1, channels, second axis, first axis\]; here the channels of a texel stand together.
+//! There a plane is \[1, channels, second axis, first axis\]; here the channels of a texel are adjacent.
 
 use std::collections::BTreeMap;
 
@@ -114,7 +114,7 @@ fn found<'a>(
     name: &str,
     shape: &[usize],
 ) -> Result<&'a [f32], DeformError> {
-    let wrong = |message: String| DeformError::Tensor { name: name.to_owned(), message };
+    let wrong = |message: String| DeformError(format!("tensor `{name}`: {message}"));
     let tensor = lookup(name).ok_or_else(|| {
         wrong("is missing: the file is not a deformation field, or the configuration is another's".to_owned())
     })?;

@@ -3,45 +3,13 @@
 use rayon::prelude::*;
 
 use super::error::OptimiseError;
-use super::finite::{check, check_length};
+use super::finite::{check, check_length, length_error};
 use super::rate::LearningRate;
 
-/// Constants of Adam; those of 4DGaussians are the default.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AdamSettings {
-    /// What is kept of the mean gradient at each step.
-    pub first_decay: f64,
-    /// What is kept of the mean squared gradient at each step.
-    pub second_decay: f64,
-    /// Keeps the step finite where there has been no gradient; at least [`LEAST_EPSILON`].
-    pub epsilon: f32,
-}
-
-/// The smallest epsilon: the root of the smallest second moment that is kept stays far below it.
-pub const LEAST_EPSILON: f32 = 1.0e-16;
-
-impl Default for AdamSettings {
-    fn default() -> Self {
-        Self { first_decay: 0.9, second_decay: 0.999, epsilon: 1.0e-15 }
-    }
-}
-
-impl AdamSettings {
-    fn check(&self) -> Result<(), OptimiseError> {
-        for (setting, value) in
-            [("first decay of Adam", self.first_decay), ("second decay of Adam", self.second_decay)]
-        {
-            if !(0.0..1.0).contains(&value) {
-                return Err(OptimiseError::Setting { setting, value, range: "at least 0 and below 1" });
-            }
-        }
-        if !(LEAST_EPSILON..=1.0).contains(&self.epsilon) {
-            let (setting, value) = ("epsilon of Adam", self.epsilon.into());
-            return Err(OptimiseError::Setting { setting, value, range: "from 1e-16 to 1" });
-        }
-        Ok(())
-    }
-}
+/// What is kept of the mean gradient and of the mean squared gradient at each step: those of 4DGaussians.
+const DECAYS: [f64; 2] = [0.9, 0.999];
+/// Keeps the step finite where there has been no gradient.
+const EPSILON: f32 = 1.0e-15;
 
 /// What Adam remembers of one list of parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -61,17 +29,15 @@ pub struct Group {
     pub rate: LearningRate,
     /// Factors on the rate by place in a row of as many numbers; empty for none.
     pub pattern: Vec<f32>,
-    /// One a list.
+    /// One per list.
     pub moments: Vec<Moments>,
     /// Steps taken.
     pub steps: u64,
 }
 
 /// The optimiser.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Adam {
-    /// Constants.
-    pub settings: AdamSettings,
     /// Groups in the order in which [`Self::step`] takes their shares.
     pub groups: Vec<Group>,
 }
@@ -89,27 +55,26 @@ pub struct GroupUpdate<'a> {
 const CHUNK: usize = 1 << 14;
 
 /// First moments smaller than this are set to zero: a parameter that no longer gets a gradient would otherwise keep
-/// numbers so small that processors handle them a hundred times slower. With the default epsilon they would move it
-/// by less than 1e-15 times the rate.
+/// numbers so small that processors handle them a hundred times slower. They would move it by less than 1e-15 times the
+/// rate.
 const FORGOTTEN: f32 = 1.0e-30;
 
-/// The same for second moments: their root is a thousandth of [`LEAST_EPSILON`].
+/// The same for second moments: their root is far below [`EPSILON`].
 const FORGOTTEN_SQUARE: f32 = f32::MIN_POSITIVE;
 
 impl Adam {
     /// One step with the rates of `iteration` (the schedule may have begun elsewhere than the moments).
     ///
     /// # Errors
-    /// Settings outside their ranges, shares that don't fit the groups, and a parameter or gradient that is not finite
+    /// Updates that don't fit the groups, and a parameter or gradient that is not finite
     /// or whose square is not: the first by group. Nothing is then changed, in no group.
-    pub fn step(&mut self, iteration: u64, shares: Vec<GroupUpdate<'_>>) -> Result<(), OptimiseError> {
-        self.settings.check()?;
-        check_length("shares of an optimiser step", shares.len(), self.groups.len())?;
-        for (group, share) in self.groups.iter().zip(&shares) {
-            group.check(share)?;
+    pub fn step(&mut self, iteration: u64, updates: Vec<GroupUpdate<'_>>) -> Result<(), OptimiseError> {
+        check_length("updates of an optimiser step", updates.len(), self.groups.len())?;
+        for (group, update) in self.groups.iter().zip(&updates) {
+            group.check(update)?;
         }
-        for (group, share) in self.groups.iter_mut().zip(shares) {
-            group.step(&self.settings, iteration, share);
+        for (group, update) in self.groups.iter_mut().zip(updates) {
+            group.step(iteration, update);
         }
         Ok(())
     }
@@ -145,8 +110,7 @@ impl Group {
         let shortest = lengths.min().unwrap_or_default();
         let needed = sources.iter().flatten().max().map_or(0, |&last| (last as usize + 1) * width);
         if needed > shortest {
-            let list = format!("group `{}`", self.name);
-            return Err(OptimiseError::Length { list, found: shortest, expected: needed });
+            return Err(length_error(&format!("group `{}`", self.name), shortest, needed));
         }
         let moved = |list: &[f32]| {
             let mut moved = vec![0.0; sources.len() * width];
@@ -163,19 +127,11 @@ impl Group {
         Ok(())
     }
 
-    /// Forgets the past of all parameters, for values that were set from outside.
-    pub fn forget(&mut self) {
-        for Moments { first, second } in &mut self.moments {
-            first.fill(0.0);
-            second.fill(0.0);
-        }
-    }
-
-    fn check(&self, share: &GroupUpdate<'_>) -> Result<(), OptimiseError> {
+    fn check(&self, update: &GroupUpdate<'_>) -> Result<(), OptimiseError> {
         let name = &self.name;
-        check_length(&format!("lists of group `{name}`"), share.parameters.len(), self.moments.len())?;
-        check_length(&format!("gradients of group `{name}`"), share.gradients.len(), self.moments.len())?;
-        let lists = share.parameters.iter().zip(&share.gradients).zip(&self.moments).enumerate();
+        check_length(&format!("lists of group `{name}`"), update.parameters.len(), self.moments.len())?;
+        check_length(&format!("gradients of group `{name}`"), update.gradients.len(), self.moments.len())?;
+        let lists = update.parameters.iter().zip(&update.gradients).zip(&self.moments).enumerate();
         for (index, ((parameters, gradient), moments)) in lists {
             let length = moments.first.len();
             check_length(&format!("list {index} of group `{name}`"), parameters.len(), length)?;
@@ -187,26 +143,25 @@ impl Group {
         Ok(())
     }
 
-    fn step(&mut self, settings: &AdamSettings, iteration: u64, share: GroupUpdate<'_>) {
+    fn step(&mut self, iteration: u64, update: GroupUpdate<'_>) {
         self.steps += 1;
-        let decays = [settings.first_decay, settings.second_decay];
         // Moments start at zero and are therefore too small at first.
-        let [first_share, second_share] = decays.map(|decay| 1.0 - decay.powf(self.steps as f64));
+        let [first_share, second_share] = DECAYS.map(|decay| 1.0 - decay.powf(self.steps as f64));
         let rate = (self.rate.at(iteration) / first_share) as f32;
         let root_share = (1.0 / second_share.sqrt()) as f32;
-        let [kept, kept_square] = decays.map(|decay| decay as f32);
-        let [taken, taken_square] = decays.map(|decay| (1.0 - decay) as f32);
-        let update = |rate: f32, parameter: &mut f32, gradient: f32, first: &mut f32, second: &mut f32| {
+        let [kept, kept_square] = DECAYS.map(|decay| decay as f32);
+        let [taken, taken_square] = DECAYS.map(|decay| (1.0 - decay) as f32);
+        let adapt = |rate: f32, parameter: &mut f32, gradient: f32, first: &mut f32, second: &mut f32| {
             let mean = kept * *first + taken * gradient;
             *first = if mean.abs() < FORGOTTEN { 0.0 } else { mean };
             let square = kept_square * *second + taken_square * gradient * gradient;
             *second = if square < FORGOTTEN_SQUARE { 0.0 } else { square };
-            *parameter -= rate * *first / (second.sqrt() * root_share + settings.epsilon);
+            *parameter -= rate * *first / (second.sqrt() * root_share + EPSILON);
         };
         let row = self.pattern.len();
         // Whole rows, so that every chunk begins where the pattern does.
         let chunk = if row == 0 { CHUNK } else { CHUNK.next_multiple_of(row) };
-        let lists = share.parameters.into_iter().zip(share.gradients).zip(&mut self.moments);
+        let lists = update.parameters.into_iter().zip(update.gradients).zip(&mut self.moments);
         for ((parameters, gradient), Moments { first, second }) in lists {
             let chunks = (parameters.par_chunks_mut(chunk), gradient.par_chunks(chunk)).into_par_iter();
             let chunks = chunks.zip(first.par_chunks_mut(chunk)).zip(second.par_chunks_mut(chunk));
@@ -214,13 +169,13 @@ impl Group {
                 let numbers = parameters.iter_mut().zip(gradient).zip(first).zip(second);
                 if row == 0 {
                     for (((parameter, &gradient), first), second) in numbers {
-                        update(rate, parameter, gradient, first, second);
+                        adapt(rate, parameter, gradient, first, second);
                     }
                 } else {
                     for ((((parameter, &gradient), first), second), &factor) in
                         numbers.zip(self.pattern.iter().cycle())
                     {
-                        update(rate * factor, parameter, gradient, first, second);
+                        adapt(rate * factor, parameter, gradient, first, second);
                     }
                 }
             });
@@ -238,10 +193,7 @@ mod tests {
 
     fn adam(pattern: Vec<f32>) -> Adam {
         let rate = LearningRate::constant(0.1).unwrap();
-        Adam {
-            settings: AdamSettings::default(),
-            groups: vec![Group::new("means", rate, &[4]).with_pattern(pattern)],
-        }
+        Adam { groups: vec![Group::new("means", rate, &[4]).with_pattern(pattern)] }
     }
 
     #[test]
@@ -292,8 +244,6 @@ mod tests {
         group.rearrange(2, &[Some(2), None, Some(0), Some(2)]).unwrap();
         assert_eq!(group.moments[0].first, [5., 6., 0., 0., 1., 2., 5., 6.]);
         assert_eq!(group.moments[0].second, [50., 60., 0., 0., 10., 20., 50., 60.]);
-        group.forget();
-        assert_eq!(group.moments[0], Moments { first: vec![0.0; 8], second: vec![0.0; 8] });
     }
 
     #[test]
@@ -317,24 +267,5 @@ mod tests {
             assert!(first.iter().chain(second).all(is_fast), "{first:?} {second:?}");
         }
         assert!(parameters.iter().all(|parameter| (0.5..1.0).contains(parameter)), "{parameters:?}");
-    }
-
-    #[test]
-    fn settings_outside_their_ranges_are_named() {
-        let refused = |settings: AdamSettings| {
-            let mut adam = Adam { settings, ..adam(vec![]) };
-            let mut parameters = [1.0; 4];
-            let error = step(&mut adam, &mut parameters, &[1.0; 4]).unwrap_err().to_string();
-            assert_eq!(parameters, [1.0; 4]);
-            error
-        };
-        let settings = AdamSettings::default();
-        for first_decay in [1.0, -0.1, f64::NAN] {
-            assert!(refused(AdamSettings { first_decay, ..settings }).starts_with("first decay of Adam is"));
-        }
-        assert!(refused(AdamSettings { second_decay: 1.5, ..settings }).contains("below 1"));
-        for epsilon in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(refused(AdamSettings { epsilon, ..settings }).starts_with("epsilon of Adam is"));
-        }
     }
 }

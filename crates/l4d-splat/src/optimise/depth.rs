@@ -50,15 +50,17 @@ pub fn depth_l1(
     }
     check_weight("weight of depth", weight)?;
     if !knee_m.is_finite() || knee_m < 0.0 {
-        let setting = "knee of depth";
-        return Err(OptimiseError::Setting { setting, value: knee_m.into(), range: "at least 0 m" });
+        return Err(OptimiseError::setting("knee of depth", knee_m.into(), "at least 0 m"));
     }
     check(sum_m, || "depth".to_owned())?;
     check(alpha, || "alpha".to_owned())?;
     let is_depth =
         |depth_m: f32| depth_m > 0.0 && (depth_m * depth_m).is_finite() || depth_m == f32::INFINITY;
     if let Some(index) = target_m.iter().position(|&depth_m| !is_depth(depth_m)) {
-        return Err(OptimiseError::Depth { index, value: target_m[index] });
+        return Err(OptimiseError(format!(
+            "target depth: pixel {index} is {} m: must be positive, or infinite where nothing is hit",
+            target_m[index]
+        )));
     }
 
     let count = target_m.iter().filter(|depth_m| depth_m.is_finite()).count().max(1) as f64;

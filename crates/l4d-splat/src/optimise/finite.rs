@@ -16,7 +16,11 @@ pub(super) fn check(list: &[f32], name: impl FnOnce() -> String) -> Result<(), O
     let Some(chunk) = list.par_chunks(CHUNK).position_first(has_bad) else { return Ok(()) };
     let inside = list[chunk * CHUNK..].iter().position(|&value| is_bad(value)).unwrap_or_default();
     let index = chunk * CHUNK + inside;
-    Err(OptimiseError::Value { list: name(), index, value: list[index] })
+    Err(OptimiseError(format!(
+        "{}: value {index} is {}: training has diverged; go back to an earlier checkpoint",
+        name(),
+        list[index]
+    )))
 }
 
 /// `list` has the length of what it belongs to.
@@ -24,7 +28,11 @@ pub(super) fn check_length(list: &str, found: usize, expected: usize) -> Result<
     if found == expected {
         return Ok(());
     }
-    Err(OptimiseError::Length { list: list.to_owned(), found, expected })
+    Err(length_error(list, found, expected))
+}
+
+pub(super) fn length_error(list: &str, found: usize, expected: usize) -> OptimiseError {
+    OptimiseError(format!("{list} has {found} values, but {expected} belong here"))
 }
 
 /// A weight or a knee is a number that can be multiplied with.
@@ -32,7 +40,7 @@ pub(super) fn check_weight(setting: &'static str, value: f32) -> Result<(), Opti
     if value.is_finite() {
         return Ok(());
     }
-    Err(OptimiseError::Setting { setting, value: value.into(), range: "finite" })
+    Err(OptimiseError::setting(setting, value.into(), "finite"))
 }
 
 #[cfg(test)]

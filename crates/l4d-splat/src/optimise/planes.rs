@@ -46,14 +46,6 @@ pub struct PlanePenalty {
     pub stillness: f64,
 }
 
-impl PlanePenalty {
-    /// What is added to the loss.
-    pub fn weighted(&self, weights: &PlaneWeights) -> f64 {
-        let PlaneWeights { space, time, stillness } = *weights;
-        f64::from(space) * self.space + f64::from(time) * self.time + f64::from(stillness) * self.stillness
-    }
-}
-
 /// The penalty on a field's planes; its weighted gradient is added to `gradients`.
 ///
 /// # Errors
@@ -73,10 +65,7 @@ pub fn plane_penalty(
     let planes: Vec<&Plane> = field.planes().collect();
     let mut into: Vec<&mut Plane> = gradients.planes_mut().collect();
     if planes.len() != into.len() || planes.iter().zip(&into).any(|(a, b)| a.texels.len() != b.texels.len()) {
-        let count = |lengths: &mut dyn Iterator<Item = usize>| lengths.sum::<usize>();
-        let found = count(&mut into.iter().map(|plane| plane.texels.len()));
-        let expected = count(&mut planes.iter().map(|plane| plane.texels.len()));
-        return Err(OptimiseError::Length { list: "gradient of the planes".to_owned(), found, expected });
+        return Err(OptimiseError("the gradient of the planes is that of another field".to_owned()));
     }
     for (index, plane) in planes.iter().enumerate() {
         check(&plane.texels, || format!("plane {} of level {}", index % 6, index / 6))?;

@@ -1,33 +1,13 @@
 //! How fast a group of parameters learns, step by step.
 
-use serde::{Deserialize, Serialize};
-
 use super::error::OptimiseError;
 
 /// A learning rate that stays, or falls evenly on a logarithmic scale and then stays.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Unchecked")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearningRate {
     first: f64,
     last: f64,
     steps: u64,
-}
-
-/// What a file says before anybody has looked at it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Unchecked {
-    first: f64,
-    last: f64,
-    steps: u64,
-}
-
-impl TryFrom<Unchecked> for LearningRate {
-    type Error = OptimiseError;
-
-    fn try_from(read: Unchecked) -> Result<Self, OptimiseError> {
-        Self::log_linear(read.first, read.last, read.steps)
-    }
 }
 
 impl LearningRate {
@@ -46,13 +26,11 @@ impl LearningRate {
     pub fn log_linear(first: f64, last: f64, steps: u64) -> Result<Self, OptimiseError> {
         for value in [first, last] {
             if !(value > 0.0 && value.is_finite()) {
-                let setting = "learning rate";
-                return Err(OptimiseError::Setting { setting, value, range: "positive and finite" });
+                return Err(OptimiseError::setting("learning rate", value, "positive and finite"));
             }
         }
         if steps == 0 {
-            let setting = "steps of a learning rate";
-            return Err(OptimiseError::Setting { setting, value: 0.0, range: "at least 1" });
+            return Err(OptimiseError::setting("steps of a learning rate", 0.0, "at least 1"));
         }
         Ok(Self { first, last, steps })
     }
@@ -93,22 +71,5 @@ mod tests {
             assert!(LearningRate::log_linear(1.0, rate, 5).is_err());
         }
         assert!(LearningRate::log_linear(1.0, 0.5, 0).is_err());
-    }
-
-    #[test]
-    fn files_give_the_rate_that_was_written_and_no_other() {
-        let rate = LearningRate::log_linear(1.6e-4, 1.6e-6, 20_000).unwrap();
-        let text = serde_json::to_string(&rate).unwrap();
-        assert_eq!(text, r#"{"first":0.00016,"last":1.6e-6,"steps":20000}"#);
-        assert_eq!(serde_json::from_str::<LearningRate>(&text).unwrap(), rate);
-        for (text, why) in [
-            (r#"{"first":0.0,"last":1.0,"steps":1}"#, "learning rate is 0: must be positive and finite"),
-            (r#"{"first":1.0,"last":-1.0,"steps":1}"#, "learning rate is -1"),
-            (r#"{"first":1.0,"last":1.0,"steps":0}"#, "steps of a learning rate is 0: must be at least 1"),
-            (r#"{"first":1.0,"last":1.0,"steps":1,"warmup":2}"#, "unknown field `warmup`"),
-        ] {
-            let error = serde_json::from_str::<LearningRate>(text).unwrap_err().to_string();
-            assert!(error.contains(why), "{error}");
-        }
     }
 }

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::error::OptimiseError;
-use super::finite::{check, check_length, check_weight};
+use super::finite::{check, check_length, check_weight, length_error};
 
 /// Width and height of the window, pixels.
 pub const SSIM_WINDOW: usize = 11;
@@ -20,7 +20,7 @@ const OF_VARIANCES: f32 = 0.03 * 0.03;
 /// One minus the mean structural similarity over all pixels and channels: 0 for equal pictures, 0 if there are no
 /// pixels.
 ///
-/// Values are from 0 to 1, row after row, the `channels` of a pixel together, `width` pixels a row. Adds `weight`
+/// Values are from 0 to 1, row after row, the `channels` of a pixel together, `width` pixels per row. Adds `weight`
 /// times the gradient by `prediction` to `gradient`.
 ///
 /// # Errors
@@ -41,11 +41,7 @@ pub fn dssim(
     }
     if row == 0 || !prediction.len().is_multiple_of(row) {
         let expected = prediction.len().next_multiple_of(row.max(1));
-        return Err(OptimiseError::Length {
-            list: "prediction".to_owned(),
-            found: prediction.len(),
-            expected,
-        });
+        return Err(length_error("prediction", prediction.len(), expected));
     }
     check_weight("weight of D-SSIM", weight)?;
     check(prediction, || "prediction".to_owned())?;
@@ -93,7 +89,7 @@ fn similarity([mean, target]: [f32; 2], [square, target_square, product]: [f32; 
     (similarity, [by_mean, by_below_2, 2.0 * by_above_2])
 }
 
-/// The Gaussian window over pictures with so many values a row.
+/// The Gaussian window over pictures with so many values per row.
 struct Window {
     weights: [f32; SSIM_WINDOW],
     row: usize,

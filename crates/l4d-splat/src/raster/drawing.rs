@@ -1,7 +1,8 @@
 //! What a rasterizer hands back, and what it wants to hear about it.
 
+use num_traits::Float;
+
 use super::{RasterError, check_length};
-use crate::real::Real;
 use crate::view::View;
 
 /// A picture of splats; all lists are row-major.
@@ -51,7 +52,7 @@ pub struct DrawingGradient<F = f32> {
     pub depth_sum_m: Vec<F>,
 }
 
-impl<F: Real> Drawing<F> {
+impl<F: Float> Drawing<F> {
     /// Expected depth given that something was hit, metres: the summed depth over alpha; +inf where alpha is 0.
     pub fn depth_expected_m(&self) -> Vec<F> {
         std::iter::zip(&self.depth_sum_m, &self.alpha)
@@ -61,29 +62,32 @@ impl<F: Real> Drawing<F> {
 }
 
 impl DrawingGradient {
-    /// The same derivatives at another width.
-    pub fn cast<F: Real>(&self) -> DrawingGradient<F> {
-        let wide = |list: &[f32]| list.iter().map(|&value| F::of(value.into())).collect();
+    /// The same derivatives in f64.
+    pub fn to_f64(&self) -> DrawingGradient<f64> {
+        let wide = |list: &[f32]| list.iter().copied().map(f64::from).collect();
         DrawingGradient {
-            colour: self.colour.iter().map(|row| row.map(|value| F::of(value.into()))).collect(),
+            colour: self.colour.iter().map(|row| row.map(f64::from)).collect(),
             alpha: wide(&self.alpha),
             depth_sum_m: wide(&self.depth_sum_m),
         }
     }
 }
 
-impl<F: Real> DrawingGradient<F> {
+impl<F: Copy + Default> DrawingGradient<F> {
     /// A loss that does not depend on the picture.
     pub fn zeros(view: &View) -> Self {
         let pixels = view.pixel_count();
         Self {
-            colour: vec![[F::zero(); 3]; pixels],
-            alpha: vec![F::zero(); pixels],
-            depth_sum_m: vec![F::zero(); pixels],
+            colour: vec![[F::default(); 3]; pixels],
+            alpha: vec![F::default(); pixels],
+            depth_sum_m: vec![F::default(); pixels],
         }
     }
 
-    /// Whether there is one entry a pixel.
+    /// Whether there is one entry per pixel.
+    ///
+    /// # Errors
+    /// Another size.
     pub fn check(&self, view: &View) -> Result<(), RasterError> {
         let pixels = Some(view.pixel_count());
         check_length("gradient by colour", self.colour.len(), pixels)?;
@@ -94,6 +98,9 @@ impl<F: Real> DrawingGradient<F> {
 
 impl<F> Drawing<F> {
     /// Whether this is a picture of the size of `view`.
+    ///
+    /// # Errors
+    /// Another size.
     pub fn check(&self, view: &View) -> Result<(), RasterError> {
         let pixels = Some(view.pixel_count());
         check_length("width of the drawing", self.width as usize, Some(view.width() as usize))?;

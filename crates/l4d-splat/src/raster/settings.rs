@@ -46,6 +46,9 @@ impl Default for RasterSettings {
 
 impl RasterSettings {
     /// Whether pictures can be drawn with these.
+    ///
+    /// # Errors
+    /// The first setting out of range, by name.
     pub fn check(&self) -> Result<(), RasterError> {
         let ranges = [
             ("background", self.background[0], -1e6..=1e6, "colours are finite, below 1e6"),
@@ -62,7 +65,9 @@ impl RasterSettings {
             ("transmittance_min", self.transmittance_min, 0.0..=0.5, "between 0 and 0.5"),
         ];
         match ranges.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
-            Some((field, value, _, remedy)) => Err(RasterError::Setting { field, value, remedy }),
+            Some((field, value, _, remedy)) => {
+                Err(RasterError::Invalid(format!("raster setting `{field}` is {value}: {remedy}")))
+            }
             None => Ok(()),
         }
     }

@@ -1,7 +1,8 @@
 //! Real spherical harmonics up to degree 3 in the order and with the signs of 3D Gaussian splatting.
 
+use num_traits::{AsPrimitive, Float};
+
 use crate::gaussians::ShDegree;
-use crate::real::Real;
 
 /// Coefficients of the largest degree.
 pub(super) const MOST: usize = 16;
@@ -22,26 +23,29 @@ const C3: [f64; 7] = [
 
 /// The basis functions up to `degree` in a unit direction; 0 beyond.
 #[inline]
-pub(super) fn basis<F: Real>(degree: ShDegree, [x, y, z]: [F; 3]) -> [F; MOST] {
+pub(super) fn basis<F: Float + 'static>(degree: ShDegree, [x, y, z]: [F; 3]) -> [F; MOST]
+where
+    f64: AsPrimitive<F>,
+{
     let mut values = [F::zero(); MOST];
-    values[0] = F::of(C0);
+    values[0] = C0.as_();
     if degree.get() >= 1 {
-        let c1 = F::of(C1);
+        let c1: F = C1.as_();
         values[1] = -c1 * y;
         values[2] = c1 * z;
         values[3] = -c1 * x;
     }
     if degree.get() >= 2 {
-        let c = C2.map(F::of);
+        let c: [F; 5] = C2.map(AsPrimitive::as_);
         values[4] = c[0] * x * y;
         values[5] = c[1] * y * z;
-        values[6] = c[2] * (F::of(2.0) * z * z - x * x - y * y);
+        values[6] = c[2] * (2.0_f64.as_() * z * z - x * x - y * y);
         values[7] = c[3] * x * z;
         values[8] = c[4] * (x * x - y * y);
     }
     if degree.get() >= 3 {
-        let c = C3.map(F::of);
-        let (two, three, four) = (F::of(2.0), F::of(3.0), F::of(4.0));
+        let c: [F; 7] = C3.map(AsPrimitive::as_);
+        let (two, three, four): (F, F, F) = (2.0_f64.as_(), 3.0_f64.as_(), 4.0_f64.as_());
         let (xx, yy, zz) = (x * x, y * y, z * z);
         values[9] = c[0] * y * (three * xx - yy);
         values[10] = c[1] * x * y * z;
@@ -56,18 +60,21 @@ pub(super) fn basis<F: Real>(degree: ShDegree, [x, y, z]: [F; 3]) -> [F; MOST] {
 
 /// Derivatives of the basis functions by the components of the direction.
 #[inline]
-pub(super) fn basis_gradient<F: Real>(degree: ShDegree, [x, y, z]: [F; 3]) -> [[F; 3]; MOST] {
+pub(super) fn basis_gradient<F: Float + 'static>(degree: ShDegree, [x, y, z]: [F; 3]) -> [[F; 3]; MOST]
+where
+    f64: AsPrimitive<F>,
+{
     let o = F::zero();
     let mut rows = [[o; 3]; MOST];
     if degree.get() >= 1 {
-        let c1 = F::of(C1);
+        let c1: F = C1.as_();
         rows[1] = [o, -c1, o];
         rows[2] = [o, o, c1];
         rows[3] = [-c1, o, o];
     }
     if degree.get() >= 2 {
-        let c = C2.map(F::of);
-        let (two, four) = (F::of(2.0), F::of(4.0));
+        let c: [F; 5] = C2.map(AsPrimitive::as_);
+        let (two, four): (F, F) = (2.0_f64.as_(), 4.0_f64.as_());
         rows[4] = [c[0] * y, c[0] * x, o];
         rows[5] = [o, c[1] * z, c[1] * y];
         rows[6] = [-two * c[2] * x, -two * c[2] * y, four * c[2] * z];
@@ -75,8 +82,8 @@ pub(super) fn basis_gradient<F: Real>(degree: ShDegree, [x, y, z]: [F; 3]) -> [[
         rows[8] = [two * c[4] * x, -two * c[4] * y, o];
     }
     if degree.get() >= 3 {
-        let c = C3.map(F::of);
-        let (two, three, four, six, eight) = (F::of(2.0), F::of(3.0), F::of(4.0), F::of(6.0), F::of(8.0));
+        let c: [F; 7] = C3.map(AsPrimitive::as_);
+        let [two, three, four, six, eight]: [F; 5] = [2.0, 3.0, 4.0, 6.0, 8.0_f64].map(AsPrimitive::as_);
         let (xx, yy, zz) = (x * x, y * y, z * z);
         rows[9] = [six * c[0] * x * y, three * c[0] * (xx - yy), o];
         rows[10] = [c[1] * y * z, c[1] * x * z, c[1] * x * y];

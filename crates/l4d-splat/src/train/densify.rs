@@ -65,9 +65,8 @@ pub(super) fn densify(
     let splits: Vec<bool> = refined.iter().map(|&row| split(row)).collect();
     let mut sources: Vec<(u32, bool)> = stays.iter().map(|&row| (row, true)).collect();
     sources.extend(refined.iter().map(|&row| (row, false)));
-    let rows: Vec<u32> = sources.iter().map(|&(row, _)| row).collect();
     let place: Vec<usize> = refined.iter().map(|row| stays.partition_point(|stay| stay < row)).collect();
-    *gaussians = rearranged(gaussians, &rows);
+    *gaussians = gaussians.select(sources.iter().map(|&(row, _)| row as usize));
     for (copy, (&first, &splits)) in place.iter().zip(&splits).enumerate() {
         let second = stays.len() + copy;
         if splits {
@@ -87,28 +86,6 @@ pub(super) fn densify(
         }
     }
     RowChange { sources }
-}
-
-/// The Gaussians that `rows` names, in that order.
-pub(super) fn rearranged(gaussians: &Gaussians, rows: &[u32]) -> Gaussians {
-    let mut next = Gaussians { sh_degree: gaussians.sh_degree, ..Gaussians::default() };
-    for row in rows.iter().map(|&row| row as usize) {
-        next.means.push(gaussians.means[row]);
-        next.log_scales.push(gaussians.log_scales[row]);
-        next.rotations.push(gaussians.rotations[row]);
-        next.opacity_logits.push(gaussians.opacity_logits[row]);
-        next.sh.extend_from_slice(gaussians.sh_of(row));
-    }
-    next
-}
-
-/// Adds Gaussians behind the others.
-pub(super) fn append(gaussians: &mut Gaussians, more: Gaussians) {
-    gaussians.means.extend(more.means);
-    gaussians.log_scales.extend(more.log_scales);
-    gaussians.rotations.extend(more.rotations);
-    gaussians.opacity_logits.extend(more.opacity_logits);
-    gaussians.sh.extend(more.sh);
 }
 
 /// An offset from the centre, distributed as the Gaussian is.
@@ -152,8 +129,7 @@ mod tests {
     #[test]
     fn the_faint_and_the_huge_go_and_the_pulled_are_split_or_doubled() {
         let mut gaussians = four();
-        let rows: Vec<u32> = (0..30).map(|_| 2).collect();
-        append(&mut gaussians, rearranged(&four(), &rows));
+        gaussians.append(four().select(std::iter::repeat_n(2, 30)));
         let count = gaussians.len();
         let mut gradient_norm = vec![0.0; count];
         (gradient_norm[1], gradient_norm[2]) = (1.0, 2.0);

@@ -5,7 +5,7 @@ use super::views::TrainingViews;
 
 /// A camera that is alone at a moment is compared with itself at so many others,
 const OTHERS: usize = 4;
-/// at which it stands elsewhere: at least this share of the extent of all cameras away.
+/// at which it is elsewhere: at least this share of the extent of all cameras away.
 const ELSEWHERE: f64 = 0.05;
 
 /// Planar depth, metres, by camera, row-major; NaN where it is unknown, and +inf where nothing is hit or what is seen
@@ -42,7 +42,7 @@ pub(super) fn depths_at(
     by_camera
 }
 
-/// Moments nearest in time at which a camera stood elsewhere.
+/// Moments nearest in time at which a camera was elsewhere.
 fn elsewhere(views: &TrainingViews, camera: usize, moment: usize) -> Vec<usize> {
     let away = ELSEWHERE * views.extent_m();
     let camera = &views.cameras()[camera];

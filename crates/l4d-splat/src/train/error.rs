@@ -15,28 +15,9 @@ pub enum TrainError {
     /// Pictures that cannot be trained on.
     #[error(transparent)]
     TrainingViews(#[from] TrainingViewsError),
-    /// A setting with which nothing can be learned.
-    #[error("setting `{setting}` is {value}: must be {range}")]
-    Setting {
-        /// Name of the field.
-        setting: &'static str,
-        /// What stands there.
-        value: f64,
-        /// What may stand there.
-        range: &'static str,
-    },
-    /// Pictures without depth that cannot be compared.
-    #[error(
-        "nothing tells how far away things are: no two cameras see the same from different places; \
-         start from the points of a COLMAP model"
-    )]
-    NothingToStartFrom,
-    /// A checkpoint that was not written by this training.
-    #[error("the state of training lacks `{name}`, or it has another size: train again")]
-    Checkpoint {
-        /// Name of the number or list.
-        name: String,
-    },
+    /// A setting, an initial model or a checkpoint that cannot be used: its name, and the remedy.
+    #[error("{0}")]
+    Invalid(String),
     /// A part of a view that cannot be drawn.
     #[error(transparent)]
     View(#[from] ViewError),

@@ -22,7 +22,7 @@ const SCATTERED_PX: f32 = 6.0;
 /// Points of a whole ball of backdrop; those far from anything seen, radians, are left out.
 const BACKDROP_POINTS: usize = 1536;
 const BACKDROP_REACH: f32 = 0.4;
-/// Angle below which what stands before the backdrop gives it colour in equal shares, radians.
+/// Angle below which points before the backdrop give it colour in equal shares, radians.
 const BACKDROP_ANGLE: f32 = 0.04;
 /// Radius of the backdrop over the distance of the farthest thing.
 const BACKDROP_RADIUS: f32 = 1.5;
@@ -89,7 +89,7 @@ impl InitialPoints {
     }
 }
 
-/// A ball around everything, in the colours of what stands before it as seen from the middle of the cameras: what shows
+/// A ball around everything, in the colours of the points before it as seen from the middle of the cameras: what shows
 /// where no training camera ever looked, so that other cameras see something likely there and not black. Training leaves
 /// it alone.
 fn backdrop(views: &TrainingViews, surface: &[Point], most: usize) -> (Vec<Point>, f32) {

@@ -16,7 +16,7 @@ const KNEE: f32 = 0.002;
 #[derive(Debug)]
 pub(super) struct Target {
     pub(super) view: View,
-    /// Display colour, 0 to 1, three a pixel.
+    /// Display colour, 0 to 1, three numbers per pixel.
     pub(super) colour: Vec<f32>,
     /// Metres; +inf says nothing.
     pub(super) depth_m: Vec<f32>,

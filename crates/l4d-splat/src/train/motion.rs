@@ -1,7 +1,7 @@
-//! What of a scene stands still, told from depth and colour alone, or from colour where nobody measured depth
+//! Which pixels are static, by depth and colour alone, or by colour where there is no depth
 //! (`by_colour`).
 //!
-//! A standing camera sees, through each pixel, a *background*: the farthest surface that was there at enough moments.
+//! A static camera sees, through each pixel, a *background*: the farthest surface that was there at enough moments.
 //! Whatever is nearer at a moment moves, since the background was seen through the place where it is. A background moves too
 //! if another camera sees through it, and it *flickers* if its colour leaves its usual value beyond the noise, often
 //! and far enough to be worth the effort (a shadow falls on it, a picture on a screen changes). What hides a background
@@ -12,7 +12,7 @@ mod by_colour;
 
 use rayon::prelude::*;
 
-use self::by_colour::Bits;
+pub(super) use self::by_colour::Bits;
 use super::pinhole::Pinhole;
 use super::views::{TrainingCamera, TrainingViews};
 
@@ -23,7 +23,7 @@ const UNUSUAL: f32 = 0.04;
 const NOISES: f32 = 4.0;
 /// Share of calm moments with unusual colour from which on a background flickers, whatever the threshold says.
 const LEAST_FLICKER: f32 = 0.03;
-/// A background that stands still although its colour swings costs the square of this, in display units beyond the noise;
+/// A static background whose colour swings costs the square of this, in display units beyond the noise;
 /// the pictures of a rendered scene have noise of that size.
 const LEAST_SWING: f32 = 0.03;
 
@@ -47,7 +47,7 @@ pub enum SurfaceKind {
     Moving,
 }
 
-/// What a standing camera sees where nothing is in the way, row-major.
+/// What a static camera sees where nothing is in the way, row-major.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Background {
     /// Planar depth, metres; +inf where nothing is hit, NaN where it is unknown.
@@ -61,7 +61,7 @@ pub struct Background {
 /// The backgrounds of all cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// One a camera; none for a camera that moves.
+    /// One per camera; none for a camera that moves.
     backgrounds: Vec<Option<Background>>,
     /// Nothing is known to stand still.
     everything: bool,
@@ -143,7 +143,7 @@ fn same_depth(a_m: f32, b_m: f32) -> bool {
     a_m == b_m || (a_m - b_m).abs() < tolerance(a_m.min(b_m))
 }
 
-/// The background of a standing camera with all kinds still open, and how restless it is.
+/// The background of a static camera with all kinds still open, and how restless it is.
 fn background_of(camera: &TrainingCamera, size: [u32; 2], needed: usize) -> (Background, Vec<ColourChange>) {
     let pixels = size[0] as usize * size[1] as usize;
     let moments = camera.pictures().len();
@@ -265,7 +265,7 @@ fn neighbourhood(pixel: usize, size: [u32; 2]) -> impl Iterator<Item = usize> + 
     })
 }
 
-/// Asks all standing cameras about the background of one of them.
+/// Asks all static cameras about the background of one of them.
 fn classify(
     views: &TrainingViews,
     backgrounds: &[Option<(Background, Vec<ColourChange>)>],

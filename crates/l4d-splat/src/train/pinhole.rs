@@ -63,7 +63,7 @@ impl Pinhole {
         2.0 * depth_m / (self.focal[0] + self.focal[1])
     }
 
-    /// Where the camera stands, metres.
+    /// Position of the camera, metres.
     pub(super) fn centre(&self) -> [f32; 3] {
         self.centre
     }

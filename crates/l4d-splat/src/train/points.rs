@@ -40,7 +40,7 @@ pub(super) struct Point {
     pub(super) kind: SurfaceKind,
 }
 
-/// Points on the backgrounds of all standing cameras.
+/// Points on the backgrounds of all static cameras.
 pub(super) fn background_points(views: &TrainingViews, motion: &Motion) -> Vec<Point> {
     let farthest = (0..views.cameras().len())
         .filter_map(|camera| motion.background(camera))
@@ -72,7 +72,7 @@ pub(super) fn background_points(views: &TrainingViews, motion: &Motion) -> Vec<P
     points
 }
 
-/// Points on what moves, as it is at a moment; `depths_m` is what [`depths_at`](super::depth::depths_at) says of it.
+/// Points on what moves, as it is at a moment; `depths_m` is what [`depths_at`](super::depth::depths_at) gives.
 pub(super) fn moving_points(
     views: &TrainingViews,
     moment: usize,

@@ -38,7 +38,7 @@ struct Errors {
     depth_m: Vec<f32>,
 }
 
-/// Draws the pictures `(camera, moment)` of `picks`, those apart that nobody took, and compares.
+/// Draws the pictures `(camera, moment)` of `picks`, except those that were not taken, and compares.
 ///
 /// # Errors
 /// A model or a view that cannot be drawn.

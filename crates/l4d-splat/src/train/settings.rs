@@ -19,7 +19,7 @@ pub struct Settings {
     /// Share of moments at which something has to be contradicted before it counts as moving. 0: everything is
     /// dynamic; above 1: nothing is.
     pub dynamic_threshold: f32,
-    /// Iterations on what stands still.
+    /// Iterations on static Gaussians.
     pub coarse: u64,
     /// Iterations for each step of the fine stage's beginning, in which the clip is unfolded from one moment to both
     /// ends.
@@ -66,7 +66,7 @@ impl Default for Settings {
 /// What an iteration is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// What stands still, without the field.
+    /// Static Gaussians, without the field.
     Coarse,
     /// The clip up to `reach` moments away from the first one.
     Unfold {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::checkpoint::own::{Checkpoint, Training};
 use crate::model::Model;
-use crate::optimise::{Adam, AdamSettings, Group, Moments, Rates, sh_pattern};
+use crate::optimise::{Adam, Group, Moments, Rates, sh_pattern};
 use crate::tensor::Tensor;
 
 use super::TrainError;
@@ -61,8 +61,8 @@ impl State {
             if name == "sh" { group.with_pattern(sh_pattern(coefficients)) } else { group }
         });
         Self {
-            splats: Adam { settings: AdamSettings::default(), groups: groups.collect() },
-            field: Adam { settings: AdamSettings::default(), groups: Vec::new() },
+            splats: Adam { groups: groups.collect() },
+            field: Adam::default(),
             moves,
             model,
             iteration: 0,
@@ -158,14 +158,11 @@ impl State {
         let mut state = Self::new(Model { gaussians, dynamic, field }, Vec::new(), rates);
         state.add_field(rates);
         let number = |name: &'static str| {
-            values
-                .get(name)
-                .and_then(serde_json::Value::as_u64)
-                .ok_or(TrainError::Checkpoint { name: name.into() })
+            values.get(name).and_then(serde_json::Value::as_u64).ok_or_else(|| missing(name))
         };
         let mut take = |name: String, length: Option<usize>| match tensors.remove(&name) {
             Some(tensor) if length.is_none_or(|length| length == tensor.data.len()) => Ok(tensor.data),
-            _ => Err(TrainError::Checkpoint { name }),
+            _ => Err(missing(&name)),
         };
         for (adam, owner, steps) in [
             (&mut state.splats, "splats", number("splat_steps")?),
@@ -194,6 +191,10 @@ impl State {
         state.iteration = iteration;
         Ok(state)
     }
+}
+
+fn missing(name: &str) -> TrainError {
+    TrainError::Invalid(format!("the state of training lacks `{name}`, or it has another size: train again"))
 }
 
 /// Numbers that a Gaussian has in a group.

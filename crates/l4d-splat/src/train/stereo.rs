@@ -45,7 +45,7 @@ pub(super) struct PlaneSweep {
 }
 
 impl PlaneSweep {
-    /// Planes for a view and a camera that stands so far beside it.
+    /// Planes for a view and a camera at such a distance beside it.
     fn new(view: &View, baseline_m: f64) -> Self {
         let focal_px = view.focal()[0];
         let parallax_px = NEAREST * f64::from(view.width());
@@ -53,7 +53,7 @@ impl PlaneSweep {
         Self { step: (parallax_px / planes as f64 / (focal_px * baseline_m)) as f32, planes }
     }
 
-    /// 1/m; the first plane stands for everything that is farther.
+    /// 1/m; the first plane includes everything that is farther.
     pub(super) fn inverse_depth(&self, plane: f32) -> f32 {
         (plane + 0.5) * self.step
     }
@@ -64,7 +64,7 @@ impl PlaneSweep {
     }
 }
 
-/// The planes for a view among others; none where no other stands beside it and looks the same way.
+/// The planes for a view among others; none where no other is beside it and looks the same way.
 pub(super) fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
     let near = neighbours(views, of);
     let (_, baseline_m) = *near.get(near.len() / 2)?;
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use crate::train::test_world::World;
 
-    /// What the cameras of the made-up world see at a moment, and how much of it is told within `tolerance_m`, wrongly,
+    /// What the cameras of the made-up world see at a moment, and how much of it is found within `tolerance_m`, wrongly,
     /// and not at all.
     fn shares(moment: usize, tolerance_m: f32) -> [f64; 3] {
         let world = World { card: |_, _| Some(-0.3), ..World::EMPTY };

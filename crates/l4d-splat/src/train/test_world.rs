@@ -36,7 +36,7 @@ impl World {
         views
     }
 
-    /// The same, and nobody measured depth.
+    /// The same without depth.
     pub(super) fn views_without_depth(&self, moments: usize) -> TrainingViews {
         let measured = Self { grain: true, ..*self }.views(moments);
         let whole = Timeline::CANONICAL;

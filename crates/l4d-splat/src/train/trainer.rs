@@ -16,7 +16,6 @@ use crate::raster::Rasterizer;
 
 use super::TrainError;
 use super::crop::ChangedRegion;
-use super::densify::append;
 use super::initial_points::InitialPoints;
 use super::loss::Weights;
 use super::missing::missing_points;
@@ -97,7 +96,9 @@ impl<'a> Trainer<'a> {
         random.set_stream(u64::MAX);
         let (points, backdrop_m) = initial.points(views, &motion, anchor, beginning.max(1), &mut random);
         if points.is_empty() {
-            return Err(TrainError::NothingToStartFrom);
+            let message = "nothing tells how far away things are: no two cameras see the same from different places; \
+                           start from the points of a COLMAP model";
+            return Err(TrainError::Invalid(message.to_owned()));
         }
         let (movers, backgrounds): (Vec<Point>, Vec<Point>) =
             points.into_iter().partition(|point| point.kind == SurfaceKind::Moving);
@@ -209,7 +210,7 @@ impl<'a> Trainer<'a> {
             self.fill_holes()?;
         }
         let mut random = ChaCha8Rng::seed_from_u64(self.settings.seed);
-        // A stream for each iteration: where the generator stands is the number of the iteration.
+        // A stream for each iteration: the state of the generator is the number of the iteration.
         random.set_stream(iteration);
         let loss = match stage {
             Stage::Coarse => self.background_step(&mut random)?,
@@ -243,7 +244,7 @@ impl<'a> Trainer<'a> {
         let movers = std::mem::take(&mut self.movers);
         let mut model = std::mem::take(&mut self.state.model);
         let mut moves = std::mem::take(&mut self.state.moves);
-        append(&mut model.gaussians, gaussians(&movers, self.settings.degree()));
+        model.gaussians.append(gaussians(&movers, self.settings.degree()));
         moves.resize(model.gaussians.len(), true);
         let iteration = self.state.iteration;
         let history = std::mem::take(&mut self.state.history);
@@ -270,7 +271,7 @@ impl<'a> Trainer<'a> {
         let most = room.min(self.most_filled());
         let points = missing_points(&self.state.model, self.rasterizer, self.views, &self.motion, most)?;
         let count = self.state.model.gaussians.len();
-        append(&mut self.state.model.gaussians, gaussians(&points, self.settings.degree()));
+        self.state.model.gaussians.append(gaussians(&points, self.settings.degree()));
         self.state.moves.resize(count + points.len(), true);
         self.state.follow_more(count)
     }
@@ -312,8 +313,7 @@ impl<'a> Trainer<'a> {
 
 fn check(views: &TrainingViews, settings: &Settings) -> Result<(), TrainError> {
     if views.cameras().is_empty() {
-        let remedy = "train on at least one";
-        return Err(TrainingViewsError::Nothing { what: "cameras", remedy }.into());
+        return Err(TrainingViewsError::nothing("cameras", "train on at least one").into());
     }
     let ranges = [
         ("gaussians", settings.gaussians as f64, 1.0..=1e7, "between 1 and 10 million"),
@@ -324,7 +324,9 @@ fn check(views: &TrainingViews, settings: &Settings) -> Result<(), TrainError> {
         ("dssim_weight", f64::from(settings.dssim_weight), 0.0..=1.0, "between 0 and 1"),
     ];
     match ranges.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
-        Some((setting, value, _, range)) => Err(TrainError::Setting { setting, value, range }),
+        Some((setting, value, _, range)) => {
+            Err(TrainError::Invalid(format!("setting `{setting}` is {value}: must be {range}")))
+        }
         None => Ok(()),
     }
 }

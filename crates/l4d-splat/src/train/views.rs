@@ -1,20 +1,20 @@
 //! The pictures that a model is trained on, in memory.
 //!
-//! Three bytes of colour and two of depth a pixel: 145 MB for 12 views of 49 moments at 256 x 192. Depth is there for all
+//! Three bytes of colour and two of depth per pixel: 145 MB for 12 views of 49 moments at 256 x 192. Depth is there for all
 //! pictures or for none; a camera may have missed moments. Knows nothing of files, of what the pictures show, and of
 //! held-out views: those are views of their own.
 
 use half::f16;
-use l4d_data::{Camera, Interval, Timeline};
+use l4d_data::{Camera, Timeline};
 
-use crate::view::{View, ViewError};
+use crate::view::View;
 
 /// One camera at one moment; empty if it did not look then.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Picture {
     /// Display colour, row-major.
     pub colour: Vec<[u8; 3]>,
-    /// Planar depth, metres, row-major; +inf where nothing is hit. Empty where nobody measured it.
+    /// Planar depth, metres, row-major; +inf where nothing is hit. Empty where there is none.
     pub depth_m: Vec<f16>,
 }
 
@@ -23,9 +23,9 @@ pub struct Picture {
 pub struct TrainingCamera {
     /// Name of the camera.
     pub name: String,
-    /// One for a camera that stands still, or one a moment.
+    /// One for a static camera, or one per moment.
     views: Vec<View>,
-    /// One a moment.
+    /// One per moment.
     pictures: Vec<Picture>,
 }
 
@@ -39,61 +39,16 @@ pub struct TrainingViews {
     cameras: Vec<TrainingCamera>,
 }
 
-/// Why pictures are no views.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TrainingViewsError {
+/// Why pictures cannot be trained on: camera, moment, list, and the remedy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct TrainingViewsError(String);
+
+impl TrainingViewsError {
     /// Nothing to train on.
-    #[error("there are no {what}: {remedy}")]
-    Nothing {
-        /// What is missing.
-        what: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
-    /// Frames that are out of order, repeated or beyond the clip.
-    #[error("frame {frame} is out of order or beyond the clip: frames ascend from {} to {}", whole.first(), whole.last())]
-    Frame {
-        /// Which.
-        frame: u32,
-        /// The clip.
-        whole: Interval,
-    },
-    /// A list that does not fit.
-    #[error("camera `{camera}`, moment {moment}: {what} has {found} entries where {expected} are needed")]
-    Length {
-        /// Name of the camera.
-        camera: String,
-        /// Index of the moment.
-        moment: usize,
-        /// Which list.
-        what: &'static str,
-        /// Entries found.
-        found: usize,
-        /// Entries needed.
-        expected: usize,
-    },
-    /// A depth that no camera measures.
-    #[error(
-        "camera `{camera}`, moment {moment}: the depth of pixel {pixel} is {value} m, but depths are positive"
-    )]
-    Depth {
-        /// Name of the camera.
-        camera: String,
-        /// Index of the moment.
-        moment: usize,
-        /// Index of the pixel.
-        pixel: usize,
-        /// What stands there.
-        value: f32,
-    },
-    /// A camera that nothing can be seen through.
-    #[error("camera `{camera}` is unusable")]
-    View {
-        /// Name of the camera.
-        camera: String,
-        /// What is wrong with it.
-        source: ViewError,
-    },
+    pub(super) fn nothing(what: &str, remedy: &str) -> Self {
+        Self(format!("there are no {what}: {remedy}"))
+    }
 }
 
 impl TrainingViews {
@@ -103,18 +58,22 @@ impl TrainingViews {
     /// No frames, or frames that do not ascend within the clip.
     pub fn new(size: [u32; 2], frames: Vec<u32>, timeline: Timeline) -> Result<Self, TrainingViewsError> {
         if frames.is_empty() {
-            return Err(TrainingViewsError::Nothing { what: "frames", remedy: "train on at least one" });
+            return Err(TrainingViewsError::nothing("frames", "train on at least one"));
         }
         let whole = timeline.whole();
         let beyond = |&frame: &u32| !whole.contains(frame);
         let backwards = frames.windows(2).find(|pair| pair[0] >= pair[1]).map(|pair| pair[1]);
         if let Some(frame) = backwards.or_else(|| frames.iter().copied().find(beyond)) {
-            return Err(TrainingViewsError::Frame { frame, whole });
+            return Err(TrainingViewsError(format!(
+                "frame {frame} is out of order or beyond the clip: frames ascend from {} to {}",
+                whole.first(),
+                whole.last()
+            )));
         }
         Ok(Self { size, frames, timeline, has_depth: false, cameras: Vec::new() })
     }
 
-    /// Adds what a camera saw, a picture a frame. `camera_size` is the size that its intrinsics are for.
+    /// Adds what a camera saw, one picture per frame. `camera_size` is the size that its intrinsics are for.
     ///
     /// # Errors
     /// A camera that cannot be or saw nothing, pictures of another size, depths that are not positive or that some
@@ -131,23 +90,20 @@ impl TrainingViews {
             .iter()
             .map(|&frame| View::of_camera(camera, frame, camera_size, self.size))
             .collect::<Result<Vec<_>, _>>()
-            .map_err(|source| TrainingViewsError::View { camera: name.clone(), source })?;
+            .map_err(|error| TrainingViewsError(format!("camera `{name}` is unusable: {error}")))?;
         let pixels = self.pixel_count();
-        let length = |moment: usize, what, found: usize, expected: usize| {
-            let camera = name.clone();
+        let length = |moment: usize, what: &str, found: usize, expected: usize| {
             if found == expected {
-                Ok(())
-            } else {
-                Err(TrainingViewsError::Length { camera, moment, what, found, expected })
+                return Ok(());
             }
+            Err(TrainingViewsError(format!(
+                "camera `{name}`, moment {moment}: {what} has {found} entries where {expected} are needed"
+            )))
         };
         length(0, "the clip", pictures.len(), self.frames.len())?;
         let seen = || pictures.iter().enumerate().filter(|(_, picture)| !picture.colour.is_empty());
         let Some((_, first)) = seen().next() else {
-            return Err(TrainingViewsError::Nothing {
-                what: "pictures of a camera",
-                remedy: "leave the camera out",
-            });
+            return Err(TrainingViewsError::nothing("pictures of a camera", "leave the camera out"));
         };
         let has_depth = if self.cameras.is_empty() { !first.depth_m.is_empty() } else { self.has_depth };
         let depths = if has_depth { pixels } else { 0 };
@@ -157,7 +113,9 @@ impl TrainingViews {
             let is_bad = |depth_m: &f16| depth_m.is_nan() || *depth_m <= f16::ZERO;
             if let Some(pixel) = picture.depth_m.iter().position(is_bad) {
                 let value = picture.depth_m[pixel].to_f32();
-                return Err(TrainingViewsError::Depth { camera: name, moment, pixel, value });
+                return Err(TrainingViewsError(format!(
+                    "camera `{name}`, moment {moment}: the depth of pixel {pixel} is {value} m, but depths are positive"
+                )));
             }
         }
         self.has_depth = has_depth;
@@ -254,7 +212,7 @@ impl TrainingCamera {
         &self.pictures
     }
 
-    /// Whether the camera stands still.
+    /// Whether the camera is static.
     pub fn is_static(&self) -> bool {
         self.views.len() == 1
     }
@@ -274,7 +232,7 @@ pub(super) fn unit(byte: u8) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use l4d_data::{Name, Split};
+    use l4d_data::{Interval, Name, Split};
 
     use super::*;
 
@@ -311,7 +269,7 @@ mod tests {
         let mut blind = camera();
         blind.fx = 0.0;
         let error = views.add(&blind, [2, 2], vec![picture(), picture()]).unwrap_err();
-        assert!(matches!(error, TrainingViewsError::View { .. }));
+        assert!(error.to_string().contains("`cam00` is unusable"), "{error}");
         assert_eq!(views.cameras().len(), 0);
         views.add(&camera(), [2, 2], vec![picture(), picture()]).unwrap();
         assert_eq!((views.time(1), views.bytes()), (0.5, 2 * 4 * 5));
@@ -333,10 +291,10 @@ mod tests {
 
     #[test]
     fn frames_ascend_within_the_clip() {
-        let whole = Interval::WHOLE;
         assert!(clip(&[]).is_err());
-        assert_eq!(clip(&[0, 4, 4]), Err(TrainingViewsError::Frame { frame: 4, whole }));
-        assert_eq!(clip(&[0, 97]), Err(TrainingViewsError::Frame { frame: 97, whole }));
+        for (frames, wrong) in [(&[0, 4, 4][..], "frame 4 "), (&[0, 97][..], "frame 97 ")] {
+            assert!(clip(frames).unwrap_err().to_string().starts_with(wrong));
+        }
         let whole = Interval::new(151, 161).unwrap();
         let own = |frames: &[u32]| TrainingViews::new([2, 2], frames.to_vec(), Timeline::new(whole, None));
         assert_eq!(own(&[151, 156]).unwrap().time(1), 0.5);

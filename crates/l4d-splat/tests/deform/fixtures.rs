@@ -65,17 +65,6 @@ impl Lists {
     }
 }
 
-/// The fields of offsets as flat lists.
-pub(crate) fn flat(offsets: &Offsets) -> [&[f32]; 5] {
-    [
-        offsets.means.as_flattened(),
-        offsets.log_scales.as_flattened(),
-        offsets.rotations.as_flattened(),
-        &offsets.opacity_logits,
-        offsets.sh.as_flattened(),
-    ]
-}
-
 /// Largest difference; lists of different lengths are infinitely far apart, and so is NaN.
 pub(crate) fn largest_difference(found: &[f32], expected: &[f64]) -> f64 {
     if found.len() != expected.len() {

@@ -1,9 +1,8 @@
 //! Rows, places, times and numbers at the edges of what there is.
 
-use l4d_splat::deform::{Bounds, DeformConfig, DeformError, DeformationField, Init, Offsets, Trace};
-use l4d_splat::{Gaussians, ShDegree};
+use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, Init, Offsets, Trace};
 
-use crate::fixtures::{flat, positions, relative_difference, small_config, small_field, wide};
+use crate::fixtures::{positions, relative_difference, small_config, small_field, wide};
 
 #[test]
 fn no_rows_give_no_offsets_and_no_gradients() {
@@ -23,7 +22,7 @@ fn a_row_is_answered_alike_alone_and_among_others() {
     let all = field.offsets(&positions, 0.25).unwrap();
     for row in [0, 255, 256, 999] {
         let alone = field.offsets(&positions[row..=row], 0.25).unwrap();
-        for (alone, all) in flat(&alone).into_iter().zip(flat(&all)) {
+        for (alone, all) in alone.flat().into_iter().zip(all.flat()) {
             let expected = &all[row * alone.len()..][..alone.len()];
             let near = alone.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1.0e-6);
             assert!(near, "row {row}: {alone:?} instead of {expected:?}");
@@ -83,11 +82,7 @@ fn outside_the_box_everything_is_as_on_its_nearest_face() {
         assert_eq!([slopes[1][0], slopes[1][1]], [0.0; 2]);
         assert_eq!(slopes[2], [0.0; 3]);
     }
-}
-
-#[test]
-fn faces_belong_to_the_outside_and_are_flat() {
-    let field = small_field(small_config(), 2);
+    // Faces belong to the outside.
     let mut trace = Trace::default();
     let offsets = field.trace(&[[1.0; 3], [-1.0; 3], [1.0, 0.3, -1.0]], 0.5, &mut trace).unwrap();
     let slopes = field.backward(&mut trace, &offsets, &mut field.zero_gradients()).unwrap();
@@ -103,7 +98,7 @@ fn the_first_and_the_last_moment_are_inside_the_clip_and_others_are_not() {
     }
     for time in [-0.001, 1.001, f32::NAN, f32::INFINITY] {
         let error = field.offsets(&[[0.0; 3]], time).unwrap_err();
-        assert!(matches!(error, DeformError::Time { .. }), "{error}");
+        assert!(error.to_string().starts_with("time is"), "{error}");
         assert!(field.trace(&[[0.0; 3]], time, &mut Trace::default()).is_err());
     }
 }
@@ -147,10 +142,8 @@ fn a_poisoned_gradient_is_named_and_changes_nothing() {
     assert!(message.starts_with("row 270: the gradient of `rotations` is NaN"), "{message}");
     let mut short = offsets;
     short.sh.pop();
-    assert!(matches!(
-        field.backward(&mut trace, &short, &mut gradients),
-        Err(DeformError::Length { field: "sh", .. })
-    ));
+    let message = field.backward(&mut trace, &short, &mut gradients).unwrap_err().to_string();
+    assert!(message.starts_with("`sh` has"), "{message}");
     assert_eq!(gradients, field.zero_gradients());
 }
 
@@ -160,14 +153,12 @@ fn a_diverged_parameter_is_reported_by_the_row_that_it_spoils() {
         let mut field = small_field(small_config(), 5);
         field.parameters_mut().layers[layer][0] = poison;
         let error = field.offsets(&[[0.1; 3]], 0.5).unwrap_err();
-        assert!(matches!(error, DeformError::Diverged { row: 0, .. }), "{error}");
+        assert!(error.to_string().contains("row 0: the offset of"), "{error}");
     }
     let mut field = small_field(small_config(), 5);
     field.parameters_mut().planes[0].fill(f32::NAN);
-    assert!(matches!(
-        field.trace(&[[0.1; 3]], 0.5, &mut Trace::default()),
-        Err(DeformError::Diverged { .. })
-    ));
+    let error = field.trace(&[[0.1; 3]], 0.5, &mut Trace::default()).unwrap_err();
+    assert!(error.to_string().contains("have diverged"), "{error}");
 }
 
 #[test]
@@ -209,31 +200,6 @@ fn the_foreign_start_is_within_its_bounds_and_moves_everything() {
     let offsets = field.offsets(&positions(40, 9), 0.3).unwrap();
     assert!(offsets.means.iter().all(|offset| offset.iter().any(|value| value.abs() > 1.0e-4)));
     assert_eq!(field, small_field(DeformConfig { channels: 16, width: 64, ..small_config() }, 0));
-}
-
-#[test]
-fn only_dynamic_gaussians_follow_the_field() {
-    let field = small_field(small_config(), 6);
-    let count = 5;
-    let canonical = Gaussians {
-        sh_degree: ShDegree::new(1).unwrap(),
-        means: positions(count, 2),
-        log_scales: vec![[-3.0; 3]; count],
-        rotations: vec![[1.0, 0.0, 0.0, 0.0]; count],
-        opacity_logits: vec![0.0; count],
-        sh: vec![[0.5; 3]; 4 * count],
-    };
-    let deformed = field.deformed(&canonical, &[3, 1], 0.75).unwrap();
-    let offsets = field.offsets(&[canonical.means[3], canonical.means[1]], 0.75).unwrap();
-    for index in [0, 2, 4] {
-        assert_eq!(deformed.means[index], canonical.means[index]);
-        assert_eq!(deformed.sh_of(index), canonical.sh_of(index));
-    }
-    assert_eq!(deformed.means[1][0], canonical.means[1][0] + offsets.means[1][0]);
-    assert_eq!(deformed.rotations[3][0], 1.0 + offsets.rotations[0][0]);
-    assert_eq!(deformed.sh_of(3)[2][1], 0.5 + offsets.sh[2][1]);
-    let error = field.deformed(&canonical, &[0, 5], 0.75).unwrap_err().to_string();
-    assert_eq!(error, "dynamic row 1 names Gaussian 5, but there are 5");
 }
 
 #[test]

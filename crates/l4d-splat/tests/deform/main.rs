@@ -7,6 +7,4 @@ mod hazards;
 mod optimise;
 mod parity;
 mod reference;
-mod slopes;
 mod threads;
-mod timing;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, FieldGradients, Init};
 use l4d_splat::optimise::{
-    Adam, AdamSettings, DepthGradient, Group, GroupUpdate, LearningRate, OptimiseError, PlaneWeights,
-    RenderedDepth, depth_l1, dssim, l1, plane_penalty,
+    Adam, DepthGradient, Group, GroupUpdate, LearningRate, OptimiseError, PlaneWeights, RenderedDepth,
+    depth_l1, dssim, l1, plane_penalty,
 };
 use serde::Deserialize;
 
@@ -144,8 +144,6 @@ fn plane_penalties_are_those_of_torch() {
         let difference = relative_difference(&found[name].data, &expected.data);
         assert!(difference < 1.0e-4, "`{name}` differs by {difference:e}");
     }
-    let weighted = 0.3 * penalty.space + 0.7 * penalty.time + 0.2 * penalty.stillness;
-    assert!((penalty.weighted(&weights) - weighted).abs() < 1.0e-6);
 }
 
 #[test]
@@ -153,8 +151,7 @@ fn adam_walks_as_that_of_torch() {
     let Steps { first, last, steps, start, rates, gradients, trajectory } = fixture().adam;
     assert_eq!(trajectory.len(), 8);
     let rate = LearningRate::log_linear(first, last, steps).unwrap();
-    let mut adam =
-        Adam { settings: AdamSettings::default(), groups: vec![Group::new("all", rate, &[start.len()])] };
+    let mut adam = Adam { groups: vec![Group::new("all", rate, &[start.len()])] };
     let mut parameters = narrow(&start);
     for (step, (gradient, expected)) in gradients.iter().zip(&trajectory).enumerate() {
         let iteration = step as u64 + 1;
@@ -243,11 +240,10 @@ fn poison_is_named_and_touches_no_gradient() {
         let calls = poisoned(place, poison);
         assert_eq!(calls.len(), 7);
         for (result, gradient) in calls {
-            let index = match result.unwrap_err() {
-                OptimiseError::Value { index, .. } | OptimiseError::Depth { index, .. } => index,
-                other => panic!("{other}"),
-            };
-            assert_eq!(index, place);
+            let message = result.unwrap_err().to_string();
+            let is_named =
+                ["value", "pixel"].iter().any(|what| message.contains(&format!("{what} {place} is")));
+            assert!(is_named, "{message}");
             assert!(gradient.iter().all(|value| *value == 7.0));
         }
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use l4d_splat::deform::{DeformConfig, DeformationField, Trace};
 use serde::Deserialize;
 
-use crate::fixtures::{Lists, Named, flat, largest_difference, read, relative_difference, tensors};
+use crate::fixtures::{Lists, Named, largest_difference, read, relative_difference, tensors};
 
 #[derive(Debug, Deserialize)]
 struct Fixture {
@@ -42,7 +42,7 @@ impl Case {
 fn offsets_are_those_of_torch_within_1e_5() {
     for case in cases() {
         let offsets = case.field().offsets(&case.positions, case.time).unwrap();
-        for ((name, expected), found) in case.offsets.each().into_iter().zip(flat(&offsets)) {
+        for ((name, expected), found) in case.offsets.each().into_iter().zip(offsets.flat()) {
             let difference = largest_difference(found, expected);
             assert!(difference < 1.0e-5, "{}: `{name}` differs by {difference:e}", case.name);
         }

@@ -1,9 +1,7 @@
 //! The same bytes on one, two and eight threads.
 
-use l4d_splat::deform::{DeformConfig, Offsets, Trace};
-use l4d_splat::optimise::{
-    Adam, AdamSettings, Group, GroupUpdate, LearningRate, PlaneWeights, dssim, plane_penalty,
-};
+use l4d_splat::deform::{DeformConfig, Trace};
+use l4d_splat::optimise::{Adam, Group, GroupUpdate, LearningRate, PlaneWeights, dssim, plane_penalty};
 
 use crate::fixtures::{positions, small_field};
 
@@ -31,7 +29,7 @@ fn step() -> Vec<u32> {
         Group::new("planes", rate, &lengths(&lists.planes)),
         Group::new("layers", rate, &lengths(&lists.layers)),
     ];
-    let mut adam = Adam { settings: AdamSettings::default(), groups };
+    let mut adam = Adam { groups };
     let parameters = field.parameters_mut();
     let shares = vec![
         GroupUpdate { parameters: parameters.planes, gradients: lists.planes },
@@ -44,12 +42,7 @@ fn step() -> Vec<u32> {
     let similarity = dssim(&picture, &target, 60, 3, 1.0, &mut picture_gradient).unwrap();
 
     let bits = |list: &[f32]| list.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-    let Offsets { means, log_scales, rotations, opacity_logits, sh } = &offsets;
-    let mut all = bits(means.as_flattened());
-    all.extend(bits(log_scales.as_flattened()));
-    all.extend(bits(rotations.as_flattened()));
-    all.extend(bits(opacity_logits));
-    all.extend(bits(sh.as_flattened()));
+    let mut all: Vec<u32> = offsets.flat().into_iter().flat_map(bits).collect();
     all.extend(bits(slopes.as_flattened()));
     all.extend(bits(&picture_gradient));
     for value in [similarity, penalty.space, penalty.time, penalty.stillness] {

@@ -59,14 +59,7 @@ proptest! {
         gradient.depth_sum_m.fill(0.1);
         let gradients = projected.backward(&drawing, &gradient).unwrap();
         // Some of these derivatives are larger than f32 can hold, but none of them is nonsense.
-        let lists = [
-            gradients.means.as_flattened(),
-            gradients.scales.as_flattened(),
-            gradients.rotations.as_flattened(),
-            &gradients.opacities,
-            gradients.sh.as_flattened(),
-        ];
-        for list in lists {
+        for list in gradients.lists() {
             prop_assert!(!list.iter().any(|value| value.is_nan()), "{:?}", splats);
         }
     }
@@ -111,7 +104,7 @@ fn absurdly_many_channels_of_nothing_are_refused() {
     let pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let view = View::new([8, 8], [8.0, 8.0], [4.0, 4.0], pose).unwrap();
     let (nothing, settings) = (splats(Vec::new()), RasterSettings::default());
-    let rasterizers: [Box<dyn Rasterizer>; 2] = [Box::new(Cpu::new()), Box::new(Reference::<f64>::new())];
+    let rasterizers: [Box<dyn Rasterizer>; 2] = [Box::new(Cpu::new()), Box::new(Reference)];
     for rasterizer in rasterizers {
         let projected = rasterizer.prepare(&nothing, &view, &settings).unwrap();
         assert_eq!(projected.splat_features(&[], 3).unwrap(), [0.0; 3 * 64]);

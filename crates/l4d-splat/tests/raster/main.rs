@@ -7,4 +7,3 @@ mod determinism;
 mod hostile;
 mod marked;
 mod parity;
-mod stability;

@@ -79,7 +79,7 @@ fn pictures_and_gradients_are_those_of_pytorch() {
     let view = View::new([width, height], [fx, fy], [cx, cy], camera_from_world).unwrap();
     let settings = RasterSettings { background: fixture.background, ..RasterSettings::default() };
     let rasterizers: [Box<dyn Rasterizer>; 3] =
-        [Box::new(Reference::<f64>::new()), Box::new(Cpu::new()), Box::new(Cpu::portable())];
+        [Box::new(Reference), Box::new(Cpu::new()), Box::new(Cpu::portable())];
     for rasterizer in rasterizers {
         let projected = rasterizer.prepare(&splats, &view, &settings).unwrap();
         let drawing = projected.draw().unwrap();
@@ -99,14 +99,10 @@ fn pictures_and_gradients_are_those_of_pytorch() {
             println!("{} {name}: {worst:.1e}", rasterizer.name());
             assert!(worst < 1e-5, "{} {name}: {worst:e}", rasterizer.name());
         }
-        let fields = [
-            ("means", gradients.means.as_flattened(), &fixture.gradients.means),
-            ("scales", gradients.scales.as_flattened(), &fixture.gradients.scales),
-            ("rotations", gradients.rotations.as_flattened(), &fixture.gradients.rotations),
-            ("opacities", &gradients.opacities, &fixture.gradients.opacities),
-            ("sh", gradients.sh.as_flattened(), &fixture.gradients.sh),
-        ];
-        for (name, found, expected) in fields {
+        let Fields { means, scales, rotations, opacities, sh } = &fixture.gradients;
+        let names = ["means", "scales", "rotations", "opacities", "sh"];
+        let expected = [means, scales, rotations, opacities, sh];
+        for ((name, found), expected) in names.into_iter().zip(gradients.lists()).zip(expected) {
             let worst = difference(found, expected, true);
             println!("{} gradient by {name}: {worst:.1e}", rasterizer.name());
             assert!(worst < 1e-5, "{} gradient by {name}: {worst:e}", rasterizer.name());

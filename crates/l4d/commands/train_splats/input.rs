@@ -89,7 +89,7 @@ fn add(
     views.add(camera, source.camera_size, pictures).with_context(|| dir.root().display().to_string())
 }
 
-/// A picture a moment; empty where the camera did not look.
+/// One picture per moment; empty where the camera did not look.
 fn read_camera<T: Send + Default>(
     source: &PictureSource,
     camera: &Camera,

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use l4d_splat::optimise::{Adam, AdamSettings, Group, GroupUpdate, LearningRate};
+use l4d_splat::optimise::{Adam, Group, GroupUpdate, LearningRate};
 use l4d_splat::splats::Splats;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -349,7 +349,7 @@ impl Learner {
         let groups = vec![Group::new("identity field", rate, &lengths)];
         Ok(Self {
             places: Places::new(means),
-            adam: Adam { settings: AdamSettings::default(), groups },
+            adam: Adam { groups },
             collapsed: None,
             blocks: Vec::new(),
             lanes: (0..MOST_LANES).map(|_| (Network::zeros(width, features), Ends::zeros(width))).collect(),

@@ -84,7 +84,7 @@ struct BackwardPass<'a> {
     tile: Tile<'a>,
     drawing: &'a Drawing,
     gradient: &'a DrawingGradient,
-    /// By index of a Gaussian; all do without it.
+    /// By index of a Gaussian; none: all are.
     trainable: Option<&'a [bool]>,
     /// [`GRADIENT_SUMS`] for each Gaussian of the tile.
     sums: &'a mut [f32],
@@ -116,7 +116,7 @@ impl Kernel for BackwardPass<'_> {
     }
 }
 
-/// From the (u, v) of the walk to those of a Gaussian that lies along the rows.
+/// From the (u, v) of [`blend_tile`] to those of a Gaussian that lies along the rows.
 struct AxisSwap<S: Simd> {
     cos: f32x8<S>,
     sin: f32x8<S>,

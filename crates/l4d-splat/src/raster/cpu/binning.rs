@@ -16,10 +16,6 @@ use crate::view::View;
 
 /// Gaussians projected by one task.
 const CHUNK: usize = 512;
-/// Bits sorted by one pass, and passes for the 31 bits of a positive f32.
-const DIGIT_BITS: u32 = 11;
-const PASSES: u32 = 3;
-
 /// Pairs of a tile and a Gaussian that one picture may have: 2 GiB of lists.
 const MOST_PAIRS: u64 = 1 << 29;
 /// Pairs whose sums are held at once.
@@ -51,34 +47,13 @@ pub(super) fn front_to_back(
             (footprint.depth.to_bits(), (chunk * CHUNK + position) as u32)
         }));
     }
-    sort(&mut keys);
+    // The place breaks ties, so that an unstable sort is deterministic.
+    keys.par_sort_unstable();
     Ok(keys
         .into_par_iter()
         .with_min_len(CHUNK)
         .map(|(_, place)| chunks[place as usize / CHUNK][place as usize % CHUNK].clone())
         .collect())
-}
-
-/// Sorts by the first number, equal ones staying in order: least significant digits first.
-fn sort(keys: &mut Vec<(u32, u32)>) {
-    let mut sorted = vec![(0, 0); keys.len()];
-    for pass in 0..PASSES {
-        let digit = |key: u32| (key >> (pass * DIGIT_BITS)) as usize & ((1 << DIGIT_BITS) - 1);
-        let mut places = [0_u32; 1 << DIGIT_BITS];
-        for &(key, _) in keys.iter() {
-            places[digit(key)] += 1;
-        }
-        let mut next = 0;
-        for place in &mut places {
-            next += std::mem::replace(place, next);
-        }
-        for &entry in keys.iter() {
-            let place = &mut places[digit(entry.0)];
-            sorted[*place as usize] = entry;
-            *place += 1;
-        }
-        std::mem::swap(keys, &mut sorted);
-    }
 }
 
 /// For each tile the Gaussians that may leave a trace in it, front to back.
@@ -119,9 +94,13 @@ impl TileBins {
                 spans
             })
             .collect();
-        let pairs = spans.iter().flatten().map(|span| u64::from(span.columns[1] - span.columns[0])).sum();
+        let pairs: u64 =
+            spans.iter().flatten().map(|span| u64::from(span.columns[1] - span.columns[0])).sum();
         if pairs > MOST_PAIRS {
-            return Err(RasterError::Crowded { pairs, most: MOST_PAIRS });
+            return Err(RasterError::Invalid(format!(
+                "the splats touch {pairs} tiles in all, at most {MOST_PAIRS} can be drawn: draw a smaller picture or \
+                 remove Gaussians that fill it"
+            )));
         }
         let mut offsets = vec![0_u32; columns * rows + 1];
         for span in spans.iter().flatten() {
@@ -205,7 +184,7 @@ impl TileBins {
 
     fn add(&self, tiles: Range<usize>, numbers: &[f32], width: usize, totals: &mut [f64]) {
         let start = self.offsets[tiles.start] as usize;
-        // How many Gaussians a task takes changes who adds, not in which order.
+        // How many Gaussians a task takes does not change the order of the sums.
         let chunk = (totals.len() / width).div_ceil(4 * rayon::current_num_threads()).max(CHUNK);
         totals.par_chunks_mut(chunk * width).enumerate().for_each(|(task, totals)| {
             let first = (task * chunk) as u32;
@@ -376,22 +355,5 @@ mod tests {
         assert_eq!(sums[2 * 3..2 * 3 + 2], [3.0, 3.0]);
         assert_eq!(sums[2 * 8..2 * 8 + 2], [2.0, 2.0]);
         assert_eq!(sums[2 * (BATCH - 1)..], [0.0, 0.0]);
-    }
-
-    #[test]
-    fn sorting_is_that_of_the_standard_library() {
-        // A linear congruence: many equal keys, keys that differ in each digit.
-        let mut state = 1_u32;
-        let mut keys: Vec<(u32, u32)> = (0..5000)
-            .map(|place| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                let depth = if place % 3 == 0 { 2.5 } else { (state >> 8) as f32 * 1e-3 + 0.2 };
-                (depth.to_bits(), place)
-            })
-            .collect();
-        let mut expected = keys.clone();
-        expected.sort_by_key(|&(key, _)| key);
-        sort(&mut keys);
-        assert_eq!(keys, expected);
     }
 }

@@ -76,7 +76,7 @@ impl Limits {
     }
 }
 
-/// The part of a picture that one walk covers.
+/// The part of a picture that one call of [`blend_tile`] covers.
 #[derive(Clone, Copy)]
 pub(super) struct Tile<'a> {
     /// Visible Gaussians, front to back.

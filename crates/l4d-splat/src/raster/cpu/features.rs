@@ -175,7 +175,7 @@ impl WeightVisitor for SplatFeatures<'_> {
 }
 
 struct GatherFeatures<'a> {
-    /// One plane a channel.
+    /// One plane per channel.
     planes: &'a [Plane],
     /// For each Gaussian of the tile its sum of each channel.
     sums: &'a mut [f32],

@@ -52,7 +52,7 @@ struct FourGaussians {
 }
 
 impl FourGaussians {
-    /// Of the Gaussians from `first` on, `last` standing in for those that come after it.
+    /// Of the Gaussians from `first` on, `last` in place of those that come after it.
     #[inline(always)]
     fn new<S: Simd>(simd: S, projection: &Projection, splats: &Splats, first: usize, last: usize) -> Self {
         let indices = [first, last.min(first + 1), last.min(first + 2), last.min(first + 3)];
@@ -127,7 +127,7 @@ impl FourGaussians {
     ) -> Result<Option<Footprint>, BadValue> {
         let opacity = splats.opacities()[index];
         let depth = self.depth[lane];
-        // Not <=: a depth that is not a number is an overflow, which is told below.
+        // Not <=: a depth that is not a number is an overflow, which is reported below.
         if opacity < projection.alpha_min || depth <= projection.near {
             return Ok(None);
         }

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::gaussians::ShDegree;
-use crate::raster::DrawingGradient;
 use crate::splats::SplatParts;
 
 /// Sum of the constant coefficient's products is colour - 0.5.
@@ -32,8 +31,8 @@ fn view() -> View {
     View::new([33, 33], [50.0, 50.0], [16.5, 16.5], pose).unwrap()
 }
 
-fn scene(list: &[([f64; 3], f64, [f64; 3])]) -> ReferenceScene<f64> {
-    Reference::new().scene(&splats(list), &view(), &RasterSettings::default()).unwrap()
+fn scene(list: &[([f64; 3], f64, [f64; 3])]) -> ReferenceScene {
+    Reference::scene(&splats(list), &view(), &RasterSettings::default()).unwrap()
 }
 
 fn close(a: f64, b: f64) {
@@ -106,10 +105,10 @@ fn tiles_are_those_of_the_square_of_three_standard_deviations() {
     // sqrt(25.3 + sqrt(0.1)) * 3 = 15.18, so the radius is 16: columns 0 to 32. At -20 px it ends at -4.
     let mut left = round(2.0, 0.8, 0.5);
     let gaussians = scene(&[left]).gaussians;
-    assert_eq!((gaussians[0].radius, gaussians[0].tiles.columns.clone()), (16.0, 0..2));
+    assert_eq!((gaussians[0].radius, gaussians[0].tiles[0].clone()), (16.0, 0..2));
     // The square reaches pixel 32, but the rule counts a tile only from the pixel after its first.
     left.0[0] = 0.04;
-    assert_eq!(scene(&[left]).gaussians[0].tiles.columns, 0..3);
+    assert_eq!(scene(&[left]).gaussians[0].tiles[0], 0..3);
     left.0[0] = -(16.0 + 20.0) / 25.0;
     assert!(scene(&[left]).gaussians.is_empty());
 }
@@ -142,7 +141,7 @@ fn gradients_of_one_pixel_by_hand() {
     let mut settings = RasterSettings { background: [1.0; 3], ..RasterSettings::default() };
     settings.quantiles = false;
     let list = [round(2.0, 0.6, 0.9), round(4.0, 0.5, 0.2)];
-    let scene = Reference::new().scene(&splats(&list), &view(), &settings).unwrap();
+    let scene = Reference::scene(&splats(&list), &view(), &settings).unwrap();
     let mut gradient = DrawingGradient::zeros(&view());
     gradient.colour[16 * 33 + 16][0] = 1.0;
     let gradients = scene.backward(&gradient).unwrap();
@@ -161,6 +160,6 @@ fn gradients_of_one_pixel_by_hand() {
 fn a_scale_that_overflows_is_named() {
     let mut wide = splats(&[round(2.0, 0.6, 0.9), round(2.0, 0.6, 0.9)]);
     wide.parts.scales[1] = [1e200, 1.0, 1.0];
-    let error = Reference::new().scene(&wide, &view(), &RasterSettings::default()).unwrap_err();
+    let error = Reference::scene(&wide, &view(), &RasterSettings::default()).unwrap_err();
     assert!(error.to_string().starts_with("Gaussian 1, field `scales`"), "{error}");
 }

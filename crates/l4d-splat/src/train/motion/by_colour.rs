@@ -1,6 +1,6 @@
-//! What moves where nobody measured depth: pixels that have another colour than they usually have.
+//! What moves where there is no depth: pixels that have another colour than they usually have.
 //!
-//! The background of a pixel is what it mostly shows, as far away as comparing the backgrounds of all standing cameras tells. What
+//! The background of a pixel is what it mostly shows, as far away as comparing the backgrounds of all static cameras tells. What
 //! has another colour at a moment moves. A background that has another colour at enough moments flickers: it may be a thing
 //! that rests for most of the clip, so that its Gaussians must be able to go.
 
@@ -16,19 +16,19 @@ use super::{
 /// Odd pixels with fewer odd ones among the nine around them are noise.
 const LEAST_ODD: usize = 4;
 
-/// One bit a pixel, row-major.
+/// One bit per pixel, row-major.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Bits(Vec<u64>);
+pub(in crate::train) struct Bits(Vec<u64>);
 
 impl Bits {
-    fn of(marks: &[bool]) -> Self {
+    pub(in crate::train) fn of(marks: &[bool]) -> Self {
         let word = |marks: &[bool]| {
             marks.iter().enumerate().fold(0, |word, (place, &mark)| word | u64::from(mark) << place)
         };
         Self(marks.chunks(64).map(word).collect())
     }
 
-    pub(super) fn get(&self, pixel: usize) -> bool {
+    pub(in crate::train) fn get(&self, pixel: usize) -> bool {
         self.0.get(pixel / 64).is_some_and(|word| word >> (pixel % 64) & 1 == 1)
     }
 }
@@ -55,7 +55,7 @@ fn seen(camera: &TrainingCamera) -> impl Iterator<Item = usize> {
     (0..camera.pictures().len()).filter(|&moment| camera.has_picture(moment))
 }
 
-/// The background of a standing camera, its depth still unknown, and what is odd at each moment.
+/// The background of a static camera, its depth still unknown, and what is odd at each moment.
 fn background_of(camera: &TrainingCamera, size: [u32; 2], threshold: f32) -> (Background, Vec<Bits>) {
     let pixels = size[0] as usize * size[1] as usize;
     let moments: Vec<usize> = seen(camera).collect();

@@ -17,7 +17,7 @@ struct Other<'a> {
     size: [usize; 2],
 }
 
-/// For each pixel a cost a plane; those of pixels that are not wanted mean nothing.
+/// For each pixel one cost per plane; those of pixels that are not wanted mean nothing.
 pub(super) fn costs(
     image: &StereoImage<'_>,
     others: &[StereoImage<'_>],

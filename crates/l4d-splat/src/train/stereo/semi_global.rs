@@ -78,7 +78,7 @@ fn add_path(
                 let jump = jump(image.colour[pixel], image.colour[from]);
                 let place = from_column as usize * planes;
                 if dy == 0 {
-                    // The pixel before stands in the same row.
+                    // The previous pixel is in the same row.
                     before[..planes].copy_from_slice(&now[place..][..planes]);
                     let now = &mut now[column as usize * planes..][..planes];
                     follow(now, &before[..planes], costs, jump);

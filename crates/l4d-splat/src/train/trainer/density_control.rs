@@ -1,4 +1,4 @@
-//! Which Gaussians there are: what density control is told, and what it may not touch.
+//! Which Gaussians there are: input of density control, and what it leaves alone.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -9,7 +9,7 @@ use super::super::scene_stats::nearest_m;
 use super::super::settings::Stage;
 use super::super::state::State;
 use super::Trainer;
-use crate::splats::GaussianGradients;
+use crate::deform::Offsets;
 
 /// Iterations between changes of the number of Gaussians, and the share of a stage after which there are none.
 const RENEWAL: u64 = 100;
@@ -32,15 +32,13 @@ impl Trainer<'_> {
 
     /// Takes the gradients of the backdrop away: what shines through a surface that is not yet filled would make the
     /// backdrop vanish rather than the surface fill.
-    pub(super) fn freeze_backdrop(&self, by: &mut GaussianGradients) {
+    pub(super) fn freeze_backdrop(&self, by: &mut Offsets) {
         let gaussians = &self.state.model.gaussians;
         let coefficients = gaussians.sh_degree.coefficients();
         for row in (0..gaussians.len()).filter(|&row| self.is_backdrop(&gaussians.means[row])) {
-            by.means[row] = [0.0; 3];
-            by.log_scales[row] = [0.0; 3];
-            by.rotations[row] = [0.0; 4];
-            by.opacity_logits[row] = 0.0;
-            by.sh[row * coefficients..][..coefficients].fill([0.0; 3]);
+            for (list, width) in by.flat_mut().into_iter().zip([3, 3, 4, 1, 3 * coefficients]) {
+                list[row * width..][..width].fill(0.0);
+            }
         }
     }
 
@@ -48,7 +46,7 @@ impl Trainer<'_> {
         nearest_m(mean, &[self.middle]) > self.backdrop_m
     }
 
-    /// Gaussians that are kept for what moves while what stands still is learned.
+    /// Gaussians that are kept for what moves while static Gaussians are learned.
     fn reserved(&self) -> usize {
         let later = if self.movers.is_empty() { 0 } else { self.most_filled() };
         self.movers.len() + later

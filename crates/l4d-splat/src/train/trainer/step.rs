@@ -10,9 +10,7 @@ use super::super::state::State;
 use super::super::time_span::Span;
 use super::Trainer;
 use crate::deform::Offsets;
-use crate::gaussians::Gaussians;
 use crate::optimise::{GroupUpdate, plane_penalty};
-use crate::splats::GaussianGradients;
 
 /// Every so many fine iterations look at whole pictures, the others at what changes.
 const WHOLE: u64 = 8;
@@ -23,13 +21,13 @@ const FRONTIER: f64 = 0.6;
 
 impl Trainer<'_> {
     pub(super) fn background_step(&mut self, random: &mut ChaCha8Rng) -> Result<f64, TrainError> {
-        let standing: Vec<usize> = (0..self.views.cameras().len())
+        let with_background: Vec<usize> = (0..self.views.cameras().len())
             .filter(|&camera| self.motion.background(camera).is_some())
             .collect();
-        if standing.is_empty() || self.state.model.gaussians.is_empty() {
+        if with_background.is_empty() || self.state.model.gaussians.is_empty() {
             return Ok(0.0);
         }
-        let targets: Vec<Target> = sample(&standing, self.settings.views, random)
+        let targets: Vec<Target> = sample(&with_background, self.settings.views, random)
             .into_iter()
             .filter_map(|camera| self.background_target(camera))
             .collect();
@@ -67,7 +65,7 @@ impl Trainer<'_> {
             field.trace(&positions, time, &mut self.trace)?.add_to(&mut raw, &model.dynamic)?;
         }
         let splats = raw.activate()?;
-        // Parts of pictures are about what moves; what stands there has been learned without the noise of one moment.
+        // Parts of pictures are about what moves; static Gaussians there have been learned without the noise of one moment.
         let trainable = (!whole && model.field.is_some()).then_some(self.state.moves.as_slice());
         let result = loss_gradients(self.rasterizer, &splats, &targets, trainable, self.weights)?;
         self.note(&result, splats.opacities());
@@ -78,7 +76,8 @@ impl Trainer<'_> {
         if let Some(field) = &mut model.field {
             let by_field = self.by_field.get_or_insert_with(|| field.zero_gradients());
             by_field.clear();
-            let upstream = of_rows(&by_gaussians, &model.dynamic, model.gaussians.sh_degree.coefficients());
+            let mut upstream = Offsets::default();
+            by_gaussians.gather(model.gaussians.sh_degree.coefficients(), &model.dynamic, &mut upstream);
             let by_positions = field.backward(&mut self.trace, &upstream, by_field)?;
             for (&row, slope) in model.dynamic.iter().zip(by_positions) {
                 for (sum, slope) in by_gaussians.means[row as usize].iter_mut().zip(slope) {
@@ -101,31 +100,9 @@ impl Trainer<'_> {
 }
 
 impl State {
-    fn update_gaussians(&mut self, step: u64, by: &GaussianGradients) -> Result<(), TrainError> {
-        let Gaussians { means, log_scales, rotations, opacity_logits, sh, .. } = &mut self.model.gaussians;
-        let shares = vec![
-            share(means.as_flattened_mut(), by.means.as_flattened()),
-            share(log_scales.as_flattened_mut(), by.log_scales.as_flattened()),
-            share(rotations.as_flattened_mut(), by.rotations.as_flattened()),
-            share(opacity_logits, &by.opacity_logits),
-            share(sh.as_flattened_mut(), by.sh.as_flattened()),
-        ];
-        Ok(self.splats.step(step, shares)?)
-    }
-}
-
-fn share<'a>(parameters: &'a mut [f32], gradients: &'a [f32]) -> GroupUpdate<'a> {
-    GroupUpdate { parameters: vec![parameters], gradients: vec![gradients] }
-}
-
-/// The gradients of some Gaussians, as those of the offsets that were added to them.
-fn of_rows(by: &GaussianGradients, rows: &[u32], coefficients: usize) -> Offsets {
-    let rows = || rows.iter().map(|&row| row as usize);
-    Offsets {
-        means: rows().map(|row| by.means[row]).collect(),
-        log_scales: rows().map(|row| by.log_scales[row]).collect(),
-        rotations: rows().map(|row| by.rotations[row]).collect(),
-        opacity_logits: rows().map(|row| by.opacity_logits[row]).collect(),
-        sh: rows().flat_map(|row| by.sh[row * coefficients..][..coefficients].iter().copied()).collect(),
+    fn update_gaussians(&mut self, step: u64, by: &Offsets) -> Result<(), TrainError> {
+        let lists = self.model.gaussians.flat_mut().into_iter().zip(by.flat());
+        let update = |(list, by)| GroupUpdate { parameters: vec![list], gradients: vec![by] };
+        Ok(self.splats.step(step, lists.map(update).collect())?)
     }
 }

@@ -13,7 +13,7 @@ use super::variants::{Backends, Variant};
 /// Views that share the state of a moment in a clip.
 pub(super) const CLIP_VIEWS: f64 = 8.0;
 
-/// The unreduced model, drawn by the book in f64; display colours and median depths a picture.
+/// The unreduced model, drawn by the reference; display colours and median depths per picture.
 pub(super) struct Truth {
     pictures: Vec<(Vec<[f32; 3]>, Vec<f32>)>,
 }
@@ -38,7 +38,7 @@ pub(super) struct Measured {
 
 impl Truth {
     pub(super) fn draw(stage: &Stage) -> Result<Self> {
-        let book = Reference::<f64>::new();
+        let book = Reference;
         let mut pictures = Vec::new();
         for Moment { time, views } in stage.moments(stage.size)? {
             let splats = stage.model.at(time)?;

@@ -125,7 +125,7 @@ impl Stage {
         self.moments_of(&self.cameras, &self.frames, size)
     }
 
-    /// Small pictures from all training cameras at some times, in which it shows who matters.
+    /// Small pictures from all training cameras at some times, that rank Gaussians.
     pub(super) fn training_moments(&self) -> Result<Vec<Moment<Key>>> {
         let size = self.size.map(|side| side.div_ceil(2));
         self.moments_of(&self.training, &evenly(&self.all_frames, RANKING_TIMES), size)

@@ -8,7 +8,7 @@ use super::measure::{CLIP_VIEWS, Measured};
 use super::stage::Stage;
 use super::variants::{BASE, Backends, Variant};
 
-/// From here on nobody sees a difference, dB.
+/// From here on no difference is visible, dB.
 const INVISIBLE_DB: f64 = 60.0;
 
 /// One way of drawing. Fields that end in `_ms` are times; everything else is the same in every run on a backend.
