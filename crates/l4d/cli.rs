@@ -162,38 +162,3 @@ pub(crate) struct QuickstartArgs {
     #[command(flatten)]
     pub(crate) python: PythonArgs,
 }
-
-/// Part `index` of `count`, counted from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Shard {
-    pub(crate) index: usize,
-    pub(crate) count: usize,
-}
-
-impl Shard {
-    /// Takes out of a list what belongs to other shards: shard i of n has every n-th entry.
-    pub(crate) fn keep<T>(self, list: &mut Vec<T>) {
-        let mut places = 0..;
-        list.retain(|_| places.next().is_some_and(|place| self.has(place)));
-    }
-
-    /// Whether the entry at this place of a list, counted from 0, belongs to the shard.
-    pub(crate) fn has(self, place: usize) -> bool {
-        place % self.count == self.index - 1
-    }
-}
-
-impl std::str::FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parse = || {
-            let (index, count) = text.split_once('/')?;
-            Some((index.parse().ok()?, count.parse().ok()?))
-        };
-        match parse() {
-            Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
-            _ => Err(format!("`{text}` is not a shard: write i/n with 1 <= i <= n, for example 2/8")),
-        }
-    }
-}

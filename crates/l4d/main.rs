@@ -1,13 +1,12 @@
 //! The `l4d` binary: parse, run, exit code. Each verb is one file under `commands/`.
 
-mod blender;
 mod cli;
 mod commands;
+mod models;
 mod moving_picture;
 mod out;
-mod python;
+mod published_votes;
 mod rasterizer;
-mod side_by_side;
 mod solver;
 
 use std::process::ExitCode;

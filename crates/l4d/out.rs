@@ -3,10 +3,11 @@
 use std::fmt::Display;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use l4d_data::{DataError, Report};
+use l4d_data::{DataError, Progress, Report, StageError};
 use l4d_endpoint::EndpointError;
 use l4d_solve::clips::ClipsError;
 use l4d_solve::solve::SolveError;
@@ -31,28 +32,21 @@ impl From<ExitStatus> for ExitCode {
     }
 }
 
-/// An error message that carries its own remedy; `hint:` prints it.
-#[derive(Debug, thiserror::Error)]
-#[error("{message}")]
-pub(crate) struct Refusal {
-    message: String,
-    hint: String,
-}
-
-/// An `anyhow` error with a remedy.
+/// An `anyhow` error with a remedy; `hint:` prints it.
 pub(crate) fn refusal(message: impl Into<String>, hint: impl Into<String>) -> anyhow::Error {
-    Refusal { message: message.into(), hint: hint.into() }.into()
+    StageError::new(message, hint).into()
 }
 
 /// The one place that writes to the terminal.
 #[derive(Debug)]
 pub(crate) struct Printer {
     quiet: bool,
+    bar: Mutex<ProgressBar>,
 }
 
 impl Printer {
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { quiet }
+        Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
     }
 
     /// One line of data.
@@ -69,32 +63,31 @@ impl Printer {
     /// One line of talk.
     pub(crate) fn note(&self, line: impl Display) {
         if !self.quiet {
-            writeln!(io::stderr().lock(), "{line}").ok();
+            self.talk(format_args!("{line}"));
         }
     }
 
     /// A warning; shown even when quiet.
     pub(crate) fn warn(&self, line: impl Display) {
-        writeln!(io::stderr().lock(), "warning: {line}").ok();
+        self.talk(format_args!("warning: {line}"));
     }
 
-    /// A progress bar with elapsed time and ETA; hidden when quiet or when stderr is no terminal.
-    pub(crate) fn bar(&self, total: u64, what: &'static str) -> ProgressBar {
-        let hidden = self.quiet || !io::stderr().is_terminal();
-        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(total), target);
-        let template = "{prefix:>12} [{bar:32}] {pos}/{len} {msg} {elapsed_precise} eta {eta_precise}";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar.set_prefix(what);
-        bar.enable_steady_tick(Duration::from_millis(250));
-        bar
+    fn talk(&self, line: impl Display) {
+        self.bar().suspend(|| writeln!(io::stderr().lock(), "{line}").ok());
+    }
+
+    fn bar(&self) -> ProgressBar {
+        self.bar.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// How a check ends that found this.
+    pub(crate) fn status(report: &Report) -> ExitStatus {
+        if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success }
     }
 
     /// Prints findings, one per line or as JSON, and tells the exit status.
     pub(crate) fn findings(&self, report: Report, as_json: bool) -> anyhow::Result<ExitStatus> {
-        let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+        let status = Self::status(&report);
         let findings = report.into_sorted();
         if as_json {
             self.json(&json!({ "findings": findings }))?;
@@ -127,6 +120,42 @@ impl Printer {
     }
 }
 
+/// A bar with elapsed time and ETA on a terminal, unless quiet; lines of talk go above it.
+impl Progress for Printer {
+    fn start(&self, what: &'static str, total: u64) {
+        let hidden = self.quiet || !io::stderr().is_terminal();
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(total), target);
+        let template = "{prefix:>12} [{bar:32}] {pos}/{len} {msg} {elapsed_precise} eta {eta_precise}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_prefix(what);
+        bar.enable_steady_tick(Duration::from_millis(250));
+        *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = bar;
+    }
+
+    fn item(&self, name: &dyn Display) {
+        self.bar().set_message(name.to_string());
+    }
+
+    fn advance(&self, steps: u64) {
+        self.bar().inc(steps);
+    }
+
+    fn finish(&self) {
+        self.bar().finish_and_clear();
+    }
+
+    fn note(&self, line: &dyn Display) {
+        Self::note(self, line);
+    }
+
+    fn warn(&self, line: &dyn Display) {
+        Self::warn(self, line);
+    }
+}
+
 /// Sends `tracing` to stderr; `RUST_LOG` overrides the level.
 pub(crate) fn init_logging(verbose: bool) {
     let default = if verbose { "l4d=debug,info" } else { "warn" };
@@ -144,7 +173,7 @@ pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
 
 fn hint_of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
-        let refusal = cause.downcast_ref::<Refusal>().map(|refusal| refusal.hint.clone());
+        let refusal = cause.downcast_ref::<StageError>().and_then(|error| error.hint().map(str::to_owned));
         let data = || cause.downcast_ref::<DataError>().and_then(DataError::hint);
         let endpoint = || cause.downcast_ref::<EndpointError>().map(EndpointError::hint);
         let clips = || cause.downcast_ref::<ClipsError>().and_then(ClipsError::hint);

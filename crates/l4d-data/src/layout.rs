@@ -52,6 +52,11 @@ impl SceneDir {
         self.0.join("SHA256SUMS")
     }
 
+    /// `sheet.png`: what the cameras saw.
+    pub fn sheet(&self) -> PathBuf {
+        self.0.join("sheet.png")
+    }
+
     /// `frames/<view>`.
     pub fn view(&self, view: &str) -> PathBuf {
         self.0.join("frames").join(view)

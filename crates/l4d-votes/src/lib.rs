@@ -18,6 +18,7 @@ pub mod files;
 mod fixture;
 mod history;
 mod item;
+pub mod judged;
 pub mod key;
 mod line;
 mod log_file;
@@ -35,6 +36,7 @@ mod vote;
 
 pub use ballot::Ballot;
 pub use item::{Item, ItemId, ItemIdError};
+pub use judged::{Evidence, Judged};
 pub use key::Key;
 pub use responses::{Responses, read_responses};
 pub use round::Round;

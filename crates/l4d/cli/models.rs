@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use l4d_data::Scale;
+use l4d_data::{Scale, Shard};
 use l4d_endpoint::Link;
 
-use super::{BenchArgs, Shard};
+use super::BenchArgs;
 
 /// Which model of which server is meant: a file, flags, or flags that override the file.
 #[derive(Debug, Clone, Args)]

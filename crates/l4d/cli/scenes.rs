@@ -3,9 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use l4d_data::Shard;
 use l4d_data::benchmark::SetSplit;
 
-use super::{BenchArgs, Shard};
+use l4d_blender::env::PythonChoice;
+use l4d_data::workspace::SharedWork;
+
+use super::BenchArgs;
 
 #[derive(Debug, Args)]
 pub(crate) struct DoctorArgs {
@@ -31,6 +35,16 @@ pub(crate) struct PythonArgs {
     /// Folder for what can be remade (environments, logs)
     #[arg(long, value_name = "DIR", default_value = "work")]
     pub(crate) work: PathBuf,
+}
+
+impl PythonArgs {
+    pub(crate) fn choice(&self) -> PythonChoice {
+        PythonChoice {
+            python: self.python.clone(),
+            scripts: self.blender_scripts.clone(),
+            work: SharedWork::new(&self.work),
+        }
+    }
 }
 
 #[derive(Debug, Args)]

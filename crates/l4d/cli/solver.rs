@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use l4d_data::Profile;
+use l4d_data::{Profile, Shard};
 
+use super::BenchArgs;
 use super::models::ServerArgs;
 use super::splats::{AdapterArgs, PixelSize};
-use super::{BenchArgs, Shard};
 
 /// Who finds in one view what a sentence means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,14 +1,11 @@
 //! `l4d check-scenes`: is every picture there, whole, and in agreement with all the others?
 
-use std::path::Path;
-
 use anyhow::Result;
-use l4d_data::layout::SceneDir;
-use l4d_data::{Benchmark, Name, Report};
+use l4d_data::Progress as _;
+use l4d_data::{Benchmark, Name, Report, Workspace};
 use l4d_frames::check::{Request, SceneStats, check_scene};
 use serde_json::json;
 
-use super::build_scenes::data_folder;
 use crate::cli::BenchArgs;
 use crate::cli::scenes::CheckScenesArgs;
 use crate::out::{ExitStatus, Printer, refusal};
@@ -16,22 +13,23 @@ use crate::out::{ExitStatus, Printer, refusal};
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let draw = bench.manifest.draw();
-    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
-    let scenes = scenes_to_check(&args.bench, &bench, &data, out)?;
+    let space = Workspace::new(args.bench.profile, draw).with_data(args.data.as_deref());
+    let scenes = scenes_to_check(&args.bench, &bench, &space, out)?;
     let frames_a_scene = args.bench.profile.frames().count();
-    let bar = out.bar((scenes.len() * frames_a_scene) as u64, "checking");
+    out.start("checking", (scenes.len() * frames_a_scene) as u64);
     let mut report = Report::default();
     let mut stats = Vec::new();
     for scene in &scenes {
-        bar.set_message(scene.to_string());
-        let request = Request { data: &data, bench: &bench.dir, draw, profile: args.bench.profile, scene };
-        let (found, problems) = check_scene(request, &|| bar.inc(1));
+        out.item(&scene);
+        let request =
+            Request { data: space.data(), bench: &bench.dir, draw, profile: args.bench.profile, scene };
+        let (found, problems) = check_scene(request, &|| out.advance(1));
         stats.extend(found);
         report.extend(problems);
     }
-    bar.finish_and_clear();
+    out.finish();
     if args.json {
-        let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+        let status = Printer::status(&report);
         out.json(&json!({ "scenes": stats, "findings": report.into_sorted() }))?;
         return Ok(status);
     }
@@ -40,24 +38,29 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
 }
 
 /// The scenes asked for, or all that stand in the data folder, the benchmark's first.
-fn scenes_to_check(args: &BenchArgs, bench: &Benchmark, data: &Path, out: &Printer) -> Result<Vec<Name>> {
-    let stands = |scene: &Name| SceneDir::new(data, scene).root().is_dir();
+fn scenes_to_check(
+    args: &BenchArgs,
+    bench: &Benchmark,
+    space: &Workspace,
+    out: &Printer,
+) -> Result<Vec<Name>> {
+    let stands = |scene: &Name| space.scene(scene).root().is_dir();
     if !args.scenes.is_empty() {
         return args.scenes.iter().map(|scene| known_scene(scene, bench, &stands)).collect();
     }
     let (built, absent): (Vec<Name>, Vec<Name>) = bench.manifest.scenes.iter().cloned().partition(stands);
     let mut scenes = built;
-    for entry in l4d_data::store::list_folder(data).unwrap_or_default() {
+    for entry in l4d_data::store::list_folder(space.data()).unwrap_or_default() {
         if let Ok(name) = Name::new(entry)
             && !scenes.contains(&name)
-            && SceneDir::new(data, &name).scene().is_file()
+            && space.scene(&name).scene().is_file()
         {
             scenes.push(name);
         }
     }
     if scenes.is_empty() {
         return Err(refusal(
-            format!("no scene stands in {}", data.display()),
+            format!("no scene stands in {}", space.data().display()),
             format!("run `l4d build-scenes --profile {}` first, or choose another --data", args.profile),
         ));
     }

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::Result;
+use l4d_blender::env::{BlenderEnv, Probe, environment_python, import_remedy, probe};
 use l4d_data::Benchmark;
 use serde::Serialize;
 use serde_json::json;
 
-use crate::blender::env::{BlenderEnv, Probe, environment_python, import_remedy, probe};
 use crate::cli::scenes::DoctorArgs;
 use crate::out::{ExitStatus, Printer};
 
@@ -52,7 +52,7 @@ impl Line {
 
 pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
     if args.setup {
-        BlenderEnv::find_or_make(&args.python, out)?;
+        BlenderEnv::find_or_make(&args.python.choice(), out)?;
     }
     let mut lines = python_lines(args);
     lines.push(benchmark_line());
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
 fn python_lines(args: &DoctorArgs) -> Vec<Line> {
     let python = match &args.python.python {
         Some(python) => Ok(python.clone()),
-        None => environment_python(&args.python.blender_scripts, &args.python.work),
+        None => environment_python(&args.python.blender_scripts, &args.python.choice().work),
     };
     let python = match python {
         Ok(python) => python,

@@ -5,19 +5,18 @@
 use std::path::Path;
 
 use anyhow::Result;
+use l4d_blender::env::BlenderEnv;
+use l4d_blender::plan::plan;
 use l4d_data::benchmark::{Manifest, SetSplit};
-use l4d_data::layout::{BenchDir, SceneDir};
+use l4d_data::layout::BenchDir;
 use l4d_data::store::write_atomic;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Benchmark, Draw, Name, Query};
+use l4d_data::{Benchmark, Draw, Name, Query, Workspace};
 use l4d_query::prove::{Kind, Prover};
 use l4d_query::reground::{reground, stays_absent};
 use serde::Serialize;
 use serde_json::json;
 
-use super::build_scenes::data_folder;
-use crate::blender::env::BlenderEnv;
-use crate::blender::plan::plan;
 use crate::cli::scenes::DrawVariantArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
@@ -49,12 +48,12 @@ pub(crate) fn run(args: &DrawVariantArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let target = BenchDir::new(&args.out);
     claim(&target, &source, draw, args.force)?;
-    let env = BlenderEnv::find_or_make(&args.python, out)?;
-    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
+    let env = BlenderEnv::find_or_make(&args.python.choice(), out)?;
+    let space = Workspace::new(args.bench.profile, draw).with_data(args.data.as_deref());
     let mut outcomes = Vec::new();
     for name in &scenes {
         out.note(format!("planning {name}, variant {}", draw.variant));
-        let plan = plan(&env, &SceneDir::new(&data, name), name, draw, &args.python.work, out)?;
+        let plan = plan(&env, &space.scene(name), name, draw, &args.python.choice().work, out)?;
         l4d_data::json::write_compact(&target.tracks(name), &plan.tracks)?;
         outcomes.push(carry_over(&source, &target, name, &plan.tracks)?);
     }

@@ -1,14 +1,16 @@
 //! `l4d endpoint`: what a model server supports, and how its model writes boxes.
 
 use anyhow::Result;
+use l4d_data::Progress as _;
+use l4d_data::workspace::SharedWork;
 use l4d_endpoint::calibration::{Calibration, Sample, calibrate};
 use l4d_endpoint::probe::{State, probe};
-use l4d_endpoint::{BoxPx, Calibrations, Client, Endpoint, Image, Link};
+use l4d_endpoint::{BoxPx, Calibrations, Client, Image};
 use l4d_frames::targets::Targets;
 use serde_json::json;
 
-use crate::cli::models::{EndpointArgs, EndpointCalibrateArgs, EndpointCheckArgs, EndpointCommand};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::cli::models::{EndpointCalibrateArgs, EndpointCheckArgs, EndpointCommand};
+use crate::out::{ExitStatus, Printer};
 
 const PROBES: u64 = 7;
 /// Side of the picture whose colour is asked for, pixels: small for a server, not too small for any model.
@@ -21,38 +23,6 @@ pub(crate) fn run(command: &EndpointCommand, out: &Printer) -> Result<ExitStatus
     }
 }
 
-impl EndpointArgs {
-    /// The endpoint that file and flags name, or the one that a recording was made of.
-    pub(crate) fn resolve(&self) -> Result<Endpoint> {
-        let mut endpoint = match (&self.endpoint, &self.link, &self.base_url, &self.model) {
-            (Some(path), ..) => Endpoint::read(path)?,
-            (None, Link::Replay(folder), ..) => Endpoint::recorded(folder)?,
-            (None, _, Some(base_url), Some(model)) => Endpoint::new(base_url, model)?,
-            _ => {
-                let hint = "name a file with --endpoint, or give --base-url and --model, for example \
-                            --base-url http://localhost:8000/v1 --model Qwen/Qwen3-VL-8B-Instruct";
-                return Err(refusal("no endpoint is named", hint));
-            }
-        };
-        if let Some(base_url) = &self.base_url {
-            endpoint.base_url = base_url.parse().map_err(|message| {
-                refusal(format!("--base-url {message}"), "write it like http://localhost:8000/v1")
-            })?;
-        }
-        if let Some(model) = &self.model {
-            endpoint.model.clone_from(model);
-        }
-        if let Some(variable) = &self.api_key_env {
-            endpoint.api_key_env = Some(variable.clone());
-        }
-        if let Some(server) = &self.server {
-            endpoint.server.clone_from(server);
-        }
-        endpoint.check("endpoint")?;
-        Ok(endpoint)
-    }
-}
-
 fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
     let mut endpoint = args.endpoint.resolve()?;
     // A check reports a server that is down at once.
@@ -60,12 +30,12 @@ fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
     let client = Client::open(endpoint, &args.endpoint.link)?;
     let (bytes, colour) = Targets::plain(PLAIN_SIDE, PLAIN_SIDE);
     let image = Image::new(bytes)?;
-    let bar = out.bar(PROBES, "asking");
+    out.start("asking", PROBES);
     let lines = probe(&client, (&image, colour), |name| {
-        bar.set_message(name);
-        bar.inc(1);
+        out.item(&name);
+        out.advance(1);
     });
-    bar.finish_and_clear();
+    out.finish();
     let endpoint = client.endpoint();
     if args.json {
         let about =
@@ -90,7 +60,7 @@ fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
 
 fn run_calibrate(args: &EndpointCalibrateArgs, out: &Printer) -> Result<ExitStatus> {
     let client = Client::open(args.endpoint.resolve()?, &args.endpoint.link)?;
-    let path = args.work.join("endpoints.json");
+    let path = SharedWork::new(&args.work).endpoints();
     let mut calibrations = Calibrations::read(&path)?;
     let size = (args.size.width, args.size.height);
     let samples: Result<Vec<Sample>> = (0..args.pictures).map(|number| sample(size, number)).collect();

@@ -3,20 +3,21 @@
 use std::path::Path;
 
 use anyhow::Result;
-use l4d_data::layout::{BenchDir, CaptureDir, SceneDir};
+use l4d_data::Progress as _;
+use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Name};
+use l4d_data::{Benchmark, Name, Workspace};
 use l4d_import::annotations::Judged;
 use l4d_import::export::{HeldOut, Order, Origin, export, picture_count};
 
-use super::build_scenes::data_folder;
 use crate::cli::interop::{ExportArgs, HeldOutArg};
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
-    let (rendering, capture) = (rendering(args, &name), capture(args, &name));
+    let space = space(args);
+    let (rendering, capture) = (space.scene(&name), space.capture(&name));
     let origin = match args.profile.is_rendered() {
         true => Origin::Rendered(&rendering),
         false => Origin::Captured(&capture),
@@ -37,9 +38,9 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         points_from: args.points_from.as_deref(),
         judged: judged.as_ref(),
     };
-    let bar = out.bar(picture_count(&order)?, "exporting");
-    let exported = export(order, &|| bar.inc(1))?;
-    bar.finish_and_clear();
+    out.start("exporting", picture_count(&order)?);
+    let exported = export(order, &|| out.advance(1))?;
+    out.finish();
     exported.manifest.notes.iter().for_each(|note| out.note(note));
     match args.json {
         true => out.json(&exported.manifest)?,
@@ -48,13 +49,9 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     Ok(ExitStatus::Success)
 }
 
-fn rendering(args: &ExportArgs, name: &Name) -> SceneDir {
+fn space(args: &ExportArgs) -> Workspace {
     let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    SceneDir::new(&data_folder(args.data.as_deref(), args.profile, draw), name)
-}
-
-fn capture(args: &ExportArgs, name: &Name) -> CaptureDir {
-    CaptureDir::new(args.data.as_deref().unwrap_or(Path::new("data/captures")), name)
+    Workspace::new(args.profile, draw).with_data(args.data.as_deref())
 }
 
 fn answers(args: &ExportArgs, name: &Name) -> Result<(Truth, Vec<Query>)> {

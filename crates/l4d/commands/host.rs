@@ -1,19 +1,19 @@
 //! `l4d host`: the benchmark in the form of a platform that runs leaderboards.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::results::Track;
 use l4d_data::store::list_folder;
+use l4d_data::workspace::default_hosting;
 use l4d_data::{Benchmark, Category, DataError, Report};
 use l4d_release::host::{Entry, Files, Season, Setting, codabench, huggingface, write};
 use l4d_score::{QuerySet, Summary};
 use serde_json::json;
 
-use super::release::{publication, votes};
 use crate::cli::publishing::{CompetitionArgs, HostArgs, HostCommand, TrackArg};
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::published_votes::{publication, votes_of_people};
 
 pub(crate) fn run(command: &HostCommand, out: &Printer) -> Result<ExitStatus> {
     match command {
@@ -68,7 +68,7 @@ fn make(
     form: impl FnOnce(&Setting<'_>) -> Result<Files>,
 ) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench)?;
-    let votes = votes::of_people(&args.rounds, &bench)?;
+    let votes = votes_of_people(&args.rounds, &bench)?;
     let mut report = Report::default();
     let gathered = l4d_release::examine(&bench, &votes, &mut report)?;
     if report.has_errors() {
@@ -77,7 +77,7 @@ fn make(
     let truth_digest = bench.truth_digest(args.profile)?;
     let setting = Setting { gathered: &gathered, profile: args.profile, truth_digest: &truth_digest };
     let files = form(&setting)?;
-    let folder = args.out.clone().unwrap_or_else(|| PathBuf::from("hosting").join(platform));
+    let folder = args.out.clone().unwrap_or_else(|| default_hosting(platform));
     write(&folder, &files)?;
     if args.json {
         let sizes: BTreeMap<&String, usize> = files.iter().map(|(name, bytes)| (name, bytes.len())).collect();

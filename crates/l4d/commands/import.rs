@@ -53,7 +53,7 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
         is_written.then(|| write(&args.results, &identity, &request, &imported, args.force)).transpose()?;
     let recounted = recount(&imported, &request, &identity.name)?;
     if args.json {
-        let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+        let status = Printer::status(&report);
         out.json(&summary(&imported, &recounted, folder.as_deref(), report))?;
         return Ok(status);
     }

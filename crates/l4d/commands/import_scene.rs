@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::Result;
-use l4d_data::{Name, Scale};
+use l4d_data::Progress as _;
+use l4d_data::{Draw, Name, Profile, Scale, Workspace};
 use l4d_import::capture::masks::{self, MaskFormat, MaskSet};
 use l4d_import::capture::publish::{Published, publish};
 use l4d_import::capture::{CAPTURE, Capture, Order, import};
@@ -14,7 +15,7 @@ use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
     let name = scene_name(args)?;
-    let folder = args.out.clone().unwrap_or_else(|| Path::new("data/captures").join(name.as_str()));
+    let folder = args.out.clone().unwrap_or_else(|| space().capture(&name).root().to_owned());
     let capture = match args.masks_only {
         true => Capture::read(&folder)?,
         false => read(args, &name, &folder, out)?,
@@ -54,6 +55,11 @@ pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
     Ok(ExitStatus::Success)
 }
 
+/// Where captures go by default.
+fn space() -> Workspace {
+    Workspace::new(Profile::Real, Draw::default())
+}
+
 fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Result<Capture> {
     let order = Order {
         source: args.source,
@@ -64,9 +70,9 @@ fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Re
         moments: args.moments.map(|moments| moments.0),
         ffmpeg: &args.ffmpeg,
     };
-    let bar = out.bar(0, "importing");
-    let capture = import(order, &|| bar.inc(1))?;
-    bar.finish_and_clear();
+    out.start("importing", 0);
+    let capture = import(order, &|| out.advance(1))?;
+    out.finish();
     capture.notes.iter().for_each(|note| out.note(note));
     out.note("the capture has neither depth nor ids, and says so: what needs them refuses it");
     for gone in &capture.substituted {

@@ -3,7 +3,7 @@
 mod page;
 mod reliability;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use l4d_board::{
@@ -11,11 +11,11 @@ use l4d_board::{
     publish_reliability, text_statistics, text_table,
 };
 use l4d_data::results::Track;
+use l4d_data::workspace::{default_leaderboard, default_scores};
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
 use serde_json::{Value, json};
 
-use super::score::default_scores;
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
@@ -32,8 +32,8 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let set: QuerySet = args.set.into();
     let exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
-    let scores = args.scores.clone().unwrap_or_else(|| default_scores(set));
-    let output = args.output.clone().unwrap_or_else(|| default_output(set));
+    let scores = args.scores.clone().unwrap_or_else(|| default_scores(set.as_str(), None));
+    let output = args.output.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
     let Gathered { board, statistics, report: found } =
         gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
@@ -70,14 +70,6 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(format!("  {}", path.display()));
     }
     Ok(ExitStatus::Success)
-}
-
-/// Boards of several sets never share a folder.
-fn default_output(set: QuerySet) -> PathBuf {
-    match set {
-        QuerySet::Queries => "leaderboard".into(),
-        QuerySet::Composites => "leaderboard-composites".into(),
-    }
 }
 
 fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {

@@ -1,36 +1,33 @@
 //! `l4d propose-prompts`: a vision model looks at clips and proposes queries; what is proved becomes a candidate.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
-use l4d_data::layout::SceneDir;
-use l4d_data::{Benchmark, Name, Report};
-use l4d_endpoint::{Budget, CacheUse, Client, Endpoint, Plan, Spent};
-use l4d_propose::Manner;
+use l4d_data::Progress as _;
+use l4d_data::parallel::in_parallel;
+use l4d_data::{Benchmark, Name, Report, Workspace};
+use l4d_endpoint::{Client, Plan};
 use l4d_propose::printable;
 use l4d_propose::queries::{Asking, SceneOutcome};
 use l4d_query::prove::Vocabulary;
 use serde_json::json;
 
-use super::build_scenes::data_folder;
-use super::estimate;
-use crate::cli::models::{AskArgs, ProposePromptsArgs, ServerArgs};
+use crate::cli::models::ProposePromptsArgs;
+use crate::models::{about, manner, note_spent, open_client, print_estimate};
 use crate::out::{ExitStatus, Printer, refusal};
-use crate::side_by_side::side_by_side;
 
 pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let profile = args.bench.profile;
-    let data = data_folder(args.data.as_deref(), profile, bench.manifest.draw());
-    let scenes = chosen_scenes(args, &bench, &data, out)?;
+    let space = Workspace::new(profile, bench.manifest.draw()).with_data(args.data.as_deref());
+    let scenes = chosen_scenes(args, &bench, &space, out)?;
     let vocabulary = Vocabulary::read(&bench.dir.vocabulary())?;
     let client = open_client(&args.ask.server)?;
-    let folder: PathBuf =
-        args.out.clone().unwrap_or_else(|| Path::new("work").join(profile.as_str()).join("proposals"));
+    let folder: PathBuf = args.out.clone().unwrap_or_else(|| space.proposals());
     let asking = Asking {
         bench: &bench,
         profile,
-        data: &data,
+        data: space.data(),
         out: &folder,
         vocabulary: vocabulary.as_ref(),
         per_category: args.per_category,
@@ -72,56 +69,27 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     }
 }
 
-/// A client for the endpoint, with cache and budget as asked for.
-pub(crate) fn open_client(args: &ServerArgs) -> Result<Client> {
-    let endpoint = args.endpoint.resolve()?;
-    let cache = if args.refresh { CacheUse::Refresh } else { CacheUse::Take };
-    let budget = Budget { max_tokens_total: args.max_tokens_total, max_cost: args.max_cost };
-    let client = Client::open(endpoint, &args.endpoint.link)?;
-    Ok(client.with_cache(&args.cache, cache).with_budget(budget)?)
-}
-
-/// How questions are asked.
-pub(super) fn manner(args: &AskArgs) -> Manner {
-    Manner { repeat: args.repeat, answer_tokens: args.answer_tokens }
-}
-
-/// Whom it was about, without anything secret.
-pub(super) fn about(endpoint: &Endpoint) -> serde_json::Value {
-    json!({ "model": endpoint.model, "base_url": endpoint.base_url.as_str() })
-}
-
-/// What was spent, in one line of talk.
-pub(super) fn note_spent(spent: &Spent, out: &Printer) {
-    let cost = spent.cost.map_or_else(String::new, |cost| format!(", cost {cost:.4}"));
-    let Spent { answers, kept, tokens, .. } = spent;
-    out.note(format!(
-        "{answers} answers of the server, {kept} kept ones; {} + {} tokens{cost}",
-        tokens.prompt, tokens.completion
-    ));
-}
-
 /// The scenes of the selection and shard that have been rendered.
 fn chosen_scenes(
     args: &ProposePromptsArgs,
     bench: &Benchmark,
-    data: &Path,
+    space: &Workspace,
     out: &Printer,
 ) -> Result<Vec<Name>> {
     let mut chosen = bench.select(&args.bench.scenes)?;
     if let Some(shard) = args.shard {
         shard.keep(&mut chosen);
     }
-    let is_rendered = |name: &Name| SceneDir::new(data, name).scene().is_file();
+    let is_rendered = |name: &Name| space.scene(name).scene().is_file();
     let (rendered, missing): (Vec<Name>, Vec<Name>) = chosen.into_iter().partition(is_rendered);
     let hint =
         || format!("run `l4d build-scenes --profile {}` first, or choose another --data", args.bench.profile);
     match missing.first() {
         Some(scene) if !args.bench.scenes.is_empty() => {
-            Err(refusal(format!("{scene} is not rendered in {}", data.display()), hint()))
+            Err(refusal(format!("{scene} is not rendered in {}", space.data().display()), hint()))
         }
         Some(scene) if rendered.is_empty() => {
-            let message = format!("no scene is rendered in {}, {scene} for one", data.display());
+            let message = format!("no scene is rendered in {}, {scene} for one", space.data().display());
             Err(refusal(message, hint()))
         }
         Some(_) => {
@@ -140,14 +108,14 @@ fn propose_all(
     jobs: usize,
     out: &Printer,
 ) -> Result<(Vec<SceneOutcome>, Report)> {
-    let bar = out.bar(scenes.len() as u64, "asking");
-    let done = side_by_side(scenes, jobs, |scene| {
+    out.start("asking", scenes.len() as u64);
+    let done = in_parallel(scenes, jobs, |scene| {
         let mut report = Report::default();
         let outcome = asking.propose(scene, client, &mut report);
-        bar.inc(1);
-        Ok((outcome, report))
+        out.advance(1);
+        Ok::<_, anyhow::Error>((outcome, report))
     });
-    bar.finish_and_clear();
+    out.finish();
     let mut all = Report::default();
     let outcomes = done?.into_iter().map(|(outcome, report)| {
         all.extend(report);
@@ -198,5 +166,5 @@ fn plan(
         .iter()
         .filter_map(|scene| Some((scene.to_string(), asking.plan(scene, client, &mut report)?)))
         .collect();
-    estimate::print("scene", &plans, client.endpoint(), args.json, report, out)
+    print_estimate("scene", &plans, client.endpoint(), args.json, report, out)
 }

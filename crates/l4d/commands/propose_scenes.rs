@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
+use l4d_data::Progress as _;
 use l4d_data::{Benchmark, Report, Scale};
 use l4d_endpoint::Plan;
 use l4d_propose::printable;
 use l4d_propose::scenarios::{Inventing, Known, ScaleOutcome};
 use serde_json::json;
 
-use super::estimate;
-use super::propose_prompts::{about, manner, note_spent, open_client};
 use crate::cli::models::ProposeScenesArgs;
+use crate::models::{about, manner, note_spent, open_client, print_estimate};
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus> {
@@ -31,17 +31,17 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
             Ok((scale.as_str().to_owned(), client.plan([&inventing.request(scale)])))
         };
         let plans: Vec<_> = scales.into_iter().map(plan).collect::<Result<_>>()?;
-        return estimate::print("scale", &plans, client.endpoint(), args.json, Report::default(), out);
+        return print_estimate("scale", &plans, client.endpoint(), args.json, Report::default(), out);
     }
     let mut report = Report::default();
     let mut taken = BTreeSet::new();
-    let bar = out.bar(scales.len() as u64, "asking");
+    out.start("asking", scales.len() as u64);
     let mut outcomes = Vec::new();
     for scale in scales {
         outcomes.push(inventing.invent(scale, &client, &mut taken, &mut report));
-        bar.inc(1);
+        out.advance(1);
     }
-    bar.finish_and_clear();
+    out.finish();
     if args.json {
         let failed = report.has_errors();
         out.json(&json!({

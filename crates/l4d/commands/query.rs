@@ -9,10 +9,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use l4d_data::Progress as _;
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{AnswerDir, SceneDir, WorkDir};
 use l4d_data::store::write_atomic;
-use l4d_data::{Camera, Draw, Interval, Name, Rig, Timeline};
+use l4d_data::workspace::SharedWork;
+use l4d_data::{Camera, Draw, Interval, Name, Rig, Timeline, Workspace};
 use l4d_frames::Mask;
 use l4d_frames::drawn::encode_colour;
 use l4d_ground::{Question, Unread};
@@ -27,7 +29,6 @@ use self::answer::Answer;
 use self::known::Known;
 use self::overlay::Overlay;
 use self::written::sights;
-use super::build_scenes::data_folder;
 use crate::cli::solver::QueryArgs;
 use crate::moving_picture::{self, Clip};
 use crate::out::{ExitStatus, Printer, refusal};
@@ -42,13 +43,14 @@ const SHEET: &str = "sheet.png";
 pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
     let text = sentence(args)?;
-    let data = data_folder(args.work.data.as_deref(), args.profile, Draw::default());
+    let data =
+        Workspace::new(args.profile, Draw::default()).with_data(args.work.data.as_deref()).data().to_owned();
     let work = WorkDir::new(&args.work.work, args.profile, &name);
     let places = Places { data: SceneDir::new(&data, &name), work, model: args.splats.clone() };
     let known = Known::read(&args.bench, &name);
     let range = range(args, timeline_of(args, &places))?;
     let question = Question { scene: name, number: known.number_of(&text), text, range };
-    let grounders = Grounders::open(&args.method, &args.work.work, out)?;
+    let grounders = Grounders::open(&args.method, &SharedWork::new(&args.work.work), out)?;
     if question.number.is_none() && grounders.answer_known_queries_alone() {
         return Err(known.refusal(args.method.grounder.as_str(), &question.text));
     }
@@ -92,22 +94,22 @@ fn ask(
     let mut account = Account::default();
     let adapter = opened.adapter.as_ref().map(serde_json::to_value).transpose()?;
     let clip_settings = solver::clip_settings(&args.method, question.range);
-    let bar = out.bar(0, "drawing");
+    out.start("drawing", 0);
     let scene = account.of(Stage::Clips, || {
-        let drawn = || bar.inc(1);
+        let drawn = || out.advance(1);
         let draws = (opened.rasterizer.as_ref(), adapter);
         SolveScene::open(&question.scene, args.profile, places, &clip_settings, draws, &drawn)
     })?;
-    bar.finish_and_clear();
+    out.finish();
     let grounder = grounders.of_scene(&scene, &places.data, &known.queries)?;
     let method =
         Method { grounder: grounder.as_ref(), rasterizer: opened.rasterizer.as_ref(), settings: &settings };
     let plan = wanted(args, question.range, &scene, places)?;
     let folder = out_folder(args, &places.work, &method.made_from(&scene, question));
     let dir = AnswerDir::new(&folder);
-    let bar = out.bar(scene.clips.len() as u64, "grounding");
-    let mut solved = method.solve(&scene, question, &dir, &|| bar.inc(1))?;
-    bar.finish_and_clear();
+    out.start("grounding", scene.clips.len() as u64);
+    let mut solved = method.solve(&scene, question, &dir, &|| out.advance(1))?;
+    out.finish();
 
     let unread = |unread: &Unread| Answer::unread(unread, &question.text, known, grounder.as_ref());
     let missing = Answer::missing(&solved, unread);

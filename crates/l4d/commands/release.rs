@@ -1,20 +1,16 @@
 //! `l4d release`: a version of the benchmark, frozen as a folder that stands alone; or the check of such a folder.
 
-pub(super) mod votes;
-
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Result;
-use indicatif::ProgressBar;
-use l4d_data::{Benchmark, Report, Status};
-use l4d_release::contents::Publication;
-use l4d_release::{Day, Order, Plan, freeze, inspect, plan};
+use l4d_data::{Benchmark, Progress as _, Report, Status, Workspace};
+use l4d_release::{Order, Plan, freeze, inspect, plan};
 use serde_json::json;
 
-use super::build_scenes::data_folder;
 use crate::cli::publishing::ReleaseArgs;
 use crate::out::{ExitStatus, Printer, refusal};
+use crate::published_votes::{publication, votes_of_people};
 
 pub(crate) fn run(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
     match &args.check {
@@ -29,12 +25,13 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
     };
     let publication = publication(date, url, &args.creators)?;
     let bench = Benchmark::open(&args.bench)?;
-    let votes = votes::of_people(&args.rounds, &bench)?;
-    let data = args.profile.map(|profile| data_folder(args.data.as_deref(), profile, bench.manifest.draw()));
+    let votes = votes_of_people(&args.rounds, &bench)?;
+    let space = |profile| Workspace::new(profile, bench.manifest.draw()).with_data(args.data.as_deref());
+    let renders = args.profile.map(space);
     let order = Order {
         bench: &bench,
         votes: &votes,
-        renders: data.as_deref().zip(args.profile),
+        renders: renders.as_ref().map(|space| (space.data(), space.profile())),
         since: args.since.as_deref(),
         out: &args.out,
         publication: &publication,
@@ -46,7 +43,7 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
     }
     let meter = Meter::new(out, plan.work_bytes(), "releasing");
     let released = freeze(&plan, &|bytes| meter.add(bytes))?;
-    meter.finish();
+    out.finish();
     if args.json {
         out.json(&json!({
             "release": plan.folder,
@@ -64,14 +61,6 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
         tell(&plan, released.files.len(), args, out);
     }
     Ok(ExitStatus::Success)
-}
-
-/// What nobody can read from the data.
-pub(super) fn publication(date: &Day, url: &str, creators: &[String]) -> Result<Publication> {
-    if !url.starts_with("https://") && !url.starts_with("http://") {
-        return Err(refusal(format!("`{url}` is no page"), "give --url as https://..."));
-    }
-    Ok(Publication { date: date.clone(), url: url.to_owned(), creators: creators.to_vec() })
 }
 
 /// What of it a person should know.
@@ -127,7 +116,7 @@ fn check(release: &Path, args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus
     let mut report = Report::default();
     let meter = Meter::new(out, bytes_below(release), "checking");
     let contents = inspect(release, &|bytes| meter.add(bytes), &mut report);
-    meter.finish();
+    out.finish();
     if let Some(contents) = contents.filter(|_| report.is_empty()) {
         out.note(format!("{} {} is whole", contents.name, contents.version));
     }
@@ -145,25 +134,21 @@ fn bytes_below(folder: &Path) -> u64 {
     entries.map(size).sum()
 }
 
-/// A progress bar in megabytes, fed with bytes from many threads.
-struct Meter {
-    bar: ProgressBar,
+/// Progress in megabytes, fed with bytes from many threads.
+struct Meter<'a> {
+    out: &'a Printer,
     bytes: AtomicU64,
 }
 
-impl Meter {
-    fn new(out: &Printer, bytes: u64, what: &'static str) -> Self {
-        let bar = out.bar(bytes / 1_000_000, what);
-        bar.set_message("MB");
-        Self { bar, bytes: AtomicU64::new(0) }
+impl<'a> Meter<'a> {
+    fn new(out: &'a Printer, bytes: u64, what: &'static str) -> Self {
+        out.start(what, bytes / 1_000_000);
+        out.item(&"MB");
+        Self { out, bytes: AtomicU64::new(0) }
     }
 
     fn add(&self, bytes: u64) {
-        let so_far = self.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
-        self.bar.set_position(so_far / 1_000_000);
-    }
-
-    fn finish(&self) {
-        self.bar.finish_and_clear();
+        let before = self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        self.out.advance((before + bytes) / 1_000_000 - before / 1_000_000);
     }
 }

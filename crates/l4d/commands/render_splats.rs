@@ -6,6 +6,7 @@ mod preview;
 use std::time::Instant;
 
 use anyhow::Result;
+use l4d_data::Progress as _;
 use l4d_solve::clips::{self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite};
 
 use self::plan::Order;
@@ -32,10 +33,11 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     let folder = ClipsFolder::claim(root, look, &plan, overwrite)?;
 
     let total = plan.shot_count();
-    let bar = out.bar(total as u64, "drawing");
+    out.start("drawing", total as u64);
     let start = Instant::now();
-    let there = clips::complete(&folder, &plan, &source.model, opened.rasterizer.as_ref(), &|| bar.inc(1))?;
-    bar.finish_and_clear();
+    let there =
+        clips::complete(&folder, &plan, &source.model, opened.rasterizer.as_ref(), &|| out.advance(1))?;
+    out.finish();
     out.note(format!(
         "{} pictures ({} views, {} times) in {:.1} s, {there} more were there",
         total - there,

@@ -3,9 +3,10 @@
 mod protocol;
 mod sweep;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
+use l4d_data::workspace::default_scores;
 use l4d_data::{Benchmark, DataError, Report};
 use l4d_score::results::MEGABYTE;
 use l4d_score::score::{counts_path, tallies_of_counts};
@@ -44,11 +45,11 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     if args.sweep {
         return sweep::run(args, &exam, &options, report, out);
     }
-    let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set));
+    let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), None));
     let mut scored =
         score_results(&args.results, &exam, &options, &scores, |name| out.note(format!("read {name}")))?;
     report.extend(std::mem::take(&mut scored.report));
-    let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+    let status = Printer::status(&report);
     let grouped: Vec<Vec<Group>> = match args.groups {
         true => grouped(&scored.summaries, &exam, &scores, args.seed)?,
         false => Vec::new(),
@@ -106,21 +107,6 @@ impl From<JudgedSetArg> for QuerySet {
             JudgedSetArg::Composites => Self::Composites,
         }
     }
-}
-
-/// Sets never share a folder: scores of one would replace those of the other.
-pub(super) fn default_scores(set: QuerySet) -> PathBuf {
-    match set {
-        QuerySet::Queries => "scores".into(),
-        QuerySet::Composites => "scores-composites".into(),
-    }
-}
-
-/// What is no score stands in a folder of its own as well.
-fn default_scores_of(set: QuerySet, what: &str) -> PathBuf {
-    let mut name = default_scores(set).into_os_string();
-    name.push(format!("-{what}"));
-    name.into()
 }
 
 /// What the numbers rest on.

@@ -1,15 +1,14 @@
 //! `l4d sheet`: one picture that shows a scene with its instances and queries, or all scenes, to a person.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
-use l4d_data::layout::{BenchDir, SceneDir};
+use l4d_data::layout::BenchDir;
 use l4d_data::query::{Query, read_queries};
 use l4d_data::scene::Scene;
-use l4d_data::{Benchmark, Camera, Name};
+use l4d_data::{Benchmark, Camera, Name, Workspace};
 use l4d_frames::sheet::{Rendered, Sheet, default_frames, default_views, overview, save};
 
-use super::build_scenes::data_folder;
 use crate::cli::scenes::SheetArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
@@ -18,18 +17,18 @@ const OVERVIEW_FRAMES: [u32; 3] = [24, 48, 72];
 
 pub(crate) fn run(args: &SheetArgs, out: &Printer) -> Result<ExitStatus> {
     let draw = Benchmark::open(&args.bench.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    let data = data_folder(args.data.as_deref(), args.bench.profile, draw);
+    let space = Workspace::new(args.bench.profile, draw).with_data(args.data.as_deref());
     let path = match &args.scene {
-        Some(scene) => draw_scene(args, &data, scene)?,
-        None => draw_overview(args, &data, out)?,
+        Some(scene) => draw_scene(args, &space, scene)?,
+        None => draw_overview(args, &space, out)?,
     };
     out.data(path.display())?;
     Ok(ExitStatus::Success)
 }
 
-fn draw_scene(args: &SheetArgs, data: &Path, scene: &str) -> Result<PathBuf> {
+fn draw_scene(args: &SheetArgs, space: &Workspace, scene: &str) -> Result<PathBuf> {
     let name = Name::new(scene)?;
-    let dir = SceneDir::new(data, &name);
+    let dir = space.scene(&name);
     let scene = Scene::read(&dir.scene())?;
     let views = chosen_views(args, &scene)?;
     let frames = chosen_frames(args, &scene)?;
@@ -42,20 +41,20 @@ fn draw_scene(args: &SheetArgs, data: &Path, scene: &str) -> Result<PathBuf> {
         queries: &queries,
         plain: args.plain,
     };
-    let path = args.output.clone().unwrap_or_else(|| dir.root().join("sheet.png"));
+    let path = args.output.clone().unwrap_or_else(|| dir.sheet());
     save(&sheet.draw()?, &path)?;
     Ok(path)
 }
 
-fn draw_overview(args: &SheetArgs, data: &Path, out: &Printer) -> Result<PathBuf> {
+fn draw_overview(args: &SheetArgs, space: &Workspace, out: &Printer) -> Result<PathBuf> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let chosen = bench.select(&args.bench.scenes)?;
-    let built = |name: &&Name| SceneDir::new(data, name).scene().is_file();
+    let built = |name: &&Name| space.scene(name).scene().is_file();
     let scenes: Vec<Rendered> = chosen
         .iter()
         .filter(built)
         .map(|name| {
-            let dir = SceneDir::new(data, name);
+            let dir = space.scene(name);
             let scene = Scene::read(&dir.scene())?;
             chosen_frames(args, &scene)?;
             Ok((scene, dir))
@@ -63,7 +62,7 @@ fn draw_overview(args: &SheetArgs, data: &Path, out: &Printer) -> Result<PathBuf
         .collect::<Result<_>>()?;
     if scenes.is_empty() {
         return Err(refusal(
-            format!("no scene of the benchmark stands in {}", data.display()),
+            format!("no scene of the benchmark stands in {}", space.data().display()),
             format!(
                 "run `l4d build-scenes --profile {}` first, or choose another --data",
                 args.bench.profile
@@ -78,7 +77,7 @@ fn draw_overview(args: &SheetArgs, data: &Path, out: &Printer) -> Result<PathBuf
         ));
     }
     let frames = if args.frames.is_empty() { OVERVIEW_FRAMES.to_vec() } else { args.frames.clone() };
-    let path = args.output.clone().unwrap_or_else(|| data.join("overview.png"));
+    let path = args.output.clone().unwrap_or_else(|| space.overview());
     save(&overview(&scenes, &frames)?, &path)?;
     Ok(path)
 }

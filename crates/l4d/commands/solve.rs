@@ -6,9 +6,10 @@ mod pick;
 mod plan;
 
 use anyhow::{Context as _, Result};
-use indicatif::ProgressBar;
+use l4d_data::Progress as _;
 use l4d_data::layout::{AnswerDir, ResultsDir, SceneDir, WorkDir};
-use l4d_data::{Benchmark, Name, Query};
+use l4d_data::workspace::SharedWork;
+use l4d_data::{Benchmark, Name, Query, Workspace};
 use l4d_ground::Question;
 use l4d_solve::account::{Account, Stage};
 use l4d_solve::results::{mask_file, write_masks};
@@ -20,11 +21,9 @@ use serde_json::Value;
 use self::card::Card;
 use self::ledger::Ledger;
 use self::pick::{SceneQueries, pick};
-use super::build_scenes::data_folder;
 use crate::cli::solver::SolveArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 use crate::rasterizer;
-use crate::side_by_side::side_by_side;
 use crate::solver::{self, Grounders};
 
 pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
@@ -50,13 +49,13 @@ fn answer<'a>(args: &'a SolveArgs, out: &Printer) -> Result<(Run<'a>, Ledger)> {
     let run = Run::new(args, &bench, out)?;
     let card = Card::claim(&run, &bench, out)?;
     let total = picked.iter().map(|scene| scene.queries.len()).sum::<usize>();
-    let bar = out.bar(total as u64, "solving");
+    out.start("solving", total as u64);
     let mut ledger = Ledger::default();
     for scene in &picked {
-        bar.set_message(scene.name.to_string());
-        run.solve_scene(scene, &mut ledger, &bar, out).with_context(|| scene.name.to_string())?;
+        out.item(&scene.name);
+        run.solve_scene(scene, &mut ledger, out).with_context(|| scene.name.to_string())?;
     }
-    bar.finish_and_clear();
+    out.finish();
     card.write(&run, &ledger)?;
     Ok((run, ledger))
 }
@@ -79,21 +78,18 @@ impl<'a> Run<'a> {
         Ok(Self {
             args,
             results: ResultsDir::new(args.results.join(name.as_str())),
-            data: data_folder(args.work.data.as_deref(), args.bench.profile, bench.manifest.draw()),
-            grounders: Grounders::open(&args.method, &args.work.work, out)?,
+            data: Workspace::new(args.bench.profile, bench.manifest.draw())
+                .with_data(args.work.data.as_deref())
+                .data()
+                .to_owned(),
+            grounders: Grounders::open(&args.method, &SharedWork::new(&args.work.work), out)?,
             settings: solver::settings(&args.method),
             opened: rasterizer::open(&args.method.adapter.adapter)?,
             name,
         })
     }
 
-    fn solve_scene(
-        &self,
-        wanted: &SceneQueries,
-        ledger: &mut Ledger,
-        bar: &ProgressBar,
-        out: &Printer,
-    ) -> Result<()> {
+    fn solve_scene(&self, wanted: &SceneQueries, ledger: &mut Ledger, out: &Printer) -> Result<()> {
         let places = self.places(&wanted.name);
         let mut account = Account::default();
         let scene = account.of(Stage::Clips, || self.open(&wanted.name, &places))?;
@@ -120,9 +116,9 @@ impl<'a> Run<'a> {
             write_masks(&self.results, &query.id, &mask_file(&judged, &masks))?;
             Ok(method.record(&scene, &question, &solved, &dir)?)
         };
-        let records = side_by_side(&wanted.queries, self.args.jobs as usize, |query| {
+        let records = l4d_data::parallel::in_parallel(&wanted.queries, self.args.jobs as usize, |query| {
             let record = one(query).with_context(|| query.id.to_string());
-            bar.inc(1);
+            out.advance(1);
             record
         })?;
         for (query, record) in wanted.queries.iter().zip(records) {

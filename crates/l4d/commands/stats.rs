@@ -39,7 +39,7 @@ pub(crate) fn run(args: &StatsArgs, out: &Printer) -> Result<ExitStatus> {
     } else {
         print(&stats, out)?;
     }
-    let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+    let status = Printer::status(&report);
     for finding in report.into_sorted() {
         out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
     }

@@ -8,8 +8,8 @@ mod report;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
-use l4d_data::layout::{SceneDir, WorkDir};
-use l4d_data::{Benchmark, Name};
+use l4d_data::Progress as _;
+use l4d_data::{Benchmark, Name, Workspace};
 use l4d_solve::account::peak_memory_bytes;
 use l4d_splat::train::{InitialPoints, Quality, Settings, Stage, Trainer, measure, read_points};
 
@@ -17,7 +17,6 @@ use self::folder::{Claim, Origin, SplatsFolder};
 use self::input::{HeldOut, Input};
 use self::pictures::PictureSource;
 use self::report::{Effort, Report};
-use super::build_scenes::data_folder;
 use crate::cli::splats::{InitArg, TrainSplatsArgs};
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
@@ -29,19 +28,19 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let begin = Instant::now();
     let name = Name::new(&args.scene)?;
     let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    let data = data_folder(args.data.as_deref(), args.profile, draw);
-    let dir = SceneDir::new(&data, &name);
+    let space = Workspace::new(args.profile, draw).with_data(args.data.as_deref()).with_work(&args.work);
+    let dir = space.scene(&name);
     let source = PictureSource::open(args, &dir)?;
     let settings = settings(args);
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let init = init(args);
     let initial = initial_points(&init)?;
-    let work = args.out.clone().unwrap_or_else(|| WorkDir::new(&args.work, args.profile, &name).splats());
+    let work = args.out.clone().unwrap_or_else(|| space.work(&name).splats());
 
-    let bar = out.bar(source.picture_count(), "reading");
-    let input = Input::read(&dir, &source, &|| bar.inc(1))?;
-    let held_out = HeldOut::read(&dir, &source, &|| bar.inc(1))?;
-    bar.finish_and_clear();
+    out.start("reading", source.picture_count());
+    let input = Input::read(&dir, &source, &|| out.advance(1))?;
+    let held_out = HeldOut::read(&dir, &source, &|| out.advance(1))?;
+    out.finish();
     let read_seconds = begin.elapsed().as_secs_f64();
 
     let origin = Origin {
@@ -108,8 +107,8 @@ fn train(
     before_seconds: f64,
     out: &Printer,
 ) -> Result<(f64, Effort)> {
-    let bar = out.bar(trainer.iterations(), "training");
-    bar.set_position(trainer.iteration());
+    out.start("training", trainer.iterations());
+    out.advance(trainer.iteration());
     let begin = Instant::now();
     let every = Duration::from_secs_f64(args.checkpoint_seconds.clamp(0.0, 1e6));
     let (mut saved, mut evaluated, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
@@ -119,15 +118,13 @@ fn train(
     while trainer.stage() != Stage::Done {
         let report =
             if trainer.stage() == Stage::Fine { fine.spend(|| trainer.step()) } else { trainer.step() }?;
-        bar.inc(1);
+        out.advance(1);
         if let Some(quality) = report.quality {
             let ms = evaluated.elapsed().as_secs_f64() * 1e3 / (trainer.iteration() - at).max(1) as f64;
             test = quality_of(trainer, held_out, GLANCES)?.or(test);
             let line = progress(trainer, report.stage, &quality, test.as_ref(), ms);
-            bar.set_message(line.clone());
-            if bar.is_hidden() {
-                out.note(format!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
-            }
+            out.item(&line);
+            out.note(format!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
             (evaluated, at) = (Instant::now(), trainer.iteration());
         }
         if saved.elapsed() >= every {
@@ -135,7 +132,7 @@ fn train(
             saved = Instant::now();
         }
     }
-    bar.finish_and_clear();
+    out.finish();
     Ok((seconds(), fine))
 }
 

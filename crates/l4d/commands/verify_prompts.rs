@@ -1,10 +1,8 @@
 //! `l4d verify-prompts`: an annotator reads prompts and finds what they mean, in a terminal.
 
-use std::path::Path;
-
 use anyhow::Result;
 use l4d_annotate::{AnnotateError, Options, Outcome, PictureMode, annotate, scene};
-use l4d_data::Name;
+use l4d_data::{Draw, Name, Workspace};
 use l4d_votes::{Ballot, Round, RoundDir};
 
 use crate::cli::annotation::{PictureArg, VerifyPromptsArgs};
@@ -16,10 +14,9 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
     let dir = RoundDir::new(args.rounds.join(name.as_str()));
     let round = Round::open(&dir)?;
     round.require_annotator(&annotator)?;
-    let data = args.data.clone().unwrap_or_else(|| match round.profile.is_rendered() {
-        true => Path::new("data").join(round.profile.as_str()),
-        false => Path::new("data").join("captures"),
-    });
+    let space =
+        Workspace::new(round.profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    let data = space.data().to_owned();
     let scenes = scene::load(&data, &round, &annotator)?;
     let (ballot, notices) = Ballot::open(&dir, &round, &annotator)?;
     for notice in notices {
@@ -29,7 +26,7 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
         out.note(format!("the ballot of {annotator} in round {name} is sealed: there is nothing left to do"));
         return Ok(ExitStatus::Success);
     }
-    let exports = args.work.join("overlays").join(name.as_str()).join(annotator.as_str());
+    let exports = space.shared().overlays(&name, &annotator);
     let options = Options { data, exports, picture: wish(args.picture) };
     let outcome = annotate(&round, ballot, &annotator, scenes, &options).map_err(explained)?;
     out.note(farewell(outcome));

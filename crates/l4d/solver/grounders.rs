@@ -1,12 +1,13 @@
 //! From `--grounder` to something that can be asked about a scene.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
 use l4d_data::Query;
 use l4d_data::layout::SceneDir;
+use l4d_data::workspace::SharedWork;
 use l4d_ground::Grounder;
 use l4d_ground::files::Files;
 use l4d_ground::geometric::Geometric;
@@ -33,7 +34,7 @@ pub(crate) enum Grounders {
 
 impl Grounders {
     /// `work` is the folder for what can be remade.
-    pub(crate) fn open(args: &MethodArgs, work: &Path, out: &Printer) -> Result<Self> {
+    pub(crate) fn open(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Self> {
         let strays = [
             ("--noise", args.noise.is_some(), GrounderArg::Oracle),
             ("--masks", args.masks.is_some(), GrounderArg::Files),

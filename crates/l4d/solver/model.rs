@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result};
 use l4d_data::DataError;
 use l4d_data::store::read_bounded;
+use l4d_data::workspace::SharedWork;
 use l4d_endpoint::Calibrations;
 use l4d_ground::vlm::{Coupling, Settings, Vlm};
 use l4d_ground::worker::{FrameStore, Patience, Segmenter, TextGrounder, Worker, WorkerError};
@@ -13,7 +14,7 @@ use serde::Deserialize;
 
 use super::segmenter::SegmenterEntry;
 use crate::cli::models::ServerArgs;
-use crate::commands::propose_prompts::open_client;
+use crate::models::open_client;
 use crate::out::{Printer, refusal};
 
 /// What `coupling` says where no model is asked.
@@ -39,19 +40,19 @@ pub(super) enum Opened {
 
 /// Starts the segmenter, and opens the way to the model if one is asked. What workers are shown stands in a folder
 /// below `work`, as does the environment of ours.
-pub(super) fn open(path: &Path, server: &ServerArgs, work: &Path, out: &Printer) -> Result<Opened> {
+pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Printer) -> Result<Opened> {
     let file = read(path)?;
     let threshold = file.segmenter.threshold;
     let launch = file.segmenter.launch(path, work, out)?;
     let worker = Worker::start(launch, Patience::default()).map_err(of_worker)?;
-    let segmenter = Arc::new(Segmenter::new(worker, FrameStore::new(work.join("frames")), threshold));
+    let segmenter = Arc::new(Segmenter::new(worker, FrameStore::new(work.segmenter_frames()), threshold));
     if file.coupling == NO_VLM {
         return Ok(Opened::Text(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     }
     let coupling = Coupling::ALL.into_iter().find(|coupling| coupling.as_str() == file.coupling);
     let coupling = coupling.ok_or_else(|| unknown_coupling(path, &file.coupling))?;
     let client = open_client(server)?;
-    let calibrations = Calibrations::read(&work.join("endpoints.json"))?;
+    let calibrations = Calibrations::read(&work.endpoints())?;
     let vlm = Vlm::new(client, &calibrations, segmenter, coupling, file.model).map_err(|error| {
         let hint = error.hint();
         refusal(format!("{}: {error}", path.display()), hint)

@@ -7,12 +7,13 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
+use l4d_blender::python::Environment;
 use l4d_data::DataError;
+use l4d_data::workspace::SharedWork;
 use l4d_ground::worker::Launch;
 use serde::Deserialize;
 
 use crate::out::{Printer, refusal};
-use crate::python::Environment;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,7 +57,7 @@ const PACKAGE: &str = "crates/l4d-ground/workers";
 
 impl SegmenterEntry {
     /// How it is started. `path` is the file that it stands in, `work` the folder for what can be remade.
-    pub(super) fn launch(&self, path: &Path, work: &Path, out: &Printer) -> Result<Launch> {
+    pub(super) fn launch(&self, path: &Path, work: &SharedWork, out: &Printer) -> Result<Launch> {
         match (&self.worker, &self.program) {
             (Some(worker), None) => self.launch_ours(worker, path, work, out),
             (None, Some(program)) => {
@@ -84,7 +85,7 @@ impl SegmenterEntry {
         }
     }
 
-    fn launch_ours(&self, worker: &str, path: &Path, work: &Path, out: &Printer) -> Result<Launch> {
+    fn launch_ours(&self, worker: &str, path: &Path, work: &SharedWork, out: &Printer) -> Result<Launch> {
         let Some((_, needs)) = OURS.into_iter().find(|(name, _)| *name == worker) else {
             let known = OURS.map(|(name, _)| name).join(", ");
             let message = format!("is `{}`", worker.escape_debug());
@@ -138,10 +139,10 @@ impl SegmenterEntry {
     }
 }
 
-fn environment(package: &Path, work: &Path) -> Environment {
+fn environment(package: &Path, work: &SharedWork) -> Environment {
     Environment {
         requirements: package.join("requirements.txt"),
-        kind_folder: work.join("workers-env"),
+        kind_folder: work.worker_environments(),
         name: "the environment of the segmenter workers",
         holds: "torch, transformers; about 6 GB",
     }

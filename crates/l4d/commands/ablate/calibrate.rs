@@ -11,11 +11,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
-use indicatif::ProgressBar;
+use l4d_data::Progress as _;
 use l4d_data::digest::sha256_hex;
 use l4d_data::published::{self, Published};
 use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::{Category, DataError, Name, Query, json};
+use l4d_data::{Category, DataError, Name, Query, Workspace, json};
 use l4d_frames::{Mask, drawn::DepthMap, rle};
 use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, TrainingIds};
 use l4d_ground::{Grounder as _, Grounding, Outcome};
@@ -29,7 +29,6 @@ use serde_json::{Value, json};
 use self::search::{HALVINGS, Search};
 use super::grid::{Noise, WITHOUT};
 use crate::cli::solver::{AblateArgs, MethodArgs};
-use crate::commands::build_scenes::data_folder;
 use crate::commands::solve::question_of;
 use crate::out::Printer;
 use crate::rasterizer;
@@ -78,7 +77,10 @@ pub(super) fn noises_as_in_paper(
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let method = MethodArgs { no_consensus: true, ..args.method.clone() };
     let (settings, clips) = (solver::settings(&method), solver::clip_settings(&method, None));
-    let data = data_folder(args.work.data.as_deref(), exam.profile, exam.bench.manifest.draw());
+    let data = Workspace::new(exam.profile, exam.bench.manifest.draw())
+        .with_data(args.work.data.as_deref())
+        .data()
+        .to_owned();
     let scenes = exam.scenes.iter().map(|scene| {
         let stage = Stage::open(exam, scene, &data, &args.work.work, &clips, &opened);
         Subject::new(stage.with_context(|| scene.name.to_string())?)
@@ -95,11 +97,11 @@ pub(super) fn noises_as_in_paper(
     }
 
     let queries: usize = subjects.iter().map(|subject| subject.stage.queries().count()).sum();
-    let bar = out.bar((queries * correlations.len() * (HALVINGS + 1)) as u64, "calibrating");
-    let mut trials = Trials { opened: &opened, settings: &settings, known: BTreeMap::new(), bar: &bar };
+    out.start("calibrating", (queries * correlations.len() * (HALVINGS + 1)) as u64);
+    let mut trials = Trials { opened: &opened, settings: &settings, known: BTreeMap::new(), bar: out };
     let mut rows = Vec::new();
     for (&correlation, path) in correlations.iter().zip(&paths) {
-        bar.set_message(format!("rho {correlation}"));
+        out.item(&format_args!("rho {correlation}"));
         let mut searches: BTreeMap<Category, Search> =
             targets.iter().map(|(&category, &target)| (category, Search::new(target))).collect();
         for _ in 0..=HALVINGS {
@@ -125,7 +127,7 @@ pub(super) fn noises_as_in_paper(
         write_atomic(path, format!("{HEADING}{made_from}\n{}", toml::to_string(&found)?).as_bytes())?;
         out.note(format!("rho {correlation}: {}", said(&searches)));
     }
-    bar.finish_and_clear();
+    out.finish();
     write_atomic(&folder.join("calibration.csv"), &csv_of(&rows)?)?;
     Ok(noises)
 }
@@ -245,7 +247,7 @@ struct Trials<'a> {
     settings: &'a SolveSettings,
     /// Digest of query and masks -> mIoU, 0 to 1; none where the target is never present.
     known: BTreeMap<String, Option<f64>>,
-    bar: &'a ProgressBar,
+    bar: &'a Printer,
 }
 
 impl Trials<'_> {
@@ -260,7 +262,7 @@ impl Trials<'_> {
             let oracle = subject.oracle(preset)?;
             for query in subject.stage.queries() {
                 let miou = self.miou(subject, &oracle, query).with_context(|| query.id.to_string())?;
-                self.bar.inc(1);
+                self.bar.advance(1);
                 for &category in miou.iter().flat_map(|_| &query.categories) {
                     let (sum, count) = sums.entry(category).or_default();
                     *sum += 100.0 * miou.unwrap_or_default();

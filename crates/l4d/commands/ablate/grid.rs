@@ -5,14 +5,13 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use l4d_data::layout::SceneDir;
-use l4d_data::{Name, Rig};
+use l4d_data::{Name, Rig, Workspace};
 use l4d_ground::oracle::CORRELATIONS;
 use l4d_score::{Exam, QuerySet};
 use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::scene::how_scenes_are_made;
 
 use crate::cli::solver::{AblateArgs, GridArg, GrounderArg, MethodArgs, QuerySetArg};
-use crate::commands::build_scenes::data_folder;
 use crate::out::refusal;
 use crate::solver;
 
@@ -201,7 +200,10 @@ fn views(args: &AblateArgs, exam: &Exam) -> Result<Grid> {
 
 /// Training views of the scene that has fewest.
 fn fewest_views(args: &AblateArgs, exam: &Exam) -> Result<(usize, Name)> {
-    let data = data_folder(args.work.data.as_deref(), exam.profile, exam.bench.manifest.draw());
+    let data = Workspace::new(exam.profile, exam.bench.manifest.draw())
+        .with_data(args.work.data.as_deref())
+        .data()
+        .to_owned();
     let mut fewest: Option<(usize, Name)> = None;
     for scene in &exam.scenes {
         let path = SceneDir::new(&data, &scene.name).rig(exam.profile);

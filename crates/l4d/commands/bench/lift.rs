@@ -11,8 +11,9 @@ mod ways;
 
 use anyhow::{Context as _, Result};
 use l4d_board::publish_tradeoff;
+use l4d_data::Progress as _;
 use l4d_data::store::write_atomic;
-use l4d_data::{Benchmark, Report};
+use l4d_data::{Benchmark, Report, Workspace};
 use l4d_ground::oracle::NoisePreset;
 use l4d_score::{Exam, QuerySet};
 use l4d_solve::consensus::Preset;
@@ -22,7 +23,6 @@ use self::measure::{Measurement, Sums};
 use self::table::{Row, csv_of, figure, text};
 use self::ways::{Way, ways};
 use crate::cli::solver::BenchLiftArgs;
-use crate::commands::build_scenes::data_folder;
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
 use crate::solver::{Grounders, Stage};
@@ -38,7 +38,10 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
     let exam = Exam::open(bench, args.profile, QuerySet::Queries, &args.scenes, &mut report)?;
     let ways = ways(args.quick);
 
-    let data = data_folder(args.work.data.as_deref(), args.profile, exam.bench.manifest.draw());
+    let data = Workspace::new(args.profile, exam.bench.manifest.draw())
+        .with_data(args.work.data.as_deref())
+        .data()
+        .to_owned();
     let clips = Preset::Robust.clip_settings(args.views as usize, 0);
     let samples = folder.join("samples");
     let measurement = Measurement {
@@ -49,13 +52,13 @@ pub(crate) fn run(args: &BenchLiftArgs, out: &Printer) -> Result<ExitStatus> {
         samples: &samples,
     };
     let mut sums: Vec<Sums> = ways.iter().flat_map(|way| way.rows()).map(|_| Sums::default()).collect();
-    let bar = out.bar((exam.scenes.len() * args.queries as usize * ways.len()) as u64, "lifting");
+    out.start("lifting", (exam.scenes.len() * args.queries as usize * ways.len()) as u64);
     for scene in &exam.scenes {
-        bar.set_message(scene.name.to_string());
+        out.item(&scene.name);
         let stage = Stage::open(&exam, scene, &data, &args.work.work, &clips, &opened)?;
-        measurement.add_scene(&stage, &mut sums, &|| bar.inc(1))?;
+        measurement.add_scene(&stage, &mut sums, &|| out.advance(1))?;
     }
-    bar.finish_and_clear();
+    out.finish();
     let named = ways.iter().flat_map(Way::rows);
     let rows: Vec<Row> =
         named.zip(&sums).filter_map(|((series, name), sums)| Row::new(series, name, sums)).collect();

@@ -10,7 +10,9 @@ mod variants;
 
 use anyhow::Result;
 use l4d_board::publish_tradeoff;
+use l4d_data::Progress as _;
 use l4d_data::store::write_atomic;
+use l4d_data::workspace::SharedWork;
 use serde_json::json;
 
 use self::measure::{Truth, measure};
@@ -21,16 +23,16 @@ use crate::cli::splats::BenchSplatsArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
-    let folder = args.out.clone().unwrap_or_else(|| args.work.join("bench").join("splats"));
+    let folder = args.out.clone().unwrap_or_else(|| SharedWork::new(&args.work).bench("splats"));
     let backends = Backends::open(&args.adapters)?;
     let stage = Stage::set(args)?;
     let variants = variants(&stage, &args.sweeps, &backends)?;
     out.note(format!("{}: {} variants", stage.about, variants.len()));
 
     let truth = Truth::draw(&stage)?;
-    let bar = out.bar(variants.len() as u64 * (u64::from(args.repeats) + 1), "measuring");
-    let measured = measure(&stage, &truth, &variants, &backends, args.repeats, || bar.inc(1))?;
-    bar.finish_and_clear();
+    out.start("measuring", variants.len() as u64 * (u64::from(args.repeats) + 1));
+    let measured = measure(&stage, &truth, &variants, &backends, args.repeats, || out.advance(1))?;
+    out.finish();
     let row = |(variant, measured)| Row::new(variant, &backends, measured);
     let rows: Vec<Row> = variants.iter().zip(&measured).map(row).collect();
 

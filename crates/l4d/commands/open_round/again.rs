@@ -6,9 +6,9 @@ use anyhow::Result;
 use l4d_data::{Benchmark, QueryId};
 use l4d_votes::key::Change;
 use l4d_votes::verdict::{ItemVerdict, Outcome};
+use l4d_votes::{Evidence, Judged};
 
 use crate::cli::annotation::OpenRoundArgs;
-use crate::commands::verdict::{Evidence, Judged};
 use crate::out::{Printer, refusal};
 
 /// The queries of an earlier round that it did not find valid, as they are now: rejected, edited since, or not

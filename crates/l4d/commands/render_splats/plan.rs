@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use l4d_data::layout::{SceneDir, WorkDir};
-use l4d_data::{Camera, Draw, Name, Rig, Split, Timeline};
+use l4d_data::layout::WorkDir;
+use l4d_data::{Camera, Draw, Name, Rig, Split, Timeline, Workspace};
 use l4d_solve::clips::{Instant, Plan};
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::source::Source;
 
 use crate::cli::splats::RenderSplatsArgs;
-use crate::commands::build_scenes::data_folder;
 use crate::out::refusal;
 
 /// A model, what is drawn of it, and where that goes.
@@ -27,7 +26,9 @@ pub(super) struct Order {
 impl Order {
     pub(super) fn of(args: &RenderSplatsArgs) -> Result<Self> {
         let scene = args.scene.as_deref().map(Name::new).transpose()?;
-        let work = scene.as_ref().map(|scene| WorkDir::new(&args.work, args.profile, scene));
+        let work = scene
+            .as_ref()
+            .map(|scene| Workspace::new(args.profile, Draw::default()).with_work(&args.work).work(scene));
         let place = |given: &Option<PathBuf>, default: fn(&WorkDir) -> PathBuf| {
             given
                 .clone()
@@ -79,8 +80,8 @@ fn refuse_unknown_poses(plan: &Plan) -> Result<()> {
 }
 
 fn scene_rig(args: &RenderSplatsArgs, name: &Name) -> Result<Rig> {
-    let data = data_folder(args.data.as_deref(), args.profile, Draw::default());
-    Ok(Rig::read(&SceneDir::new(&data, name).rig(args.profile))?)
+    let space = Workspace::new(args.profile, Draw::default()).with_data(args.data.as_deref());
+    Ok(Rig::read(&space.scene(name).rig(args.profile))?)
 }
 
 /// The views that were asked for, else all training ones; all of a file that has none.

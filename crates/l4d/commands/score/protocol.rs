@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use l4d_data::Report;
+use l4d_data::workspace::default_scores;
 use l4d_score::protocols::{OnMissing, Protocolled, judge_results, render};
 use l4d_score::{Exam, Missing, Options, Protocol};
 
-use super::default_scores_of;
 use crate::cli::judging::ScoreArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
@@ -29,11 +29,12 @@ pub(super) fn run(
             "drop --missing",
         ));
     }
-    let scores = args.scores.clone().unwrap_or_else(|| default_scores_of(exam.set, protocol.as_str()));
+    let scores =
+        args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), Some(protocol.as_str())));
     let progress = |name: &str| out.note(format!("read {name}"));
     let mut judged = judge_results(&args.results, exam, protocol, options, &scores, progress)?;
     report.extend(std::mem::take(&mut judged.report));
-    let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+    let status = Printer::status(&report);
     if args.json {
         out.json(&Protocolled { report, ..judged }.into_document(exam))?;
         return Ok(status);

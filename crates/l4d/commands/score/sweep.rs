@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 use l4d_data::Report;
+use l4d_data::workspace::default_scores;
 use l4d_score::sweep::{LABEL, render, sweep_results};
 use l4d_score::{Exam, Options};
 use serde_json::json;
 
-use super::default_scores_of;
 use crate::cli::judging::ScoreArgs;
 use crate::out::{ExitStatus, Printer};
 
@@ -17,10 +17,10 @@ pub(super) fn run(
     mut report: Report,
     out: &Printer,
 ) -> Result<ExitStatus> {
-    let folder = args.scores.clone().unwrap_or_else(|| default_scores_of(exam.set, "sweep"));
+    let folder = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), Some("sweep")));
     let progress = |name: &str| out.note(format!("read {name}"));
     let sweeps = sweep_results(&args.results, exam, options, &folder, &mut report, progress)?;
-    let status = if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success };
+    let status = Printer::status(&report);
     if args.json {
         out.json(&json!({
             "sweep": LABEL,

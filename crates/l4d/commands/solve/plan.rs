@@ -10,7 +10,7 @@ use l4d_solve::solve::Method;
 
 use super::pick::SceneQueries;
 use super::{Run, question_of};
-use crate::commands::estimate;
+use crate::models::print_estimate;
 use crate::out::{ExitStatus, Printer, refusal};
 
 impl Run<'_> {
@@ -26,7 +26,7 @@ impl Run<'_> {
             Ok((wanted.name.to_string(), plan))
         });
         let plans = plans.collect::<Result<Vec<_>>>()?;
-        estimate::print("scene", &plans, vlm.endpoint(), self.args.json, Report::default(), out)
+        print_estimate("scene", &plans, vlm.endpoint(), self.args.json, Report::default(), out)
     }
 
     fn plan(&self, wanted: &SceneQueries, vlm: &Vlm) -> Result<Plan> {

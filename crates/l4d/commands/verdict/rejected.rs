@@ -6,14 +6,13 @@ use anyhow::Result;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Name};
+use l4d_data::{Benchmark, Name, Workspace};
 use l4d_frames::overlay::marks;
 use l4d_frames::sheet::{Card, MOST_CARDS, Shot, cards, save};
+use l4d_votes::Judged;
 use l4d_votes::verdict::{ItemVerdict, Outcome};
 
-use super::judged::Judged;
 use crate::cli::annotation::VerdictArgs;
-use crate::commands::build_scenes::data_folder;
 use crate::out::Printer;
 
 /// Draws the sheet; false where there is nothing to show, which it says.
@@ -27,11 +26,12 @@ pub(super) fn draw(args: &VerdictArgs, judged: &Judged, bench: &Benchmark, out: 
         out.note("rejected.png was not drawn: it shows rendered scenes");
         return Ok(false);
     }
-    let data = data_folder(args.data.as_deref(), judged.round.profile, bench.manifest.draw());
+    let space = Workspace::new(judged.round.profile, bench.manifest.draw()).with_data(args.data.as_deref());
+    let data = space.data();
     let mut stages: BTreeMap<&Name, Stage> = BTreeMap::new();
     for verdict in &rejected {
         let scene = &verdict.query.scene;
-        let dir = SceneDir::new(&data, scene);
+        let dir = space.scene(scene);
         if !stages.contains_key(scene) && dir.scene().is_file() {
             let truth = bench.dir.truth(judged.round.profile, scene);
             let truth = truth.exists().then(|| bench.truth(judged.round.profile, scene)).transpose()?;

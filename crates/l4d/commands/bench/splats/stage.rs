@@ -2,9 +2,8 @@
 
 use anyhow::Result;
 use glam::UVec2;
-use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::scene::Scene;
-use l4d_data::{Camera, Draw, Name, Split};
+use l4d_data::{Camera, Draw, Name, Split, Workspace};
 use l4d_frames::Display;
 use l4d_frames::exr::read_frame;
 use l4d_splat::Model;
@@ -15,7 +14,6 @@ use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
 
 use crate::cli::splats::BenchSplatsArgs;
-use crate::commands::build_scenes::data_folder;
 
 /// Frames of the made-up room.
 const ROOM_FRAMES: u32 = 25;
@@ -59,10 +57,11 @@ impl Stage {
 
     fn of_scene(args: &BenchSplatsArgs, name: &Name) -> Result<Self> {
         let profile = args.profile;
-        let data = data_folder(args.data.as_deref(), profile, Draw::default());
-        let dir = SceneDir::new(&data, name);
+        let space =
+            Workspace::new(profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+        let dir = space.scene(name);
         let scene = Scene::read(&dir.scene())?;
-        let default = || WorkDir::new(&args.work, profile, name).splats();
+        let default = || space.work(name).splats();
         let source = Source::open(&args.model.clone().unwrap_or_else(default))?;
         let all_frames: Vec<u32> = profile.frames().collect();
         let frames = evenly(&all_frames, args.times as usize);

@@ -1,15 +1,14 @@
 //! The Python environment that runs Blender: what it has to hold, and what to do where it does not.
-//!
-//! bpy 4.5 runs on Python 3.11 alone. How the environment is made is not known here.
+//! bpy 4.5 runs on Python 3.11 alone.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Context as _, Result};
+use l4d_data::workspace::SharedWork;
+use l4d_data::{DataError, Progress, StageError};
 use serde::Deserialize;
 
-use crate::cli::scenes::PythonArgs;
-use crate::out::{Printer, refusal};
+use crate::Result;
 use crate::python::{Environment, PYTHON_VERSION};
 
 /// Asks an interpreter what it has; import errors are data, not failures.
@@ -35,35 +34,52 @@ import os
 os._exit(0)
 "#;
 
+/// The Python that runs Blender, as the user chose it.
+#[derive(Debug, Clone)]
+pub struct PythonChoice {
+    /// An interpreter with everything installed; none for the project's own environment.
+    pub python: Option<PathBuf>,
+    /// Folder of the Blender scripts.
+    pub scripts: PathBuf,
+    /// Folder for what can be remade.
+    pub work: SharedWork,
+}
+
 /// What an interpreter has.
 #[derive(Debug, Clone, Deserialize)]
-pub(crate) struct Probe {
-    pub(crate) version: String,
-    pub(crate) modules: std::collections::BTreeMap<String, String>,
-    pub(crate) errors: std::collections::BTreeMap<String, String>,
+pub struct Probe {
+    /// Of Python.
+    pub version: String,
+    /// Module -> version.
+    pub modules: std::collections::BTreeMap<String, String>,
+    /// Module -> why it does not load.
+    pub errors: std::collections::BTreeMap<String, String>,
 }
 
 /// An interpreter that has everything the Blender scripts import.
 #[derive(Debug, Clone)]
-pub(crate) struct BlenderEnv {
+pub struct BlenderEnv {
     python: PathBuf,
     scripts: PathBuf,
 }
 
 impl BlenderEnv {
     /// The interpreter that the user named, or the project's own environment, made if it is missing.
-    pub(crate) fn find_or_make(args: &PythonArgs, out: &Printer) -> Result<Self> {
-        let scripts = scripts_folder(&args.blender_scripts)?;
-        let python = match &args.python {
+    ///
+    /// # Errors
+    /// Scripts that are not there, or an interpreter that cannot import what they need.
+    pub fn find_or_make(choice: &PythonChoice, progress: &dyn Progress) -> Result<Self> {
+        let scripts = scripts_folder(&choice.scripts)?;
+        let python = match &choice.python {
             Some(python) => python.clone(),
-            None => environment(&scripts, &args.work).find_or_make(out)?,
+            None => environment(&scripts, &choice.work).find_or_make(progress)?,
         };
         require_modules(&python)?;
         Ok(Self { python, scripts })
     }
 
     /// A command that runs the project's Python package.
-    pub(crate) fn command(&self) -> Command {
+    pub fn command(&self) -> Command {
         let mut command = Command::new(&self.python);
         // A fixed hash seed and no user site: the same scripts see the same Python everywhere.
         command
@@ -76,34 +92,43 @@ impl BlenderEnv {
     }
 
     /// Folder of the Blender scripts.
-    pub(crate) fn scripts(&self) -> &Path {
+    pub fn scripts(&self) -> &Path {
         &self.scripts
     }
 }
 
-/// Where the project's own environment stands (whether or not it exists).
-pub(crate) fn environment_python(scripts: &Path, work: &Path) -> Result<PathBuf> {
+/// Where the project's own environment is, whether or not it exists.
+///
+/// # Errors
+/// Requirements that cannot be read.
+pub fn environment_python(scripts: &Path, work: &SharedWork) -> Result<PathBuf> {
     environment(scripts, work).python()
 }
 
 /// Asks an interpreter for its version and modules.
-pub(crate) fn probe(python: &Path) -> Result<Probe> {
+///
+/// # Errors
+/// An interpreter that does not run or does not answer.
+pub fn probe(python: &Path) -> Result<Probe> {
     let output = Command::new(python)
         .env("PYTHONNOUSERSITE", "1")
         .args(["-c", PROBE])
         .stdin(Stdio::null())
         .output()
-        .with_context(|| format!("cannot run {}", python.display()))?;
+        .map_err(|error| DataError::io(python, "run", error))?;
     let stdout = String::from_utf8_lossy(&output.stdout);
     let line = stdout.lines().find_map(|line| line.strip_prefix("L4D"));
-    let line = line.with_context(|| {
-        format!("{} did not answer: {}", python.display(), String::from_utf8_lossy(&output.stderr).trim())
-    })?;
-    Ok(serde_json::from_str(line)?)
+    line.and_then(|line| serde_json::from_str(line).ok()).ok_or_else(|| {
+        let said = String::from_utf8_lossy(&output.stderr);
+        StageError::new(
+            format!("{} did not answer: {}", python.display(), said.trim()),
+            format!("name a working Python {PYTHON_VERSION} with --python, or leave it out"),
+        )
+    })
 }
 
 /// What to do about a module that does not load.
-pub(crate) fn import_remedy(module: &str, error: &str) -> String {
+pub fn import_remedy(module: &str, error: &str) -> String {
     if let Some(library) = missing_library(error) {
         let package = debian_package(library);
         return format!("install the system library {library} (Debian, Ubuntu: apt-get install {package})");
@@ -117,22 +142,25 @@ pub(crate) fn import_remedy(module: &str, error: &str) -> String {
 }
 
 /// The folder of the Blender scripts, absolute.
-pub(crate) fn scripts_folder(scripts: &Path) -> Result<PathBuf> {
+///
+/// # Errors
+/// A folder that does not hold them.
+pub fn scripts_folder(scripts: &Path) -> Result<PathBuf> {
     if !scripts.join("l4d_blender").is_dir() {
-        return Err(refusal(
+        return Err(StageError::new(
             format!("{}: the folder of the Blender scripts is not there", scripts.display()),
             "run l4d in the project's root folder, or name the folder with --blender-scripts",
         ));
     }
     // Workers run elsewhere on a relative path's behalf, so it is made absolute once.
-    std::path::absolute(scripts).with_context(|| format!("cannot resolve {}", scripts.display()))
+    Ok(std::path::absolute(scripts).map_err(|error| DataError::io(scripts, "resolve", error))?)
 }
 
 /// The project's own environment.
-fn environment(scripts: &Path, work: &Path) -> Environment {
+fn environment(scripts: &Path, work: &SharedWork) -> Environment {
     Environment {
         requirements: scripts.join("requirements.txt"),
-        kind_folder: work.join("blender-env"),
+        kind_folder: work.blender_environments(),
         name: "the Blender environment",
         holds: "bpy, usd-core, OpenEXR; about 1 GB, and 2 GB while it is made",
     }
@@ -140,14 +168,14 @@ fn environment(scripts: &Path, work: &Path) -> Environment {
 
 fn require_modules(python: &Path) -> Result<()> {
     let probe = probe(python).map_err(|error| {
-        refusal(
-            format!("{error:#}"),
+        StageError::new(
+            error.to_string(),
             format!("name a working Python {PYTHON_VERSION} with --python, or leave it out"),
         )
     })?;
     match probe.errors.first_key_value() {
         None => Ok(()),
-        Some((module, error)) => Err(refusal(
+        Some((module, error)) => Err(StageError::new(
             format!("{} (Python {}) cannot import {module}: {error}", python.display(), probe.version),
             import_remedy(module, error),
         )),

@@ -5,28 +5,39 @@ use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use anyhow::{Context as _, Result};
 use l4d_data::store::make_folder;
+use l4d_data::{DataError, StageError};
 use serde::Deserialize;
 
-use crate::out::refusal;
+use crate::Result;
 
 /// What a worker says.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
-pub(crate) enum WorkerEvent {
+pub enum WorkerEvent {
     /// It is up, on this device.
     Start {
+        /// What renders.
         #[serde(default)]
         device: String,
     },
-    /// A frame stands on disk.
-    Image { view: String, frame: u32 },
+    /// A picture is on disk.
+    Image {
+        /// Camera.
+        view: String,
+        /// Canonical frame.
+        frame: u32,
+    },
     /// Worth telling the user.
-    Warning { message: String },
+    Warning {
+        /// What.
+        message: String,
+    },
     /// It gives up, and why.
     Error {
+        /// Why.
         message: String,
+        /// What to do.
         #[serde(default)]
         hint: String,
     },
@@ -39,15 +50,15 @@ pub(crate) enum WorkerEvent {
 
 /// How a worker ended.
 #[derive(Debug)]
-pub(crate) enum WorkerEnd {
+pub enum WorkerEnd {
     /// It did everything.
     Done,
     /// It was told to stop.
     Stopped,
     /// It gave up with a reason of its own: trying again would end the same way.
-    Refused(anyhow::Error),
+    Refused(StageError),
     /// It died without a word (killed, out of memory, crashed).
-    Died(anyhow::Error),
+    Died(StageError),
 }
 
 /// Kills the child when the supervisor leaves early.
@@ -61,36 +72,42 @@ impl Drop for Reaper {
 }
 
 /// Runs a worker to its end. `on_event` sees each event and says whether to go on.
-pub(crate) fn run(
+///
+/// # Errors
+/// A program that cannot be started or read from, a log that cannot be written.
+pub fn run(
     mut command: Command,
     log: &Path,
-    on_event: &mut dyn FnMut(&WorkerEvent) -> Result<bool>,
+    on_event: &mut dyn FnMut(&WorkerEvent) -> bool,
 ) -> Result<WorkerEnd> {
     // The worker holds the other end of its stdin: when this process dies, it reads the end and leaves.
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(open_log(log)?);
-    let child =
-        command.spawn().with_context(|| format!("cannot start {}", command.get_program().display()))?;
-    let mut child = Reaper(child);
-    let stdout = child.0.stdout.take().context("the worker has no stdout")?;
+    let program = PathBuf::from(command.get_program());
+    let failed = |action| move |error| DataError::io(&program, action, error);
+    let mut child = Reaper(command.spawn().map_err(failed.clone()("start"))?);
+    let stdout = child.0.stdout.take();
     let mut reason = None;
     let mut done = false;
-    for line in BufReader::new(stdout).lines() {
+    for line in stdout.into_iter().flat_map(|stdout| BufReader::new(stdout).lines()) {
         // A line that is cut or no JSON is talk of a library; the exit status tells how it ended.
-        let Ok(event) = serde_json::from_str(&line.context("cannot read from the worker")?) else { continue };
+        let line = line.map_err(failed.clone()("read from"))?;
+        let Ok(event) = serde_json::from_str(&line) else { continue };
         match &event {
-            WorkerEvent::Error { message, hint } => reason = Some(refusal(message.clone(), hint.clone())),
+            WorkerEvent::Error { message, hint } => {
+                reason = Some(StageError::new(message.clone(), hint.clone()))
+            }
             WorkerEvent::Done => done = true,
             _ => {}
         }
-        if !on_event(&event)? {
+        if !on_event(&event) {
             return Ok(WorkerEnd::Stopped);
         }
     }
-    let status = child.0.wait().context("cannot wait for the worker")?;
+    let status = child.0.wait().map_err(failed("wait for"))?;
     Ok(match reason {
         Some(reason) => WorkerEnd::Refused(reason),
         None if status.success() && done => WorkerEnd::Done,
-        None => WorkerEnd::Died(refusal(
+        None => WorkerEnd::Died(StageError::new(
             format!("the Blender worker ended early ({status}); the end of its log:\n{}", tail(log)),
             format!("see {}; if memory ran out, use fewer --jobs; what is rendered is kept", log.display()),
         )),
@@ -100,7 +117,7 @@ pub(crate) fn run(
 fn open_log(log: &Path) -> Result<File> {
     make_folder(log.parent().unwrap_or(Path::new(".")))?;
     let open = OpenOptions::new().create(true).append(true).open(log);
-    open.with_context(|| format!("cannot open the log {}", log.display()))
+    Ok(open.map_err(|error| DataError::io(log, "open", error))?)
 }
 
 fn tail(log: &Path) -> String {
@@ -108,11 +125,6 @@ fn tail(log: &Path) -> String {
     let text = String::from_utf8_lossy(&text);
     let lines: Vec<&str> = text.lines().collect();
     lines[lines.len().saturating_sub(8)..].join("\n")
-}
-
-/// The log of a worker: `<work>/logs/<stage>/<name>.log`.
-pub(crate) fn log_path(work: &Path, stage: &str, name: &str) -> PathBuf {
-    work.join("logs").join(stage).join(format!("{name}.log"))
 }
 
 #[cfg(test)]
@@ -126,7 +138,7 @@ mod tests {
         let mut events = Vec::new();
         let end = run(command, &folder.path().join("worker.log"), &mut |event| {
             events.push(event.clone());
-            Ok(true)
+            true
         });
         (end.unwrap(), events)
     }

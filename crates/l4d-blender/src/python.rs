@@ -1,43 +1,47 @@
-//! Python environments of the project's own: each made once, on demand, and kept.
-//!
-//! Owns how an environment comes to be whole. It is named by the digest of its pinned requirements, so that a changed
-//! pin makes a new one and an interrupted installation is never taken for a whole one. Refuses to know what runs in it.
+//! Python environments, each made once and kept. An environment is named by the digest of its pinned requirements, so
+//! that a changed pin makes a new one; an interrupted installation is never taken for a whole one.
 
 use std::ffi::OsStr;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Context as _, Result};
 use l4d_data::digest::sha256_file;
 use l4d_data::store::{make_folder, write_atomic};
+use l4d_data::{DataError, Progress, StageError};
 
-use crate::out::{Printer, refusal};
+use crate::Result;
 
 /// The Python that the pins are for.
-pub(crate) const PYTHON_VERSION: &str = "3.11";
+pub const PYTHON_VERSION: &str = "3.11";
 
 /// An environment, whether or not it exists.
 #[derive(Debug, Clone)]
-pub(crate) struct Environment {
+pub struct Environment {
     /// What is installed into it.
-    pub(crate) requirements: PathBuf,
+    pub requirements: PathBuf,
     /// Folder of all environments of its kind.
-    pub(crate) kind_folder: PathBuf,
+    pub kind_folder: PathBuf,
     /// What people call it.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// What it holds, and how much room that takes.
-    pub(crate) holds: &'static str,
+    pub holds: &'static str,
 }
 
 impl Environment {
-    /// Its interpreter.
-    pub(crate) fn python(&self) -> Result<PathBuf> {
+    /// Its interpreter, whether or not it exists.
+    ///
+    /// # Errors
+    /// Requirements that cannot be read.
+    pub fn python(&self) -> Result<PathBuf> {
         Ok(self.folder()?.join("bin").join("python"))
     }
 
     /// Its interpreter, once everything is installed.
-    pub(crate) fn find_or_make(&self, out: &Printer) -> Result<PathBuf> {
+    ///
+    /// # Errors
+    /// A missing Python, or an installation that fails, with the end of what it said.
+    pub fn find_or_make(&self, progress: &dyn Progress) -> Result<PathBuf> {
         let (folder, python) = (self.folder()?, self.python()?);
         let complete = folder.join("complete");
         if complete.exists() {
@@ -46,17 +50,15 @@ impl Environment {
         let parent = folder.parent().unwrap_or(&self.kind_folder);
         make_folder(parent)?;
         let lock_path = parent.join("lock");
-        let lock =
-            File::create(&lock_path).with_context(|| format!("cannot create {}", lock_path.display()))?;
-        lock.lock().with_context(|| format!("cannot lock {}", lock_path.display()))?;
+        let lock = File::create(&lock_path).map_err(|error| DataError::io(&lock_path, "create", error))?;
+        lock.lock().map_err(|error| DataError::io(&lock_path, "lock", error))?;
         if complete.exists() {
             return Ok(python);
         }
         if folder.exists() {
-            std::fs::remove_dir_all(&folder)
-                .with_context(|| format!("cannot remove {}", folder.display()))?;
+            std::fs::remove_dir_all(&folder).map_err(|error| DataError::io(&folder, "remove", error))?;
         }
-        out.note(format!("making {} in {} ({})", self.name, folder.display(), self.holds));
+        progress.note(&format_args!("making {} in {} ({})", self.name, folder.display(), self.holds));
         self.install(&folder, &python)?;
         write_atomic(&complete, b"")?;
         Ok(python)
@@ -65,7 +67,7 @@ impl Environment {
     fn folder(&self) -> Result<PathBuf> {
         let digest = sha256_file(&self.requirements)?;
         let parent = std::path::absolute(&self.kind_folder)
-            .with_context(|| format!("cannot resolve {}", self.kind_folder.display()))?;
+            .map_err(|error| DataError::io(&self.kind_folder, "resolve", error))?;
         Ok(parent.join(&digest[..12]))
     }
 
@@ -96,7 +98,7 @@ impl Environment {
         let version = "import sys; sys.exit('%d.%d' % sys.version_info[:2] != sys.argv[1])";
         let is_right = |python: &&str| runs(python, ["-c", version, PYTHON_VERSION]);
         ["python3.11", "python3", "python"].into_iter().find(is_right).ok_or_else(|| {
-            refusal(
+            StageError::new(
                 format!("no Python {PYTHON_VERSION} on PATH, which {} is pinned for", self.name),
                 "install it (Debian 12: apt-get install python3.11 python3.11-venv), or install uv, which brings its own",
             )
@@ -106,7 +108,7 @@ impl Environment {
     fn step<'a>(&self, program: &str, args: impl IntoIterator<Item = &'a OsStr>) -> Result<()> {
         let mut command = Command::new(program);
         command.args(args).stdin(Stdio::null());
-        let output = command.output().with_context(|| format!("cannot run {program}"))?;
+        let output = command.output().map_err(|error| DataError::io(Path::new(program), "run", error))?;
         if output.status.success() {
             return Ok(());
         }
@@ -123,7 +125,7 @@ impl Environment {
             "check the network and the package index, or prepare an environment yourself and name its Python"
                 .to_owned()
         };
-        Err(refusal(format!("{program} could not make {}:\n{}", self.name, tail.join("\n")), hint))
+        Err(StageError::new(format!("{program} could not make {}:\n{}", self.name, tail.join("\n")), hint))
     }
 }
 
@@ -139,6 +141,8 @@ fn runs<const N: usize>(program: &str, args: [&str; N]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use l4d_data::Silent;
+
     use super::*;
 
     fn environment(folder: &Path, requirements: &str) -> Environment {
@@ -154,18 +158,17 @@ mod tests {
     #[test]
     fn it_is_made_once_and_again_for_other_pins() {
         let folder = tempfile::tempdir().unwrap();
-        let out = Printer::new(true);
         let first = environment(folder.path(), "# nothing\n");
-        let python = first.find_or_make(&out).unwrap();
+        let python = first.find_or_make(&Silent).unwrap();
         assert!(runs(&python.to_string_lossy(), ["-c", "import json"]));
         let mark = python.with_file_name("mark");
         std::fs::write(&mark, "").unwrap();
-        assert_eq!(first.find_or_make(&out).unwrap(), python);
+        assert_eq!(first.find_or_make(&Silent).unwrap(), python);
         assert!(mark.exists(), "it was not made again");
 
         // One that was interrupted is made again from the start.
         std::fs::remove_file(python.parent().unwrap().parent().unwrap().join("complete")).unwrap();
-        first.find_or_make(&out).unwrap();
+        first.find_or_make(&Silent).unwrap();
         assert!(!mark.exists());
         assert_ne!(environment(folder.path(), "# nothing else\n").python().unwrap(), python);
     }
@@ -174,8 +177,8 @@ mod tests {
     fn what_cannot_be_installed_is_told_and_not_taken_for_whole() {
         let folder = tempfile::tempdir().unwrap();
         let broken = environment(folder.path(), "./no/such/package\n");
-        let error = broken.find_or_make(&Printer::new(true)).unwrap_err();
-        assert!(format!("{error:#}").contains("could not make a test environment"), "{error:#}");
-        assert!(broken.find_or_make(&Printer::new(true)).is_err());
+        let error = broken.find_or_make(&Silent).unwrap_err();
+        assert!(error.to_string().contains("could not make a test environment"), "{error:#}");
+        assert!(broken.find_or_make(&Silent).is_err());
     }
 }

@@ -4,17 +4,17 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use l4d_data::{Category, Status};
-use l4d_votes::agreement::{Agreement, Annotator, Estimate, Group};
-use l4d_votes::control::Consistency;
-use l4d_votes::verdict::{ItemVerdict, Outcome};
 
-use super::judged::Judged;
-use super::status::Change;
+use super::Judged;
+use super::statuses::StatusChange;
+use crate::agreement::{Agreement, Annotator, Estimate, Group};
+use crate::control::Consistency;
+use crate::verdict::{ItemVerdict, Outcome};
 
 const NAME_WIDTH: usize = 14;
 
 /// Per category, per annotator, and what was rejected.
-pub(super) fn render(judged: &Judged, agreement: &Agreement) -> String {
+pub fn render(judged: &Judged, agreement: &Agreement) -> String {
     let of = |category: &Category| {
         let all = judged.verdicts.items.iter();
         all.filter(|verdict| verdict.categories.contains(category)).collect::<Vec<&ItemVerdict>>()
@@ -149,7 +149,7 @@ fn legend() -> &'static str {
 }
 
 /// What became of the status of the queries.
-pub(super) fn status_line(judged: &Judged, changes: &[Change]) -> String {
+pub fn status_line(judged: &Judged, changes: &[StatusChange]) -> String {
     if judged.round.simulated {
         return "simulated round: no query has another status for it".to_owned();
     }

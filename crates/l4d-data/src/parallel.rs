@@ -4,20 +4,20 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
-use anyhow::Result;
-
-/// Does work for each item, `jobs` at once; results in the order of the items, or the first error in that order. After
-/// an error nothing more is begun.
-pub(crate) fn side_by_side<T: Sync, R: Send>(
+/// Does work for each item, `jobs` at once.
+///
+/// # Errors
+/// The first error in the order of the items; after an error nothing more is begun.
+pub fn in_parallel<T: Sync, R: Send, E: Send>(
     items: &[T],
     jobs: usize,
-    work: impl Fn(&T) -> Result<R> + Sync,
-) -> Result<Vec<R>> {
+    work: impl Fn(&T) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
     let next = AtomicUsize::new(0);
     let has_failed = AtomicBool::new(false);
-    let done: Vec<Mutex<Option<Result<R>>>> = items.iter().map(|_| Mutex::new(None)).collect();
+    let done: Vec<Mutex<Option<Result<R, E>>>> = items.iter().map(|_| Mutex::new(None)).collect();
     thread::scope(|scope| {
-        for _ in 0..jobs.min(items.len()) {
+        for _ in 0..jobs.clamp(1, items.len().max(1)) {
             scope.spawn(|| {
                 while !has_failed.load(Ordering::Relaxed) {
                     let index = next.fetch_add(1, Ordering::Relaxed);
@@ -41,22 +41,20 @@ mod tests {
     #[test]
     fn results_come_in_the_order_of_the_items() {
         let items: Vec<u64> = (0..40).collect();
-        let doubled = side_by_side(&items, 4, |&item| {
+        let doubled = in_parallel(&items, 4, |&item| {
             thread::sleep(std::time::Duration::from_micros(500 * (item % 3)));
-            Ok(2 * item)
+            Ok::<u64, ()>(2 * item)
         });
         assert_eq!(doubled.unwrap(), items.iter().map(|item| 2 * item).collect::<Vec<_>>());
-        assert!(side_by_side(&[] as &[u8], 4, |_| Ok(())).unwrap().is_empty());
     }
 
     #[test]
     fn the_first_error_ends_it() {
         let begun = AtomicUsize::new(0);
-        let result: Result<Vec<()>> = side_by_side(&[1, 2, 3, 4], 1, |item| {
+        let result: Result<Vec<()>, u32> = in_parallel(&[1, 2, 3, 4], 1, |&item| {
             begun.fetch_add(1, Ordering::Relaxed);
-            if *item == 2 { Err(anyhow::anyhow!("no {item}")) } else { Ok(()) }
+            if item == 2 { Err(item) } else { Ok(()) }
         });
-        assert_eq!(result.unwrap_err().to_string(), "no 2");
-        assert_eq!(begun.into_inner(), 2);
+        assert_eq!((result, begun.into_inner()), (Err(2), 2));
     }
 }

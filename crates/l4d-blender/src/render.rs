@@ -7,21 +7,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use anyhow::{Context as _, Result};
 use glam::UVec2;
-use indicatif::ProgressBar;
 use l4d_data::layout::SceneDir;
 use l4d_data::store::list_folder;
-use l4d_data::{DataError, Draw, Name, Profile, json};
+use l4d_data::workspace::SharedWork;
+use l4d_data::{At as _, DataError, Draw, Name, Profile, Progress, Shard, StageError, json};
 use l4d_frames::exr::read_frame;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::env::BlenderEnv;
-use super::plan::Plan;
-use super::worker::{self, WorkerEnd, WorkerEvent};
-use crate::cli::Shard;
-use crate::out::{Printer, refusal};
+use crate::Result;
+use crate::env::BlenderEnv;
+use crate::plan::Plan;
+use crate::worker::{self, WorkerEnd, WorkerEvent};
 
 const JOB_SCHEMA: &str = "l4d/render-job/1";
 /// With a single thread Cycles keeps a second one spinning, which doubles the processor time of a picture.
@@ -30,20 +28,28 @@ const LEAST_THREADS: usize = 2;
 /// How pictures are made; pictures made otherwise are never mixed with them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct RenderSettings {
-    pub(crate) profile: Profile,
-    pub(crate) variant: u32,
-    pub(crate) seed: u64,
-    pub(crate) samples: u32,
-    pub(crate) bpy: String,
-    pub(crate) scripts_sha256: String,
+pub struct RenderSettings {
+    /// Pixels, frames, views.
+    pub profile: Profile,
+    /// Permutation of the recipe.
+    pub variant: u32,
+    /// Of everything random.
+    pub seed: u64,
+    /// Of the colour pass, per pixel.
+    pub samples: u32,
+    /// Version of bpy.
+    pub bpy: String,
+    /// Of the scripts that planned the scene.
+    pub scripts_sha256: String,
 }
 
 /// One picture.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub(crate) struct Image {
-    pub(crate) frame: u32,
-    pub(crate) view: Name,
+pub struct Image {
+    /// Canonical frame.
+    pub frame: u32,
+    /// Camera.
+    pub view: Name,
 }
 
 /// What a worker is asked to render.
@@ -74,22 +80,20 @@ struct Piece<'a> {
 
 /// A scene that is ready to be rendered.
 #[derive(Debug)]
-pub(crate) struct PlannedScene {
-    pub(crate) name: Name,
-    pub(crate) dir: SceneDir,
-    pub(crate) plan: Plan,
-    pub(crate) settings: RenderSettings,
+pub struct PlannedScene {
+    /// Of the recipe.
+    pub name: Name,
+    /// Where its pictures go.
+    pub dir: SceneDir,
+    /// Tracks and cameras.
+    pub plan: Plan,
+    /// How it is rendered.
+    pub settings: RenderSettings,
 }
 
 impl PlannedScene {
-    pub(crate) fn new(
-        name: Name,
-        dir: SceneDir,
-        plan: Plan,
-        profile: Profile,
-        draw: Draw,
-        samples: u32,
-    ) -> Self {
+    /// A plan with the settings that its pictures are rendered with.
+    pub fn new(name: Name, dir: SceneDir, plan: Plan, profile: Profile, draw: Draw, samples: u32) -> Self {
         let settings = RenderSettings {
             profile,
             variant: draw.variant,
@@ -102,26 +106,28 @@ impl PlannedScene {
     }
 
     /// Every picture of the profile, frame by frame: a worker then moves through time once.
-    pub(crate) fn images(&self) -> Vec<Image> {
+    pub fn images(&self) -> Vec<Image> {
         let profile = self.settings.profile;
         let views: Vec<&Name> = self.plan.tracks.views(profile).map(|camera| &camera.name).collect();
         let of_frame = |frame| views.iter().map(move |view| Image { frame, view: (*view).clone() });
         profile.frames().flat_map(of_frame).collect()
     }
 
-    /// Makes sure that what stands in the folder was rendered with the same settings.
-    pub(crate) fn claim(&self, overwrite: bool) -> Result<()> {
+    /// Makes sure that what the folder holds was rendered with the same settings.
+    ///
+    /// # Errors
+    /// Pictures of other settings, unless `overwrite` removes them.
+    pub fn claim(&self, overwrite: bool) -> Result<()> {
         let path = self.dir.root().join("render.json");
         let frames = self.dir.root().join("frames");
         if frames.exists() && json::read::<RenderSettings>(&path).ok().as_ref() != Some(&self.settings) {
             if !overwrite {
-                return Err(refusal(
+                return Err(StageError::new(
                     format!("{} holds pictures of other scripts, seeds or samples", frames.display()),
                     "add --overwrite to render them again, or choose another folder with --data",
                 ));
             }
-            std::fs::remove_dir_all(&frames)
-                .with_context(|| format!("cannot remove {}", frames.display()))?;
+            std::fs::remove_dir_all(&frames).map_err(|error| DataError::io(&frames, "remove", error))?;
             std::fs::remove_file(self.dir.scene()).ok();
         }
         json::write(&path, &self.settings)?;
@@ -129,7 +135,7 @@ impl PlannedScene {
     }
 
     /// The pictures that are not on disk, or torn, or of another size.
-    pub(crate) fn missing(&self) -> Vec<Image> {
+    pub fn missing(&self) -> Vec<Image> {
         let size = UVec2::new(self.settings.profile.width(), self.settings.profile.height());
         let is_good = |image: &Image| read_frame(&self.dir.frame(&image.view, image.frame), size).is_ok();
         let views_without_card: Vec<&Name> = self
@@ -145,8 +151,11 @@ impl PlannedScene {
             .collect()
     }
 
-    /// Removes what killed workers left half-written. Only safe when nobody renders into the folder.
-    pub(crate) fn sweep(&self) -> Result<(), DataError> {
+    /// Removes what killed workers left half-written. Only safe while nothing renders into the folder.
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn sweep(&self) -> Result<(), DataError> {
         for camera in self.plan.tracks.views(self.settings.profile) {
             let folder = self.dir.view(&camera.name);
             let entries = std::fs::read_dir(&folder)
@@ -164,13 +173,16 @@ impl PlannedScene {
 }
 
 /// Renders what is missing of the scenes. Gives the number of pictures that this call rendered.
-pub(crate) fn render(
+///
+/// # Errors
+/// The first worker that refuses, or dies without having made a picture.
+pub fn render(
     env: &BlenderEnv,
     scenes: &[PlannedScene],
     shard: Option<Shard>,
     jobs: usize,
-    work: &Path,
-    out: &Printer,
+    work: &SharedWork,
+    progress: &dyn Progress,
 ) -> Result<u64> {
     let jobs = jobs.max(1);
     let missing = scenes.iter().map(|scene| of_shard(scene.missing(), shard, scene.settings.profile));
@@ -183,20 +195,20 @@ pub(crate) fn render(
     let crew = Crew {
         env,
         work,
-        out,
-        bar: out.bar(total, "rendering"),
+        progress,
         threads: (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(LEAST_THREADS),
         queue: Mutex::new(pieces(open, jobs)),
         stop: AtomicBool::new(false),
     };
+    progress.start("rendering", total);
     let ends: Vec<Result<()>> = thread::scope(|scope| {
         let hands: Vec<_> = (0..jobs).map(|_| scope.spawn(|| crew.work_off())).collect();
         let join = |hand: thread::ScopedJoinHandle<'_, Result<()>>| {
-            hand.join().unwrap_or_else(|_| Err(anyhow::anyhow!("a supervisor panicked")))
+            hand.join().unwrap_or_else(|_| Err(StageError::new("a supervisor panicked", "please report it")))
         };
         hands.into_iter().map(join).collect()
     });
-    crew.bar.finish_and_clear();
+    progress.finish();
     ends.into_iter().collect::<Result<()>>()?;
     Ok(total)
 }
@@ -226,9 +238,8 @@ fn of_shard(images: Vec<Image>, shard: Option<Shard>, profile: Profile) -> Vec<I
 /// Supervisors that share a queue of pieces; each runs one worker at a time.
 struct Crew<'a> {
     env: &'a BlenderEnv,
-    work: &'a Path,
-    out: &'a Printer,
-    bar: ProgressBar,
+    work: &'a SharedWork,
+    progress: &'a dyn Progress,
     threads: usize,
     queue: Mutex<VecDeque<Piece<'a>>>,
     stop: AtomicBool,
@@ -263,14 +274,16 @@ impl Crew<'_> {
                         piece.images.len(),
                         piece.scene.name
                     );
-                    return Err(refusal(message, "run the command again; if it stays, please report it"));
+                    return Err(StageError::new(
+                        message,
+                        "run the command again; if it stays, please report it",
+                    ));
                 }
                 WorkerEnd::Died(error) if piece.images.len() < before => {
-                    let note = format!("{}: starting a new worker: {error:#}", piece.scene.name);
-                    self.bar.suspend(|| self.out.warn(note));
+                    self.progress.warn(&format_args!("{}: starting a new worker: {error}", piece.scene.name));
                 }
                 WorkerEnd::Died(error) | WorkerEnd::Refused(error) => {
-                    return Err(error.context(format!("cannot render {}", piece.scene.name)));
+                    return Err(error).at(format_args!("cannot render {}", piece.scene.name));
                 }
             }
         }
@@ -279,7 +292,8 @@ impl Crew<'_> {
 
     fn run_worker(&self, piece: &mut Piece<'_>) -> Result<WorkerEnd> {
         let scene = piece.scene;
-        let root = std::path::absolute(scene.dir.root()).context("cannot resolve the scene's folder")?;
+        let root = std::path::absolute(scene.dir.root())
+            .map_err(|error| DataError::io(scene.dir.root(), "resolve", error))?;
         let profile = scene.settings.profile;
         let job = Job {
             schema: JOB_SCHEMA,
@@ -297,24 +311,24 @@ impl Crew<'_> {
             images: &piece.images,
         };
         let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
-        let job_path = self.work.join("jobs").join(format!("{name}.json"));
+        let job_path = self.work.job(&name);
         json::write(&job_path, &job)?;
         let mut command = self.env.command();
         command.arg("render").arg(&job_path);
-        self.bar.set_message(scene.name.to_string());
-        let end = worker::run(command, &worker::log_path(self.work, "render", &name), &mut |event| {
+        self.progress.item(&scene.name);
+        let end = worker::run(command, &self.work.log("render", &name), &mut |event| {
             match event {
                 WorkerEvent::Image { view, frame } => {
-                    self.bar.inc(1);
+                    self.progress.advance(1);
                     piece.images.retain(|image| !(image.view.as_str() == view && image.frame == *frame));
                 }
-                WorkerEvent::Warning { message } => self.bar.suspend(|| self.out.warn(message)),
+                WorkerEvent::Warning { message } => self.progress.warn(message),
                 WorkerEvent::Start { device } => {
                     tracing::info!(scene = %scene.name, device, "worker started");
                 }
                 _ => {}
             }
-            Ok(!self.stop.load(Ordering::Relaxed))
+            !self.stop.load(Ordering::Relaxed)
         });
         std::fs::remove_file(&job_path).ok();
         end
@@ -322,7 +336,10 @@ impl Crew<'_> {
 }
 
 /// Scenes that have a recipe, sorted.
-pub(crate) fn recipes(scripts: &Path) -> Result<Vec<String>, DataError> {
+///
+/// # Errors
+/// A folder that cannot be listed.
+pub fn recipes(scripts: &Path) -> Result<Vec<String>, DataError> {
     let names = list_folder(&scripts.join("scenes"))?;
     let stems =
         names.iter().filter_map(|name| name.strip_suffix(".py")).filter(|stem| !stem.starts_with('_'));

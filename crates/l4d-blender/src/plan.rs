@@ -5,17 +5,18 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::Result;
 use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::layout::SceneDir;
 use l4d_data::store::make_folder;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Draw, Name, json};
+use l4d_data::workspace::SharedWork;
+use l4d_data::{At as _, Draw, Name, Progress, json};
 use serde::Deserialize;
+
+use crate::Result;
 
 use super::env::BlenderEnv;
 use super::worker::{self, WorkerEnd, WorkerEvent};
-use crate::out::Printer;
 
 /// What `plan.json` says; the rest of it is for people.
 #[derive(Debug, Deserialize)]
@@ -29,20 +30,26 @@ struct PlanCard {
 
 /// A planned scene.
 #[derive(Debug)]
-pub(crate) struct Plan {
-    pub(crate) tracks: Tracks,
-    pub(crate) bpy: String,
-    pub(crate) scripts_sha256: String,
+pub struct Plan {
+    /// Where everything is at each canonical frame.
+    pub tracks: Tracks,
+    /// Version of bpy.
+    pub bpy: String,
+    /// Of the scripts that made it.
+    pub scripts_sha256: String,
 }
 
-/// The plan in `dir` if the scripts that made it are those of today, otherwise a new one.
-pub(crate) fn plan(
+/// The plan in `dir` if the scripts that made it are unchanged, otherwise a new one.
+///
+/// # Errors
+/// A worker that refuses or dies, with the end of its log.
+pub fn plan(
     env: &BlenderEnv,
     dir: &SceneDir,
     scene: &Name,
     draw: Draw,
-    work: &Path,
-    out: &Printer,
+    work: &SharedWork,
+    progress: &dyn Progress,
 ) -> Result<Plan> {
     if let Some(plan) = read_current(env.scripts(), dir, scene, draw) {
         return Ok(plan);
@@ -52,17 +59,16 @@ pub(crate) fn plan(
     command.args(["plan", "--scene", scene]);
     command.args(["--variant", &draw.variant.to_string(), "--seed", &draw.seed.to_string(), "--out"]);
     command.arg(dir.root());
-    let log = worker::log_path(work, "plan", scene);
-    let end = worker::run(command, &log, &mut |event| {
+    let end = worker::run(command, &work.log("plan", scene), &mut |event| {
         if let WorkerEvent::Warning { message } = event {
-            out.warn(format!("{scene}: {message}"));
+            progress.warn(&format_args!("{scene}: {message}"));
         }
-        Ok(true)
+        true
     })?;
     match end {
         WorkerEnd::Done | WorkerEnd::Stopped => read(dir),
         WorkerEnd::Refused(error) | WorkerEnd::Died(error) => {
-            Err(error.context(format!("cannot plan {scene}")))
+            Err(error).at(format_args!("cannot plan {scene}"))
         }
     }
 }

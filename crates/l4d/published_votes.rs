@@ -1,40 +1,41 @@
-//! What people's votes say of a benchmark, for those who only carry it: by the logic of `l4d verdict`.
+//! What a release and a hosted benchmark say beside the data: by whom and when, and what people voted.
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
-use l4d_data::store::list_folder;
+use anyhow::Result;
 use l4d_data::{Benchmark, QueryId};
-use l4d_release::Votes;
+use l4d_release::contents::Publication;
 use l4d_release::gather::Source;
 use l4d_release::votes::Round;
-use l4d_votes::RoundDir;
+use l4d_release::{Day, Votes};
 use l4d_votes::agreement::measure;
 use l4d_votes::verdict::Outcome;
+use l4d_votes::{Evidence, Judged};
 
-use crate::commands::verdict::{Evidence, Judged};
+use crate::out::refusal;
+
+/// What the data do not say.
+pub(crate) fn publication(date: &Day, url: &str, creators: &[String]) -> Result<Publication> {
+    if !url.starts_with("https://") && !url.starts_with("http://") {
+        return Err(refusal(format!("`{url}` is no page"), "give --url as https://..."));
+    }
+    Ok(Publication { date: date.clone(), url: url.to_owned(), creators: creators.to_vec() })
+}
 
 /// Judges every sealed round of people in a folder of rounds; others are left where they are.
-pub(in crate::commands) fn of_people(rounds: &Path, bench: &Benchmark) -> Result<Votes> {
+pub(crate) fn votes_of_people(rounds: &Path, bench: &Benchmark) -> Result<Votes> {
     let mut votes = Votes::default();
     let mut evidence = Evidence::default();
-    if !rounds.exists() {
+    for judged in Judged::read_all(rounds, bench)?.iter().filter(|judged| judged.counts()) {
+        evidence.add(judged);
+        votes.rounds.push(facts(judged));
+        votes.add_files(&format!("annotation/rounds/{}", judged.round.name), judged.dir.root())?;
+    }
+    if votes.rounds.is_empty() {
         return Ok(votes);
     }
-    for name in list_folder(rounds)? {
-        if !RoundDir::new(rounds.join(&name)).settings().exists() {
-            continue;
-        }
-        let judged = Judged::read(rounds, &name, bench).with_context(|| format!("round {name}"))?;
-        if judged.round.simulated || !judged.now.is_final {
-            continue;
-        }
-        evidence.add(&judged);
-        votes.rounds.push(facts(&judged));
-        votes.add_files(&format!("annotation/rounds/{name}"), judged.dir.root())?;
-    }
     let guidelines = rounds.with_file_name("GUIDELINES.md");
-    if !votes.rounds.is_empty() && guidelines.is_file() {
+    if guidelines.is_file() {
         votes.files.push(Source::read("annotation/GUIDELINES.md".to_owned(), guidelines)?);
     }
     for query in queries(bench)? {

@@ -1,42 +1,33 @@
 //! What all rounds of people together say about the benchmark as it reads now.
 //!
-//! A wording that one panel rejected stays rejected, however often others are asked: asking again until it passes
-//! would make any prompt unambiguous. Edited words are new words, and nothing is known of them.
+//! A wording that one panel rejected stays rejected: asking again until it passes would make any prompt unambiguous.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
-use l4d_data::store::list_folder;
-use l4d_data::{Benchmark, QueryId, Status};
-use l4d_votes::RoundDir;
-use l4d_votes::verdict::Outcome;
+use l4d_data::{Benchmark, QueryId, StageError, Status};
 
-use super::judged::Judged;
+use super::Judged;
+use crate::verdict::Outcome;
 
 /// For each query whose present wording people have judged: verified or rejected, where and how.
 #[derive(Debug, Default)]
-pub(crate) struct Evidence(BTreeMap<QueryId, (Status, String)>);
+pub struct Evidence(BTreeMap<QueryId, (Status, String)>);
 
 impl Evidence {
     /// Judges every sealed round of people in a folder of rounds.
-    pub(crate) fn gather(rounds: &Path, bench: &Benchmark) -> Result<Self> {
+    ///
+    /// # Errors
+    /// As [`Judged::read`].
+    pub fn gather(rounds: &Path, bench: &Benchmark) -> Result<Self, StageError> {
         let mut evidence = Self::default();
-        if !rounds.exists() {
-            return Ok(evidence);
-        }
-        for name in list_folder(rounds)? {
-            if RoundDir::new(rounds.join(&name)).settings().exists() {
-                let judged = Judged::read(rounds, &name, bench).with_context(|| format!("round {name}"))?;
-                evidence.add(&judged);
-            }
-        }
+        Judged::read_all(rounds, bench)?.iter().for_each(|judged| evidence.add(judged));
         Ok(evidence)
     }
 
     /// Takes in what a round says, if people have sealed it.
-    pub(crate) fn add(&mut self, judged: &Judged) {
-        if judged.round.simulated || !judged.now.is_final {
+    pub fn add(&mut self, judged: &Judged) {
+        if !judged.counts() {
             return;
         }
         for verdict in &judged.now.items {
@@ -60,12 +51,12 @@ impl Evidence {
     }
 
     /// The status that the votes give to a query.
-    pub(crate) fn status(&self, query: &QueryId) -> Option<Status> {
+    pub fn status(&self, query: &QueryId) -> Option<Status> {
         self.0.get(query).map(|(status, _)| *status)
     }
 
     /// How people rejected the present wording of a query.
-    pub(crate) fn why_rejected(&self, query: &QueryId) -> Option<&str> {
+    pub fn why_rejected(&self, query: &QueryId) -> Option<&str> {
         self.0.get(query).filter(|(status, _)| *status == Status::Rejected).map(|(_, how)| how.as_str())
     }
 }

@@ -6,20 +6,20 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
 use glam::UVec2;
 use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::scene::{FrameDigest, Generator, Scene};
 use l4d_data::store::write_atomic;
 use l4d_data::tracks::TrackedInstance;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Camera, DataError, Name, Report, json, scene, sums};
+use l4d_data::{Camera, DataError, Report, StageError, json, scene, sums};
 use l4d_frames::exr::{decode_surfaces, read_bytes};
 use l4d_frames::truth::{Observation, TruthBuilder};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::render::{Image, PlannedScene};
+use crate::Result;
+use crate::render::{Image, PlannedScene};
 
 /// `view.json`, as a worker wrote it.
 #[derive(Debug, Deserialize)]
@@ -29,7 +29,7 @@ struct ViewCard {
 }
 
 /// What one picture contributes.
-struct Seen {
+struct SettledPicture {
     image: Image,
     file_sha256: String,
     digest: FrameDigest,
@@ -37,20 +37,25 @@ struct Seen {
 }
 
 /// Merges the frames of a scene whose pictures are all there. Writes `scene.json` and `SHA256SUMS`; gives the truth.
-pub(crate) fn settle(planned: &PlannedScene) -> Result<Truth> {
+///
+/// # Errors
+/// A file that cannot be read, decoded or written.
+pub fn settle(planned: &PlannedScene) -> Result<Truth> {
     let mut scene = describe(planned)?;
-    let mut builder = TruthBuilder::new(&scene).context("the plan has no held-out view")?;
-    let seen: Vec<Seen> = planned
+    let mut builder = TruthBuilder::new(&scene).ok_or_else(|| {
+        StageError::new("the plan has no held-out view", "give one camera of the recipe the split `test`")
+    })?;
+    let pictures: Vec<SettledPicture> = planned
         .images()
         .into_par_iter()
         .map(|image| look(planned, &builder, image))
         .collect::<Result<_>>()?;
     let mut sums = BTreeMap::new();
-    for seen in seen {
-        let Image { frame, view } = seen.image;
-        sums.insert(format!("frames/{view}/{}.exr", frame_key(frame)), seen.file_sha256);
-        builder.insert(&view, frame, seen.observation);
-        scene.digests.entry(view).or_default().insert(frame_key(frame), seen.digest);
+    for picture in pictures {
+        let Image { frame, view } = picture.image;
+        sums.insert(format!("frames/{view}/{}.exr", frame_key(frame)), picture.file_sha256);
+        builder.insert(&view, frame, picture.observation);
+        scene.digests.entry(view).or_default().insert(frame_key(frame), picture.digest);
     }
     json::write(&planned.dir.scene(), &scene)?;
     for file in ["scene.json", "scene.usdc", "tracks.json"] {
@@ -86,26 +91,23 @@ fn describe(planned: &PlannedScene) -> Result<Scene> {
     })
 }
 
-fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<Seen> {
+fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<SettledPicture> {
     let size = UVec2::new(planned.settings.profile.width(), planned.settings.profile.height());
     let path = planned.dir.frame(&image.view, image.frame);
     let bytes = read_bytes(&path, size).map_err(DataError::from)?;
     let surfaces = decode_surfaces(&path, &bytes, size).map_err(DataError::from)?;
     let observation = Observation::of(&surfaces, builder.wants_masks(&image.view));
-    Ok(Seen { image, file_sha256: sha256_hex(&bytes), digest: surfaces.digest(), observation })
+    Ok(SettledPicture { image, file_sha256: sha256_hex(&bytes), digest: surfaces.digest(), observation })
 }
 
 /// Puts a document into the benchmark folder unless another one stands there.
 ///
 /// The committed benchmark is what published scores refer to, so a difference is a finding, not an overwrite.
-pub(crate) fn commit<T: Serialize>(
-    path: &Path,
-    document: &T,
-    update: bool,
-    report: &mut Report,
-) -> Result<()> {
-    let mut text = serde_json::to_string(document)?;
-    text.push('\n');
+///
+/// # Errors
+/// What the disk refuses.
+pub fn commit<T: Serialize>(path: &Path, document: &T, update: bool, report: &mut Report) -> Result<()> {
+    let text = serde_json::to_string(document).map_err(|error| StageError::of(&error, None))? + "\n";
     match std::fs::read(path) {
         Ok(standing) if standing == text.as_bytes() => Ok(()),
         Ok(_) if !update => {
@@ -120,9 +122,4 @@ pub(crate) fn commit<T: Serialize>(
         }
         _ => Ok(write_atomic(path, text.as_bytes())?),
     }
-}
-
-/// Names of scenes as a list for people.
-pub(crate) fn join_names(names: &[Name]) -> String {
-    names.iter().map(Name::as_str).collect::<Vec<_>>().join(", ")
 }

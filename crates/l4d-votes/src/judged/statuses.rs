@@ -1,42 +1,41 @@
 //! From verdicts to the `status` of queries: the one place that changes it.
 //!
-//! What people understood becomes verified, what they did not is rejected. A query whose present wording nobody has
-//! judged cannot stay verified: it is a candidate again.
+//! What people understood becomes verified, what they did not is rejected; a query whose present wording was never
+//! judged is a candidate again.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
 use l4d_data::status::set_statuses;
-use l4d_data::{Benchmark, Name, Query, QueryId, Status};
+use l4d_data::{Benchmark, DataError, Query, QueryId, StageError, Status};
 
-use super::evidence::Evidence;
-use super::judged::Judged;
+use super::{Evidence, Judged};
 
 /// A query whose status is not the one that the votes give it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Change {
-    pub(super) query: QueryId,
-    pub(super) file: PathBuf,
-    pub(super) from: Status,
-    pub(super) to: Status,
-}
-
-/// Scenes of a round that the benchmark still has.
-pub(super) fn scenes<'a>(judged: &Judged, bench: &'a Benchmark) -> Vec<&'a Name> {
-    let asked: BTreeSet<&Name> = judged.now.items.iter().map(|item| &item.query.scene).collect();
-    bench.manifest.scenes.iter().filter(|scene| asked.contains(scene)).collect()
+pub struct StatusChange {
+    /// Which query.
+    pub query: QueryId,
+    /// Where it is written.
+    pub file: PathBuf,
+    /// What it is.
+    pub from: Status,
+    /// What the votes make it.
+    pub to: Status,
 }
 
 /// What has to change in the queries that a round of people asked about. Votes of programs change nothing.
-pub(super) fn changes(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Result<Vec<Change>> {
+///
+/// # Errors
+/// Queries or rounds that cannot be read.
+pub fn changes(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Result<Vec<StatusChange>, StageError> {
     if judged.round.simulated {
         return Ok(Vec::new());
     }
     let evidence = Evidence::gather(rounds, bench)?;
     let asked: BTreeSet<&QueryId> = judged.now.items.iter().map(|item| &item.query).collect();
     let mut changes = Vec::new();
-    for scene in scenes(judged, bench) {
+    for scene in judged.scenes(bench) {
         let files = [
             (bench.dir.queries(scene), bench.queries(scene)?),
             (bench.dir.composites(scene), bench.composites(scene)?),
@@ -51,7 +50,7 @@ pub(super) fn changes(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Resu
                     (None, from) => from,
                 };
                 if to != from {
-                    changes.push(Change { query, file: file.clone(), from, to });
+                    changes.push(StatusChange { query, file: file.clone(), from, to });
                 }
             }
         }
@@ -60,9 +59,12 @@ pub(super) fn changes(judged: &Judged, rounds: &Path, bench: &Benchmark) -> Resu
 }
 
 /// Writes the changes, one file at a time; a killed run is finished by the next.
-pub(super) fn apply(changes: &[Change]) -> Result<()> {
+///
+/// # Errors
+/// A file of queries that cannot be read or written.
+pub fn apply(changes: &[StatusChange]) -> Result<(), DataError> {
     let mut files: BTreeMap<&Path, BTreeMap<QueryId, Status>> = BTreeMap::new();
-    for Change { query, file, to, .. } in changes {
+    for StatusChange { query, file, to, .. } in changes {
         files.entry(file).or_default().insert(query.clone(), *to);
     }
     for (file, wanted) in files {

@@ -1,0 +1,103 @@
+//! The stage `build-scenes`: plan, render what is missing, settle.
+
+use std::path::PathBuf;
+
+use l4d_data::layout::BenchDir;
+use l4d_data::workspace::SharedWork;
+use l4d_data::{Draw, Name, Progress, Report, Shard, StageError, Workspace};
+use rayon::prelude::*;
+
+use crate::Result;
+use crate::env::BlenderEnv;
+use crate::plan::{Plan, plan};
+use crate::render::{PlannedScene, render};
+use crate::settle::{commit, settle};
+
+/// What is to be built.
+#[derive(Debug)]
+pub struct Order<'a> {
+    /// Recipes.
+    pub scenes: &'a [Name],
+    /// Which permutation and seed of them.
+    pub draw: Draw,
+    /// Profile and folders.
+    pub space: &'a Workspace,
+    /// Receives tracks and truth.
+    pub bench: &'a BenchDir,
+    /// Logs and job files.
+    pub work: &'a SharedWork,
+    /// Of the colour pass, per pixel.
+    pub samples: u32,
+    /// No picture, only tracks.
+    pub tracks_only: bool,
+    /// Render again what other scripts, seeds or samples rendered before.
+    pub overwrite: bool,
+    /// Replace committed tracks and truth that differ.
+    pub update_benchmark: bool,
+    /// Blender processes at once.
+    pub jobs: usize,
+    /// Which part of the pictures.
+    pub shard: Option<Shard>,
+}
+
+/// What was built.
+#[derive(Debug, Default)]
+pub struct Built {
+    /// Folders of the scenes that are whole.
+    pub settled: Vec<PathBuf>,
+    /// Pictures that this run rendered; none where only tracks were asked for.
+    pub rendered: Option<u64>,
+    /// Scenes that other shards have not finished.
+    pub unfinished: Vec<Name>,
+}
+
+/// Builds scenes. A killed build that is run again ends with the same bytes.
+///
+/// # Errors
+/// Whatever planning, rendering and settling meet. Committed tracks or truth that differ are findings (L4D120).
+pub fn build(
+    env: &BlenderEnv,
+    order: &Order<'_>,
+    progress: &dyn Progress,
+    report: &mut Report,
+) -> Result<Built> {
+    let profile = order.space.profile();
+    let mut planned = Vec::new();
+    for (name, plan) in order.scenes.iter().zip(plan_all(env, order, progress)?) {
+        commit(&order.bench.tracks(name), &plan.tracks, order.update_benchmark, report)?;
+        let dir = order.space.scene(name);
+        planned.push(PlannedScene::new(name.clone(), dir, plan, profile, order.draw, order.samples));
+    }
+    if order.tracks_only {
+        return Ok(Built::default());
+    }
+    planned.iter().try_for_each(|scene| scene.claim(order.overwrite))?;
+    let rendered = Some(render(env, &planned, order.shard, order.jobs, order.work, progress)?);
+    if order.shard.is_some() {
+        let is_unfinished = |scene: &&PlannedScene| !scene.missing().is_empty();
+        let unfinished: Vec<Name> =
+            planned.iter().filter(is_unfinished).map(|scene| scene.name.clone()).collect();
+        if !unfinished.is_empty() {
+            return Ok(Built { rendered, unfinished, settled: Vec::new() });
+        }
+    }
+    let mut settled = Vec::new();
+    for scene in &planned {
+        scene.sweep()?;
+        let truth = settle(scene)?;
+        commit(&order.bench.truth(profile, &scene.name), &truth, order.update_benchmark, report)?;
+        settled.push(scene.dir.root().to_owned());
+    }
+    Ok(Built { rendered, settled, unfinished: Vec::new() })
+}
+
+/// Plans, some scenes at once: a plan is mostly one thread's work.
+fn plan_all(env: &BlenderEnv, order: &Order<'_>, progress: &dyn Progress) -> Result<Vec<Plan>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(order.jobs.max(1)).build();
+    let pool = pool.map_err(|error| StageError::of(&error, None))?;
+    let one = |name: &Name| {
+        progress.note(&format_args!("planning {name}"));
+        plan(env, &order.space.scene(name), name, order.draw, order.work, progress)
+    };
+    pool.install(|| order.scenes.par_iter().with_max_len(1).map(one).collect())
+}

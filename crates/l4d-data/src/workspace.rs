@@ -1,0 +1,190 @@
+//! The folders of a run: where each of them is unless the user says otherwise. Nothing else assembles such paths.
+
+use std::path::{Path, PathBuf};
+
+use crate::benchmark::Draw;
+use crate::layout::{CaptureDir, SceneDir, WorkDir};
+use crate::timeline::Profile;
+
+/// The folders that stages of one profile read and write.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    profile: Profile,
+    data: PathBuf,
+    work: PathBuf,
+}
+
+impl Workspace {
+    /// `data/<profile>` or `data/<profile>-v<variant>`, `data/captures` for captures, and `work`, relative to the
+    /// working folder.
+    pub fn new(profile: Profile, draw: Draw) -> Self {
+        let data = match draw.variant {
+            _ if !profile.is_rendered() => "data/captures".to_owned(),
+            0 => format!("data/{profile}"),
+            variant => format!("data/{profile}-v{variant}"),
+        };
+        Self { profile, data: data.into(), work: "work".into() }
+    }
+
+    /// Another folder of scenes, if one is given.
+    #[must_use]
+    pub fn with_data(mut self, given: Option<&Path>) -> Self {
+        if let Some(data) = given {
+            self.data = data.to_owned();
+        }
+        self
+    }
+
+    /// Another folder for what can be remade.
+    #[must_use]
+    pub fn with_work(mut self, work: &Path) -> Self {
+        self.work = work.to_owned();
+        self
+    }
+
+    /// How much is rendered.
+    pub fn profile(&self) -> Profile {
+        self.profile
+    }
+
+    /// The folder of scenes.
+    pub fn data(&self) -> &Path {
+        &self.data
+    }
+
+    /// `<data>/<scene>`.
+    pub fn scene(&self, scene: &str) -> SceneDir {
+        SceneDir::new(&self.data, scene)
+    }
+
+    /// `<data>/<scene>`, of a scene that others recorded.
+    pub fn capture(&self, scene: &str) -> CaptureDir {
+        CaptureDir::new(&self.data, scene)
+    }
+
+    /// `<data>/benchmark`: tracks and truth of a draw that is not the benchmark's.
+    pub fn private_benchmark(&self) -> PathBuf {
+        self.data.join("benchmark")
+    }
+
+    /// `<data>/overview.png`.
+    pub fn overview(&self) -> PathBuf {
+        self.data.join("overview.png")
+    }
+
+    /// `<work>/<profile>/<scene>`.
+    pub fn work(&self, scene: &str) -> WorkDir {
+        WorkDir::new(&self.work, self.profile, scene)
+    }
+
+    /// `<work>/<profile>/ablations/<table>`.
+    pub fn ablation(&self, table: &str) -> PathBuf {
+        self.work.join(self.profile.as_str()).join("ablations").join(table)
+    }
+
+    /// `<work>/<profile>/proposals`: queries that models proposed.
+    pub fn proposals(&self) -> PathBuf {
+        self.work.join(self.profile.as_str()).join("proposals")
+    }
+
+    /// What belongs to no profile.
+    pub fn shared(&self) -> SharedWork {
+        SharedWork::new(&self.work)
+    }
+}
+
+/// What can be remade and belongs to no profile: `<work>`.
+#[derive(Debug, Clone)]
+pub struct SharedWork(PathBuf);
+
+impl SharedWork {
+    /// `<work>`.
+    pub fn new(work: &Path) -> Self {
+        Self(work.to_owned())
+    }
+
+    /// `bench/<topic>`: speed against error.
+    pub fn bench(&self, topic: &str) -> PathBuf {
+        self.0.join("bench").join(topic)
+    }
+
+    /// `endpoints.json`: how models write boxes.
+    pub fn endpoints(&self) -> PathBuf {
+        self.0.join("endpoints.json")
+    }
+
+    /// `frames`: pictures that segmenters are shown.
+    pub fn segmenter_frames(&self) -> PathBuf {
+        self.0.join("frames")
+    }
+
+    /// `blender-env`: Python environments that run Blender.
+    pub fn blender_environments(&self) -> PathBuf {
+        self.0.join("blender-env")
+    }
+
+    /// `workers-env`: Python environments of segmenters.
+    pub fn worker_environments(&self) -> PathBuf {
+        self.0.join("workers-env")
+    }
+
+    /// `logs/<stage>/<name>.log`.
+    pub fn log(&self, stage: &str, name: &str) -> PathBuf {
+        self.0.join("logs").join(stage).join(format!("{name}.log"))
+    }
+
+    /// `jobs/<name>.json`.
+    pub fn job(&self, name: &str) -> PathBuf {
+        self.0.join("jobs").join(format!("{name}.json"))
+    }
+
+    /// `overlays/<round>/<annotator>`: pictures that an annotator keeps.
+    pub fn overlays(&self, round: &str, annotator: &str) -> PathBuf {
+        self.0.join("overlays").join(round).join(annotator)
+    }
+}
+
+/// `scores`, or `scores-<set>` of another set than `queries`; followed by `-<what>` where something else than scores is
+/// in it. Sets and protocols never share a folder.
+pub fn default_scores(set: &str, what: Option<&str>) -> PathBuf {
+    named("scores", set, what)
+}
+
+/// `leaderboard`, or `leaderboard-<set>` of another set than `queries`.
+pub fn default_leaderboard(set: &str) -> PathBuf {
+    named("leaderboard", set, None)
+}
+
+/// `hosting/<platform>`.
+pub fn default_hosting(platform: &str) -> PathBuf {
+    Path::new("hosting").join(platform)
+}
+
+fn named(stem: &str, set: &str, what: Option<&str>) -> PathBuf {
+    let mut name = stem.to_owned();
+    for part in (set != "queries").then_some(set).into_iter().chain(what) {
+        name.push('-');
+        name.push_str(part);
+    }
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_follow_profile_and_draw_unless_they_are_given() {
+        let draw = Draw { variant: 2, seed: 0 };
+        let data = |profile, draw| Workspace::new(profile, draw).data().to_owned();
+        assert_eq!(data(Profile::Tiny, Draw::default()), Path::new("data/tiny"));
+        assert_eq!(data(Profile::Small, draw), Path::new("data/small-v2"));
+        assert_eq!(data(Profile::Real, draw), Path::new("data/captures"));
+        let given =
+            Workspace::new(Profile::Tiny, draw).with_data(Some(Path::new("d"))).with_work(Path::new("w"));
+        assert_eq!(given.scene("room").root(), Path::new("d/room"));
+        assert_eq!(given.work("room").splats(), Path::new("w/tiny/room/splats"));
+        assert_eq!(given.ablation("mvsc"), Path::new("w/tiny/ablations/mvsc"));
+        assert_eq!(default_scores("composites", Some("sweep")), Path::new("scores-composites-sweep"));
+    }
+}

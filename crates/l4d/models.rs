@@ -1,0 +1,116 @@
+//! What verbs that ask model servers share: the client that flags name, what was spent, what a dry run prints.
+
+use anyhow::Result;
+use l4d_data::Report;
+use l4d_endpoint::{Budget, CacheUse, Client, Endpoint, Link, Plan, Spent};
+use l4d_propose::Manner;
+use serde_json::json;
+
+use crate::cli::models::{AskArgs, EndpointArgs, ServerArgs};
+use crate::out::{ExitStatus, Printer, refusal};
+
+impl EndpointArgs {
+    /// The endpoint that file and flags name, or the one that a recording was made of.
+    pub(crate) fn resolve(&self) -> Result<Endpoint> {
+        let mut endpoint = match (&self.endpoint, &self.link, &self.base_url, &self.model) {
+            (Some(path), ..) => Endpoint::read(path)?,
+            (None, Link::Replay(folder), ..) => Endpoint::recorded(folder)?,
+            (None, _, Some(base_url), Some(model)) => Endpoint::new(base_url, model)?,
+            _ => {
+                let hint = "name a file with --endpoint, or give --base-url and --model, for example \
+                            --base-url http://localhost:8000/v1 --model Qwen/Qwen3-VL-8B-Instruct";
+                return Err(refusal("no endpoint is named", hint));
+            }
+        };
+        if let Some(base_url) = &self.base_url {
+            endpoint.base_url = base_url.parse().map_err(|message| {
+                refusal(format!("--base-url {message}"), "write it like http://localhost:8000/v1")
+            })?;
+        }
+        if let Some(model) = &self.model {
+            endpoint.model.clone_from(model);
+        }
+        if let Some(variable) = &self.api_key_env {
+            endpoint.api_key_env = Some(variable.clone());
+        }
+        if let Some(server) = &self.server {
+            endpoint.server.clone_from(server);
+        }
+        endpoint.check("endpoint")?;
+        Ok(endpoint)
+    }
+}
+
+/// A client for the endpoint, with cache and budget as asked for.
+pub(crate) fn open_client(args: &ServerArgs) -> Result<Client> {
+    let endpoint = args.endpoint.resolve()?;
+    let cache = if args.refresh { CacheUse::Refresh } else { CacheUse::Take };
+    let budget = Budget { max_tokens_total: args.max_tokens_total, max_cost: args.max_cost };
+    let client = Client::open(endpoint, &args.endpoint.link)?;
+    Ok(client.with_cache(&args.cache, cache).with_budget(budget)?)
+}
+
+/// How questions are asked.
+pub(crate) fn manner(args: &AskArgs) -> Manner {
+    Manner { repeat: args.repeat, answer_tokens: args.answer_tokens }
+}
+
+/// Whom it was about, without anything secret.
+pub(crate) fn about(endpoint: &Endpoint) -> serde_json::Value {
+    json!({ "model": endpoint.model, "base_url": endpoint.base_url.as_str() })
+}
+
+/// What was spent, in one line of talk.
+pub(crate) fn note_spent(spent: &Spent, out: &Printer) {
+    let cost = spent.cost.map_or_else(String::new, |cost| format!(", cost {cost:.4}"));
+    let Spent { answers, kept, tokens, .. } = spent;
+    out.note(format!(
+        "{answers} answers of the server, {kept} kept ones; {} + {} tokens{cost}",
+        tokens.prompt, tokens.completion
+    ));
+}
+
+/// Prints plans, one row each, called `what`.
+pub(crate) fn print_estimate(
+    what: &'static str,
+    plans: &[(String, Plan)],
+    endpoint: &Endpoint,
+    as_json: bool,
+    report: Report,
+    out: &Printer,
+) -> Result<ExitStatus> {
+    let mut total = Plan::default();
+    plans.iter().for_each(|(_, plan)| total += *plan);
+    if as_json {
+        let failed = report.has_errors();
+        let rows: Vec<_> = plans.iter().map(|(name, plan)| json!({ what: name, "plan": plan })).collect();
+        out.json(&json!({
+            "dry_run": true,
+            "endpoint": about(endpoint),
+            "plans": rows,
+            "total": total,
+            "findings": report.into_sorted(),
+        }))?;
+        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
+    }
+    let width = plans.iter().map(|(name, _)| name.len()).max().unwrap_or(0).max(what.len());
+    out.data(format!(
+        "{what:width$}{:>11}{:>10}{:>10}{:>12}{:>16}{:>16}{:>12}",
+        "questions", "kept", "pictures", "bytes", "question tokens", "answer tokens", "cost up to"
+    ))?;
+    let row = |name: &str, plan: &Plan| {
+        let cost = plan.cost.map_or_else(|| "?".to_owned(), |cost| format!("{cost:.4}"));
+        let Plan { questions, kept, images, bytes, tokens, .. } = plan;
+        let (prompt, completion) = (tokens.prompt, tokens.completion);
+        out.data(format!(
+            "{name:width$}{questions:>11}{kept:>10}{images:>10}{bytes:>12}{prompt:>16}{completion:>16}{cost:>12}"
+        ))
+    };
+    plans.iter().try_for_each(|(name, plan)| row(name, plan))?;
+    row("all", &total)?;
+    out.note("nothing was sent; tokens are estimates, those of answers the most that they may have");
+    match report.is_empty() {
+        true => Ok(ExitStatus::Success),
+        false => out.findings(report, false),
+    }
+}
