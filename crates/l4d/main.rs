@@ -3,7 +3,6 @@
 mod cli;
 mod commands;
 mod models;
-mod moving_picture;
 mod out;
 mod published_votes;
 mod rasterizer;

@@ -171,7 +171,8 @@ pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
     })
 }
 
-fn hint_of(error: &anyhow::Error) -> Option<String> {
+/// What the user can do about an error.
+pub(crate) fn hint_of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
         let refusal = cause.downcast_ref::<StageError>().and_then(|error| error.hint().map(str::to_owned));
         let data = || cause.downcast_ref::<DataError>().and_then(DataError::hint);

@@ -1,14 +1,15 @@
 //! What `--adapter` means: the processor, or graphics hardware.
 
 use anyhow::{Context as _, Result};
-use l4d_gpu::{AdapterChoice, AdapterReport, Gpu};
+use l4d_gpu::{AdapterChoice, Gpu};
 use l4d_splat::raster::{Cpu, Rasterizer};
+use serde_json::Value;
 
 /// A rasterizer that is ready, and the adapter that it runs on, for manifests.
 pub(crate) struct Opened {
     pub(crate) rasterizer: Box<dyn Rasterizer>,
     /// None for the processor.
-    pub(crate) adapter: Option<AdapterReport>,
+    pub(crate) adapter: Option<Value>,
 }
 
 /// `cpu`, `auto`, or an adapter by number or name.
@@ -30,6 +31,6 @@ fn processor() -> Opened {
 
 fn graphics(choice: &AdapterChoice) -> Result<Opened> {
     let gpu = Gpu::open(choice).context("--adapter")?;
-    let adapter = Some(gpu.adapter().clone());
+    let adapter = Some(serde_json::to_value(gpu.adapter())?);
     Ok(Opened { rasterizer: Box::new(gpu), adapter })
 }

@@ -1,101 +1,90 @@
-//! What the flags of a solver mean: settings, grounders, and the name that a method has by default.
+//! What the flags of a solver mean: grounders, and the rest of a method.
 
-mod grounders;
 mod model;
 mod segmenter;
-mod stage;
 
-use l4d_data::Interval;
+use std::sync::Arc;
+
+use anyhow::Result;
+use l4d_data::workspace::SharedWork;
+use l4d_data::{Draw, Profile, Workspace};
+use l4d_ground::geometric::Geometric;
+use l4d_ground::geometric::classical::Classical;
+use l4d_ground::oracle::NoisePreset;
 use l4d_solve::consensus::Preset;
-use l4d_solve::consensus::settings::Undecided;
-use l4d_solve::lift::{ClosedSettings, DistilSettings, FieldSettings, LiftSettings};
-use l4d_solve::scene::ClipSettings;
-use l4d_solve::solve::SolveSettings;
+use l4d_solve::grounders::Grounders;
+use l4d_solve::method::{LiftChoice, MethodChoice, QuerySet};
 
-pub(crate) use self::grounders::Grounders;
-pub(crate) use self::stage::Stage;
-use crate::cli::solver::{LiftArg, MethodArgs, PresetArg, QuerySetArg};
-use crate::cli::splats::PixelSize;
+use crate::cli::solver::{GrounderArg, LiftArg, MethodArgs, PresetArg, QuerySetArg, WorkArgs};
+use crate::out::{Printer, refusal};
 
-/// Views that the presets look at (paper, section 5).
-const USUAL_VIEWS: u32 = 8;
-
-impl From<PresetArg> for Preset {
-    fn from(preset: PresetArg) -> Self {
-        match preset {
-            PresetArg::Robust => Self::Robust,
-            PresetArg::Paper => Self::Paper,
+impl MethodArgs {
+    /// Everything about the method but its grounder.
+    pub(crate) fn choice(&self) -> MethodChoice {
+        MethodChoice {
+            preset: match self.preset {
+                PresetArg::Robust => Preset::Robust,
+                PresetArg::Paper => Preset::Paper,
+            },
+            views: self.views as usize,
+            view_seed: self.view_seed,
+            clip_size: self.clip_size.map(|size| size.0),
+            clip_every: self.clip_every,
+            consensus: !self.no_consensus,
+            abstain: self.abstain,
+            lift: self.lift.map(|lift| match lift {
+                LiftArg::Closed => LiftChoice::Closed,
+                LiftArg::Vote => LiftChoice::Vote,
+                LiftArg::Sirt => LiftChoice::Sirt,
+                LiftArg::Field => LiftChoice::Field,
+                LiftArg::Distil => LiftChoice::Distil,
+            }),
         }
     }
 }
 
-/// Consensus and lifting.
-pub(crate) fn settings(args: &MethodArgs) -> SolveSettings {
-    let preset = Preset::from(args.preset).solve_settings();
-    let mut consensus = if args.no_consensus { Preset::Off.settings() } else { preset.consensus };
-    if args.abstain {
-        consensus.undecided = Undecided::Abstain;
-    }
-    SolveSettings { consensus, lift: args.lift.map_or(preset.lift, lift) }
-}
-
-fn lift(lift: LiftArg) -> LiftSettings {
-    match lift {
-        LiftArg::Closed => LiftSettings::Closed(ClosedSettings::robust()),
-        LiftArg::Vote => LiftSettings::Closed(ClosedSettings::vote()),
-        LiftArg::Sirt => LiftSettings::Closed(ClosedSettings::sirt()),
-        LiftArg::Field => LiftSettings::Field(FieldSettings::paper()),
-        LiftArg::Distil => LiftSettings::Distil(DistilSettings::usual()),
+impl WorkArgs {
+    pub(crate) fn space(&self, profile: Profile, draw: Draw) -> Workspace {
+        Workspace::new(profile, draw).with_data(self.data.as_deref()).with_work(&self.work)
     }
 }
 
-/// Which clips are looked at.
-pub(crate) fn clip_settings(args: &MethodArgs, range: Option<Interval>) -> ClipSettings {
-    let usual = Preset::from(args.preset).clip_settings(args.views as usize, args.view_seed);
-    ClipSettings { range, size: args.clip_size.map(|size| size.0), every: args.clip_every, ..usual }
+impl From<QuerySetArg> for QuerySet {
+    fn from(set: QuerySetArg) -> Self {
+        match set {
+            QuerySetArg::Queries => Self::Queries,
+            QuerySetArg::Composites => Self::Composites,
+            QuerySetArg::Absents => Self::Absents,
+        }
+    }
 }
 
-/// `panopticquery-<grounder>`, what differs from the preset robust, and which sentences if not the queries: a folder
-/// of results holds answers to one set.
-pub(crate) fn default_name(args: &MethodArgs, set: QuerySetArg) -> String {
-    let mut name = format!("panopticquery-{}", args.grounder.as_str());
-    let mut add = |part: &str| {
-        name.push('-');
-        name.push_str(part);
-    };
-    if args.noise.is_some() {
-        add("noise");
+/// What `--grounder` names.
+pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
+    let strays = [
+        ("--noise", args.noise.is_some(), GrounderArg::Oracle),
+        ("--masks", args.masks.is_some(), GrounderArg::Files),
+        ("--grounder-file", args.grounder_file.is_some(), GrounderArg::Model),
+    ];
+    for (flag, is_given, grounder) in strays {
+        if is_given && args.grounder != grounder {
+            return Err(refusal(
+                format!("{flag} says nothing to grounder {}", args.grounder.as_str()),
+                format!("add --grounder {}, or leave it out", grounder.as_str()),
+            ));
+        }
     }
-    if args.preset == PresetArg::Paper {
-        add("paper");
-    }
-    if args.views != USUAL_VIEWS {
-        add(&format!("v{}", args.views));
-    }
-    if let Some(PixelSize([width, height])) = args.clip_size {
-        add(&format!("{width}x{height}"));
-    }
-    if let Some(every) = args.clip_every {
-        add(&format!("every-{every}"));
-    }
-    if args.no_consensus {
-        add("no-mvsc");
-    }
-    if args.abstain {
-        add("abstain");
-    }
-    match args.lift {
-        Some(LiftArg::Closed) => add("closed"),
-        Some(LiftArg::Vote) => add("vote"),
-        Some(LiftArg::Sirt) => add("sirt"),
-        Some(LiftArg::Field) => add("field"),
-        Some(LiftArg::Distil) => add("distil"),
-        None => {}
-    }
-    match set {
-        QuerySetArg::Queries => {}
-        QuerySetArg::Composites => add("composites"),
-        QuerySetArg::Absents => add("absents"),
-    }
-    name
+    let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
+    Ok(match args.grounder {
+        GrounderArg::Geometric => Grounders::Shared(Arc::new(Geometric::<Classical>::default())),
+        GrounderArg::Oracle => {
+            let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
+            Grounders::Oracle(noise.unwrap_or_else(NoisePreset::none))
+        }
+        GrounderArg::Files => Grounders::Files(args.masks.clone().ok_or_else(|| lacking("--masks"))?),
+        GrounderArg::Model => {
+            let path = args.grounder_file.as_deref().ok_or_else(|| lacking("--grounder-file"))?;
+            model::open(path, &args.server, work, out)?
+        }
+    })
 }

@@ -15,6 +15,7 @@ pub mod exr;
 mod fake;
 pub mod frame;
 pub mod geometry;
+pub mod moving_picture;
 pub mod overlay;
 pub mod photo;
 pub mod preview;

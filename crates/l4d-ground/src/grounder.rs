@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::{DataError, Interval, Name};
+use l4d_data::{DataError, Interval, Name, Query};
 use l4d_frames::Mask;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -21,6 +21,13 @@ pub struct Question {
     pub text: String,
     /// Frames that the user asks about; none for the whole clip.
     pub range: Option<Interval>,
+}
+
+impl From<&Query> for Question {
+    fn from(query: &Query) -> Self {
+        let Query { id, text, .. } = query;
+        Self { scene: id.scene.clone(), number: Some(id.number.clone()), text: text.clone(), range: None }
+    }
 }
 
 impl Question {

@@ -20,6 +20,19 @@ pub enum Stage {
     Masks,
 }
 
+impl Stage {
+    /// As files write it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Clips => "clips",
+            Self::Grounding => "grounding",
+            Self::Consensus => "consensus",
+            Self::Lifting => "lifting",
+            Self::Masks => "masks",
+        }
+    }
+}
+
 /// One stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use half::f16;
-use l4d_data::DataError;
+use l4d_data::{DataError, StageError};
 use l4d_frames::drawn::DepthMap;
 use l4d_splat::clip::{ClipError, Moment, draw};
 use l4d_splat::model::Model;
@@ -47,6 +47,13 @@ pub enum ClipsError {
         /// What is wrong.
         source: ViewError,
     },
+}
+
+impl From<ClipsError> for StageError {
+    fn from(error: ClipsError) -> Self {
+        let hint = error.hint();
+        Self::of(&error, hint)
+    }
 }
 
 impl ClipsError {

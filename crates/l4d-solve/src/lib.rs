@@ -5,10 +5,14 @@
 //! drawn, and how masks are judged.
 
 pub mod account;
+pub mod ask;
+pub mod batch;
 pub mod clips;
 pub mod consensus;
 pub mod grounded;
+pub mod grounders;
 pub mod lift;
+pub mod method;
 pub mod results;
 pub mod scene;
 pub mod show;

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::AnswerDir;
-use l4d_data::{DataError, json};
+use l4d_data::{DataError, StageError, json};
 use l4d_frames::Mask;
 use l4d_ground::{Grounder, Grounding, Question, ViewClip};
 use l4d_splat::raster::Rasterizer;
@@ -59,6 +59,13 @@ pub enum SolveError {
     /// A camera that masks were wanted from.
     #[error(transparent)]
     Clips(#[from] ClipsError),
+}
+
+impl From<SolveError> for StageError {
+    fn from(error: SolveError) -> Self {
+        let hint = error.hint();
+        Self::of(&error, hint)
+    }
 }
 
 impl SolveError {

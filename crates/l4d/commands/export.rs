@@ -12,7 +12,8 @@ use l4d_import::annotations::Judged;
 use l4d_import::export::{HeldOut, Order, Origin, export, picture_count};
 
 use crate::cli::interop::{ExportArgs, HeldOutArg};
-use crate::out::{ExitStatus, Printer};
+use l4d_data::truth::Truth;
+use l4d_data::{Benchmark, Name, Workspace};
 
 pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
@@ -68,3 +69,5 @@ impl From<HeldOutArg> for HeldOut {
         }
     }
 }
+use l4d_data::truth::Truth;
+use l4d_data::{Benchmark, Name, Workspace};

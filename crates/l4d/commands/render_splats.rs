@@ -6,13 +6,13 @@ mod preview;
 use std::time::Instant;
 
 use anyhow::Result;
-use l4d_data::Progress as _;
+use l4d_data::{Progress as _, Timeline};
+use l4d_frames::moving_picture::{self, Pace};
 use l4d_solve::clips::{self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite};
 
 use self::plan::Order;
 use self::preview::Preview;
 use crate::cli::splats::{DepthArg, DepthFormatArg, RenderSplatsArgs};
-use crate::moving_picture::{self, Clip};
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
 
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     let look = Look {
         model: (&source).into(),
         rasterizer: opened.rasterizer.name(),
-        adapter: opened.adapter.map(serde_json::to_value).transpose()?,
+        adapter: opened.adapter,
         width: plan.size[0],
         height: plan.size[1],
         background: args.background.map(|colour| colour.0).or(source.background).unwrap_or_default(),
@@ -47,17 +47,17 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     ));
     out.data(folder.manifest_path().display())?;
     if args.preview {
-        let lay_out = |widest_px| Preview::new(&folder, &plan, widest_px);
-        let path = moving_picture::write(
-            folder.root(),
-            "preview",
-            Clip::of(&plan.instants, timeline),
-            lay_out,
-            out,
-        )?;
+        let lay_out = |widest_px| Ok(Preview::new(&folder, &plan, widest_px)?);
+        let path =
+            moving_picture::write(folder.root(), "preview", pace(&plan.instants, timeline), lay_out, out)?;
         out.data(path.display())?;
     }
     Ok(ExitStatus::Success)
+}
+
+fn pace(instants: &[clips::Instant], timeline: Timeline) -> Pace {
+    let share = instants.first().zip(instants.last()).map_or(0.0, |(first, last)| last.time - first.time);
+    Pace::over(instants.len(), f64::from(share) * timeline.duration_s())
 }
 
 impl From<DepthArg> for DepthKind {

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         track: source.track(),
         sampling: source.sampling,
         rasterizer: opened.rasterizer.name(),
-        adapter: opened.adapter.map(serde_json::to_value).transpose()?,
+        adapter: opened.adapter,
         trained_on: input.digests,
         compared_with: held_out.digests.clone(),
     };

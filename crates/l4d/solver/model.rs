@@ -10,6 +10,7 @@ use l4d_data::workspace::SharedWork;
 use l4d_endpoint::Calibrations;
 use l4d_ground::vlm::{Coupling, Settings, Vlm};
 use l4d_ground::worker::{FrameStore, Patience, Segmenter, TextGrounder, Worker, WorkerError};
+use l4d_solve::grounders::Grounders;
 use serde::Deserialize;
 
 use super::segmenter::SegmenterEntry;
@@ -30,24 +31,15 @@ struct File {
     model: Settings,
 }
 
-/// A grounder of models.
-pub(super) enum Opened {
-    /// A model server tells a segmenter what to look for.
-    Vlm(Arc<Vlm>),
-    /// The segmenter gets the sentence itself.
-    Text(Arc<TextGrounder>),
-}
-
-/// Starts the segmenter, and opens the way to the model if one is asked. What workers are shown stands in a folder
-/// below `work`, as does the environment of ours.
-pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Printer) -> Result<Opened> {
+/// Starts the segmenter, which gets the sentence itself, or what a model server makes of it.
+pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Printer) -> Result<Grounders> {
     let file = read(path)?;
     let threshold = file.segmenter.threshold;
     let launch = file.segmenter.launch(path, work, out)?;
     let worker = Worker::start(launch, Patience::default()).map_err(of_worker)?;
     let segmenter = Arc::new(Segmenter::new(worker, FrameStore::new(work.segmenter_frames()), threshold));
     if file.coupling == NO_VLM {
-        return Ok(Opened::Text(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
+        return Ok(Grounders::Shared(Arc::new(TextGrounder::new(segmenter).map_err(of_worker)?)));
     }
     let coupling = Coupling::ALL.into_iter().find(|coupling| coupling.as_str() == file.coupling);
     let coupling = coupling.ok_or_else(|| unknown_coupling(path, &file.coupling))?;
@@ -57,7 +49,7 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
         let hint = error.hint();
         refusal(format!("{}: {error}", path.display()), hint)
     })?;
-    Ok(Opened::Vlm(Arc::new(vlm)))
+    Ok(Grounders::Vlm(Arc::new(vlm)))
 }
 
 fn read(path: &Path) -> Result<File> {

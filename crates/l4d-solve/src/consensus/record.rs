@@ -54,6 +54,24 @@ pub enum Decision {
     NoAnswer,
 }
 
+impl Decision {
+    /// As files write it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Bypassed => "bypassed",
+            Self::Reliable => "reliable",
+            Self::BestView => "best_view",
+            Self::NoneReliable => "none_reliable",
+            Self::NoneReliableAll => "none_reliable_all",
+            Self::Tied => "tied",
+            Self::TiedAll => "tied_all",
+            Self::Absent => "absent",
+            Self::NoAnswer => "no_answer",
+        }
+    }
+}
+
 /// A view and what became of its proposal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

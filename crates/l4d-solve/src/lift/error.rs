@@ -1,10 +1,20 @@
 //! Why evidence was not lifted, or an answer not drawn.
 
-use l4d_data::DataError;
+use l4d_data::{DataError, StageError};
 use l4d_splat::model::ModelError;
 use l4d_splat::optimise::OptimiseError;
 use l4d_splat::raster::RasterError;
 use l4d_splat::view::ViewError;
+
+impl From<LiftError> for StageError {
+    fn from(error: LiftError) -> Self {
+        let hint = match &error {
+            LiftError::Data(error) => error.hint(),
+            _ => None,
+        };
+        Self::of(&error, hint)
+    }
+}
 
 /// What stands in the way.
 #[derive(Debug, thiserror::Error)]

@@ -1,9 +1,8 @@
 //! The figure of the grid of views: how much more each view buys, beside what the paper prints of its own data.
 
 use l4d_board::{Trend, TrendPanel, TrendPoint};
+use l4d_experiments::ablation::{Cell, Column, Metric, Source};
 use l4d_score::cluster::FEW_SCENES;
-
-use super::table::{Cell, Column, Metric, Source};
 
 /// mIoU against the number of views; none for settings that are no numbers.
 pub(super) fn trend_of_views(columns: &[Column], cells: &[Cell], about: &[String]) -> Option<Trend> {

@@ -1,11 +1,10 @@
 //! All views of a clip side by side, colour above depth.
 
-use anyhow::Result;
+use l4d_data::{DataError, StageError};
 use l4d_frames::drawn::RgbImage;
+use l4d_frames::moving_picture::Pages;
 use l4d_frames::preview::{Cell, Page};
 use l4d_solve::clips::{ClipsFolder, Plan, Shot};
-
-use crate::moving_picture::Pages;
 
 pub(super) struct Preview<'a> {
     folder: &'a ClipsFolder,
@@ -15,7 +14,7 @@ pub(super) struct Preview<'a> {
 
 impl<'a> Preview<'a> {
     /// Pages of about this width, with greys for the depths of the first moment.
-    pub(super) fn new(folder: &'a ClipsFolder, plan: &'a Plan, widest_px: u32) -> Result<Self> {
+    pub(super) fn new(folder: &'a ClipsFolder, plan: &'a Plan, widest_px: u32) -> Result<Self, DataError> {
         let names = plan.cameras.iter().map(|camera| camera.name.to_string()).collect();
         let depths: Vec<f32> = cells(folder, plan, 0)?.into_iter().flat_map(|cell| cell.depth_m).collect();
         Ok(Self { folder, plan, page: Page::new(names, (plan.size[0], plan.size[1]), widest_px, depths) })
@@ -27,12 +26,12 @@ impl Pages for Preview<'_> {
         self.page.size_px()
     }
 
-    fn page(&self, index: usize) -> Result<RgbImage> {
+    fn page(&self, index: usize) -> Result<RgbImage, StageError> {
         Ok(self.page.draw(&cells(self.folder, self.plan, index)?))
     }
 }
 
-fn cells(folder: &ClipsFolder, plan: &Plan, instant: usize) -> Result<Vec<Cell>> {
+fn cells(folder: &ClipsFolder, plan: &Plan, instant: usize) -> Result<Vec<Cell>, DataError> {
     let cell = |view: usize| {
         let (colour, depth) = folder.read(plan, Shot { view, instant })?;
         Ok(Cell { colour, depth_m: depth.depth_m })

@@ -1,31 +1,40 @@
 //! Rows, and how they reach people: CSV, text, a figure.
 
-use anyhow::Result;
-use l4d_board::{TradePoint, Tradeoff};
 use serde::Serialize;
 
 use super::measure::Sums;
-use super::ways::BASE;
+use super::variants::BASE;
+use crate::csv_file::rounded;
 
 /// One lift, as means over queries. Fields that end in `_seconds` are times; everything else is the same in every run.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Row {
-    series: String,
-    setting: String,
-    lift_seconds: f64,
-    mask_seconds: f64,
+pub struct Row {
+    /// Rows that belong together.
+    pub series: String,
+    /// The lift and its settings.
+    pub setting: String,
+    /// Per query.
+    pub lift_seconds: f64,
+    /// Per query.
+    pub mask_seconds: f64,
     /// Of the held-out view, percent.
-    miou: f64,
-    tube_iou: f64,
-    /// Pixels that come and go, percent of the true area a frame.
-    flicker: Option<f64>,
-    pub(super) queries: usize,
+    pub miou: f64,
+    /// The same over all frames together.
+    pub tube_iou: f64,
+    /// Pixels that come and go, percent of the true area per frame.
+    pub flicker: Option<f64>,
+    /// That were measured.
+    pub queries: usize,
 }
 
 impl Row {
+    /// Whether it is the lift that users get by default.
+    pub fn is_base(&self) -> bool {
+        self.setting == BASE
+    }
+
     /// None without a query whose target is ever present.
     pub(super) fn new(series: String, setting: String, sums: &Sums) -> Option<Self> {
-        let rounded = |value: f64| (value * 1e4).round() / 1e4;
         let queries = sums.queries;
         let mean = |sum: f64| rounded(sum / queries as f64);
         (queries > 0).then(|| Self {
@@ -41,14 +50,8 @@ impl Row {
     }
 }
 
-pub(super) fn csv_of(rows: &[Row]) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row))?;
-    Ok(writer.into_inner()?)
-}
-
 /// The table for a terminal.
-pub(super) fn text(rows: &[Row]) -> String {
+pub fn text(rows: &[Row]) -> String {
     let titles = ("setting", "lift, s", "masks, s", "mIoU", "tube IoU", "flicker");
     let mut lines = vec![format!(
         "{:<42}{:>10}{:>10}{:>9}{:>10}{:>9}",
@@ -62,28 +65,4 @@ pub(super) fn text(rows: &[Row]) -> String {
         ));
     }
     lines.join("\n")
-}
-
-pub(super) fn figure(about: &str, machine: &str, rows: &[Row]) -> Tradeoff {
-    let points = rows.iter().map(|row| TradePoint {
-        series: row.series.clone(),
-        label: row.setting.clone(),
-        cost: row.lift_seconds.max(1e-3),
-        gain: row.miou,
-        is_base: row.setting == BASE,
-    });
-    Tradeoff {
-        name: "lift",
-        title: "Lifting an answer: speed against error".to_owned(),
-        notes: vec![
-            format!("{about}."),
-            format!("{machine}."),
-            "Evidence is what training views truly show: this measures lifting alone. Ring: the default. Grey: what nothing \
-             beats."
-                .to_owned(),
-        ],
-        cost: "seconds a lift".to_owned(),
-        gain: "mIoU of the held-out view, percent".to_owned(),
-        points: points.collect(),
-    }
 }

@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use l4d_data::error::inert_name;
-use l4d_data::{Benchmark, Name, Query, Status};
+use l4d_data::{Benchmark, Name, Query, StageError, Status};
 use l4d_ground::nearest;
-
-use crate::out::refusal;
 
 /// All sentences that the benchmark has about a scene; none without a benchmark.
 pub(super) struct Known {
@@ -43,7 +41,7 @@ impl Known {
     }
 
     /// Why a grounder that answers these sentences alone is not asked another one.
-    pub(super) fn refusal(&self, grounder: &str, text: &str) -> anyhow::Error {
+    pub(super) fn refusal(&self, grounder: &str, text: &str) -> StageError {
         let (scene, bench) = (&self.scene, self.bench.display());
         let rule = format!("grounder {grounder} answers only sentences of the benchmark");
         let (message, hint) = match self.nearest(text, |_| true) {
@@ -56,6 +54,6 @@ impl Known {
                 "name the folder of the benchmark with --bench, or ask with --grounder geometric".to_owned(),
             ),
         };
-        refusal(message, hint)
+        StageError::new(message, hint)
     }
 }

@@ -1,6 +1,6 @@
 //! Flicker: pixels of the answer that come and go from frame to frame although the truth's do not.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 /// For each two neighbouring frames, the pixels that change in the answer beyond as many as change in the truth; their
 /// mean over the clip, as percent of the mean area of the truth where it is seen. A still answer to a moving truth has

@@ -4,12 +4,9 @@
 //! The judge is that of `l4d score`. What answers never sees the truth that stands beside it here.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use anyhow::Result;
-use l4d_data::layout::{SceneDir, WorkDir};
-use l4d_data::{Query, Status};
-use l4d_frames::Mask;
+use l4d_data::{Query, Status, Workspace};
+use l4d_masks::Mask;
 use l4d_score::counts::FrameCount;
 use l4d_score::exam::SceneExam;
 use l4d_score::judge::{Answer, judge_query};
@@ -18,35 +15,33 @@ use l4d_score::truth::SceneTruth;
 use l4d_score::{Exam, Options};
 use l4d_solve::clips::{Plan, Shot};
 use l4d_solve::scene::{ClipSettings, Places, SolveScene};
+use l4d_splat::raster::Rasterizer;
+use serde_json::Value;
 
-use crate::rasterizer;
+use crate::Result;
 
 /// A scene between solver and judge.
-pub(crate) struct Stage<'a> {
+pub(crate) struct JudgedScene<'a> {
     pub(crate) places: Places,
     pub(crate) scene: SolveScene,
     pub(crate) truth: SceneTruth,
     /// From where and when the judge wants masks.
-    pub(crate) judged: Plan,
+    pub(crate) plan: Plan,
     exam: &'a SceneExam,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> JudgedScene<'a> {
     pub(crate) fn open(
         exam: &Exam,
         asked: &'a SceneExam,
-        data: &Path,
-        work: &Path,
+        space: &Workspace,
         clips: &ClipSettings,
-        opened: &rasterizer::Opened,
+        draws: (&dyn Rasterizer, Option<Value>),
     ) -> Result<Self> {
         let (name, profile) = (&asked.name, exam.profile);
-        let places =
-            Places { data: SceneDir::new(data, name), work: WorkDir::new(work, profile, name), model: None };
-        let adapter = opened.adapter.as_ref().map(serde_json::to_value).transpose()?;
-        let draws = (opened.rasterizer.as_ref(), adapter);
+        let places = Places { data: space.scene(name), work: space.work(name), model: None };
         let scene = SolveScene::open(name, profile, &places, clips, draws, &|| {})?;
-        Ok(Self { judged: scene.judged(&places)?, truth: exam.truth(asked)?, places, scene, exam: asked })
+        Ok(Self { plan: scene.judged(&places)?, truth: exam.truth(asked)?, places, scene, exam: asked })
     }
 
     /// The queries that are judged.
@@ -61,7 +56,7 @@ impl<'a> Stage<'a> {
     }
 
     fn counts(&self, query: &Query, masks: &BTreeMap<Shot, Mask>) -> Result<Vec<FrameCount>> {
-        let frames: Vec<u32> = self.judged.instants.iter().filter_map(|instant| instant.frame).collect();
+        let frames: Vec<u32> = self.plan.instants.iter().filter_map(|instant| instant.frame).collect();
         let answer = |instant: usize| match masks.get(&Shot { view: 0, instant }) {
             Some(mask) if !mask.is_empty() => Answer::Pixels(mask.clone()),
             Some(_) => Answer::Absent,

@@ -3,15 +3,15 @@
 
 use std::collections::BTreeSet;
 
-use anyhow::Result;
 use l4d_data::published::{self, Published};
 use l4d_data::{Category, Scale};
 use l4d_score::Estimate;
 use l4d_score::metrics::{QueryTally, Ratios};
 use serde::Serialize;
 
+use super::grid::Grid;
 use super::measure::Measured;
-use crate::cli::solver::GridArg;
+use crate::csv_file::rounded;
 
 /// The column of all queries together, which the paper does not have.
 pub(super) const ALL: &str = "all";
@@ -19,10 +19,14 @@ pub(super) const ALL: &str = "all";
 /// What is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Metric {
+pub enum Metric {
+    /// Mean accuracy.
     Macc,
+    /// Mean IoU.
     Miou,
+    /// IoU over all frames together.
     TubeIou,
+    /// Share of queries whose referent is overlapped most.
     Select,
 }
 
@@ -63,26 +67,36 @@ impl Metric {
 /// Where a number comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Source {
+pub enum Source {
+    /// Here.
     Measured,
+    /// Printed in the paper, of another data set.
     Published,
 }
 
 /// A row of the CSV.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Cell {
-    pub(super) setting: String,
-    pub(super) column: String,
-    pub(super) metric: Metric,
+pub struct Cell {
+    /// Row of the table.
+    pub setting: String,
+    /// Kind of queries.
+    pub column: String,
+    /// What is measured.
+    pub metric: Metric,
     /// Percent, or percentage points.
-    pub(super) value: f64,
-    pub(super) low: Option<f64>,
-    pub(super) high: Option<f64>,
-    pub(super) queries: Option<usize>,
-    pub(super) scenes: Option<usize>,
-    pub(super) source: Source,
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+    /// How many there are.
+    pub queries: Option<usize>,
+    /// In how many scenes.
+    pub scenes: Option<usize>,
+    /// Where it comes from.
+    pub source: Source,
     /// Whether the truth was looked at.
-    pub(super) used_truth: bool,
+    pub used_truth: bool,
 }
 
 impl Cell {
@@ -109,15 +123,11 @@ impl Cell {
     }
 }
 
-/// Hundredths of what is printed anyway; spares tables digits that mean nothing.
-fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
-}
-
 /// A kind of queries.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Column {
-    pub(super) name: String,
+pub struct Column {
+    /// `attribute`, `action+spatial`, `all`.
+    pub name: String,
     /// None for all queries.
     categories: Option<BTreeSet<Category>>,
 }
@@ -151,7 +161,7 @@ pub(super) fn columns(published: Option<&Published>, rows: &[Measured]) -> Vec<C
 
 /// All numbers: measured rows, then published ones.
 pub(super) fn cells(
-    grid: GridArg,
+    grid: Grid,
     rows: &[Measured],
     columns: &[Column],
     published: Option<&Published>,
@@ -172,7 +182,7 @@ pub(super) fn cells(
         }
     };
     for row in rows {
-        if grid == GridArg::Scales {
+        if grid == Grid::Scales {
             for scale in Scale::ALL {
                 add(scale.as_str(), row, Some(scale));
             }
@@ -221,10 +231,4 @@ pub(super) fn cell<'a>(
     cells.iter().find(|cell| {
         cell.source == source && cell.setting == setting && cell.column == column && cell.metric == metric
     })
-}
-
-pub(super) fn csv_of<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    cells.into_iter().try_for_each(|cell| writer.serialize(cell))?;
-    Ok(writer.into_inner()?)
 }

@@ -1,9 +1,8 @@
-use l4d_data::Camera;
 use l4d_ground::Word;
-use l4d_solve::account::Account;
-use l4d_solve::consensus::{Preset, consensus};
 
 use super::*;
+use crate::account::Account;
+use crate::consensus::{Preset, consensus};
 
 fn solved(outcomes: &[Outcome], evidence: &[usize], preset: Preset) -> Solved {
     let mut agreed = consensus(&[], &preset.settings());
@@ -19,7 +18,7 @@ fn solved(outcomes: &[Outcome], evidence: &[usize], preset: Preset) -> Solved {
 fn missing(outcomes: &[Outcome]) -> (Status, String) {
     let unread = |unread: &Unread| Answer::new(Status::Unread, &format!("no answer: {unread}"));
     let answer = Answer::missing(&solved(outcomes, &[], Preset::Robust), unread).unwrap();
-    assert_eq!(answer.exit_status(), ExitStatus::Findings);
+    assert!(!answer.is_there());
     (answer.status, answer.message)
 }
 
@@ -52,40 +51,36 @@ fn without_evidence_it_says_why() {
     assert!(missing(&[error(&"x".repeat(5000))]).1.len() < 300);
 }
 
-fn camera(name: &str, split: Split) -> Camera {
-    let (fx, fy, cx, cy, world_from_camera) = (4.0, 4.0, 2.0, 1.5, Vec::new());
-    Camera { name: l4d_data::Name::new(name).unwrap(), split, fx, fy, cx, cy, world_from_camera }
+fn view(name: &str, is_held_out: bool, seen: usize, most_px: u64) -> CameraView {
+    CameraView { camera: l4d_data::Name::new(name).unwrap(), is_held_out, seen, frames: 9, most_px }
 }
 
 #[test]
 fn with_evidence_it_says_what_the_cameras_see() {
-    let [held_out, other] = [camera("cam04", Split::Test), camera("cam01", Split::Train)];
-    let sight = |camera, seen, most_px| Sight { camera, seen, frames: 9, most_px };
+    let held_out = |seen, most_px| view("cam04", true, seen, most_px);
+    let other = |seen, most_px| view("cam01", false, seen, most_px);
     let all = solved(&[Outcome::Found, Outcome::Found, error("gone")], &[0, 1], Preset::Robust);
-    let message = |sights: &[Sight<'_>], solved: &Solved| {
+    let message = |views: &[CameraView], solved: &Solved| {
         assert_eq!(Answer::missing(solved, |_| unreachable!()), None);
-        let answer = Answer::seen(sights, solved, Path::new("asked/sheet.png"));
-        assert_eq!((answer.status, answer.exit_status()), (Status::Answered, ExitStatus::Success));
+        let answer = Answer::seen(views, solved, Path::new("asked/sheet.png"));
+        assert!(answer.is_there());
         answer.message
     };
     assert_eq!(
-        message(&[sight(&held_out, 8, 143)], &all),
+        message(&[held_out(8, 143)], &all),
         "answer: seen in 8 of 9 frames of the held-out camera cam04, at most 143 pixels \
          (2 of 3 views agree, 1 failed); picture: asked/sheet.png"
     );
     assert!(
-        message(&[sight(&held_out, 0, 0)], &all)
+        message(&[held_out(0, 0)], &all)
             .starts_with("answer: found, but the held-out camera cam04 never shows it (")
     );
-    let two = [sight(&held_out, 8, 143), sight(&other, 9, 99)];
+    let two = [held_out(8, 143), other(9, 99)];
     assert!(message(&two, &all).contains("seen in 17 of 18 frames of 2 cameras, at most 143 pixels"));
-    let two = [sight(&held_out, 0, 0), sight(&other, 0, 0)];
+    let two = [held_out(0, 0), other(0, 0)];
     assert!(message(&two, &all).contains("found, but none of 2 cameras shows it"));
     let alone = solved(&[Outcome::Found, Outcome::Absent], &[0], Preset::Robust);
-    assert!(
-        message(&[sight(&other, 1, 1)], &alone)
-            .contains("camera cam01, at most 1 pixels (1 of 2 views alone)")
-    );
+    assert!(message(&[other(1, 1)], &alone).contains("camera cam01, at most 1 pixels (1 of 2 views alone)"));
     let unvoted = solved(&[Outcome::Found, Outcome::Found], &[0, 1], Preset::Off);
-    assert!(message(&[sight(&other, 1, 1)], &unvoted).contains("(2 of 2 views show it, unchecked)"));
+    assert!(message(&[other(1, 1)], &unvoted).contains("(2 of 2 views show it, unchecked)"));
 }

@@ -15,15 +15,15 @@ const QUICK_ITERATIONS: u32 = 20;
 
 /// One lift; a field is read in both ways, and learned once.
 #[derive(Debug, Clone)]
-pub(super) struct Way {
+pub(super) struct Variant {
     pub(super) series: &'static str,
     pub(super) setting: String,
     pub(super) lift: LiftSettings,
-    /// How it is read; none for lifts that know one way alone.
+    /// How it is read; none for lifts that know one alone.
     pub(super) read_outs: Vec<ReadOut>,
 }
 
-impl Way {
+impl Variant {
     /// Series and names of its rows.
     pub(super) fn rows(&self) -> Vec<(String, String)> {
         if self.read_outs.is_empty() {
@@ -42,23 +42,23 @@ fn word(read_out: ReadOut) -> &'static str {
     }
 }
 
-pub(super) fn ways(is_quick: bool) -> Vec<Way> {
+pub(super) fn variants(is_quick: bool) -> Vec<Variant> {
     let robust = ClosedSettings::robust();
-    let closed = |series, setting: &str, settings| Way {
+    let closed = |series, setting: &str, settings| Variant {
         series,
         setting: setting.to_owned(),
         lift: LiftSettings::Closed(settings),
         read_outs: Vec::new(),
     };
     let sirt = |steps: u32, smoothness: f32| ClosedSettings { steps, smoothness, ..ClosedSettings::sirt() };
-    let mut ways = vec![
+    let mut variants = vec![
         closed("closed form", BASE, robust),
         closed("vote", "vote", ClosedSettings::vote()),
         closed("SIRT", "SIRT, 1 step", sirt(1, 0.0)),
     ];
     if !is_quick {
         let vote_and_graph = ClosedSettings { smoothness: robust.smoothness, ..ClosedSettings::vote() };
-        ways.extend([
+        variants.extend([
             closed("vote", "vote, graph", vote_and_graph),
             closed("SIRT", "SIRT, 3 steps", sirt(3, 0.0)),
             closed("SIRT and graph", "SIRT, 1 step, graph", sirt(1, robust.smoothness)),
@@ -68,28 +68,28 @@ pub(super) fn ways(is_quick: bool) -> Vec<Way> {
     let lengths = if is_quick { vec![QUICK_ITERATIONS] } else { ITERATIONS.to_vec() };
     for &iterations in &lengths {
         let exact = FieldSettings { iterations, ..FieldSettings::paper() };
-        ways.push(field("field", format!("field, {iterations}"), exact));
+        variants.push(field("field", format!("field, {iterations}"), exact));
     }
     for &iterations in lengths.iter().filter(|_| !is_quick) {
         let active = FieldSettings { iterations, left_out: ACTIVE, ..FieldSettings::paper() };
-        ways.push(field("field, active set", format!("field, {iterations}, active set"), active));
+        variants.push(field("field, active set", format!("field, {iterations}, active set"), active));
     }
     let mut distil = DistilSettings::usual();
     if is_quick {
         distil.field.iterations = QUICK_ITERATIONS;
     }
-    ways.push(Way {
+    variants.push(Variant {
         series: "distillation",
         setting: "closed form, learned by a field".to_owned(),
         lift: LiftSettings::Distil(distil),
         read_outs: Vec::new(),
     });
-    ways
+    variants
 }
 
-fn field(series: &'static str, setting: String, settings: FieldSettings) -> Way {
+fn field(series: &'static str, setting: String, settings: FieldSettings) -> Variant {
     let lift = LiftSettings::Field(settings);
-    Way { series, setting, lift, read_outs: vec![ReadOut::Decode2d, ReadOut::Hard3d] }
+    Variant { series, setting, lift, read_outs: vec![ReadOut::Decode2d, ReadOut::Hard3d] }
 }
 
 #[cfg(test)]
@@ -102,7 +102,7 @@ mod tests {
     fn rows_have_names_of_their_own() {
         for (is_quick, count) in [(true, 6), (false, 24)] {
             let names: Vec<String> =
-                ways(is_quick).iter().flat_map(Way::rows).map(|(_, name)| name).collect();
+                variants(is_quick).iter().flat_map(Variant::rows).map(|(_, name)| name).collect();
             let distinct: BTreeSet<&String> = names.iter().collect();
             assert_eq!((names.len(), distinct.len()), (count, count), "{names:?}");
             assert_eq!(names[0], BASE);

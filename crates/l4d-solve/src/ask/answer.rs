@@ -1,25 +1,22 @@
 //! What came of the sentence: one line for people, fields for scripts, and the exit code.
-//!
-//! Refuses to know how views decide: where consensus lets any view go on there is an answer, whatever its reasons.
 
 use std::path::Path;
 
-use l4d_data::Split;
 use l4d_data::error::inert_name;
 use l4d_ground::{Grounder, Grounding, Outcome, Reason, Unread};
-use l4d_solve::solve::Solved;
 use serde::Serialize;
 
+use super::camera_views::CameraView;
 use super::known::Known;
-use super::written::Sight;
-use crate::out::ExitStatus;
+use crate::solve::Solved;
 
 /// Longest reason of a failure that is repeated, characters.
 const LONGEST_REASON: usize = 200;
 
+/// How it ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Status {
+pub enum Status {
     /// Some view goes on.
     Answered,
     /// The grounder cannot read the sentence.
@@ -34,9 +31,11 @@ pub(super) enum Status {
 
 /// `answer` of `--json`; its message is the last line otherwise.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(super) struct Answer {
-    pub(super) status: Status,
-    pub(super) message: String,
+pub struct Answer {
+    /// How it ended.
+    pub status: Status,
+    /// One line.
+    pub message: String,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     unread_words: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -91,9 +90,9 @@ impl Answer {
     }
 
     /// What the cameras see of it.
-    pub(super) fn seen(sights: &[Sight<'_>], solved: &Solved, picture: &Path) -> Self {
+    pub(super) fn seen(views: &[CameraView], solved: &Solved, picture: &Path) -> Self {
         let message =
-            format!("answer: {} ({}); picture: {}", visible(sights), support(solved), picture.display());
+            format!("answer: {} ({}); picture: {}", visible(views), support(solved), picture.display());
         Self::new(Status::Answered, &message)
     }
 
@@ -102,21 +101,22 @@ impl Answer {
         !matches!(self.status, Status::Unread | Status::Failed)
     }
 
-    pub(super) fn exit_status(&self) -> ExitStatus {
-        if self.status == Status::Answered { ExitStatus::Success } else { ExitStatus::Findings }
+    /// Whether there is one.
+    pub fn is_there(&self) -> bool {
+        self.status == Status::Answered
     }
 }
 
-fn visible(sights: &[Sight<'_>]) -> String {
-    let sum = |of: fn(&Sight<'_>) -> usize| sights.iter().map(of).sum::<usize>();
-    let (seen, frames) = (sum(|sight| sight.seen), sum(|sight| sight.frames));
-    let most = sights.iter().map(|sight| sight.most_px).max().unwrap_or(0);
-    let cameras = match sights {
-        [sight] if sight.camera.split == Split::Test => format!("the held-out camera {}", sight.camera.name),
-        [sight] => format!("camera {}", sight.camera.name),
-        _ => format!("{} cameras", sights.len()),
+fn visible(views: &[CameraView]) -> String {
+    let sum = |of: fn(&CameraView) -> usize| views.iter().map(of).sum::<usize>();
+    let (seen, frames) = (sum(|view| view.seen), sum(|view| view.frames));
+    let most = views.iter().map(|view| view.most_px).max().unwrap_or(0);
+    let cameras = match views {
+        [view] if view.is_held_out => format!("the held-out camera {}", view.camera),
+        [view] => format!("camera {}", view.camera),
+        _ => format!("{} cameras", views.len()),
     };
-    match (seen, sights.len()) {
+    match (seen, views.len()) {
         (0, 1) => format!("found, but {cameras} never shows it"),
         (0, _) => format!("found, but none of {cameras} shows it"),
         _ => format!("seen in {seen} of {frames} frames of {cameras}, at most {most} pixels"),

@@ -10,29 +10,28 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
-use l4d_data::Progress as _;
 use l4d_data::digest::sha256_hex;
 use l4d_data::published::{self, Published};
 use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::{Category, DataError, Name, Query, Workspace, json};
-use l4d_frames::{Mask, drawn::DepthMap, rle};
+use l4d_data::{At as _, Category, DataError, Name, Progress, Query, json};
+use l4d_frames::drawn::DepthMap;
 use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, TrainingIds};
-use l4d_ground::{Grounder as _, Grounding, Outcome};
-use l4d_score::Exam;
+use l4d_ground::{Grounder as _, Grounding, Outcome, Question};
+use l4d_masks::{Mask, rle};
 use l4d_solve::lift::{Evidence, EvidenceView, lift};
+use l4d_solve::method::MethodChoice;
 use l4d_solve::scene::SolveScene;
 use l4d_solve::solve::{Method, SolveSettings};
+use l4d_splat::raster::Rasterizer;
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use self::search::{HALVINGS, Search};
+use super::Ablation;
 use super::grid::{Noise, WITHOUT};
-use crate::cli::solver::{AblateArgs, MethodArgs};
-use crate::commands::solve::question_of;
-use crate::out::Printer;
-use crate::rasterizer;
-use crate::solver::{self, Stage};
+use crate::csv_file::csv_of;
+use crate::judged_scene::JudgedScene;
+use crate::{Result, plain};
 
 /// First words of a file that was found here.
 const HEADING: &str =
@@ -57,8 +56,9 @@ pub(super) fn noises_as_given(
 ) -> Result<Vec<Noise>> {
     let one = |&correlation: &f64| {
         let path = noise_path(folder, correlation);
-        write_atomic(&path, toml::to_string(&with_correlation(preset, correlation))?.as_bytes())?;
-        Ok(Noise { correlation, path })
+        let preset = with_correlation(preset, correlation);
+        write_atomic(&path, toml::to_string(&preset).map_err(plain)?.as_bytes())?;
+        Ok(Noise { correlation, preset })
     };
     correlations.iter().map(one).collect()
 }
@@ -66,42 +66,42 @@ pub(super) fn noises_as_given(
 /// Finds the noise for each correlation, unless it was found before, and writes it. `calibration.csv` holds all that was
 /// tried.
 pub(super) fn noises_as_in_paper(
-    args: &AblateArgs,
+    order: &Ablation<'_>,
     preset: &NoisePreset,
     correlations: &[f64],
-    exam: &Exam,
     published: &Published,
-    folder: &Path,
-    out: &Printer,
+    progress: &dyn Progress,
 ) -> Result<Vec<Noise>> {
-    let opened = rasterizer::open(&args.method.adapter.adapter)?;
-    let method = MethodArgs { no_consensus: true, ..args.method.clone() };
-    let (settings, clips) = (solver::settings(&method), solver::clip_settings(&method, None));
-    let data = Workspace::new(exam.profile, exam.bench.manifest.draw())
-        .with_data(args.work.data.as_deref())
-        .data()
-        .to_owned();
+    let Ablation { exam, folder, .. } = order;
+    let method = MethodChoice { consensus: false, ..order.method.clone() };
+    let (settings, clips) = (method.solve_settings(), method.clip_settings(None));
     let scenes = exam.scenes.iter().map(|scene| {
-        let stage = Stage::open(exam, scene, &data, &args.work.work, &clips, &opened);
-        Subject::new(stage.with_context(|| scene.name.to_string())?)
+        let draws = (order.rasterizer, order.adapter.clone());
+        let judged = JudgedScene::open(exam, scene, order.space, &clips, draws);
+        Subject::new(judged.at(&scene.name)?)
     });
     let subjects: Vec<Subject<'_>> = scenes.collect::<Result<_>>()?;
     let targets = targets(published);
-    let made_from = made_from(&subjects, preset, &settings, correlations, &targets, exam);
+    let made_from = made_from(&subjects, preset, &settings, correlations, &targets, &exam.truth_digest);
     let paths: Vec<PathBuf> = correlations.iter().map(|&rho| noise_path(folder, rho)).collect();
-    let noise = |(&correlation, path): (&f64, &PathBuf)| Noise { correlation, path: path.clone() };
-    let noises: Vec<Noise> = correlations.iter().zip(&paths).map(noise).collect();
+    let read = || -> Result<Vec<Noise>> {
+        let noise = |(&correlation, path): (&f64, &PathBuf)| {
+            Ok(Noise { correlation, preset: NoisePreset::read(path)? })
+        };
+        correlations.iter().zip(&paths).map(noise).collect()
+    };
     if paths.iter().all(|path| was_made_from(path, &made_from)) {
-        out.note(format!("the noise in {} was found before", folder.join("noise").display()));
-        return Ok(noises);
+        progress.note(&format_args!("the noise in {} was found before", folder.join("noise").display()));
+        return read();
     }
 
-    let queries: usize = subjects.iter().map(|subject| subject.stage.queries().count()).sum();
-    out.start("calibrating", (queries * correlations.len() * (HALVINGS + 1)) as u64);
-    let mut trials = Trials { opened: &opened, settings: &settings, known: BTreeMap::new(), bar: out };
+    let queries: usize = subjects.iter().map(|subject| subject.judged.queries().count()).sum();
+    progress.start("calibrating", (queries * correlations.len() * (HALVINGS + 1)) as u64);
+    let mut trials =
+        Trials { rasterizer: order.rasterizer, settings: &settings, known: BTreeMap::new(), progress };
     let mut rows = Vec::new();
     for (&correlation, path) in correlations.iter().zip(&paths) {
-        out.item(&format_args!("rho {correlation}"));
+        progress.item(&format_args!("rho {correlation}"));
         let mut searches: BTreeMap<Category, Search> =
             targets.iter().map(|(&category, &target)| (category, Search::new(target))).collect();
         for _ in 0..=HALVINGS {
@@ -124,12 +124,15 @@ pub(super) fn noises_as_in_paper(
         let swaps =
             searches.iter().filter_map(|(&category, search)| Some((category, search.best()?))).collect();
         let found = NoisePreset { swap_probability: swaps, ..with_correlation(preset, correlation) };
-        write_atomic(path, format!("{HEADING}{made_from}\n{}", toml::to_string(&found)?).as_bytes())?;
-        out.note(format!("rho {correlation}: {}", said(&searches)));
+        write_atomic(
+            path,
+            format!("{HEADING}{made_from}\n{}", toml::to_string(&found).map_err(plain)?).as_bytes(),
+        )?;
+        progress.note(&format_args!("rho {correlation}: {}", said(&searches)));
     }
-    out.finish();
+    progress.finish();
     write_atomic(&folder.join("calibration.csv"), &csv_of(&rows)?)?;
-    Ok(noises)
+    read()
 }
 
 /// The paper's mIoU without consensus, percent.
@@ -147,16 +150,16 @@ fn made_from(
     settings: &SolveSettings,
     correlations: &[f64],
     targets: &BTreeMap<Category, f64>,
-    exam: &Exam,
+    truth_digest: &str,
 ) -> String {
     let scene = |subject: &Subject<'_>| {
         let queries: Vec<Value> =
-            subject.stage.queries().map(|query| json!([query.id, query.text_digest])).collect();
-        json!([subject.stage.scene.digest(), subject.ids.identity(), queries])
+            subject.judged.queries().map(|query| json!([query.id, query.text_digest])).collect();
+        json!([subject.judged.scene.digest(), subject.ids.identity(), queries])
     };
     let decides = json!([
         "l4d/calibration/1",
-        exam.truth_digest,
+        truth_digest,
         subjects.iter().map(scene).collect::<Vec<_>>(),
         preset,
         settings,
@@ -185,12 +188,6 @@ struct Tried {
     paper: f64,
 }
 
-fn csv_of(rows: &[Tried]) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row))?;
-    Ok(writer.into_inner()?)
-}
-
 fn said(searches: &BTreeMap<Category, Search>) -> String {
     let one = |(category, search): (&Category, &Search)| {
         let (swap, miou) = search.closest()?;
@@ -202,29 +199,31 @@ fn said(searches: &BTreeMap<Category, Search>) -> String {
 
 /// A scene with what the oracle knows of it.
 struct Subject<'a> {
-    stage: Stage<'a>,
+    judged: JudgedScene<'a>,
     ids: TrainingIds,
     targets: BTreeMap<Name, Target>,
 }
 
 impl<'a> Subject<'a> {
-    fn new(mut stage: Stage<'a>) -> Result<Self> {
+    fn new(mut judged: JudgedScene<'a>) -> Result<Self> {
         // The oracle looks at no pixel, and clips of many scenes at once would fill the memory.
-        for frame in stage.scene.clips.iter_mut().flat_map(|clip| &mut clip.frames) {
+        for frame in judged.scene.clips.iter_mut().flat_map(|clip| &mut clip.frames) {
             frame.colour = Default::default();
             frame.depth = DepthMap::empty(0, 0);
         }
-        let SolveScene { profile, plan, .. } = &stage.scene;
-        let ids = TrainingIds::open(stage.places.data.clone(), *profile, plan.size, plan.camera_size)?;
+        let SolveScene { profile, plan, .. } = &judged.scene;
+        let ids = TrainingIds::open(judged.places.data.clone(), *profile, plan.size, plan.camera_size)?;
         let instances = ids.instances();
-        let target = |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query)?));
-        let targets = stage.queries().map(target).collect::<Result<_>>()?;
-        Ok(Self { targets, ids, stage })
+        let target =
+            |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query).map_err(plain)?));
+        let targets = judged.queries().map(target).collect::<Result<_>>()?;
+        Ok(Self { targets, ids, judged })
     }
 
     fn oracle(&self, preset: &NoisePreset) -> Result<Oracle<Shared<'_>>> {
-        let scene = self.stage.scene.name.clone();
-        Oracle::new(scene, Shared(&self.ids), self.targets.clone(), preset.clone()).context("--noise")
+        let scene = self.judged.scene.name.clone();
+        let oracle = Oracle::new(scene, Shared(&self.ids), self.targets.clone(), preset.clone());
+        oracle.map_err(plain).at("--noise")
     }
 }
 
@@ -243,11 +242,11 @@ impl IdSource for Shared<'_> {
 
 /// Answers without consensus, each set of masks lifted once.
 struct Trials<'a> {
-    opened: &'a rasterizer::Opened,
+    rasterizer: &'a dyn Rasterizer,
     settings: &'a SolveSettings,
     /// Digest of query and masks -> mIoU, 0 to 1; none where the target is never present.
     known: BTreeMap<String, Option<f64>>,
-    bar: &'a Printer,
+    progress: &'a dyn Progress,
 }
 
 impl Trials<'_> {
@@ -260,9 +259,9 @@ impl Trials<'_> {
         let mut sums: BTreeMap<Category, (f64, usize)> = BTreeMap::new();
         for subject in subjects {
             let oracle = subject.oracle(preset)?;
-            for query in subject.stage.queries() {
-                let miou = self.miou(subject, &oracle, query).with_context(|| query.id.to_string())?;
-                self.bar.advance(1);
+            for query in subject.judged.queries() {
+                let miou = self.miou(subject, &oracle, query).at(&query.id)?;
+                self.progress.advance(1);
                 for &category in miou.iter().flat_map(|_| &query.categories) {
                     let (sum, count) = sums.entry(category).or_default();
                     *sum += 100.0 * miou.unwrap_or_default();
@@ -279,8 +278,8 @@ impl Trials<'_> {
         oracle: &Oracle<Shared<'_>>,
         query: &Query,
     ) -> Result<Option<f64>> {
-        let question = question_of(query);
-        let clips = &subject.stage.scene.clips;
+        let question = Question::from(query);
+        let clips = &subject.judged.scene.clips;
         let groundings: Vec<Grounding> = clips.iter().map(|clip| oracle.ground(clip, &question)).collect();
         let key = digest(query, &groundings);
         if let Some(&miou) = self.known.get(&key) {
@@ -291,8 +290,8 @@ impl Trials<'_> {
         let views = views
             .map(|(clip, grounding)| EvidenceView::of_clip(clip, &grounding.masks))
             .collect::<Result<Vec<_>, _>>()?;
-        let scene = &subject.stage.scene;
-        let rasterizer = self.opened.rasterizer.as_ref();
+        let scene = &subject.judged.scene;
+        let rasterizer = self.rasterizer;
         let canvas = scene.canvas(rasterizer);
         let lifted = if views.is_empty() {
             None
@@ -300,8 +299,8 @@ impl Trials<'_> {
             Some(lift(&canvas, &Evidence { views }, &self.settings.lift, &mut |_| ControlFlow::Continue(()))?)
         };
         let method = Method { grounder: oracle, rasterizer, settings: self.settings };
-        let masks = method.masks(scene, lifted.as_ref(), &subject.stage.judged)?;
-        let miou = subject.stage.tally(query, &masks)?.ratios().miou;
+        let masks = method.masks(scene, lifted.as_ref(), &subject.judged.plan)?;
+        let miou = subject.judged.tally(query, &masks)?.ratios().miou;
         self.known.insert(key, miou);
         Ok(miou)
     }
@@ -327,9 +326,10 @@ mod tests {
         preset.noise.flicker = 0.2;
         let noises = noises_as_given(&preset, &[0.0, 0.6], folder.path()).unwrap();
         let read: Vec<NoisePreset> =
-            noises.iter().map(|noise| NoisePreset::read(&noise.path).unwrap()).collect();
+            [0.0, 0.6].map(|rho| NoisePreset::read(&noise_path(folder.path(), rho)).unwrap()).to_vec();
         assert_eq!(read[0], with_correlation(&preset, 0.0));
         assert_eq!((read[1].seed, read[1].noise.flicker, read[1].noise.swap.correlation), (3, 0.2, 0.6));
-        assert!(!was_made_from(&noises[0].path, "abc"));
+        assert_eq!(noises[1].preset, read[1]);
+        assert!(!was_made_from(&noise_path(folder.path(), 0.0), "abc"));
     }
 }

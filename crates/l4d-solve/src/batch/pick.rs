@@ -1,45 +1,54 @@
 //! Which queries are answered.
 
-use anyhow::Result;
-use l4d_data::{Benchmark, Name, Query, QueryId, Status};
+use l4d_data::{Benchmark, Name, Query, QueryId, Shard, StageError, Status};
 
-use crate::cli::solver::{QuerySetArg, SolveArgs};
-use crate::out::refusal;
+use crate::method::QuerySet;
 
 /// Some queries of a scene, in the order of the benchmark.
-pub(super) struct SceneQueries {
-    pub(super) name: Name,
-    pub(super) queries: Vec<Query>,
+#[derive(Debug)]
+pub struct Picked {
+    /// Of the scene.
+    pub name: Name,
+    /// That are answered.
+    pub queries: Vec<Query>,
 }
 
-/// The scenes that have any of the queries that were asked for.
-pub(super) fn pick(args: &SolveArgs, bench: &Benchmark) -> Result<Vec<SceneQueries>> {
-    let ids = args.queries.iter().map(|id| Ok(id.parse()?)).collect::<Result<Vec<QueryId>>>()?;
+/// The scenes that have any of the queries that were asked for, all of the set if `ids` is empty.
+///
+/// # Errors
+/// Queries that cannot be read, numbers that are not among them.
+pub fn pick(
+    bench: &Benchmark,
+    set: QuerySet,
+    selected: &[Name],
+    ids: &[QueryId],
+    shard: Option<Shard>,
+) -> Result<Vec<Picked>, StageError> {
     let mut scenes = Vec::new();
     let mut known = 0;
-    for name in bench.select(&args.bench.scenes)? {
-        let mut queries = match args.set {
-            QuerySetArg::Queries => bench.queries(&name)?,
-            QuerySetArg::Composites => bench.composites(&name)?,
-            QuerySetArg::Absents => bench.absents(&name)?,
+    for name in selected {
+        let mut queries = match set {
+            QuerySet::Queries => bench.queries(name)?,
+            QuerySet::Composites => bench.composites(name)?,
+            QuerySet::Absents => bench.absents(name)?,
         };
         queries.retain(|query| query.status != Status::Rejected);
         if !ids.is_empty() {
             queries.retain(|query| ids.contains(&query.id));
         }
         known += queries.len();
-        scenes.push(SceneQueries { name, queries });
+        scenes.push(Picked { name: name.clone(), queries });
     }
     if known < ids.len() {
         let has =
             |id: &&QueryId| scenes.iter().any(|scene| scene.queries.iter().any(|query| query.id == **id));
         let missing: Vec<String> = ids.iter().filter(|id| !has(id)).map(ToString::to_string).collect();
-        return Err(refusal(
+        return Err(StageError::new(
             format!("the benchmark has no query {}", missing.join(", ")),
             "check the numbers, --set and --scenes; rejected queries are not answered",
         ));
     }
-    if let Some(shard) = args.shard {
+    if let Some(shard) = shard {
         // Counted over all scenes.
         let mut places = 0..;
         let mut is_ours = |_: &Query| places.next().is_some_and(|place| shard.has(place));

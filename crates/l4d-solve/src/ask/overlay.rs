@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::Result;
+use l4d_data::StageError;
 use l4d_frames::Mask;
 use l4d_frames::drawn::{RgbImage, picture_of};
-use l4d_solve::clips::{Plan, Shot};
-use l4d_solve::lift::Lifted;
-use l4d_solve::scene::SolveScene;
-use l4d_solve::show;
-use l4d_solve::solve::Method;
+use l4d_frames::moving_picture::Pages;
 
-use crate::moving_picture::Pages;
+use crate::clips::{Plan, Shot};
+use crate::lift::{LiftError, Lifted};
+use crate::scene::SolveScene;
+use crate::show;
+use crate::solve::{Method, SolveError};
 
 /// Moments on the sheet.
 const COLUMNS: usize = 5;
@@ -24,7 +24,7 @@ pub(super) fn sheet(
     plan: &Plan,
     masks: &BTreeMap<Shot, Mask>,
     title: &str,
-) -> Result<RgbImage> {
+) -> Result<RgbImage, SolveError> {
     let all: Vec<Shot> = (0..plan.instants.len()).map(|instant| Shot { view: 0, instant }).collect();
     let seen = |shot: &&Shot| masks.get(*shot).is_some_and(|mask| !mask.is_empty());
     let seen: Vec<Shot> = all.iter().filter(seen).copied().collect();
@@ -37,7 +37,7 @@ pub(super) fn sheet(
             let caption = caption(plan, shot);
             Ok((caption, method.show(scene, lifted, plan, shot)?))
         })
-        .collect::<Result<Vec<_>>>()?;
+        .collect::<Result<Vec<_>, SolveError>>()?;
     Ok(show::sheet(title, &moments))
 }
 
@@ -65,7 +65,7 @@ pub(super) struct OverlayPages<'a> {
 }
 
 impl<'a> Overlay<'a> {
-    pub(super) fn pages(&self, widest_px: u32) -> Result<OverlayPages<'a>> {
+    pub(super) fn pages(&self, widest_px: u32) -> Result<OverlayPages<'a>, StageError> {
         let factor = (widest_px / self.plan.size[0].max(1)).clamp(1, 4);
         Ok(OverlayPages { overlay: *self, factor })
     }
@@ -77,12 +77,14 @@ impl Pages for OverlayPages<'_> {
         (width * self.factor, height * self.factor)
     }
 
-    fn page(&self, index: usize) -> Result<RgbImage> {
+    fn page(&self, index: usize) -> Result<RgbImage, StageError> {
         let Overlay { method, scene, plan, masks } = self.overlay;
         let shot = Shot { view: 0, instant: index };
-        let splats = scene.source.model.at(plan.instants[index].time)?;
+        let time = plan.instants[index].time;
+        let splats = scene.source.model.at(time).map_err(|source| LiftError::Model { time, source })?;
         let view = plan.view(shot)?;
-        let drawing = method.rasterizer.prepare(&splats, &view, &scene.raster)?.draw()?;
+        let drawing = method.rasterizer.prepare(&splats, &view, &scene.raster).and_then(|drawn| drawn.draw());
+        let drawing = drawing.map_err(LiftError::from)?;
         let picture = picture_of(drawing.width, drawing.height, &drawing.colour);
         let empty = Mask::empty(drawing.width, drawing.height);
         Ok(show::outlined(&picture, masks.get(&shot).unwrap_or(&empty), self.factor))

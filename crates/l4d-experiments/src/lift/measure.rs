@@ -6,21 +6,21 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result, anyhow};
-use l4d_data::Query;
-use l4d_frames::Mask;
-use l4d_ground::{Grounder, Grounding};
+use l4d_data::{At as _, Query};
+use l4d_ground::{Grounder, Grounding, Question};
+use l4d_masks::Mask;
 use l4d_solve::clips::Shot;
 use l4d_solve::consensus::{Preset, Proposal, consensus};
+use l4d_solve::grounders::Grounders;
 use l4d_solve::lift::{Answer, Canvas, Evidence, EvidenceView, Lifted, lift};
 use l4d_solve::solve::Method;
+use l4d_splat::raster::Rasterizer;
 
 use super::flicker::flicker;
 use super::samples::{Sample, Samples};
-use super::ways::Way;
-use crate::commands::solve::question_of;
-use crate::rasterizer;
-use crate::solver::{Grounders, Stage};
+use super::variants::Variant;
+use crate::Result;
+use crate::judged_scene::JudgedScene;
 
 /// What is added up over queries for one row.
 #[derive(Debug, Clone, Copy, Default)]
@@ -54,8 +54,8 @@ impl Sums {
 /// What is measured in every scene.
 pub(super) struct Measurement<'a> {
     pub(super) grounders: &'a Grounders,
-    pub(super) opened: &'a rasterizer::Opened,
-    pub(super) ways: &'a [Way],
+    pub(super) rasterizer: &'a dyn Rasterizer,
+    pub(super) variants: &'a [Variant],
     /// Queries of a scene.
     pub(super) queries: usize,
     /// Folder of what a run that was killed has measured.
@@ -63,23 +63,27 @@ pub(super) struct Measurement<'a> {
 }
 
 impl Measurement<'_> {
-    /// Adds some queries of a scene to the sums, which belong to the rows of all ways in their order.
-    pub(super) fn add_scene(&self, stage: &Stage<'_>, sums: &mut [Sums], progress: &dyn Fn()) -> Result<()> {
-        let all: Vec<Query> = stage.queries().cloned().collect();
-        let grounder = self.grounders.of_scene(&stage.scene, &stage.places.data, &all)?;
-        let rasterizer = self.opened.rasterizer.as_ref();
-        let kept = Samples::of_scene(self.samples, stage, grounder.as_ref(), rasterizer);
-        let bench = Bench { stage, opened: self.opened, grounder: grounder.as_ref(), kept };
+    /// Adds some queries of a scene to the sums, which belong to the rows of all variants in their order.
+    pub(super) fn add_scene(
+        &self,
+        judged: &JudgedScene<'_>,
+        sums: &mut [Sums],
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<()> {
+        let all: Vec<Query> = judged.queries().cloned().collect();
+        let grounder = self.grounders.of_scene(&judged.scene, &judged.places.data, &all)?;
+        let kept = Samples::of_scene(self.samples, judged, grounder.as_ref(), self.rasterizer);
+        let bench = Bench { judged, rasterizer: self.rasterizer, grounder: grounder.as_ref(), kept };
         for query in evenly(&all, self.queries) {
-            bench.add_query(query, self.ways, sums, progress).with_context(|| query.id.to_string())?;
+            bench.add_query(query, self.variants, sums, progress).at(&query.id)?;
         }
         Ok(())
     }
 }
 
 struct Bench<'a> {
-    stage: &'a Stage<'a>,
-    opened: &'a rasterizer::Opened,
+    judged: &'a JudgedScene<'a>,
+    rasterizer: &'a dyn Rasterizer,
     grounder: &'a dyn Grounder,
     kept: Samples,
 }
@@ -92,16 +96,22 @@ struct Task<'a> {
 }
 
 impl Bench<'_> {
-    fn add_query(&self, query: &Query, ways: &[Way], sums: &mut [Sums], progress: &dyn Fn()) -> Result<()> {
+    fn add_query(
+        &self,
+        query: &Query,
+        variants: &[Variant],
+        sums: &mut [Sums],
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<()> {
         let task = LazyCell::new(|| self.task(query));
         let mut rows = sums.iter_mut();
-        for way in ways {
-            let samples = match self.kept.read(query, way)? {
+        for variant in variants {
+            let samples = match self.kept.read(query, variant)? {
                 Some(samples) => samples,
                 None => {
-                    let task = task.as_ref().map_err(|error| anyhow!("{error:#}"))?;
-                    let samples = self.measure(task, way)?;
-                    self.kept.write(query, way, &samples)?;
+                    let task = task.as_ref().map_err(Clone::clone)?;
+                    let samples = self.measure(task, variant)?;
+                    self.kept.write(query, variant, &samples)?;
                     samples
                 }
             };
@@ -115,22 +125,22 @@ impl Bench<'_> {
         Ok(Task { query, evidence: self.evidence(query)?, truth: self.truth(query)? })
     }
 
-    fn measure(&self, task: &Task<'_>, way: &Way) -> Result<Vec<Sample>> {
+    fn measure(&self, task: &Task<'_>, variant: &Variant) -> Result<Vec<Sample>> {
         // No lift profits from what the one before it has worked out.
-        let canvas = Canvas { moments: None, ..self.stage.scene.canvas(self.opened.rasterizer.as_ref()) };
+        let canvas = Canvas { moments: None, ..self.judged.scene.canvas(self.rasterizer) };
         let begin = Instant::now();
         let lifted = match task.evidence.views.is_empty() {
             true => None,
-            false => Some(lift(&canvas, &task.evidence, &way.lift, &mut |_| ControlFlow::Continue(()))?),
+            false => Some(lift(&canvas, &task.evidence, &variant.lift, &mut |_| ControlFlow::Continue(()))?),
         };
         let lift_seconds = begin.elapsed().as_secs_f64();
-        let read_outs = read_outs(way, lifted);
+        let read_outs = read_outs(variant, lifted);
         read_outs.iter().map(|read| self.judge(task, read.as_ref(), lift_seconds)).collect()
     }
 
     /// What solve would lift.
     fn evidence(&self, query: &Query) -> Result<Evidence> {
-        let (clips, question) = (&self.stage.scene.clips, question_of(query));
+        let (clips, question) = (&self.judged.scene.clips, Question::from(query));
         let groundings: Vec<Grounding> =
             clips.iter().map(|clip| self.grounder.ground(clip, &question)).collect();
         let pairs = || clips.iter().zip(&groundings);
@@ -144,26 +154,22 @@ impl Bench<'_> {
 
     /// What is asked for in the held-out view, by time.
     fn truth(&self, query: &Query) -> Result<Vec<Mask>> {
-        let (truth, referents) = (&self.stage.truth, self.stage.referents(query)?);
+        let (truth, referents) = (&self.judged.truth, self.judged.referents(query)?);
         let at = |frame: u32| {
             let position = truth.position(frame);
             let target = position.and_then(|position| truth.target(query, &referents, position));
             target.map_or_else(|| Mask::empty(truth.width, truth.height), |target| target.mask().clone())
         };
-        Ok(self.stage.judged.instants.iter().filter_map(|instant| instant.frame).map(at).collect())
+        Ok(self.judged.plan.instants.iter().filter_map(|instant| instant.frame).map(at).collect())
     }
 
     fn judge(&self, task: &Task<'_>, lifted: Option<&Lifted>, lift_seconds: f64) -> Result<Sample> {
         let settings = Preset::Robust.solve_settings();
-        let method = Method {
-            grounder: self.grounder,
-            rasterizer: self.opened.rasterizer.as_ref(),
-            settings: &settings,
-        };
+        let method = Method { grounder: self.grounder, rasterizer: self.rasterizer, settings: &settings };
         let begin = Instant::now();
-        let masks: BTreeMap<Shot, Mask> = method.masks(&self.stage.scene, lifted, &self.stage.judged)?;
+        let masks: BTreeMap<Shot, Mask> = method.masks(&self.judged.scene, lifted, &self.judged.plan)?;
         let mask_seconds = begin.elapsed().as_secs_f64();
-        let ratios = self.stage.tally(task.query, &masks)?.ratios();
+        let ratios = self.judged.tally(task.query, &masks)?.ratios();
         let answer: Vec<Mask> = masks.into_values().collect();
         Ok(Sample {
             lift_seconds,
@@ -175,9 +181,9 @@ impl Bench<'_> {
     }
 }
 
-/// The answer, read in each of the ways.
-fn read_outs(way: &Way, lifted: Option<Lifted>) -> Vec<Option<Lifted>> {
-    if way.read_outs.is_empty() {
+/// The answer, read in each of its ways.
+fn read_outs(variant: &Variant, lifted: Option<Lifted>) -> Vec<Option<Lifted>> {
+    if variant.read_outs.is_empty() {
         return vec![lifted];
     }
     let read = |&read_out| {
@@ -187,7 +193,7 @@ fn read_outs(way: &Way, lifted: Option<Lifted>) -> Vec<Option<Lifted>> {
         }
         lifted
     };
-    way.read_outs.iter().map(read).collect()
+    variant.read_outs.iter().map(read).collect()
 }
 
 /// So many of a list, from the middles of as many equal parts.

@@ -2,15 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context as _, Result};
 use l4d_data::results::{MethodCard, Used};
-use l4d_data::{Benchmark, Name, json};
+use l4d_data::{At as _, Benchmark, DataError, Name, Progress, StageError, json};
 use l4d_splat::source::Source;
 
-use super::Run;
-use super::ledger::Ledger;
-use crate::cli::solver::GrounderArg;
-use crate::out::{Printer, refusal};
+use super::{Batch, Ledger};
 
 /// Where the method comes from.
 const LINK: &str = "https://arxiv.org/abs/2604.05638";
@@ -22,12 +18,17 @@ pub(super) struct Card(MethodCard);
 
 impl Card {
     /// Takes the folder for results of this method.
-    pub(super) fn claim(run: &Run<'_>, bench: &Benchmark, out: &Printer) -> Result<Self> {
-        let profile = run.args.bench.profile;
+    pub(super) fn claim(
+        batch: &Batch<'_>,
+        bench: &Benchmark,
+        selected: &[Name],
+        progress: &dyn Progress,
+    ) -> Result<Self, StageError> {
+        let profile = batch.space.profile();
         // Where there is no truth, a run with the truth at hand says later which one it is.
         let truth_digest = bench.truth_digest_if_any(profile)?;
         let mut card = MethodCard {
-            name: run.name.clone(),
+            name: batch.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             link: LINK.to_owned(),
             benchmark_version: bench.manifest.version.clone(),
@@ -38,20 +39,20 @@ impl Card {
             frames: profile.frames().collect(),
             protocol: PROTOCOL.to_owned(),
             used: Used {
-                ground_truth: run.args.method.grounder == GrounderArg::Oracle,
+                ground_truth: batch.grounders.sees_truth(),
                 test_view: false,
-                depth: saw_depth(run, bench, out)?,
-                endpoints: run.grounders.endpoints(),
+                depth: saw_depth(batch, selected, progress)?,
+                endpoints: batch.grounders.endpoints(),
             },
             baseline: false,
             seconds: None,
             reported: BTreeMap::new(),
             import: None,
         };
-        let path = run.results.card();
-        if path.exists() && !run.args.overwrite {
+        let path = batch.results_dir().card();
+        if path.exists() && !batch.overwrite {
             let mut before = MethodCard { seconds: None, ..MethodCard::read(&path)? };
-            // What somebody wrote beside what a run knows stays.
+            // What was written by hand stays.
             card.reported.clone_from(&before.reported);
             // So does what an earlier run found of other scenes: some of its answers are still there.
             card.used.depth |= before.used.depth;
@@ -62,7 +63,7 @@ impl Card {
                 Some(_) => {}
             }
             if before != card {
-                return Err(refusal(
+                return Err(StageError::new(
                     format!("{}: holds results of another profile, version or benchmark", path.display()),
                     "give the method another --name or --results, or replace its answers with --overwrite",
                 ));
@@ -72,26 +73,26 @@ impl Card {
     }
 
     /// Writes it, with what the queries took that this run answered or found answered.
-    pub(super) fn write(self, run: &Run<'_>, ledger: &Ledger) -> Result<()> {
+    pub(super) fn write(self, batch: &Batch<'_>, ledger: &Ledger) -> Result<(), DataError> {
         let card = MethodCard { seconds: Some(ledger.seconds()), ..self.0 };
-        Ok(json::write(&run.results.card(), &card)?)
+        json::write(&batch.results_dir().card(), &card)
     }
 }
 
 /// Whether the method learned from rendered depth: its clips are drawn from models, so that it did if any of them did.
 /// All scenes that were asked for count, whichever of them a shard answers: shards write one card.
-fn saw_depth(run: &Run<'_>, bench: &Benchmark, out: &Printer) -> Result<bool> {
-    if run.args.used_depth {
+fn saw_depth(batch: &Batch<'_>, selected: &[Name], progress: &dyn Progress) -> Result<bool, StageError> {
+    if batch.used_depth {
         return Ok(true);
     }
-    let mut unknown: Vec<Name> = Vec::new();
-    for scene in bench.select(&run.args.bench.scenes)? {
-        let path = run.places(&scene).splats();
+    let mut unknown: Vec<&Name> = Vec::new();
+    for scene in selected {
+        let path = batch.places(scene).splats();
         // What is missing is refused when its scene is opened.
         if !path.exists() {
             continue;
         }
-        match Source::saw_depth_of(&path).with_context(|| scene.to_string())? {
+        match Source::saw_depth_of(&path).at(scene)? {
             Some(true) => return Ok(true),
             Some(false) => {}
             None => unknown.push(scene),
@@ -102,7 +103,7 @@ fn saw_depth(run: &Run<'_>, bench: &Benchmark, out: &Printer) -> Result<bool> {
             1 => String::new(),
             count => format!(" and {} more scenes", count - 1),
         };
-        out.note(format!(
+        progress.note(&format_args!(
             "it is not known whether the splats of {first}{more} saw rendered depth: method.json says that `used.depth` is \
              false; say --used-depth if they did"
         ));

@@ -1,11 +1,8 @@
 //! What has been measured so far, one file a query and lift, so that a run that was killed goes on where it was.
-//!
-//! Owns the folder and under which name a measurement stands. A run that ends throws the folder away: times are only
-//! worth comparing within one run.
+//! A run that ends throws the folder away: times are only worth comparing within one run.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
 use l4d_data::digest::sha256_hex;
 use l4d_data::{Query, json};
 use l4d_ground::Grounder;
@@ -14,8 +11,9 @@ use l4d_splat::raster::Rasterizer;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::ways::Way;
-use crate::solver::Stage;
+use super::variants::Variant;
+use crate::Result;
+use crate::judged_scene::JudgedScene;
 
 /// One answer in one reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -40,11 +38,11 @@ pub(super) struct Samples {
 impl Samples {
     pub(super) fn of_scene(
         folder: &Path,
-        stage: &Stage<'_>,
+        judged: &JudgedScene<'_>,
         grounder: &dyn Grounder,
         rasterizer: &dyn Rasterizer,
     ) -> Self {
-        let scene = &stage.scene;
+        let scene = &judged.scene;
         let about = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "scene": scene.name,
@@ -58,18 +56,18 @@ impl Samples {
         Self { folder: folder.to_owned(), about }
     }
 
-    pub(super) fn read(&self, query: &Query, way: &Way) -> Result<Option<Vec<Sample>>> {
-        let path = self.path(query, way);
+    pub(super) fn read(&self, query: &Query, variant: &Variant) -> Result<Option<Vec<Sample>>> {
+        let path = self.path(query, variant);
         Ok(if path.exists() { Some(json::read(&path)?) } else { None })
     }
 
-    pub(super) fn write(&self, query: &Query, way: &Way, samples: &[Sample]) -> Result<()> {
-        Ok(json::write(&self.path(query, way), &samples)?)
+    pub(super) fn write(&self, query: &Query, variant: &Variant, samples: &[Sample]) -> Result<()> {
+        Ok(json::write(&self.path(query, variant), &samples)?)
     }
 
-    fn path(&self, query: &Query, way: &Way) -> PathBuf {
+    fn path(&self, query: &Query, variant: &Variant) -> PathBuf {
         let key = json!({
-            "about": self.about, "query": query, "lift": way.lift, "read_outs": way.read_outs,
+            "about": self.about, "query": query, "lift": variant.lift, "read_outs": variant.read_outs,
         });
         self.folder.join(format!("{}.json", sha256_hex(json::canonical(&key).as_bytes())))
     }

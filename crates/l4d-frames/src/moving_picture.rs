@@ -4,66 +4,79 @@ use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::Result;
 use l4d_data::store::write_atomic;
-use l4d_data::{DataError, Timeline};
-use l4d_frames::drawn::RgbImage;
-use l4d_frames::preview::animated_png;
-use l4d_solve::clips::Instant;
+use l4d_data::{DataError, Progress, StageError};
 
-use crate::out::Printer;
+use crate::drawn::RgbImage;
+use crate::preview::animated_png;
 
 /// Widest page of a video, pixels.
 const VIDEO_WIDTH_PX: u32 = 1440;
 /// Widest page of an animated PNG, which takes many times the room, pixels.
-pub(crate) const PNG_WIDTH_PX: u32 = 640;
+pub const PNG_WIDTH_PX: u32 = 640;
 
 /// Video codecs want even numbers of pixels: a black column or row makes them so.
 const EVEN: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
 
 /// What is shown, all pages of one size.
-pub(crate) trait Pages {
+pub trait Pages {
     /// Width and height, pixels.
     fn size_px(&self) -> (u32, u32);
 
     /// A page of that size.
-    fn page(&self, index: usize) -> Result<RgbImage>;
+    ///
+    /// # Errors
+    /// A picture that cannot be read or drawn.
+    fn page(&self, index: usize) -> Result<RgbImage, StageError>;
 }
 
 /// How long a moving picture is, and how fast.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Clip {
-    pub(crate) pages: usize,
-    pub(crate) frames_per_second: f64,
+pub struct Pace {
+    /// Pages in all.
+    pub pages: usize,
+    /// Pages a second.
+    pub frames_per_second: f64,
 }
 
-impl Clip {
-    /// A page an instant, so that the clip lasts as long as what it shows.
-    pub(crate) fn of(instants: &[Instant], timeline: Timeline) -> Self {
-        Self { pages: instants.len(), frames_per_second: frames_per_second(instants, timeline) }
+impl Pace {
+    /// As long as what it shows: `seconds` from the first page to the last.
+    pub fn over(pages: usize, seconds: f64) -> Self {
+        let steps = pages as f64 - 1.0;
+        Self {
+            pages,
+            frames_per_second: if seconds > 0.0 { (steps / seconds).clamp(1.0, 60.0) } else { 1.0 },
+        }
     }
 }
 
 /// Writes `<stem>.mp4` or `<stem>.png` into a folder; gives its path. `lay_out` makes pages that are about so many
 /// pixels wide at most.
-pub(crate) fn write<P: Pages>(
+///
+/// # Errors
+/// A page that cannot be drawn, a file that cannot be written. A failing ffmpeg is a warning.
+pub fn write<P: Pages>(
     folder: &Path,
     stem: &str,
-    clip: Clip,
-    lay_out: impl Fn(u32) -> Result<P>,
-    out: &Printer,
-) -> Result<PathBuf> {
+    clip: Pace,
+    lay_out: impl Fn(u32) -> Result<P, StageError>,
+    progress: &dyn Progress,
+) -> Result<PathBuf, StageError> {
     match video(folder, stem, clip, &lay_out(VIDEO_WIDTH_PX)?)? {
         Video::Written(path) => return Ok(path),
         Video::NoProgram => {
-            out.note(format!("ffmpeg is not on the PATH: {stem} is an animated PNG instead of an MP4"));
+            progress.note(&format_args!(
+                "ffmpeg is not on the PATH: {stem} is an animated PNG instead of an MP4"
+            ));
         }
         Video::Failed(message) => {
-            out.warn(format!("ffmpeg failed ({message}): {stem} is an animated PNG instead of an MP4"));
+            progress.warn(&format_args!(
+                "ffmpeg failed ({message}): {stem} is an animated PNG instead of an MP4"
+            ));
         }
     }
     let pages = lay_out(PNG_WIDTH_PX)?;
-    let drawn = (0..clip.pages).map(|index| pages.page(index)).collect::<Result<Vec<_>>>()?;
+    let drawn = (0..clip.pages).map(|index| pages.page(index)).collect::<Result<Vec<_>, StageError>>()?;
     let path = folder.join(format!("{stem}.png"));
     write_atomic(&path, &animated_png(&drawn, clip.frames_per_second).unwrap_or_default())?;
     Ok(path)
@@ -75,7 +88,7 @@ enum Video {
     Failed(String),
 }
 
-fn video(folder: &Path, stem: &str, clip: Clip, pages: &impl Pages) -> Result<Video> {
+fn video(folder: &Path, stem: &str, clip: Pace, pages: &impl Pages) -> Result<Video, StageError> {
     let path = folder.join(format!("{stem}.mp4"));
     let unfinished = folder.join(format!(".{stem}.tmp.mp4"));
     let (width, height) = pages.size_px();
@@ -113,11 +126,4 @@ fn video(folder: &Path, stem: &str, clip: Clip, pages: &impl Pages) -> Result<Vi
     }
     std::fs::rename(&unfinished, &path).map_err(|source| DataError::io(&path, "write", source))?;
     Ok(Video::Written(path))
-}
-
-fn frames_per_second(instants: &[Instant], timeline: Timeline) -> f64 {
-    let (Some(first), Some(last)) = (instants.first(), instants.last()) else { return 1.0 };
-    let seconds = f64::from(last.time - first.time) * timeline.duration_s();
-    let steps = instants.len() as f64 - 1.0;
-    if seconds > 0.0 { (steps / seconds).clamp(1.0, 60.0) } else { 1.0 }
 }

@@ -1,0 +1,304 @@
+//! The stage `query`: one sentence about one scene, from the clips to masks and pictures.
+
+mod answer;
+mod camera_views;
+mod known;
+mod overlay;
+mod wanted;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use l4d_data::digest::sha256_hex;
+use l4d_data::layout::{AnswerDir, WorkDir};
+use l4d_data::store::write_atomic;
+use l4d_data::{Interval, Name, Progress, Rig, StageError, Timeline, Workspace};
+use l4d_frames::Mask;
+use l4d_frames::drawn::encode_colour;
+use l4d_frames::moving_picture::{self, Pace};
+use l4d_ground::{Question, Unread};
+use l4d_splat::raster::Rasterizer;
+use serde_json::{Value, json};
+
+pub use self::answer::{Answer, Status};
+pub use self::camera_views::CameraView;
+use self::camera_views::{camera_views, pixels, write_masks};
+use self::known::Known;
+use self::overlay::Overlay;
+use crate::account::{Account, Stage};
+use crate::clips::{Plan, Shot};
+use crate::consensus::{Proposal, picture};
+use crate::grounders::Grounders;
+use crate::method::MethodChoice;
+use crate::scene::{Places, SolveScene};
+use crate::solve::{Method, Solved};
+
+/// Frames of a view that the picture of consensus shows.
+const CONSENSUS_COLUMNS: usize = 6;
+/// The answer at some moments.
+const SHEET: &str = "sheet.png";
+
+/// What is asked, of which scene, and from where it is looked at.
+pub struct Ask<'a> {
+    /// Scene.
+    pub scene: Name,
+    /// The sentence.
+    pub text: &'a str,
+    /// First and last frame that are asked about; none for those of the clip.
+    pub frames: [Option<u32>; 2],
+    /// Profile and folders.
+    pub space: &'a Workspace,
+    /// Folder of the benchmark, whose sentences are known.
+    pub bench: &'a Path,
+    /// The model, if not the one among the work.
+    pub splats: Option<PathBuf>,
+    /// Name of the grounder, for messages.
+    pub grounder: &'a str,
+    /// What finds things.
+    pub grounders: &'a Grounders,
+    /// The rest of the method.
+    pub method: &'a MethodChoice,
+    /// What draws.
+    pub rasterizer: &'a dyn Rasterizer,
+    /// What it draws on, for manifests; none for the processor.
+    pub adapter: Option<Value>,
+    /// Names of the cameras that masks are drawn from; empty for the held-out one.
+    pub cameras: &'a [String],
+    /// A file of other cameras.
+    pub camera_file: Option<&'a Path>,
+    /// Times of the masks, 0 to 1; empty for those of the clips.
+    pub times: &'a [f32],
+    /// Width and height of the masks, pixels.
+    pub size: Option<[u32; 2]>,
+    /// Receives masks and pictures; none for a folder of the work.
+    pub out: Option<&'a Path>,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub struct Asked {
+    /// What was asked.
+    pub question: Question,
+    /// The last word.
+    pub answer: Answer,
+    /// What led to it; none for a sentence that cannot be read.
+    pub led: Option<Led>,
+}
+
+/// What led to an answer, or to none.
+#[derive(Debug)]
+pub struct Led {
+    scene: SolveScene,
+    solved: Solved,
+    views: Vec<CameraView>,
+    /// Camera -> frame or time -> pixels of the answer.
+    pixels: Value,
+    /// Everything on disk.
+    pub folder: PathBuf,
+    /// The moving picture; none where there is nothing to show.
+    pub moving: Option<PathBuf>,
+}
+
+/// Asks a sentence.
+///
+/// # Errors
+/// An empty sentence, frames or cameras that are not there, a sentence that the grounder cannot know, and whatever the
+/// stages meet.
+pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError> {
+    let text = order.text.trim();
+    if text.is_empty() {
+        let hint = "say what is meant, for example \"the cat that jumps\"";
+        return Err(StageError::new("the sentence is empty", hint));
+    }
+    let places = Places {
+        data: order.space.scene(&order.scene),
+        work: order.space.work(&order.scene),
+        model: order.splats.clone(),
+    };
+    let known = Known::read(order.bench, &order.scene);
+    // A scene that is not there is an error later, with what makes it.
+    let rig = Rig::read(&places.data.rig(order.space.profile()));
+    let range = range(order, rig.map_or(Timeline::CANONICAL, |rig| rig.timeline()))?;
+    let number = known.number_of(text);
+    let question = Question { scene: order.scene.clone(), number, text: text.to_owned(), range };
+    if question.number.is_none() && order.grounders.knows_queries_alone() {
+        return Err(known.refusal(order.grounder, text));
+    }
+    // Nothing is drawn for a sentence that cannot be read.
+    if let Some(grounder) = order.grounders.of_any_scene()
+        && let Err(unread) = grounder.reads(text)
+    {
+        let answer = Answer::unread(&unread, text, &known, grounder);
+        return Ok(Asked { question, answer, led: None });
+    }
+    answer(order, question, &known, &places, progress)
+}
+
+/// From clips to masks.
+fn answer(
+    order: &Ask<'_>,
+    question: Question,
+    known: &Known,
+    places: &Places,
+    progress: &dyn Progress,
+) -> Result<Asked, StageError> {
+    let settings = order.method.solve_settings();
+    let clip_settings = order.method.clip_settings(question.range);
+    let mut account = Account::default();
+    progress.start("drawing", 0);
+    let scene = account.of(Stage::Clips, || {
+        let draws = (order.rasterizer, order.adapter.clone());
+        let drawn = || progress.advance(1);
+        SolveScene::open(&question.scene, order.space.profile(), places, &clip_settings, draws, &drawn)
+    })?;
+    progress.finish();
+    let grounder = order.grounders.of_scene(&scene, &places.data, &known.queries)?;
+    let method = Method { grounder: grounder.as_ref(), rasterizer: order.rasterizer, settings: &settings };
+    let plan = wanted::plan(order, question.range, &scene, places)?;
+    let folder = folder(order, &places.work, &method.made_from(&scene, &question));
+    let dir = AnswerDir::new(&folder);
+    progress.start("grounding", scene.clips.len() as u64);
+    let mut solved = method.solve(&scene, &question, &dir, &|| progress.advance(1))?;
+    progress.finish();
+
+    let unread = |unread: &Unread| Answer::unread(unread, &question.text, known, grounder.as_ref());
+    let missing = Answer::missing(&solved, unread);
+    let mut masks = BTreeMap::new();
+    let mut moving = None;
+    if missing.as_ref().is_none_or(Answer::has_masks) {
+        let shown = Shown { method: &method, scene: &scene, plan: &plan, folder: &folder };
+        let path;
+        (masks, path) = shown.draw(&question, &mut solved, progress)?;
+        moving = Some(path);
+    }
+    solved.account.0.splice(0..0, account.0);
+    method.record(&scene, &question, &solved, &dir)?;
+    let views = if moving.is_some() { camera_views(&plan, &masks) } else { Vec::new() };
+    let answer = missing.unwrap_or_else(|| Answer::seen(&views, &solved, &folder.join(SHEET)));
+    let pixels = pixels(&plan, &masks);
+    Ok(Asked { question, answer, led: Some(Led { scene, solved, views, pixels, folder, moving }) })
+}
+
+/// An answer on its way to the disk.
+struct Shown<'a> {
+    method: &'a Method<'a>,
+    scene: &'a SolveScene,
+    plan: &'a Plan,
+    folder: &'a Path,
+}
+
+impl Shown<'_> {
+    /// Masks, sheet, consensus, moving picture. Takes the answer out of `solved`: it may be large.
+    fn draw(
+        &self,
+        question: &Question,
+        solved: &mut Solved,
+        progress: &dyn Progress,
+    ) -> Result<(BTreeMap<Shot, Mask>, PathBuf), StageError> {
+        let Self { method, scene, plan, folder } = *self;
+        let lifted = solved.lifted.take();
+        let masks = solved.account.of(Stage::Masks, || method.masks(scene, lifted.as_ref(), plan))?;
+        write_masks(folder, plan, &masks)?;
+        let pairs = scene.clips.iter().zip(&solved.groundings);
+        let proposals: Vec<Proposal<'_>> =
+            pairs.map(|(clip, grounding)| Proposal { clip, grounding }).collect();
+        let page = picture(&proposals, &solved.consensus, CONSENSUS_COLUMNS);
+        write_atomic(&folder.join("consensus.png"), &encode_colour(&page))?;
+        let sheet = overlay::sheet(method, scene, lifted.as_ref(), plan, &masks, &question.text)?;
+        write_atomic(&folder.join(SHEET), &encode_colour(&sheet))?;
+        let drawn = Overlay { method, scene, plan, masks: &masks };
+        let times = plan.instants.first().zip(plan.instants.last());
+        let share = times.map_or(0.0, |(first, last)| f64::from(last.time - first.time));
+        let pace = Pace::over(plan.instants.len(), share * scene.timeline.duration_s());
+        let moving =
+            moving_picture::write(folder, "overlay", pace, |widest_px| drawn.pages(widest_px), progress)?;
+        Ok((masks, moving))
+    }
+}
+
+/// The frames that are asked about; none for the whole clip.
+fn range(order: &Ask<'_>, timeline: Timeline) -> Result<Option<Interval>, StageError> {
+    let whole = timeline.whole();
+    let (from, to) = (order.frames[0].unwrap_or(whole.first()), order.frames[1].unwrap_or(whole.last()));
+    if let Some((flag, frame)) =
+        [("--from", from), ("--to", to)].into_iter().find(|(_, frame)| !whole.contains(*frame))
+    {
+        return Err(StageError::new(
+            format!("{flag} {frame} is beyond the clip"),
+            format!("frames are {} to {}", whole.first(), whole.last()),
+        ));
+    }
+    let range = Interval::new(from, to).map_err(|error| {
+        StageError::new(format!("--from, --to: {error}"), "give the first frame to --from, the last to --to")
+    })?;
+    Ok((range != whole).then_some(range))
+}
+
+fn folder(order: &Ask<'_>, work: &WorkDir, made_from: &str) -> PathBuf {
+    let digest = sha256_hex(made_from.as_bytes());
+    let short: String = digest.chars().take(16).collect();
+    order.out.map_or_else(|| work.answer("asked", &short).root().to_owned(), Path::to_owned)
+}
+
+impl Asked {
+    /// What `l4d query --json` prints.
+    pub fn to_json(&self) -> Value {
+        let named = |led: &Led| -> Vec<Name> {
+            let Led { solved, .. } = led;
+            let view = |&view: &usize| Some(solved.consensus.views.get(view)?.view.clone());
+            solved.consensus.evidence.iter().filter_map(view).collect()
+        };
+        json!({
+            "question": self.question,
+            "answer": self.answer,
+            "decision": self.led.as_ref().map(|led| led.solved.consensus.decision),
+            "evidence": self.led.as_ref().map(named).unwrap_or_default(),
+            "frames": self.led.as_ref().map_or_else(|| json!({}), |led| led.pixels.clone()),
+            "stages": self.led.as_ref().map(|led| led.solved.account.clone()).unwrap_or_default(),
+            "folder": self.led.as_ref().map(|led| &led.folder),
+        })
+    }
+}
+
+impl Led {
+    /// Seconds from the sentence to the masks.
+    pub fn seconds(&self) -> f64 {
+        self.solved.account.seconds()
+    }
+
+    /// The masks on disk, and the answer at some moments.
+    pub fn masks_and_sheet(&self) -> [PathBuf; 2] {
+        [self.folder.join("masks"), self.folder.join(SHEET)]
+    }
+
+    /// What each stage decided, line by line. With `explains`, what every view said of every other one, too.
+    pub fn lines(&self, explains: bool) -> Vec<String> {
+        let Self { scene, solved, views, .. } = self;
+        let frames = scene.clips.first().map_or(0, |clip| clip.frames.len());
+        let mut lines = vec![format!("clips      {} views x {frames} frames", scene.clips.len())];
+        lines.push("\ngrounding".to_owned());
+        for (clip, grounding) in scene.clips.iter().zip(&solved.groundings) {
+            let marked = grounding.masks.values().filter(|mask| !mask.is_empty()).count();
+            let (name, word) = (clip.camera.name.as_str(), grounding.outcome.word());
+            lines.push(format!("  {name:<8} {word:<12} {marked:>3} frames marked"));
+            let notes = grounding.notes.iter().filter(|_| explains);
+            let why = grounding.outcome.why().into_iter().chain(notes.cloned());
+            lines.extend(why.map(|why| format!("           {}", l4d_data::error::inert(&why))));
+        }
+        lines.push("\nconsensus".to_owned());
+        let table = if explains { solved.consensus.explain() } else { solved.consensus.summary() };
+        lines.extend(table.lines().map(|line| format!("  {line}")));
+        if !views.is_empty() {
+            lines.push("\nmasks".to_owned());
+        }
+        for CameraView { camera, seen, frames, most_px, .. } in views {
+            let name = camera.as_str();
+            lines.push(format!("  {name:<8} seen in {seen} of {frames} frames, at most {most_px} pixels"));
+        }
+        lines.push("\nseconds".to_owned());
+        for entry in &solved.account.0 {
+            lines.push(format!("  {:<10} {:>7.2}", entry.stage.word(), entry.seconds));
+        }
+        lines
+    }
+}

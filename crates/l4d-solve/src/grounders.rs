@@ -1,0 +1,91 @@
+//! From the choice of a grounder to one that can be asked about a scene.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use l4d_data::layout::SceneDir;
+use l4d_data::{At as _, Query, StageError};
+use l4d_ground::Grounder;
+use l4d_ground::files::Files;
+use l4d_ground::oracle::{NoisePreset, Oracle, Target, TrainingIds};
+use l4d_ground::vlm::Vlm;
+
+use crate::clips::Plan;
+use crate::scene::SolveScene;
+
+/// What finds things, before the scene is known.
+pub enum Grounders {
+    /// One for all scenes.
+    Shared(Arc<dyn Grounder + Send + Sync>),
+    /// One for all scenes, which asks a model server.
+    Vlm(Arc<Vlm>),
+    /// The truth of a scene, with these errors.
+    Oracle(NoisePreset),
+    /// Masks in this folder.
+    Files(PathBuf),
+}
+
+impl Grounders {
+    /// The one that is the same for all scenes, if it is.
+    pub fn of_any_scene(&self) -> Option<&dyn Grounder> {
+        match self {
+            Self::Shared(grounder) => Some(grounder.as_ref()),
+            Self::Vlm(vlm) => Some(vlm.as_ref()),
+            Self::Oracle(_) | Self::Files(_) => None,
+        }
+    }
+
+    /// The one for a scene. Queries are what the oracle knows the meaning of; the others don't look at them.
+    ///
+    /// # Errors
+    /// Masks or ids that are not there, noise that cannot be drawn.
+    pub fn of_scene(
+        &self,
+        scene: &SolveScene,
+        place: &SceneDir,
+        queries: &[Query],
+    ) -> Result<Arc<dyn Grounder + Send + Sync>, StageError> {
+        Ok(match self {
+            Self::Shared(grounder) => Arc::clone(grounder),
+            Self::Vlm(vlm) => Arc::clone(vlm) as _,
+            Self::Files(root) => Arc::new(Files::open(root, scene.name.clone())?),
+            Self::Oracle(noise) => {
+                let Plan { size, camera_size, .. } = scene.plan;
+                let ids = TrainingIds::open(place.clone(), scene.profile, size, camera_size)?;
+                let instances = ids.instances();
+                let target = |query: &Query| {
+                    let target =
+                        Target::of(instances, query).map_err(|error| StageError::of(&error, None))?;
+                    Ok((query.id.number.clone(), target))
+                };
+                let targets = queries.iter().map(target).collect::<Result<BTreeMap<_, _>, StageError>>()?;
+                let oracle = Oracle::new(scene.name.clone(), ids, targets, noise.clone());
+                Arc::new(oracle.map_err(|error| StageError::of(&error, None)).at("--noise")?)
+            }
+        })
+    }
+
+    /// The one that asks a model server, if there is one.
+    pub fn vlm(&self) -> Option<&Vlm> {
+        match self {
+            Self::Vlm(vlm) => Some(vlm),
+            Self::Shared(_) | Self::Oracle(_) | Self::Files(_) => None,
+        }
+    }
+
+    /// Model servers that are asked.
+    pub fn endpoints(&self) -> Vec<String> {
+        self.vlm().map(|vlm| vlm.endpoint().base_url.as_str().to_owned()).into_iter().collect()
+    }
+
+    /// Whether the truth of training views is looked at.
+    pub fn sees_truth(&self) -> bool {
+        matches!(self, Self::Oracle(_))
+    }
+
+    /// Whether it knows queries by their numbers, and so has nothing to say to any other sentence.
+    pub fn knows_queries_alone(&self) -> bool {
+        matches!(self, Self::Oracle(_) | Self::Files(_))
+    }
+}
