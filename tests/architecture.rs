@@ -1,6 +1,7 @@
 //! The arrows of ARCHITECTURE.md, checked against what cargo would link.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
@@ -158,6 +159,21 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
             "ureq",
         ],
     ),
+    (
+        "l4d-blender",
+        &[
+            "l4d-query",
+            "l4d-votes",
+            "l4d-score",
+            "l4d-splat",
+            "l4d-solve",
+            "polars",
+            "plotters",
+            "ratatui",
+            "ureq",
+        ],
+    ),
+    ("l4d-experiments", &["l4d-gpu", "l4d-votes", "l4d-board", "wgpu", "polars", "plotters", "ratatui"]),
     ("l4d-splat", &["l4d-gpu", "wgpu"]),
     (
         "l4d-gpu",
@@ -216,6 +232,41 @@ fn heavy_dependencies_stand_behind_their_crate() {
             "{heavy} is named by {users:?}, allowed: {owners:?}"
         );
     }
+}
+
+#[test]
+fn verbs_import_no_verbs() {
+    let verbs = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/l4d/commands");
+    let mut wrong = Vec::new();
+    for path in rust_files(&verbs) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        // A module of a verb's folder may name its siblings; a verb names no other verb.
+        let outside = if path.parent() == Some(&verbs) { "super::" } else { "super::super::" };
+        let is_import = |line: &str| {
+            let line = line.trim();
+            line.contains("commands::") || (line.contains(outside) && !line.starts_with("use super::*"))
+        };
+        wrong.extend(
+            text.lines().filter(|line| is_import(line)).map(|line| format!("{}: {line}", path.display())),
+        );
+    }
+    assert!(
+        wrong.is_empty(),
+        "move what is shared to a library, or to a module beside commands/: {wrong:#?}"
+    );
+}
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else {
+            files.push(path);
+        }
+    }
+    files
 }
 
 /// Everything that a package links by itself, with its own default features.

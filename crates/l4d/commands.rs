@@ -40,7 +40,7 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         return Err(refusal("real scenes are not rendered", "choose --profile tiny, small or full"));
     }
     match command {
-        Command::Quickstart(args) => quickstart::run(args, out),
+        Command::Quickstart(args) => quickstart::run(args, &|command| run(command, out), out),
         Command::Doctor(args) => doctor::run(args, out),
         Command::BuildScenes(args) => build_scenes::run(args, out),
         Command::CheckScenes(args) => check_scenes::run(args, out),

@@ -12,8 +12,7 @@ use l4d_import::annotations::Judged;
 use l4d_import::export::{HeldOut, Order, Origin, export, picture_count};
 
 use crate::cli::interop::{ExportArgs, HeldOutArg};
-use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Name, Workspace};
+use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;

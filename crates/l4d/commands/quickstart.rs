@@ -14,7 +14,7 @@ use l4d_data::{Benchmark, Name, Profile, Report};
 use l4d_score::{Exam, QuerySet};
 
 use self::endings::{Ending, Why, endings};
-use crate::cli::{Cli, QuickstartArgs};
+use crate::cli::{Cli, Command, QuickstartArgs};
 use crate::out::{ExitStatus, Printer};
 
 /// The method that is ranked; what `solve` calls its results by default.
@@ -22,7 +22,11 @@ const METHOD: &str = "panopticquery-geometric";
 /// Sentences that the last lines propose to ask.
 const PROPOSED: usize = 2;
 
-pub(crate) fn run(args: &QuickstartArgs, out: &Printer) -> Result<ExitStatus> {
+pub(crate) fn run(
+    args: &QuickstartArgs,
+    run_verb: &dyn Fn(&Command) -> Result<ExitStatus>,
+    out: &Printer,
+) -> Result<ExitStatus> {
     let started = Instant::now();
     let source = Benchmark::open(&args.bench)?;
     let scene = source.scene(&args.scene)?.clone();
@@ -32,7 +36,7 @@ pub(crate) fn run(args: &QuickstartArgs, out: &Printer) -> Result<ExitStatus> {
         let line: Vec<String> = std::iter::once("l4d".to_owned()).chain(verb).collect();
         out.note(format!("\n# {what}\n$ {}", line.join(" ")));
         let cli = Cli::try_parse_from(&line).context("a step of the quickstart does not parse")?;
-        if super::run(&cli.command, out)? == ExitStatus::Findings {
+        if run_verb(&cli.command)? == ExitStatus::Findings {
             out.note("the step above reported findings; the quickstart stops here");
             return Ok(ExitStatus::Findings);
         }
