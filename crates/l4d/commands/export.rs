@@ -1,7 +1,5 @@
 //! `l4d export`: a scene, rendered or captured, in the layout of another tool.
 
-use std::path::Path;
-
 use anyhow::Result;
 use l4d_data::Progress as _;
 use l4d_data::layout::BenchDir;
@@ -68,5 +66,3 @@ impl From<HeldOutArg> for HeldOut {
         }
     }
 }
-use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Name, Workspace};
