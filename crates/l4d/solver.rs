@@ -9,7 +9,6 @@ use anyhow::Result;
 use l4d_data::workspace::SharedWork;
 use l4d_data::{Draw, Profile, Workspace};
 use l4d_ground::geometric::Geometric;
-use l4d_ground::geometric::classical::Classical;
 use l4d_ground::oracle::NoisePreset;
 use l4d_solve::consensus::Preset;
 use l4d_solve::grounders::Grounders;
@@ -76,7 +75,7 @@ pub(crate) fn open_grounders(args: &MethodArgs, work: &SharedWork, out: &Printer
     }
     let lacking = |flag: &str| refusal(format!("grounder {} needs {flag}", args.grounder.as_str()), "add it");
     Ok(match args.grounder {
-        GrounderArg::Geometric => Grounders::Shared(Arc::new(Geometric::<Classical>::default())),
+        GrounderArg::Geometric => Grounders::Shared(Arc::new(Geometric::default())),
         GrounderArg::Oracle => {
             let noise = args.noise.as_deref().map(NoisePreset::read).transpose()?;
             Grounders::Oracle(noise.unwrap_or_else(NoisePreset::none))
