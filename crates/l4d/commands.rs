@@ -14,6 +14,7 @@ mod export;
 mod host;
 mod import;
 mod import_scene;
+#[cfg(feature = "board")]
 mod leaderboard;
 mod open_round;
 mod propose_prompts;
@@ -28,11 +29,14 @@ mod solve;
 mod stats;
 mod train_splats;
 mod verdict;
+#[cfg(feature = "annotate")]
 mod verify_prompts;
 
 use anyhow::Result;
 
 use crate::cli::Command;
+#[cfg(not(all(feature = "board", feature = "annotate")))]
+use crate::out::not_built_in;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
@@ -52,7 +56,10 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::ProposePrompts(args) => propose_prompts::run(args, out),
         Command::ProposeScenes(args) => propose_scenes::run(args, out),
         Command::OpenRound(args) => open_round::run(args, out),
+        #[cfg(feature = "annotate")]
         Command::VerifyPrompts(args) => verify_prompts::run(args, out),
+        #[cfg(not(feature = "annotate"))]
+        Command::VerifyPrompts(_) => Err(not_built_in("the annotation screen", "annotate")),
         Command::Verdict(args) => verdict::run(args, out),
         Command::TrainSplats(args) => train_splats::run(args, out),
         Command::RenderSplats(args) => render_splats::run(args, out),
@@ -65,7 +72,10 @@ pub(crate) fn run(command: &Command, out: &Printer) -> Result<ExitStatus> {
         Command::Baseline(args) => baseline::run(args, out),
         Command::CheckResults(args) => check_results::run(args, out),
         Command::Score(args) => score::run(args, out),
+        #[cfg(feature = "board")]
         Command::Leaderboard(args) => leaderboard::run(args, out),
+        #[cfg(not(feature = "board"))]
+        Command::Leaderboard(_) => Err(not_built_in("tables, figures and the page of scores", "board")),
         Command::Bench(command) => bench::run(command, out),
         Command::Release(args) => release::run(args, out),
         Command::Host(command) => host::run(command, out),

@@ -2,6 +2,7 @@
 
 mod cli;
 mod commands;
+mod figures;
 mod models;
 mod out;
 mod published_votes;

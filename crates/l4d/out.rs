@@ -37,6 +37,18 @@ pub(crate) fn refusal(message: impl Into<String>, hint: impl Into<String>) -> an
     StageError::new(message, hint).into()
 }
 
+/// What a verb says whose feature was left out of this build.
+#[cfg_attr(
+    all(feature = "board", feature = "gpu", feature = "annotate"),
+    expect(dead_code, reason = "everything is built in")
+)]
+pub(crate) fn not_built_in(what: &str, feature: &str) -> anyhow::Error {
+    refusal(
+        format!("this l4d was built without {what}"),
+        format!("build it with `cargo build --release --features {feature}`; all features are on by default"),
+    )
+}
+
 /// The one place that writes to the terminal.
 #[derive(Debug)]
 pub(crate) struct Printer {

@@ -160,6 +160,14 @@ pub fn default_hosting(platform: &str) -> PathBuf {
     Path::new("hosting").join(platform)
 }
 
+/// Where a scene that is not there comes from.
+pub fn how_scenes_are_made(name: &str, profile: Profile) -> String {
+    match profile.is_rendered() {
+        true => format!("run `l4d build-scenes --profile {profile} --scenes {name}` first"),
+        false => format!("run `l4d import-scene ... --name {name}` first"),
+    }
+}
+
 fn named(stem: &str, set: &str, what: Option<&str>) -> PathBuf {
     let mut name = stem.to_owned();
     for part in (set != "queries").then_some(set).into_iter().chain(what) {

@@ -51,7 +51,7 @@ fn main() -> Result<(), Failure> {
     let footage = Footage::read(&folder, number("--views", 8)?, number("--every", 1)?)?;
     let source = Source::open(&splats)?;
     let (cpu, raster) = (Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster, moments: None };
+    let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster, states: None };
     let methods: Vec<(String, LiftSettings)> =
         option("--method").unwrap_or("robust".into()).split(',').map(method).collect::<Result<_, _>>()?;
     let mut objects = footage.objects.clone();

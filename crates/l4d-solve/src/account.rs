@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use l4d_data::stage::peak_memory_bytes;
 use serde::{Deserialize, Serialize};
 
 /// A stage, in the order of the work.
@@ -69,14 +70,6 @@ impl Account {
     pub fn seconds_of(&self, stage: Stage) -> f64 {
         self.0.iter().filter(|entry| entry.stage == stage).map(|entry| entry.seconds).sum()
     }
-}
-
-/// The most memory that this process has had, where the system tells.
-pub fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.split_ascii_whitespace().next()?.parse().ok()?;
-    Some(kilobytes * 1024)
 }
 
 #[cfg(test)]

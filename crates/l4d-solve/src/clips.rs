@@ -6,7 +6,9 @@
 
 mod choose;
 mod folder;
+mod order;
 mod plan;
+mod preview;
 mod view_clip;
 mod writers;
 
@@ -23,7 +25,9 @@ use l4d_splat::view::ViewError;
 
 pub use self::choose::spread_views;
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
+pub use self::order::{Order, Wanted};
 pub use self::plan::{Instant, Plan, Shot};
+pub use self::preview::Preview;
 pub use self::view_clip::read_views;
 use self::writers::writing;
 

@@ -6,25 +6,25 @@
 //!
 //! The module owns the votes and the record of them. It refuses to know how masks came about and what they are for.
 
-mod camps;
 mod candidate;
 mod decide;
 mod explain;
+mod groups;
 mod judge;
 mod picture;
 mod record;
 pub mod reproject;
 pub mod settings;
-mod sight;
+mod view_geometry;
 
 pub use candidate::Proposal;
 pub use picture::picture;
 pub use record::{
-    Camp, Consensus, Decision, FrameCounts, FrameRecord, FrameVerdict, MarkedFrame, PairRecord, PairVerdict,
-    Reason, Standing, ViewRecord,
+    Consensus, Decision, FrameCounts, FrameRecord, FrameVerdict, MarkedFrame, PairRecord, PairVerdict,
+    Reason, ViewGroup, ViewRecord, ViewVerdict,
 };
 pub use settings::{ConsensusSettings, Preset};
-pub use sight::Sight;
+pub use view_geometry::ViewGeometry;
 
 /// Decides which proposals go on. The same proposals give the same record, however many threads work.
 ///

@@ -15,7 +15,7 @@ pub mod field;
 mod labels;
 mod layer;
 mod lifted;
-mod moments;
+mod model_states;
 mod progress;
 mod tree;
 
@@ -28,7 +28,7 @@ pub use field::{DistilSettings, Field, FieldSettings, Normalisation, ReadOut};
 pub use labels::{Cut, Labels};
 pub use layer::{Layer, masks};
 pub use lifted::{Answer, Lifted};
-pub use moments::Moments;
+pub use model_states::ModelStates;
 pub use progress::{Listener, Phase, Progress};
 
 use progress::Reporter;

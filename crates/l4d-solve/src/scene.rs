@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use l4d_data::capture::{Capture, MASKS, MaskSet};
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{SceneDir, WorkDir};
+use l4d_data::workspace::how_scenes_are_made;
 use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, Split, Timeline, json};
 use l4d_ground::ViewClip;
 use l4d_splat::checkpoint::own::Sampling;
@@ -19,7 +20,7 @@ use crate::clips::{
     self, ClipsError, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite, Plan, read_views,
     spread_views,
 };
-use crate::lift::{Canvas, Moments};
+use crate::lift::{Canvas, ModelStates};
 
 /// Which clips are looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +81,7 @@ pub struct SolveScene {
     /// How pictures and masks are drawn.
     pub raster: RasterSettings,
     /// The model at the times of the clips.
-    moments: Moments,
+    states: ModelStates,
 }
 
 impl SolveScene {
@@ -145,7 +146,7 @@ impl SolveScene {
             clip_digests: (0..plan.cameras.len()).map(clip_digest).collect(),
             clips_root: folder.root().to_owned(),
             raster: RasterSettings { background, ..RasterSettings::default() },
-            moments: Moments::at(plan.instants.iter().map(|instant| instant.time)),
+            states: ModelStates::at(plan.instants.iter().map(|instant| instant.time)),
             plan,
             timeline,
             rig,
@@ -155,7 +156,7 @@ impl SolveScene {
 
     /// What answers are lifted onto. All of them share the states of the model.
     pub fn canvas<'a>(&'a self, rasterizer: &'a dyn Rasterizer) -> Canvas<'a> {
-        Canvas { model: &self.source.model, rasterizer, raster: &self.raster, moments: Some(&self.moments) }
+        Canvas { model: &self.source.model, rasterizer, raster: &self.raster, states: Some(&self.states) }
     }
 
     /// SHA-256 of everything that its answers depend on: model and clips.
@@ -199,14 +200,6 @@ fn drawn_on(dir: &SceneDir) -> Result<Option<Name>, DataError> {
     let drawn = MaskSet::read(dir.root())?;
     let is_drawn = |view: &Name| drawn.instances.iter().any(|one| one.masks.contains_key(view));
     Ok(capture.held_out().map(|camera| camera.name.clone()).find(is_drawn))
-}
-
-/// Where a scene that is not there comes from.
-pub fn how_scenes_are_made(name: &str, profile: Profile) -> String {
-    match profile.is_rendered() {
-        true => format!("run `l4d build-scenes --profile {profile} --scenes {name}` first"),
-        false => format!("run `l4d import-scene ... --name {name}` first"),
-    }
 }
 
 fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataError> {

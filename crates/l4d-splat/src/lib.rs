@@ -1,7 +1,7 @@
 //! 4D Gaussian splatting: a scene as Gaussians whose parameters depend on time.
 //!
 //! Owns the model ([`Gaussians`], [`Model`]), its checkpoints, rasterization forward and backward, and training. Refuses
-//! to know where training pictures come from, what a query means, and graphics hardware (`l4d-gpu` draws the same model).
+//! to know what a query means, and graphics hardware (`l4d-gpu` draws the same model).
 
 pub mod checkpoint;
 pub mod clip;
@@ -13,10 +13,12 @@ pub mod optimise;
 pub mod raster;
 pub mod reduce;
 pub mod source;
+pub mod speed;
 pub mod splats;
 pub mod synthetic;
 pub mod tensor;
 pub mod train;
+pub mod training_run;
 pub mod view;
 
 pub use gaussians::{Gaussians, ShDegree};

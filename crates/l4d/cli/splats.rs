@@ -4,45 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use l4d_data::Profile;
+use l4d_splat::training_run::Initialisation;
 
 use super::solver::BenchLiftArgs;
-
-/// Where the first Gaussians stand.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum InitArg {
-    /// On the surfaces that depth shows.
-    Depth,
-    /// On the surfaces that comparing pictures finds.
-    Sweep,
-    /// Anywhere.
-    Random,
-    /// On the points of a COLMAP model.
-    Points(PathBuf),
-}
-
-impl std::str::FromStr for InitArg {
-    type Err = std::convert::Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(match text {
-            "depth" => Self::Depth,
-            "sweep" => Self::Sweep,
-            "random" => Self::Random,
-            path => Self::Points(path.into()),
-        })
-    }
-}
-
-impl std::fmt::Display for InitArg {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Depth => f.write_str("depth"),
-            Self::Sweep => f.write_str("sweep"),
-            Self::Random => f.write_str("random"),
-            Self::Points(path) => path.display().fmt(f),
-        }
-    }
-}
 
 #[derive(Debug, Args)]
 pub(crate) struct TrainSplatsArgs {
@@ -66,7 +30,7 @@ pub(crate) struct TrainSplatsArgs {
     /// Where the first Gaussians stand: depth, sweep (pictures are compared, and depth is not looked at), random, or the path
     /// of COLMAP's points3D.txt or points3D.bin; default: depth, and sweep where there is none
     #[arg(long, value_name = "INIT")]
-    pub(crate) init: Option<InitArg>,
+    pub(crate) init: Option<Initialisation>,
     /// Make squares of N x N pixels of a capture's pictures one pixel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) shrink: u32,

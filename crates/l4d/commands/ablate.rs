@@ -1,21 +1,17 @@
 //! `l4d ablate`: the grids of the paper's ablations, beside the numbers that the paper prints.
 
-mod trend;
-
 use std::path::Path;
 
 use anyhow::Result;
-use l4d_board::publish_trend;
 use l4d_data::{Benchmark, Report, StageError};
 use l4d_experiments::ablation::{Ablation, Cell, Grid, ablate};
 use l4d_ground::oracle::NoisePreset;
 use l4d_score::Exam;
 use serde_json::json;
 
-use self::trend::trend_of_views;
 use crate::cli::solver::{AblateArgs, GridArg, GrounderArg, MethodArgs};
 use crate::out::{ExitStatus, Printer, hint_of, refusal};
-use crate::{rasterizer, solver};
+use crate::{figures, rasterizer, solver};
 
 pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     let is_oracle = args.method.grounder == GrounderArg::Oracle;
@@ -68,10 +64,8 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
         out,
     )?;
     let mut paths = ablated.paths.clone();
-    if grid == Grid::Views
-        && let Some(trend) = trend_of_views(&ablated.columns, &ablated.cells, &ablated.about)
-    {
-        paths.extend(publish_trend(&trend, &folder)?);
+    if grid == Grid::Views {
+        paths.extend(figures::publish_views(&ablated, &folder, out)?);
     }
     if args.json {
         let rows: Vec<&Cell> = ablated.cells.iter().chain(&ablated.differences).collect();

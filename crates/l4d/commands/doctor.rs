@@ -131,6 +131,7 @@ fn benchmark_line() -> Line {
 }
 
 /// What the GPU rasterizer can draw with, under the numbers that `--adapter` takes; the best first.
+#[cfg(feature = "gpu")]
 fn adapter_line() -> Line {
     let found = l4d_gpu::adapters();
     if found.is_empty() {
@@ -139,6 +140,12 @@ fn adapter_line() -> Line {
     }
     let numbered = |(place, adapter): (usize, &l4d_gpu::AdapterReport)| format!("{place}: {adapter}");
     Line::ok("gpu", found.iter().enumerate().map(numbered).collect::<Vec<_>>().join("; "))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn adapter_line() -> Line {
+    let remedy = "the processor draws instead; `cargo build --release --features gpu` adds graphics hardware";
+    Line::lacking("gpu", State::Optional, "not built in", remedy)
 }
 
 fn terminal_line() -> Line {

@@ -1,23 +1,34 @@
 //! `l4d render-splats`: clips of colour and depth of a model, from any cameras at any times.
 
-mod plan;
-mod preview;
-
 use std::time::Instant;
 
 use anyhow::Result;
-use l4d_data::{Progress as _, Timeline};
+use l4d_data::{Draw, Name, Progress as _, Timeline, Workspace};
 use l4d_frames::moving_picture::{self, Pace};
-use l4d_solve::clips::{self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite};
+use l4d_solve::clips::{
+    self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Order, Overwrite, Preview, Wanted,
+};
 
-use self::plan::Order;
-use self::preview::Preview;
 use crate::cli::splats::{DepthArg, DepthFormatArg, RenderSplatsArgs};
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
 
 pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> {
-    let Order { model, source, out: root, plan, timeline } = Order::of(args)?;
+    let scene = args.scene.as_deref().map(Name::new).transpose()?;
+    let space =
+        Workspace::new(args.profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    let wanted = Wanted {
+        scene: scene.as_ref(),
+        space: &space,
+        model: args.model.as_deref(),
+        cameras: args.cameras.as_deref(),
+        views: &args.views,
+        frames: &args.frames,
+        times: &args.times,
+        size: args.size.map(|size| size.0),
+        out: args.out.as_deref(),
+    };
+    let Order { model, source, out: root, plan, timeline } = Order::of(&wanted)?;
     source.notes.iter().for_each(|note| out.note(format!("{}: {note}", model.display())));
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let look = Look {

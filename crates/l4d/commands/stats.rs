@@ -1,16 +1,14 @@
 //! `l4d stats`: what the set is like, as text, JSON, tables and figures.
 
-mod charts;
-
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use l4d_board::publish_charts;
 use l4d_data::store::write_atomic;
 use l4d_data::{Benchmark, Report};
 use l4d_query::stats::{DatasetRow, SetStats, csv_of, measure};
 
 use crate::cli::annotation::StatsArgs;
+use crate::figures;
 use crate::out::{ExitStatus, Printer};
 
 /// Words of a kind that the terminal shows.
@@ -31,7 +29,7 @@ pub(crate) fn run(args: &StatsArgs, out: &Printer) -> Result<ExitStatus> {
         for (name, bytes) in tables {
             write_atomic(&folder.join(name), &bytes)?;
         }
-        let figures = publish_charts(&charts::all(&stats), &folder.join("figures"))?;
+        let figures = figures::publish_stats(&stats, &folder.join("figures"), out)?;
         out.note(format!("{} files in {}", figures.len() + 4, folder.display()));
     }
     if args.json {

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use l4d_data::workspace::how_scenes_are_made;
 use l4d_data::{Name, Rig, StageError};
 use l4d_ground::oracle::{CORRELATIONS, NoisePreset};
 use l4d_score::QuerySet;
 use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::method::MethodChoice;
-use l4d_solve::scene::how_scenes_are_made;
 
 use super::Ablation;
 use crate::{Result, plain};

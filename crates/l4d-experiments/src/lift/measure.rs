@@ -127,7 +127,7 @@ impl Bench<'_> {
 
     fn measure(&self, task: &Task<'_>, variant: &Variant) -> Result<Vec<Sample>> {
         // No lift profits from what the one before it has worked out.
-        let canvas = Canvas { moments: None, ..self.judged.scene.canvas(self.rasterizer) };
+        let canvas = Canvas { states: None, ..self.judged.scene.canvas(self.rasterizer) };
         let begin = Instant::now();
         let lifted = match task.evidence.views.is_empty() {
             true => None,

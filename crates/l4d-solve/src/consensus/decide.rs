@@ -1,9 +1,9 @@
 //! Global reliability (paper, section 4): from votes to the views that go on.
 
-use super::camps::{Fate, Relations};
 use super::candidate::{Part, Proposal};
-use super::record::{Camp, Consensus, Decision, PairRecord, PairVerdict, Standing, ViewRecord};
-use super::settings::{Camps, ConsensusSettings, Judges, NoneReliable, Undecided};
+use super::groups::{GroupVerdict, Relations};
+use super::record::{Consensus, Decision, PairRecord, PairVerdict, ViewGroup, ViewRecord, ViewVerdict};
+use super::settings::{ConsensusSettings, GroupRule, Judges, NoneReliable, Undecided};
 
 /// What follows from the pairs.
 pub(super) fn decide(
@@ -16,10 +16,10 @@ pub(super) fn decide(
     let answers = views_with(parts, |part| matches!(part, Part::Found | Part::Absent)).len();
     let relations = Relations::of(&pairs);
     let groups = relations.groups(&found);
-    let fates = relations.fates(&groups);
-    let fate_of = |view: usize| {
-        let own = std::iter::zip(&groups, &fates).find(|(group, _)| group.contains(&view));
-        own.map_or(Fate::Stands, |(_, fate)| *fate)
+    let verdicts = relations.verdicts(&groups);
+    let verdict_of = |view: usize| {
+        let own = std::iter::zip(&groups, &verdicts).find(|(group, _)| group.contains(&view));
+        own.map_or(GroupVerdict::Remains, |(_, verdict)| *verdict)
     };
 
     let mut views: Vec<ViewRecord> = std::iter::zip(proposals, parts)
@@ -30,7 +30,7 @@ pub(super) fn decide(
     for (view, record) in views.iter_mut().enumerate() {
         if parts.get(view) == Some(&Part::Found) {
             record.standing =
-                if is_vote { standing(record, fate_of(view), settings) } else { Standing::Reliable };
+                if is_vote { standing(record, verdict_of(view), settings) } else { ViewVerdict::Reliable };
         }
     }
 
@@ -42,9 +42,9 @@ pub(super) fn decide(
         Decision::Off
     } else if answers == 1 {
         Decision::Bypassed
-    } else if views.iter().any(|view| view.standing == Standing::Reliable) {
+    } else if views.iter().any(|view| view.standing == ViewVerdict::Reliable) {
         Decision::Reliable
-    } else if views.iter().any(|view| view.standing == Standing::Tied) {
+    } else if views.iter().any(|view| view.standing == ViewVerdict::Tied) {
         Decision::Tied
     } else {
         Decision::NoneReliable
@@ -53,7 +53,7 @@ pub(super) fn decide(
         && settings.none_reliable == NoneReliable::BestView
         && let Some(record) = best(&mut views, &pairs)
     {
-        record.standing = Standing::Best;
+        record.standing = ViewVerdict::Best;
         decision = Decision::BestView;
     }
 
@@ -69,7 +69,7 @@ pub(super) fn decide(
         Decision::TiedAll | Decision::NoneReliableAll => found,
         _ => {
             let goes_on =
-                |record: &ViewRecord| matches!(record.standing, Standing::Reliable | Standing::Best);
+                |record: &ViewRecord| matches!(record.standing, ViewVerdict::Reliable | ViewVerdict::Best);
             (0..views.len()).filter(|&view| views.get(view).is_some_and(goes_on)).collect()
         }
     };
@@ -78,7 +78,7 @@ pub(super) fn decide(
         settings: *settings,
         decision,
         evidence,
-        camps: camps(&relations, groups),
+        groups: view_groups(&relations, groups),
         views,
         pairs,
     }
@@ -97,10 +97,10 @@ fn view_record(
 ) -> ViewRecord {
     let (standing, problem) = match part {
         // Not the last word on what was found: that takes the votes.
-        Part::Found => (Standing::NoJudge, None),
-        Part::Absent => (Standing::Absent, None),
-        Part::NoAnswer => (Standing::NoAnswer, None),
-        Part::Unusable(problem) => (Standing::Unusable, Some(problem.clone())),
+        Part::Found => (ViewVerdict::NoJudge, None),
+        Part::Absent => (ViewVerdict::Absent, None),
+        Part::NoAnswer => (ViewVerdict::NoAnswer, None),
+        Part::Unusable(problem) => (ViewVerdict::Unusable, Some(problem.clone())),
     };
     let frames = match part {
         Part::Found | Part::Absent => proposal.marked(),
@@ -123,30 +123,30 @@ fn view_record(
     }
 }
 
-fn standing(record: &ViewRecord, fate: Fate, settings: &ConsensusSettings) -> Standing {
-    let Some(score) = record.score() else { return Standing::NoJudge };
-    match (settings.camps, fate) {
-        (Camps::LargestWins, Fate::Outvoted) => return Standing::Outvoted,
-        (Camps::LargestWins, Fate::Tied) => return Standing::Tied,
-        (Camps::LargestWins, Fate::Stands) | (Camps::Shown, _) => {}
+fn standing(record: &ViewRecord, verdict: GroupVerdict, settings: &ConsensusSettings) -> ViewVerdict {
+    let Some(score) = record.score() else { return ViewVerdict::NoJudge };
+    match (settings.group_rule, verdict) {
+        (GroupRule::LargestWins, GroupVerdict::Outvoted) => return ViewVerdict::Outvoted,
+        (GroupRule::LargestWins, GroupVerdict::Tied) => return ViewVerdict::Tied,
+        (GroupRule::LargestWins, GroupVerdict::Remains) | (GroupRule::Shown, _) => {}
     }
     if record.votes < settings.min_votes {
-        Standing::FewVotes
+        ViewVerdict::FewVotes
     } else if score > settings.tau {
-        Standing::Reliable
+        ViewVerdict::Reliable
     } else {
-        Standing::LowScore
+        ViewVerdict::LowScore
     }
 }
 
 /// The view with the largest share of votes, then the most votes, then the most frames that agree, then the first; of
-/// those that have a vote and that no camp has put out.
+/// those that have a vote and that no group has put out.
 fn best<'a>(views: &'a mut [ViewRecord], pairs: &[PairRecord]) -> Option<&'a mut ViewRecord> {
     let agreeing = |view: usize| -> u64 {
         pairs.iter().filter(|pair| pair.of == view).map(|pair| u64::from(pair.agreeing)).sum()
     };
     let may = |record: &ViewRecord| {
-        record.votes > 0 && matches!(record.standing, Standing::FewVotes | Standing::LowScore)
+        record.votes > 0 && matches!(record.standing, ViewVerdict::FewVotes | ViewVerdict::LowScore)
     };
     let candidates = views.iter_mut().enumerate().filter(|(_, record)| may(record));
     let rank = |view: usize, record: &ViewRecord| {
@@ -160,11 +160,11 @@ fn best<'a>(views: &'a mut [ViewRecord], pairs: &[PairRecord]) -> Option<&'a mut
 }
 
 /// Groups of two and more, and which of them contradict each other.
-fn camps(relations: &Relations, groups: Vec<Vec<usize>>) -> Vec<Camp> {
+fn view_groups(relations: &Relations, groups: Vec<Vec<usize>>) -> Vec<ViewGroup> {
     let groups: Vec<Vec<usize>> = groups.into_iter().filter(|group| group.len() > 1).collect();
     let against = |group: &[usize]| {
         let others = groups.iter().enumerate();
         others.filter(|(_, other)| relations.contradict(group, other)).map(|(place, _)| place).collect()
     };
-    groups.iter().map(|group| Camp { views: group.clone(), against: against(group) }).collect()
+    groups.iter().map(|group| ViewGroup { views: group.clone(), against: against(group) }).collect()
 }

@@ -1,7 +1,7 @@
 //! Consensus as text for people: who goes on and why, who votes for whom, and every frame.
 
-use super::record::{Consensus, Decision, FrameRecord, FrameVerdict, PairVerdict, Standing, ViewRecord};
-use super::settings::Camps;
+use super::record::{Consensus, Decision, FrameRecord, FrameVerdict, PairVerdict, ViewRecord, ViewVerdict};
+use super::settings::GroupRule;
 
 impl Consensus {
     /// Everything below, one after the other.
@@ -9,7 +9,7 @@ impl Consensus {
         [self.summary(), self.vote_table(), self.frame_table()].join("\n")
     }
 
-    /// What goes on and why: a line for each view, and the camps.
+    /// What goes on and why: a line for each view, and the groups.
     pub fn summary(&self) -> String {
         let preset = self.preset.map_or("settings of your own", |preset| preset.word());
         let mut text = format!(
@@ -19,19 +19,19 @@ impl Consensus {
             self.decision.sentence(),
             self.rules(),
         );
-        let heading = ["view", "outcome", "frames", "votes", "score", "camp", "goes on", "why"];
+        let heading = ["view", "outcome", "frames", "votes", "score", "group", "goes on", "why"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         rows.extend(self.views.iter().enumerate().map(|(place, view)| self.view_row(place, view)));
         text.push_str(&table(&rows));
-        for (place, camp) in self.camps.iter().enumerate() {
-            let names: Vec<String> = camp.views.iter().map(|&view| self.name(view)).collect();
-            let against: Vec<String> = camp.against.iter().map(|&other| camp_letter(other)).collect();
+        for (place, group) in self.groups.iter().enumerate() {
+            let names: Vec<String> = group.views.iter().map(|&view| self.name(view)).collect();
+            let against: Vec<String> = group.against.iter().map(|&other| group_letter(other)).collect();
             let conflict = match against.is_empty() {
                 true => String::new(),
                 false => format!("; contradicts {}", against.join(", ")),
             };
-            let letter = camp_letter(place);
-            text.push_str(&format!("camp {letter}, {} views: {}{conflict}\n", names.len(), names.join(" ")));
+            let letter = group_letter(place);
+            text.push_str(&format!("group {letter}, {} views: {}{conflict}\n", names.len(), names.join(" ")));
         }
         text
     }
@@ -106,13 +106,13 @@ impl Consensus {
         if !settings.is_on {
             return "views do not vote".to_owned();
         }
-        let camps = match settings.camps {
-            Camps::Shown => "camps are shown and decide nothing",
-            Camps::LargestWins => "of camps in conflict the largest wins",
+        let groups = match settings.group_rule {
+            GroupRule::Shown => "groups of views are shown and decide nothing",
+            GroupRule::LargestWins => "of groups in conflict the largest wins",
         };
         format!(
             "a frame agrees above IoU {}, a view votes above {} of its frames, a view is reliable above {} of its \
-             judges and with {} or more votes; {camps}",
+             judges and with {} or more votes; {groups}",
             settings.delta, settings.epsilon, settings.tau, settings.min_votes,
         )
     }
@@ -125,7 +125,7 @@ impl Consensus {
             view.marked_frames.to_string(),
             format!("{}/{}", view.votes, view.judges),
             view.score().map_or("-".to_owned(), |score| format!("{score:.2}")),
-            self.camp_of(place).map_or("-".to_owned(), camp_letter),
+            self.group_of(place).map_or("-".to_owned(), group_letter),
             goes_on.to_owned(),
             match &view.problem {
                 Some(problem) => format!("{}: {problem}", view.standing.sentence()),
@@ -163,15 +163,17 @@ impl Decision {
             Self::BestView => "no view is reliable, this is the best that has a vote",
             Self::NoneReliable => "no view is reliable, so there is no answer",
             Self::NoneReliableAll => "no view is reliable, so all that found something",
-            Self::Tied => "camps of equal size contradict each other, so there is no answer",
-            Self::TiedAll => "camps of equal size contradict each other, so all that found something",
+            Self::Tied => "groups of views of equal size contradict each other, so there is no answer",
+            Self::TiedAll => {
+                "groups of views of equal size contradict each other, so all that found something"
+            }
             Self::Absent => "all views that answered say that it is not there",
             Self::NoAnswer => "no view answered",
         }
     }
 }
 
-impl Standing {
+impl ViewVerdict {
     /// For people.
     pub fn sentence(self) -> &'static str {
         match self {
@@ -183,17 +185,17 @@ impl Standing {
             Self::NoJudge => "no other view could see it",
             Self::FewVotes => "too few votes",
             Self::LowScore => "too small a share of votes",
-            Self::Outvoted => "a larger camp contradicts it",
-            Self::Tied => "a camp of the same size contradicts it",
+            Self::Outvoted => "a larger group contradicts it",
+            Self::Tied => "a group of the same size contradicts it",
         }
     }
 }
 
 /// A, B, ... Z, then by number.
-pub(super) fn camp_letter(camp: usize) -> String {
-    match u8::try_from(camp) {
+pub(super) fn group_letter(group: usize) -> String {
+    match u8::try_from(group) {
         Ok(place @ 0..26) => char::from(b'A' + place).to_string(),
-        _ => (camp + 1).to_string(),
+        _ => (group + 1).to_string(),
     }
 }
 

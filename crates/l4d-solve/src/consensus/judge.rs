@@ -8,7 +8,7 @@ use super::candidate::{Part, Proposal};
 use super::record::{FrameCounts, FrameRecord, FrameVerdict, PairRecord, PairVerdict, Reason, share};
 use super::reproject::reproject;
 use super::settings::{Against, ConsensusSettings, Judges, Visibility};
-use super::sight::Sight;
+use super::view_geometry::ViewGeometry;
 
 /// Every view that found something, judged by every other that answered.
 pub(super) fn judge_all(
@@ -60,7 +60,7 @@ fn measure_frame(of: &Proposal, judge: &Proposal, frame: u32, settings: &Consens
     let mut counts = FrameCounts { target: target.map_or(0, Mask::area), ..FrameCounts::default() };
     let Some(mask) = of.mask(frame) else { return counts };
     counts.marked = mask.area();
-    let sight = |clip| Sight::of_clip(clip, frame, &settings.reprojection);
+    let sight = |clip| ViewGeometry::of_clip(clip, frame, &settings.reprojection);
     let (Some(from), Some(to)) = (sight(of.clip), sight(judge.clip)) else { return counts };
     let there = reproject(&from, mask, &to, &settings.reprojection);
     counts.projected = there.projected;

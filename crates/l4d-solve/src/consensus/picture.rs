@@ -11,8 +11,8 @@ use l4d_frames::overlay::Mark;
 use l4d_frames::text::{Style, Weight};
 
 use super::candidate::{Part, Proposal};
-use super::explain::camp_letter;
-use super::record::{Consensus, Standing};
+use super::explain::group_letter;
+use super::record::{Consensus, ViewVerdict};
 
 const PAPER: Rgb<u8> = Rgb([24, 24, 26]);
 const INK: Rgb<u8> = Rgb([240, 240, 240]);
@@ -88,10 +88,11 @@ fn write_label(page: &mut RgbImage, consensus: &Consensus, view: usize, top: u32
     let Some(record) = consensus.views.get(view) else { return };
     let (colour, word) = match record.standing {
         _ if consensus.evidence.contains(&view) => (GOES_ON, "GOES ON"),
-        Standing::Absent | Standing::NoAnswer => (INK, record.outcome.as_str()),
+        ViewVerdict::Absent | ViewVerdict::NoAnswer => (INK, record.outcome.as_str()),
         _ => (DROPPED, "dropped"),
     };
-    let camp = consensus.camp_of(view).map_or(String::new(), |camp| format!(", camp {}", camp_letter(camp)));
+    let group =
+        consensus.group_of(view).map_or(String::new(), |group| format!(", group {}", group_letter(group)));
     let x = GAP_PX as f32;
     let mut y = top as f32;
     let mut line = |style: Style, text: &str| {
@@ -99,7 +100,7 @@ fn write_label(page: &mut RgbImage, consensus: &Consensus, view: usize, top: u32
         y += style.size_px + 2.0;
     };
     line(STRONG, record.view.as_str());
-    line(Style { colour, ..STRONG }, &format!("{word}{camp}"));
+    line(Style { colour, ..STRONG }, &format!("{word}{group}"));
     if record.judges > 0 {
         line(TEXT, &format!("{} of {} judges vote", record.votes, record.judges));
     }

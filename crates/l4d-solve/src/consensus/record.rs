@@ -23,7 +23,8 @@ pub struct Consensus {
     /// One for each proposal, in order.
     pub views: Vec<ViewRecord>,
     /// Groups of two and more views that agree among themselves; the largest first.
-    pub camps: Vec<Camp>,
+    #[serde(rename = "camps")]
+    pub groups: Vec<ViewGroup>,
     /// Every ordered pair of a view that found something and another one that answered.
     pub pairs: Vec<PairRecord>,
 }
@@ -44,9 +45,9 @@ pub enum Decision {
     NoneReliable,
     /// No view is reliable; all that found something go on.
     NoneReliableAll,
-    /// Camps of equal size contradict each other; nothing goes on.
+    /// Groups of views of equal size contradict each other; nothing goes on.
     Tied,
-    /// Camps of equal size contradict each other; all views that found something go on.
+    /// Groups of views of equal size contradict each other; all views that found something go on.
     TiedAll,
     /// All views that answered say that it is not there.
     Absent,
@@ -87,7 +88,7 @@ pub struct ViewRecord {
     /// Views by which the votes are divided.
     pub judges: u32,
     /// Where it stands.
-    pub standing: Standing,
+    pub standing: ViewVerdict,
     /// Why its clip or masks cannot be used, if they cannot.
     pub problem: Option<String>,
     /// What it marks.
@@ -107,7 +108,7 @@ pub struct MarkedFrame {
 /// What became of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Standing {
+pub enum ViewVerdict {
     /// It goes on: others agree, or nobody was to be asked.
     Reliable,
     /// It goes on for want of a better one.
@@ -124,19 +125,19 @@ pub enum Standing {
     FewVotes,
     /// The share of votes is not above tau.
     LowScore,
-    /// A larger camp contradicts it.
+    /// A larger group of views contradicts it.
     Outvoted,
-    /// A camp of the same size contradicts it.
+    /// A group of the same size contradicts it.
     Tied,
 }
 
 /// Views that agree among themselves.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Camp {
+pub struct ViewGroup {
     /// Who, ascending.
     pub views: Vec<usize>,
-    /// Indices of the camps that contradict it, ascending.
+    /// Indices of the groups that contradict it, ascending.
     pub against: Vec<usize>,
 }
 
@@ -279,14 +280,14 @@ impl Consensus {
         self.pairs.iter().find(|pair| (pair.of, pair.judge) == (of, judge))
     }
 
-    /// The camp of a view.
-    pub fn camp_of(&self, view: usize) -> Option<usize> {
-        self.camps.iter().position(|camp| camp.views.contains(&view))
+    /// The group of a view.
+    pub fn group_of(&self, view: usize) -> Option<usize> {
+        self.groups.iter().position(|group| group.views.contains(&view))
     }
 
-    /// Whether camps contradict each other.
+    /// Whether groups contradict each other.
     pub fn has_conflict(&self) -> bool {
-        self.camps.iter().any(|camp| !camp.against.is_empty())
+        self.groups.iter().any(|group| !group.against.is_empty())
     }
 }
 

@@ -8,7 +8,7 @@ use glam::DVec2;
 use l4d_frames::Mask;
 
 use super::settings::{Method, ReprojectionSettings};
-use super::sight::{Sight, Surface, Warp, centre, pixel_at};
+use super::view_geometry::{Surface, ViewGeometry, Warp, centre, pixel_at};
 
 /// A footprint is cut at this many pixels a side: a marked pixel right in front of the other camera says nothing
 /// about the rest of the picture.
@@ -33,7 +33,12 @@ pub struct Reprojection {
 }
 
 /// Carries a mask from one view to another.
-pub fn reproject(from: &Sight, mask: &Mask, to: &Sight, settings: &ReprojectionSettings) -> Reprojection {
+pub fn reproject(
+    from: &ViewGeometry,
+    mask: &Mask,
+    to: &ViewGeometry,
+    settings: &ReprojectionSettings,
+) -> Reprojection {
     let size = to.size();
     let there = from.warp_to(to);
     let mut result = Reprojection {
@@ -91,9 +96,9 @@ impl LandingBox {
 fn ask(
     result: &mut Reprojection,
     landed: LandingBox,
-    to: &Sight,
+    to: &ViewGeometry,
     back: &Warp,
-    from: &Sight,
+    from: &ViewGeometry,
     mask: &Mask,
     settings: &ReprojectionSettings,
 ) {
@@ -119,7 +124,7 @@ fn cover_square(
     position: DVec2,
     side: DVec2,
     point: &Point,
-    to: &Sight,
+    to: &ViewGeometry,
     settings: &ReprojectionSettings,
 ) {
     let (width, height) = to.size();
@@ -140,7 +145,7 @@ fn cover_square(
 /// A point that one view shows, seen from another.
 #[derive(Debug, Clone, Copy)]
 struct Point<'a> {
-    view: &'a Sight<'a>,
+    view: &'a ViewGeometry<'a>,
     surface: Surface,
     /// From the other view, metres.
     depth_m: f64,
@@ -148,7 +153,12 @@ struct Point<'a> {
 
 impl Point<'_> {
     /// Whether the other view shows something nearer. A pixel without depth shows nothing, and hides nothing.
-    fn is_hidden(&self, other: &Sight, (column, row): (u32, u32), settings: &ReprojectionSettings) -> bool {
+    fn is_hidden(
+        &self,
+        other: &ViewGeometry,
+        (column, row): (u32, u32),
+        settings: &ReprojectionSettings,
+    ) -> bool {
         let Some(shown) = other.surface(column, row) else { return false };
         !self.is_within(self.depth_m - shown.depth_m, other, shown, settings)
     }
@@ -157,7 +167,7 @@ impl Point<'_> {
     fn is_within(
         &self,
         difference_m: f64,
-        other: &Sight,
+        other: &ViewGeometry,
         shown: Surface,
         settings: &ReprojectionSettings,
     ) -> bool {

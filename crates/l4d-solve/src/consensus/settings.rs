@@ -48,10 +48,11 @@ pub struct ConsensusSettings {
     /// a single vote would be above tau.
     pub min_votes: u32,
     /// What becomes of groups of views that contradict each other.
-    pub camps: Camps,
+    #[serde(rename = "camps")]
+    pub group_rule: GroupRule,
     /// What goes on if no view is reliable.
     pub none_reliable: NoneReliable,
-    /// What goes on if the votes decide nothing: camps tie, or no view is reliable and there is no best one. `paper`
+    /// What goes on if the votes decide nothing: groups of views tie, or no view is reliable and there is no best one. `paper`
     /// abstains: its words end at "pruned". `robust` keeps all candidates: an empty answer is never better than they
     /// are (docs/panopticquery.md, "Consensus against none").
     pub undecided: Undecided,
@@ -67,7 +68,7 @@ pub struct ReprojectionSettings {
     /// the median depth begins to exist.
     pub min_alpha: f64,
     /// Depths that differ by this share of themselves are the same surface. `paper` 0.05, our rule: the paper has no
-    /// test. `robust` 0.02, to which the spread is added: the best of those that `examples/reprojection.rs` tries.
+    /// test. `robust` 0.02, to which the spread is added: the best of those that were tried (docs/panopticquery.md).
     pub tolerance: f64,
     /// Whether half of the distance from `near_m` to `far_m`, in either pixel, is added to the tolerance.
     pub with_spread: bool,
@@ -82,7 +83,7 @@ pub enum Method {
     /// Each marked pixel covers the square that it projects to.
     Footprint,
     /// Each pixel of the other view asks whether the point that it shows is marked. Better on rendered and on drawn
-    /// depth (`examples/reprojection.rs`).
+    /// depth (docs/panopticquery.md).
     InverseWarp,
 }
 
@@ -118,10 +119,10 @@ pub enum Judges {
     CouldSee,
 }
 
-/// Camps: groups of views that agree among themselves and contradict each other. The paper knows none.
+/// What groups of views decide that agree among themselves and contradict each other. The paper knows none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Camps {
+pub enum GroupRule {
     /// They are shown, and decide nothing: two of them can be reliable at once.
     Shown,
     /// The largest wins; a tie decides nothing.
@@ -198,7 +199,7 @@ impl ConsensusSettings {
             judges: Judges::AllOthers,
             tau: 0.3,
             min_votes: 1,
-            camps: Camps::Shown,
+            group_rule: GroupRule::Shown,
             none_reliable: NoneReliable::Abstain,
             undecided: Undecided::Abstain,
         }
@@ -219,7 +220,7 @@ impl ConsensusSettings {
             min_frames: 3,
             judges: Judges::CouldSee,
             min_votes: 2,
-            camps: Camps::LargestWins,
+            group_rule: GroupRule::LargestWins,
             none_reliable: NoneReliable::BestView,
             undecided: Undecided::AllCandidates,
             ..Self::paper()
@@ -232,6 +233,9 @@ impl ConsensusSettings {
     }
 
     /// Whether every share is one.
+    ///
+    /// # Errors
+    /// The first share outside 0 to 1.
     pub fn check(&self) -> Result<(), SettingsError> {
         let shares = [
             ("visibility_share", self.visibility_share),

@@ -10,7 +10,7 @@ use l4d_splat::splats::{SplatParts, Splats};
 use l4d_splat::{Model, model::ModelError};
 
 use super::error::LiftError;
-use super::moments::Moments;
+use super::model_states::ModelStates;
 
 /// A model and what draws it.
 #[derive(Clone, Copy)]
@@ -22,7 +22,7 @@ pub struct Canvas<'a> {
     /// How; background and quantiles do not matter.
     pub raster: &'a RasterSettings,
     /// States of the model that others have worked out, or will want; none to work out all of them anew.
-    pub moments: Option<&'a Moments>,
+    pub states: Option<&'a ModelStates>,
 }
 
 impl Canvas<'_> {
@@ -40,8 +40,8 @@ impl Canvas<'_> {
     /// # Errors
     /// As [`Self::at`].
     pub fn shapes_at(&self, time: f32) -> Result<Arc<Splats>, LiftError> {
-        match self.moments {
-            Some(moments) => moments.get(time, || self.work_out_shapes(time)),
+        match self.states {
+            Some(states) => states.get(time, || self.work_out_shapes(time)),
             None => self.work_out_shapes(time).map(Arc::new),
         }
     }

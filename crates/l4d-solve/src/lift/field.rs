@@ -1,4 +1,4 @@
-//! The temporal identity field (paper, section 4, "Temporal Identity Feature Field" and "Optimization"; after SA4D).
+//! The temporal identity field (paper, section 4, equations 2 to 6; after SA4D).
 //!
 //! e = phi(gamma(X), gamma(t)) for each Gaussian, E = sum over Gaussians of e a T in each pixel, f = softmax of a 1x1
 //! convolution of E over C = 2 classes; cross-entropy on the masks and a KL divergence that holds neighbours in the

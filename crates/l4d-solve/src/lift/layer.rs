@@ -1,4 +1,4 @@
-//! An answer at one moment: a number a Gaussian, and where its blend is cut.
+//! An answer at one moment: one number per Gaussian, and where its blend (paper, equation 3) is cut.
 //!
 //! Owns how answers become masks, one or many at once: whatever a lift learned, drawing it is a blend of one channel.
 //! Refuses to know how the numbers came about.

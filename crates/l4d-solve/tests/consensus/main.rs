@@ -5,7 +5,6 @@ use l4d_solve::consensus::{Consensus, ConsensusSettings, Proposal, consensus};
 
 mod records;
 mod reprojection;
-mod speed;
 mod stability;
 mod votes;
 mod world;

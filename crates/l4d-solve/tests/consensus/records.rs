@@ -80,10 +80,10 @@ fn people_can_read_why() {
     for part in [
         "consensus (robust): 5 of 8 views go on: enough others vote for them",
         "cam05  found",
-        "a larger camp contradicts it",
+        "a larger group contradicts it",
         "says that it is not there",
         "refused",
-        "camp A, 5 views: cam00 cam01 cam02 cam03 cam04",
+        "group A, 5 views: cam00 cam01 cam02 cam03 cam04",
     ] {
         assert!(text.contains(part), "{part} is missing in\n{text}");
     }

@@ -6,7 +6,7 @@ use l4d_frames::Mask;
 use l4d_ground::ViewClip;
 use l4d_solve::consensus::reproject::{Reprojection, reproject};
 use l4d_solve::consensus::settings::{Method, ReprojectionSettings};
-use l4d_solve::consensus::{ConsensusSettings, Sight};
+use l4d_solve::consensus::{ConsensusSettings, ViewGeometry};
 
 use crate::world::{Shape, Thing, World, arc, looking};
 
@@ -21,7 +21,8 @@ fn carry(
     settings: &ReprojectionSettings,
 ) -> Reprojection {
     let frame = clips[from].frames[0].frame;
-    let sight = |view: usize| Sight::of_clip(&clips[view], frame, settings).expect("the clip has that frame");
+    let sight =
+        |view: usize| ViewGeometry::of_clip(&clips[view], frame, settings).expect("the clip has that frame");
     reproject(&sight(from), mask, &sight(to), settings)
 }
 

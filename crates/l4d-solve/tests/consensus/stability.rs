@@ -7,7 +7,7 @@ use half::f16;
 use l4d_frames::Mask;
 use l4d_ground::{Grounding, Outcome, ViewClip};
 use l4d_solve::consensus::settings::Undecided;
-use l4d_solve::consensus::{Consensus, ConsensusSettings, Decision, Preset, Standing};
+use l4d_solve::consensus::{Consensus, ConsensusSettings, Decision, Preset, ViewVerdict};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -98,12 +98,12 @@ fn one_view_right_is_not_told_from_the_wrong_ones() {
     for settings in presets() {
         let consensus = decide(&clips, &groundings, &settings);
         assert_eq!(undecided(&consensus), 8);
-        assert_eq!(consensus.views[3].standing, Standing::FewVotes);
+        assert_eq!(consensus.views[3].standing, ViewVerdict::FewVotes);
     }
 }
 
 #[test]
-fn twins_that_views_confuse_make_camps() {
+fn twins_that_views_confuse_make_groups() {
     let world = twins(8);
     let clips = world.clips();
     let four = of_ids(&world, &clips, &[1, 2, 1, 2, 1, 2, 1, 2]);
@@ -118,7 +118,7 @@ fn twins_that_views_confuse_make_camps() {
         "the votes are the same"
     );
     assert_eq!(
-        robust.camps.iter().map(|camp| &camp.views[..]).collect::<Vec<_>>(),
+        robust.groups.iter().map(|group| &group.views[..]).collect::<Vec<_>>(),
         [[0, 2, 4, 6], [1, 3, 5, 7]]
     );
     let paper = decide(&clips, &four, &ConsensusSettings::paper());
@@ -133,7 +133,7 @@ fn twins_that_views_confuse_make_camps() {
 }
 
 #[test]
-fn a_view_that_marks_both_twins_does_not_reconcile_the_camps() {
+fn a_view_that_marks_both_twins_does_not_reconcile_the_groups() {
     let world = twins(9);
     let clips = world.clips();
     let mut groundings = of_ids(&world, &clips, &[1, 1, 1, 1, 1, 2, 2, 2, 2]);
@@ -141,7 +141,7 @@ fn a_view_that_marks_both_twins_does_not_reconcile_the_camps() {
         mask.union_with(&world.mask(4, *frame, 2));
     }
     let consensus = decide(&clips, &groundings, &ConsensusSettings::robust());
-    assert_eq!(consensus.camps.len(), 2, "{}", consensus.explain());
+    assert_eq!(consensus.groups.len(), 2, "{}", consensus.explain());
     assert!(consensus.has_conflict());
     assert!(!consensus.evidence.contains(&8), "{}", consensus.explain());
 }
@@ -231,7 +231,7 @@ fn empty_and_full_masks_decide_nothing_by_accident() {
         // Says that it found something, and marks nothing.
         let mut liar = empty.clone();
         liar[0].outcome = Outcome::Found;
-        assert_eq!(decide(&clips, &liar, &preset.settings()).views[0].standing, Standing::Absent);
+        assert_eq!(decide(&clips, &liar, &preset.settings()).views[0].standing, ViewVerdict::Absent);
     }
     // Seven views mark the ball, one everything: it is not what the others mean.
     let mut groundings = of_ids(&world, &clips, &[1; 8]);
@@ -260,7 +260,7 @@ fn no_view_is_reliable_where_everyone_means_something_else() {
     for settings in presets() {
         let consensus = decide(&clips, &groundings, &settings);
         assert_eq!(undecided(&consensus), 4);
-        assert!(consensus.camps.is_empty());
+        assert!(consensus.groups.is_empty());
     }
 }
 
@@ -291,7 +291,7 @@ fn broken_depth_and_broken_clips_never_panic_and_are_named() {
         spoil(&mut clips[1], &mut groundings[1]);
         for preset in [Preset::Paper, Preset::Robust, Preset::Off] {
             let consensus: Consensus = decide(&clips, &groundings, &preset.settings());
-            assert_eq!(consensus.views[1].standing, Standing::Unusable);
+            assert_eq!(consensus.views[1].standing, ViewVerdict::Unusable);
             assert_eq!(consensus.evidence, [0, 2, 3, 4]);
         }
         decide(&clips, &groundings, &ConsensusSettings::robust()).views[1].problem.clone().unwrap()
@@ -348,7 +348,7 @@ fn views_that_look_elsewhere_are_no_judges() {
     let robust = decide(&clips, &groundings, &ConsensusSettings::robust());
     assert_eq!(robust.evidence, [0, 1, 2, 3], "{}", robust.explain());
     assert_eq!(robust.views[0].judges, 3);
-    assert_eq!(robust.views[5].standing, Standing::Absent);
+    assert_eq!(robust.views[5].standing, ViewVerdict::Absent);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use half::f16;
 use l4d_ground::{Grounding, Outcome};
 use l4d_solve::consensus::{
-    Consensus, ConsensusSettings, Decision, FrameVerdict, PairVerdict, Preset, Reason, Standing,
+    Consensus, ConsensusSettings, Decision, FrameVerdict, PairVerdict, Preset, Reason, ViewVerdict,
 };
 
 use crate::decide;
@@ -64,15 +64,18 @@ fn a_view_is_reliable_above_tau_and_not_at_it() {
         assert_eq!(above.evidence, [0, 1, 2, 3, 4]);
         match settings.preset().unwrap() {
             Preset::Paper => {
-                assert_eq!((at.decision, at.views[0].standing), (Decision::NoneReliable, Standing::LowScore));
+                assert_eq!(
+                    (at.decision, at.views[0].standing),
+                    (Decision::NoneReliable, ViewVerdict::LowScore)
+                );
                 assert!(at.evidence.is_empty());
-                assert_eq!(above.views[7].standing, Standing::FewVotes);
+                assert_eq!(above.views[7].standing, ViewVerdict::FewVotes);
             }
             _ => {
                 // All four are equally good: the first goes on.
-                assert_eq!((at.decision, at.views[0].standing), (Decision::BestView, Standing::Best));
+                assert_eq!((at.decision, at.views[0].standing), (Decision::BestView, ViewVerdict::Best));
                 assert_eq!(at.evidence, [0]);
-                assert_eq!(above.views[7].standing, Standing::Outvoted);
+                assert_eq!(above.views[7].standing, ViewVerdict::Outvoted);
             }
         }
     }
@@ -111,7 +114,7 @@ fn the_robust_visibility_is_what_is_not_hidden_whatever_is_marked() {
     let below = hidden(5);
     assert_eq!(reason(&below, 0, 1, 0), (FrameVerdict::Neutral, Reason::Unseen));
     assert_eq!(below.pair(0, 1).unwrap().verdict, PairVerdict::CannotSee);
-    assert_eq!(below.views[0].standing, Standing::NoJudge);
+    assert_eq!(below.views[0].standing, ViewVerdict::NoJudge);
 }
 
 #[test]
@@ -159,7 +162,7 @@ fn a_view_that_says_absent_speaks_against_what_it_could_see() {
     for settings in [ConsensusSettings::paper(), ConsensusSettings::robust()] {
         let consensus = of_wall(&wall, settings);
         assert_eq!((consensus.views[0].votes, consensus.views[0].judges), (1, 4));
-        assert_eq!(consensus.views[2].standing, Standing::Absent);
+        assert_eq!(consensus.views[2].standing, ViewVerdict::Absent);
         assert!(consensus.pair(2, 0).is_none(), "nothing is asked about what says nothing");
     }
     assert_eq!(reason(&of_wall(&wall, ConsensusSettings::robust()), 0, 2, 0).1, Reason::Denied);
@@ -186,7 +189,7 @@ fn what_is_no_answer_takes_no_part() {
         let consensus = of_wall(&wall, settings);
         assert_eq!(consensus.evidence, [0, 2, 3]);
         assert_eq!((consensus.views[0].votes, consensus.views[0].judges), (2, 2));
-        assert_eq!(consensus.views[1].standing, Standing::NoAnswer);
+        assert_eq!(consensus.views[1].standing, ViewVerdict::NoAnswer);
         assert!(consensus.pairs.iter().all(|pair| pair.of != 1 && pair.judge != 1));
     }
     for outcome in
@@ -211,31 +214,31 @@ fn one_answer_is_not_voted_on() {
 }
 
 #[test]
-fn camps_are_shown_by_both_presets_and_decide_in_one() {
-    let camps = |first: u32, second: u32| {
+fn groups_are_shown_by_both_presets_and_decide_in_one() {
+    let groups = |first: u32, second: u32| {
         let place = |view: u32| if view < first { 0..10 } else { 30..40 };
         Wall::still(3, &(0..first + second).map(place).collect::<Vec<_>>())
     };
     // 4 : 4, each view with 3 of 7 votes.
-    let paper = of_wall(&camps(4, 4), ConsensusSettings::paper());
+    let paper = of_wall(&groups(4, 4), ConsensusSettings::paper());
     assert_eq!(paper.evidence.len(), 8, "both are reliable, and contradict each other");
     assert!(paper.has_conflict());
-    let robust = of_wall(&camps(4, 4), ConsensusSettings::robust());
+    let robust = of_wall(&groups(4, 4), ConsensusSettings::robust());
     assert_eq!((robust.decision, robust.evidence.len()), (Decision::TiedAll, 8));
-    assert_eq!(robust.camps[0].views, [0, 1, 2, 3]);
-    assert_eq!((&robust.camps[0].against[..], &robust.camps[1].against[..]), (&[1][..], &[0][..]));
-    assert!(robust.views.iter().all(|view| view.standing == Standing::Tied));
+    assert_eq!(robust.groups[0].views, [0, 1, 2, 3]);
+    assert_eq!((&robust.groups[0].against[..], &robust.groups[1].against[..]), (&[1][..], &[0][..]));
+    assert!(robust.views.iter().all(|view| view.standing == ViewVerdict::Tied));
     // 6 : 5: 5 of 10 votes and 4 of 10, both above tau.
-    let paper = of_wall(&camps(6, 5), ConsensusSettings::paper());
+    let paper = of_wall(&groups(6, 5), ConsensusSettings::paper());
     assert_eq!(paper.evidence.len(), 11);
-    let robust = of_wall(&camps(6, 5), ConsensusSettings::robust());
+    let robust = of_wall(&groups(6, 5), ConsensusSettings::robust());
     assert_eq!(robust.evidence, [0, 1, 2, 3, 4, 5]);
-    assert_eq!(robust.views[6].standing, Standing::Outvoted);
+    assert_eq!(robust.views[6].standing, ViewVerdict::Outvoted);
     // 5 : 3: 2 of 7 votes are too few in either.
-    let paper = of_wall(&camps(5, 3), ConsensusSettings::paper());
+    let paper = of_wall(&groups(5, 3), ConsensusSettings::paper());
     assert_eq!(paper.evidence, [0, 1, 2, 3, 4]);
     assert!(paper.has_conflict());
-    assert_eq!(of_wall(&camps(5, 3), ConsensusSettings::robust()).evidence, [0, 1, 2, 3, 4]);
+    assert_eq!(of_wall(&groups(5, 3), ConsensusSettings::robust()).evidence, [0, 1, 2, 3, 4]);
 }
 
 #[test]

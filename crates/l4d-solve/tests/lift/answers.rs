@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use l4d_frames::Mask;
 use l4d_solve::lift::edit::{extract, highlight, remove};
 use l4d_solve::lift::{
-    Canvas, ClosedSettings, FieldSettings, Layer, LiftError, LiftSettings, Moments, lift, masks,
+    Canvas, ClosedSettings, FieldSettings, Layer, LiftError, LiftSettings, ModelStates, lift, masks,
 };
 use l4d_splat::Model;
 use l4d_splat::model::time_of_frame;
@@ -42,8 +42,8 @@ fn many_answers_at_once_are_those_of_one_after_the_other() {
 #[test]
 fn what_answers_share_changes_none_of_them() {
     let scene = Scene::new();
-    let shared = Moments::at(FRAMES.map(time_of_frame));
-    let together = Canvas { moments: Some(&shared), ..scene.canvas() };
+    let shared = ModelStates::at(FRAMES.map(time_of_frame));
+    let together = Canvas { states: Some(&shared), ..scene.canvas() };
     let late = |_: usize, frame: u32, mask: Mask| if frame < 48 { empty() } else { mask };
     let settings = LiftSettings::Closed(ClosedSettings::robust());
     for evidence in [scene.evidence(8, as_it_is), scene.evidence(8, late), scene.evidence(5, as_it_is)] {

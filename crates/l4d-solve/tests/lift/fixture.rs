@@ -28,7 +28,7 @@ impl Scene {
     }
 
     pub(crate) fn canvas(&self) -> Canvas<'_> {
-        Canvas { model: &self.model, rasterizer: &self.cpu, raster: &self.raster, moments: None }
+        Canvas { model: &self.model, rasterizer: &self.cpu, raster: &self.raster, states: None }
     }
 
     /// Whether a Gaussian belongs to the ball that is meant.

@@ -1,51 +1,59 @@
-//! `l4d bench splats`: what makes drawing a model faster, and what that costs.
-//!
-//! Everything is measured on the same pictures in one run: times as medians, errors against the unreduced model drawn
-//! in f64, and against pictures of the held-out view where there are some.
-
-mod measure;
-mod stage;
-mod table;
-mod variants;
+//! `l4d bench splats`: milliseconds against PSNR of ways to draw a model.
 
 use anyhow::Result;
-use l4d_board::publish_tradeoff;
-use l4d_data::Progress as _;
-use l4d_data::store::write_atomic;
-use l4d_data::workspace::SharedWork;
+use l4d_data::{Draw, Name, Workspace};
+use l4d_splat::speed::{Backend, Order, Sweep, measure_speed, text};
 use serde_json::json;
 
-use self::measure::{Truth, measure};
-use self::stage::Stage;
-use self::table::{Row, csv_of, figure, text};
-use self::variants::{Backends, variants};
-use crate::cli::splats::BenchSplatsArgs;
+use crate::cli::splats::{BenchSplatsArgs, SweepArg};
+use crate::figures;
 use crate::out::{ExitStatus, Printer};
+use crate::rasterizer;
 
 pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
-    let folder = args.out.clone().unwrap_or_else(|| SharedWork::new(&args.work).bench("splats"));
-    let backends = Backends::open(&args.adapters)?;
-    let stage = Stage::set(args)?;
-    let variants = variants(&stage, &args.sweeps, &backends)?;
-    out.note(format!("{}: {} variants", stage.about, variants.len()));
-
-    let truth = Truth::draw(&stage)?;
-    out.start("measuring", variants.len() as u64 * (u64::from(args.repeats) + 1));
-    let measured = measure(&stage, &truth, &variants, &backends, args.repeats, || out.advance(1))?;
-    out.finish();
-    let row = |(variant, measured)| Row::new(variant, &backends, measured);
-    let rows: Vec<Row> = variants.iter().zip(&measured).map(row).collect();
-
-    let table = folder.join("splats.csv");
-    write_atomic(&table, &csv_of(&rows)?)?;
-    let figures = publish_tradeoff(&figure(&stage, &rows), &folder)?;
-    if args.json {
-        out.json(&json!({ "about": stage.about, "rows": rows }))?;
-    } else {
-        out.data(text(&rows))?;
+    let adapters: Vec<Backend> =
+        args.adapters.iter().map(|adapter| rasterizer::backend(adapter)).collect::<Result<_>>()?;
+    let space =
+        Workspace::new(args.profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    let scene = args.scene.as_deref().map(Name::new).transpose()?;
+    let sweeps: Vec<Sweep> = args.sweeps.iter().copied().map(Sweep::from).collect();
+    let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("splats"));
+    let order = Order {
+        scene: scene.as_ref(),
+        space: &space,
+        model: args.model.clone(),
+        gaussians: args.gaussians as usize,
+        seed: args.seed,
+        size: args.size.map(|size| size.0),
+        sweeps: &sweeps,
+        views: args.views as usize,
+        times: args.times as usize,
+        repeats: args.repeats,
+        folder: &folder,
+    };
+    let speed = measure_speed(&order, adapters, out)?;
+    let figures = figures::publish_splats(&speed, &folder, out)?;
+    match args.json {
+        true => out.json(&json!({ "about": speed.about, "rows": speed.rows }))?,
+        false => out.data(text(&speed.rows))?,
     }
-    for path in std::iter::once(&table).chain(&figures) {
+    for path in std::iter::once(&folder.join("splats.csv")).chain(&figures) {
         out.note(path.display());
     }
     Ok(ExitStatus::Success)
+}
+
+impl From<SweepArg> for Sweep {
+    fn from(sweep: SweepArg) -> Self {
+        match sweep {
+            SweepArg::Count => Self::Count,
+            SweepArg::Degree => Self::Degree,
+            SweepArg::Cutoffs => Self::Cutoffs,
+            SweepArg::Static => Self::Static,
+            SweepArg::Resolution => Self::Resolution,
+            SweepArg::F16 => Self::F16,
+            SweepArg::Rasterizer => Self::Rasterizer,
+            SweepArg::Together => Self::Together,
+        }
+    }
 }

@@ -12,7 +12,7 @@ use l4d_ground::Outcome;
 use l4d_score::metrics::{QueryTally, taken};
 use l4d_score::score::{counts_path, tallies_of_counts};
 use l4d_score::{Exam, Options, counts};
-use l4d_solve::consensus::{Consensus, Decision, Standing};
+use l4d_solve::consensus::{Consensus, Decision, ViewVerdict};
 use l4d_solve::grounded::outcomes;
 
 /// A query and how it ended.
@@ -112,7 +112,7 @@ fn reason(dir: &AnswerDir, taken: Option<Name>) -> Result<Why> {
             None => Why::Failed(said.iter().find_map(Outcome::why).unwrap_or_default()),
         },
         _ if agreed.evidence.is_empty() => Why::Undecided,
-        _ if agreed.views.iter().any(|view| view.standing == Standing::Outvoted) => Why::Outvoted(taken),
+        _ if agreed.views.iter().any(|view| view.standing == ViewVerdict::Outvoted) => Why::Outvoted(taken),
         _ => Why::WrongObject(taken),
     })
 }

@@ -34,7 +34,7 @@ fn ballot(
     time: f32,
     picture: &Picture<'_>,
 ) -> Result<(Vec<f32>, Arc<[f32]>), LiftError> {
-    match canvas.moments.and_then(|moments| moments.seen(time, picture.view)) {
+    match canvas.states.and_then(|moments| moments.seen(time, picture.view)) {
         Some(seen) if picture.mask.is_empty() => Ok((vec![0.0; splats.len()], seen)),
         Some(seen) => {
             let marked = picture.mask.to_bools();
@@ -49,7 +49,7 @@ fn ballot(
             let (inside, seen): (Vec<f32>, Vec<f32>) =
                 sums.as_chunks::<2>().0.iter().map(|&[inside, seen]| (inside, seen)).unzip();
             let seen = Arc::from(seen);
-            if let Some(moments) = canvas.moments {
+            if let Some(moments) = canvas.states {
                 moments.keep_seen(time, picture.view, &seen);
             }
             Ok((inside, seen))

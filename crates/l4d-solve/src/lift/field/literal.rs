@@ -1,4 +1,4 @@
-//! The objective as the paper writes it, in f64: all features blended, the decoder behind the blend, softmax and
+//! The objective as the paper writes it (equations 2 to 6), in f64: all features blended, the decoder behind the blend, softmax and
 //! logarithms of probabilities, two evaluations of phi. The executable specification of `learn`.
 
 use super::encoding::{PLACE, Places, TIME, time};

@@ -1,4 +1,4 @@
-//! The layers: phi, four linear layers with rectifiers between them, and the 1x1 convolution behind the blend.
+//! The layers: phi (paper, equation 2), four linear layers with rectifiers between them, and the 1x1 convolution behind the blend.
 //!
 //! With two classes only the difference of the logits counts, which is linear in the last hidden layer h: z = u h + c
 //! with u and c made of the last layer and the convolution ([`Collapsed`]). Parameters and what Adam knows of them stay

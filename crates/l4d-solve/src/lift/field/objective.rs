@@ -1,4 +1,4 @@
-//! The two losses, as functions of differences of logits, and their derivatives: finite for logits of any size.
+//! The two losses (paper, equations 5 and 6), as functions of differences of logits, and their derivatives: finite for logits of any size.
 
 /// ln(1 + e^x).
 fn softplus(x: f64) -> f64 {

@@ -81,7 +81,7 @@ fn largest(numbers: &[f64]) -> f64 {
 #[test]
 fn loss_and_gradient_are_those_of_the_literal_objective() {
     let (scene, cpu, raster) = (scene(), Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, moments: None };
+    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
     let evidence = evidence(&scene);
     for normalisation in [Normalisation::Paper, Normalisation::Code] {
         let settings = settings(normalisation);
@@ -134,7 +134,7 @@ fn the_literal_gradient_is_that_of_central_differences() {
 #[test]
 fn both_learn_alike() {
     let (scene, cpu, raster) = (scene(), Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, moments: None };
+    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
     let evidence = evidence(&scene);
     let settings = FieldSettings { learning_rate: 2e-3, ..settings(Normalisation::Paper) };
     let mut lesson = Lesson::new(Footage::new(&canvas, &evidence).unwrap(), &settings).unwrap();
@@ -166,7 +166,7 @@ fn both_learn_alike() {
 #[test]
 fn leaving_out_stays_within_its_bound() {
     let (scene, cpu, raster) = (scene(), Cpu::new(), RasterSettings::default());
-    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, moments: None };
+    let canvas = Canvas { model: &scene.model, rasterizer: &cpu, raster: &raster, states: None };
     let evidence = evidence(&scene);
     let settings = settings(Normalisation::Paper);
     let left_out = 0.05;

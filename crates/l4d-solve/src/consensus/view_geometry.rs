@@ -11,7 +11,7 @@ use super::settings::ReprojectionSettings;
 
 /// A view at a frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a> {
+pub struct ViewGeometry<'a> {
     depth: &'a DepthMap,
     /// None where it does not matter.
     min_alpha: Option<f16>,
@@ -36,7 +36,7 @@ pub(super) struct Warp {
     shift: DVec3,
 }
 
-impl<'a> Sight<'a> {
+impl<'a> ViewGeometry<'a> {
     /// What `clip` shows at a canonical frame; none if it has no such frame, or its camera no pose there.
     pub fn of_clip(clip: &'a ViewClip, frame: u32, settings: &ReprojectionSettings) -> Option<Self> {
         let camera = &clip.camera;

@@ -2,13 +2,10 @@
 
 use std::time::Instant;
 
-use anyhow::Result;
-use l4d_data::results::Track;
-use l4d_splat::train::Quality;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::out::{ExitStatus, Printer};
+use crate::train::Quality;
 
 /// What is said of a finished training.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,37 +58,29 @@ fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Prints a manifest, or the table of its report, and with whom methods are ranked that use the model.
-pub(super) fn print(manifest: &Value, track: Track, as_json: bool, out: &Printer) -> Result<ExitStatus> {
-    out.note(match track {
-        Track::Colour => "track: colour",
-        Track::ColourDepth => "track: colour + depth (learned from rendered depth)",
-    });
-    if as_json {
-        out.json(manifest)?;
-        return Ok(ExitStatus::Success);
-    }
+/// The report of a manifest, for a terminal.
+pub(super) fn table(manifest: &Value) -> String {
     let number = |path: &str| manifest.pointer(path).and_then(Value::as_f64);
     let show = |path: &str, factor: f64, digits: usize| {
         number(path).map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", value * factor))
     };
-    out.data("views     pictures  PSNR dB  moving dB  depth error mm")?;
+    let mut lines = vec!["views     pictures  PSNR dB  moving dB  depth error mm".to_owned()];
     for (name, path) in [("training", "/report/train"), ("held out", "/report/test")] {
-        out.data(format!(
+        lines.push(format!(
             "{name:8}  {:>8}  {:>7}  {:>9}  {:>14}",
             show(&format!("{path}/pictures"), 1.0, 0),
             show(&format!("{path}/psnr_db"), 1.0, 2),
             show(&format!("{path}/psnr_moving_db"), 1.0, 2),
             show(&format!("{path}/depth_error_m"), 1e3, 1),
-        ))?;
+        ));
     }
-    out.data(format!(
+    lines.push(format!(
         "{} Gaussians, {} of them dynamic; {} iterations in {} s; peak memory {} MB",
         show("/report/gaussians", 1.0, 0),
         show("/report/dynamic", 1.0, 0),
         show("/report/iterations", 1.0, 0),
         show("/report/train_seconds", 1.0, 0),
         show("/report/peak_memory_bytes", 1e-6, 0),
-    ))?;
-    Ok(ExitStatus::Success)
+    ));
+    lines.join("\n")
 }

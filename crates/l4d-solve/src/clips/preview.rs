@@ -4,9 +4,11 @@ use l4d_data::{DataError, StageError};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::moving_picture::Pages;
 use l4d_frames::preview::{Cell, Page};
-use l4d_solve::clips::{ClipsFolder, Plan, Shot};
 
-pub(super) struct Preview<'a> {
+use super::{ClipsFolder, Plan, Shot};
+
+/// Pages of a moving picture.
+pub struct Preview<'a> {
     folder: &'a ClipsFolder,
     plan: &'a Plan,
     page: Page,
@@ -14,7 +16,10 @@ pub(super) struct Preview<'a> {
 
 impl<'a> Preview<'a> {
     /// Pages of about this width, with greys for the depths of the first moment.
-    pub(super) fn new(folder: &'a ClipsFolder, plan: &'a Plan, widest_px: u32) -> Result<Self, DataError> {
+    ///
+    /// # Errors
+    /// A picture that cannot be read.
+    pub fn new(folder: &'a ClipsFolder, plan: &'a Plan, widest_px: u32) -> Result<Self, DataError> {
         let names = plan.cameras.iter().map(|camera| camera.name.to_string()).collect();
         let depths: Vec<f32> = cells(folder, plan, 0)?.into_iter().flat_map(|cell| cell.depth_m).collect();
         Ok(Self { folder, plan, page: Page::new(names, (plan.size[0], plan.size[1]), widest_px, depths) })

@@ -13,7 +13,7 @@ use super::error::LiftError;
 
 /// States of one model, drawn in one way. Only the times that were named are kept, so that memory is bounded by the clip.
 #[derive(Debug, Default)]
-pub struct Moments {
+pub struct ModelStates {
     /// By the bits of the time.
     kept: BTreeMap<u32, Moment>,
 }
@@ -26,7 +26,7 @@ struct Moment {
     seen: Mutex<Vec<(View, Arc<[f32]>)>>,
 }
 
-impl Moments {
+impl ModelStates {
     /// Keeps the states at these times, each from when it is first asked for.
     pub fn at(times: impl IntoIterator<Item = f32>) -> Self {
         Self { kept: times.into_iter().map(|time| (time.to_bits(), Moment::default())).collect() }
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_state_is_worked_out_once_and_only_at_times_of_the_clip() {
-        let moments = Moments::at([0.0, 0.5]);
+        let moments = ModelStates::at([0.0, 0.5]);
         let count = std::cell::Cell::new(0);
         let ask = |time: f32| {
             moments.get(time, || {
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn what_a_view_sees_is_kept_at_times_of_the_clip() {
-        let moments = Moments::at([0.5]);
+        let moments = ModelStates::at([0.5]);
         let pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let view = |focal| View::new([8, 6], [focal, focal], [4.0, 3.0], pose).unwrap();
         for (time, focal, value) in [(0.5, 5.0, 1.0), (0.5, 6.0, 2.0), (0.5, 5.0, 3.0), (0.25, 5.0, 4.0)] {
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn what_failed_is_tried_again() {
-        let moments = Moments::at([0.5]);
+        let moments = ModelStates::at([0.5]);
         assert!(moments.get(0.5, || Err(LiftError::NoEvidence)).is_err());
         assert!(moments.get(0.5, || Ok(Splats::default())).is_ok());
     }

@@ -1,44 +1,48 @@
 //! Rows, and how they reach people: CSV, text, a figure.
 
-use anyhow::Result;
-use l4d_board::{TradePoint, Tradeoff};
 use serde::Serialize;
 
 use super::measure::{CLIP_VIEWS, Measured};
-use super::stage::Stage;
 use super::variants::{BASE, Backends, Variant};
+use super::{Result, plain};
 
 /// From here on no difference is visible, dB.
-const INVISIBLE_DB: f64 = 60.0;
+pub const INVISIBLE_DB: f64 = 60.0;
 
 /// One way of drawing. Fields that end in `_ms` are times; everything else is the same in every run on a backend.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Row {
-    sweep: String,
-    setting: String,
-    gaussians: usize,
-    dynamic: usize,
-    sh_degree: u8,
-    alpha_min: f32,
-    transmittance_min: f32,
-    still_below_m: f32,
-    width: u32,
-    height: u32,
-    stored: String,
-    megabytes: f64,
-    rasterizer: String,
-    pictures: usize,
-    psnr_db: Option<f64>,
-    reference_psnr_db: f64,
-    error_max: f64,
-    error_mean: f64,
-    depth_error_mean_m: Option<f64>,
-    deform_ms: f64,
-    draw_ms: f64,
-    picture_ms: f64,
+#[expect(missing_docs, reason = "columns of splats.csv, named as they are read")]
+pub struct Row {
+    pub sweep: String,
+    pub setting: String,
+    pub gaussians: usize,
+    pub dynamic: usize,
+    pub sh_degree: u8,
+    pub alpha_min: f32,
+    pub transmittance_min: f32,
+    pub still_below_m: f32,
+    pub width: u32,
+    pub height: u32,
+    pub stored: String,
+    pub megabytes: f64,
+    pub rasterizer: String,
+    pub pictures: usize,
+    pub psnr_db: Option<f64>,
+    pub reference_psnr_db: f64,
+    pub error_max: f64,
+    pub error_mean: f64,
+    pub depth_error_mean_m: Option<f64>,
+    pub deform_ms: f64,
+    pub draw_ms: f64,
+    pub picture_ms: f64,
 }
 
 impl Row {
+    /// Whether it is the model as it is.
+    pub fn is_base(&self) -> bool {
+        self.setting == BASE
+    }
+
     pub(super) fn new(variant: &Variant, backends: &Backends, measured: &Measured) -> Self {
         let rounded = |value: f64, digits: i32| (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits);
         Self {
@@ -68,19 +72,19 @@ impl Row {
     }
 
     /// What the figure shows: how close it comes to held-out pictures, or else to the unreduced model.
-    fn gain_db(&self) -> f64 {
+    pub fn gain_db(&self) -> f64 {
         self.psnr_db.unwrap_or(self.reference_psnr_db.min(INVISIBLE_DB))
     }
 }
 
 pub(super) fn csv_of(rows: &[Row]) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row))?;
-    Ok(writer.into_inner()?)
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(plain)?;
+    writer.into_inner().map_err(|error| plain(error.into_error()))
 }
 
 /// The table for a terminal.
-pub(super) fn text(rows: &[Row]) -> String {
+pub fn text(rows: &[Row]) -> String {
     let mut lines = vec![format!(
         "{:<39}{:>10}{:>9}{:>9}{:>9}{:>9}{:>10}{:>11}{:>10}",
         "setting", "gaussians", "dynamic", "MB", "deform", "draw", "PSNR, dB", "max error", "mean"
@@ -100,34 +104,4 @@ pub(super) fn text(rows: &[Row]) -> String {
         ));
     }
     lines.join("\n")
-}
-
-pub(super) fn figure(stage: &Stage, rows: &[Row]) -> Tradeoff {
-    let points = rows.iter().map(|row| TradePoint {
-        series: row.sweep.clone(),
-        label: row.setting.clone(),
-        cost: row.picture_ms.max(1e-3),
-        gain: row.gain_db(),
-        is_base: row.setting == BASE,
-    });
-    let gain = if stage.seen.is_some() {
-        "PSNR of the held-out view, dB".to_owned()
-    } else {
-        format!("PSNR against the unreduced model in f64, dB; {INVISIBLE_DB} stands for more")
-    };
-    let backend = rows.first().map_or("", |row| row.rasterizer.as_str());
-    Tradeoff {
-        name: "splats",
-        title: "Drawing a model: speed against error".to_owned(),
-        notes: vec![
-            format!("Of {}.", stage.about),
-            format!("{backend}."),
-            format!(
-                "A picture is colour, alpha and depths, with its share of a state that {CLIP_VIEWS} views share. Ring: the model as it is. Grey: what nothing beats."
-            ),
-        ],
-        cost: "milliseconds a picture".to_owned(),
-        gain,
-        points: points.collect(),
-    }
 }

@@ -2,18 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
 use l4d_data::results::Track;
-use l4d_data::{Name, Profile, json};
-use l4d_splat::Model;
-use l4d_splat::checkpoint::own::{self, Checkpoint, Sampling};
-use l4d_splat::train::Trainer;
+use l4d_data::{DataError, Name, Profile, StageError, json};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::input::Digests;
 use super::report::Report;
-use crate::out::refusal;
+use super::{Result, plain};
+use crate::Model;
+use crate::checkpoint::own::{self, Checkpoint, Sampling};
+use crate::train::Trainer;
 
 /// Schema tag of `manifest.json`.
 const SCHEMA: &str = "l4d/train-splats/1";
@@ -86,7 +85,7 @@ impl SplatsFolder {
             None => difference(&before, &checkpoint.inputs, origin)?,
         };
         if let Some(difference) = difference {
-            return Err(refusal(
+            return Err(StageError::new(
                 format!("{}: holds another model: {difference}", self.0.display()),
                 "say --overwrite to replace it, or choose another --out",
             ));
@@ -124,14 +123,14 @@ impl SplatsFolder {
         let mut checkpoint = Checkpoint { iteration: trainer.iteration(), ..Checkpoint::from(model.clone()) };
         name(&mut checkpoint, origin, true)?;
         own::write(&self.0, &checkpoint)?;
-        Ok(serde_json::to_value(manifest)?)
+        serde_json::to_value(manifest).map_err(plain)
     }
 
     fn forget_manifest(&self) -> Result<()> {
         let path = self.0.join(MANIFEST);
         match std::fs::remove_file(&path) {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(l4d_data::DataError::io(&path, "remove", source).into())
+                Err(DataError::io(&path, "remove", source).into())
             }
             _ => Ok(()),
         }
@@ -167,7 +166,7 @@ fn name(checkpoint: &mut Checkpoint, origin: &Origin, done: bool) -> Result<()> 
 
 /// The origin without what a checkpoint says elsewhere.
 fn short(origin: &Origin) -> Result<Value> {
-    let mut value = serde_json::to_value(origin)?;
+    let mut value = serde_json::to_value(origin).map_err(plain)?;
     if let Some(fields) = value.as_object_mut() {
         for elsewhere in ["trained_on", "compared_with", "saw_depth", "track"] {
             fields.remove(elsewhere);

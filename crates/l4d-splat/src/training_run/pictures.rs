@@ -1,7 +1,6 @@
 //! Where the pictures of a scene come from: EXR files of a renderer, with depth and ids, or PNG files of a capture, which
 //! has neither.
 
-use anyhow::Result;
 use glam::UVec2;
 use half::f16;
 use l4d_data::digest::sha256_hex;
@@ -9,16 +8,15 @@ use l4d_data::layout::{CaptureDir, SceneDir};
 use l4d_data::results::Track;
 use l4d_data::scene::{OBJECT_IDS, Scene};
 use l4d_data::store::read_bounded;
-use l4d_data::{Camera, DataError, Rig, Split, Timeline};
+use l4d_data::workspace::how_scenes_are_made;
+use l4d_data::{Camera, DataError, Rig, Split, StageError, Timeline};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::exr::{decode_seen, read_bytes};
 use l4d_frames::{Display, Frame, photo};
-use l4d_solve::scene::how_scenes_are_made;
-use l4d_splat::checkpoint::own::Sampling;
-use l4d_splat::train::Picture;
 
-use crate::cli::splats::{InitArg, TrainSplatsArgs};
-use crate::out::refusal;
+use super::{Initialisation, Order, Result};
+use crate::checkpoint::own::Sampling;
+use crate::train::Picture;
 
 /// No picture file is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;
@@ -55,33 +53,35 @@ pub(super) struct LoadedPicture {
 }
 
 impl PictureSource {
-    pub(super) fn open(args: &TrainSplatsArgs, dir: &SceneDir) -> Result<Self> {
-        let path = dir.rig(args.profile);
+    pub(super) fn open(order: &Order<'_>) -> Result<Self> {
+        let Order { dir, profile, .. } = order;
+        let path = dir.rig(*profile);
         if !path.exists() {
-            return Err(refusal(
+            return Err(StageError::new(
                 format!("{}: no scene stands there", dir.root().display()),
-                format!("{}, or choose another --data", how_scenes_are_made(&args.scene, args.profile)),
+                format!("{}, or choose another --data", how_scenes_are_made(order.scene, order.profile)),
             ));
         }
-        if args.profile.is_rendered() { Self::of_rendered(args, dir) } else { Self::of_capture(args, dir) }
+        if order.profile.is_rendered() { Self::of_rendered(order) } else { Self::of_capture(order) }
     }
 
-    fn of_rendered(args: &TrainSplatsArgs, dir: &SceneDir) -> Result<Self> {
+    fn of_rendered(order: &Order<'_>) -> Result<Self> {
+        let dir = order.dir;
         let path = dir.scene();
         let scene = Scene::read(&path)?;
-        if scene.profile != args.profile {
-            return Err(refusal(
+        if scene.profile != order.profile {
+            return Err(StageError::new(
                 format!(
                     "{}: field `profile` is {}, but {} was asked for",
                     path.display(),
                     scene.profile,
-                    args.profile
+                    order.profile
                 ),
                 format!("say --profile {}, or choose another --data", scene.profile),
             ));
         }
-        if (args.shrink, args.every) != (1, 1) {
-            return Err(refusal(
+        if (order.sampling.shrink, order.sampling.every) != (1, 1) {
+            return Err(StageError::new(
                 "--shrink and --every are for captures",
                 "choose a smaller --profile of a rendered scene",
             ));
@@ -92,30 +92,34 @@ impl PictureSource {
             cameras: scene.cameras,
             camera_size: size,
             size,
-            frames: args.profile.frames().collect(),
+            frames: order.profile.frames().collect(),
             timeline: Timeline::CANONICAL,
             sampling: None,
-            has_depth: looks_at_depth(args),
+            has_depth: looks_at_depth(order),
         })
     }
 
-    fn of_capture(args: &TrainSplatsArgs, dir: &SceneDir) -> Result<Self> {
-        let path = dir.rig(args.profile);
+    fn of_capture(order: &Order<'_>) -> Result<Self> {
+        let Order { dir, profile, .. } = order;
+        let path = dir.rig(*profile);
         let lacks_depth = |flag: &str, remedy: &str| {
-            Err(refusal(format!("{flag}: {} has no depth", path.display()), remedy.to_owned()))
+            Err(StageError::new(format!("{flag}: {} has no depth", path.display()), remedy.to_owned()))
         };
-        if args.init == Some(InitArg::Depth) {
+        if order.init == Some(Initialisation::Depth) {
             return lacks_depth("--init depth", "say --init sweep, which compares pictures");
         }
-        if args.depth_weight.is_some_and(|weight| weight > 0.0) {
+        if order.depth_weight.is_some_and(|weight| weight > 0.0) {
             return lacks_depth("--depth-weight", "leave it out");
         }
         let rig = Rig::read(&path)?;
-        let sampling = Sampling { shrink: args.shrink, every: args.every };
+        let sampling = order.sampling;
         let (size, camera_size) = sampling.sizes(rig.size());
         if size.contains(&0) {
-            return Err(refusal(
-                format!("--shrink {} leaves nothing of {}x{} pixels", args.shrink, rig.width, rig.height),
+            return Err(StageError::new(
+                format!(
+                    "--shrink {} leaves nothing of {}x{} pixels",
+                    order.sampling.shrink, rig.width, rig.height
+                ),
                 "choose a smaller factor",
             ));
         }
@@ -123,12 +127,12 @@ impl PictureSource {
             cameras: rig.cameras.clone(),
             camera_size,
             size,
-            frames: sampling.moments(&rig.clip(args.profile)),
+            frames: sampling.moments(&rig.clip(order.profile)),
             timeline: rig.timeline(),
             sampling: Some(sampling),
             has_depth: false,
             source: Source::Recorded {
-                dir: CaptureDir::new(dir.root().parent().unwrap_or(dir.root()), &args.scene),
+                dir: CaptureDir::new(dir.root().parent().unwrap_or(dir.root()), order.scene),
                 rig,
             },
         })
@@ -216,11 +220,11 @@ impl PictureSource {
 }
 
 /// Whether depth of a rendered scene has a say: as where Gaussians begin, or in the loss.
-fn looks_at_depth(args: &TrainSplatsArgs) -> bool {
-    match args.init {
-        None | Some(InitArg::Depth) => true,
-        Some(InitArg::Sweep) => false,
-        Some(InitArg::Random | InitArg::Points(_)) => args.depth_weight != Some(0.0),
+fn looks_at_depth(order: &Order<'_>) -> bool {
+    match &order.init {
+        None | Some(Initialisation::Depth) => true,
+        Some(Initialisation::Sweep) => false,
+        Some(Initialisation::Random | Initialisation::Points(_)) => order.depth_weight != Some(0.0),
     }
 }
 

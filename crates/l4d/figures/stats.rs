@@ -1,14 +1,23 @@
 //! Which distributions of the set are drawn, in which bins.
 
-use l4d_board::{Chart, Layout, Panel};
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use l4d_board::{Chart, Layout, Panel, publish_charts};
 use l4d_data::Scale;
 use l4d_query::stats::{QueryRow, SetStats};
+
+use crate::out::Printer;
 
 /// Rows of a panel of words.
 const MOST_WORDS: usize = 18;
 
-/// All figures of the set.
-pub(super) fn all(stats: &SetStats) -> Vec<Chart> {
+/// Writes all figures of the set.
+pub(crate) fn publish_stats(stats: &SetStats, folder: &Path, _: &Printer) -> Result<Vec<PathBuf>> {
+    Ok(publish_charts(&all(stats), folder)?)
+}
+
+fn all(stats: &SetStats) -> Vec<Chart> {
     let of = format!("Queries: {}. Scenes: {}.", stats.queries.len(), stats.scenes.len());
     let chart = |name, title: &str, note: &str, panels| Chart {
         name,

@@ -1,19 +1,18 @@
 //! What is looked at: a trained scene with its held-out pictures, or a made-up room.
 
-use anyhow::Result;
 use glam::UVec2;
 use l4d_data::scene::Scene;
-use l4d_data::{Camera, Draw, Name, Split, Workspace};
+use l4d_data::{Camera, DataError, Name, Split};
 use l4d_frames::Display;
 use l4d_frames::exr::read_frame;
-use l4d_splat::Model;
-use l4d_splat::clip::Moment;
-use l4d_splat::model::time_of_frame;
-use l4d_splat::source::Source;
-use l4d_splat::synthetic::Room;
-use l4d_splat::view::View;
 
-use crate::cli::splats::BenchSplatsArgs;
+use super::{Order, Result, plain};
+use crate::Model;
+use crate::clip::Moment;
+use crate::model::time_of_frame;
+use crate::source::Source;
+use crate::synthetic::Room;
+use crate::view::View;
 
 /// Frames of the made-up room.
 const ROOM_FRAMES: u32 = 25;
@@ -28,7 +27,7 @@ pub(super) struct Key {
 }
 
 #[derive(Debug)]
-pub(super) struct Stage {
+pub(super) struct Subject {
     /// One line about what is drawn.
     pub(super) about: String,
     pub(super) model: Model,
@@ -47,34 +46,32 @@ pub(super) struct Stage {
     pub(super) seen: Option<Vec<Vec<u8>>>,
 }
 
-impl Stage {
-    pub(super) fn set(args: &BenchSplatsArgs) -> Result<Self> {
-        match &args.scene {
-            Some(scene) => Self::of_scene(args, &Name::new(scene)?),
-            None => Self::of_room(args),
+impl Subject {
+    pub(super) fn open(order: &Order<'_>) -> Result<Self> {
+        match order.scene {
+            Some(scene) => Self::of_scene(order, scene),
+            None => Self::of_room(order),
         }
     }
 
-    fn of_scene(args: &BenchSplatsArgs, name: &Name) -> Result<Self> {
-        let profile = args.profile;
-        let space =
-            Workspace::new(profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    fn of_scene(order: &Order<'_>, name: &Name) -> Result<Self> {
+        let (space, profile) = (order.space, order.space.profile());
         let dir = space.scene(name);
         let scene = Scene::read(&dir.scene())?;
         let default = || space.work(name).splats();
-        let source = Source::open(&args.model.clone().unwrap_or_else(default))?;
+        let source = Source::open(&order.model.clone().unwrap_or_else(default))?;
         let all_frames: Vec<u32> = profile.frames().collect();
-        let frames = evenly(&all_frames, args.times as usize);
+        let frames = evenly(&all_frames, order.times);
         let held_out = scene.cameras.iter().filter(|camera| camera.split == Split::Test);
         let training: Vec<Camera> =
             scene.cameras.iter().filter(|camera| camera.split == Split::Train).cloned().collect();
-        let cameras: Vec<Camera> =
-            held_out.cloned().chain(evenly(&training, args.views as usize - 1)).collect();
+        let cameras: Vec<Camera> = held_out.cloned().chain(evenly(&training, order.views - 1)).collect();
         let size = [scene.width, scene.height];
         let display = Display::new(scene.exposure);
         let seen = |frame: &u32| {
             let held_out = &cameras.first().map_or("", |camera| camera.name.as_str());
-            let picture = read_frame(&dir.frame(held_out, *frame), UVec2::from_array(size))?;
+            let path = dir.frame(held_out, *frame);
+            let picture = read_frame(&path, UVec2::from_array(size)).map_err(DataError::from)?;
             Ok(display.picture(&picture).into_raw())
         };
         Ok(Self {
@@ -95,19 +92,19 @@ impl Stage {
         })
     }
 
-    fn of_room(args: &BenchSplatsArgs) -> Result<Self> {
-        let room = Room { gaussians: args.gaussians as usize, ..Room::ordinary(args.seed) };
-        let model = room.model()?;
-        let all_cameras = room.cameras()?;
+    fn of_room(order: &Order<'_>) -> Result<Self> {
+        let room = Room { gaussians: order.gaussians, ..Room::ordinary(order.seed) };
+        let model = room.model().map_err(plain)?;
+        let all_cameras = room.cameras().map_err(plain)?;
         // The held-out one is the last.
         let all_cameras: Vec<Camera> = all_cameras.into_iter().rev().collect();
-        let cameras = evenly(&all_cameras, args.views as usize);
-        let size = args.size.map_or(room.camera_size(), |size| size.0);
+        let cameras = evenly(&all_cameras, order.views);
+        let size = order.size.unwrap_or(room.camera_size());
         let all_frames: Vec<u32> = (0..ROOM_FRAMES).map(|index| index * 96 / (ROOM_FRAMES - 1)).collect();
-        let frames = evenly(&all_frames, args.times as usize);
+        let frames = evenly(&all_frames, order.times);
         let pictures = cameras.len() * frames.len();
         Ok(Self {
-            about: about(&format!("a made-up room, seed {}", args.seed), &model, size, pictures),
+            about: about(&format!("a made-up room, seed {}", order.seed), &model, size, pictures),
             model,
             camera_size: room.camera_size(),
             size,
@@ -133,7 +130,10 @@ impl Stage {
     fn moments_of(&self, cameras: &[Camera], frames: &[u32], size: [u32; 2]) -> Result<Vec<Moment<Key>>> {
         let moment = |(time, &frame): (usize, &u32)| {
             let view = |(camera, from): (usize, &Camera)| {
-                Ok((Key { camera, time }, View::of_camera(from, frame, self.camera_size, size)?))
+                Ok((
+                    Key { camera, time },
+                    View::of_camera(from, frame, self.camera_size, size).map_err(plain)?,
+                ))
             };
             let views = cameras.iter().enumerate().map(view).collect::<Result<_>>()?;
             Ok(Moment { time: time_of_frame(frame), views })

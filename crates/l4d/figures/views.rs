@@ -1,11 +1,24 @@
 //! The figure of the grid of views: how much more each view buys, beside what the paper prints of its own data.
 
-use l4d_board::{Trend, TrendPanel, TrendPoint};
-use l4d_experiments::ablation::{Cell, Column, Metric, Source};
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use l4d_board::{Trend, TrendPanel, TrendPoint, publish_trend};
+use l4d_experiments::ablation::{Ablated, Cell, Column, Metric, Source};
 use l4d_score::cluster::FEW_SCENES;
 
+use crate::out::Printer;
+
+/// Writes the figure, if any setting is a number.
+pub(crate) fn publish_views(ablated: &Ablated, folder: &Path, _: &Printer) -> Result<Vec<PathBuf>> {
+    match trend_of_views(&ablated.columns, &ablated.cells, &ablated.about) {
+        Some(trend) => Ok(publish_trend(&trend, folder)?),
+        None => Ok(Vec::new()),
+    }
+}
+
 /// mIoU against the number of views; none for settings that are no numbers.
-pub(super) fn trend_of_views(columns: &[Column], cells: &[Cell], about: &[String]) -> Option<Trend> {
+fn trend_of_views(columns: &[Column], cells: &[Cell], about: &[String]) -> Option<Trend> {
     let of_column = |column: &Column, source: Source| {
         let cells = cells.iter().filter(move |cell| {
             cell.source == source && cell.metric == Metric::Miou && cell.column == column.name

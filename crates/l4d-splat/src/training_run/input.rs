@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context as _, Result};
-use l4d_data::Camera;
 use l4d_data::layout::SceneDir;
-use l4d_splat::train::{Motion, Picture, Region, TrainingViews};
+use l4d_data::{At as _, Camera, StageError};
 use rayon::prelude::*;
 
 use super::pictures::{LoadedPicture, PictureSource};
-use crate::out::refusal;
+use super::{Result, plain};
+use crate::train::{Motion, Picture, Region, TrainingViews};
 
 /// Share of moments at which a place has to be seen through before it counts as moving, in reports.
 const REPORT_THRESHOLD: f32 = 0.05;
@@ -35,7 +34,7 @@ pub(super) struct HeldOut {
 impl Input {
     pub(super) fn read(dir: &SceneDir, source: &PictureSource, tick: &(dyn Fn() + Sync)) -> Result<Self> {
         if source.training().next().is_none() {
-            return Err(refusal(
+            return Err(StageError::new(
                 format!("{}: field `cameras`: none has split `train`", dir.root().display()),
                 "build the scene again with `l4d build-scenes --overwrite`, or import it again and hold fewer views out",
             ));
@@ -76,7 +75,8 @@ impl HeldOut {
 
 fn empty(dir: &SceneDir, source: &PictureSource) -> Result<TrainingViews> {
     TrainingViews::new(source.size, source.frames.clone(), source.timeline)
-        .with_context(|| dir.root().display().to_string())
+        .map_err(plain)
+        .at(dir.root().display())
 }
 
 fn add(
@@ -86,7 +86,7 @@ fn add(
     camera: &Camera,
     pictures: Vec<Picture>,
 ) -> Result<()> {
-    views.add(camera, source.camera_size, pictures).with_context(|| dir.root().display().to_string())
+    views.add(camera, source.camera_size, pictures).map_err(plain).at(dir.root().display())
 }
 
 /// One picture per moment; empty where the camera did not look.

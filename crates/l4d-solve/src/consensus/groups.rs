@@ -1,8 +1,8 @@
-//! Camps: groups of views that agree among themselves and contradict each other.
+//! Groups of views that agree among themselves and contradict each other.
 //!
 //! Greedy correlation clustering: the two groups between which agreement outweighs contradiction by most become one,
-//! until none are left. A view that marks two things at once agrees with the camps of both; it joins one of them, and
-//! they stay two, as they would not if a camp were whatever hangs together.
+//! until none are left. A view that marks two things at once agrees with the groups of both; it joins one of them, and
+//! they stay two.
 
 use std::collections::BTreeMap;
 
@@ -14,9 +14,9 @@ pub(super) struct Relations(BTreeMap<(usize, usize), i64>);
 
 /// How a group fares against the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Fate {
-    /// No group that stands contradicts it.
-    Stands,
+pub(super) enum GroupVerdict {
+    /// No group that remains contradicts it.
+    Remains,
     /// A larger one does.
     Outvoted,
     /// One of the same size does.
@@ -78,27 +78,28 @@ impl Relations {
         best.map(|(_, pair)| pair)
     }
 
-    /// The fate of each group; `groups` has the largest first. Views that stand alone neither outvote each other nor
+    /// The verdict of each group; `groups` has the largest first. Views that stand alone neither outvote each other nor
     /// tie: with nobody behind them they are for the votes to settle.
-    pub(super) fn fates(&self, groups: &[Vec<usize>]) -> Vec<Fate> {
-        let mut fates: Vec<Fate> = Vec::with_capacity(groups.len());
+    pub(super) fn verdicts(&self, groups: &[Vec<usize>]) -> Vec<GroupVerdict> {
+        let mut verdicts: Vec<GroupVerdict> = Vec::with_capacity(groups.len());
         for peers in groups.chunk_by(|a, b| a.len() == b.len()) {
-            // There is a fate for each larger group by now, and for no other.
-            let larger = std::iter::zip(groups, &fates).filter(|(_, fate)| **fate == Fate::Stands);
+            // There is a verdict for each larger group by now, and for no other.
+            let larger =
+                std::iter::zip(groups, &verdicts).filter(|(_, verdict)| **verdict == GroupVerdict::Remains);
             let winners: Vec<&Vec<usize>> = larger.map(|(group, _)| group).collect();
             let is_outvoted = |group: &[usize]| winners.iter().any(|winner| self.contradict(group, winner));
             let is_tied = |group: &Vec<usize>| {
                 let rivals = peers.iter().filter(|peer| *peer != group && !is_outvoted(peer));
                 group.len() > 1 && rivals.into_iter().any(|rival| self.contradict(group, rival))
             };
-            let fate_of = |group: &Vec<usize>| match (is_outvoted(group), is_tied(group)) {
-                (true, _) => Fate::Outvoted,
-                (false, true) => Fate::Tied,
-                (false, false) => Fate::Stands,
+            let verdict_of = |group: &Vec<usize>| match (is_outvoted(group), is_tied(group)) {
+                (true, _) => GroupVerdict::Outvoted,
+                (false, true) => GroupVerdict::Tied,
+                (false, false) => GroupVerdict::Remains,
             };
-            fates.extend(peers.iter().map(fate_of));
+            verdicts.extend(peers.iter().map(verdict_of));
         }
-        fates
+        verdicts
     }
 }
 
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_that_agrees_with_two_camps_does_not_make_them_one() {
+    fn a_view_that_agrees_with_two_groups_does_not_make_them_one() {
         // 0, 1, 2 against 4, 5; view 3 agrees with all of them.
         let agree = [within(&[0, 1, 2, 3]), within(&[4, 5]), between(&[3], &[4, 5])].concat();
         let relations = relations(&agree, &between(&[0, 1, 2], &[4, 5]));
@@ -129,26 +130,32 @@ mod tests {
         assert_eq!(groups, [vec![0, 1, 2, 3], vec![4, 5]]);
         // 6 contradictions, 2 agreements between them.
         assert!(relations.contradict(&groups[0], &groups[1]));
-        assert_eq!(relations.fates(&groups), [Fate::Stands, Fate::Outvoted]);
+        assert_eq!(relations.verdicts(&groups), [GroupVerdict::Remains, GroupVerdict::Outvoted]);
     }
 
     #[test]
-    fn camps_of_one_size_tie_and_strangers_stand() {
+    fn groups_of_one_size_tie_and_unrelated_ones_remain() {
         let agree = [within(&[0, 1]), within(&[2, 3]), within(&[4, 5])].concat();
         let relations = relations(&agree, &between(&[0, 1], &[2, 3]));
         let groups = relations.groups(&[0, 1, 2, 3, 4, 5]);
         assert_eq!(groups, [vec![0, 1], vec![2, 3], vec![4, 5]]);
-        assert_eq!(relations.fates(&groups), [Fate::Tied, Fate::Tied, Fate::Stands]);
+        assert_eq!(
+            relations.verdicts(&groups),
+            [GroupVerdict::Tied, GroupVerdict::Tied, GroupVerdict::Remains]
+        );
     }
 
     #[test]
-    fn who_is_outvoted_outvotes_and_ties_with_nobody() {
+    fn an_outvoted_group_outvotes_and_ties_with_none() {
         // 0, 1, 2 outvote 3, 4, which would tie with 5, 6.
         let agree = [within(&[0, 1, 2]), within(&[3, 4]), within(&[5, 6])].concat();
         let against = [between(&[0, 1, 2], &[3, 4]), between(&[3, 4], &[5, 6])].concat();
         let relations = relations(&agree, &against);
         let groups = relations.groups(&[0, 1, 2, 3, 4, 5, 6]);
-        assert_eq!(relations.fates(&groups), [Fate::Stands, Fate::Outvoted, Fate::Stands]);
+        assert_eq!(
+            relations.verdicts(&groups),
+            [GroupVerdict::Remains, GroupVerdict::Outvoted, GroupVerdict::Remains]
+        );
     }
 
     #[test]
@@ -156,6 +163,6 @@ mod tests {
         let relations = relations(&[], &between(&[0], &[1, 2]));
         let groups = relations.groups(&[0, 1, 2]);
         assert_eq!(groups.len(), 3);
-        assert_eq!(relations.fates(&groups), [Fate::Stands; 3]);
+        assert_eq!(relations.verdicts(&groups), [GroupVerdict::Remains; 3]);
     }
 }

@@ -1,16 +1,35 @@
 //! The ways of drawing that are compared. Each changes one thing of the model as it is, those of the last sweep several.
 
-use anyhow::Result;
-use l4d_gpu::{AdapterChoice, Gpu};
-use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer};
-use l4d_splat::reduce::{
-    Displacement, HalfPart, keep, stored_bytes, strongest, through_f16, weights, with_sh_degree,
-};
-use l4d_splat::{Model, ShDegree};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::stage::Stage;
-use crate::cli::splats::SweepArg;
+use super::subject::Subject;
+use super::{Result, plain};
+use crate::raster::{Cpu, RasterSettings, Rasterizer};
+use crate::reduce::{
+    Displacement, HalfPart, keep, stored_bytes, strongest, through_f16, weights, with_sh_degree,
+};
+use crate::{Model, ShDegree};
+
+/// What is changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sweep {
+    /// Fewer Gaussians: those that show most.
+    Count,
+    /// Lower degrees of the spherical harmonics.
+    Degree,
+    /// Thresholds of alpha and transmittance.
+    Cutoffs,
+    /// What hardly moves is frozen.
+    Static,
+    /// Smaller pictures, enlarged.
+    Resolution,
+    /// Parameters stored in 16-bit floats.
+    F16,
+    /// Other instructions, one thread, graphics adapters.
+    Rasterizer,
+    /// Several of these at once.
+    Together,
+}
 
 /// Shares of the Gaussians that are kept, percent.
 const COUNTS: [usize; 6] = [90, 75, 60, 45, 30, 15];
@@ -27,37 +46,34 @@ pub(super) struct Backends {
     list: Vec<Backend>,
 }
 
-struct Backend {
+/// One of them.
+pub struct Backend {
     /// In figures.
-    label: String,
+    pub label: String,
     /// In full.
-    name: String,
-    rasterizer: Box<dyn Rasterizer>,
+    pub name: String,
+    /// What draws.
+    pub rasterizer: Box<dyn Rasterizer>,
     /// Threads that it may use; none for all.
-    pool: Option<ThreadPool>,
+    pub pool: Option<ThreadPool>,
 }
 
 impl Backends {
     /// The processor at its best, with what every backend of its kind can do, on one thread; then the adapters.
-    pub(super) fn open(adapters: &[String]) -> Result<Self> {
+    pub(super) fn with(adapters: Vec<Backend>) -> Result<Self> {
         let processor = |cpu: Cpu, pool: Option<ThreadPool>| {
             let threads =
                 pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
             let name = format!("{}, {threads} thread{}", cpu.name(), if threads == 1 { "" } else { "s" });
             Backend { label: name.clone(), name, rasterizer: Box::new(cpu), pool }
         };
-        let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
+        let alone = ThreadPoolBuilder::new().num_threads(1).build().map_err(plain)?;
         let mut list = vec![
             processor(Cpu::new(), None),
             processor(Cpu::portable(), None),
             processor(Cpu::new(), Some(alone)),
         ];
-        for adapter in adapters {
-            let choice: AdapterChoice = adapter.parse()?;
-            let gpu = Gpu::open(&choice)?;
-            let label = format!("wgpu, {}", gpu.adapter().name.split(" (").next().unwrap_or_default());
-            list.push(Backend { label, name: gpu.name(), rasterizer: Box::new(gpu), pool: None });
-        }
+        list.extend(adapters);
         Ok(Self { list })
     }
 
@@ -98,78 +114,79 @@ pub(super) struct Variant {
 pub(super) const BASE: &str = "as it is";
 
 /// All variants of the chosen sweeps (all if none are named), the model as it is first.
-pub(super) fn variants(stage: &Stage, sweeps: &[SweepArg], backends: &Backends) -> Result<Vec<Variant>> {
-    let wants = |sweep: SweepArg| sweeps.is_empty() || sweeps.contains(&sweep);
-    let mut list = vec![plain(stage, BASE, BASE.to_owned())];
-    let ranked = Ranked::of(stage, backends)?;
-    if wants(SweepArg::Count) {
+pub(super) fn variants(subject: &Subject, sweeps: &[Sweep], backends: &Backends) -> Result<Vec<Variant>> {
+    let wants = |sweep: Sweep| sweeps.is_empty() || sweeps.contains(&sweep);
+    let mut list = vec![unchanged(subject, BASE, BASE.to_owned())];
+    let ranked = Ranked::of(subject, backends)?;
+    if wants(Sweep::Count) {
         list.extend(COUNTS.map(|percent| {
             let name = format!("{percent} % of the Gaussians");
-            with_model(plain(stage, "fewer Gaussians", name), ranked.kept(&stage.model, percent))
+            with_model(unchanged(subject, "fewer Gaussians", name), ranked.kept(&subject.model, percent))
         }));
     }
-    if wants(SweepArg::Degree) {
-        for degree in (0..stage.model.gaussians.sh_degree.get()).rev() {
-            let model = with_sh_degree(&stage.model, ShDegree::new(degree).unwrap_or_default())?;
-            list.push(with_model(plain(stage, "lower degree", format!("degree {degree}")), model));
+    if wants(Sweep::Degree) {
+        for degree in (0..subject.model.gaussians.sh_degree.get()).rev() {
+            let model =
+                with_sh_degree(&subject.model, ShDegree::new(degree).unwrap_or_default()).map_err(plain)?;
+            list.push(with_model(unchanged(subject, "lower degree", format!("degree {degree}")), model));
         }
     }
-    if wants(SweepArg::Cutoffs) {
+    if wants(Sweep::Cutoffs) {
         list.extend(ALPHAS.map(|parts| {
             let name = format!("alpha from {parts}/255");
-            with_cutoffs(plain(stage, "alpha cutoff", name), parts / 255.0, None)
+            with_cutoffs(unchanged(subject, "alpha cutoff", name), parts / 255.0, None)
         }));
         list.extend(TRANSMITTANCES.map(|least| {
-            let variant = plain(stage, "transmittance stop", format!("stop at {least}"));
+            let variant = unchanged(subject, "transmittance stop", format!("stop at {least}"));
             with_cutoffs(variant, RasterSettings::default().alpha_min, Some(least))
         }));
     }
-    let motion = Displacement::of(&stage.model, &stage.all_times())?;
-    if wants(SweepArg::Static) && !stage.model.dynamic.is_empty() {
+    let motion = Displacement::of(&subject.model, &subject.all_times()).map_err(plain)?;
+    if wants(Sweep::Static) && !subject.model.dynamic.is_empty() {
         for below_m in STILL_M {
             let name = if below_m.is_finite() {
                 format!("still below {} mm", (below_m * 1000.0).round())
             } else {
                 "nothing moves".to_owned()
             };
-            let model = motion.freeze(&stage.model, below_m)?;
-            let variant = with_model(plain(stage, "frozen motion", name), model);
+            let model = motion.freeze(&subject.model, below_m).map_err(plain)?;
+            let variant = with_model(unchanged(subject, "frozen motion", name), model);
             list.push(Variant { still_below_m: below_m, ..variant });
         }
     }
-    if wants(SweepArg::Resolution) {
+    if wants(Sweep::Resolution) {
         list.extend(SIDES.map(|percent| {
-            let size = scaled(stage.size, percent);
-            Variant { size, ..plain(stage, "smaller pictures", format!("{percent} % of the side")) }
+            let size = scaled(subject.size, percent);
+            Variant { size, ..unchanged(subject, "smaller pictures", format!("{percent} % of the side")) }
         }));
     }
-    if wants(SweepArg::F16) {
+    if wants(Sweep::F16) {
         let parts = [
             (HalfPart::Harmonics, "f16: harmonics"),
             (HalfPart::AllButCentres, "f16: all but centres"),
             (HalfPart::Everything, "f16: everything"),
         ];
         list.extend(parts.map(|(part, stored)| {
-            let model = through_f16(&stage.model, part);
+            let model = through_f16(&subject.model, part);
             let bytes = stored_bytes(&model, Some(part));
-            let variant = with_model(plain(stage, "f16 storage", stored.to_owned()), model);
+            let variant = with_model(unchanged(subject, "f16 storage", stored.to_owned()), model);
             Variant { stored, bytes, ..variant }
         }));
     }
-    if wants(SweepArg::Rasterizer) {
+    if wants(Sweep::Rasterizer) {
         list.extend(backends.others().map(|backend| Variant {
             backend,
-            ..plain(stage, "other machinery", backends.list[backend].label.clone())
+            ..unchanged(subject, "other machinery", backends.list[backend].label.clone())
         }));
     }
-    if wants(SweepArg::Together) {
-        list.extend(together(stage, &ranked, &motion)?);
+    if wants(Sweep::Together) {
+        list.extend(together(subject, &ranked, &motion)?);
     }
     Ok(list)
 }
 
 /// Several reductions at once, from careful to rough.
-fn together(stage: &Stage, ranked: &Ranked, motion: &Displacement) -> Result<Vec<Variant>> {
+fn together(subject: &Subject, ranked: &Ranked, motion: &Displacement) -> Result<Vec<Variant>> {
     let step = |percent, below_m, parts, least, side| Step { percent, below_m, parts, least, side };
     let steps = [
         step(100, 0.003, 4.0_f32, 1e-3_f32, 100_u32),
@@ -178,11 +195,11 @@ fn together(stage: &Stage, ranked: &Ranked, motion: &Displacement) -> Result<Vec
         step(90, 0.03, 16.0, 1e-2, 35),
     ];
     let variant = |step: Step| {
-        let model = ranked.kept(&motion.freeze(&stage.model, step.below_m)?, step.percent);
+        let model = ranked.kept(&motion.freeze(&subject.model, step.below_m).map_err(plain)?, step.percent);
         let Step { percent, below_m, parts, least, side } = step;
         let name = format!("{percent} %, {} mm, {parts}/255, side {side} %", (below_m * 1000.0).round());
-        let variant = with_model(plain(stage, "several at once", name), model);
-        let size = scaled(stage.size, side);
+        let variant = with_model(unchanged(subject, "several at once", name), model);
+        let size = scaled(subject.size, side);
         Ok(Variant { still_below_m: below_m, size, ..with_cutoffs(variant, parts / 255.0, Some(least)) })
     };
     steps.into_iter().map(variant).collect()
@@ -206,16 +223,16 @@ fn scaled(size: [u32; 2], percent: u32) -> [u32; 2] {
     size.map(|side| (side * percent / 100).max(1))
 }
 
-fn plain(stage: &Stage, sweep: &'static str, setting: String) -> Variant {
+fn unchanged(subject: &Subject, sweep: &'static str, setting: String) -> Variant {
     Variant {
         sweep,
         setting,
-        model: stage.model.clone(),
+        model: subject.model.clone(),
         settings: RasterSettings::default(),
         still_below_m: 0.0,
-        size: stage.size,
+        size: subject.size,
         stored: "f32",
-        bytes: stored_bytes(&stage.model, None),
+        bytes: stored_bytes(&subject.model, None),
         backend: 0,
     }
 }
@@ -235,9 +252,10 @@ struct Ranked {
 }
 
 impl Ranked {
-    fn of(stage: &Stage, backends: &Backends) -> Result<Self> {
-        let moments = stage.training_moments()?;
-        let weights = weights(&stage.model, backends.rasterizer(0), &RasterSettings::default(), &moments)?;
+    fn of(subject: &Subject, backends: &Backends) -> Result<Self> {
+        let moments = subject.training_moments()?;
+        let weights = weights(&subject.model, backends.rasterizer(0), &RasterSettings::default(), &moments)
+            .map_err(plain)?;
         Ok(Self { weights })
     }
 

@@ -2,16 +2,16 @@
 
 use std::time::Instant;
 
-use anyhow::Result;
-use l4d_splat::clip::{ClipError, Moment};
-use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer, Reference};
 use rayon::prelude::*;
 
-use super::stage::{Key, Stage};
+use super::subject::{Key, Subject};
 use super::variants::{Backends, Variant};
+use super::{Result, plain};
+use crate::clip::{ClipError, Moment};
+use crate::raster::{Drawing, RasterSettings, Rasterizer, Reference};
 
 /// Views that share the state of a moment in a clip.
-pub(super) const CLIP_VIEWS: f64 = 8.0;
+pub const CLIP_VIEWS: f64 = 8.0;
 
 /// The unreduced model, drawn by the reference; display colours and median depths per picture.
 pub(super) struct Truth {
@@ -37,13 +37,14 @@ pub(super) struct Measured {
 }
 
 impl Truth {
-    pub(super) fn draw(stage: &Stage) -> Result<Self> {
+    pub(super) fn draw(subject: &Subject) -> Result<Self> {
         let book = Reference;
         let mut pictures = Vec::new();
-        for Moment { time, views } in stage.moments(stage.size)? {
-            let splats = stage.model.at(time)?;
+        for Moment { time, views } in subject.moments(subject.size)? {
+            let splats = subject.model.at(time).map_err(plain)?;
             let drawn = views.par_iter().map(|(_, view)| {
-                let drawing = book.prepare(&splats, view, &RasterSettings::default())?.draw()?;
+                let drawing = book.prepare(&splats, view, &RasterSettings::default());
+                let drawing = drawing.and_then(|projected| projected.draw()).map_err(plain)?;
                 Ok(shown(&drawing))
             });
             pictures.extend(drawn.collect::<Result<Vec<_>>>()?);
@@ -55,21 +56,21 @@ impl Truth {
 /// Measures all ways of drawing: one pass over all pictures each, which says what they show, then `repeats` timed ones.
 /// They take turns, so that a backend that has other things to do for a while does them to all.
 pub(super) fn measure(
-    stage: &Stage,
+    subject: &Subject,
     truth: &Truth,
     variants: &[Variant],
     backends: &Backends,
     repeats: u32,
-    progress: impl Fn(),
+    progress: &dyn Fn(),
 ) -> Result<Vec<Measured>> {
     let run = |variant: &Variant| {
         progress();
-        let pass = || pass(stage, variant, backends.rasterizer(variant.backend));
+        let pass = || pass(subject, variant, backends.rasterizer(variant.backend));
         backends.pool(variant.backend).map_or_else(pass, |pool| pool.install(pass))
     };
     let mut measured = Vec::new();
     for variant in variants {
-        measured.push(measured_of(stage, truth, &run(variant)?.0));
+        measured.push(measured_of(subject, truth, &run(variant)?.0));
     }
     let mut times: Vec<Times> = variants.iter().map(|_| Times::default()).collect();
     for _ in 0..repeats {
@@ -94,22 +95,22 @@ struct Times {
 
 /// Draws everything once, picture after picture.
 fn pass(
-    stage: &Stage,
+    subject: &Subject,
     variant: &Variant,
     rasterizer: &dyn Rasterizer,
 ) -> Result<(Vec<(Key, Drawing)>, Times)> {
     let mut times = Times::default();
     let mut drawings = Vec::new();
-    for Moment { time, views } in stage.moments(variant.size)? {
+    for Moment { time, views } in subject.moments(variant.size)? {
         let start = Instant::now();
-        let splats = variant.model.at(time).map_err(|source| ClipError::Model { time, source })?;
+        let splats = variant.model.at(time).map_err(|source| plain(ClipError::Model { time, source }))?;
         times.deform_ms.push(milliseconds(start));
         for (key, view) in views {
             let start = Instant::now();
             let drawing = rasterizer
                 .prepare(&splats, &view, &variant.settings)
                 .and_then(|projected| projected.draw())
-                .map_err(|source| ClipError::Raster { time, source })?;
+                .map_err(|source| plain(ClipError::Raster { time, source }))?;
             times.draw_ms.push(milliseconds(start));
             drawings.push((key, drawing));
         }
@@ -118,13 +119,13 @@ fn pass(
 }
 
 /// What pictures say; times are left at 0.
-fn measured_of(stage: &Stage, truth: &Truth, drawings: &[(Key, Drawing)]) -> Measured {
+fn measured_of(subject: &Subject, truth: &Truth, drawings: &[(Key, Drawing)]) -> Measured {
     let (mut largest, mut sum, mut squares, mut count) = (0.0_f64, 0.0, 0.0, 0_u64);
     let (mut depth_sum, mut depth_count) = (0.0, 0_u64);
     let mut held_out = Vec::new();
     for (key, drawing) in drawings {
-        let (colour, depth_m) = enlarged(&shown(drawing), drawing, stage.size);
-        if let Some((true_colour, true_depth_m)) = truth.pictures.get(stage.place(*key)) {
+        let (colour, depth_m) = enlarged(&shown(drawing), drawing, subject.size);
+        if let Some((true_colour, true_depth_m)) = truth.pictures.get(subject.place(*key)) {
             for (a, b) in colour.as_flattened().iter().zip(true_colour.as_flattened()) {
                 let error = f64::from((a - b).abs());
                 largest = largest.max(error);
@@ -139,7 +140,7 @@ fn measured_of(stage: &Stage, truth: &Truth, drawings: &[(Key, Drawing)]) -> Mea
             }
         }
         // The held-out camera is the first.
-        let seen = stage.seen.as_ref().filter(|_| key.camera == 0);
+        let seen = subject.seen.as_ref().filter(|_| key.camera == 0);
         if let Some(seen) = seen.and_then(|seen| seen.get(key.time)) {
             let error = |(value, &byte): (&f32, &u8)| f64::from(value - f32::from(byte) / 255.0).powi(2);
             let squares: f64 = colour.as_flattened().iter().zip(seen).map(error).sum();

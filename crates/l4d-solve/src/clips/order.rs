@@ -1,0 +1,154 @@
+//! What is to be drawn: which model, from where, when, how large, and where it goes.
+
+use std::path::{Path, PathBuf};
+
+use l4d_data::layout::WorkDir;
+use l4d_data::{Camera, DataError, Name, Rig, Split, StageError, Timeline, Workspace};
+use l4d_splat::checkpoint::own::Sampling;
+use l4d_splat::source::Source;
+
+use super::{Instant, Plan};
+
+/// What a user asks for; everything that is left out has its default.
+#[derive(Debug)]
+pub struct Wanted<'a> {
+    /// Scene, if one is meant.
+    pub scene: Option<&'a Name>,
+    /// Profile and folders.
+    pub space: &'a Workspace,
+    /// The model, if not that of the scene.
+    pub model: Option<&'a Path>,
+    /// A file of cameras, in place of those of the scene.
+    pub cameras: Option<&'a Path>,
+    /// Names of the cameras; empty for all training ones.
+    pub views: &'a [String],
+    /// Canonical frames.
+    pub frames: &'a [u32],
+    /// Times, 0 to 1, in place of frames.
+    pub times: &'a [f32],
+    /// Width and height of the pictures, pixels.
+    pub size: Option<[u32; 2]>,
+    /// Folder of the clips, if not that of the scene.
+    pub out: Option<&'a Path>,
+}
+
+/// A model, what is drawn of it, and where that goes.
+#[derive(Debug)]
+pub struct Order {
+    /// Where the model stands.
+    pub model: PathBuf,
+    /// What was read from there.
+    pub source: Source,
+    /// Folder of the clips.
+    pub out: PathBuf,
+    /// From where and when.
+    pub plan: Plan,
+    /// When frames were.
+    pub timeline: Timeline,
+}
+
+impl Order {
+    /// Resolves what is wanted. Whatever cannot be drawn is refused before the first file is written.
+    ///
+    /// # Errors
+    /// Neither scene nor paths, unknown views, frames or times outside the clip.
+    pub fn of(wanted: &Wanted<'_>) -> Result<Self, StageError> {
+        let Wanted { scene, space, .. } = *wanted;
+        let work = scene.map(|scene| space.work(scene));
+        let place = |given: Option<&Path>, default: fn(&WorkDir) -> PathBuf| {
+            given.map(Path::to_owned).or_else(|| work.as_ref().map(default)).ok_or_else(|| {
+                StageError::new("there is no scene", "name a scene, or --model, --cameras and --out")
+            })
+        };
+        let model = place(wanted.model, WorkDir::splats)?;
+        let own = || -> Result<Option<Rig>, DataError> {
+            scene.map(|scene| Rig::read(&space.scene(scene).rig(space.profile()))).transpose()
+        };
+        let rig = match wanted.cameras {
+            Some(path) => Rig::read(path)?,
+            None => own()?.ok_or_else(|| {
+                StageError::new("there are no cameras", "name a scene, or a file with --cameras")
+            })?,
+        };
+        // A file of cameras says nothing of time; the scene does, where it is at hand.
+        let clip = match wanted.cameras {
+            Some(_) => own().ok().flatten().unwrap_or_else(|| rig.clone()),
+            None => rig.clone(),
+        };
+        let source = Source::open(&model)?;
+        let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
+        let (size, camera_size) = match wanted.size {
+            Some(size) => (size, rig.size()),
+            None if rig.size() == clip.size() => sampling.sizes(rig.size()),
+            None => (rig.size(), rig.size()),
+        };
+        let timeline = clip.timeline();
+        let plan = Plan {
+            camera_size,
+            size,
+            instants: instants(wanted, &sampling.moments(&clip.clip(space.profile())), timeline)?,
+            cameras: chosen(rig.cameras, wanted.views)?,
+        };
+        refuse_unknown_poses(&plan)?;
+        plan.shots().try_for_each(|shot| plan.view(shot).map(drop))?;
+        Ok(Self { model, source, out: place(wanted.out, WorkDir::clips)?, plan, timeline })
+    }
+}
+
+fn refuse_unknown_poses(plan: &Plan) -> Result<(), StageError> {
+    let is_between = plan.instants.iter().any(|instant| instant.frame.is_none());
+    match plan.cameras.iter().find(|camera| is_between && camera.world_from_camera.len() > 1) {
+        Some(camera) => Err(StageError::new(
+            format!("camera {} moves, and is known at canonical frames alone", camera.name),
+            "choose --frames instead of --times",
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The views that were asked for, else all training ones; all of a file that has none.
+fn chosen(cameras: Vec<Camera>, views: &[String]) -> Result<Vec<Camera>, StageError> {
+    let known: Vec<String> = cameras.iter().map(|camera| camera.name.to_string()).collect();
+    if let Some(view) = views.iter().find(|view| !known.contains(view)) {
+        return Err(StageError::new(
+            format!("there is no view `{}`", view.escape_debug()),
+            format!("choose among {}", known.join(", ")),
+        ));
+    }
+    let any_training = cameras.iter().any(|camera| camera.split == Split::Train);
+    let is_meant = |camera: &Camera| {
+        if views.is_empty() {
+            camera.split == Split::Train || !any_training
+        } else {
+            views.iter().any(|view| view.as_str() == camera.name.as_str())
+        }
+    };
+    Ok(cameras.into_iter().filter(is_meant).collect())
+}
+
+/// `clip` is what is drawn where nothing else is asked for.
+fn instants(wanted: &Wanted<'_>, clip: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
+    let whole = timeline.whole();
+    if let Some(frame) = wanted.frames.iter().find(|frame| !whole.contains(**frame)) {
+        return Err(StageError::new(
+            format!("frame {frame} is beyond the clip"),
+            format!("frames are {} to {}", whole.first(), whole.last()),
+        ));
+    }
+    if let Some(time) = wanted.times.iter().find(|time| !(0.0..=1.0).contains(*time)) {
+        return Err(StageError::new(format!("time {time} is outside the clip"), "times are 0 to 1"));
+    }
+    let mut instants: Vec<Instant> = if !wanted.times.is_empty() {
+        wanted.times.iter().copied().map(Instant::at_time).collect()
+    } else if !wanted.frames.is_empty() {
+        wanted.frames.iter().map(|&frame| Instant::at_frame(frame, timeline)).collect()
+    } else {
+        clip.iter().map(|&frame| Instant::at_frame(frame, timeline)).collect()
+    };
+    if instants.is_empty() {
+        return Err(StageError::new("nothing says when", "name a scene, --frames or --times"));
+    }
+    instants.sort_by(|a, b| a.time.total_cmp(&b.time));
+    instants.dedup_by(|a, b| a.key == b.key);
+    Ok(instants)
+}

@@ -1,0 +1,277 @@
+//! The stage `train-splats`: a 4D model of a scene, learned from the pictures of its training cameras. A killed training
+//! goes on from its last checkpoint.
+
+mod folder;
+mod input;
+mod pictures;
+mod report;
+
+use std::error::Error;
+use std::fmt;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use l4d_data::layout::SceneDir;
+use l4d_data::results::Track;
+use l4d_data::stage::peak_memory_bytes;
+use l4d_data::{At as _, Name, Profile, Progress, StageError};
+use serde_json::Value;
+
+use self::folder::{Claim, Origin, SplatsFolder};
+use self::input::{HeldOut, Input};
+use self::pictures::PictureSource;
+use self::report::{Effort, Report};
+use crate::checkpoint::own::Sampling;
+use crate::raster::Rasterizer;
+use crate::train::{InitialPoints, Quality, Settings, Stage, Trainer, measure, read_points};
+
+type Result<T, E = StageError> = std::result::Result<T, E>;
+
+fn plain(error: impl Error) -> StageError {
+    StageError::of(&error, None)
+}
+
+/// Held-out pictures that the progress shows the error of.
+const GLANCES: usize = 5;
+
+/// Where the first Gaussians are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Initialisation {
+    /// On the surfaces that depth shows.
+    Depth,
+    /// On the surfaces that comparing pictures finds.
+    Sweep,
+    /// Anywhere.
+    Random,
+    /// On the points of a COLMAP model.
+    Points(PathBuf),
+}
+
+impl std::str::FromStr for Initialisation {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "depth" => Self::Depth,
+            "sweep" => Self::Sweep,
+            "random" => Self::Random,
+            path => Self::Points(path.into()),
+        })
+    }
+}
+
+impl fmt::Display for Initialisation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Depth => f.write_str("depth"),
+            Self::Sweep => f.write_str("sweep"),
+            Self::Random => f.write_str("random"),
+            Self::Points(path) => path.display().fmt(f),
+        }
+    }
+}
+
+/// What is learned, and how.
+pub struct Order<'a> {
+    /// Scene.
+    pub scene: &'a Name,
+    /// Which pictures of it.
+    pub profile: Profile,
+    /// Where they are.
+    pub dir: &'a SceneDir,
+    /// Receives the model.
+    pub folder: PathBuf,
+    /// Of the training.
+    pub settings: Settings,
+    /// None for depth, or a sweep where there is none.
+    pub init: Option<Initialisation>,
+    /// What the user says of depth in the loss, if anything.
+    pub depth_weight: Option<f32>,
+    /// Which pictures of a capture are taken, and how small.
+    pub sampling: Sampling,
+    /// Seconds between checkpoints.
+    pub checkpoint_seconds: f64,
+    /// Replace a model that has other settings or pictures.
+    pub overwrite: bool,
+    /// What draws.
+    pub rasterizer: &'a dyn Rasterizer,
+    /// What it draws on, for manifests; none for the processor.
+    pub adapter: Option<Value>,
+}
+
+/// A finished training.
+#[derive(Debug)]
+pub struct Trained {
+    /// `manifest.json`.
+    pub manifest: Value,
+    /// With which methods those are ranked that use the model.
+    pub track: Track,
+}
+
+impl Trained {
+    /// How good the model is and what it took, for a terminal.
+    pub fn table(&self) -> String {
+        report::table(&self.manifest)
+    }
+}
+
+/// Trains a model, or finds it trained.
+///
+/// # Errors
+/// Pictures that are not there or not of the profile, a folder that holds another model, and whatever training meets.
+pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained> {
+    let begin = Instant::now();
+    let source = PictureSource::open(order)?;
+    let init = order.init.clone().unwrap_or(match order.profile.is_rendered() {
+        true => Initialisation::Depth,
+        false => Initialisation::Sweep,
+    });
+    let initial = initial_points(&init)?;
+    progress.start("reading", source.picture_count());
+    let input = Input::read(order.dir, &source, &|| progress.advance(1))?;
+    let held_out = HeldOut::read(order.dir, &source, &|| progress.advance(1))?;
+    progress.finish();
+    let read_seconds = begin.elapsed().as_secs_f64();
+
+    let origin = Origin {
+        scene: order.scene.clone(),
+        profile: order.profile,
+        settings: serde_json::to_value(&order.settings).map_err(plain)?,
+        init: init.to_string(),
+        saw_depth: source.has_depth,
+        track: source.track(),
+        sampling: source.sampling,
+        rasterizer: order.rasterizer.name(),
+        adapter: order.adapter.clone(),
+        trained_on: input.digests,
+        compared_with: held_out.digests.clone(),
+    };
+    let track = origin.track;
+    let folder = SplatsFolder::new(order.folder.clone());
+    let place = folder.root().display();
+    let claim = folder.claim(&origin, order.overwrite)?;
+    if let Claim::Done(manifest) = claim {
+        progress.note(&format_args!("{place} holds this model already"));
+        return Ok(Trained { manifest, track });
+    }
+
+    let begin = Instant::now();
+    let mut trainer = Trainer::new(&input.views, order.settings.clone(), &initial, order.rasterizer)
+        .map_err(plain)
+        .at(order.dir.root().display())?;
+    let prepare_seconds = begin.elapsed().as_secs_f64();
+    let mut before_seconds = 0.0;
+    if let Claim::Resume(checkpoint) = claim {
+        before_seconds = folder::seconds_of(&checkpoint);
+        progress.note(&format_args!("{place}: going on after iteration {}", checkpoint.iteration));
+        trainer.resume(*checkpoint).map_err(plain).at(place)?;
+    }
+    let run = Run { order, held_out: &held_out, folder: &folder, origin: &origin, progress };
+    let trained = run.train(&mut trainer, before_seconds);
+    let (train_seconds, fine) = trained.at(format_args!("iteration {}", trainer.iteration()))?;
+
+    let begin = Instant::now();
+    let pictures = all_pictures(input.views.cameras().len(), input.views.moments());
+    let report = Report {
+        train: trainer.measure(&pictures).map_err(plain)?,
+        test: quality_of(&trainer, &held_out, usize::MAX)?,
+        iterations: trainer.iteration(),
+        settled: trainer.settled(),
+        gaussians: trainer.model().gaussians.len(),
+        dynamic: trainer.model().dynamic.len(),
+        pictures_bytes: input.views.bytes(),
+        peak_memory_bytes: peak_memory_bytes(),
+        read_seconds,
+        prepare_seconds,
+        train_seconds,
+        measure_seconds: begin.elapsed().as_secs_f64(),
+        fine,
+    };
+    let manifest = folder.settle(trainer.model(), &trainer, &origin, &report)?;
+    Ok(Trained { manifest, track })
+}
+
+/// What a training needs while it runs.
+struct Run<'a> {
+    order: &'a Order<'a>,
+    held_out: &'a HeldOut,
+    folder: &'a SplatsFolder,
+    origin: &'a Origin,
+    progress: &'a dyn Progress,
+}
+
+impl Run<'_> {
+    /// Iterates to the end, saving now and then; gives the seconds since training began, those of earlier runs
+    /// included, and what the iterations on the whole clip took.
+    fn train(&self, trainer: &mut Trainer<'_>, before_seconds: f64) -> Result<(f64, Effort)> {
+        let Self { order, held_out, folder, origin, progress } = *self;
+        progress.start("training", trainer.iterations());
+        progress.advance(trainer.iteration());
+        let begin = Instant::now();
+        let every = Duration::from_secs_f64(order.checkpoint_seconds.clamp(0.0, 1e6));
+        let (mut saved, mut evaluated, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
+        let seconds = || before_seconds + begin.elapsed().as_secs_f64();
+        let mut test = None;
+        let mut fine = Effort::default();
+        while trainer.stage() != Stage::Done {
+            let step = match trainer.stage() {
+                Stage::Fine => fine.spend(|| trainer.step()),
+                _ => trainer.step(),
+            };
+            let report = step.map_err(plain)?;
+            progress.advance(1);
+            if let Some(quality) = report.quality {
+                let ms = evaluated.elapsed().as_secs_f64() * 1e3 / (trainer.iteration() - at).max(1) as f64;
+                test = quality_of(trainer, held_out, GLANCES)?.or(test);
+                let line = status(trainer, report.stage, &quality, test.as_ref(), ms);
+                progress.item(&line);
+                progress.note(&format_args!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
+                (evaluated, at) = (Instant::now(), trainer.iteration());
+            }
+            if saved.elapsed() >= every {
+                folder.save(trainer, origin, seconds())?;
+                saved = Instant::now();
+            }
+        }
+        progress.finish();
+        Ok((seconds(), fine))
+    }
+}
+
+fn status(trainer: &Trainer<'_>, stage: Stage, quality: &Quality, test: Option<&Quality>, ms: f64) -> String {
+    let stage = match stage {
+        Stage::Coarse => "coarse",
+        Stage::Unfold { .. } => "unfolding",
+        Stage::Fine | Stage::Done => "fine",
+    };
+    let test = test.map_or_else(String::new, |test| format!(", test {:.2}", test.psnr_db));
+    let count = trainer.model().gaussians.len();
+    format!("{stage}, {count} Gaussians, PSNR train {:.2}{test} dB, {ms:.0} ms", quality.psnr_db)
+}
+
+/// Errors on so many held-out pictures, spread over the clip; none without a held-out camera.
+fn quality_of(trainer: &Trainer<'_>, held_out: &HeldOut, most: usize) -> Result<Option<Quality>> {
+    if held_out.views.cameras().is_empty() {
+        return Ok(None);
+    }
+    let moments = held_out.views.moments();
+    let count = most.min(moments).max(1);
+    let picks: Vec<(usize, usize)> =
+        (0..count).map(|pick| (0, pick * (moments - 1) / (count - 1).max(1))).collect();
+    let region = |_, moment| held_out.region(moment);
+    let quality = measure(trainer.model(), trainer.rasterizer(), &held_out.views, &picks, &region);
+    quality.map(Some).map_err(plain)
+}
+
+fn all_pictures(cameras: usize, moments: usize) -> Vec<(usize, usize)> {
+    (0..cameras).flat_map(|camera| (0..moments).map(move |moment| (camera, moment))).collect()
+}
+
+fn initial_points(init: &Initialisation) -> Result<InitialPoints> {
+    Ok(match init {
+        // Views without depth are compared.
+        Initialisation::Depth | Initialisation::Sweep => InitialPoints::Depth,
+        Initialisation::Random => InitialPoints::Random,
+        Initialisation::Points(path) => InitialPoints::Points(read_points(path)?),
+    })
+}
