@@ -7,7 +7,8 @@ use l4d_data::scene::{Generator, SCHEMA, Scale, Scene};
 use l4d_data::{Camera, Name, Profile, Split, json};
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
 use l4d_frames::exr::write_frame;
-use l4d_frames::{Frame, Surfaces, ids};
+use l4d_frames::{Frame, Surfaces};
+use l4d_masks::ids;
 use serde_json::json;
 
 use crate::support::Dir;

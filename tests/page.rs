@@ -8,7 +8,8 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use l4d_data::truth::Truth;
-use l4d_frames::{Display, Mask};
+use l4d_frames::Display;
+use l4d_masks::Mask;
 use serde_json::Value;
 
 use self::browser::Browser;
@@ -290,7 +291,7 @@ fn a_query_shows_the_pixels_that_were_counted() {
     // 001 means disc_a in the whole clip; the oracle finds it, `none` misses it, `all` marks everything.
     let truth: Value = l4d_data::json::read(&dir.path("benchmark/truth/tiny/room_discs.json")).unwrap();
     let disc = truth["instances"].as_array().unwrap().iter().find(|one| one["name"] == "disc_a").unwrap();
-    let mask = l4d_frames::rle::decode(disc["masks"]["0048"].as_str().unwrap(), 128, 96).unwrap();
+    let mask = Mask::decode(disc["masks"]["0048"].as_str().unwrap(), 128, 96).unwrap();
     let (target, pixels) = (mask.area(), 128 * 96);
     assert!(target > 50);
     let mut browser = Browser::start(1280, 900);
@@ -361,7 +362,7 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     let display = Display::new(1.0).picture(&frame);
     let mask = |name: &str| {
         let disc = truth.instances.iter().find(|one| one.name.as_str() == name).unwrap();
-        l4d_frames::rle::decode(&disc.masks["0048"], truth.width, truth.height).unwrap()
+        Mask::from_rle(&disc.masks["0048"], truth.width, truth.height)
     };
     // In the middle of what is flat, where JPEG changes little.
     let inside = |mask: &Mask| {

@@ -17,9 +17,10 @@ use l4d_data::query::text_digest;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::truth::{InstanceTruth, Truth};
 use l4d_data::{Camera, Name, Profile, Rig, Split, json};
+use l4d_frames::Display;
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
 use l4d_frames::exr::read_frame;
-use l4d_frames::{Display, Mask, rle};
+use l4d_masks::Mask;
 use l4d_splat::model::{Model, time_of_frame};
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
@@ -162,7 +163,7 @@ fn write_capture(dir: &Dir) {
         let path = Path::new("data/captures/desk").join(Capture::picture_path(view, frame));
         dir.write(path.to_str().unwrap(), encode_colour(&picture));
     }
-    let mask = rle::encode(&Mask::from_fn(6, 4, |column, row| column < 2 && row < 3));
+    let mask = Mask::from_fn(6, 4, |column, row| column < 2 && row < 3).to_rle();
     let instance = InstanceTruth {
         name: name("cup"),
         id: 1,

@@ -3,8 +3,8 @@
 
 use l4d_data::query::text_digest;
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
-use l4d_frames::{Mask, png, rle};
 use l4d_import::npy;
+use l4d_masks::{Mask, png};
 use serde_json::{Value, json};
 
 use crate::annotation_tui::tmux::Tmux;
@@ -192,7 +192,7 @@ fn masks_of_langsplat_on_a_scene_of_theirs_are_scored() {
     assert!(card["profile"] == "real" && card.get("width").is_none() && card.get("frames").is_none());
     let answers: Value = serde_json::from_str(&dir.read("results/langsplat/masks/table/001.json")).unwrap();
     assert_eq!(answers["size"], json!([HEIGHT, WIDTH]));
-    let read = rle::decode(answers["frames"]["0000"].as_str().unwrap(), WIDTH, HEIGHT).unwrap();
+    let read = Mask::decode(answers["frames"]["0000"].as_str().unwrap(), WIDTH, HEIGHT).unwrap();
     assert_eq!(read, cup(RED));
 
     // Masks of another size are none of this scene.

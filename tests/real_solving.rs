@@ -10,8 +10,9 @@ use half::f16;
 use l4d_data::query::text_digest;
 use l4d_data::{Camera, Split};
 use l4d_frames::drawn::{RgbImage, encode_colour};
-use l4d_frames::{Display, Frame, Mask, ids, png};
+use l4d_frames::{Display, Frame};
 use l4d_import::npy;
+use l4d_masks::{Mask, ids, png};
 use serde_json::{Value, json};
 
 use crate::solving::{copy, refused};

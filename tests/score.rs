@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use l4d_data::{Benchmark, Profile, Report};
-use l4d_frames::{Mask, png, rle};
+use l4d_masks::{Mask, png};
 use l4d_score::averages::Breakdown;
 use l4d_score::score::tallies_of_counts;
 use l4d_score::{Exam, Options, QuerySet, Summary};
@@ -201,7 +201,7 @@ fn double(dir: &Dir, path: &str) {
     file["size"] = serde_json::json!([192, 256]);
     for counts in file["frames"].as_object_mut().unwrap().values_mut() {
         if let Some(text) = counts.as_str() {
-            *counts = rle::encode(&rle::decode(text, 128, 96).unwrap().resized_nearest(256, 192)).into();
+            *counts = Mask::decode(text, 128, 96).unwrap().resized_nearest(256, 192).to_rle().counts().into();
         }
     }
     dir.write(path, file.to_string());
@@ -241,7 +241,7 @@ fn write_random_results(dir: &Dir, seed: u64) {
                         dir.write(&path, png::encode(&mask));
                     }
                     1 => drop(frames.insert(format!("{frame:04}"), Value::Null)),
-                    _ => drop(frames.insert(format!("{frame:04}"), rle::encode(&mask).into())),
+                    _ => drop(frames.insert(format!("{frame:04}"), mask.to_rle().counts().into())),
                 }
             }
             if !as_png {

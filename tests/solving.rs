@@ -11,7 +11,7 @@ use glam::UVec2;
 use l4d_data::Profile;
 use l4d_data::layout::SceneDir;
 use l4d_frames::exr::read_surfaces;
-use l4d_frames::{Mask, png};
+use l4d_masks::{Mask, png};
 use serde_json::{Value, json};
 
 use crate::support::{Dir, Run};

@@ -11,7 +11,7 @@ use l4d_data::query::text_digest;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Profile, json};
-use l4d_frames::{Mask, rle};
+use l4d_masks::{Mask, Rle};
 use serde_json::{Value, json};
 
 /// The project's folder.
@@ -186,11 +186,11 @@ pub(crate) fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
         disc.unwrap_or(if row > 70 { 1001 } else { 0 })
     };
     let instance = |name: &str, id: u32, role: Role, category: &str| {
-        let masks: BTreeMap<String, String> = PROFILE
+        let masks: BTreeMap<String, Rle> = PROFILE
             .frames()
             .map(|frame| (frame, Mask::from_fn(width, height, |col, row| id_at(col, row, frame) == id)))
             .filter(|(_, mask)| !mask.is_empty())
-            .map(|(frame, mask)| (frame_key(frame), rle::encode(&mask)))
+            .map(|(frame, mask)| (frame_key(frame), mask.to_rle()))
             .collect();
         InstanceTruth { name: Name::new(name).unwrap(), id, role, category: category.to_owned(), masks }
     };

@@ -58,7 +58,7 @@ fn with_relevancy() -> Dir {
             let text = dir.read(&format!("results/oracle/masks/{scene}/{number}.json"));
             let file: Value = serde_json::from_str(&text).unwrap();
             for (frame, counts) in file["frames"].as_object().unwrap() {
-                let mask = counts.as_str().map(|counts| l4d_frames::rle::decode(counts, 128, 96).unwrap());
+                let mask = counts.as_str().map(|counts| l4d_masks::Mask::decode(counts, 128, 96).unwrap());
                 let is_inside = |col, row| mask.as_ref().is_some_and(|mask| mask.get(col, row));
                 let value = |col, row| match (is_inside(col, row), row == 0) {
                     (true, _) => 200,

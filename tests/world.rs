@@ -11,7 +11,8 @@ use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
 use l4d_data::truth::{InstanceTruth, Truth, frame_key};
 use l4d_data::{Camera, Name, Profile, Split, json};
 use l4d_frames::exr::{read_frame, read_surfaces, write_frame};
-use l4d_frames::{Frame, Mask, Surfaces, rle};
+use l4d_frames::{Frame, Surfaces};
+use l4d_masks::Mask;
 
 pub(crate) const SCENE: &str = "ball";
 
@@ -199,7 +200,7 @@ pub(crate) fn write_twins_benchmark(bench: &Path, data: &Path) {
             category: instance.category.clone(),
             masks: masks
                 .filter(|(_, mask)| !mask.is_empty())
-                .map(|(key, mask)| (key, rle::encode(&mask)))
+                .map(|(key, mask)| (key, mask.to_rle()))
                 .collect(),
         }
     };

@@ -8,7 +8,8 @@ use l4d_data::scene::{Generator, Instance, SCHEMA, Scene};
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Camera, Profile, Split, json};
 use l4d_frames::exr::write_frame;
-use l4d_frames::{Frame, Surfaces, rle};
+use l4d_frames::{Frame, Surfaces};
+use l4d_masks::Mask;
 
 use crate::support::{Dir, root};
 
@@ -86,8 +87,8 @@ pub(crate) fn picture(truth: &Truth, frame: u32) -> Frame {
     let mut surfaces = Surfaces::empty(truth.width, truth.height);
     surfaces.depth_m.fill(1.0);
     for instance in &truth.instances {
-        let Some(counts) = instance.masks.get(&frame_key(frame)) else { continue };
-        let mask = rle::decode(counts, truth.width, truth.height).unwrap();
+        let Some(mask) = instance.masks.get(&frame_key(frame)) else { continue };
+        let mask = Mask::from_rle(mask, truth.width, truth.height);
         for (column, row) in mask.pixels() {
             let index = surfaces.index(column, row);
             surfaces.id[index] = instance.id;

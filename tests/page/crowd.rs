@@ -8,7 +8,7 @@ use l4d_data::results::{MaskFile, MethodCard};
 use l4d_data::scene::Scale;
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Name, json};
-use l4d_frames::{Mask, rle};
+use l4d_masks::{Mask, Rle};
 use serde_json::{Value, json};
 
 use crate::support::{Dir, Noise, truth};
@@ -78,7 +78,7 @@ fn write_method(dir: &Dir, index: usize, card: &MethodCard, truths: &[Truth], qu
             let is_right = noise.below(100) < 95 - index as u32;
             let object = if is_right { query } else { query + 1 } % OBJECTS;
             let shift = (noise.below(9) as i64 - 4, noise.below(9) as i64 - 4);
-            let frames: BTreeMap<String, Option<String>> = truth
+            let frames: BTreeMap<String, Option<Rle>> = truth
                 .frames
                 .iter()
                 .map(|&frame| (frame_key(frame), answer(truth, object, frame, shift)))
@@ -93,12 +93,12 @@ fn write_method(dir: &Dir, index: usize, card: &MethodCard, truths: &[Truth], qu
     }
 }
 
-fn answer(truth: &Truth, object: usize, frame: u32, (right, down): (i64, i64)) -> Option<String> {
-    let counts = truth.instances[object].masks.get(&frame_key(frame))?;
-    let mask = rle::decode(counts, truth.width, truth.height).unwrap();
+fn answer(truth: &Truth, object: usize, frame: u32, (right, down): (i64, i64)) -> Option<Rle> {
+    let mask = truth.instances[object].masks.get(&frame_key(frame))?;
+    let mask = Mask::from_rle(mask, truth.width, truth.height);
     let inside = |col: u32, row: u32| {
         let (col, row) = (i64::from(col) - right, i64::from(row) - down);
         col >= 0 && row >= 0 && mask.get(col as u32, row as u32)
     };
-    Some(rle::encode(&Mask::from_fn(truth.width, truth.height, inside)))
+    Some(Mask::from_fn(truth.width, truth.height, inside).to_rle())
 }

@@ -211,7 +211,7 @@ pub fn palette_index([red, green, blue]: [u8; 3]) -> u8 {
 mod tests {
     use glam::UVec2;
     use l4d_frames::closeup::RgbImage;
-    use l4d_frames::mask::PixelBox;
+    use l4d_masks::mask::PixelBox;
 
     use super::*;
     use crate::look::{Environment, Medium};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use l4d_data::{Interval, Name};
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 use l4d_votes::{Answer, Choice, ItemId, Response, Round, ShownFrames};
 use ratatui::layout::Size;
 

@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::UVec2;
-use l4d_data::capture::{MASKS, MaskSet};
+use l4d_data::capture::MaskSet;
 use l4d_data::layout::{CaptureDir, SceneDir};
 use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name};
 use l4d_frames::Display;
 use l4d_frames::closeup::{Closeup, RgbImage};
 use l4d_frames::exr::read_frame;
-use l4d_frames::mask::PixelBox;
 use l4d_frames::overlay::Mark;
+use l4d_frames::photo;
 use l4d_frames::sheet::save;
-use l4d_frames::{photo, rle};
+use l4d_masks::Mask;
+use l4d_masks::mask::PixelBox;
 use lru::LruCache;
 use ratatui::layout::{Position, Size};
 use ratatui_image::Resize;
@@ -129,11 +130,8 @@ impl Painter {
         };
         let mut ids = vec![0; card.size.element_product() as usize];
         for instance in &drawn.instances {
-            let Some(counts) = instance.counts(view, *frame) else { continue };
-            let mask = rle::decode(counts, card.size.x, card.size.y).map_err(|error| {
-                let place = format!("instance {}, {view} at {frame}", instance.name);
-                DataError::invalid(&dir.root().join(MASKS), place, error.to_string(), IMPORT_AGAIN)
-            })?;
+            let Some(mask) = instance.mask(view, *frame) else { continue };
+            let mask = Mask::from_rle(mask, card.size.x, card.size.y);
             mask.pixels().for_each(|(col, row)| ids[(row * card.size.x + col) as usize] = instance.id);
         }
         Ok(Shown { picture, ids: Arc::new(Ids { size: card.size, ids }) })

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::UVec2;
 use l4d_data::Name;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 use ratatui::layout::{Position, Size};
 use ratatui_image::protocol::Protocol;
 

@@ -1,7 +1,7 @@
 //! Which part of a picture is on the screen.
 
 use glam::{DVec2, UVec2};
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 
 /// Largest enlargement: beyond it single pixels fill the screen.
 const MAX_ZOOM: f64 = 12.0;

@@ -66,6 +66,9 @@ impl Manifest {
     }
 
     /// The manifest as a file; `heading` is its comment.
+    ///
+    /// # Errors
+    /// A manifest that TOML cannot write.
     pub fn to_toml(&self, heading: &str) -> Result<String, toml::ser::Error> {
         Ok(format!("# {heading}\n{}", toml::to_string(self)?))
     }
@@ -74,7 +77,7 @@ impl Manifest {
 /// An opened benchmark folder.
 #[derive(Debug, Clone)]
 pub struct Benchmark {
-    /// Where its files stand.
+    /// Where its files are.
     pub dir: BenchDir,
     /// What it says of itself.
     pub manifest: Manifest,
@@ -82,6 +85,9 @@ pub struct Benchmark {
 
 impl Benchmark {
     /// Opens a benchmark folder.
+    ///
+    /// # Errors
+    /// A manifest that is missing or damaged.
     pub fn open(root: impl Into<PathBuf>) -> Result<Self, DataError> {
         let dir = BenchDir::new(root);
         let path = dir.manifest();
@@ -94,6 +100,9 @@ impl Benchmark {
     }
 
     /// Refuses a scene that the benchmark does not have.
+    ///
+    /// # Errors
+    /// A name that is no scene of the benchmark.
     pub fn scene(&self, name: &str) -> Result<&Name, DataError> {
         self.manifest.scenes.iter().find(|scene| scene.as_str() == name).ok_or_else(|| {
             let known: Vec<&str> = self.manifest.scenes.iter().map(Name::as_str).collect();
@@ -107,6 +116,9 @@ impl Benchmark {
     }
 
     /// The scenes of a selection, in table order; an empty selection means all.
+    ///
+    /// # Errors
+    /// A name that is no scene of the benchmark.
     pub fn select(&self, wanted: &[String]) -> Result<Vec<Name>, DataError> {
         for name in wanted {
             self.scene(name)?;
@@ -116,23 +128,35 @@ impl Benchmark {
     }
 
     /// Single-category queries of a scene.
+    ///
+    /// # Errors
+    /// A file of queries that is missing or damaged.
     pub fn queries(&self, scene: &Name) -> Result<Vec<Query>, DataError> {
         read_queries(&self.dir.queries(scene), scene)
     }
 
     /// Queries of two categories of a scene; none where there is no such file.
+    ///
+    /// # Errors
+    /// A file of queries that is damaged.
     pub fn composites(&self, scene: &Name) -> Result<Vec<Query>, DataError> {
         let path = self.dir.composites(scene);
         if path.exists() { read_queries(&path, scene) } else { Ok(Vec::new()) }
     }
 
     /// Sentences that nothing in a scene satisfies; none where there is no such file.
+    ///
+    /// # Errors
+    /// A file of queries that is damaged.
     pub fn absents(&self, scene: &Name) -> Result<Vec<Query>, DataError> {
         let path = self.dir.absents(scene);
         if path.exists() { read_absents(&path, scene) } else { Ok(Vec::new()) }
     }
 
     /// Truth of a scene.
+    ///
+    /// # Errors
+    /// A truth file that is missing or damaged, or that is of another scene or profile.
     pub fn truth(&self, profile: Profile, scene: &Name) -> Result<Truth, DataError> {
         let path = self.dir.truth(profile, scene);
         if !path.exists() {
@@ -147,12 +171,18 @@ impl Benchmark {
     }
 
     /// Tracks of a scene.
+    ///
+    /// # Errors
+    /// Tracks that are missing or damaged.
     pub fn tracks(&self, scene: &Name) -> Result<Tracks, DataError> {
         Tracks::read(&self.dir.tracks(scene))
     }
 
     /// SHA-256 over the names and digests of the truth files of a profile that exist, in table order. Results
     /// carry it, so that masks of another rendering or version are refused.
+    ///
+    /// # Errors
+    /// Truth that is missing or cannot be read.
     pub fn truth_digest(&self, profile: Profile) -> Result<String, DataError> {
         self.truth_digest_if_any(profile)?.ok_or_else(|| {
             DataError::invalid(
@@ -171,6 +201,9 @@ impl Benchmark {
     }
 
     /// [`Self::truth_digest`], none where no scene has a truth: methods run without one.
+    ///
+    /// # Errors
+    /// Truth that cannot be read.
     pub fn truth_digest_if_any(&self, profile: Profile) -> Result<Option<String>, DataError> {
         let mut lines = String::new();
         for scene in &self.manifest.scenes {

@@ -13,6 +13,7 @@ use crate::camera::{Camera, Split};
 use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
+use crate::rle::Rle;
 use crate::truth::frame_key;
 
 /// Schema tag of `capture.json`.
@@ -48,7 +49,7 @@ pub struct Capture {
     pub frames_per_second: Option<f64>,
     /// `absent`: whatever needs depth has to do without, or refuses.
     pub depth: Depth,
-    /// How many points of the source stand in `sparse`: 0 where it has none.
+    /// How many points of the source are in `sparse`: 0 where it has none.
     #[serde(default)]
     pub points: usize,
     /// Whether a unit of the world is a metre.
@@ -71,7 +72,7 @@ pub enum Depth {
     Absent,
 }
 
-/// A picture that stands in for a damaged one.
+/// A picture in the place of a damaged one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Substitution {
@@ -79,7 +80,7 @@ pub struct Substitution {
     pub view: Name,
     /// The moment whose picture is damaged.
     pub frame: u32,
-    /// The moment whose picture stands there instead.
+    /// The moment whose picture is there instead.
     pub shows: u32,
     /// What is wrong with the original.
     pub why: String,
@@ -87,6 +88,9 @@ pub struct Substitution {
 
 impl Capture {
     /// Reads the capture in a folder.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
         let path = folder.join(CAPTURE);
         let capture: Self = json::read(&path)?;
@@ -163,20 +167,37 @@ pub struct MaskedInstance {
     pub name: Name,
     /// The label as it was given.
     pub label: String,
-    /// View -> four-digit frame -> compressed COCO counts; an annotated frame without it is null.
-    pub masks: BTreeMap<Name, BTreeMap<String, Option<String>>>,
+    /// View -> four-digit frame -> mask; an annotated frame without it is null.
+    pub masks: BTreeMap<Name, BTreeMap<String, Option<Rle>>>,
 }
 
 impl MaskSet {
     /// Reads the masks in the folder of a capture.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
         let path = folder.join(MASKS);
         let set: Self = json::read(&path)?;
-        check_schema(&path, &set.schema, MASKS_SCHEMA, "import the masks again")?;
+        let remedy = "import the masks again";
+        check_schema(&path, &set.schema, MASKS_SCHEMA, remedy)?;
+        for instance in &set.instances {
+            for (view, frames) in &instance.masks {
+                for (frame, mask) in frames {
+                    if let Some(error) = mask.as_ref().and_then(|mask| mask.misfit(set.width, set.height)) {
+                        let place = format!("instance {}, view {view}, frame {frame}", instance.name);
+                        return Err(DataError::invalid(&path, place, error.to_string(), remedy));
+                    }
+                }
+            }
+        }
         Ok(set)
     }
 
     /// Writes the file into the folder of the capture.
+    ///
+    /// # Errors
+    /// What the disk refuses.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, DataError> {
         let path = folder.join(MASKS);
         json::write_compact(&path, self)?;
@@ -196,10 +217,9 @@ impl MaskedInstance {
         if noun.is_empty() { self.label.clone() } else { noun.to_lowercase().replace(' ', "_") }
     }
 
-    /// The mask of a picture as run lengths; none where nobody looked or the thing is not there.
-    pub fn counts(&self, view: &str, frame: u32) -> Option<&str> {
-        let frames = self.masks.iter().find(|(name, _)| name.as_str() == view).map(|(_, frames)| frames)?;
-        frames.get(&frame_key(frame))?.as_deref()
+    /// The mask of a picture; none where no one looked or the thing is not there.
+    pub fn mask(&self, view: &str, frame: u32) -> Option<&Rle> {
+        self.masks.get(view)?.get(&frame_key(frame))?.as_ref()
     }
 }
 

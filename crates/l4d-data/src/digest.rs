@@ -35,6 +35,9 @@ impl RunningDigest {
 }
 
 /// Digest of a file's bytes, read in blocks.
+///
+/// # Errors
+/// A file that cannot be read.
 pub fn sha256_file(path: &Path) -> Result<String, DataError> {
     let read = || -> io::Result<String> {
         let mut file = File::open(path)?;

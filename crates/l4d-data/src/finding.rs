@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use crate::error::{DataError, inert, inert_name};
 
-/// More findings than this are counted and not kept: nobody reads them, and what a stranger sends must not fill the
+/// More findings than this are counted and not kept: no one reads them, and untrusted files must not fill the
 /// memory with them.
 pub const MAX_FINDINGS: usize = 10_000;
 
-/// Code of the finding that stands for those that were not kept.
+/// Code of the finding in the place of those that were not kept.
 pub const NOT_LISTED: &str = "L4D001";
 
 /// How bad a finding is. Errors make a check fail, warnings do not.
@@ -105,7 +105,7 @@ impl Report {
         }
     }
 
-    /// The findings, sorted by path, then place; last one that stands for those that were not kept.
+    /// The findings, sorted by path, then place; last one in the place of those that were not kept.
     pub fn into_sorted(mut self) -> Vec<Finding> {
         self.findings.sort();
         if self.unlisted > 0 {
@@ -145,7 +145,7 @@ impl Report {
         message: String,
         hint: String,
     ) {
-        // Names of strangers end up everywhere: they must not steer a terminal, nor pass for another finding.
+        // Untrusted names end up everywhere: they must not steer a terminal, nor pass for another finding.
         self.add(Finding {
             path: inert_name(&path.display().to_string()),
             location: inert_name(&location),

@@ -13,11 +13,17 @@ use crate::store::{read_bounded, write_atomic};
 pub const MAX_BYTES: u64 = 512 << 20;
 
 /// Reads one JSON document.
+///
+/// # Errors
+/// A file that cannot be read, or is no such document.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, DataError> {
     parse(path, None, &read_bounded(path, MAX_BYTES)?)
 }
 
 /// Reads a JSON Lines file; blank lines are skipped. Gives each value with its line number, from 1.
+///
+/// # Errors
+/// A file that cannot be read, or a line that is no such value.
 pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<(usize, T)>, DataError> {
     let bytes = read_bounded(path, MAX_BYTES)?;
     bytes
@@ -29,6 +35,9 @@ pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<(usize, T)>, D
 }
 
 /// Parses bytes that came from `path` (at line `line` of a JSON Lines file).
+///
+/// # Errors
+/// Bytes that are no such document.
 pub fn parse<T: DeserializeOwned>(path: &Path, line: Option<usize>, bytes: &[u8]) -> Result<T, DataError> {
     // Keeping track of the place costs time: it is done when there is something to say of it.
     serde_json::from_slice(bytes).or_else(|_| parse_tracked(path, line, bytes))
@@ -58,6 +67,9 @@ fn parse_tracked<T: DeserializeOwned>(
 }
 
 /// Writes a document as indented JSON with a final newline.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
     let mut text = serde_json::to_string_pretty(value).map_err(|error| unwritable(path, &error))?;
     text.push('\n');
@@ -65,13 +77,19 @@ pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
 }
 
 /// Writes a document on one line with a final newline (large machine-written data).
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write_compact<T: Serialize>(path: &Path, value: &T) -> Result<(), DataError> {
     let mut text = serde_json::to_string(value).map_err(|error| unwritable(path, &error))?;
     text.push('\n');
     write_atomic(path, text.as_bytes())
 }
 
-/// Writes one value a line.
+/// Writes one value per line.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write_lines<T: Serialize>(path: &Path, values: &[T]) -> Result<(), DataError> {
     let mut text = String::new();
     for value in values {

@@ -1,4 +1,4 @@
-//! Where everything stands, relative to the folders that the user can choose.
+//! Where everything is, relative to the folders that the user can choose.
 
 use std::path::{Path, PathBuf};
 
@@ -263,7 +263,7 @@ impl ResultsDir {
         self.0.join("soft")
     }
 
-    /// `soft/<scene>/<nnn>`: the folder of relevancy, one picture a frame.
+    /// `soft/<scene>/<nnn>`: the folder of relevancy, one picture per frame.
     pub fn soft_folder(&self, id: &QueryId) -> PathBuf {
         self.soft().join(id.scene.as_str()).join(id.number.as_str())
     }

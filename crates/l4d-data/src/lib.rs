@@ -1,4 +1,4 @@
-//! The vocabulary of l4d: names, shapes, units and places of everything that stands on disk.
+//! The vocabulary of l4d: names, shapes, units and places of everything on disk.
 //!
 //! Every stage of the pipeline is a function from directories to a directory; this crate owns the types that
 //! those directories hold and refuses to know how any of them is made, drawn, judged or shown. It decodes no
@@ -20,6 +20,7 @@ pub mod published;
 pub mod query;
 pub mod results;
 pub mod rig;
+pub mod rle;
 pub mod scene;
 pub mod stage;
 pub mod status;
@@ -37,6 +38,7 @@ pub use finding::{Finding, Report, Severity};
 pub use name::Name;
 pub use query::{Category, Query, QueryId, Status, Temporal};
 pub use rig::Rig;
+pub use rle::Rle;
 pub use scene::{Event, Role, Scale, Scene};
 pub use stage::{At, Progress, Shard, Silent, StageError};
 pub use timeline::{Interval, Profile, Timeline};

@@ -23,6 +23,9 @@ pub struct NameError(String);
 
 impl Name {
     /// Checks and wraps.
+    ///
+    /// # Errors
+    /// Text that is no name.
     pub fn new(text: impl Into<String>) -> Result<Self, NameError> {
         let text = text.into();
         let allowed = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.');

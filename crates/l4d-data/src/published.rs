@@ -1,5 +1,5 @@
 //! Tables of papers, as `benchmark/published/<table>.csv` holds them: a number a row, with the row and column of the
-//! printed table that it stands in.
+//! printed table that it is in.
 //!
 //! They belong to other data sets than this one. The module reads and looks up; it refuses to compare.
 
@@ -45,6 +45,9 @@ pub struct Published {
 
 impl Published {
     /// Reads and checks `<table>.csv`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or a row that is no record.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let bytes = read_bounded(path, 1 << 20)?;
         let table = path.file_stem().unwrap_or_default().to_string_lossy();

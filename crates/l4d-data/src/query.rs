@@ -102,7 +102,7 @@ pub enum Temporal {
     While,
 }
 
-/// Where a query stands in annotation. Set by `l4d verdict` alone.
+/// How far a query is in annotation. Set by `l4d verdict` alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
@@ -158,11 +158,16 @@ pub struct Query {
     pub text_digest: String,
     /// Who wrote it.
     pub provenance: Provenance,
-    /// Where it stands in annotation.
+    /// How far it is in annotation.
     pub status: Status,
 }
 
 impl Query {
+    /// Whether there is anything to find at a frame: always for `whole`, while it holds for `while`.
+    pub fn asks_at(&self, frame: u32) -> bool {
+        self.temporal == Temporal::Whole || self.holds_at(frame)
+    }
+
     /// Whether the referent counts at a canonical frame.
     pub fn holds_at(&self, frame: u32) -> bool {
         self.frames.iter().any(|interval| interval.contains(frame))
@@ -223,11 +228,17 @@ pub fn text_digest(text: &str, predicate: Option<&Value>) -> String {
 }
 
 /// Reads the queries of a scene; ids and texts are unique in the file.
+///
+/// # Errors
+/// A file that cannot be read, or a line that is no sound query of the scene.
 pub fn read_queries(path: &Path, scene: &str) -> Result<Vec<Query>, DataError> {
     read(path, scene, false)
 }
 
 /// Reads sentences that nothing in a scene satisfies: queries without a referent.
+///
+/// # Errors
+/// A file that cannot be read, or a line that is no sound query of the scene.
 pub fn read_absents(path: &Path, scene: &str) -> Result<Vec<Query>, DataError> {
     read(path, scene, true)
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
+use crate::rle::Rle;
 use crate::store::read_bounded;
 use crate::timeline::Profile;
 
@@ -137,11 +138,17 @@ pub struct Import {
 
 impl MethodCard {
     /// Reads a card and checks it against its folder.
+    ///
+    /// # Errors
+    /// A card that is missing, damaged or of another folder.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         Self::parse(path, &read_bounded(path, json::MAX_BYTES)?)
     }
 
     /// Parses and checks bytes that came from `path`.
+    ///
+    /// # Errors
+    /// Bytes that are no such card.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, DataError> {
         let card: Self = json::parse(path, None, bytes)?;
         let folder =
@@ -172,9 +179,26 @@ impl MethodCard {
 pub struct MaskFile {
     /// `[height, width]`, pixels.
     pub size: [u32; 2],
-    /// Four-digit frame -> compressed COCO counts (column-major), null = the method says absent. A missing key is
-    /// a missing answer.
-    pub frames: BTreeMap<String, Option<String>>,
+    /// Four-digit frame -> mask, null = the method says absent. A missing key is a missing answer.
+    pub frames: BTreeMap<String, Option<Rle>>,
+}
+
+impl MaskFile {
+    /// Parses bytes that came from `path`, and checks that every mask has the stated size.
+    ///
+    /// # Errors
+    /// Bytes that are no such file.
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, DataError> {
+        let file: Self = json::parse(path, None, bytes)?;
+        let [height, width] = file.size;
+        for (frame, mask) in &file.frames {
+            if let Some(error) = mask.as_ref().and_then(|mask| mask.misfit(width, height)) {
+                let place = format!("frame {frame}");
+                return Err(DataError::invalid(path, place, error.to_string(), error.remedy()));
+            }
+        }
+        Ok(file)
+    }
 }
 
 #[cfg(test)]

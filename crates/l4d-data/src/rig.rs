@@ -1,7 +1,7 @@
 //! The cameras of a scene, the size of their pictures, and when those were taken: the part of `scene.json`, or of
 //! `capture.json`, that a method may know.
 //!
-//! Whatever else stands in the file (instances, events) is skipped unread, so that nothing that works from a rig can
+//! Whatever else is in the file (instances, events) is skipped unread, so that nothing that works from a rig can
 //! depend on it.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,6 +40,9 @@ pub struct Rig {
 
 impl Rig {
     /// Reads the cameras of a `scene.json` or `capture.json`, or of any JSON file with the first three fields.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or cameras that cannot be.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let mut rig: Self = json::read(path)?;
         let wrong = |place: String, message: String| {

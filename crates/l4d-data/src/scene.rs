@@ -144,6 +144,9 @@ pub struct Scene {
 
 impl Scene {
     /// Reads and checks a `scene.json`.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let scene: Self = json::read(path)?;
         match scene.problem() {

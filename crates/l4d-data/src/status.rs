@@ -1,4 +1,4 @@
-//! Changing the `status` of queries where they stand: every other byte of the file stays as somebody wrote it.
+//! Changes the `status` of queries in place: every other byte of the file stays as it was written.
 //!
 //! Knows nothing of votes. `l4d verdict` decides, and is the only caller.
 
@@ -23,6 +23,9 @@ struct Line<'a> {
 
 /// Sets the status of the queries of one file that are named; gives how many had another one. The file is written
 /// once, atomically, and not at all where nothing changes. Ids that the file does not have are ignored.
+///
+/// # Errors
+/// A file that cannot be read or written, or lacks one of the queries.
 pub fn set_statuses(path: &Path, wanted: &BTreeMap<QueryId, Status>) -> Result<usize, DataError> {
     let bytes = read_bounded(path, json::MAX_BYTES)?;
     let mut written = Vec::with_capacity(bytes.len() + 16 * wanted.len());
@@ -41,7 +44,7 @@ pub fn set_statuses(path: &Path, wanted: &BTreeMap<QueryId, Status>) -> Result<u
         let old: Status = serde_json::from_str(status.get()).map_err(refuse)?;
         match wanted.get(&id) {
             Some(&new) if new != old => {
-                // The raw value borrows from the line, so its address tells where it stands.
+                // The raw value borrows from the line, so its address tells where it is.
                 let start = status.get().as_ptr() as usize - line.as_ptr() as usize;
                 written.extend_from_slice(&line[..start]);
                 written.extend_from_slice(&serde_json::to_vec(&new).map_err(refuse)?);

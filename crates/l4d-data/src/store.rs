@@ -10,6 +10,9 @@ pub use self::atomic::AtomicFile;
 use crate::error::DataError;
 
 /// Reads a file of at most `limit` bytes.
+///
+/// # Errors
+/// A file that cannot be read, or is larger.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
     let require_file = |metadata: io::Result<Metadata>| {
         let metadata = metadata.map_err(|source| DataError::io(path, "open", source))?;
@@ -23,7 +26,7 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
         }
         Ok(metadata)
     };
-    // Asked before it is opened, since opening a pipe waits for somebody to write into it, and once more of what was
+    // Asked before it is opened, since opening a pipe waits for a writer, and once more of what was
     // opened, since it may have been exchanged.
     require_file(fs::metadata(path))?;
     let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
@@ -48,6 +51,9 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
 }
 
 /// Writes a file through a temporary neighbour, fsync and rename; makes the folder if it is missing.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     make_folder(folder)?;
@@ -65,11 +71,17 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
 }
 
 /// Makes a folder and its parents.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn make_folder(path: &Path) -> Result<(), DataError> {
     fs::create_dir_all(path).map_err(|source| DataError::io(path, "create the folder", source))
 }
 
 /// Removes a folder with all that it holds; one that is not there is no error.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn remove_folder(path: &Path) -> Result<(), DataError> {
     match fs::remove_dir_all(path) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => {
@@ -80,6 +92,9 @@ pub fn remove_folder(path: &Path) -> Result<(), DataError> {
 }
 
 /// Names of the visible entries of a folder, sorted. A missing folder is an error.
+///
+/// # Errors
+/// A folder that cannot be listed.
 pub fn list_folder(path: &Path) -> Result<Vec<String>, DataError> {
     let read = || -> io::Result<Vec<String>> {
         let mut names = Vec::new();

@@ -20,6 +20,9 @@ pub fn parse_line(line: &str) -> Option<(&str, &str)> {
 }
 
 /// Reads a list: relative path -> digest.
+///
+/// # Errors
+/// A file that cannot be read.
 pub fn read(path: &Path) -> Result<BTreeMap<String, String>, DataError> {
     let text = String::from_utf8_lossy(&read_bounded(path, MAX_BYTES)?).into_owned();
     let mut sums = BTreeMap::new();

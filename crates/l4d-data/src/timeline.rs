@@ -33,6 +33,9 @@ impl Interval {
     pub const WHOLE: Self = Self { first: 0, last: LAST_FRAME };
 
     /// `first..=last`.
+    ///
+    /// # Errors
+    /// An interval that ends before it starts.
     pub fn new(first: u32, last: u32) -> Result<Self, IntervalError> {
         if last < first { Err(IntervalError(first, last)) } else { Ok(Self { first, last }) }
     }
@@ -83,7 +86,7 @@ impl Timeline {
     /// That of all rendered scenes.
     pub const CANONICAL: Self = Self { whole: Interval::WHOLE, frames_per_second: FPS };
 
-    /// That of a capture whose moments have these numbers. Where nobody knows how fast they follow each other, they are
+    /// That of a capture whose moments have these numbers. Where the frame rate is unknown, they are
     /// taken to follow as canonical frames do.
     pub fn new(whole: Interval, frames_per_second: Option<f64>) -> Self {
         Self { whole, frames_per_second: frames_per_second.unwrap_or(FPS) }
@@ -94,7 +97,7 @@ impl Timeline {
         self.whole
     }
 
-    /// Frames a second.
+    /// Frames per second.
     pub fn frames_per_second(self) -> f64 {
         self.frames_per_second
     }

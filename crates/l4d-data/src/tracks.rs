@@ -129,6 +129,9 @@ pub struct Tracks {
 
 impl Tracks {
     /// Reads and checks a tracks file.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let tracks: Self = json::read(path)?;
         match tracks.problem() {

@@ -10,13 +10,12 @@ use serde::{Deserialize, Serialize};
 use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
+use crate::rle::{self, Rle};
 use crate::scene::{Role, Scale};
 use crate::timeline::{Interval, Profile};
 
 /// Schema tag of a truth file.
 pub const SCHEMA: &str = "l4d/truth/1";
-/// No picture of a real scene is larger, pixels.
-const MAX_SIDE: u32 = 16_384;
 /// Frames have four digits in files.
 const MAX_FRAME: u32 = 9_999;
 
@@ -32,8 +31,8 @@ pub struct InstanceTruth {
     pub role: Role,
     /// Common noun, so that look-alikes are known without the tracks.
     pub category: String,
-    /// Four-digit frame -> compressed COCO counts (column-major); frames without a visible pixel are absent.
-    pub masks: BTreeMap<String, String>,
+    /// Four-digit frame -> mask; frames without a visible pixel are absent.
+    pub masks: BTreeMap<String, Rle>,
 }
 
 /// A truth file.
@@ -56,9 +55,9 @@ pub struct Truth {
     pub height: u32,
     /// The held-out view.
     pub test_view: Name,
-    /// Annotated frames, ascending: those of the profile, or those of a real scene on which somebody drew.
+    /// Annotated frames, ascending: those of the profile, or those of a real scene that people annotated.
     pub frames: Vec<u32>,
-    /// Frames of a real scene on which nobody drew, ascending: methods may answer them, and nothing judges that.
+    /// Frames of a real scene that no one annotated, ascending: methods may answer them, and the answers are not judged.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unannotated: Vec<u32>,
     /// Instances sorted by id.
@@ -68,7 +67,10 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Reads and checks a truth file. Masks stay encoded: decoding them is the business of `l4d-frames`.
+    /// Reads and checks a truth file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or whose size, frames or masks contradict each other.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let truth: Self = json::read(path)?;
         match truth.problem() {
@@ -116,12 +118,13 @@ impl Truth {
             return Some(problem);
         }
         let keys: BTreeSet<String> = self.frames.iter().map(|&frame| frame_key(frame)).collect();
-        self.instances.iter().find_map(|instance| {
-            let frame = instance.masks.keys().find(|key| !keys.contains(*key))?;
-            Some((
-                format!("instance {}", instance.name),
-                format!("has a mask at `{frame}`, which is no frame of the clip"),
-            ))
+        let mut masks = self.instances.iter().flat_map(|one| one.masks.iter().map(move |mask| (one, mask)));
+        masks.find_map(|(instance, (frame, mask))| {
+            let message = match keys.contains(frame) {
+                true => mask.misfit(self.width, self.height)?.to_string(),
+                false => "is no frame of the clip".to_owned(),
+            };
+            Some((format!("instance {}, mask at `{frame}`", instance.name), message))
         })
     }
 
@@ -138,8 +141,9 @@ impl Truth {
     }
 
     fn real_problem(&self) -> Option<(String, String)> {
-        if !(1..=MAX_SIDE).contains(&self.width) || !(1..=MAX_SIDE).contains(&self.height) {
-            let message = format!("{}x{}: each side has 1 to {MAX_SIDE} pixels", self.width, self.height);
+        if !rle::is_sane_size(self.width, self.height) {
+            let message =
+                format!("{}x{}: each side has 1 to {} pixels", self.width, self.height, rle::MAX_SIDE);
             return Some(("fields `width`, `height`".into(), message));
         }
         let clip = self.clip();

@@ -41,7 +41,7 @@ impl<'a> JudgedScene<'a> {
         let (name, profile) = (&asked.name, exam.profile);
         let places = Places { data: space.scene(name), work: space.work(name), model: None };
         let scene = SolveScene::open(name, profile, &places, clips, draws, &|| {})?;
-        Ok(Self { plan: scene.judged(&places)?, truth: exam.truth(asked)?, places, scene, exam: asked })
+        Ok(Self { plan: scene.judged(&places)?, truth: exam.truth(asked), places, scene, exam: asked })
     }
 
     /// The queries that are judged.

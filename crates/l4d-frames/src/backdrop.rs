@@ -36,7 +36,7 @@ enum Source {
 }
 
 impl Backdrop {
-    /// Opens `<data>/<scene>`; none if no scene stands there. Pictures have no side above `longest_px`.
+    /// Opens `<data>/<scene>`; none if no scene is there. Pictures have no side above `longest_px`.
     ///
     /// # Errors
     /// A scene of another profile or another draw than the truth: its pictures would show something else.
@@ -74,6 +74,9 @@ impl Backdrop {
     }
 
     /// What the camera saw, as JPEG.
+    ///
+    /// # Errors
+    /// A picture that cannot be read.
     pub fn jpeg(&self, frame: u32) -> Result<Vec<u8>, DataError> {
         Ok(encode(&shrunk(self.picture(frame)?, self.longest_px)))
     }

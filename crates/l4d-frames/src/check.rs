@@ -32,7 +32,7 @@ pub struct Request<'a> {
     pub data: &'a Path,
     /// Benchmark folder with tracks, queries and truth.
     pub bench: &'a BenchDir,
-    /// Which draw of the recipes that folder describes; tracks and truth of others stand beside their frames.
+    /// Which draw of the recipes that folder describes; tracks and truth of others are beside their frames.
     pub draw: Draw,
     /// Expected profile.
     pub profile: Profile,
@@ -59,7 +59,7 @@ pub struct SceneStats {
     pub cross_view: Option<Summary>,
 }
 
-/// Checks one scene; `tick` is called once a frame.
+/// Checks one scene; `tick` is called once per frame.
 pub fn check_scene(request: Request, tick: &dyn Fn()) -> (Option<SceneStats>, Report) {
     let mut report = Report::default();
     let dir = SceneDir::new(request.data, request.scene);

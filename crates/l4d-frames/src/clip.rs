@@ -47,6 +47,9 @@ impl<'a> Clip<'a> {
     }
 
     /// What the camera saw at a rendered frame, with everything annotated outlined and numbered.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
     pub fn picture(&self, camera: &Camera, frame: u32) -> Result<RgbImage, FrameError> {
         let size = UVec2::new(self.scene.width, self.scene.height);
         let path = self.dir.frame(&camera.name, frame);
@@ -67,6 +70,9 @@ impl<'a> Clip<'a> {
     }
 
     /// [`Self::picture`] as JPEG.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
     pub fn jpeg(&self, camera: &Camera, frame: u32) -> Result<Vec<u8>, FrameError> {
         Ok(encode_jpeg(&self.picture(camera, frame)?))
     }

@@ -1,7 +1,5 @@
 //! A part of a picture at any size, with outlines drawn after scaling: one pixel wide on a grid of character
 //! cells, several on a screen, never blurred.
-//!
-//! Knows pixels and marks; what shows the result (a terminal, a file) is nobody's business here.
 
 use std::sync::OnceLock;
 
@@ -9,9 +7,9 @@ use glam::{UVec2, Vec2};
 use image::Rgb;
 use image::imageops::{FilterType, crop_imm, resize};
 
-use crate::mask::{PixelBox, nearest};
 use crate::overlay::{Mark, label_of_size};
 use crate::text::blend;
+use l4d_masks::mask::{PixelBox, nearest};
 
 pub use image::RgbImage;
 

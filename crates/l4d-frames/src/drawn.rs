@@ -89,6 +89,9 @@ pub fn encode_colour(picture: &RgbImage) -> Vec<u8> {
 }
 
 /// A picture of `width` x `height` from the bytes of a PNG as [`encode_colour`] writes them.
+///
+/// # Errors
+/// Bytes that are no such PNG of that size.
 pub fn decode_colour(bytes: &[u8], width: u32, height: u32) -> Result<RgbImage, DrawnError> {
     let kind = (png::ColorType::Rgb, png::BitDepth::Eight);
     let samples = decode(bytes, (width, height), kind)?;
@@ -96,6 +99,9 @@ pub fn decode_colour(bytes: &[u8], width: u32, height: u32) -> Result<RgbImage, 
 }
 
 /// Depths in metres, +inf where there is none, from the bytes of a PNG as [`DepthMap::png`] writes them.
+///
+/// # Errors
+/// Bytes that are no such PNG of that size.
 pub fn decode_depth_png(bytes: &[u8], width: u32, height: u32) -> Result<Vec<f32>, DrawnError> {
     let kind = (png::ColorType::Grayscale, png::BitDepth::Sixteen);
     let samples = decode(bytes, (width, height), kind)?;

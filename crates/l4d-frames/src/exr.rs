@@ -93,27 +93,42 @@ impl From<FrameError> for DataError {
 }
 
 /// Reads a frame of `size` (columns, rows) with colour.
+///
+/// # Errors
+/// A file that is missing, torn, or no frame of that size.
 pub fn read_frame(path: &Path, size: UVec2) -> Result<Frame, FrameError> {
     decode_frame(path, &read_bytes(path, size)?, size)
 }
 
 /// Reads depth and ids of a frame; colour is checked but not kept.
+///
+/// # Errors
+/// A file that is missing, torn, or no frame of that size.
 pub fn read_surfaces(path: &Path, size: UVec2) -> Result<Surfaces, FrameError> {
     decode_surfaces(path, &read_bytes(path, size)?, size)
 }
 
 /// Reads the bytes of a frame file, refusing files larger than any frame of `size`.
+///
+/// # Errors
+/// A file that cannot be read, or is larger than any frame of that size.
 pub fn read_bytes(path: &Path, size: UVec2) -> Result<Vec<u8>, FrameError> {
     let limit = size.x as usize * size.y as usize * BYTES_PER_PIXEL + FILE_OVERHEAD_BYTES;
     read_bounded(path, limit as u64).map_err(FrameError::Unreadable)
 }
 
 /// [`read_frame`] on bytes that were read from `path`.
+///
+/// # Errors
+/// Bytes that are no frame of that size.
 pub fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
     decode_with_colour(path, bytes, size, Ids::Needed)
 }
 
 /// [`decode_frame`] for a reader that needs no ids: where the file has none, all are 0.
+///
+/// # Errors
+/// Bytes that are no frame of that size.
 pub fn decode_seen(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
     decode_with_colour(path, bytes, size, Ids::Welcome)
 }
@@ -130,11 +145,17 @@ fn decode_with_colour(path: &Path, bytes: &[u8], size: UVec2, ids: Ids) -> Resul
 }
 
 /// [`read_surfaces`] on bytes that were read from `path`.
+///
+/// # Errors
+/// Bytes that are no frame of that size.
 pub fn decode_surfaces(path: &Path, bytes: &[u8], size: UVec2) -> Result<Surfaces, FrameError> {
     decode(path, bytes, size, Ids::Needed, |_, _, _, _| {})
 }
 
 /// Writes a frame atomically in the layout that [`read_frame`] reads.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn write_frame(path: &Path, frame: &Frame) -> Result<(), DataError> {
     write_atomic(path, &encode_frame(path, frame)?)
 }

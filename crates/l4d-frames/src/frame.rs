@@ -38,7 +38,7 @@ pub struct ValueProblem {
     pub column: u32,
     /// Row of the first offender.
     pub row: u32,
-    /// What stands there and what may.
+    /// What is there and what may be.
     pub message: String,
     /// Number of offenders.
     pub count: usize,
@@ -70,7 +70,7 @@ impl Surfaces {
         ids.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as u32)).collect()
     }
 
-    /// Whether a depth is not one that a camera can see, or an id stands where nothing was hit.
+    /// Whether a depth is not one that a camera can see, or an id is where nothing was hit.
     pub fn value_problem(&self) -> Option<ValueProblem> {
         let bad_depth = |index: usize| self.depth_m[index].is_nan() || self.depth_m[index] <= 0.0;
         let bad_id = |index: usize| self.id[index] != 0 && self.depth_m[index] == f32::INFINITY;

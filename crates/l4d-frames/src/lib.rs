@@ -11,8 +11,9 @@ pub mod closeup;
 pub mod display;
 pub mod drawn;
 pub mod exr;
-#[cfg(test)]
-mod fake;
+#[cfg(any(test, feature = "testing"))]
+#[cfg_attr(not(test), expect(clippy::unwrap_used, reason = "it is for tests"))]
+pub mod fake;
 pub mod frame;
 pub mod geometry;
 pub mod moving_picture;
@@ -27,5 +28,3 @@ pub mod truth;
 
 pub use display::Display;
 pub use frame::{Frame, Surfaces};
-// Until every crate names l4d-masks itself.
-pub use l4d_masks::{Mask, Runs, ids, mask, morphology, png, rle, runs};

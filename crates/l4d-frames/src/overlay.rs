@@ -41,7 +41,7 @@ pub struct Mark {
     pub number: usize,
     /// Outline and label.
     pub colour: Rgb<u8>,
-    /// Landmarks have thin, faint outlines: they are many, and nobody asks for them.
+    /// Landmarks have thin, faint outlines: they are many, and no query asks for them.
     pub faint: bool,
 }
 

@@ -7,7 +7,7 @@ use std::io::Cursor;
 use image::error::ImageError;
 use image::{ImageFormat, ImageReader, RgbImage};
 
-use crate::mask::Mask;
+use l4d_masks::mask::Mask;
 
 /// Why bytes are no picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -27,12 +27,18 @@ pub enum PhotoError {
 }
 
 /// Width and height, pixels, from the header alone.
+///
+/// # Errors
+/// Bytes that are no PNG or JPEG, or have no sane size.
 pub fn size(bytes: &[u8]) -> Result<(u32, u32), PhotoError> {
     let found = reader(bytes)?.into_dimensions().map_err(damaged)?;
     if Mask::is_sane_size(found.0, found.1) { Ok(found) } else { Err(PhotoError::AbsurdSize { found }) }
 }
 
 /// Decodes a picture. Transparency is dropped, 16 bits become 8.
+///
+/// # Errors
+/// Bytes that are no PNG or JPEG, or have no sane size.
 pub fn decode(bytes: &[u8]) -> Result<RgbImage, PhotoError> {
     size(bytes)?;
     if !ends_well(bytes) {

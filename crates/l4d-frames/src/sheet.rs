@@ -57,6 +57,9 @@ pub struct Sheet<'a> {
 
 impl Sheet<'_> {
     /// Reads the frames and draws the sheet.
+    ///
+    /// # Errors
+    /// A picture that cannot be read.
     pub fn draw(&self) -> Result<RgbImage, FrameError> {
         let marks = marks(&self.scene.instances);
         let cells = self.cells(&marks)?;
@@ -160,6 +163,9 @@ impl Sheet<'_> {
 }
 
 /// Writes a drawn page as a PNG file.
+///
+/// # Errors
+/// What the disk refuses.
 pub fn save(page: &RgbImage, path: &Path) -> Result<(), DataError> {
     let mut png = Cursor::new(Vec::new());
     page.write_to(&mut png, ImageFormat::Png).map_err(|error| {

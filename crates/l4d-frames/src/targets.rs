@@ -1,4 +1,4 @@
-//! Test pictures: coloured squares at known places on a grey ground, for finding out where somebody sees them.
+//! Test pictures: coloured squares at known places on a grey ground, for measuring where a model sees them.
 
 use std::io::Cursor;
 
@@ -11,7 +11,7 @@ const COLOURS: [(&str, Rgb<u8>); 4] = [
     ("blue", Rgb([30, 60, 220])),
     ("yellow", Rgb([240, 220, 30])),
 ];
-/// Squares stand in different cells of a grid with so many rows and columns, so that they never touch.
+/// Squares are in different cells of a grid with so many rows and columns, so that they never touch.
 const GRID: u32 = 3;
 
 /// A square; pixel edges, so that the right and lower ones are `x + side_px` and `y + side_px`.
@@ -37,7 +37,7 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// No side may be shorter: squares of fewer pixels are hard to see for anybody.
+    /// No side may be shorter: squares of fewer pixels are hard to see.
     pub const MIN_SIDE: u32 = 96;
 
     /// The arrangement of that number; sizes below [`Self::MIN_SIDE`] are raised to it.

@@ -10,7 +10,7 @@ use l4d_data::layout::SceneDir;
 use l4d_data::name::Name;
 use l4d_data::scene::Scene;
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
-use l4d_masks::{Mask, rle};
+use l4d_masks::{Mask, Rle};
 use rayon::prelude::*;
 
 use crate::exr::{FrameError, read_surfaces};
@@ -21,8 +21,8 @@ use crate::frame::Surfaces;
 pub struct Observation {
     /// Visible pixels of each id that occurs, ascending by id.
     pub visible: Vec<(u32, u32)>,
-    /// Compressed mask of each id that occurs, ascending by id; empty unless asked for.
-    pub masks: Vec<(u32, String)>,
+    /// Mask of each id that occurs, ascending by id; empty unless asked for.
+    pub masks: Vec<(u32, Rle)>,
 }
 
 impl Observation {
@@ -31,7 +31,7 @@ impl Observation {
         let visible = surfaces.visible();
         let encode = |&(id, _): &(u32, u32)| {
             let inside = |column, row| surfaces.id[surfaces.index(column, row)] == id;
-            (id, rle::encode(&Mask::from_fn(surfaces.width, surfaces.height, inside)))
+            (id, Mask::from_fn(surfaces.width, surfaces.height, inside).to_rle())
         };
         let masks = if with_masks { visible.iter().map(encode).collect() } else { Vec::new() };
         Self { visible, masks }
@@ -107,9 +107,12 @@ impl TruthBuilder {
     }
 }
 
-/// Builds the truth of a rendered scene; no more than one picture a thread is in memory.
+/// Builds the truth of a rendered scene; no more than one picture per thread is in memory.
 ///
 /// `None` if the scene has no held-out view, which [`Scene::read`] refuses.
+///
+/// # Errors
+/// A picture that cannot be read.
 pub fn truth_of_scene(dir: &SceneDir, scene: &Scene) -> Result<Option<Truth>, FrameError> {
     let Some(mut builder) = TruthBuilder::new(scene) else { return Ok(None) };
     let size = UVec2::new(scene.width, scene.height);
@@ -143,7 +146,8 @@ mod tests {
         let observation = Observation::of(&surfaces, true);
         assert_eq!(observation.visible, [(1, 2), (2, 2)]);
         // Down the columns: id 1 is 0 outside, 2 inside, 4 outside; id 2 is 4 outside, 2 inside.
-        assert_eq!(observation.masks, [(1, "024".to_owned()), (2, "42".to_owned())]);
+        let masks: Vec<_> = observation.masks.iter().map(|(id, mask)| (*id, mask.counts())).collect();
+        assert_eq!(masks, [(1, "024".to_owned()), (2, "42".to_owned())]);
         assert!(Observation::of(&surfaces, false).masks.is_empty());
     }
 }

@@ -16,8 +16,8 @@ use l4d_data::digest::{RunningDigest, sha256_file};
 use l4d_data::results::MaskFile;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::truth::frame_key;
-use l4d_data::{DataError, Name, json};
-use l4d_frames::{Mask, png, rle};
+use l4d_data::{DataError, Name};
+use l4d_masks::{Mask, png};
 use serde_json::Value;
 
 use crate::clip::ViewClip;
@@ -95,7 +95,7 @@ impl Grounder for Files {
 
 /// The masks of a clip's frames from one file; frames that the clip does not have are left alone.
 fn read_json(path: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeMap<u32, Mask>, DataError> {
-    let file: MaskFile = json::parse(path, None, &read_bounded(path, MAX_JSON_BYTES)?)?;
+    let file = MaskFile::parse(path, &read_bounded(path, MAX_JSON_BYTES)?)?;
     let [height, width] = file.size;
     if (width, height) != (clip.width, clip.height) {
         let message = format!("says {width}x{height}, but the clip is {}x{}", clip.width, clip.height);
@@ -112,10 +112,7 @@ fn read_json(path: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeM
                 return Err(DataError::invalid(path, place, "is missing", remedy));
             }
             Some(None) => Mask::empty(width, height),
-            Some(Some(counts)) => rle::decode(counts, width, height).map_err(|error| {
-                let remedy = "write what pycocotools' mask.encode gives as `counts`";
-                DataError::invalid(path, place, error.to_string(), remedy)
-            })?,
+            Some(Some(mask)) => Mask::from_rle(mask, width, height),
         };
         masks.insert(frame, mask);
     }

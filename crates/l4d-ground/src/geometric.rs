@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use l4d_data::digest::sha256_hex;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde_json::{Value, json};
 
 use self::classical::Classical;

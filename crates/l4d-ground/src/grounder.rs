@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use l4d_data::{DataError, Interval, Name, Query};
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

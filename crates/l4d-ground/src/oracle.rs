@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use l4d_data::digest::sha256_hex;
 use l4d_data::json::canonical;
 use l4d_data::{DataError, Name, QueryId};
-use l4d_frames::{Mask, morphology};
+use l4d_masks::{Mask, morphology};
 use serde_json::{Value, json};
 
 use self::draws::{Draws, Meant};

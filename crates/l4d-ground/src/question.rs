@@ -1,7 +1,7 @@
 //! What a question must be before a model is asked.
 
 use l4d_data::Interval;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use crate::clip::ViewClip;
 use crate::grounder::{Outcome, Question};

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use l4d_data::DataError;
-use l4d_frames::rle;
+
 use l4d_import::results::arrays;
 use l4d_import::results::relevancy::{Decoder, Folded, Latents, Rules, Smoothing, TextsFile, answer};
 use std::io::Write as _;
@@ -40,9 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 data: &level.data,
             })
             .collect();
-        masks.extend(
-            answer(&engine, &pictures, &rules).into_iter().map(|chosen| rle::encode(&chosen.found.mask)),
-        );
+        masks.extend(answer(&engine, &pictures, &rules).into_iter().map(|chosen| chosen.found.mask.to_rle()));
     }
     let seconds = start.elapsed().as_secs_f64();
     writeln!(std::io::stdout(), "{}", serde_json::json!({ "seconds": seconds, "masks": masks }))?;

@@ -10,7 +10,7 @@ pub mod lerf_ovs;
 pub mod outline;
 mod prompts;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 pub use prompts::{Judged, Prompt};
 

@@ -1,7 +1,7 @@
 //! Pictures of instance numbers as PNG: palette pictures as DAVIS writes them, and grey ones.
 //!
 //! A palette's colours mean nothing here, its indices are the numbers. Colour pictures are refused: which colour is
-//! which instance stands in nobody's file.
+//! which instance is in no file.
 
 use std::io::Cursor;
 
@@ -69,6 +69,9 @@ fn colour_of(number: u8) -> [u8; 3] {
 }
 
 /// Decodes a palette picture (the indices) or a grey one of 1 to 16 bits (the values).
+///
+/// # Errors
+/// Bytes that are no such PNG.
 pub fn decode(bytes: &[u8]) -> Result<IdPicture, PngError> {
     let damaged = |error: png::DecodingError| PngError::Damaged(error.to_string());
     let (width, height) = crate::png::size(bytes)?;

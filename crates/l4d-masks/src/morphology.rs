@@ -4,41 +4,58 @@
 //! pixels outside of the picture are neither inside a mask nor outside: a thing that the border cuts off neither grows
 //! from there nor shrinks. The square of a radius, which some measures of boundaries use, sees nothing out there.
 
-use std::ops::Range;
-
-use crate::mask::{Mask, words_per_row};
+use crate::mask::Mask;
 
 /// All pixels within `radius_px` pixels of a pixel of the mask.
 pub fn dilated(mask: &Mask, radius_px: u32) -> Mask {
     let (width, height) = mask.size();
-    // A wider disc reaches no more pixels, and its square might overflow.
+    // A wider disc reaches no more pixels.
     let radius_px = radius_px.min(width.max(height).saturating_mul(2));
-    let mut grown = Mask::empty(width, height);
-    let mut wide = vec![0; words_per_row(width)];
-    let mut before = wide.clone();
-    for row in 0..height {
-        let Some(words) = touched_words(mask.row_words(row), radius_px) else { continue };
-        let (wide, before) = (&mut wide[words.clone()], &mut before[words.clone()]);
-        wide.copy_from_slice(&mask.row_words(row)[words.clone()]);
-        // Rows far away see the narrow end of the disc, nearer ones widen it further.
-        let mut covered = 0;
-        for rows_away in (0..=radius_px).rev() {
-            widen(wide, before, &mut covered, half_width(radius_px, rows_away));
-            for target in [row.checked_sub(rows_away), row.checked_add(rows_away)].into_iter().flatten() {
-                if target < height {
-                    let grown = &mut grown.row_words_mut(target)[words.clone()];
-                    grown.iter_mut().zip(wide.iter()).for_each(|(ours, theirs)| *ours |= theirs);
-                }
-            }
-        }
-    }
-    grown.clear_padding();
-    grown
+    let square = |side: u32| u64::from(side).pow(2);
+    let half_widths = (0..=radius_px).map(|rows_away| (square(radius_px) - square(rows_away)).isqrt() as u32);
+    grown(mask, &half_widths.collect::<Vec<_>>())
 }
 
 /// All pixels of the mask with no pixel of the picture outside of it within `radius_px` pixels.
 pub fn eroded(mask: &Mask, radius_px: u32) -> Mask {
     complement(&dilated(&complement(mask), radius_px))
+}
+
+/// All pixels of the mask whose whole square of side `2 * radius_px + 1` lies inside, and within the picture.
+pub fn eroded_square(mask: &Mask, radius_px: u32) -> Mask {
+    let (width, height) = mask.size();
+    if u64::from(radius_px) * 2 + 1 > u64::from(width.min(height)) {
+        return Mask::empty(width, height);
+    }
+    // Two sides of the square, one after the other.
+    let tall = grown(&grown(&complement(mask), &[radius_px]), &vec![0; radius_px as usize + 1]);
+    let mut shrunk = Mask::empty(width, height);
+    let kept = complement(&tall);
+    for row in radius_px..height - radius_px {
+        for run in kept.runs_of_row(row) {
+            shrunk.fill_row(row, run.start.max(radius_px)..run.end.min(width - radius_px));
+        }
+    }
+    shrunk
+}
+
+/// Every pixel becomes rows that reach `half_widths[rows_away]` columns to either side.
+fn grown(mask: &Mask, half_widths: &[u32]) -> Mask {
+    let (width, height) = mask.size();
+    let mut grown = Mask::empty(width, height);
+    for row in 0..height {
+        for run in mask.runs_of_row(row) {
+            for (rows_away, half_width) in (0..).zip(half_widths) {
+                let columns = run.start.saturating_sub(*half_width)..run.end.saturating_add(*half_width);
+                let above = row.checked_sub(rows_away);
+                let below = row.checked_add(rows_away).filter(|below| *below < height);
+                for target in [above, below].into_iter().flatten() {
+                    grown.fill_row(target, columns.clone());
+                }
+            }
+        }
+    }
+    grown
 }
 
 /// The other pixels of the picture.
@@ -53,119 +70,15 @@ fn complement(mask: &Mask) -> Mask {
     others
 }
 
-/// Columns that the disc reaches to either side, so many rows from its centre.
-fn half_width(radius_px: u32, rows_away: u32) -> u32 {
-    let square = u64::from(radius_px).pow(2) - u64::from(rows_away).pow(2);
-    square.isqrt() as u32
-}
-
-/// The words of a row that a disc around its pixels can reach; none if it has no pixel.
-fn touched_words(row: &[u64], radius_px: u32) -> Option<Range<usize>> {
-    let first = row.iter().position(|&word| word != 0)?;
-    let last = row.iter().rposition(|&word| word != 0)?;
-    let reach = radius_px.div_ceil(64) as usize;
-    Some(first.saturating_sub(reach)..last.saturating_add(reach + 1).min(row.len()))
-}
-
-/// Widens a row that covers `covered` pixels to both sides until it covers `reach`, by growing steps: each may jump
-/// over what is covered already.
-fn widen(row: &mut [u64], before: &mut [u64], covered: &mut u32, reach: u32) {
-    while *covered < reach {
-        let step = (2 * *covered + 1).min(reach - *covered);
-        before.copy_from_slice(row);
-        for (index, word) in row.iter_mut().enumerate() {
-            *word |= up(before, index, step) | down(before, index, step);
-        }
-        *covered += step;
-    }
-}
-
-/// What a word holds after its row moved by `by` pixels towards higher columns.
-fn up(row: &[u64], index: usize, by: u32) -> u64 {
-    let (words, bits) = ((by / 64) as usize, by % 64);
-    let word = |index: Option<usize>| index.and_then(|index| row.get(index)).copied().unwrap_or(0);
-    let here = word(index.checked_sub(words)) << bits;
-    // A shift by all 64 bits would be no shift at all.
-    if bits == 0 { here } else { here | word(index.checked_sub(words + 1)) >> (64 - bits) }
-}
-
-/// The same towards lower columns.
-fn down(row: &[u64], index: usize, by: u32) -> u64 {
-    let (words, bits) = ((by / 64) as usize, by % 64);
-    let word = |index: usize| row.get(index).copied().unwrap_or(0);
-    let here = word(index + words) >> bits;
-    if bits == 0 { here } else { here | word(index + words + 1) << (64 - bits) }
-}
-
-/// All pixels of the mask whose whole square of side `2 * radius_px + 1` lies inside, and within the picture.
-pub fn eroded_square(mask: &Mask, radius_px: u32) -> Mask {
-    let (width, height) = mask.size();
-    let side = u64::from(radius_px) * 2 + 1;
-    if side > u64::from(width.min(height)) {
-        return Mask::empty(width, height);
-    }
-    let mut shrunk = mask.clone();
-    let mut before = vec![0; words_per_row(width)];
-    for row in 0..height {
-        let words = shrunk.row_words_mut(row);
-        let mut covered = 0;
-        while covered < radius_px && words.iter().any(|&word| word != 0) {
-            let step = (2 * covered + 1).min(radius_px - covered);
-            before.copy_from_slice(words);
-            for (index, word) in words.iter_mut().enumerate() {
-                *word &= up(&before, index, step) & down(&before, index, step);
-            }
-            covered += step;
-        }
-    }
-    // Each row becomes what it has in common with ever more rows below it, then two such bundles make a window.
-    let mut bundle = 1;
-    while u64::from(2 * bundle) <= side {
-        for row in 0..height {
-            keep_common(&mut shrunk, row, row.checked_add(bundle).filter(|&below| below < height));
-        }
-        bundle *= 2;
-    }
-    let mut window = Mask::empty(width, height);
-    for row in radius_px..height - radius_px {
-        let (top, bottom) = (row - radius_px, row + radius_px + 1 - bundle);
-        let common = shrunk.row_words(top).iter().zip(shrunk.row_words(bottom));
-        for (word, (top, bottom)) in window.row_words_mut(row).iter_mut().zip(common) {
-            *word = top & bottom;
-        }
-    }
-    window
-}
-
-fn keep_common(mask: &mut Mask, row: u32, with: Option<u32>) {
-    let Some(with) = with else { return mask.row_words_mut(row).fill(0) };
-    let others = mask.row_words(with).to_vec();
-    mask.row_words_mut(row).iter_mut().zip(others).for_each(|(ours, theirs)| *ours &= theirs);
-}
-
 /// Pixels that differ from their right, lower or lower right neighbour: where inside and outside meet. Neighbours
 /// outside of the picture do not count.
 pub fn edges(mask: &Mask) -> Mask {
     let (width, height) = mask.size();
-    let mut edges = Mask::empty(width, height);
-    // The last column has nobody to its right.
-    let keep = |index: usize| {
-        let is_last = index + 1 == words_per_row(width);
-        if is_last { !(1 << ((width - 1) % 64)) } else { u64::MAX }
-    };
-    for row in 0..height {
-        let words = mask.row_words(row);
-        let below = (row + 1 < height).then(|| mask.row_words(row + 1));
-        for (index, edge) in edges.row_words_mut(row).iter_mut().enumerate() {
-            let here = words[index];
-            *edge = (here ^ down(words, index, 1)) & keep(index);
-            if let Some(below) = below {
-                *edge |= (here ^ below[index]) | ((here ^ down(below, index, 1)) & keep(index));
-            }
-        }
-    }
-    edges.clear_padding();
-    edges
+    Mask::from_fn(width, height, |col, row| {
+        let here = mask.get(col, row);
+        let (right, below) = ((col + 1).min(width - 1), (row + 1).min(height - 1));
+        mask.get(right, row) != here || mask.get(col, below) != here || mask.get(right, below) != here
+    })
 }
 
 #[cfg(test)]

@@ -77,12 +77,18 @@ struct Header {
 }
 
 /// Width and height, pixels, from the header alone.
+///
+/// # Errors
+/// Bytes that are no PNG.
 pub fn size(bytes: &[u8]) -> Result<(u32, u32), PngError> {
     let header = Header::read(bytes)?;
     Ok((header.width, header.height))
 }
 
 /// Decodes a mask of exactly `width` x `height`.
+///
+/// # Errors
+/// Bytes that are no such PNG of that size.
 pub fn decode(bytes: &[u8], width: u32, height: u32) -> Result<Mask, PngError> {
     let header = Header::read(bytes)?;
     if header.size() != (width, height) {
@@ -92,6 +98,9 @@ pub fn decode(bytes: &[u8], width: u32, height: u32) -> Result<Mask, PngError> {
 }
 
 /// Decodes a mask of whatever sane size.
+///
+/// # Errors
+/// Bytes that are no such PNG.
 pub fn decode_any(bytes: &[u8]) -> Result<Mask, PngError> {
     let header = Header::read(bytes)?;
     let (width, height) = header.size();
@@ -104,7 +113,10 @@ pub fn decode_any(bytes: &[u8]) -> Result<Mask, PngError> {
     Ok(rows.mask)
 }
 
-/// Decodes a map of exactly `width` x `height`, 8-bit grayscale: one value a pixel, row by row.
+/// Decodes a map of exactly `width` x `height`, 8-bit grayscale: one value per pixel, row by row.
+///
+/// # Errors
+/// Bytes that are no such PNG of that size.
 pub fn decode_grey(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PngError> {
     let header = Header::read(bytes)?;
     if header.size() != (width, height) {
@@ -183,7 +195,7 @@ pub fn encode(mask: &Mask) -> Vec<u8> {
 /// Encodes a map as 8-bit grayscale; the same map gives the same bytes.
 ///
 /// # Panics
-/// If there is not one value a pixel.
+/// If there is not one value per pixel.
 pub fn encode_grey(values: &[u8], width: u32, height: u32) -> Vec<u8> {
     assert_eq!(values.len(), width as usize * height as usize, "one value a pixel");
     encode_rows(values, (width, height), png::BitDepth::Eight)

@@ -1,6 +1,6 @@
 //! Lists of numbers as numpy arrays, without a copy, and masks from and to arrays of bools.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use numpy::{Element, Ix2, Ix3, Ix4, PyArray, PyArray1, PyArrayMethods as _, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 

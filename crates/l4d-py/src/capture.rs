@@ -6,8 +6,8 @@ use l4d_data::capture::Capture as Recorded;
 use l4d_data::layout::CaptureDir;
 use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Split};
-use l4d_frames::Mask;
 use l4d_frames::drawn::decode_colour;
+use l4d_masks::Mask;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 

@@ -11,7 +11,7 @@ use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::store::remove_folder;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, QueryId, json};
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
 use l4d_score::results::PROTOCOL;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -124,7 +124,7 @@ impl ResultsWriter {
         py.detach(|| {
             let answer = |(frame, mask): &(u32, Option<Mask>)| {
                 let mask = mask.as_ref().filter(|mask| !mask.is_empty());
-                (frame_key(*frame), mask.map(rle::encode))
+                (frame_key(*frame), mask.map(Mask::to_rle))
             };
             let (width, height) = asked.size;
             let file = MaskFile { size: [height, width], frames: masks.par_iter().map(answer).collect() };

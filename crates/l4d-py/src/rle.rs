@@ -1,6 +1,6 @@
 //! Masks as text: compressed COCO run lengths, column-major, as pycocotools writes them.
 
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
 use pyo3::prelude::*;
 
 use crate::arrays::{Array2, array2, bools, mask_from, shape_of};
@@ -16,7 +16,7 @@ pub(crate) fn rle_encode(mask: &Bound<'_, PyAny>) -> Result<String> {
             return Err(Failure::argument("mask", message, "give one mask, (height, width)"));
         }
     };
-    Ok(rle::encode(&mask_from("mask", mask, size)?))
+    Ok(mask_from("mask", mask, size)?.to_rle().counts())
 }
 
 /// The mask, bool (H, W), of compressed COCO counts.
@@ -28,7 +28,7 @@ pub(crate) fn rle_decode<'py>(
     width: usize,
 ) -> Result<Array2<'py, bool>> {
     let (width, height) = (side(width)?, side(height)?);
-    let mask = rle::decode(counts, width, height).map_err(|error| {
+    let mask = Mask::decode(counts, width, height).map_err(|error| {
         let remedy = "give the `counts` of pycocotools' mask.encode as str, and the size of the mask";
         Failure::argument("counts", error.to_string(), remedy)
     })?;

@@ -51,7 +51,7 @@ pub enum Clause {
         /// By whom.
         by: Party,
     },
-    /// It stands in a geometric relation.
+    /// It is in a geometric relation.
     Relation {
         /// Which.
         kind: Relation,
@@ -164,6 +164,9 @@ impl Superlative {
 
 impl Predicate {
     /// Reads the JSON form.
+    ///
+    /// # Errors
+    /// What is no predicate of the language.
     pub fn from_json(value: &Value) -> Result<Self, String> {
         let predicate: Self = serde_json::from_value(value.clone()).map_err(|error| error.to_string())?;
         if predicate.0.len() == 1 && matches!(predicate.0[0], Clause::Category(_)) {

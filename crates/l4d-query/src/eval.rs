@@ -36,7 +36,7 @@ pub fn answer_times(world: &World<'_>, predicate: &Predicate) -> BTreeMap<Name, 
     all.map(|object| (object.name.clone(), times(object))).filter(|(_, times)| times.any()).collect()
 }
 
-/// The instances that a party stands for.
+/// The instances that a party means.
 pub fn members<'a>(world: &World<'a>, party: &Party) -> Vec<&'a TrackedInstance> {
     match party {
         Party::Name(name) => world.instance(name).into_iter().collect(),

@@ -17,6 +17,9 @@ use crate::world::World;
 
 /// The query with the referent and the frames that it has in the prover's scene and is proved to have, or why it has
 /// none.
+///
+/// # Errors
+/// A predicate that holds of nothing, or names what is not there.
 pub fn reground(prover: &Prover<'_>, kind: Kind, query: &Query) -> Result<Query, String> {
     let world = prover.world();
     let value = query.predicate.as_ref().ok_or("has no predicate")?;

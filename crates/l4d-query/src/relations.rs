@@ -1,6 +1,6 @@
 //! What each relation and superlative means, decided from oriented boxes, exact mesh distances and contact.
 //!
-//! `docs/queries.md` states the same definitions in words; the numbers stand in `thresholds`. "In plan" means seen
+//! `docs/queries.md` states the same definitions in words; the numbers are in `thresholds`. "In plan" means seen
 //! from above.
 
 use l4d_data::tracks::TrackedInstance;
@@ -17,7 +17,7 @@ use crate::world::World;
 /// Distances below this are contact; no ratio is taken of less, metres.
 const NEAREST_M: f64 = 1e-3;
 
-/// When `subject` stands in a relation: to any of `others`, for `between` to any of them and any of `second`.
+/// When `subject` is in a relation: to any of `others`, for `between` to any of them and any of `second`.
 ///
 /// Nothing is related to itself.
 pub fn related(

@@ -1,4 +1,4 @@
-//! What the set is like: one row a scene, a query and a word, and the table that compares datasets.
+//! What the set is like: one row per scene, per query and per word, and the table that compares datasets.
 
 use std::path::Path;
 
@@ -107,6 +107,9 @@ pub struct SetStats {
 }
 
 /// Measures the set.
+///
+/// # Errors
+/// Tracks, truth or queries that cannot be read.
 pub fn measure(
     bench: &Benchmark,
     profile: Profile,
@@ -127,6 +130,9 @@ pub fn measure(
 }
 
 /// A table as CSV.
+///
+/// # Errors
+/// Rows that no table can hold.
 pub fn csv_of<T: Serialize>(rows: &[T]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     rows.iter().try_for_each(|row| writer.serialize(row))?;

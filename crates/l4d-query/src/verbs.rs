@@ -1,4 +1,4 @@
-//! What verbs imply for geometry. A verb that stands in no list implies nothing.
+//! What verbs imply for geometry. A verb in no list implies nothing.
 
 use std::collections::BTreeSet;
 

@@ -1,6 +1,6 @@
 //! A scene over time as the evaluator asks for it: who there is, what happens, how far apart things are.
 //!
-//! Owns names, boxes and distances; the definitions of relations stand in `relations`.
+//! Owns names, boxes and distances; the definitions of relations are in `relations`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -78,7 +78,7 @@ impl<'a> World<'a> {
         self.stage.tracks.events.iter()
     }
 
-    /// Whether anybody ever does this.
+    /// Whether any instance ever does this.
     pub fn has_verb(&self, verb: &str) -> bool {
         self.events().any(|event| event.verb == verb)
     }

@@ -10,8 +10,7 @@ use l4d_data::layout::ResultsDir;
 use l4d_data::truth::frame_key;
 use l4d_data::{QueryId, Report, json};
 use l4d_masks::png::{self, PngError};
-use l4d_masks::rle::{self, RleError};
-use l4d_masks::{Mask, Runs};
+use l4d_masks::{Mask, Rle};
 use serde::de::{DeserializeSeed, Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
@@ -132,17 +131,17 @@ impl Reader<'_> {
                 continue;
             };
             // One buffer for all masks of the file.
-            let mut runs = match std::mem::replace(&mut answer, Answer::Missing) {
-                Answer::Runs(runs) => runs,
-                _ => Runs::new(width, height),
+            let mut rle = match std::mem::replace(&mut answer, Answer::Missing) {
+                Answer::Runs(rle) => rle,
+                _ => Rle::default(),
             };
-            if let Err(error) = rle::decode_runs_into(counts, &mut runs) {
-                report.error(codes::BAD_RLE, &path, place(), error.to_string(), rle_remedy(&error));
+            if let Err(error) = rle.decode_into(counts, width, height) {
+                report.error(codes::BAD_RLE, &path, place(), error.to_string(), error.remedy());
                 continue;
             }
-            answer = match runs.size() == self.size {
-                true => Answer::Runs(runs),
-                false => Answer::Pixels(self.resized(runs.to_mask())),
+            answer = match (width, height) == self.size {
+                true => Answer::Runs(rle),
+                false => Answer::Pixels(self.resized(Mask::from_rle(&rle, width, height))),
             };
             tell(position, &answer);
         }
@@ -393,13 +392,6 @@ impl<'de> Visitor<'de> for AppendIfAny<'_> {
 
     fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
         Append(self.0).deserialize(deserializer).map(Some)
-    }
-}
-
-fn rle_remedy(error: &RleError) -> &'static str {
-    match error {
-        RleError::Total { .. } => "encode a mask of exactly the stated [height, width]",
-        _ => "write what pycocotools' mask.encode gives as `counts` (compressed, column-major)",
     }
 }
 

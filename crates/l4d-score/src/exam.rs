@@ -174,9 +174,9 @@ impl Exam {
         })
     }
 
-    /// Decodes the truth of a scene.
-    pub fn truth(&self, scene: &SceneExam) -> Result<SceneTruth, DataError> {
-        SceneTruth::decode(&scene.truth, &self.bench.dir.truth(self.profile, &scene.name))
+    /// The truth of a scene.
+    pub fn truth(&self, scene: &SceneExam) -> SceneTruth {
+        SceneTruth::of(&scene.truth)
     }
 
     /// Queries that people have rejected: never scored, but counted, so that a table can say what it lacks.

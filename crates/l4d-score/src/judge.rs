@@ -3,9 +3,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use l4d_data::{Query, Temporal};
-use l4d_masks::rle::{self, RleError};
-use l4d_masks::{Mask, Runs};
+use l4d_data::Query;
+use l4d_masks::{Mask, Rle};
 
 use crate::counts::{FrameCount, State};
 use crate::labels::Labels;
@@ -21,34 +20,26 @@ pub enum Answer {
     /// These pixels, perhaps none; same size as the truth.
     Pixels(Mask),
     /// The same as runs, which are compared without being drawn.
-    Runs(Runs),
+    Runs(Rle),
 }
 
 impl Answer {
-    /// Answers from run lengths by frame, one per frame of `clip`; null says absent, a frame that is not there is
-    /// missing.
-    ///
-    /// # Errors
-    /// Run lengths that are no mask of that size.
-    pub fn of_frames(
-        frames: &BTreeMap<u32, Option<String>>,
-        clip: &[u32],
-        (width, height): (u32, u32),
-    ) -> Result<Vec<Self>, RleError> {
+    /// Answers by frame, one per frame of `clip`; null says absent, a frame that is not there is missing.
+    pub fn of_frames(frames: &BTreeMap<u32, Option<Rle>>, clip: &[u32]) -> Vec<Self> {
         let answer = |frame: &u32| match frames.get(frame) {
-            None => Ok(Self::Missing),
-            Some(None) => Ok(Self::Absent),
-            Some(Some(counts)) => rle::decode_runs(counts, width, height).map(Self::Runs),
+            None => Self::Missing,
+            Some(None) => Self::Absent,
+            Some(Some(rle)) => Self::Runs(rle.clone()),
         };
         clip.iter().map(answer).collect()
     }
 
-    /// The pixels of an answer; none where it has none to give.
-    pub fn mask(&self) -> Option<Cow<'_, Mask>> {
+    /// The pixels of an answer about pictures of that width and height; none where it has none to give.
+    pub fn mask(&self, (width, height): (u32, u32)) -> Option<Cow<'_, Mask>> {
         match self {
             Self::Missing | Self::Absent => None,
             Self::Pixels(mask) => Some(Cow::Borrowed(mask)),
-            Self::Runs(runs) => Some(Cow::Owned(runs.to_mask())),
+            Self::Runs(rle) => Some(Cow::Owned(Mask::from_rle(rle, width, height))),
         }
     }
 }
@@ -122,11 +113,13 @@ fn judge_frame(
         instance_overlap: 0,
     };
     let Some(position) = truth.position(frame) else { return count };
-    let is_asked = query.temporal == Temporal::Whole || query.holds_at(frame);
+    let is_asked = query.asks_at(frame);
     let overlaps = match (answer, truth.labels(position)) {
         (Answer::Missing | Answer::Absent, _) => Overlaps::none(truth, referents, position),
         (Answer::Runs(runs), Some(labels)) => Overlaps::of_runs(truth, referents, position, labels, runs),
-        (answer, _) => Overlaps::of_mask(truth, referents, position, answer.mask().as_deref()),
+        (answer, _) => {
+            Overlaps::of_mask(truth, referents, position, answer.mask((truth.width, truth.height)).as_deref())
+        }
     };
     count.predicted = overlaps.predicted;
     if is_asked {
@@ -189,7 +182,7 @@ impl Overlaps {
         referents: &[usize],
         position: usize,
         labels: &Labels,
-        runs: &Runs,
+        runs: &Rle,
     ) -> Self {
         let instances = labels.overlaps(runs);
         Self {
@@ -245,7 +238,7 @@ mod tests {
                 id: u32::from(index) + 1,
                 role: Role::Object,
                 category: "thing".to_owned(),
-                masks: vec![TruthMask::new(Mask::from_fn(width, height, is_inside))],
+                masks: vec![TruthMask::of(&Mask::from_fn(width, height, is_inside))],
             }
         };
         let scene = (Name::new("a").unwrap(), Scale::Room);
@@ -292,7 +285,7 @@ mod tests {
             let truth = truth(width, height, &ids, are_overlapping);
             let has_shared = are_overlapping && ids.contains(&3);
             prop_assert_eq!(truth.labels(0).is_none(), has_shared);
-            let answers = [Answer::Runs(Runs::of(&mask)), Answer::Pixels(mask)];
+            let answers = [Answer::Runs(mask.to_rle()), Answer::Pixels(mask)];
             let judged = answers.map(|answer| judge_query(&truth, &query(holds), &[0, 2], &[0], &[answer]));
             prop_assert_eq!(&judged[0], &judged[1]);
         }

@@ -3,7 +3,7 @@
 //! Rendered ids are disjoint, so a prediction that comes as runs meets every instance in one pass, and nothing is drawn.
 //! It is the fast path of [`crate::judge`]; where instances overlap there is none.
 
-use l4d_masks::Runs;
+use l4d_masks::Rle;
 
 use crate::truth::TruthMask;
 
@@ -40,7 +40,7 @@ impl Labels {
         let mut spans = Vec::new();
         let mut instances = 0_u16;
         for mask in masks {
-            let runs = mask.map_or(&[][..], |mask| mask.runs().runs());
+            let runs = mask.map_or(&[][..], |mask| mask.rle().runs());
             spans.extend(runs.iter().map(|&[start, end]| (start, end, instances)));
             // More than there are ids.
             instances = instances.checked_add(1)?;
@@ -81,7 +81,7 @@ impl Labels {
     }
 
     /// Pixels that a prediction of the same size shares with each instance.
-    pub fn overlaps(&self, predicted: &Runs) -> Vec<u64> {
+    pub fn overlaps(&self, predicted: &Rle) -> Vec<u64> {
         let kinds = usize::from(self.instances) + 1;
         // Of what a run starts in, and of what comes next: one sum would make every run wait for the one before.
         let mut sums = vec![0; 2 * kinds];

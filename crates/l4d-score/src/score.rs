@@ -142,7 +142,7 @@ fn judge_scene(
     options: &Options,
 ) -> Result<JudgedScene, DataError> {
     let mut report = Report::default();
-    let truth = exam.truth(scene)?;
+    let truth = exam.truth(scene);
     let holes = Holes::reported_if(options.missing == Missing::Error);
     let reader = SceneReader::open(dir, scene, options.resize, holes, &mut report);
     let judge = |query: &&Query| {

@@ -140,7 +140,7 @@ fn sweep_scene(
     options: &Options,
     report: &mut Report,
 ) -> Result<Vec<Swept>, DataError> {
-    let truth = exam.truth(scene)?;
+    let truth = exam.truth(scene);
     let reader = SceneReader::open(dir, scene, options.resize, Holes::Reported, report);
     let sweep = |query: &&Query| {
         let mut found = Report::default();

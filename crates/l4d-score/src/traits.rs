@@ -86,7 +86,7 @@ impl Traits {
         for counts in query.referents.iter().filter_map(|referent| view.get(referent)) {
             pixels.iter_mut().zip(counts).for_each(|(sum, &count)| *sum += u64::from(count));
         }
-        let is_asked = |frame: u32| query.temporal == Temporal::Whole || query.holds_at(frame);
+        let is_asked = |frame: u32| query.asks_at(frame);
         let asked: Vec<u64> = truth
             .frames
             .iter()

@@ -6,18 +6,17 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use l4d_data::scene::Role;
-use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, Scale, Temporal};
-use l4d_masks::{Mask, Runs, rle};
-use rayon::prelude::*;
+use l4d_data::truth::{InstanceTruth, Truth, frame_key};
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Scale};
+use l4d_masks::{Mask, Rle};
 
 use crate::labels::Labels;
 
-/// A mask of the truth with what is asked of it again and again. It is drawn when somebody asks for its pixels: answers
-/// that are run lengths are compared without.
+/// A mask of the truth. It is drawn when its pixels are asked for: answers that are run lengths are compared without.
 #[derive(Debug, Clone)]
 pub struct TruthMask {
-    runs: OnceLock<Runs>,
+    rle: Rle,
+    size: (u32, u32),
     drawn: OnceLock<Drawn>,
     area: u64,
 }
@@ -29,25 +28,16 @@ struct Drawn {
     rows: Range<u32>,
 }
 
-impl Drawn {
-    fn new(mask: Mask) -> Self {
-        let rows = mask.bounding_box().map_or(0..0, |bounds| bounds.first_row..bounds.last_row + 1);
-        Self { mask, rows }
-    }
-}
-
 impl TruthMask {
-    /// None if the mask has no pixel.
-    pub fn new(mask: Mask) -> Option<Self> {
-        let area = mask.area();
-        (area > 0).then(|| Self { runs: OnceLock::new(), drawn: OnceLock::from(Drawn::new(mask)), area })
+    /// None if there is no pixel.
+    pub fn new(rle: Rle, size: (u32, u32)) -> Option<Self> {
+        let area = rle.area();
+        (area > 0).then(|| Self { rle, size, drawn: OnceLock::new(), area })
     }
 
-    /// None if there is no pixel.
-    pub fn of_runs(mut runs: Runs) -> Option<Self> {
-        let area = runs.area();
-        runs.shrink_to_fit();
-        (area > 0).then(|| Self { runs: OnceLock::from(runs), drawn: OnceLock::new(), area })
+    /// The same of drawn pixels.
+    pub fn of(mask: &Mask) -> Option<Self> {
+        Self::new(mask.to_rle(), mask.size())
     }
 
     /// The pixels.
@@ -56,8 +46,8 @@ impl TruthMask {
     }
 
     /// The pixels as runs.
-    pub fn runs(&self) -> &Runs {
-        self.runs.get_or_init(|| Runs::of(self.mask()))
+    pub fn rle(&self) -> &Rle {
+        &self.rle
     }
 
     /// Number of pixels.
@@ -72,9 +62,11 @@ impl TruthMask {
     }
 
     fn drawn(&self) -> &Drawn {
-        // One of the two is always there.
-        self.drawn
-            .get_or_init(|| Drawn::new(self.runs.get().map_or_else(|| Mask::empty(0, 0), Runs::to_mask)))
+        self.drawn.get_or_init(|| {
+            let mask = Mask::from_rle(&self.rle, self.size.0, self.size.1);
+            let rows = mask.bounding_box().map_or(0..0, |bounds| bounds.first_row..bounds.last_row + 1);
+            Drawn { mask, rows }
+        })
     }
 }
 
@@ -124,40 +116,28 @@ impl SceneTruth {
         Self { scene, scale, width, height, frames, instances, labels }
     }
 
-    /// Reads and decodes the truth of a scene.
+    /// Reads the truth of a scene.
+    ///
+    /// # Errors
+    /// A truth file that is missing or damaged.
     pub fn load(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
-        Self::decode(&bench.truth(profile, scene)?, &bench.dir.truth(profile, scene))
+        Ok(Self::of(&bench.truth(profile, scene)?))
     }
 
-    /// Decodes what was read. `path` is the file to blame.
-    pub fn decode(file: &Truth, path: &Path) -> Result<Self, DataError> {
-        let (width, height) = (file.width, file.height);
+    /// The truth of a file.
+    pub fn of(file: &Truth) -> Self {
+        let size = (file.width, file.height);
         let keys: Vec<String> = file.frames.iter().map(|&frame| frame_key(frame)).collect();
-        let decode = |key: &String, name: &Name, counts: Option<&String>| {
-            let runs = counts.map(|counts| rle::decode_runs(counts, width, height)).transpose().map_err(
-                |error| {
-                    let place = format!("instance {name}, frame {key}");
-                    DataError::invalid(path, place, error.to_string(), "restore the file from the release")
-                },
-            )?;
-            Ok(runs.and_then(TruthMask::of_runs))
+        let instance = |instance: &InstanceTruth| TruthInstance {
+            name: instance.name.clone(),
+            id: instance.id,
+            role: instance.role,
+            category: instance.category.clone(),
+            masks: keys.iter().map(|key| TruthMask::new(instance.masks.get(key)?.clone(), size)).collect(),
         };
-        let instances = file.instances.par_iter().map(|instance| {
-            let masks = keys
-                .iter()
-                .map(|key| decode(key, &instance.name, instance.masks.get(key)))
-                .collect::<Result<Vec<_>, DataError>>()?;
-            Ok(TruthInstance {
-                name: instance.name.clone(),
-                id: instance.id,
-                role: instance.role,
-                category: instance.category.clone(),
-                masks,
-            })
-        });
-        let mut instances = instances.collect::<Result<Vec<_>, DataError>>()?;
+        let mut instances: Vec<TruthInstance> = file.instances.iter().map(instance).collect();
         instances.sort_by_key(|instance| instance.id);
-        Ok(Self::new((file.scene.clone(), file.scale), (width, height), file.frames.clone(), instances))
+        Self::new((file.scene.clone(), file.scale), size, file.frames.clone(), instances)
     }
 
     /// Who shows where at an annotated frame; none if instances overlap there, as hand-drawn ones may.
@@ -188,10 +168,7 @@ impl SceneTruth {
 
     /// What a query asks to find at an annotated frame: the union of its referents, or nothing.
     pub fn target(&self, query: &Query, referents: &[usize], position: usize) -> Option<Cow<'_, TruthMask>> {
-        if query.temporal == Temporal::While && !query.holds_at(self.frames[position]) {
-            return None;
-        }
-        self.union(referents, position)
+        query.asks_at(self.frames[position]).then(|| self.union(referents, position)).flatten()
     }
 
     /// Union of instances at an annotated frame; none if no pixel of them is visible.
@@ -205,6 +182,6 @@ impl SceneTruth {
         }
         let mut union = first.mask().clone();
         rest.for_each(|other| union.union_with(other.mask()));
-        TruthMask::new(union).map(Cow::Owned)
+        TruthMask::of(&union).map(Cow::Owned)
     }
 }

@@ -131,7 +131,7 @@ fn truth_of(example: &Example) -> SceneTruth {
         id: index as u32 + 1,
         role: Role::Object,
         category: "letter".to_owned(),
-        masks: annotated.iter().map(|frame| TruthMask::new(mask(&frame.truth, letter))).collect(),
+        masks: annotated.iter().map(|frame| TruthMask::of(&mask(&frame.truth, letter))).collect(),
     });
     let frames = annotated.iter().map(|frame| frame.number).collect();
     let scene = (Name::new("page").unwrap(), Scale::Room);

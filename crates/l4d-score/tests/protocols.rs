@@ -9,7 +9,7 @@ use std::process::Command;
 use l4d_data::query::text_digest;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::{Name, Query, QueryId};
-use l4d_masks::{Mask, rle};
+use l4d_masks::Mask;
 use l4d_score::Protocol;
 use l4d_score::judge::Answer;
 use l4d_score::protocols::{Sheet, Summits, judge_answers, render};
@@ -50,14 +50,14 @@ fn case(scene: &Value, frames: &[u32]) -> Case {
     let side = |name: &str| scene[name].as_u64().unwrap() as u32;
     let (width, height) = (side("width"), side("height"));
     let name = scene["name"].as_str().unwrap();
-    let decode = |counts: &Value| rle::decode(counts.as_str().unwrap(), width, height).unwrap();
+    let decode = |counts: &Value| Mask::decode(counts.as_str().unwrap(), width, height).unwrap();
     let (mut instances, mut queries, mut answers) = (Vec::new(), Vec::new(), BTreeMap::new());
     for entry in scene["queries"].as_array().unwrap() {
         let number = entry["number"].as_u64().unwrap();
         let parts = entry["visible"]["0"].as_array().unwrap().len();
         let names: Vec<String> = (0..parts).map(|part| format!("q{number}_part{part}")).collect();
         for (part, name) in names.iter().enumerate() {
-            let mask = |frame: &u32| TruthMask::new(decode(&entry["visible"][frame.to_string()][part]));
+            let mask = |frame: &u32| TruthMask::of(&decode(&entry["visible"][frame.to_string()][part]));
             instances.push(TruthInstance {
                 name: Name::new(name).unwrap(),
                 id: instances.len() as u32 + 1,
@@ -132,7 +132,7 @@ fn bar(first: u32, end: u32) -> Mask {
 /// Three sentences over five frames: one always true, one true in the first three frames, one that is never seen.
 fn by_hand() -> Case {
     let truth_of = |bars: [Option<(u32, u32)>; 5]| {
-        bars.map(|bar_of| bar_of.and_then(|(first, end)| TruthMask::new(bar(first, end)))).to_vec()
+        bars.map(|bar_of| bar_of.and_then(|(first, end)| TruthMask::of(&bar(first, end)))).to_vec()
     };
     let instance = |name: &str, id: u32, masks: Vec<Option<TruthMask>>| TruthInstance {
         name: Name::new(name).unwrap(),

@@ -22,8 +22,9 @@ use std::time::Instant;
 use glam::UVec2;
 use l4d_data::layout::SceneDir;
 use l4d_data::{Scene, Split};
+use l4d_frames::Surfaces;
 use l4d_frames::exr::read_surfaces;
-use l4d_frames::{Mask, Surfaces};
+use l4d_masks::Mask;
 use l4d_solve::lift::{
     Canvas, ClosedSettings, DistilSettings, Evidence, EvidenceFrame, EvidenceView, FieldSettings,
     LiftSettings, lift, masks,

@@ -13,10 +13,10 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{AnswerDir, WorkDir};
 use l4d_data::store::write_atomic;
 use l4d_data::{Interval, Name, Progress, Rig, StageError, Timeline, Workspace};
-use l4d_frames::Mask;
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_ground::{Question, Unread};
+use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
 use serde_json::{Value, json};
 

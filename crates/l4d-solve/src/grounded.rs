@@ -10,8 +10,8 @@ use std::thread;
 use l4d_data::digest::sha256_hex;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, json};
-use l4d_frames::{Mask, rle};
 use l4d_ground::{Grounder, Grounding, Outcome, Question, ViewClip};
+use l4d_masks::{Mask, Rle};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -27,7 +27,7 @@ struct File {
     /// Height and width, pixels.
     size: [u32; 2],
     /// Four-digit frame -> compressed COCO counts; null = not seen.
-    frames: BTreeMap<String, Option<String>>,
+    frames: BTreeMap<String, Option<Rle>>,
     notes: Vec<String>,
 }
 
@@ -113,9 +113,9 @@ fn read(path: &Path, asked: &str, clip: &ViewClip) -> Option<Grounding> {
         return None;
     }
     let mask = |frame: u32| {
-        let counts = file.frames.get(&frame_key(frame))?;
-        let mask = match counts {
-            Some(counts) => rle::decode(counts, clip.width, clip.height).ok()?,
+        let mask = match file.frames.get(&frame_key(frame))? {
+            Some(mask) if mask.misfit(clip.width, clip.height).is_some() => return None,
+            Some(mask) => Mask::from_rle(mask, clip.width, clip.height),
             None => Mask::empty(clip.width, clip.height),
         };
         Some((frame, mask))
@@ -128,13 +128,13 @@ fn read(path: &Path, asked: &str, clip: &ViewClip) -> Option<Grounding> {
 }
 
 fn write(path: &Path, asked: String, clip: &ViewClip, grounding: &Grounding) -> Result<(), DataError> {
-    let counts = |mask: &Mask| (!mask.is_empty()).then(|| rle::encode(mask));
+    let rle = |mask: &Mask| (!mask.is_empty()).then(|| mask.to_rle());
     let file = File {
         schema: SCHEMA.to_owned(),
         asked,
         outcome: grounding.outcome.clone(),
         size: [clip.height, clip.width],
-        frames: grounding.masks.iter().map(|(&frame, mask)| (frame_key(frame), counts(mask))).collect(),
+        frames: grounding.masks.iter().map(|(&frame, mask)| (frame_key(frame), rle(mask))).collect(),
         notes: grounding.notes.clone(),
     };
     json::write(path, &file)

@@ -6,7 +6,7 @@ use l4d_data::layout::ResultsDir;
 use l4d_data::results::MaskFile;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, QueryId, json};
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
 
 use crate::clips::{Plan, Shot};
 
@@ -15,7 +15,7 @@ pub fn mask_file(plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> MaskFile {
     let [width, height] = plan.size;
     let counts = |shot: Shot| {
         let mask = masks.get(&shot).filter(|mask| !mask.is_empty());
-        mask.map(rle::encode)
+        mask.map(Mask::to_rle)
     };
     let frames = plan.instants.iter().enumerate().filter_map(|(instant, at)| {
         let frame = at.frame?;
@@ -57,6 +57,6 @@ mod tests {
         let file = mask_file(&plan, &masks);
         assert_eq!(file.size, [2, 4]);
         assert_eq!(file.frames["0000"], None);
-        assert_eq!(file.frames["0048"].as_deref(), Some("026"));
+        assert_eq!(file.frames["0048"].as_ref().unwrap().counts(), "026");
     }
 }

@@ -4,12 +4,12 @@
 //! Owns what people look at. Refuses to know how an answer came about.
 
 use glam::UVec2;
-use l4d_frames::Mask;
 use l4d_frames::closeup::Closeup;
 use l4d_frames::drawn::{Rgb, RgbImage, picture_of};
-use l4d_frames::mask::PixelBox;
 use l4d_frames::overlay::{Mark, enlarge};
 use l4d_frames::text::{Style, Weight};
+use l4d_masks::Mask;
+use l4d_masks::mask::PixelBox;
 use l4d_splat::model::ModelError;
 use l4d_splat::splats::Splats;
 use l4d_splat::view::View;

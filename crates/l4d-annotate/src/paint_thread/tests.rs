@@ -2,7 +2,7 @@ use std::sync::mpsc::{self, Receiver};
 use std::time::Duration;
 
 use l4d_data::layout::SceneDir;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 use ratatui::layout::Size;
 
 use super::*;

@@ -29,7 +29,7 @@ pub(super) fn card(
     };
     let frames: Vec<u32> =
         capture.frames.iter().copied().filter(|frame| capture.saw(&held_out.name, *frame)).collect();
-    let is_drawn = |frame: u32| drawn.instances.iter().any(|one| one.counts(&held_out.name, frame).is_some());
+    let is_drawn = |frame: u32| drawn.instances.iter().any(|one| one.mask(&held_out.name, frame).is_some());
     let Some(opening) = frames.iter().position(|frame| is_drawn(*frame)) else {
         return refuse("masks.json", "nothing is drawn on the held-out view", "draw objects on its pictures");
     };

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use glam::DVec2;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 use ratatui::layout::{Position, Rect};
 
 use super::{answer, looking};

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::{Query, QueryId, Report};
-use l4d_masks::{Mask, rle};
+use l4d_masks::Mask;
 use l4d_score::answers::Reader;
 use l4d_score::exam::SceneExam;
 use l4d_score::judge::Answer;
@@ -65,8 +65,8 @@ impl Pool {
     pub(crate) fn place(&mut self, mask: &Mask) -> i64 {
         let (width, height) = self.size;
         let text = match mask.size() == self.size {
-            true => rle::encode(mask),
-            false => rle::encode(&mask.resized_nearest(width, height)),
+            true => mask.to_rle().counts(),
+            false => mask.resized_nearest(width, height).to_rle().counts(),
         };
         if mask.is_empty() {
             return NOTHING;
@@ -120,13 +120,13 @@ impl<'a> Answers<'a> {
         let forms = self.forms.get(id.number.as_str()).copied()?;
         let answers = self.reader.read(id, forms, &mut Report::default());
         let is_counted = |(&frame, answer): (&u32, &Answer)| {
-            let area = answer.mask().map_or(0, |mask| mask.area());
+            let area = answer.mask(self.reader.size).map_or(0, |mask| mask.area());
             counted.iter().any(|count| count.frame == frame && count.predicted == area)
         };
         if !self.reader.clip.iter().zip(&answers).all(is_counted) {
             return None;
         }
-        let place = |answer: &Answer| match answer.mask() {
+        let place = |answer: &Answer| match answer.mask(self.reader.size) {
             Some(mask) => pool.place(&mask),
             None if *answer == Answer::Missing => MISSING,
             None => NOTHING,

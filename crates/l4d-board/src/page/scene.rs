@@ -28,7 +28,7 @@ pub(crate) fn scene(
     backdrop: &Backdrop,
 ) -> Result<Value, DataError> {
     let scene = asked.scene;
-    let truth = exam.truth(scene)?;
+    let truth = exam.truth(scene);
     let shown = shown_frames(scene);
     let mut pool = Pool::new(shown_size(scene.size));
     let mut targets = Vec::new();

@@ -17,6 +17,9 @@ pub struct AtomicFile {
 
 impl AtomicFile {
     /// Starts the file; makes its folder if it is missing.
+    ///
+    /// # Errors
+    /// What the disk refuses.
     pub fn create(path: &Path) -> Result<Self, DataError> {
         make_folder(path.parent().unwrap_or(Path::new(".")))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -26,12 +29,18 @@ impl AtomicFile {
     }
 
     /// Appends bytes.
+    ///
+    /// # Errors
+    /// What the disk refuses.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), DataError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         writer.write_all(bytes).map_err(|source| DataError::io(&self.path, "write", source))
     }
 
     /// Puts the file in place.
+    ///
+    /// # Errors
+    /// What the disk refuses.
     pub fn commit(mut self) -> Result<(), DataError> {
         let finish = |writer: BufWriter<File>| -> io::Result<()> {
             writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
@@ -46,7 +55,7 @@ impl AtomicFile {
 
 impl Drop for AtomicFile {
     fn drop(&mut self) {
-        // After a commit nothing stands there any more, which is no error.
+        // After a commit there is nothing any more, which is no error.
         fs::remove_file(&self.temporary).ok();
     }
 }

@@ -17,7 +17,7 @@ use l4d_data::{At as _, Category, DataError, Name, Progress, Query, json};
 use l4d_frames::drawn::DepthMap;
 use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, TrainingIds};
 use l4d_ground::{Grounder as _, Grounding, Outcome, Question};
-use l4d_masks::{Mask, rle};
+use l4d_masks::{Mask, Rle};
 use l4d_solve::lift::{Evidence, EvidenceView, lift};
 use l4d_solve::method::MethodChoice;
 use l4d_solve::scene::SolveScene;
@@ -308,7 +308,7 @@ impl Trials<'_> {
 
 fn digest(query: &Query, groundings: &[Grounding]) -> String {
     let view = |grounding: &Grounding| {
-        let masks: Vec<String> = grounding.masks.values().map(rle::encode).collect();
+        let masks: Vec<Rle> = grounding.masks.values().map(Mask::to_rle).collect();
         json!([grounding.outcome, masks])
     };
     let views: Vec<Value> = groundings.iter().map(view).collect();

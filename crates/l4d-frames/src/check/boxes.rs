@@ -135,7 +135,7 @@ fn look_for_pixels_outside(
     }
 }
 
-/// Whether the whole box is in the picture, large enough, and nothing stands before it.
+/// Whether the whole box is in the picture, large enough, and nothing is before it.
 fn is_in_plain_sight(bounds: &OrientedBox, view: View, frame: u32) -> bool {
     let size = DVec2::new(f64::from(view.surfaces.width), f64::from(view.surfaces.height));
     let mut low = DVec2::INFINITY;
@@ -218,7 +218,7 @@ impl BoxReport {
         }
         for (id, place) in self.unseen {
             let message =
-                "its box is wholly in the picture and nothing stands before it, but no pixel shows it";
+                "its box is wholly in the picture and nothing is before it, but no pixel shows it";
             let hint = "check the instance's pass index and that its parts are rendered";
             report.error(
                 "L4D114",

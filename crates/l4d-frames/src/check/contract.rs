@@ -1,4 +1,4 @@
-//! What can be checked without opening a picture: scene.json, the files that stand there, the tracks.
+//! What can be checked without opening a picture: scene.json, the files that are there, the tracks.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -82,7 +82,7 @@ struct ViewCard {
     world_from_camera: Vec<[f64; 16]>,
 }
 
-/// The frames were rendered with the camera of `view.json`, where that still stands beside them.
+/// The frames were rendered with the camera of `view.json`, where that is still beside them.
 fn check_card(camera: &Camera, dir: &SceneDir, report: &mut Report) {
     let path = dir.view_card(&camera.name);
     if !path.exists() {

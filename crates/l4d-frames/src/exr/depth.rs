@@ -26,7 +26,10 @@ const CHANNELS: [(&str, SampleType); 4] =
 const BYTES_PER_PIXEL: usize = 10;
 const REMEDY: &str = "delete the file and run `l4d render-splats` again";
 
-/// A drawn depth as the bytes of an EXR file; `path` is where they will stand.
+/// A drawn depth as the bytes of an EXR file; `path` is where they will be.
+///
+/// # Errors
+/// A channel that has not one value per pixel.
 pub fn encode_depth(path: &Path, depth: &DepthMap) -> Result<Vec<u8>, DataError> {
     let channels = vec![
         AnyChannel::new("A", FlatSamples::F16(depth.alpha.clone())),
@@ -40,6 +43,9 @@ pub fn encode_depth(path: &Path, depth: &DepthMap) -> Result<Vec<u8>, DataError>
 }
 
 /// The drawn depth in bytes that were read from `path`, of `size` (columns, rows) pixels.
+///
+/// # Errors
+/// Bytes that are no such depth of that size.
 pub fn decode_depth(path: &Path, bytes: &[u8], size: UVec2) -> Result<DepthMap, DataError> {
     // As for frames: the decoder indexes into bytes that a hostile file controls.
     catch_unwind(AssertUnwindSafe(|| decode_checked(bytes, size)))

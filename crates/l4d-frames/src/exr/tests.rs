@@ -1,4 +1,4 @@
-//! What is written reads back to the bit; whatever else stands in a file is an error that names it.
+//! What is written reads back to the bit; whatever else is in a file is an error that names it.
 
 use exr::image::{Encoding, Image, Layer};
 use exr::meta::header::LayerAttributes;

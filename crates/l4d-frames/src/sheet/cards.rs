@@ -51,6 +51,9 @@ pub struct Shot<'a> {
 }
 
 /// Draws at most [`MOST_CARDS`] cards on one page under a heading.
+///
+/// # Errors
+/// A picture that cannot be read.
 pub fn cards(heading: &str, cards: &[Card<'_>]) -> Result<RgbImage, FrameError> {
     let cards = &cards[..cards.len().min(MOST_CARDS)];
     let laid: Vec<Laid> = cards.iter().map(Laid::new).collect();
@@ -130,7 +133,7 @@ fn pictures(card: &Card<'_>) -> Result<Vec<RgbImage>, FrameError> {
     card.shots.iter().map(draw).collect()
 }
 
-/// Outlines of the objects: landmarks are many, and nobody asks for them.
+/// Outlines of the objects: landmarks are many, and no query asks for them.
 fn asked_marks(scene: &Scene) -> Vec<Mark> {
     marks(&scene.instances).into_iter().filter(|mark| !mark.faint).collect()
 }

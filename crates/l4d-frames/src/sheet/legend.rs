@@ -1,4 +1,4 @@
-//! What stands below the pictures: which number is which instance, and the queries.
+//! Below the pictures: which number is which instance, and the queries.
 
 use image::RgbImage;
 use l4d_data::scene::{Instance, Scene};

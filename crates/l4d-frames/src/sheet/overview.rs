@@ -25,6 +25,9 @@ const SCENE_HEADER_PX: u32 = 30;
 pub type Rendered = (Scene, SceneDir);
 
 /// Draws a strip of pictures per scene; all scenes have to be of one profile. Moments are canonical frames.
+///
+/// # Errors
+/// A picture that cannot be read.
 pub fn overview(scenes: &[Rendered], moments: &[u32]) -> Result<RgbImage, FrameError> {
     let Some((first, _)) = scenes.first() else { return Ok(RgbImage::from_pixel(1, 1, PAPER)) };
     let page = Page::new(UVec2::new(first.width, first.height), moments.len() as u32);

@@ -1,5 +1,7 @@
 use std::fs;
 
+use l4d_masks::Rle;
+
 use super::*;
 use crate::testing::{asked_from, blank_clip, question};
 
@@ -40,7 +42,7 @@ fn corner() -> Mask {
     Mask::from_fn(6, 4, |col, row| col < 2 && row == 0)
 }
 
-fn json_of(frames: &[(&str, Option<String>)]) -> String {
+fn json_of(frames: &[(&str, Option<Rle>)]) -> String {
     let frames = frames.iter().map(|(key, counts)| ((*key).to_owned(), counts.clone())).collect();
     serde_json::to_string(&MaskFile { size: [4, 6], frames }).unwrap()
 }
@@ -48,7 +50,7 @@ fn json_of(frames: &[(&str, Option<String>)]) -> String {
 #[test]
 fn json_and_pngs_say_the_same() {
     let json = Folder::new();
-    let (seen, unseen) = (Some(rle::encode(&corner())), Some(rle::encode(&Mask::empty(6, 4))));
+    let (seen, unseen) = (Some(corner().to_rle()), Some(Mask::empty(6, 4).to_rle()));
     json.put("cam01.json", json_of(&[("0000", seen), ("0012", None), ("0024", unseen), ("0036", None)]));
     let pngs = Folder::new();
     for (frame, mask) in [("0000", corner()), ("0012", Mask::empty(6, 4)), ("0024", Mask::empty(6, 4))] {
@@ -99,7 +101,7 @@ fn a_wrong_size_names_both() {
 
 #[test]
 fn hostile_files_are_complaints() {
-    let good = rle::encode(&corner());
+    let good = corner().to_rle().counts().repeat(1000);
     for text in [
         String::new(),
         "[".repeat(100_000),
@@ -107,7 +109,7 @@ fn hostile_files_are_complaints() {
         r#"{"size":[4,6],"frames":{"0000":"0"}}"#.to_owned(),
         r#"{"size":[4294967295,4294967295],"frames":{}}"#.to_owned(),
         r#"{"size":[4,6],"frames":{},"more":1}"#.to_owned(),
-        json_of(&[("0000", Some(good.repeat(1000)))]),
+        format!(r#"{{"size":[4,6],"frames":{{"0000":"{good}"}}}}"#),
     ] {
         let folder = Folder::new();
         folder.put("cam01.json", text);
@@ -134,7 +136,7 @@ fn a_pipe_is_no_file_and_nothing_waits_for_it() {
 #[test]
 fn only_frames_that_are_asked_about_are_needed_and_shown() {
     let folder = Folder::new();
-    let seen = Some(rle::encode(&corner()));
+    let seen = Some(corner().to_rle());
     folder.put("cam01.json", json_of(&[("0012", seen.clone()), ("0024", seen)]));
     let clip = blank_clip("cam01", 6, 4, &FRAMES);
     let grounding = folder.files().ground(&clip, &asked_from(question("yard", "001"), 13, 96));

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use l4d_data::{Scale, Timeline};
-use l4d_frames::Mask;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::Mask;
+use l4d_masks::mask::PixelBox;
 
 /// What is seen over a clip.
 #[derive(Debug, Clone, PartialEq)]

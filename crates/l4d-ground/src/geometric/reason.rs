@@ -10,7 +10,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use l4d_data::Temporal;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_query::{Clause, Party, Predicate};
 
 use super::kinds::{alike, fits};

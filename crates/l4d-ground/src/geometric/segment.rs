@@ -3,8 +3,8 @@
 //! Knows nothing of time but the backdrop, and keeps nothing from frame to frame.
 
 use glam::DVec3;
-use l4d_frames::Mask;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::Mask;
+use l4d_masks::mask::PixelBox;
 
 use super::lab::distance;
 use super::perceive::Glimpse;

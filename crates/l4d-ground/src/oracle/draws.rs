@@ -4,7 +4,7 @@
 
 use l4d_data::Name;
 use l4d_data::digest::sha256;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

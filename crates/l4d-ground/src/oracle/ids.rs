@@ -12,7 +12,7 @@ use l4d_data::scene::{Instance, Scene};
 use l4d_data::{DataError, Name, Profile, Split};
 use l4d_frames::exr::read_surfaces;
 use l4d_frames::truth::Observation;
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
 use serde_json::{Value, json};
 
 /// Which pixels show which instance.
@@ -136,12 +136,8 @@ impl IdSource for RenderedIds {
         let observation = self.observed(view, frame)?;
         let (width, height) = (self.scene.width, self.scene.height);
         let mut pixels = Mask::empty(width, height);
-        for (_, counts) in observation.masks.iter().filter(|(id, _)| ids.contains(id)) {
-            let mask = rle::decode(counts, width, height).map_err(|error| {
-                let path = self.dir.frame(view, frame);
-                DataError::invalid(&path, "channel `id`", error.to_string(), "read the picture again")
-            })?;
-            pixels.union_with(&mask);
+        for (_, mask) in observation.masks.iter().filter(|(id, _)| ids.contains(id)) {
+            pixels.union_with(&Mask::from_rle(mask, width, height));
         }
         Ok(pixels)
     }

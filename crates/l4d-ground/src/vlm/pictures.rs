@@ -39,7 +39,7 @@ fn surfaces(sent: &SentFrames<'_>, candidates: &Candidates, frame: u32) -> Surfa
     let pixels = width as usize * height as usize;
     let mut id = vec![0; pixels];
     let mut masks: Vec<_> = candidates.objects.iter().zip(1..).collect();
-    let area = |object: &crate::worker::Object| object.masks.get(&frame).map_or(0, l4d_frames::Mask::area);
+    let area = |object: &crate::worker::Object| object.masks.get(&frame).map_or(0, l4d_masks::Mask::area);
     masks.sort_by_key(|(object, number)| (std::cmp::Reverse(area(object)), *number));
     for (object, number) in masks {
         let pixels = object.masks.get(&frame).into_iter().flat_map(|mask| mask.pixels());

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use l4d_endpoint::{CacheUse, Link};
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use self::server::{Server, says, words};
 use super::*;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -125,7 +125,7 @@ impl Rle {
         if (columns, rows) != (width, height) {
             return Err(format!("a mask has {columns}x{rows} pixels, the frames have {width}x{height}"));
         }
-        rle::decode(&self.counts, width, height).map_err(|error| format!("a mask cannot be read: {error}"))
+        Mask::decode(&self.counts, width, height).map_err(|error| format!("a mask cannot be read: {error}"))
     }
 }
 

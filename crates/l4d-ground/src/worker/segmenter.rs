@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use l4d_data::Interval;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde_json::{Value, json};
 
 use super::Worker;

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use l4d_data::Interval;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::*;
 use crate::testing::{asked_from, clip, sentence};

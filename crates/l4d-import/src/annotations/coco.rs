@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::error::inert;
-use l4d_data::{DataError, json};
-use l4d_frames::{Mask, rle};
+use l4d_data::{DataError, Rle, json};
+use l4d_masks::Mask;
 use serde::Deserialize;
 
 use super::fill::{Rule, fill};
@@ -139,7 +139,7 @@ fn mask_of(
             Err(format!("run lengths are for {}x{}, the picture is {width}x{height}", size[1], size[0]))
         }
         Segmentation::Runs { counts: Counts::Compressed(text), .. } => {
-            rle::decode(text, width, height).map_err(|error| inert(&error.to_string()))
+            Mask::decode(text, width, height).map_err(|error| inert(&error.to_string()))
         }
         Segmentation::Runs { counts: Counts::Plain(runs), .. } => plain_runs(runs, width, height),
     }
@@ -147,20 +147,10 @@ fn mask_of(
 
 /// A mask from the lengths of its runs down the columns, outside first.
 pub(crate) fn plain_runs(runs: &[u64], width: u32, height: u32) -> Result<Mask, String> {
-    let pixels = u64::from(width) * u64::from(height);
-    let total = runs.iter().try_fold(0_u64, |total, &run| total.checked_add(run));
-    if total != Some(pixels) {
-        return Err(format!("the runs do not cover {width}x{height} pixels"));
+    match Rle::from_lengths(runs.iter().copied(), width * height) {
+        Some(rle) => Ok(Mask::from_rle(&rle, width, height)),
+        None => Err(format!("the runs do not cover {width}x{height} pixels")),
     }
-    let mut mask = Mask::empty(width, height);
-    let mut start = 0;
-    for (index, run) in runs.iter().enumerate() {
-        for pixel in (start..start + run).filter(|_| index % 2 == 1) {
-            mask.set((pixel / u64::from(height)) as u32, (pixel % u64::from(height)) as u32, true);
-        }
-        start += run;
-    }
-    Ok(mask)
 }
 
 fn wrong(path: &Path, place: impl Into<String>, message: impl Into<String>) -> DataError {

@@ -1,6 +1,6 @@
 //! Polygons to pixels. Tools disagree about the border, so the rule is part of what an annotation says.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 /// Fractional bits of a column while an edge goes down.
 const SHIFT: u32 = 16;

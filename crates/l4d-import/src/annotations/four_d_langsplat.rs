@@ -10,7 +10,7 @@ use std::path::Path;
 use l4d_data::error::inert;
 use l4d_data::truth::Truth;
 use l4d_data::{DataError, json};
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde::Serialize;
 
 use super::fill::Rule;

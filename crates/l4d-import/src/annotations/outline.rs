@@ -2,8 +2,8 @@
 //!
 //! A polygon has no holes and is one piece, so a mask is cut into pieces that are. Readers unite the pieces of a label.
 
-use l4d_frames::Mask;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::Mask;
+use l4d_masks::mask::PixelBox;
 
 /// One piece of a mask.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::error::inert;
-use l4d_data::truth::{Truth, frame_key};
+use l4d_data::truth::Truth;
 use l4d_data::{DataError, Query, Temporal};
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
+use l4d_masks::target;
 
 /// Queries of a scene and the truth that they are judged by.
 #[derive(Debug, Clone)]
@@ -59,22 +59,10 @@ impl Prompt<'_> {
 }
 
 fn masks_of(path: &Path, truth: &Truth, query: &Query) -> Result<BTreeMap<u32, Mask>, DataError> {
-    let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
-    for name in &query.referents {
-        let wrong = |message: String| {
-            let remedy = "give the truth and the queries of one benchmark";
-            DataError::invalid(path, format!("instance {name}"), inert(&message), remedy)
-        };
-        let instance = truth.instance(name).ok_or_else(|| wrong("is not in the truth".to_owned()))?;
-        for &frame in &truth.frames {
-            let Some(counts) = instance.masks.get(&frame_key(frame)) else { continue };
-            let mask = rle::decode(counts, truth.width, truth.height)
-                .map_err(|error| wrong(format!("frame {frame}: {error}")))?;
-            match masks.get_mut(&frame) {
-                Some(union) => union.union_with(&mask),
-                None => drop(masks.insert(frame, mask)),
-            }
-        }
+    if let Some(name) = query.referents.iter().find(|name| truth.instance(name).is_none()) {
+        let remedy = "give the truth and the queries of one benchmark";
+        return Err(DataError::invalid(path, format!("instance {name}"), "is not in the truth", remedy));
     }
-    Ok(masks)
+    let mask = |&frame: &u32| Some((frame, target::union(truth, &query.referents, frame)?));
+    Ok(truth.frames.iter().filter_map(mask).collect())
 }

@@ -12,7 +12,7 @@ use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Split};
-use l4d_frames::{Mask, ids, rle};
+use l4d_masks::{Mask, Rle, ids};
 
 use super::plan::name_of;
 use crate::annotations::coco::{self, Reading};
@@ -92,12 +92,12 @@ pub fn read(capture: &Capture, path: &Path, format: MaskFormat) -> Result<MaskSe
     })
 }
 
-fn masks_of(placed: &[Placed], label: &str) -> BTreeMap<Name, BTreeMap<String, Option<String>>> {
-    let mut masks: BTreeMap<Name, BTreeMap<String, Option<String>>> = BTreeMap::new();
+fn masks_of(placed: &[Placed], label: &str) -> BTreeMap<Name, BTreeMap<String, Option<Rle>>> {
+    let mut masks: BTreeMap<Name, BTreeMap<String, Option<Rle>>> = BTreeMap::new();
     for Placed { view, frame, picture } in placed {
         let mask = picture.union_of(label);
-        let counts = (!mask.is_empty()).then(|| rle::encode(&mask));
-        masks.entry(view.clone()).or_default().insert(frame_key(*frame), counts);
+        let mask = (!mask.is_empty()).then(|| mask.to_rle());
+        masks.entry(view.clone()).or_default().insert(frame_key(*frame), mask);
     }
     masks
 }
@@ -227,5 +227,5 @@ fn no_doubles(path: &Path, placed: Vec<Placed>) -> Result<Vec<Placed>, DataError
 
 /// A mask of an instance, decoded; none where it was not annotated or is not visible.
 pub fn mask_at(set: &MaskSet, instance: &MaskedInstance, view: &str, frame: u32) -> Option<Mask> {
-    rle::decode(instance.counts(view, frame)?, set.width, set.height).ok()
+    instance.mask(view, frame).map(|mask| Mask::from_rle(mask, set.width, set.height))
 }

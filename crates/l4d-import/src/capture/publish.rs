@@ -13,7 +13,7 @@ use l4d_data::scene::{OBJECT_IDS, Role};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Benchmark, Camera, DataError, Name, Profile, Scale, json};
-use l4d_frames::rle;
+use l4d_masks::Rle;
 
 /// Heading of a manifest that is made here.
 const HEADING: &str = "Real scenes. Their pictures stand where they came from; queries and truth stand here.";
@@ -97,7 +97,7 @@ fn truth_of(capture: &Capture, set: &MaskSet, scale: Scale) -> Result<Truth, Dat
     let (frames, unannotated): (Vec<u32>, Vec<u32>) = seen.partition(is_annotated);
     let mut visible: BTreeMap<Name, Vec<u32>> = BTreeMap::new();
     for instance in &set.instances {
-        visible.insert(instance.name.clone(), areas(set, instance, &view.name, &frames)?);
+        visible.insert(instance.name.clone(), areas(instance, &view.name, &frames));
     }
     Ok(Truth {
         schema: SCHEMA.to_owned(),
@@ -135,7 +135,7 @@ fn judged_view<'a>(capture: &'a Capture, set: &MaskSet) -> Result<&'a Camera, Da
 }
 
 fn instance_truth(instance: &MaskedInstance, view: &Name, frames: &[u32]) -> InstanceTruth {
-    let mask = |frame: &u32| Some((frame_key(*frame), instance.counts(view, *frame)?.to_owned()));
+    let mask = |frame: &u32| Some((frame_key(*frame), instance.mask(view, *frame)?.clone()));
     InstanceTruth {
         name: instance.name.clone(),
         id: instance.id,
@@ -146,19 +146,7 @@ fn instance_truth(instance: &MaskedInstance, view: &Name, frames: &[u32]) -> Ins
 }
 
 /// Pixels of an instance at each frame.
-fn areas(
-    set: &MaskSet,
-    instance: &MaskedInstance,
-    view: &Name,
-    frames: &[u32],
-) -> Result<Vec<u32>, DataError> {
-    let area = |frame: &u32| {
-        let Some(counts) = instance.counts(view, *frame) else { return Ok(0) };
-        let mask = rle::decode(counts, set.width, set.height).map_err(|error| {
-            let place = format!("instance {}, {view} at {frame}", instance.name);
-            DataError::invalid(Path::new(MASKS), place, error.to_string(), "import the masks again")
-        })?;
-        Ok(u32::try_from(mask.area()).unwrap_or(u32::MAX))
-    };
-    frames.iter().map(area).collect()
+fn areas(instance: &MaskedInstance, view: &Name, frames: &[u32]) -> Vec<u32> {
+    let area = |frame: &u32| instance.mask(view, *frame).map_or(0, Rle::area);
+    frames.iter().map(|frame| u32::try_from(area(frame)).unwrap_or(u32::MAX)).collect()
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use l4d_data::scene::Instance;
 use l4d_data::{Camera, DataError, Role, Split, json};
-use l4d_frames::mask::Mask;
-use l4d_frames::rle;
+use l4d_masks::Rle;
+use l4d_masks::mask::Mask;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -55,7 +55,7 @@ struct Annotation {
 struct Segmentation {
     /// Height, width.
     size: [u32; 2],
-    counts: String,
+    counts: Rle,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -143,7 +143,7 @@ fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Resu
                 id: document.annotations.len() + 1,
                 image_id: index + 1,
                 category_id: category_of(instance, categories),
-                segmentation: Segmentation { size: [height, width], counts: rle::encode(&mask) },
+                segmentation: Segmentation { size: [height, width], counts: mask.to_rle() },
                 area: mask.area(),
                 bbox: [bounds.first_col, bounds.first_row, columns, rows],
                 iscrowd: 0,

@@ -7,7 +7,7 @@ use l4d_data::scene::Instance;
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, Role, Split};
 use l4d_frames::overlay::encode_jpeg;
-use l4d_frames::{Mask, ids};
+use l4d_masks::{Mask, ids};
 use rayon::prelude::*;
 
 use super::manifest::{Called, Manifest};

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use l4d_data::scene::Instance;
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, Name, Profile, Split};
-use l4d_frames::Mask;
 use l4d_frames::drawn::{DepthMap, Rgb, RgbImage, encode_colour};
+use l4d_masks::Mask;
 use rayon::prelude::*;
 
 use super::cloud::{Cloud, Reconstruction};

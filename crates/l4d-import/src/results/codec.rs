@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use l4d_data::{DataError, Report};
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 
 use super::codes;

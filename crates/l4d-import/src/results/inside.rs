@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 
 use super::relevancy::{self, Rules, Smoothing, over_range};

@@ -36,7 +36,7 @@ impl Level {
             return None;
         };
         let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
-        if !l4d_frames::Mask::is_sane_size(side(width), side(height)) || channels == 0 {
+        if !l4d_masks::Mask::is_sane_size(side(width), side(height)) || channels == 0 {
             report.error(codes::WRONG_SIZE, path, "shape", format!("{:?} is no picture", array.shape), "");
             return None;
         }

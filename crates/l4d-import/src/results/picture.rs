@@ -5,7 +5,7 @@
 
 use std::io::Cursor;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use png::{BitDepth, ColorType, Decoder, Limits};
 
 /// Numbers of a picture, row by row.

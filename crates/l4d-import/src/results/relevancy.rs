@@ -14,7 +14,7 @@ pub mod plain;
 mod smooth;
 pub mod texts;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 
 pub use decoder::Decoder;

@@ -6,14 +6,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{DataError, Query, QueryId, Report, Temporal};
-use l4d_frames::{Mask, rle};
+use l4d_data::truth::Truth;
+use l4d_data::{Query, QueryId, Report};
+use l4d_masks::target;
+use l4d_masks::{Mask, Rle};
 
 use super::codes;
 
-/// Masks by frame as run lengths; none where the method says that nothing is there.
-pub type Answers = BTreeMap<u32, Option<String>>;
+/// Masks by frame; none where the method says that nothing is there.
+pub type Answers = BTreeMap<u32, Option<Rle>>;
 
 /// Where relevancy is highest by query and frame: shares of width and height.
 pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
@@ -37,31 +38,21 @@ struct Count {
     intersection: u64,
 }
 
-/// The truth of a scene, decoded as it is needed.
+/// The truth of a scene.
 pub struct Judged<'a> {
     truth: &'a Truth,
-    path: &'a Path,
 }
 
 impl<'a> Judged<'a> {
     /// The truth in a file.
-    pub fn new(truth: &'a Truth, path: &'a Path) -> Self {
-        Self { truth, path }
+    pub fn new(truth: &'a Truth) -> Self {
+        Self { truth }
     }
 
     /// Reports that masks fit the frame before or after better, or hardly touch the truth.
-    ///
-    /// # Errors
-    /// Truth that is damaged.
-    pub fn check(
-        &self,
-        at: &Path,
-        asked: &[(&Query, &Answers)],
-        report: &mut Report,
-    ) -> Result<(), DataError> {
+    pub fn check(&self, at: &Path, asked: &[(&Query, &Answers)], report: &mut Report) {
         let [before, now, after] = [-1, 0, 1].map(|shift| self.mean_iou(asked, shift));
-        let (before, now, after) = (before?, now?, after?);
-        let Some((now, _)) = now else { return Ok(()) };
+        let Some((now, _)) = now else { return };
         for (shift, other) in [(-1, before), (1, after)] {
             let is_telling =
                 |(other, pairs): &(f64, u64)| *pairs >= FEW && *other > TELLING * now && *other > HARDLY;
@@ -76,22 +67,21 @@ impl<'a> Judged<'a> {
             );
             let hint = "check how files are numbered: from 0 or 1, by position or by name ({position}, {frame+1}, --frames)";
             report.warning(codes::FRAME_SHIFT, at, "masks", message, hint);
-            return Ok(());
+            return;
         }
         if now < HARDLY {
             let message = format!("hardly touch the truth: mean IoU {:.2} %", 100.0 * now);
             let hint = "check that these are masks of the held-out camera, in the right order of frames, and not flipped";
             report.warning(codes::HARDLY_TOUCHES, at, "masks", message, hint);
         }
-        Ok(())
     }
 
     /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it, and the
     /// number of these pairs.
-    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Result<Option<(f64, u64)>, DataError> {
+    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Option<(f64, u64)> {
         let (mut sum, mut count) = (0.0, 0_u64);
         for (query, answers) in asked {
-            for frame in self.compared(query, answers, shift)? {
+            for frame in self.compared(query, answers, shift) {
                 let Some(predicted) = frame.predicted.filter(|_| frame.is_asked && frame.visible > 0) else {
                     continue;
                 };
@@ -100,58 +90,39 @@ impl<'a> Judged<'a> {
                 count += 1;
             }
         }
-        Ok((count > 0).then(|| (sum / count as f64, count)))
+        (count > 0).then(|| (sum / count as f64, count))
     }
 
-    fn compared(&self, query: &Query, answers: &Answers, shift: isize) -> Result<Vec<Count>, DataError> {
+    fn compared(&self, query: &Query, answers: &Answers, shift: isize) -> Vec<Count> {
         let frames = &self.truth.frames;
         let mut counts = Vec::new();
         for (position, &frame) in frames.iter().enumerate() {
-            let target = self.target(query, frame)?;
+            let target = target::union(self.truth, &query.referents, frame)
+                .unwrap_or_else(|| Mask::empty(self.truth.width, self.truth.height));
             // What was answered for a frame is held against the truth `shift` places later.
             let answered = position.checked_add_signed(-shift).and_then(|position| frames.get(position));
             let mask = match answered.and_then(|frame| answers.get(frame)) {
                 None => None,
                 Some(None) => Some(Mask::empty(self.truth.width, self.truth.height)),
-                Some(Some(counts)) => rle::decode(counts, self.truth.width, self.truth.height).ok(),
+                Some(Some(mask)) => Some(Mask::from_rle(mask, self.truth.width, self.truth.height)),
             };
             counts.push(Count {
                 visible: target.area(),
-                is_asked: query.temporal == Temporal::Whole || query.holds_at(frame),
+                is_asked: query.asks_at(frame),
                 predicted: mask.as_ref().map(Mask::area),
                 intersection: mask.map_or(0, |mask| mask.and_count(&target)),
             });
         }
-        Ok(counts)
-    }
-
-    /// What the referents show in a frame, whether the query holds or not.
-    fn target(&self, query: &Query, frame: u32) -> Result<Mask, DataError> {
-        let (width, height) = (self.truth.width, self.truth.height);
-        let mut union = Mask::empty(width, height);
-        for name in &query.referents {
-            let instance = self.truth.instance(name.as_str());
-            let Some(counts) = instance.and_then(|instance| instance.masks.get(&frame_key(frame))) else {
-                continue;
-            };
-            let mask = rle::decode(counts, width, height).map_err(|error| {
-                let place = format!("instance {name}, frame {}", frame_key(frame));
-                DataError::invalid(self.path, place, error.to_string(), "restore the file from the release")
-            })?;
-            union.union_with(&mask);
-        }
-        Ok(union)
+        counts
     }
 }
 
 /// Reports masks that cover nearly everything: any of them counts as a hit for mAcc.
 pub fn check_cover(at: &Path, size: (u32, u32), answers: &BTreeMap<QueryId, Answers>, report: &mut Report) {
     let pixels = u64::from(size.0) * u64::from(size.1);
-    let covers = |counts: &String| {
-        rle::decode(counts, size.0, size.1).is_ok_and(|mask| mask.area() * 20 > pixels * 19)
-    };
+    let covers = |mask: &&Rle| mask.area() * 20 > pixels * 19;
     for (query, answers) in answers {
-        let full = answers.values().flatten().filter(|counts| covers(counts)).count();
+        let full = answers.values().flatten().filter(covers).count();
         if full > 0 {
             let message = format!("{full} masks cover more than 95 % of the picture");
             let hint = "such a mask hits whatever is asked: check that inside and outside are not swapped";

@@ -1,8 +1,8 @@
 //! COCO's and DAVIS' annotations, read as their tools do.
 
 use l4d_data::truth::frame_key;
-use l4d_frames::{Mask, ids, rle};
 use l4d_import::export::{Format, HeldOut};
+use l4d_masks::{Mask, ids};
 
 use crate::support::{BALL, LATE_BALL, SLAB, TEST_VIEW, World};
 use crate::{exported, json, png, shown};
@@ -36,7 +36,7 @@ fn coco_has_a_mask_for_every_visible_instance_of_every_training_picture() {
                 .unwrap_or_else(|| panic!("{id} is missing in {file}"));
             let counts = annotation["segmentation"]["counts"].as_str().unwrap();
             assert_eq!(annotation["segmentation"]["size"], serde_json::json!([96, 128]));
-            let mask = rle::decode(counts, 128, 96).unwrap();
+            let mask = Mask::decode(counts, 128, 96).unwrap();
             assert_eq!(mask, Mask::from_ids(128, 96, &surfaces.id, id).unwrap());
             assert_eq!(annotation["area"], visible);
             let bounds = mask.bounding_box().unwrap();

@@ -5,11 +5,11 @@ use std::path::Path;
 use glam::DVec3;
 use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::{DataError, Name, Profile, Split, json as files_of_json};
-use l4d_frames::{Mask, ids, rle};
 use l4d_import::annotations::Judged;
 use l4d_import::annotations::four_d_langsplat::{self, Counting};
 use l4d_import::colmap::Model;
 use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
+use l4d_masks::{Mask, ids};
 
 use crate::support::{BALL, LATE_BALL, TEST_VIEW, World};
 use crate::{Kind, exported_as, json, png, shown};
@@ -154,7 +154,7 @@ fn masks_are_those_that_people_drew_and_pictures_that_nobody_drew_on_have_none()
         let counts = annotation["segmentation"]["counts"].as_str().unwrap();
         let drawn = if annotation["instance_id"] == 1 { LATE_BALL } else { BALL };
         let truth = Mask::from_ids(128, 96, &world.frame(view, frame as u32).surfaces.id, drawn).unwrap();
-        assert_eq!(rle::decode(counts, 128, 96).unwrap(), truth, "{view} at {frame}");
+        assert_eq!(Mask::decode(counts, 128, 96).unwrap(), truth, "{view} at {frame}");
     }
     assert_eq!(png(&out.join("images/cam03/0048.png"), 128, 96), shown(&world, "cam03", 48));
 
@@ -228,7 +228,7 @@ fn evaluators_count_the_moments_that_nobody_drew_on() {
     let counts = truth.instance("ball_red").unwrap().masks["0048"].clone();
     assert_eq!(
         dataset.annotations.pictures[1].union_of("the ball that rolls"),
-        rle::decode(&counts, 128, 96).unwrap()
+        Mask::from_rle(&counts, 128, 96)
     );
     // Frames 36 to 72 are the moments 3 to 6, drawn on or not.
     assert_eq!(dataset.intervals["ball late"]["the ball while it rises"], [[3, 6]]);

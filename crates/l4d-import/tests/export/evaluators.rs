@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use l4d_frames::{Mask, rle};
 use l4d_import::annotations::fill::{Rule, fill};
 use l4d_import::annotations::four_d_langsplat::{self, Counting};
 use l4d_import::export::{Format, HeldOut};
+use l4d_masks::Mask;
 
 use crate::support::World;
 use crate::{exported, json};
@@ -14,8 +14,8 @@ use crate::{exported, json};
 fn truth_of(world: &World, names: &[&str], frame: u32) -> Mask {
     let mut union = Mask::empty(128, 96);
     for name in names {
-        if let Some(counts) = world.truth.instance(name).unwrap().masks.get(&format!("{frame:04}")) {
-            union.union_with(&rle::decode(counts, 128, 96).unwrap());
+        if let Some(mask) = world.truth.instance(name).unwrap().masks.get(&format!("{frame:04}")) {
+            union.union_with(&Mask::from_rle(mask, 128, 96));
         }
     }
     union

@@ -8,11 +8,11 @@ use l4d_data::query::text_digest;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_data::{Benchmark, Name, Profile, Report, json};
-use l4d_frames::{Mask, rle};
 use l4d_import::results::codec::{Reading, Selections};
 use l4d_import::results::import::{Encoders, Imported, Order, Request, import};
 use l4d_import::results::preset::Preset;
 use l4d_import::results::template::Captures;
+use l4d_masks::Mask;
 
 /// The one scene.
 pub(crate) const SCENE: &str = "tabletop_cups";
@@ -127,7 +127,7 @@ fn truth() -> Truth {
         masks: clip()
             .iter()
             .enumerate()
-            .map(|(at, &frame)| (frame_key(frame), rle::encode(&cup(name, at))))
+            .map(|(at, &frame)| (frame_key(frame), cup(name, at).to_rle()))
             .collect(),
     };
     Truth {

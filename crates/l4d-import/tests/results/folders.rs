@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
-use l4d_frames::{Mask, ids, png, rle};
 use l4d_import::results::codec::Codec;
 use l4d_import::results::import::{Identity, Imported, Order, Request, SoftStage, import, write};
 use l4d_import::results::preset::Preset;
 use l4d_import::results::probe::probe;
 use l4d_import::results::relevancy::{Plain, Texts, TextsFile, answer, gate};
+use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
 use l4d_score::protocols::judge_answers;
 use l4d_score::sweep::sweep_results;
@@ -27,8 +27,8 @@ fn id(query: usize) -> QueryId {
 }
 
 fn mask_of(imported: &Imported, query: usize, frame: u32) -> Option<Mask> {
-    let counts = imported.answers[&id(query)][&frame].as_ref()?;
-    Some(rle::decode(counts, 128, 96).unwrap())
+    let mask = imported.answers[&id(query)][&frame].as_ref()?;
+    Some(Mask::from_rle(mask, 128, 96))
 }
 
 fn score(bench: &Bench, imported: &Imported) -> Summary {
@@ -58,7 +58,7 @@ fn recount(bench: &Bench, imported: &Imported, protocol: Protocol, measure: &str
     let queries = bench.queries(&scene).unwrap();
     let asked: Vec<&Query> =
         queries.iter().filter(|query| imported.answers.contains_key(&query.id)).collect();
-    let of_frames = |frames| Answer::of_frames(frames, &truth.frames, (128, 96)).unwrap();
+    let of_frames = |frames| Answer::of_frames(frames, &truth.frames);
     let answers = imported.answers.iter().map(|(id, frames)| (id.clone(), of_frames(frames))).collect();
     let path = bench.dir.queries(&scene);
     let sheets =
@@ -424,7 +424,7 @@ fn palette_indices_are_selected_by_sentence() {
 #[test]
 fn run_lengths_in_one_file_and_null_for_nothing() {
     let bench = Bench::new();
-    let record = |mask: &Mask| serde_json::json!({"size": [96, 128], "counts": rle::encode(mask)});
+    let record = |mask: &Mask| serde_json::json!({"size": [96, 128], "counts": mask.to_rle()});
     let frames = |query: usize| -> Vec<serde_json::Value> {
         (0..9)
             .map(|at| if at == 4 { serde_json::Value::Null } else { record(&cup(referent(query), at)) })

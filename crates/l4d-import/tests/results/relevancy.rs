@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_frames::Mask;
 use l4d_import::results::arrays::{self, Array};
 use l4d_import::results::relevancy::decoder::Layer;
 use l4d_import::results::relevancy::{
     Chosen, Decoder, Engine, Folded, Latents, Plain, Rules, Smoothing, Texts, answer, gate,
 };
+use l4d_masks::Mask;
 use proptest::prelude::*;
 
 fn fixture() -> PathBuf {

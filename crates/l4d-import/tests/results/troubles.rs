@@ -1,10 +1,10 @@
 //! What users report of the originals, each ending in a finding that names the cause.
 
 use l4d_data::Report;
-use l4d_frames::{Mask, png};
 use l4d_import::results::import::Imported;
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
+use l4d_masks::{Mask, png};
 use l4d_splat::Tensor;
 use l4d_splat::checkpoint::pickle::encode_state_dict;
 

@@ -16,9 +16,10 @@ use l4d_data::{Camera, Category, Interval, Name, Profile, Query, Split, Status, 
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::exr::write_frame;
 use l4d_frames::truth::truth_of_scene;
-use l4d_frames::{Display, Frame, Mask, Surfaces, rle};
+use l4d_frames::{Display, Frame, Surfaces};
 use l4d_import::colmap::Model;
 use l4d_import::ply::ColouredPoint;
+use l4d_masks::Mask;
 
 pub(crate) const BALL: u32 = 1;
 pub(crate) const LATE_BALL: u32 = 7;
@@ -85,7 +86,7 @@ impl World {
     pub(crate) fn draw(&self, views: &[&str], frames: &[u32]) {
         let mask = |view: &str, frame: u32, id: u32| {
             let mask = Mask::from_ids(128, 96, &self.frame(view, frame).surfaces.id, id).unwrap();
-            (frame_key(frame), (!mask.is_empty()).then(|| rle::encode(&mask)))
+            (frame_key(frame), (!mask.is_empty()).then(|| mask.to_rle()))
         };
         let instance = |(id, drawn, label): (u32, u32, &str)| MaskedInstance {
             id,

@@ -200,7 +200,7 @@ impl Exam<'_, '_> {
         unknown.is_empty()
     }
 
-    /// Whether each description means somebody, and exactly one where the sentence speaks of "the" one.
+    /// Whether each description means an instance, and exactly one where the sentence speaks of "the" one.
     fn descriptions_fit(&mut self, predicate: &Predicate) -> bool {
         let mut fits = true;
         for party in predicate.parties() {
@@ -312,7 +312,7 @@ impl Exam<'_, '_> {
         self.add("L4D211", message, "move things apart, so that no relation is close to its threshold");
     }
 
-    /// The clauses whose truth for anybody changes with the slack.
+    /// The clauses whose truth for any instance changes with the slack.
     fn moved_clauses(&self, slack: Slack, predicate: &Predicate) -> Vec<String> {
         let noun = Clause::Category(predicate.noun().to_owned());
         let moved = |clause: &&Clause| {

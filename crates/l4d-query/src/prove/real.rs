@@ -1,4 +1,4 @@
-//! Queries of real scenes: nobody knows where things are, so nothing is proved. What can be checked is whether a query
+//! Queries of real scenes: where things are is unknown, so nothing is proved. What can be checked is whether a query
 //! fits its scene: objects, frames, sentences, and whether there is anything to score.
 
 use std::path::PathBuf;

@@ -106,7 +106,7 @@ pub fn check_scene(set: &SceneSet, vocabulary: Option<&Vocabulary>, report: &mut
     check_each_asks_something_else(set.all(), report);
 }
 
-/// Each object of the scene is the referent of a query: what nobody asks for is scenery.
+/// Each object of the scene is the referent of a query: what no query asks for is scenery.
 pub(super) fn check_each_is_asked(set: &SceneSet, report: &mut Report) {
     let world = World::new(&set.tracks);
     let refers = |query: &&Query, name: &Name| query.referents.contains(name);
@@ -181,7 +181,7 @@ pub fn meaning(predicate: &Predicate) -> String {
     clauses.join(",")
 }
 
-/// The verbs of a predicate that consists of plain events alone, whoever takes the second role.
+/// The verbs of a predicate that consists of plain events alone, whatever takes the second role.
 pub fn verbs(predicate: &Predicate) -> Option<String> {
     let verb = |clause: &Clause| match clause {
         Clause::Does { verb, .. } | Clause::Undergoes { verb, .. } => Some(verb.clone()),

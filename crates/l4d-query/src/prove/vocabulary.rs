@@ -15,6 +15,9 @@ pub struct Vocabulary(BTreeMap<String, String>);
 
 impl Vocabulary {
     /// Reads the file: a word and its kind a line, `#` starts a remark; none where there is no such file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
     pub fn read(path: &Path) -> Result<Option<Self>, DataError> {
         if !path.exists() {
             return Ok(None);

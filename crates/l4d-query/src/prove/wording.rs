@@ -6,12 +6,12 @@ use l4d_data::Temporal;
 
 use crate::ast::{Clause, Predicate, Relation};
 
-/// Words that gate a sentence in time; at least one stands in each `while` sentence.
+/// Words that gate a sentence in time; each `while` sentence has at least one.
 const GATES: [&str; 10] =
     ["while", "as", "when", "whenever", "during", "until", "before", "after", "once", "moment"];
 /// Words that gate a sentence so plainly that no `whole` sentence may have them.
 const PLAIN_GATES: [&str; 4] = ["while", "when", "whenever", "during"];
-/// Words that depend on where the viewer stands.
+/// Words that depend on where the viewer is.
 const VIEWER: [&str; 6] = ["leftmost", "rightmost", "left-hand", "right-hand", "foreground", "background"];
 /// After these, "left" and "right" are sides; elsewhere somebody left, or was right.
 const BEFORE_SIDES: [&str; 8] = ["the", "to", "on", "far", "its", "his", "her", "their"];
@@ -82,7 +82,7 @@ pub fn form_problem(text: &str) -> Option<String> {
         _ => None,
     });
     if let Some(word) = side.or_else(|| words.iter().find(|word| VIEWER.contains(&word.as_str()))) {
-        return Some(format!("\"{word}\" depends on where the viewer stands"));
+        return Some(format!("\"{word}\" depends on where the viewer is"));
     }
     text.ends_with('.').then(|| "ends with a full stop, but is a noun phrase".to_owned())
 }

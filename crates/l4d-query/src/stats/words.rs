@@ -1,4 +1,4 @@
-//! How often each word stands in the sentences, and what kind of word it is.
+//! How often each word occurs in the sentences, and what kind of word it is.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub struct WordRow {
     pub kind: String,
     /// Occurrences in queries of one and of two categories.
     pub count: usize,
-    /// Scenes in whose sentences it stands.
+    /// Scenes in whose sentences it occurs.
     pub scenes: usize,
 }
 

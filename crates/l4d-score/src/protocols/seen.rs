@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use l4d_data::{Query, QueryId, Temporal};
+use l4d_data::{Query, QueryId};
 use l4d_masks::Mask;
 
 use crate::judge::Answer;
@@ -58,12 +58,12 @@ impl<'a> Clip<'a> {
             let visible = truth.union(referents, position);
             let predicted = match answer {
                 Answer::Absent => Some(Cow::Owned(Mask::empty(truth.width, truth.height))),
-                answer => answer.mask(),
+                answer => answer.mask((truth.width, truth.height)),
             };
             let both = |mask: &Cow<'_, Mask>| visible.as_ref().map_or(0, |visible| visible.overlap(mask));
             Seen {
                 frame,
-                holds: query.temporal == Temporal::Whole || query.holds_at(frame),
+                holds: query.asks_at(frame),
                 referents: referents
                     .iter()
                     .filter_map(|&index| truth.instances[index].masks[position].as_ref())

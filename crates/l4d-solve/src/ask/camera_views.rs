@@ -5,7 +5,7 @@ use std::path::Path;
 
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, Name, Split};
-use l4d_frames::{Mask, png};
+use l4d_masks::{Mask, png};
 use serde_json::{Map, Value, json};
 
 use crate::clips::{Plan, Shot};

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use l4d_data::StageError;
-use l4d_frames::Mask;
 use l4d_frames::drawn::{RgbImage, picture_of};
 use l4d_frames::moving_picture::Pages;
+use l4d_masks::Mask;
 
 use crate::clips::{Plan, Shot};
 use crate::lift::{LiftError, Lifted};

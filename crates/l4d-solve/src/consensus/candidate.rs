@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use l4d_frames::Mask;
 use l4d_ground::{Grounding, ViewClip};
+use l4d_masks::Mask;
 
 use super::record::MarkedFrame;
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::candidate::{Part, Proposal};
 use super::record::{FrameCounts, FrameRecord, FrameVerdict, PairRecord, PairVerdict, Reason, share};

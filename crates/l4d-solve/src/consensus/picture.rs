@@ -6,9 +6,9 @@
 use glam::UVec2;
 use l4d_frames::closeup::Closeup;
 use l4d_frames::drawn::{Rgb, RgbImage};
-use l4d_frames::mask::PixelBox;
 use l4d_frames::overlay::Mark;
 use l4d_frames::text::{Style, Weight};
+use l4d_masks::mask::PixelBox;
 
 use super::candidate::{Part, Proposal};
 use super::explain::group_letter;

@@ -5,7 +5,7 @@
 //! anybody says about the mask.
 
 use glam::DVec2;
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::settings::{Method, ReprojectionSettings};
 use super::view_geometry::{Surface, ViewGeometry, Warp, centre, pixel_at};

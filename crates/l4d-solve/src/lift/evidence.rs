@@ -4,8 +4,8 @@
 
 use std::collections::BTreeMap;
 
-use l4d_frames::Mask;
 use l4d_ground::ViewClip;
+use l4d_masks::Mask;
 use l4d_splat::view::View;
 
 use super::error::LiftError;

@@ -3,7 +3,7 @@
 //! Owns how answers become masks, one or many at once: whatever a lift learned, drawing it is a blend of one channel.
 //! Refuses to know how the numbers came about.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_splat::raster::Projected;
 use l4d_splat::view::View;
 

@@ -3,7 +3,7 @@
 //! Owns what is common to all kinds of answers: asked for a time it gives a [`Layer`], and with that masks from any
 //! camera. Refuses to know how it was found.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_splat::Model;
 use l4d_splat::view::View;
 

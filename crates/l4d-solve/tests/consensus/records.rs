@@ -1,8 +1,8 @@
 //! The record: complete, the same for any number of threads, readable again, and shown to people.
 
 use glam::DVec3;
-use l4d_frames::Mask;
 use l4d_ground::{Grounding, Outcome, ViewClip};
+use l4d_masks::Mask;
 use l4d_solve::consensus::{Consensus, ConsensusSettings, picture};
 
 use crate::world::{Shape, Thing, World, arc};

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use half::f16;
-use l4d_frames::Mask;
 use l4d_ground::ViewClip;
+use l4d_masks::Mask;
 use l4d_solve::consensus::reproject::{Reprojection, reproject};
 use l4d_solve::consensus::settings::{Method, ReprojectionSettings};
 use l4d_solve::consensus::{ConsensusSettings, ViewGeometry};

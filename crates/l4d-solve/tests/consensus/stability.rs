@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use half::f16;
-use l4d_frames::Mask;
 use l4d_ground::{Grounding, Outcome, ViewClip};
+use l4d_masks::Mask;
 use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::consensus::{Consensus, ConsensusSettings, Decision, Preset, ViewVerdict};
 use rand::{RngExt as _, SeedableRng as _};

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use glam::{DMat4, DVec2, DVec3};
 use half::f16;
 use l4d_data::{Camera, Name, Split, Timeline};
-use l4d_frames::Mask;
 use l4d_frames::drawn::{DepthMap, Rgb, RgbImage};
 use l4d_ground::{ClipFrame, Grounding, ViewClip};
+use l4d_masks::Mask;
 
 /// What a thing looks like around its centre, metres.
 #[derive(Clone, Copy)]

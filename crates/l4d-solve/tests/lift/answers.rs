@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_solve::lift::edit::{extract, highlight, remove};
 use l4d_solve::lift::{
     Canvas, ClosedSettings, FieldSettings, Layer, LiftError, LiftSettings, ModelStates, lift, masks,

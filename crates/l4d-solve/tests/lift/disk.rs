@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_solve::lift::{ClosedSettings, FieldSettings, LiftSettings, Lifted};
 
 use crate::fixture::{Scene, empty};

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_solve::lift::{Canvas, Evidence, EvidenceFrame, EvidenceView, LiftError, LiftSettings, Lifted, lift};
 use l4d_splat::Model;
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};

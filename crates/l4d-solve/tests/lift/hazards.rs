@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_solve::lift::{
     ClosedSettings, DistilSettings, Evidence, FieldSettings, LiftError, LiftSettings, Phase, lift,
 };

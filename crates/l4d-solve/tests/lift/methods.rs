@@ -1,6 +1,6 @@
 //! What each lift reaches where the truth is a matter of labels.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_solve::lift::{
     Answer, ClosedSettings, Cut, DistilSettings, FieldSettings, LiftSettings, Normalisation, ReadOut,
 };

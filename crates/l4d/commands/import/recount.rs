@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use l4d_data::{Name, Query};
 use l4d_import::results::import::{Imported, Request};
 use l4d_score::Protocol;
@@ -27,9 +27,8 @@ pub(super) fn recount(imported: &Imported, request: &Request<'_>, method: &Name)
             queries.iter().filter(|query| imported.answers.contains_key(&query.id)).collect();
         let mut answers = BTreeMap::new();
         for query in &asked {
-            let size = (truth.width, truth.height);
-            let frames = Answer::of_frames(&imported.answers[&query.id], &truth.frames, size);
-            answers.insert(query.id.clone(), frames.with_context(|| format!("masks of query {}", query.id))?);
+            let frames = Answer::of_frames(&imported.answers[&query.id], &truth.frames);
+            answers.insert(query.id.clone(), frames);
         }
         let path = request.bench.dir.queries(scene);
         let sheets =

@@ -9,8 +9,8 @@ use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Instance, Role};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Split};
-use l4d_frames::mask::nearest;
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
+use l4d_masks::mask::nearest;
 use serde_json::{Value, json};
 
 use super::IdSource;
@@ -102,11 +102,8 @@ impl IdSource for DrawnIds {
         }
         let mut pixels = Mask::empty(self.set.width, self.set.height);
         for one in self.set.instances.iter().filter(|one| ids.contains(&one.id)) {
-            let Some(counts) = one.counts(view, frame) else { continue };
-            match rle::decode(counts, self.set.width, self.set.height) {
-                Ok(mask) => pixels.union_with(&mask),
-                Err(error) => return refuse(error.to_string(), "import the masks again"),
-            }
+            let Some(mask) = one.mask(view, frame) else { continue };
+            pixels.union_with(&Mask::from_rle(mask, self.set.width, self.set.height));
         }
         Ok(self.shown(&pixels))
     }
@@ -153,7 +150,7 @@ mod tests {
         let dir = SceneDir::new(folder, "table");
         json::write(&dir.root().join(CAPTURE), &capture).unwrap();
         let square = Mask::from_fn(SIZE[0], SIZE[1], |column, row| (2..6).contains(&column) && row < 4);
-        let frames = BTreeMap::from([(frame_key(0), Some(rle::encode(&square)))]);
+        let frames = BTreeMap::from([(frame_key(0), Some(square.to_rle()))]);
         let masks = drawn.iter().map(|view| (name(view), frames.clone())).collect();
         let one = MaskedInstance { id: 1, name: name("cup"), label: "cup: red".to_owned(), masks };
         let set = MaskSet {

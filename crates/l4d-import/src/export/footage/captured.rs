@@ -10,7 +10,8 @@ use l4d_data::store::read_bounded;
 use l4d_data::truth::frame_key;
 use l4d_data::{Camera, DataError};
 use l4d_frames::drawn::RgbImage;
-use l4d_frames::{Mask, photo, rle};
+use l4d_frames::photo;
+use l4d_masks::Mask;
 
 use crate::export::cloud::Reconstruction;
 
@@ -113,17 +114,8 @@ impl Recording {
         };
         let mut masks = Vec::new();
         for (drawn, instance) in set.instances.iter().zip(&self.instances) {
-            let Some(counts) = drawn.counts(&camera.name, frame) else { continue };
-            let mask = rle::decode(counts, set.width, set.height).map_err(|error| {
-                let place = format!("instance {}, {} at {frame}", drawn.name, camera.name);
-                DataError::invalid(
-                    &self.dir.root().join(MASKS),
-                    place,
-                    error.to_string(),
-                    "import the masks again",
-                )
-            })?;
-            masks.push((instance, mask));
+            let Some(mask) = drawn.mask(&camera.name, frame) else { continue };
+            masks.push((instance, Mask::from_rle(mask, set.width, set.height)));
         }
         Ok(Some(masks))
     }

@@ -8,7 +8,8 @@ use l4d_data::scene::{Instance, Scene};
 use l4d_data::{Camera, DataError};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::exr::read_frame;
-use l4d_frames::{Display, Frame, Mask};
+use l4d_frames::{Display, Frame};
+use l4d_masks::Mask;
 use rayon::prelude::*;
 
 use crate::export::cloud::{Cloud, View};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use l4d_data::json;
 use l4d_data::store::read_bounded;
-use l4d_frames::{Mask, rle};
+use l4d_masks::Mask;
 use serde_json::{Map, Value};
 
 use super::{Piece, Place, Problem, sane};
@@ -92,7 +92,9 @@ fn mask(fields: &Map<String, Value>, trail: &Trail) -> Result<Mask, Problem> {
     };
     let (width, height) = sane(width, height, "field `size`")?;
     match &fields["counts"] {
-        Value::String(counts) => rle::decode(counts, width, height).map_err(|error| fault(error.to_string())),
+        Value::String(counts) => {
+            Mask::decode(counts, width, height).map_err(|error| fault(error.to_string()))
+        }
         Value::Array(runs) => {
             let runs: Option<Vec<u64>> = runs.iter().map(Value::as_u64).collect();
             let runs = runs.ok_or_else(|| fault("has a run that is no length".to_owned()))?;

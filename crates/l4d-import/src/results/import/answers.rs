@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::{DataError, Query, QueryId, Report, Severity};
-use l4d_frames::{Mask, rle};
+use l4d_masks::{Mask, Rle};
 
 use super::super::codec::{Piece, Place};
 use super::super::codes;
@@ -25,7 +25,7 @@ pub(super) struct Answer {
     query: QueryId,
     frame: u32,
     /// Run lengths; none where the method says that nothing is there.
-    counts: Option<String>,
+    mask: Option<Rle>,
     /// Relevancy as PNG, where it is kept.
     soft: Option<Vec<u8>>,
 }
@@ -176,7 +176,7 @@ impl<'a> Collector<'a> {
         let query = self.query(hit, piece.name.as_deref(), report)?;
         let frame = self.frame(hit, piece.place, report)?;
         match piece.mask {
-            None => Some(Answer { query: query.id.clone(), frame, counts: None, soft: None }),
+            None => Some(Answer { query: query.id.clone(), frame, mask: None, soft: None }),
             Some(mask) => self.answer(&hit.path, query, frame, mask, piece.soft.as_deref(), report),
         }
     }
@@ -192,10 +192,10 @@ impl<'a> Collector<'a> {
         report: &mut Report,
     ) -> Option<Answer> {
         let size = mask.size();
-        let counts = rle::encode(&self.sized(path, mask, report)?);
+        let mask = self.sized(path, mask, report)?.to_rle();
         let kept = soft.filter(|_| self.request.soft.is_some());
         let soft = kept.map(|soft| soft::picture(soft, size, self.pictures.size));
-        Some(Answer { query: query.id.clone(), frame, counts: Some(counts), soft })
+        Some(Answer { query: query.id.clone(), frame, mask: Some(mask), soft })
     }
 
     fn sized(&self, path: &Path, mask: Mask, report: &mut Report) -> Option<Mask> {
@@ -240,7 +240,7 @@ impl<'a> Collector<'a> {
             stage.keep(&answer.query, answer.frame, soft)?;
         }
         self.from.insert(key, path.to_owned());
-        self.answers.entry(answer.query).or_default().insert(answer.frame, answer.counts);
+        self.answers.entry(answer.query).or_default().insert(answer.frame, answer.mask);
         Ok(())
     }
 
@@ -271,8 +271,8 @@ impl<'a> Collector<'a> {
     ) -> Result<(), DataError> {
         let Some(answers) = self.answers.get_mut(query) else { return Ok(()) };
         for frame in frames {
-            let Some(counts) = answers.get_mut(&frame) else { continue };
-            *counts = None;
+            let Some(mask) = answers.get_mut(&frame) else { continue };
+            *mask = None;
             if let Some(stage) = &self.request.soft {
                 stage.keep(query, frame, &soft::picture(&[0], (1, 1), self.pictures.size))?;
             }

@@ -49,7 +49,7 @@ pub fn write(
     }
     let profile = request.profile;
     for (query, answers) in &imported.answers {
-        let frames = answers.iter().map(|(&frame, counts)| (frame_key(frame), counts.clone())).collect();
+        let frames = answers.iter().map(|(&frame, mask)| (frame_key(frame), mask.clone())).collect();
         let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
         let file = MaskFile { size: [height, width], frames };
         json::write_compact(&dir.mask_file(query), &file)?;

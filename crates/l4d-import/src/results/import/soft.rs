@@ -9,8 +9,8 @@ use std::path::Path;
 use l4d_data::layout::ResultsDir;
 use l4d_data::store::{make_folder, remove_folder};
 use l4d_data::{DataError, Name, QueryId};
-use l4d_frames::mask::nearest;
-use l4d_frames::png;
+use l4d_masks::mask::nearest;
+use l4d_masks::png;
 
 /// Relevancy on its way into results; what has not been put in place is removed with it.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ pub(super) fn picture(map: &[u8], size: (u32, u32), wanted: (u32, u32)) -> Vec<u
 
 #[cfg(test)]
 mod tests {
-    use l4d_frames::Mask;
+    use l4d_masks::Mask;
 
     use super::*;
 

@@ -4,7 +4,7 @@
 //! the unsmoothed mask. Frames at or above the mean of all answer. That mean is taken of the frames themselves, so at
 //! least one frame always answers: "this never happens" cannot be said.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::{Engine, Latents};
 

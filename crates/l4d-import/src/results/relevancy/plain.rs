@@ -1,6 +1,6 @@
 //! The reference: every step as it is defined, pixel by pixel, in double precision. Slow, and meant to be read.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::{Decoder, Engine, Found, Latents, Rules, SHARPNESS, Smoothing, Summit, Texts};
 

@@ -2,7 +2,7 @@
 //!
 //! Sums run in double precision: numbers between 0 and 1 that were added are taken away again without a trace.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 
 use super::{Found, Rules, Smoothing, Summit, over_range};
 

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use l4d_data::scene::{Generator, SCHEMA, Scene};
 use l4d_data::tracks::{TrackedInstance, Tracks};
 use l4d_data::truth::{self, InstanceTruth, Truth, frame_key};
-use l4d_data::{Camera, Scale, Split};
+use l4d_data::{Camera, Rle, Scale, Split};
 use serde_json::json;
 
 use super::*;
@@ -90,7 +90,7 @@ fn truth(profile: Profile, pixels: u32, seen: impl Fn(u32) -> bool) -> Truth {
     let masks = frames
         .iter()
         .filter(|frame| seen(**frame))
-        .map(|frame| (frame_key(*frame), "024".to_owned()))
+        .map(|frame| (frame_key(*frame), Rle::empty(profile.width() * profile.height())))
         .collect();
     let counts: Vec<u32> = frames.iter().map(|frame| if seen(*frame) { pixels } else { 0 }).collect();
     let visible = (0..5).map(|index| {

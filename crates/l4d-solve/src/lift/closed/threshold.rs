@@ -3,7 +3,7 @@
 //! Blend weights spill over silhouettes and through half-transparent Gaussians, so that one half is the wrong level
 //! for sums of votes. Owns the choice of level; refuses to know how the numbers came about.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use rayon::prelude::*;
 
 use crate::lift::canvas::Canvas;

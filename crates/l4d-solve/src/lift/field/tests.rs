@@ -1,6 +1,6 @@
 //! The short way and the literal one give the same numbers.
 
-use l4d_frames::Mask;
+use l4d_masks::Mask;
 use l4d_splat::Model;
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
