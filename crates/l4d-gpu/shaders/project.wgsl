@@ -1,4 +1,4 @@
-// Gaussians through the lens: where each lies on the picture plane, which tiles it covers, its key of depth.
+// Projection: where each Gaussian lies on the picture plane, which tiles it covers, its key of depth.
 struct Part {
     // Gaussians of this dispatch; `sh` starts with the first of them.
     first: u32,

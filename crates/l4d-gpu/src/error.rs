@@ -86,7 +86,7 @@ fn list(names: &[String]) -> String {
     names.iter().enumerate().map(numbered).collect::<Vec<_>>().join(", ")
 }
 
-/// What ends a job: the machinery, or what was asked of it.
+/// What ends a job: the adapter, or its input.
 #[derive(Debug)]
 pub(crate) enum Failure {
     Gpu(GpuError),

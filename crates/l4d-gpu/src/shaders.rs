@@ -28,26 +28,6 @@ pub(crate) const GRADIENT_SUMS: u32 = 10;
 /// Numbers in which the gradient of a Gaussian leaves the adapter, spherical harmonics apart.
 pub(crate) const GRADIENT_FLOATS: u32 = 16;
 
-/// One compute pass.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pass {
-    Project,
-    Count,
-    Scan,
-    ScanAdd,
-    SortCount,
-    SortScatter,
-    Emit,
-    Ranges,
-    Draw,
-    SplatFeatures,
-    GatherFeatures,
-    Backward,
-    Reduce,
-    ProjectBackward,
-    Contributors,
-}
-
 macro_rules! shader {
     ($name:literal) => {
         include_str!(concat!("../shaders/", $name, ".wgsl"))
@@ -65,25 +45,46 @@ const BLEND: &str = shader!("shared/blend");
 const STAGING: &str = shader!("shared/staging");
 const TILE_SUMS: &str = shader!("shared/tile_sums");
 
-impl Pass {
-    pub(crate) const ALL: [Self; 15] = [
-        Self::Project,
-        Self::Count,
-        Self::Scan,
-        Self::ScanAdd,
-        Self::SortCount,
-        Self::SortScatter,
-        Self::Emit,
-        Self::Ranges,
-        Self::Draw,
-        Self::SplatFeatures,
-        Self::GatherFeatures,
-        Self::Backward,
-        Self::Reduce,
-        Self::ProjectBackward,
-        Self::Contributors,
-    ];
+/// Defines the passes by name, file and the shared parts that are put in front.
+macro_rules! passes {
+    ($($pass:ident $file:literal [$($shared:ident),*];)*) => {
+        /// One compute pass.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(crate) enum Pass {
+            $($pass),*
+        }
 
+        impl Pass {
+            pub(crate) const ALL: [Self; [$($file),*].len()] = [$(Self::$pass),*];
+
+            fn parts(self) -> (&'static str, &'static [&'static str], &'static str) {
+                match self {
+                    $(Self::$pass => ($file, &[$($shared),*], shader!($file)),)*
+                }
+            }
+        }
+    };
+}
+
+passes! {
+    Project "project" [GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS];
+    Count "count" [GRID];
+    Scan "scan" [GRID, PREFIX];
+    ScanAdd "scan_add" [GRID, PREFIX];
+    SortCount "sort_count" [GRID, DIGITS];
+    SortScatter "sort_scatter" [GRID, PREFIX, DIGITS];
+    Emit "emit" [GRID];
+    Ranges "ranges" [GRID];
+    Draw "draw" [GRID, SCENE, GAUSSIAN, BLEND, STAGING];
+    SplatFeatures "splat_features" [GRID, SCENE, GAUSSIAN, BLEND, STAGING];
+    GatherFeatures "gather_features" [GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS];
+    Backward "backward" [GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS];
+    Reduce "reduce" [GRID];
+    ProjectBackward "project_backward" [GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS];
+    Contributors "contributors" [SCENE, GAUSSIAN, BLEND];
+}
+
+impl Pass {
     /// As its file is called.
     pub(crate) fn name(self) -> &'static str {
         self.parts().0
@@ -93,38 +94,6 @@ impl Pass {
     pub(crate) fn source(self) -> String {
         let (_, shared, own) = self.parts();
         shared.iter().fold(constants(), |text, part| text + part) + own
-    }
-
-    fn parts(self) -> (&'static str, &'static [&'static str], &'static str) {
-        match self {
-            Self::Project => ("project", &[GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS], shader!("project")),
-            Self::Count => ("count", &[GRID], shader!("count")),
-            Self::Scan => ("scan", &[GRID, PREFIX], shader!("scan")),
-            Self::ScanAdd => ("scan_add", &[GRID, PREFIX], shader!("scan_add")),
-            Self::SortCount => ("sort_count", &[GRID, DIGITS], shader!("sort_count")),
-            Self::SortScatter => ("sort_scatter", &[GRID, PREFIX, DIGITS], shader!("sort_scatter")),
-            Self::Emit => ("emit", &[GRID], shader!("emit")),
-            Self::Ranges => ("ranges", &[GRID], shader!("ranges")),
-            Self::Draw => ("draw", &[GRID, SCENE, GAUSSIAN, BLEND, STAGING], shader!("draw")),
-            Self::SplatFeatures => {
-                ("splat_features", &[GRID, SCENE, GAUSSIAN, BLEND, STAGING], shader!("splat_features"))
-            }
-            Self::GatherFeatures => (
-                "gather_features",
-                &[GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS],
-                shader!("gather_features"),
-            ),
-            Self::Backward => {
-                ("backward", &[GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS], shader!("backward"))
-            }
-            Self::Reduce => ("reduce", &[GRID], shader!("reduce")),
-            Self::ProjectBackward => (
-                "project_backward",
-                &[GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS],
-                shader!("project_backward"),
-            ),
-            Self::Contributors => ("contributors", &[SCENE, GAUSSIAN, BLEND], shader!("contributors")),
-        }
     }
 }
 

@@ -78,20 +78,8 @@ mod tests {
     use crate::shaders::LANES;
     use crate::{AdapterChoice, Gpu};
 
-    /// Around every size at which the work is divided anew; the last needs three levels of blocks.
-    const SIZES: [u32; 11] = [
-        0,
-        1,
-        2,
-        LANES,
-        1000,
-        BLOCK - 1,
-        BLOCK,
-        BLOCK + 1,
-        5 * BLOCK + 17,
-        40_000,
-        BLOCK * BLOCK + BLOCK + 3,
-    ];
+    /// Around the size of a workgroup and of a block (1024); the last needs three levels of blocks.
+    const SIZES: [u32; 11] = [0, 1, 2, 64, 1000, 1023, 1024, 1025, 5137, 40_000, 1_049_603];
 
     /// Without an adapter the tests fail, and say what to install.
     fn gpu() -> &'static Gpu {

@@ -28,10 +28,10 @@ pub struct Model {
 /// Why a model has no state at a time.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ModelError {
-    /// The field has no answer.
+    /// The field cannot be evaluated.
     #[error("the deformation field has no answer")]
     Deform(#[from] DeformError),
-    /// The answer cannot be drawn.
+    /// The result cannot be drawn.
     #[error("the model cannot be drawn")]
     Splat(#[from] SplatError),
 }

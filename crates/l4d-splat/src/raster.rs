@@ -136,7 +136,7 @@ pub enum RasterError {
     /// A Gaussian whose projection overflows.
     #[error("{0}, which overflows in this view: mend the value or remove the Gaussian")]
     Overflow(BadValue),
-    /// The machinery underneath failed.
+    /// The backend failed.
     #[error("rasterizer {rasterizer} failed")]
     Backend {
         /// Name of the rasterizer.

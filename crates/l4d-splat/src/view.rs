@@ -2,6 +2,7 @@
 //!
 //! OpenCV axes (x right, y down, z forward); the centre of pixel (column, row) is (column + 0.5, row + 0.5).
 
+use glam::DMat3;
 use l4d_data::Camera;
 
 /// Longest side of a picture, pixels.
@@ -137,16 +138,12 @@ fn size_error(width: u32, height: u32) -> ViewError {
 }
 
 fn is_rigid(pose: &[[f64; 4]; 3]) -> bool {
-    let dot = |i: usize, j: usize| (0..3).map(|axis| pose[i][axis] * pose[j][axis]).sum::<f64>();
-    let orthonormal = (0..3)
-        .all(|i| (0..3).all(|j| (dot(i, j) - f64::from(u8::from(i == j))).abs() < ORTHONORMAL_TOLERANCE));
-    let cross = |axis: usize| {
-        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-        pose[0][a] * pose[1][b] - pose[0][b] * pose[1][a]
-    };
-    let right_handed = (0..3).map(|axis| cross(axis) * pose[2][axis]).sum::<f64>() > 0.0;
+    let world_from_camera = DMat3::from_cols_array_2d(&pose.map(|[x, y, z, _]| [x, y, z]));
+    let squared = world_from_camera.transpose() * world_from_camera;
     // Comparisons with NaN are false, so a pose that passes has a finite rotation.
-    orthonormal && right_handed && pose.iter().all(|row| row[3].is_finite())
+    squared.abs_diff_eq(DMat3::IDENTITY, ORTHONORMAL_TOLERANCE)
+        && world_from_camera.determinant() > 0.0
+        && pose.iter().all(|row| row[3].is_finite())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-// What one picture shares: the lens, the thresholds of blending, how depths become keys.
+// What one picture shares: the camera, the thresholds of blending, how depths become keys.
 struct Scene {
     // Rows of the rotation from world to camera axes.
     across: vec4<f32>,

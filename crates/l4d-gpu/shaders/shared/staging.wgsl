@@ -15,7 +15,7 @@ fn range_of(tile: u32, lane: u32) -> vec2<u32> {
     return workgroupUniformLoad(&tile_range);
 }
 
-// Whether there is something left to blend into; the answer is the same for all lanes, and each has to ask.
+// Whether there is something left to blend into; the result is the same for all lanes, and each has to ask.
 fn load_batch(first: u32, end: u32, lane: u32, light: Light) -> bool {
     if (any(light.open)) {
         atomicMax(&next_entry, first + 1u);

@@ -1,6 +1,6 @@
 //! Why a deformation field cannot be built or asked.
 
-/// What is wrong with a field, with what it is asked, or with what it answers: the field and row, and the remedy.
+/// What is wrong with a field, its input or its output: the field, the row and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct DeformError(pub(super) String);

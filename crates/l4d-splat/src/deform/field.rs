@@ -45,8 +45,8 @@ pub struct Parameters<List> {
     pub layers: Vec<List>,
 }
 
-/// What [`DeformationField::backward`] needs to know of an answer: 4 kB a row with the sizes of
-/// [`DeformConfig::dynerf`]. Used for one answer after another it keeps its memory.
+/// What [`DeformationField::backward`] needs of a forward pass: 4 kB per row with the sizes of
+/// [`DeformConfig::dynerf`]. Reused, it keeps its memory.
 #[derive(Debug, Default)]
 pub struct Trace {
     time: f32,
@@ -95,7 +95,7 @@ impl DeformationField {
         positions.par_chunks(BLOCK_ROWS).zip(outputs).for_each_init(
             Activations::default,
             |block, (positions, outputs)| {
-                self.answer(&grid, positions, block, outputs);
+                self.evaluate(&grid, positions, block, outputs);
             },
         );
         self.checked(offsets)
@@ -119,7 +119,7 @@ impl DeformationField {
         trace.blocks.resize_with(count, Activations::default);
         let outputs = offsets.blocks_mut(&self.config, BLOCK_ROWS, count);
         let blocks = positions.par_chunks(BLOCK_ROWS).zip(outputs).zip(&mut trace.blocks);
-        blocks.for_each(|((positions, outputs), block)| self.answer(&grid, positions, block, outputs));
+        blocks.for_each(|((positions, outputs), block)| self.evaluate(&grid, positions, block, outputs));
         let offsets = self.checked(offsets)?;
         trace.positions.extend_from_slice(positions);
         trace.time = time;
@@ -227,7 +227,7 @@ impl DeformationField {
         self.grid.at(self.config.time_axis.coordinate(time))
     }
 
-    fn answer(
+    fn evaluate(
         &self,
         grid: &GridAt<'_>,
         positions: &[[f32; 3]],

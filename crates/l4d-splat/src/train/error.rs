@@ -30,7 +30,7 @@ pub enum TrainError {
     /// Gaussians that cannot be drawn.
     #[error("training has diverged")]
     Splat(#[from] SplatError),
-    /// The deformation field has no answer.
+    /// The deformation field cannot be evaluated.
     #[error("training has diverged")]
     Deform(#[from] DeformError),
     /// A step that cannot be taken.

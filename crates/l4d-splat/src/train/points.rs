@@ -15,7 +15,7 @@ const WIDEST_PX: f32 = 8.0;
 const DETAIL: f32 = 0.02;
 /// A step in depth counts as this difference in colour.
 const EDGE: f32 = 0.2;
-/// What is infinitely far is painted on a ball so many times larger than the scene.
+/// What is infinitely far is placed on a ball so many times larger than the scene.
 const SKY: f32 = 4.0;
 /// Standard deviation of a new Gaussian along its surface, in distances to its neighbours; across it, in the former.
 const ALONG: f32 = 0.6;

@@ -134,7 +134,7 @@ impl<S: Simd> AxisSwap<S> {
         let [xx, xy, yy] = footprint.whitening;
         let turned = footprint.axes().whitening[2];
         let column = |half: usize, lane: usize| {
-            // In f64: what is left of u and v of the walk has no digits for the place along the Gaussian.
+            // In f64: what is left of u and v has no digits for the place along the Gaussian.
             (turned * ((left_edge + half * LANES + lane) as f64 - footprint.mean[0])) as f32
         };
         let half = |half: usize| {

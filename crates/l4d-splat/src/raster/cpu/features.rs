@@ -90,7 +90,7 @@ pub(super) fn contributors(scene: &ProjectedScene<'_>, column: usize, row: usize
     list
 }
 
-/// Work of a walk that isn't bound to instructions until it runs.
+/// A visitor that isn't bound to instructions until it runs.
 trait WeightVisitor {
     /// Groups of pixels that the visitor wants to see.
     fn groups(&self) -> u32 {
