@@ -12,7 +12,7 @@ use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
 use l4d_data::{Camera, Name, Profile, Split, json};
 use l4d_frames::exr::write_frame;
 use l4d_frames::{Frame, Surfaces};
-use l4d_votes::{Answer, Ballot, Event, ItemId, Response, Round, RoundDir, ShownFrames};
+use l4d_votes::{Ballot, Event, ItemId, Response, Round, RoundDir, ShownFrames};
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{Event as TerminalEvent, KeyCode, KeyEvent, KeyModifiers};
 use ratatui::layout::{Rect, Size};
@@ -280,13 +280,6 @@ impl Driver {
 
     pub(crate) fn notice(&self) -> &str {
         self.model.notice.as_ref().map_or("", |notice| &notice.text)
-    }
-
-    pub(crate) fn last_answer(&self) -> Option<&Answer> {
-        self.log.events.iter().rev().find_map(|(_, event, _, _)| match event {
-            Event::Choose(answer) => Some(answer),
-            _ => None,
-        })
     }
 }
 

@@ -44,11 +44,10 @@ pub use self::coefficients::{Undefined, Unit, gwet_ac1, krippendorff_alpha, raw}
 use self::estimate::bootstrap;
 pub use self::estimate::{Estimate, Share, wilson};
 use crate::control::{self, Consistency};
-use crate::item::Item;
-use crate::key::{ItemSource, Key};
+use crate::key::Key;
 use crate::responses::Responses;
 use crate::round::Round;
-use crate::verdict::{Mark, by_annotator};
+use crate::verdict::{ItemVerdict, Mark, Verdicts, by_annotator, judge};
 use crate::vote::{Answer, Choice};
 
 /// Schema tag of `agreement.json`.
@@ -134,56 +133,42 @@ pub struct Annotator {
     pub repeats: Consistency,
 }
 
-/// The counted answers to one query.
-struct Polled<'a> {
-    item: &'a Item,
-    categories: &'a [Category],
-    answers: Vec<(&'a Answer, bool)>,
-}
-
 /// Agreement, consistency and the human ceiling of a round.
 pub fn measure(round: &Round, key: &Key, responses: &[Responses]) -> Agreement {
-    let responses = by_annotator(round, responses);
-    let polled = poll(round, key, &responses);
+    // What became of the benchmark since changes nothing of what was said.
+    let verdicts = judge(round, key, responses, &BTreeMap::new());
     let group = |category: Option<Category>| {
-        let is_in = |polled: &&Polled<'_>| category.is_none_or(|wanted| polled.categories.contains(&wanted));
-        let chosen: Vec<&Polled<'_>> = polled.iter().filter(is_in).collect();
+        let is_in =
+            |verdict: &&ItemVerdict| category.is_none_or(|wanted| verdict.categories.contains(&wanted));
+        let chosen: Vec<&ItemVerdict> = verdicts.items.iter().filter(is_in).collect();
         measure_group(round, &chosen, category.map_or("overall", Category::as_str))
     };
     let occurring: BTreeSet<Category> =
-        polled.iter().flat_map(|polled| polled.categories.iter().copied()).collect();
+        verdicts.items.iter().flat_map(|verdict| verdict.categories.iter().copied()).collect();
+    let given = by_annotator(round, responses).into_iter().enumerate();
     Agreement {
         schema: SCHEMA,
         round: round.name.clone(),
         simulated: round.simulated,
-        is_final: responses.iter().all(|(_, given)| given.is_some_and(|given| given.sealed)),
+        is_final: verdicts.is_final,
         draws: DRAWS,
         seed: round.seed,
         overall: group(None),
         categories: occurring.into_iter().map(|category| (category, group(Some(category)))).collect(),
-        annotators: responses.iter().map(|(name, given)| annotator(round, key, name, *given)).collect(),
+        annotators: given
+            .map(|(place, (name, given))| annotator(key, &verdicts, place, name, given))
+            .collect(),
     }
 }
 
-fn poll<'a>(
-    round: &'a Round,
-    key: &'a Key,
-    responses: &[(&'a Name, Option<&'a Responses>)],
-) -> Vec<Polled<'a>> {
-    let mut polled = Vec::new();
-    for item in &round.items {
-        if let Some(ItemSource::Query { categories, meaning, .. }) = key.source(&item.id) {
-            let answers =
-                responses.iter().filter_map(|(_, given)| given.and_then(|given| given.answer(&item.id)));
-            let marked = answers.map(|answer| (answer, meaning.mark(answer, round.frames) == Mark::Right));
-            polled.push(Polled { item, categories, answers: marked.collect() });
-        }
-    }
-    polled
+/// The answers to a query that count, with whether they are right.
+fn answers(verdict: &ItemVerdict) -> Vec<(&Answer, bool)> {
+    let counted = verdict.votes.iter().filter(|vote| vote.mark.counts());
+    counted.filter_map(|vote| Some((vote.answer.as_ref()?, vote.mark == Mark::Right))).collect()
 }
 
-fn measure_group(round: &Round, polled: &[&Polled<'_>], name: &str) -> Group {
-    let scenes: BTreeSet<&Name> = polled.iter().map(|polled| &polled.item.scene).collect();
+fn measure_group(round: &Round, verdicts: &[&ItemVerdict], name: &str) -> Group {
+    let scenes: BTreeSet<&Name> = verdicts.iter().map(|verdict| &verdict.query.scene).collect();
     let scenes: BTreeMap<&Name, usize> =
         scenes.into_iter().enumerate().map(|(i, scene)| (scene, i)).collect();
     let draw = Draw { seed: round.seed, name, clusters: scenes.len() };
@@ -192,11 +177,12 @@ fn measure_group(round: &Round, polled: &[&Polled<'_>], name: &str) -> Group {
     let mut chosen = Vec::new();
     let mut right = Vec::new();
     let mut correct = vec![[0.0; 2]; scenes.len()];
-    for Polled { item, answers, .. } in polled {
-        let cluster = scenes[&item.scene];
+    for verdict in verdicts {
+        let (scene, answers) = (&verdict.query.scene, answers(verdict));
+        let cluster = scenes[scene];
         let label = |(answer, _): &(&Answer, bool)| {
             let label = match &answer.choice {
-                Choice::Objects(_) => format!("{}/{}", item.scene, answer.choice.label()),
+                Choice::Objects(_) => format!("{scene}/{}", answer.choice.label()),
                 Choice::None | Choice::Ambiguous { .. } => answer.choice.label(),
             };
             let next = codes.len() as u32;
@@ -209,17 +195,16 @@ fn measure_group(round: &Round, polled: &[&Polled<'_>], name: &str) -> Group {
     }
 
     let all = round.annotators.len();
-    let complete: Vec<usize> =
-        (0..polled.len()).filter(|&index| polled[index].answers.len() == all).collect();
+    let complete: Vec<usize> = (0..right.len()).filter(|&index| right[index].labels.len() == all).collect();
     let is_same = |labels: &[u32]| labels.windows(2).all(|pair| pair[0] == pair[1]);
     let mut histogram = vec![0; all + 1];
     for &index in &complete {
         histogram[right[index].labels.iter().filter(|&&label| label == 1).count()] += 1;
     }
     Group {
-        items: polled.len(),
+        items: verdicts.len(),
         complete: complete.len(),
-        answers: polled.iter().map(|polled| polled.answers.len()).sum(),
+        answers: right.iter().map(|unit| unit.labels.len()).sum(),
         unanimous: Share::new(
             complete.iter().filter(|&&index| is_same(&chosen[index].labels)).count(),
             complete.len(),
@@ -261,29 +246,26 @@ fn ceiling(correct: &[[f64; 2]], draw: &Draw<'_>) -> Estimate {
     share
 }
 
-fn annotator(round: &Round, key: &Key, name: &Name, given: Option<&Responses>) -> Annotator {
-    let mut totals = Annotator {
+/// The annotator of this place in `round.toml`.
+fn annotator(
+    key: &Key,
+    verdicts: &Verdicts,
+    place: usize,
+    name: &Name,
+    given: Option<&Responses>,
+) -> Annotator {
+    let count = |is_meant: fn(Mark) -> bool| {
+        verdicts.items.iter().filter(|verdict| is_meant(verdict.votes[place].mark)).count()
+    };
+    Annotator {
         name: name.clone(),
         sealed: given.is_some_and(|given| given.sealed),
-        answered: 0,
-        skipped: 0,
-        right: 0,
-        gold: Consistency::default(),
-        repeats: Consistency::default(),
-    };
-    let Some(given) = given else { return totals };
-    for (item, source) in key.entries() {
-        if let (ItemSource::Query { meaning, .. }, Some(response)) = (source, given.response(item)) {
-            totals.skipped += usize::from(response.skipped);
-            if let Some(answer) = &response.answer {
-                totals.answered += 1;
-                totals.right += usize::from(meaning.mark(answer, round.frames) == Mark::Right);
-            }
-        }
+        answered: count(Mark::counts),
+        skipped: count(|mark| mark == Mark::Skipped),
+        right: count(|mark| mark == Mark::Right),
+        gold: given.map(|given| control::gold(key, given)).unwrap_or_default(),
+        repeats: given.map(|given| control::repeats(key, given)).unwrap_or_default(),
     }
-    totals.gold = control::gold(key, given);
-    totals.repeats = control::repeats(key, given);
-    totals
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use l4d_data::{DataError, Finding, Name};
 use crate::codes;
 use crate::history::History;
 use crate::item::{Item, ItemId};
-use crate::line::{Act, Line, digest_of};
+use crate::line::{Act, digest_of, write_line};
 use crate::log_file::{LockedFile, LogFile};
 use crate::replay::{Replay, replay};
 use crate::responses::MAX_BYTES;
@@ -254,7 +254,7 @@ impl Ballot {
         }
         let seq = self.lines;
         let log = (&self.round.name, &self.annotator);
-        let bytes = Line::new(log, seq, (self.clock)(), &self.last, act).to_bytes();
+        let bytes = write_line(log, seq, (self.clock)(), &self.last, &act);
         if self.length + bytes.len() as u64 > MAX_BYTES {
             return Err(DataError::invalid(&self.path, "size", "is full", "vote in a further round"));
         }

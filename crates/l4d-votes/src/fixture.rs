@@ -94,10 +94,18 @@ pub(crate) fn poll(
     annotators: &[&str],
     queries: &[(Meaning, Vec<Response>)],
 ) -> (Round, Key, Vec<Responses>) {
-    let asked = queries
-        .iter()
-        .zip(1..)
-        .map(|((meaning, _), scene)| (format!("s{scene}"), "The cat".to_owned(), meaning.clone()));
+    poll_in(queries.len(), annotators, queries)
+}
+
+/// The same with so many scenes in turn.
+pub(crate) fn poll_in(
+    scenes: usize,
+    annotators: &[&str],
+    queries: &[(Meaning, Vec<Response>)],
+) -> (Round, Key, Vec<Responses>) {
+    let asked = queries.iter().enumerate().map(|(index, (meaning, _))| {
+        (format!("s{}", index % scenes + 1), format!("The cat number {index}"), meaning.clone())
+    });
     let (round, key) = round_and_key(annotators, asked.collect());
     let given = |(place, annotator): (usize, &&str)| {
         let said =

@@ -5,6 +5,7 @@ use std::time::{Duration, SystemTime};
 use l4d_data::digest::sha256_hex;
 use l4d_data::{Interval, Name};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::item::ItemId;
 use crate::vote::{Answer, Choice, Event, ShownFrames};
@@ -24,38 +25,31 @@ enum Verb {
     Seal,
 }
 
-/// The JSON object; what is optional depends on `event`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// The JSON object as it is read; what is optional depends on `event`.
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Line {
     v: u32,
-    pub(crate) seq: u64,
+    #[serde(rename = "seq")]
+    _seq: u64,
     at: String,
     pub(crate) round: Name,
     pub(crate) annotator: Name,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     item: Option<ItemId>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<usize>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     digest: Option<String>,
     event: Verb,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     choice: Option<Choice>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     frames: Option<Interval>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     text: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     lines: Option<u64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     seen: Option<ShownFrames>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     elapsed_ms: Option<u64>,
-    client: String,
-    pub(crate) prev: String,
+    #[serde(rename = "client")]
+    _client: String,
+    #[serde(rename = "prev")]
+    _prev: String,
 }
 
 /// What a line says.
@@ -83,61 +77,42 @@ pub(crate) struct Link {
     pub(crate) prev: String,
 }
 
-impl Line {
-    /// The line number `seq`, from 0, of a log; `prev` is the digest of the one before.
-    pub(crate) fn new(
-        (round, annotator): (&Name, &Name),
-        seq: u64,
-        at: SystemTime,
-        prev: &str,
-        act: Act,
-    ) -> Self {
-        let mut line = Self {
-            v: VERSION,
-            seq,
-            at: timestamp(at),
-            round: round.clone(),
-            annotator: annotator.clone(),
-            item: None,
-            order: None,
-            digest: None,
-            event: Verb::Seal,
-            choice: None,
-            frames: None,
-            text: None,
-            lines: None,
-            sha256: None,
-            seen: None,
-            elapsed_ms: None,
-            client: concat!("l4d ", env!("CARGO_PKG_VERSION")).to_owned(),
-            prev: prev.to_owned(),
-        };
-        let (item, order, digest, event, seen, elapsed) = match act {
-            Act::On { item, order, digest, event, seen, elapsed } => {
-                (item, order, digest, event, seen, elapsed)
-            }
-            Act::Seal { lines, sha256 } => return Self { lines: Some(lines), sha256: Some(sha256), ..line },
-        };
-        (line.item, line.order, line.digest) = (Some(item), Some(order), Some(digest));
-        line.seen = Some(seen);
-        line.elapsed_ms = Some(u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX));
-        match event {
-            Event::Choose(Answer { choice, frames }) => {
-                Self { event: Verb::Choose, choice: Some(choice), frames: Some(frames), ..line }
-            }
-            Event::Undo => Self { event: Verb::Undo, ..line },
-            Event::Skip => Self { event: Verb::Skip, ..line },
-            Event::Comment(text) => Self { event: Verb::Comment, text: Some(text), ..line },
+/// The line number `seq`, from 0, of a log, with its newline; `prev` is the digest of the one before.
+pub(crate) fn write_line(
+    (round, annotator): (&Name, &Name),
+    seq: u64,
+    at: SystemTime,
+    prev: &str,
+    act: &Act,
+) -> Vec<u8> {
+    let at = humantime::format_rfc3339_millis(at).to_string();
+    let mut line = json!({ "v": VERSION, "seq": seq, "at": at, "round": round, "annotator": annotator });
+    let mut add = |fields: Value| {
+        if let (Value::Object(line), Value::Object(fields)) = (&mut line, fields) {
+            line.extend(fields);
+        }
+    };
+    match act {
+        Act::Seal { lines, sha256 } => add(json!({ "event": Verb::Seal, "lines": lines, "sha256": sha256 })),
+        Act::On { item, order, digest, event, seen, elapsed } => {
+            add(json!({ "item": item, "order": order, "digest": digest }));
+            add(match event {
+                Event::Choose(Answer { choice, frames }) => {
+                    json!({ "event": Verb::Choose, "choice": choice, "frames": frames })
+                }
+                Event::Undo => json!({ "event": Verb::Undo }),
+                Event::Skip => json!({ "event": Verb::Skip }),
+                Event::Comment(text) => json!({ "event": Verb::Comment, "text": text }),
+            });
+            let elapsed_ms = u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX);
+            add(json!({ "seen": seen, "elapsed_ms": elapsed_ms }));
         }
     }
+    add(json!({ "client": concat!("l4d ", env!("CARGO_PKG_VERSION")), "prev": prev }));
+    format!("{line}\n").into_bytes()
+}
 
-    /// The line with its newline.
-    pub(crate) fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = serde_json::to_vec(self).expect("a line of strings and numbers serialises");
-        bytes.push(b'\n');
-        bytes
-    }
-
+impl Line {
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let line: Self = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
         if line.v == VERSION { Ok(line) } else { Err(format!("version {}", line.v)) }
@@ -182,10 +157,6 @@ impl Line {
     }
 }
 
-fn timestamp(at: SystemTime) -> String {
-    humantime::format_rfc3339_millis(at).to_string()
-}
-
 /// What the next line calls this one: the digest of its bytes without the newline.
 pub(crate) fn digest_of(line: &[u8]) -> String {
     sha256_hex(line.strip_suffix(b"\n").unwrap_or(line))
@@ -200,8 +171,8 @@ mod tests {
         SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_123)
     }
 
-    fn line(act: Act) -> Line {
-        Line::new((&name("r1"), &name("ada")), 3, at(), NO_LINE, act)
+    fn line(act: Act) -> String {
+        String::from_utf8(write_line((&name("r1"), &name("ada")), 3, at(), NO_LINE, &act)).unwrap()
     }
 
     fn on(event: Event) -> Act {
@@ -218,8 +189,7 @@ mod tests {
     #[test]
     fn a_line_has_the_documented_form() {
         let answer = Answer { choice: objects(&["b", "a"]), frames: Interval::WHOLE };
-        let line = line(on(Event::Choose(answer)));
-        let text = String::from_utf8(line.to_bytes()).unwrap();
+        let text = line(on(Event::Choose(answer)));
         let client = env!("CARGO_PKG_VERSION");
         assert_eq!(
             text,
@@ -243,9 +213,7 @@ mod tests {
             Act::Seal { lines: 3, sha256: "s".to_owned() },
         ];
         for act in acts {
-            let line = line(act.clone());
-            let read = Line::parse(line.to_bytes().trim_ascii_end()).unwrap();
-            assert_eq!(read, line);
+            let read = Line::parse(line(act.clone()).as_bytes()).unwrap();
             assert_eq!(read.at().unwrap(), at());
             assert_eq!(read.act().unwrap(), act);
         }
@@ -254,7 +222,7 @@ mod tests {
     #[test]
     fn lines_that_contradict_themselves_are_refused() {
         let answer = Answer { choice: objects(&["a"]), frames: Interval::WHOLE };
-        let good = String::from_utf8(line(on(Event::Choose(answer))).to_bytes()).unwrap();
+        let good = line(on(Event::Choose(answer)));
         for (from, to) in [
             (r#""event":"choose""#, r#""event":"skip""#),
             (r#""event":"choose""#, r#""event":"seal""#),

@@ -25,19 +25,20 @@ fn session(fixture: &Fixture, send: &Sender) -> Session<TestLog> {
 fn a_session_ends_with_q_and_its_pictures_come_by_themselves() {
     let fixture = Fixture::new();
     let (send, inputs) = mpsc::channel();
-    let mut session = session(&fixture, &send);
-    let mut terminal = Terminal::new(TestBackend::new(80, 24)).unwrap();
-    let user = std::thread::spawn(move || {
-        for code in [KeyCode::Char('1'), KeyCode::Enter, KeyCode::Enter, KeyCode::Char('n'), KeyCode::Enter] {
-            send.send(key(code)).unwrap();
-        }
-        std::thread::sleep(Duration::from_secs(1));
-        send.send(key(KeyCode::Char('q'))).unwrap();
-        // The sender lives until here: the session ends because of the key.
-        send
-    });
-    session.serve(&mut terminal, &inputs).unwrap();
-    drop(user.join().unwrap());
+    for code in [KeyCode::Char('1'), KeyCode::Enter, KeyCode::Enter, KeyCode::Char('n'), KeyCode::Enter] {
+        send.send(key(code)).unwrap();
+    }
+    let look = look(true, Colours::Full);
+    // The person quits when a picture is there.
+    let news = send.clone();
+    let painted = move |message| {
+        news.send(Input::Message(message)).ok();
+        news.send(key(KeyCode::Char('q'))).ok();
+    };
+    let paint_thread = PaintThread::open(fixture.painter(look), painted, || {});
+    let model = fixture.model(look, Size::new(80, 24), fixture.questions());
+    let mut session = Session::new(model, fixture.log(), paint_thread);
+    session.serve(&mut Terminal::new(TestBackend::new(80, 24)).unwrap(), &inputs).unwrap();
     assert_eq!(session.model.progress(), (2, 0));
     assert!(session.model.picture().is_some());
 }

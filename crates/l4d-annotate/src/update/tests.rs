@@ -12,32 +12,97 @@ use crate::message::Message;
 use crate::model::Mode;
 use crate::testing::{Driver, Fixture, look, name};
 
-fn objects(names: &[&str]) -> Choice {
-    Choice::Objects(names.iter().map(|text| name(text)).collect())
+/// Where the session is after each step, one line per step: item, mode, draft, notice, and what was logged meanwhile.
+fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
+    let mut lines = String::new();
+    for step in steps {
+        let before = driver.log.events.len();
+        match *step {
+            "disk full" => driver.log.fails = true,
+            "disk free" => driver.log.fails = false,
+            keys => driver.keys(keys),
+        }
+        let model = &driver.model;
+        let mode = match &model.mode {
+            Mode::Choose => "choose".to_owned(),
+            Mode::When => "when".to_owned(),
+            Mode::Reason(field) => format!("reason {:?}", field.text()),
+            Mode::Comment(field) => format!("comment {:?}", field.text()),
+            Mode::Summary { selected, sealing } => {
+                format!("summary {selected}{}", if *sealing { " sealing" } else { "" })
+            }
+            Mode::Leave => "leave".to_owned(),
+        };
+        let draft = match model.draft.answer(model.scene()) {
+            Some(answer) => format!("{} {}", answer.choice.label(), frames(&answer)),
+            None => "nothing".to_owned(),
+        };
+        let (answered, skipped) = model.progress();
+        let question = &model.question().id;
+        let flags = [(driver.log.is_sealed(), " SEALED"), (driver.is_over, " OVER")];
+        let flags: String = flags.into_iter().filter(|(is_set, _)| *is_set).map(|(_, word)| word).collect();
+        lines.push_str(&format!(
+            "{step}\n    {question} {mode}, draft {draft}, {answered} answered, {skipped} skipped{flags}\n"
+        ));
+        if !driver.notice().is_empty() {
+            lines.push_str(&format!("    \"{}\"\n", driver.notice()));
+        }
+        for (item, event, _, _) in &driver.log.events[before..] {
+            let event = match event {
+                Event::Choose(answer) => format!("choose {} {}", answer.choice.label(), frames(answer)),
+                other => format!("{other:?}").to_lowercase(),
+            };
+            lines.push_str(&format!("    log {item}: {event}\n"));
+        }
+    }
+    lines
 }
 
-fn kinds(driver: &Driver) -> Vec<&'static str> {
-    let kind = |event: &Event| match event {
-        Event::Choose(_) => "choose",
-        Event::Undo => "undo",
-        Event::Skip => "skip",
-        Event::Comment(_) => "comment",
-    };
-    driver.log.events.iter().map(|(_, event, _, _)| kind(event)).collect()
+fn frames(answer: &Answer) -> String {
+    format!("{}..{}", answer.frames.first(), answer.frames.last())
 }
 
-#[test]
-fn numbers_then_time_then_the_next_item() {
-    let mut driver = Fixture::new().drive();
-    let (a, d) = (driver.number("disc_a"), driver.number("ball_d"));
-    driver.keys(&format!("{a}{d}<Enter>"));
-    assert_eq!((&driver.model.mode, driver.log.events.len()), (&Mode::When, 0));
-    driver.keys("<Enter>");
-    let expected = Answer { choice: objects(&["ball_d", "disc_a"]), frames: Interval::WHOLE };
-    assert_eq!(driver.last_answer(), Some(&expected));
-    assert_eq!((driver.model.at, driver.notice()), (1, "Saved q0001"));
-    assert_eq!(driver.model.questions[0].response.answer, Some(expected));
-    assert!(driver.model.draft.is_blank());
+/// Snapshots of a session of its own for each list of steps.
+macro_rules! transcripts {
+    ($($name:ident: [$($step:expr),+ $(,)?];)+) => {$(
+        #[test]
+        fn $name() {
+            insta::assert_snapshot!(transcript(&mut Fixture::new().drive(), &[$($step),+]));
+        }
+    )+};
+}
+
+transcripts! {
+    numbers_then_time_then_the_next_item: ["14<Enter>", "<Enter>"];
+    the_time_is_that_of_the_frames_where_the_keys_were_pressed: [
+        "1<Enter><Right><Right>[<End><Left>]", "<Enter>",
+        // An end before the start moves the start, and the other way round.
+        "1<Enter><End>[<Home>]", "<Enter>",
+        "1<Enter><Right>]w", "<Enter>",
+    ];
+    none_and_ambiguous_are_asked_for_no_time: ["12<Right>]n", "<Enter>", "a<Enter>", "  two q of 3 <Enter>"];
+    enter_without_an_answer_saves_nothing: ["<Enter>", "1<Enter><Backspace>", "<Enter>", "nn<Enter>", "9", "<Enter>"];
+    what_the_log_refuses_is_not_taken_and_stays_in_the_editor: [
+        "disk full", "2<Enter><Right>[<Enter>", "s", "csome words<Enter>", "<Esc>a", "several<Enter>",
+        // Once there is room again the same answer can be saved.
+        "disk free", "<Enter>",
+    ];
+    a_seal_needs_nothing_open_and_a_yes: [
+        "1<Enter><Enter>", "s", "1<Enter><Enter>", "SS", "<Esc>1<Enter><Enter>", "S<Enter>", "disk full", "Sy",
+        "disk free", "Sy",
+        // Nothing can be opened any more.
+        "<Enter><Esc>u", "q",
+    ];
+    undo_takes_back_what_was_not_saved_then_this_item_then_the_latest: [
+        "1<Enter><Enter>", "2<Enter><Enter>", "3u", "u", "4<Enter><Enter>", "<<u", "u",
+    ];
+    undo_of_a_skip_and_a_comment_say_so: ["s", "u", "chello<Enter>", "u", "u"];
+    drafts_wait_where_they_were_left_and_leaving_asks: ["13>2<", ">", "q", "x", "qq"];
+    leaving_without_a_draft_asks_nothing: ["1<Enter><Enter>q"];
+    items_end_where_they_end: ["<", ">>>", ">"];
+    after_the_last_item_come_the_open_ones_before_it: [">>>n<Enter>"];
+    changing_an_answer_replaces_it_and_saving_it_again_writes_nothing: ["n<Enter>", "<<Enter>", "<n1<Enter><Enter>"];
+    any_key_closes_the_help_page_and_does_nothing_else: ["?", "s"];
 }
 
 #[test]
@@ -62,155 +127,6 @@ fn views_are_the_held_out_one_and_those_far_from_it() {
 }
 
 #[test]
-fn the_time_is_that_of_the_frames_where_the_keys_were_pressed() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("1<Enter><Right><Right>[<End><Left>]<Enter>");
-    let frames = driver.last_answer().unwrap().frames;
-    assert_eq!((frames.first(), frames.last()), (24, 84));
-    // An end before the start moves the start, and the other way round.
-    driver.keys("1<Enter><End>[<Home>]<Enter>");
-    let frames = driver.last_answer().unwrap().frames;
-    assert_eq!((frames.first(), frames.last()), (0, 0));
-    driver.keys("1<Enter><Right>]w<Enter>");
-    assert_eq!(driver.last_answer().unwrap().frames, Interval::WHOLE);
-}
-
-#[test]
-fn none_and_ambiguous_are_asked_for_no_time() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("12<Right>]n<Enter>");
-    assert_eq!(driver.last_answer(), Some(&Answer { choice: Choice::None, frames: Interval::WHOLE }));
-    driver.keys("a<Enter>");
-    assert!(driver.notice().contains("Say what makes it ambiguous"), "{}", driver.notice());
-    driver.keys("  two q of 3 <Enter>");
-    let reason = "two q of 3".to_owned();
-    assert_eq!(driver.last_answer().unwrap().choice, Choice::Ambiguous { reason });
-    assert_eq!(kinds(&driver), ["choose", "choose"]);
-    assert_eq!(driver.model.at, 2);
-}
-
-#[test]
-fn enter_without_an_answer_saves_nothing() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("<Enter>");
-    assert!(driver.notice().starts_with("Choose objects"), "{}", driver.notice());
-    driver.keys("1<Enter><Backspace><Enter>nn<Enter>9");
-    assert!(driver.notice().contains("from 1 to 4"), "{}", driver.notice());
-    driver.keys("<Enter>");
-    assert!(driver.log.events.is_empty());
-}
-
-#[test]
-fn what_the_log_refuses_is_not_taken_and_stays_in_the_editor() {
-    let mut driver = Fixture::new().drive();
-    driver.log.fails = true;
-    driver.keys("2<Enter><Right>[<Enter>");
-    assert_eq!(driver.notice(), "NOT SAVED: no space left on device");
-    assert_eq!((driver.model.at, driver.model.progress()), (0, (0, 0)));
-    assert!(driver.text().contains("2 (not saved yet)") && driver.text().contains("NOT SAVED"));
-    driver.keys("s");
-    assert_eq!((driver.model.at, driver.model.progress()), (0, (0, 0)));
-    driver.keys("c");
-    driver.keys("some words<Enter>");
-    assert!(matches!(&driver.model.mode, Mode::Comment(field) if field.text() == "some words"));
-    driver.keys("<Esc>a");
-    driver.keys("several<Enter>");
-    assert!(matches!(&driver.model.mode, Mode::Reason(field) if field.text() == "several"));
-    // Once there is room again the same answer can be saved.
-    driver.log.fails = false;
-    driver.keys("<Enter>");
-    assert_eq!((driver.model.at, driver.model.progress()), (1, (1, 0)));
-}
-
-#[test]
-fn a_seal_needs_nothing_open_and_a_yes() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("1<Enter><Enter>s1<Enter><Enter>SS");
-    assert!(driver.notice().contains("1 item is open"), "{}", driver.notice());
-    driver.keys("<Esc>1<Enter><Enter>");
-    assert!(matches!(driver.model.mode, Mode::Summary { .. }));
-    assert_eq!(driver.model.progress(), (3, 1));
-    driver.keys("S<Enter>");
-    assert!(!driver.log.is_sealed());
-    driver.log.fails = true;
-    driver.keys("Sy");
-    assert!(driver.notice().starts_with("NOT SEALED") && !driver.model.sealed);
-    driver.log.fails = false;
-    driver.keys("Sy");
-    assert!(driver.log.is_sealed() && driver.model.sealed);
-    // Nothing can be opened any more.
-    driver.keys("<Enter><Esc>u");
-    assert!(matches!(driver.model.mode, Mode::Summary { .. }) && !driver.is_over);
-    driver.keys("q");
-    assert!(driver.is_over);
-}
-
-#[test]
-fn undo_takes_back_what_was_not_saved_then_this_item_then_the_latest() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("1<Enter><Enter>2<Enter><Enter>");
-    assert_eq!(driver.model.at, 2);
-    driver.keys("3u");
-    assert_eq!((driver.model.at, driver.log.events.len()), (2, 2));
-    assert!(driver.model.draft.is_blank());
-    // Nothing was said here: the answer before is taken back, and its item opened with it.
-    driver.keys("u");
-    assert_eq!((driver.model.at, driver.notice()), (1, "Took back the answer of q0002"));
-    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [2]);
-    assert_eq!(driver.model.progress(), (1, 0));
-    driver.keys("4<Enter><Enter>");
-    assert_eq!(driver.last_answer().map(|answer| answer.choice != objects(&[])), Some(true));
-    assert_eq!(kinds(&driver), ["choose", "choose", "undo", "choose"]);
-    // On an item with an answer, that one is meant.
-    driver.keys("<<uu");
-    driver.keys("<Backspace>");
-    assert_eq!(driver.model.progress().0, 1);
-}
-
-#[test]
-fn undo_of_a_skip_and_a_comment_say_so() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("su");
-    assert_eq!((driver.notice(), driver.model.progress()), ("Took back the skip of q0001", (0, 0)));
-    driver.keys("chello<Enter>");
-    assert_eq!(driver.model.question().response.comments, ["hello"]);
-    driver.keys("u");
-    assert_eq!(driver.notice(), "Took back the comment of q0001");
-    driver.keys("u");
-    assert_eq!(driver.notice(), "There is nothing to take back");
-}
-
-#[test]
-fn drafts_wait_where_they_were_left_and_leaving_asks() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("13>2<");
-    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [1, 3]);
-    driver.keys(">");
-    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [2]);
-    driver.keys("qx");
-    assert!(!driver.is_over && driver.model.mode == Mode::Choose);
-    driver.keys("qq");
-    assert!(driver.is_over && driver.log.events.is_empty());
-}
-
-#[test]
-fn leaving_without_a_draft_asks_nothing() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("1<Enter><Enter>q");
-    assert!(driver.is_over);
-}
-
-#[test]
-fn items_end_where_they_end() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("<");
-    assert!(driver.notice().starts_with("This is the first item"), "{}", driver.notice());
-    driver.keys(">>>>");
-    assert!(driver.notice().starts_with("This is the last item"), "{}", driver.notice());
-    assert_eq!(driver.model.at, 3);
-}
-
-#[test]
 fn a_session_goes_on_at_the_first_open_item() {
     let fixture = Fixture::new();
     let mut questions = fixture.questions();
@@ -223,26 +139,6 @@ fn a_session_goes_on_at_the_first_open_item() {
         question.response.skipped = true;
     }
     assert!(matches!(fixture.model(look, Size::new(80, 24), questions).mode, Mode::Summary { .. }));
-}
-
-#[test]
-fn after_the_last_item_come_the_open_ones_before_it() {
-    let mut driver = Fixture::new().drive();
-    driver.keys(">>>n<Enter>");
-    assert_eq!(driver.model.at, 0);
-}
-
-#[test]
-fn changing_an_answer_replaces_it_and_saving_it_again_writes_nothing() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("n<Enter><<Enter>");
-    assert_eq!((driver.log.events.len(), driver.notice()), (1, "This is the saved answer already"));
-    driver.keys("<n1<Enter><Enter>");
-    assert_eq!(kinds(&driver), ["choose", "choose"]);
-    assert!(matches!(
-        driver.model.questions[0].response.answer,
-        Some(Answer { choice: Choice::Objects(_), .. })
-    ));
 }
 
 #[test]
@@ -433,16 +329,6 @@ fn a_screen_that_is_too_small_says_so_and_growing_heals_it() {
 }
 
 #[test]
-fn any_key_closes_the_help_page_and_does_nothing_else() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("?");
-    assert!(driver.model.help && driver.model.requested.is_none());
-    driver.keys("s");
-    assert!(!driver.model.help && driver.log.events.is_empty());
-    assert!(driver.model.picture().is_some() && !driver.model.is_loading());
-}
-
-#[test]
 fn an_export_names_item_view_and_frame_only() {
     let mut driver = Fixture::new().drive();
     driver.keys("<Down><Right>o");
@@ -458,7 +344,8 @@ fn without_pictures_everything_else_works() {
     let mut driver = fixture.drive_with(look, Size::new(80, 24));
     assert!(driver.requests.is_empty() && driver.text().contains("Pictures are off"));
     driver.keys("1<Right><Enter>[<Enter>");
-    assert_eq!(driver.last_answer().unwrap().frames.first(), 12);
+    let answer = driver.model.questions[0].response.answer.as_ref().unwrap();
+    assert_eq!(answer.frames.first(), 12);
 }
 
 #[test]

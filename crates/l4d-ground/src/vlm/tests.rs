@@ -1,6 +1,7 @@
 //! From question to masks, with a server that says what a test makes it say and workers that need nothing but Python.
 
-mod server;
+#[path = "../../../l4d-endpoint/tests/scripted/mod.rs"]
+mod scripted;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,10 +10,30 @@ use std::time::Duration;
 use l4d_endpoint::{CacheUse, Link};
 use l4d_masks::Mask;
 
-use self::server::{Server, says, words};
+use self::scripted::{Seen, Server, Turn, says, status, thinks};
 use super::*;
 use crate::testing::{asked_from, clip, sentence};
 use crate::worker::{FrameStore, Launch, Patience, Worker};
+
+/// A server that answers each question like this.
+fn serve(think: impl Fn(&Value) -> Turn + Send + Sync + 'static) -> Server {
+    Server::start(vec![thinks(move |seen| think(&seen.json()))])
+}
+
+fn questions(server: &Server) -> Vec<Value> {
+    server.seen().iter().map(Seen::json).collect()
+}
+
+/// The words of a question.
+fn words(question: &Value) -> String {
+    match &question["messages"][0]["content"] {
+        Value::String(text) => text.clone(),
+        parts => {
+            let texts = parts.as_array().unwrap().iter().filter_map(|part| part["text"].as_str());
+            texts.collect::<Vec<_>>().join("\n")
+        }
+    }
+}
 
 const FRAMES: [u32; 5] = [0, 24, 48, 72, 96];
 
@@ -66,7 +87,7 @@ fn left_half() -> Mask {
 #[test]
 fn boxes_of_a_reply_become_masks() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|_| says(PLAN));
+    let server = serve(|_| says(PLAN));
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
     let grounding = vlm.ground(&view(), &sentence("the cup that \"tips\" 🥤"));
     assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
@@ -74,12 +95,12 @@ fn boxes_of_a_reply_become_masks() {
     assert!(grounding.masks.values().all(|mask| *mask == left_half()));
     let notes = grounding.notes.join("\n");
     for words in
-        ["tiny-vl", "box_v1", "3 pictures, 4000 tokens, and 50", "tips over", "places in 1 of 3 pictures"]
+        ["tiny-vl", "box_v1", "3 pictures, 40 tokens, and 2", "tips over", "places in 1 of 3 pictures"]
     {
         assert!(notes.contains(words), "{words}: {notes}");
     }
 
-    let [asked] = &server.seen()[..] else { panic!("one question a view") };
+    let [asked] = &questions(&server)[..] else { panic!("one question per view") };
     let parts = asked["messages"][0]["content"].as_array().unwrap();
     let labels: Vec<&Value> = parts[..6].iter().step_by(2).map(|part| &part["text"]).collect();
     assert_eq!(labels, ["<0.0 seconds>", "<1.0 seconds>", "<2.0 seconds>"]);
@@ -103,7 +124,7 @@ fn boxes_of_a_reply_become_masks() {
 #[test]
 fn only_what_is_asked_about_is_shown_and_answered() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|_| says(PLAN));
+    let server = serve(|_| says(PLAN));
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
     let grounding = vlm.ground(&view(), &asked_from(sentence("the cup"), 20, 80));
     let seen: Vec<u32> =
@@ -114,7 +135,7 @@ fn only_what_is_asked_about_is_shown_and_answered() {
 #[test]
 fn outcomes_without_masks_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|question| {
+    let server = serve(|question| {
         let text = words(question);
         let reply = |word: &str| text.contains(&format!("\"{word}\""));
         if reply("absent") {
@@ -128,7 +149,7 @@ fn outcomes_without_masks_are_told_apart() {
         } else if reply("refused") {
             says("I'm sorry, I cannot do that.")
         } else {
-            (500, json!({ "error": { "message": "no memory" } }))
+            status(500, &json!({ "error": { "message": "no memory" } }))
         }
     });
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
@@ -155,9 +176,9 @@ fn outcomes_without_masks_are_told_apart() {
 fn views_whose_question_fails_do_not_stop_the_others() {
     let folder = tempfile::tempdir().unwrap();
     let count = AtomicUsize::new(0);
-    let server = Server::start(move |_| match count.fetch_add(1, Ordering::SeqCst) % 2 {
+    let server = serve(move |_| match count.fetch_add(1, Ordering::SeqCst) % 2 {
         0 => says(PLAN),
-        _ => (503, json!({ "error": { "message": "overloaded" } })),
+        _ => status(503, &json!({ "error": { "message": "overloaded" } })),
     });
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
     let outcomes: Vec<&str> = std::thread::scope(|scope| {
@@ -173,7 +194,7 @@ fn views_whose_question_fails_do_not_stop_the_others() {
 #[test]
 fn answers_are_kept_and_replies_without_sense_are_not() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|question| match words(question).contains("\"prose\"") {
+    let server = serve(|question| match words(question).contains("\"prose\"") {
         true => says("Nothing but prose."),
         false => says(PLAN),
     });
@@ -193,7 +214,7 @@ fn a_recording_stands_in_for_the_server() {
     let folder = tempfile::tempdir().unwrap();
     let tape = folder.path().join("tape");
     let recorded = {
-        let server = Server::start(|_| says(PLAN));
+        let server = serve(|_| says(PLAN));
         let client = Client::open(endpoint(&server.url()), &Link::Record(tape.clone())).unwrap();
         vlm(client, "box", Coupling::Box, small(), folder.path()).ground(&view(), &sentence("the cup"))
     };
@@ -207,8 +228,7 @@ fn a_recording_stands_in_for_the_server() {
 #[test]
 fn words_go_to_a_segmenter_of_text() {
     let folder = tempfile::tempdir().unwrap();
-    let server =
-        Server::start(|_| says(r#"{"visible":true,"expression":"two cups","noun_phrase":"things"}"#));
+    let server = serve(|_| says(r#"{"visible":true,"expression":"two cups","noun_phrase":"things"}"#));
     let vlm = vlm(live(&server), "scripted", Coupling::Text, small(), folder.path());
     let grounding = vlm.ground(&view(), &sentence("the cups that touch"));
     assert_eq!(grounding.outcome, Outcome::Found);
@@ -220,7 +240,7 @@ fn words_go_to_a_segmenter_of_text() {
 
 /// Answers both questions of `pick`: the phrase, then the choice.
 fn chooses(phrase: &'static str, choice: &'static str) -> Server {
-    Server::start(move |question| match words(question).contains("candidates") {
+    serve(move |question| match words(question).contains("candidates") {
         true => says(choice),
         false => says(&json!({ "visible": true, "expression": "x", "noun_phrase": phrase }).to_string()),
     })
@@ -240,7 +260,7 @@ fn a_choice_among_numbered_candidates_becomes_masks() {
         let expected = if *frame >= 24 { expected.clone() } else { Mask::empty(32, 24) };
         assert_eq!(*mask, expected, "frame {frame}");
     }
-    let seen = server.seen();
+    let seen = questions(&server);
     assert_eq!(seen.len(), 2);
     assert!(seen[0]["messages"][0]["content"].is_string(), "words alone");
     assert!(words(&seen[1]).contains("2 candidates are outlined and numbered 1 to 2"));
@@ -271,7 +291,7 @@ fn a_choice_of_nothing_is_absent_and_one_of_others_has_no_sense() {
 #[test]
 fn an_estimate_sends_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|_| says(PLAN));
+    let server = serve(|_| says(PLAN));
     let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
     let (view, questions) = (view(), [sentence("the cup"), sentence(""), sentence("the plate")]);
     let plan = vlm.estimate(questions.iter().map(|question| (&view, question))).unwrap();
@@ -285,7 +305,7 @@ fn an_estimate_sends_nothing() {
 #[test]
 fn an_identity_names_everything_that_answers_depend_on() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|_| says(PLAN));
+    let server = serve(|_| says(PLAN));
     let open =
         |coupling, worker, settings| vlm(live(&server), worker, coupling, settings, folder.path()).identity();
     let identity = open(Coupling::Box, "box", small());
@@ -307,7 +327,7 @@ fn an_identity_names_everything_that_answers_depend_on() {
 #[test]
 fn what_cannot_work_is_told_before_anything_is_asked() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(|_| says(PLAN));
+    let server = serve(|_| says(PLAN));
     let open = |client: Client, worker, coupling, settings| {
         Vlm::new(client, &Calibrations::default(), segmenter(worker, folder.path()), coupling, settings)
             .unwrap_err()

@@ -44,16 +44,25 @@ impl fmt::Display for Undefined {
 }
 
 /// Mean over items of the share of agreeing pairs of answers.
+///
+/// # Errors
+/// The answers leave it undefined.
 pub fn raw(units: &[Unit]) -> Result<f64, Undefined> {
     totals(units).raw()
 }
 
 /// Krippendorff's alpha for nominal data.
+///
+/// # Errors
+/// The answers leave it undefined.
 pub fn krippendorff_alpha(units: &[Unit]) -> Result<f64, Undefined> {
     totals(units).alpha()
 }
 
 /// Gwet's AC1 with `labels` possible labels.
+///
+/// # Errors
+/// The answers leave it undefined.
 pub fn gwet_ac1(units: &[Unit], labels: usize) -> Result<f64, Undefined> {
     totals(units).ac1(labels)
 }

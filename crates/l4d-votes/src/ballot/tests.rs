@@ -54,23 +54,6 @@ fn a_ballot_resumes_where_it_was_left() {
 }
 
 #[test]
-fn an_undo_goes_through_the_log() {
-    let (_folder, dir) = folder();
-    let (mut ballot, _) = open(&dir).unwrap();
-    record(&mut ballot, 1, choose("tabby")).unwrap();
-    record(&mut ballot, 1, choose("ginger")).unwrap();
-    record(&mut ballot, 1, Event::Undo).unwrap();
-    assert_eq!(chosen(&ballot, 1).as_deref(), Some("tabby"));
-    record(&mut ballot, 1, Event::Undo).unwrap();
-    let before = bytes(&dir);
-    let error = record(&mut ballot, 1, Event::Undo).unwrap_err().to_string();
-    assert!(error.contains("nothing is left to undo"), "{error}");
-    assert_eq!(bytes(&dir), before);
-    assert_eq!(ballot.undoable(), None);
-    assert_eq!(before.iter().filter(|&&byte| byte == b'\n').count(), 4);
-}
-
-#[test]
 fn two_windows_of_one_annotator_refuse_each_other() {
     let (_folder, dir) = folder();
     let first = open(&dir).unwrap();

@@ -159,7 +159,7 @@ fn controls_know_their_right_answers() {
                 assert_eq!(source.gold(&whole(objects(&["cat_player"]))), Some(false));
             }
             ItemSource::Query { .. } | ItemSource::Repeat { .. } => {
-                assert_eq!(source.gold(&ambiguous()), None)
+                assert_eq!(source.gold(&ambiguous()), None);
             }
         }
     }

@@ -5,6 +5,7 @@ use l4d_data::digest::sha256_hex;
 
 use super::*;
 use crate::fixture::{items, name, noon, round_of, whole};
+use crate::line::write_line;
 use crate::vote::{Choice, Event, ShownFrames};
 
 /// A log of `ada` in `r1`, written line by line without a [`crate::Ballot`].
@@ -21,7 +22,7 @@ impl Log {
         let mut place = (name("r1"), name("ada"), seq, noon() + Duration::from_secs(seq));
         change(&mut place);
         let (round, annotator, seq, at) = place;
-        self.lines.push(Line::new((&round, &annotator), seq, at, &prev, act).to_bytes());
+        self.lines.push(write_line((&round, &annotator), seq, at, &prev, &act));
         self
     }
 

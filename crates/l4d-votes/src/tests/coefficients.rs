@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::Response;
 use crate::agreement::{Undefined, Unit, gwet_ac1, krippendorff_alpha, measure, raw, wilson};
-use crate::fixture::{meaning, objects, poll, whole};
+use crate::fixture::{meaning, objects, poll_in, whole};
 
 /// Of Krippendorff (2011), section C, and of Gwet's irrCAC, `cac.raw4raters`.
 const FOUR_RATERS: [&str; 4] = [
@@ -220,10 +220,7 @@ fn python_draws_the_same_intervals() {
     let cat = meaning(&["cat_a"], Temporal::Whole, Interval::WHOLE);
     let queries: Vec<_> =
         (0..210).map(|index| (cat.clone(), (0..5).map(|_| said(index % 21)).collect::<Vec<_>>())).collect();
-    let (mut round, key, given) = poll(&["ada", "ben", "cho", "dee", "eve"], &queries);
-    for (index, item) in round.items.iter_mut().enumerate() {
-        item.scene = crate::fixture::name(&format!("scene_{:02}", index % 21));
-    }
+    let (round, key, given) = poll_in(21, &["ada", "ben", "cho", "dee", "eve"], &queries);
     let ceiling = measure(&round, &key, &given).overall.ceiling;
     let right = whole(objects(&["cat_a"]));
     let units: Vec<_> = round
