@@ -218,6 +218,26 @@ fn no_crate_reaches_what_it_must_not() {
 }
 
 #[test]
+fn without_default_features_nothing_heavy_is_linked() {
+    let reached = packages(&cargo(&[
+        "tree",
+        "--package",
+        "l4d",
+        "--no-default-features",
+        "--edges",
+        "normal",
+        "--prefix",
+        "none",
+        "--format",
+        "{p}",
+    ]));
+    assert!(reached.contains("l4d-score"), "cargo tree lists too little");
+    for heavy in ["polars", "plotters", "wgpu", "ratatui"] {
+        assert!(!reached.contains(heavy), "{heavy} is linked");
+    }
+}
+
+#[test]
 fn heavy_dependencies_stand_behind_their_crate() {
     let named = named_dependencies();
     for (heavy, owners) in QUARANTINE {
@@ -273,7 +293,11 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 fn tree(package: &str) -> BTreeSet<String> {
     let output =
         cargo(&["tree", "--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}"]);
-    output.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
+    packages(&output)
+}
+
+fn packages(tree: &str) -> BTreeSet<String> {
+    tree.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
 }
 
 /// Package -> the normal dependencies that its manifest names.
