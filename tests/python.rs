@@ -82,10 +82,16 @@ fn ask(python: &Path, world: &Dir, site: Option<&Path>) {
     assert!(said.contains(" passed") && !said.contains("skipped"), "{said}");
 }
 
-/// A folder to import `l4d` from: the Python files, and the library beside them.
+/// A folder to import `l4d` from.
 fn site_folder() -> Dir {
     let dir = Dir::new();
-    let package = dir.path("l4d");
+    write_site(&dir.path(""));
+    dir
+}
+
+/// Writes the package `l4d` below a folder: the Python files, and the library beside them.
+pub(crate) fn write_site(folder: &Path) {
+    let package = folder.join("l4d");
     fs::create_dir_all(&package).unwrap();
     for entry in fs::read_dir(root().join("crates/l4d-py/python/l4d")).unwrap() {
         let path = entry.unwrap().path();
@@ -98,7 +104,6 @@ fn site_folder() -> Dir {
     let extension = if cfg!(windows) { "pyd" } else { "abi3.so" };
     fs::copy(&library, package.join(format!("_native.{extension}")))
         .unwrap_or_else(|error| panic!("{}: {error}", library.display()));
-    dir
 }
 
 /// A rendered scene, its benchmark, results and scores, a model, clips, and `expected.json` with what Rust says of them.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use l4d_data::Report;
 use l4d_endpoint::{Budget, CacheUse, Client, Endpoint, Link, Plan, Spent};
-use l4d_propose::Manner;
+use l4d_propose::AskOptions;
 use serde_json::json;
 
 use crate::cli::models::{AskArgs, EndpointArgs, ServerArgs};
@@ -51,8 +51,8 @@ pub(crate) fn open_client(args: &ServerArgs) -> Result<Client> {
 }
 
 /// How questions are asked.
-pub(crate) fn manner(args: &AskArgs) -> Manner {
-    Manner { repeat: args.repeat, answer_tokens: args.answer_tokens }
+pub(crate) fn manner(args: &AskArgs) -> AskOptions {
+    AskOptions { repeat: args.repeat, answer_tokens: args.answer_tokens }
 }
 
 /// Whom it was about, without anything secret.

@@ -17,7 +17,7 @@ use crate::request::Request;
 
 /// Below this mean overlap a convention does not fit.
 pub const LEAST_IOU: f64 = 0.5;
-/// A runner-up that comes closer than this cannot be told from the winner.
+/// A runner-up that comes closer than this makes the winner uncertain.
 pub const CLEAR_LEAD: f64 = 0.05;
 
 /// A picture with squares of known places, one of each colour.
@@ -62,7 +62,7 @@ impl Calibration {
         self.scores.first().filter(|best| best.mean_iou >= LEAST_IOU)
     }
 
-    /// A convention that fits about as well as the best, so that the answers do not tell which is right.
+    /// A convention that fits about as well as the best, so that either may be right.
     pub fn rival(&self) -> Option<&Score> {
         let fit = self.fit()?;
         self.scores.get(1).filter(|second| second.mean_iou > fit.mean_iou - CLEAR_LEAD)

@@ -34,7 +34,7 @@ impl BoxPx {
     }
 }
 
-/// In which order the four numbers stand.
+/// Order of the four numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Order {
@@ -201,7 +201,7 @@ impl Convention {
 pub struct WrittenBox {
     /// What the model says is in it.
     pub label: Option<String>,
-    /// Its four numbers, in an order and scale that only the model's convention tells.
+    /// Its four numbers, in an order and scale that the model's convention gives.
     pub numbers: [f64; 4],
 }
 

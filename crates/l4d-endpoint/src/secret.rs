@@ -10,7 +10,7 @@ use crate::error::EndpointError;
 /// Replaces a key.
 pub(crate) const REDACTED: &str = "[redacted]";
 
-/// A shorter key could not be told from ordinary words when it is taken out of what a server sends.
+/// A shorter key looks like a word when it is taken out of what a server sends.
 const SHORTEST: usize = 8;
 
 /// Where keys are looked up by the name of their variable.

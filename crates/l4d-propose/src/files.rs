@@ -1,4 +1,4 @@
-//! Writing proposals without losing those that stand there: of another model, or edited by hand.
+//! Writing proposals without losing earlier ones: of another model, or edited by hand.
 
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ mod tests {
     fn one_foreign_file_keeps_all_of_them_as_they_are() {
         let folder = tempfile::tempdir().unwrap();
         let (a, b) = (folder.path().join("a"), folder.path().join("b"));
-        std::fs::write(&b, "of somebody else").unwrap();
+        std::fs::write(&b, "of another model").unwrap();
         let files = [(a.clone(), "one".to_owned()), (b.clone(), "two".to_owned())];
         let error = write_unless_other(&files, false).unwrap_err();
         assert!(error.path() == b && error.hint().unwrap().contains("--force"), "{error}");

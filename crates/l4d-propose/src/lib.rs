@@ -1,4 +1,4 @@
-//! Queries and scenarios that models propose, and the checks that stand between them and the benchmark.
+//! Queries and scenarios that models propose, and the checks between them and the benchmark.
 //!
 //! This crate owns what a model is asked, how its answer is read, and which proposals are worth a person's time. It
 //! refuses to know how a question reaches a model (`l4d-endpoint`), what a predicate means (`l4d-query`) and how a
@@ -14,4 +14,4 @@ pub mod scenarios;
 
 pub use quote::printable;
 pub use reason::Reason;
-pub use run::Manner;
+pub use run::AskOptions;

@@ -1,11 +1,11 @@
-//! The list in a model's answer: whatever stands around it, and as much of it as arrived.
+//! The list in a model's answer: whatever is around it, and as much of it as arrived.
 
 use l4d_endpoint::{Finish, Reply};
 use serde_json::Value;
 
 use crate::reason::Reason;
 
-/// Longer answers are cut before anybody looks for JSON in them, bytes.
+/// Longer answers are cut before JSON is looked for, bytes.
 const LONGEST_ANSWER: usize = 1 << 18;
 /// No answer has more items; what follows is not read.
 const MOST_ITEMS: usize = 200;
@@ -89,7 +89,7 @@ fn listed(value: Value, list: &str) -> Option<Vec<Value>> {
     }
 }
 
-/// Complete objects with the marking key, wherever they stand.
+/// Complete objects with the marking key, wherever they are.
 fn loose_items(text: &str, mark: &str) -> Vec<Value> {
     let mut items = Vec::new();
     let mut position = 0;
@@ -111,7 +111,7 @@ fn loose_items(text: &str, mark: &str) -> Vec<Value> {
 
 /// The object with a field, or the array of objects, that a text begins with, and its length.
 fn leading_value(text: &str) -> Option<(Value, usize)> {
-    // Most brackets of an answer that is no JSON are told by what follows them, which is quick.
+    // Most brackets of an answer that is no JSON are recognised by what follows them, which is quick.
     let next = text[1..].trim_start().bytes().next();
     let is_likely = if text.starts_with('{') { next == Some(b'"') } else { next == Some(b'{') };
     if !is_likely {

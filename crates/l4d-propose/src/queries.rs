@@ -6,8 +6,8 @@ mod proposal;
 mod record;
 mod run;
 
-pub use brief::{Shot, Showing, question, shots};
+pub use brief::{ClipPicture, PictureChoice, clip_pictures, question};
 pub use exam::{Exam, Outcome};
 pub use proposal::Proposal;
 pub use record::{Failed, Records, Sorted, Unproved, sort};
-pub use run::{Asking, Prepared, SceneOutcome};
+pub use run::{Prepared, QueryProposer, SceneOutcome};

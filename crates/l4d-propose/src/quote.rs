@@ -1,6 +1,6 @@
 //! Words of others inside a prompt: one block of JSON between two marks, and nothing in it can end the block.
 //!
-//! Names, properties and sentences come from files that anybody may have written. They reach a model only through
+//! Names, properties and sentences come from untrusted files. They reach a model only through
 //! here, so that they are seen as data; what a model makes of them is checked without the model.
 
 use serde_json::Value;
@@ -16,7 +16,7 @@ pub(crate) fn data_block(document: &Value) -> String {
     for letter in json.chars() {
         match letter {
             '\n' | ' '..='~' if !matches!(letter, '<' | '>' | '`') => block.push(letter),
-            // All of these stand inside strings, where JSON knows this escape.
+            // All of these are inside strings, where JSON knows this escape.
             other => other.encode_utf16(&mut [0; 2]).iter().for_each(|unit| {
                 block.push_str(&format!("\\u{unit:04x}"));
             }),
@@ -31,7 +31,7 @@ pub fn printable(text: &str) -> String {
     text.chars().map(|letter| if is_hidden(letter) { '\u{fffd}' } else { letter }).collect()
 }
 
-/// Whether a letter steers a terminal or hides what stands beside it.
+/// Whether a letter steers a terminal or hides its neighbours.
 pub(crate) fn is_hidden(letter: char) -> bool {
     let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     letter.is_control() || is_mark

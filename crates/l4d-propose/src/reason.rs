@@ -1,4 +1,4 @@
-//! Why a proposal was not taken: like a finding, but of a proposal that stands in no file of the benchmark.
+//! Why a proposal was not taken: like a finding, but of a proposal, which is in no file of the benchmark.
 
 use l4d_data::{Finding, Report, Severity};
 use serde::Serialize;

@@ -11,14 +11,14 @@ const LONGEST_MODEL: usize = 80;
 
 /// How a question is asked.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Manner {
+pub struct AskOptions {
     /// Which asking this is, from 0: the likeliest answer first, then others.
     pub repeat: u32,
     /// Longest answer, tokens; default: what the number of proposals needs.
     pub answer_tokens: Option<u32>,
 }
 
-impl Manner {
+impl AskOptions {
     /// The question in this manner.
     pub(crate) fn apply(self, mut request: Request) -> Request {
         request.max_tokens = self.answer_tokens.unwrap_or(request.max_tokens);
@@ -58,9 +58,9 @@ mod tests {
     #[test]
     fn asking_again_is_another_question() {
         let question = || Request::new(Vec::new());
-        let first = Manner::default().apply(question());
+        let first = AskOptions::default().apply(question());
         assert_eq!(first, question());
-        let again = Manner { repeat: 2, answer_tokens: Some(7) }.apply(question());
+        let again = AskOptions { repeat: 2, answer_tokens: Some(7) }.apply(question());
         assert_eq!((again.seed, again.repeat, again.max_tokens), (Some(2), 2, 7));
         assert_ne!(again.temperature, first.temperature);
     }

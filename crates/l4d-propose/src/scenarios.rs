@@ -9,5 +9,5 @@ mod spec;
 
 pub use brief::question;
 pub use rules::{Known, problems};
-pub use run::{Inventing, ScaleOutcome};
+pub use run::{ScaleOutcome, ScenarioProposer};
 pub use spec::{Draft, SCHEMA, Scenario};

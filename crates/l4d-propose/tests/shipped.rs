@@ -1,6 +1,6 @@
 //! The shipped queries, proposed as a model that understands everything would propose them: all of them pass, since a
 //! check that refuses what is sound is as wrong as one that takes what is not.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 use l4d_data::query::Provenance;
 use l4d_data::scene::{Generator, SCHEMA, Scene};

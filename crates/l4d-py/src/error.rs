@@ -18,14 +18,14 @@ pub(crate) type Result<T> = std::result::Result<T, Failure>;
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Something that the project can explain.
-    Told(Box<Told>),
+    Details(Box<Details>),
     /// An exception that Python raised itself.
     Python(PyErr),
 }
 
 /// The attributes of an `L4dError`.
 #[derive(Debug, Default)]
-pub(crate) struct Told {
+pub(crate) struct Details {
     message: String,
     path: Option<PathBuf>,
     field: Option<String>,
@@ -35,14 +35,15 @@ pub(crate) struct Told {
 impl Failure {
     /// A value that the caller gave and that cannot be.
     pub(crate) fn argument(field: &str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let told = Told { field: Some(field.to_owned()), ..Told::new(message.into(), remedy.into()) };
-        Self::Told(Box::new(told))
+        let details =
+            Details { field: Some(field.to_owned()), ..Details::new(message.into(), remedy.into()) };
+        Self::Details(Box::new(details))
     }
 
     /// Something about a file.
     pub(crate) fn file(path: &Path, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let told = Told { path: Some(path.to_owned()), ..Told::new(message.into(), remedy.into()) };
-        Self::Told(Box::new(told))
+        let details = Details { path: Some(path.to_owned()), ..Details::new(message.into(), remedy.into()) };
+        Self::Details(Box::new(details))
     }
 
     /// An error whose message says everything, causes included.
@@ -53,11 +54,11 @@ impl Failure {
             message.push_str(&format!(": {cause}"));
             source = cause.source();
         }
-        Self::Told(Box::new(Told { message, ..Told::default() }))
+        Self::Details(Box::new(Details { message, ..Details::default() }))
     }
 }
 
-impl Told {
+impl Details {
     fn new(message: String, remedy: String) -> Self {
         Self { message, remedy: Some(remedy), ..Self::default() }
     }
@@ -73,7 +74,7 @@ impl From<DataError> for Failure {
                 (Some(location), message)
             }
         };
-        Self::Told(Box::new(Told { message, path, field, remedy }))
+        Self::Details(Box::new(Details { message, path, field, remedy }))
     }
 }
 
@@ -92,8 +93,8 @@ impl From<PyErr> for Failure {
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
-            Failure::Told(told) => {
-                let Told { message, path, field, remedy } = *told;
+            Failure::Details(details) => {
+                let Details { message, path, field, remedy } = *details;
                 L4dError::new_err((message, path.map(|path| path.display().to_string()), field, remedy))
             }
             Failure::Python(error) => error,
@@ -107,7 +108,7 @@ pub(crate) fn name(field: &str, text: &str) -> Result<Name> {
     Name::new(text).map_err(|error| Failure::argument(field, error.to_string(), remedy))
 }
 
-/// What stands among `known` under a name that the caller gave.
+/// An argument that is none of `known`.
 pub(crate) fn unknown(field: &str, given: impl Display, known: &[&str]) -> Failure {
     let given = l4d_data::error::inert(&given.to_string());
     Failure::argument(field, format!("there is no `{given}`"), format!("choose among {}", known.join(", ")))

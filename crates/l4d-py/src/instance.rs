@@ -1,4 +1,4 @@
-//! What stands in a scene, and what it does.
+//! The instances of a scene, and what they do.
 
 use std::collections::BTreeMap;
 

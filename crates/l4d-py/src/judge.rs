@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use l4d_data::{self as data, Report, Severity};
 use l4d_score::baseline::write_baseline as write;
+use l4d_score::results::MEGABYTE;
 use l4d_score::{Baseline, Missing, Options, check_results, score_results};
 use pyo3::prelude::*;
 
@@ -69,9 +70,9 @@ impl Finding {
 /// Percentages stand under `document["methods"]`; a method with an error finding is not among them, and
 /// `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
 /// `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
-/// each method are written below `scores`, or nowhere.
+/// each method are written below `scores`, or nowhere. A method with more than `max_megabytes` of masks is not read.
 #[pyfunction]
-#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, missing = "error", hit_iou = 0.0, verified_only = false, resize = false, scores = None))]
+#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, missing = "error", hit_iou = 0.0, verified_only = false, resize = false, scores = None, max_megabytes = 4000))]
 #[expect(clippy::too_many_arguments, reason = "those of the verb")]
 pub(crate) fn score<'py>(
     py: Python<'py>,
@@ -84,6 +85,7 @@ pub(crate) fn score<'py>(
     verified_only: bool,
     resize: bool,
     scores: Option<PathBuf>,
+    max_megabytes: u64,
 ) -> Result<Bound<'py, PyAny>> {
     let missing = match missing {
         "error" => Missing::Error,
@@ -98,7 +100,8 @@ pub(crate) fn score<'py>(
     let options = Options { missing, hit_iou, verified_only, resize };
     let document = py.detach(|| {
         let mut report = Report::default();
-        let exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        let mut exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        exam.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
         let nowhere = tempfile::tempdir().map_err(|error| Failure::of_chain(&error))?;
         let folder = scores.as_deref().unwrap_or(nowhere.path());
         let mut scored = score_results(&results, &exam, &options, folder, |_| {})?;
@@ -109,19 +112,22 @@ pub(crate) fn score<'py>(
     json_to_python(py, &document)
 }
 
-/// Every problem of a results folder, or of a folder of them: what `l4d check-results` finds.
+/// Every problem of a results folder, or of a folder of them: what `l4d check-results` finds. A method with more than
+/// `max_megabytes` of masks is not read.
 #[pyfunction]
-#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None))]
+#[pyo3(signature = (results, benchmark, *, set = "queries", scenes = None, max_megabytes = 4000))]
 pub(crate) fn check(
     py: Python<'_>,
     results: PathBuf,
     benchmark: &Benchmark,
     set: &str,
     scenes: Option<Vec<String>>,
+    max_megabytes: u64,
 ) -> Result<Vec<Finding>> {
     let report = py.detach(|| {
         let mut report = Report::default();
-        let exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        let mut exam = benchmark.exam(set, scenes.as_deref().unwrap_or_default(), &mut report)?;
+        exam.most_bytes = max_megabytes.saturating_mul(MEGABYTE);
         check_results(&results, &exam, &mut report)?;
         Ok::<_, Failure>(report)
     })?;
@@ -147,7 +153,7 @@ pub(crate) fn write_baseline(
     let found = Baseline::ALL.into_iter().find(|baseline| baseline.as_str() == name);
     let baseline = found.ok_or_else(|| unknown("name", name, &known))?;
     py.detach(|| {
-        // What keeps scenes from being asked about is told by `check` and `score`.
+        // `check` and `score` report scenes that are left out.
         let exam =
             benchmark.exam("queries", scenes.as_deref().unwrap_or_default(), &mut Report::default())?;
         write(baseline, &exam, seed, &results, force)?;

@@ -1,4 +1,4 @@
-//! A rendered scene: its cameras, what stands in it, and its pictures.
+//! A rendered scene: its cameras, instances and pictures.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -35,7 +35,7 @@ impl Truth {
         })
     }
 
-    /// The query and where its referents stand among the instances.
+    /// The query and the indices of its referents among the instances.
     fn referents(&self, query: &Bound<'_, PyAny>) -> Result<(&data::Query, Vec<usize>)> {
         let id = query_id(query)?;
         let query = self.queries.iter().find(|query| query.id == id).ok_or_else(|| {

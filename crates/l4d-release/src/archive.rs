@@ -15,7 +15,10 @@ use tar::{Builder, EntryType, Header};
 use crate::gather::Source;
 
 /// Writes an archive; it appears when it is whole. Files whose bytes are not those of their digest are refused.
-/// `progress` is told bytes as they are written.
+/// `progress` gets bytes as they are written.
+///
+/// # Errors
+/// If a file cannot be read, changed meanwhile, or the archive cannot be written.
 pub fn write(path: &Path, files: &[Source], progress: &(dyn Fn(u64) + Sync)) -> Result<(), DataError> {
     let mut sorted: Vec<&Source> = files.iter().collect();
     sorted.sort_by(|a, b| a.name.cmp(&b.name));
@@ -27,7 +30,7 @@ pub fn write(path: &Path, files: &[Source], progress: &(dyn Fn(u64) + Sync)) -> 
     sink.file.commit()
 }
 
-/// An error of the disk is told as what it was.
+/// The error of the disk behind an error of the archive.
 fn explain(path: &Path, archive: &mut Builder<Sink>, error: Trouble) -> DataError {
     match (archive.get_mut().refusal.take(), error) {
         (Some(refusal), _) | (None, Trouble::Data(refusal)) => refusal,

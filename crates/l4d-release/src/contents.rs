@@ -1,6 +1,6 @@
 //! `release.json`: what a version consists of, so that the next one knows what changed.
 //!
-//! Meaning and bytes are told apart: a digest of what a file says, which a file written anew with other spaces keeps,
+//! Meaning and bytes have digests of their own: a digest of what a file says, which a file written anew with other spaces keeps,
 //! and a digest of its bytes.
 
 use std::collections::BTreeMap;
@@ -48,7 +48,7 @@ pub struct Contents {
     pub renders: Option<RenderContents>,
 }
 
-/// What nobody can read from the data.
+/// What cannot be read from the data.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Publication {
@@ -82,7 +82,7 @@ pub struct SceneContents {
 pub struct QueryContents {
     /// Digest of sentence, categories, referents, time and predicate.
     pub meaning: String,
-    /// Where it stands in annotation.
+    /// Its state in annotation.
     pub status: Status,
 }
 
@@ -125,7 +125,10 @@ impl Contents {
         }
     }
 
-    /// Reads the `release.json` of a release folder, if it is the one that its checksums list.
+    /// Reads the `release.json` of a release folder.
+    ///
+    /// # Errors
+    /// If it cannot be read, is of another schema, or is not the one that `SHA256SUMS` lists.
     pub fn read(release: &Path) -> Result<Self, DataError> {
         let path = release.join(FILE);
         let contents: Self = json::read(&path)?;

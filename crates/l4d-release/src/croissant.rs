@@ -6,21 +6,22 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::contents::Contents;
 use crate::documents::{bibtex, licence_url, summary};
 use crate::gather::Gathered;
-use crate::tables::{Column, Kind, Table};
+use crate::tables::{Column, ColumnKind, Table};
 use crate::words;
 
 /// Its name in a release.
 pub(crate) const FILE: &str = "croissant.json";
 
-/// The document; `files` are those of the release with digest and size.
+/// The document; `words` are those of [`words::of`], `files` those of the release with digest and size.
 pub(crate) fn document(
     contents: &Contents,
     gathered: &Gathered,
+    words: &Value,
     tables: &[Table],
     files: &BTreeMap<String, (String, u64)>,
 ) -> Value {
@@ -44,7 +45,8 @@ pub(crate) fn document(
         "keywords": words::KEYWORDS,
     });
     if let Value::Object(fields) = &mut document {
-        fields.extend(responsible(contents, gathered));
+        let responsible = words.as_object().into_iter().flatten();
+        fields.extend(responsible.map(|(field, said)| (format!("rai:{field}"), said.clone())));
         fields.insert("distribution".to_owned(), distribution(files).into());
         fields.insert("recordSet".to_owned(), tables.iter().map(record_set).collect());
     }
@@ -52,42 +54,10 @@ pub(crate) fn document(
 }
 
 fn context() -> Value {
-    let croissant = [
-        "annotation",
-        "arrayShape",
-        "citeAs",
-        "column",
-        "containedIn",
-        "equivalentProperty",
-        "extract",
-        "field",
-        "fileObject",
-        "fileProperty",
-        "fileSet",
-        "format",
-        "includes",
-        "excludes",
-        "isArray",
-        "isLiveDataset",
-        "jsonPath",
-        "key",
-        "md5",
-        "parentField",
-        "path",
-        "readLines",
-        "recordSet",
-        "references",
-        "regex",
-        "repeated",
-        "replace",
-        "samplingRate",
-        "separator",
-        "source",
-        "subField",
-        "transform",
-        "unArchive",
-        "value",
-    ];
+    let croissant = "annotation arrayShape citeAs column containedIn equivalentProperty extract field fileObject \
+                     fileProperty fileSet format includes excludes isArray isLiveDataset jsonPath key md5 \
+                     parentField path readLines recordSet references regex repeated replace samplingRate \
+                     separator source subField transform unArchive value";
     let mut context = json!({
         "@language": "en",
         "@vocab": "https://schema.org/",
@@ -102,37 +72,9 @@ fn context() -> Value {
         "sc": "https://schema.org/",
     });
     if let Value::Object(fields) = &mut context {
-        fields.extend(croissant.map(|term| (term.to_owned(), format!("cr:{term}").into())));
+        fields.extend(croissant.split(' ').map(|term| (term.to_owned(), format!("cr:{term}").into())));
     }
     context
-}
-
-/// The fields for responsible AI: what was done, by whom, and what follows for its users.
-fn responsible(contents: &Contents, gathered: &Gathered) -> Map<String, Value> {
-    let words = words::of(contents, gathered);
-    let fields = json!({
-        "rai:dataCollection": words.collection,
-        "rai:dataCollectionType": words.collection_types,
-        "rai:dataCollectionRawData": words.raw_data,
-        "rai:dataCollectionMissingData": words.missing_data,
-        "rai:dataPreprocessingProtocol": words.preprocessing,
-        "rai:dataAnnotationProtocol": words.annotation,
-        "rai:dataAnnotationPlatform": words.platform,
-        "rai:dataAnnotationAnalysis": words.analysis,
-        "rai:annotationsPerItem": words.annotations_per_item,
-        "rai:annotatorDemographics": words.demographics,
-        "rai:machineAnnotationTools": words.machine_annotation,
-        "rai:dataUseCases": words.uses,
-        "rai:dataLimitations": words.limitations,
-        "rai:dataBiases": words.biases,
-        "rai:dataSocialImpact": words.social_impact,
-        "rai:personalSensitiveInformation": words.personal,
-        "rai:dataReleaseMaintenancePlan": words.maintenance,
-    });
-    match fields {
-        Value::Object(fields) => fields,
-        _ => Map::new(),
-    }
 }
 
 fn distribution(files: &BTreeMap<String, (String, u64)>) -> Vec<Value> {
@@ -230,24 +172,24 @@ fn field(table: &Table, column: &Column) -> Value {
         "name": column.name,
         "description": column.about,
         "dataType": match column.kind {
-            Kind::Text | Kind::Texts => "sc:Text",
-            Kind::Integer | Kind::Intervals => "sc:Integer",
-            Kind::Float => "sc:Float",
+            ColumnKind::Text | ColumnKind::Texts => "sc:Text",
+            ColumnKind::Integer | ColumnKind::Intervals => "sc:Integer",
+            ColumnKind::Float => "sc:Float",
         },
         "source": { "fileObject": { "@id": table.path() }, "extract": { "column": column.name } },
     });
     match column.kind {
-        Kind::Texts => {
+        ColumnKind::Texts => {
             field["isArray"] = true.into();
             field["arrayShape"] = "-1".into();
         }
-        Kind::Intervals => {
+        ColumnKind::Intervals => {
             field["isArray"] = true.into();
             field["arrayShape"] = "-1,2".into();
         }
-        Kind::Text | Kind::Integer | Kind::Float => {}
+        ColumnKind::Text | ColumnKind::Integer | ColumnKind::Float => {}
     }
-    if let Some((other, column)) = column.refers_to {
+    if let Some((other, column)) = &column.refers_to {
         field["references"] = json!({ "field": { "@id": format!("{other}/{column}") } });
     }
     field

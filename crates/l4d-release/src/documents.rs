@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::contents::{Contents, slug};
 use crate::gather::Gathered;
 use crate::tables::Table;
-use crate::words::{self, KEYWORDS, Statuses};
+use crate::words::{KEYWORDS, Statuses};
 
 /// Name in a release, template.
 const TEMPLATES: [(&str, &str); 3] = [
@@ -32,6 +32,7 @@ impl Documents {
     pub(crate) fn new(
         contents: &Contents,
         gathered: &Gathered,
+        words: &Value,
         tables: &[Table],
         archives: Vec<(&str, u64, usize)>,
     ) -> Self {
@@ -85,7 +86,7 @@ impl Documents {
                 json!({ "group": group, "bytes": bytes, "files": files, "archives": archives })
             }).collect::<Vec<_>>(),
             "bytes": archives.iter().map(|(_, bytes, _)| bytes).sum::<u64>(),
-            "words": words::of(contents, gathered),
+            "words": words,
             "bibtex": bibtex(contents),
         }))
     }
@@ -113,6 +114,9 @@ pub(crate) fn render(name: &str, template: &str, values: &impl Serialize) -> Res
         .map_err(&refuse)?;
     environment.set_syntax(syntax);
     environment.add_filter("quoted", |text: String| Value::from(text).to_string());
+    environment.add_filter("share", |value: Option<f64>| {
+        value.map_or_else(|| "undefined".to_owned(), |value| format!("{value:.3}"))
+    });
     environment.add_filter("size", |bytes: u64| size(bytes));
     environment.add_filter("plural", |count: u64, one: String, many: Option<String>| match (count, many) {
         (1, _) => format!("1 {one}"),

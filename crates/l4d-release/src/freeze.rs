@@ -1,7 +1,7 @@
 //! From a benchmark to a release folder.
 //!
 //! Everything is written beside the final folder and moved there at the end: a folder without a leading dot is whole.
-//! A run that was killed is continued by the next: archives that stand there are kept if `release.json` says that they
+//! A run that was killed is continued by the next: archives that exist are kept if `release.json` says that they
 //! were made of the same files.
 
 use std::collections::BTreeMap;
@@ -19,11 +19,11 @@ use crate::inspect::digest_all;
 use crate::renders::{self, Renders};
 use crate::version::{self, Change, changes};
 use crate::votes::{self, Votes};
-use crate::{archive, codes, croissant, tables};
+use crate::{archive, codes, croissant, tables, words};
 
 /// What is to be released, and where.
 #[derive(Debug)]
-pub struct Order<'a> {
+pub struct ReleaseOptions<'a> {
     /// The benchmark.
     pub bench: &'a Benchmark,
     /// What people's votes say of it.
@@ -34,7 +34,7 @@ pub struct Order<'a> {
     pub since: Option<&'a Path>,
     /// Folder of all releases.
     pub out: &'a Path,
-    /// What nobody can read from the data.
+    /// What cannot be read from the data.
     pub publication: &'a Publication,
 }
 
@@ -47,7 +47,7 @@ pub struct Plan {
     pub changes: Vec<Change>,
     /// Its folder.
     pub folder: PathBuf,
-    /// Whether the folder stands there already, made of the same files.
+    /// Whether the folder exists already, made of the same files.
     pub is_there: bool,
     gathered: Gathered,
     archives: Vec<Archive>,
@@ -61,7 +61,7 @@ struct Archive {
     files: Vec<Source>,
 }
 
-/// A release that stands there.
+/// A finished release.
 #[derive(Debug)]
 pub struct Released {
     /// File -> its size.
@@ -69,6 +69,9 @@ pub struct Released {
 }
 
 /// Reads a benchmark that is to be published, and compares its statuses with the votes.
+///
+/// # Errors
+/// If its folder cannot be listed.
 pub fn examine(bench: &Benchmark, votes: &Votes, report: &mut Report) -> Result<Gathered, DataError> {
     let gathered = gather(bench, report)?;
     votes::check(bench, &gathered, votes, report);
@@ -76,7 +79,10 @@ pub fn examine(bench: &Benchmark, votes: &Votes, report: &mut Report) -> Result<
 }
 
 /// Reads everything that goes into a release. Whatever forbids it becomes a finding, all at once; nothing is written.
-pub fn plan(order: &Order<'_>, report: &mut Report) -> Result<Plan, DataError> {
+///
+/// # Errors
+/// If the benchmark or the earlier release cannot be read.
+pub fn plan(order: &ReleaseOptions<'_>, report: &mut Report) -> Result<Plan, DataError> {
     let gathered = examine(order.bench, order.votes, report)?;
     let renders = order.renders.map(|(data, profile)| {
         let rendered = gathered.scenes.iter().filter(|scene| scene.tracks.is_some()).map(|scene| &scene.name);
@@ -92,7 +98,7 @@ pub fn plan(order: &Order<'_>, report: &mut Report) -> Result<Plan, DataError> {
     Ok(Plan { contents, changes, folder, is_there, gathered, archives })
 }
 
-/// Whether a release stands there already; one with other contents is a finding: what was published stays.
+/// Whether the release exists already; one with other contents is a finding: what was published stays.
 fn is_same(folder: &Path, contents: &Contents, report: &mut Report) -> bool {
     let hint = "raise the version in panoptic-l4d.toml, or choose another --out";
     match Contents::read(folder) {
@@ -105,7 +111,7 @@ fn is_same(folder: &Path, contents: &Contents, report: &mut Report) -> bool {
             report.error(codes::FROZEN, folder, "folder", message, hint);
         }
         Err(error) => {
-            let message = format!("stands there, and is no whole release: {error}");
+            let message = format!("exists, and is no whole release: {error}");
             report.error(codes::FROZEN, folder, "folder", message, "move it away, or choose another --out");
         }
     }
@@ -143,7 +149,10 @@ impl Plan {
     }
 }
 
-/// Makes the release; `progress` is told bytes.
+/// Makes the release; `progress` gets bytes.
+///
+/// # Errors
+/// If a file cannot be read or written, or changed since the plan.
 pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, DataError> {
     if plan.is_there {
         let listed = sums::read(&plan.folder.join(SUMS))?;
@@ -164,6 +173,7 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
         }
     })?;
     let tables = tables::tables(&plan.gathered);
+    let words = words::of(&plan.contents, &plan.gathered)?;
     for table in &tables {
         write_atomic(&staging.join(table.path()), &table.bytes())?;
     }
@@ -172,8 +182,13 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
         let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();
         Ok((archive.path.as_str(), bytes, archive.files.len()))
     });
-    let documents =
-        Documents::new(&plan.contents, &plan.gathered, &tables, sizes.collect::<Result<_, DataError>>()?);
+    let documents = Documents::new(
+        &plan.contents,
+        &plan.gathered,
+        &words,
+        &tables,
+        sizes.collect::<Result<_, DataError>>()?,
+    );
     for (name, text) in documents.render()? {
         write_atomic(&staging.join(name), text.as_bytes())?;
     }
@@ -182,12 +197,12 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
         write_atomic(&staging.join("LICENSE"), &bytes)?;
     }
     let mut files = digest_all(&staging, progress)?;
-    // Neither lists itself; both may stand there from a run that was killed at the very end.
+    // Neither lists itself; both may be there from a run that was killed at the very end.
     files.remove(croissant::FILE);
     files.remove(SUMS);
     json::write(
         &staging.join(croissant::FILE),
-        &croissant::document(&plan.contents, &plan.gathered, &tables, &files),
+        &croissant::document(&plan.contents, &plan.gathered, &words, &tables, &files),
     )?;
     let path = staging.join(croissant::FILE);
     let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();

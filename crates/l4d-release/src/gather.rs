@@ -19,7 +19,7 @@ use crate::codes;
 pub struct Source {
     /// Path in the archive, with `/`.
     pub name: String,
-    /// Where it stands now.
+    /// Where it is now.
     pub path: PathBuf,
     /// SHA-256 that it has to have.
     pub sha256: String,
@@ -29,12 +29,18 @@ pub struct Source {
 
 impl Source {
     /// A file as it is now.
+    ///
+    /// # Errors
+    /// If it cannot be read.
     pub fn read(name: String, path: PathBuf) -> Result<Self, DataError> {
         let sha256 = sha256_file(&path)?;
         Self::with_digest(name, path, sha256)
     }
 
     /// A file whose digest is known.
+    ///
+    /// # Errors
+    /// If it cannot be found.
     pub fn with_digest(name: String, path: PathBuf, sha256: String) -> Result<Self, DataError> {
         let metadata = std::fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?;
         Ok(Self { name, path, sha256, bytes: metadata.len() })
@@ -48,7 +54,7 @@ pub struct SceneFacts {
     pub name: Name,
     /// Its spatial scale.
     pub scale: Scale,
-    /// Where everything is; none for captures, of which nobody knows.
+    /// Where everything is; none for captures.
     pub tracks: Option<Tracks>,
     /// Single-category queries.
     pub queries: Vec<Query>,
@@ -83,6 +89,9 @@ impl Gathered {
 }
 
 /// Reads a benchmark folder; what is missing or unreadable becomes findings, and the scene is left out.
+///
+/// # Errors
+/// If the folder cannot be listed.
 pub fn gather(bench: &Benchmark, report: &mut Report) -> Result<Gathered, DataError> {
     let profiles = profiles(bench);
     let mut scenes = Vec::new();
@@ -109,7 +118,7 @@ fn profiles(bench: &Benchmark) -> Vec<Profile> {
 
 fn read_scene(bench: &Benchmark, name: &Name, profiles: &[Profile]) -> Result<SceneFacts, DataError> {
     let dir = &bench.dir;
-    // Nobody knows where the things of a capture are; whatever is rendered has tracks.
+    // A capture has no tracks; every rendered scene has.
     let is_capture = !dir.tracks(name).exists() && dir.truth(Profile::Real, name).exists();
     let (scale, tracks) = if is_capture {
         (bench.truth(Profile::Real, name)?.scale, None)
@@ -138,7 +147,7 @@ fn read_scene(bench: &Benchmark, name: &Name, profiles: &[Profile]) -> Result<Sc
     })
 }
 
-/// Manifest, licence, vocabulary, published tables: what of it stands there.
+/// Manifest, licence, vocabulary, published tables: those that exist.
 fn common_files(root: &Path) -> Result<Vec<Source>, DataError> {
     let mut paths: Vec<PathBuf> =
         ["LICENSE", "panoptic-l4d.toml", "vocabulary.txt"].map(|name| root.join(name)).into();

@@ -1,7 +1,7 @@
 //! The forms in which platforms host a benchmark: what Codabench and the Hugging Face Hub take.
 //!
-//! A form is a list of files, made in memory: reference data are the benchmark's own files, the scoring program is one
-//! Python file of the standard library (`host/l4d_scorer.py`), whose numbers are those of `l4d score`.
+//! A form is a list of files, made in memory: reference data are the benchmark's own files, the scoring program
+//! (`host/score.py`) calls the Python package l4d.
 
 mod codabench;
 mod huggingface;
@@ -26,10 +26,9 @@ use crate::day::Day;
 use crate::documents::{licence_url, split};
 use crate::gather::{Gathered, SceneFacts};
 use crate::inspect::files_below;
+use crate::version::MANIFEST;
 use crate::words::{Statuses, is_public};
 
-/// The scoring program.
-const SCORER: &str = include_str!("../host/l4d_scorer.py");
 /// The mark of the project.
 const LOGO: &[u8] = include_bytes!("../host/logo.png");
 
@@ -38,7 +37,7 @@ pub type Files = BTreeMap<String, Vec<u8>>;
 
 /// What is hosted.
 #[derive(Debug)]
-pub struct Setting<'a> {
+pub struct Hosted<'a> {
     /// The benchmark.
     pub gathered: &'a Gathered,
     /// Whose truth counts.
@@ -49,7 +48,7 @@ pub struct Setting<'a> {
 
 /// When and where a platform takes submissions.
 #[derive(Debug)]
-pub struct Season {
+pub struct Competition {
     /// First day, page of the data set, who made it.
     pub publication: Publication,
     /// Last day; none: it doesn't end.
@@ -58,7 +57,7 @@ pub struct Season {
     pub track: Track,
 }
 
-impl Setting<'_> {
+impl Hosted<'_> {
     /// The scenes that have truth of the profile.
     fn scenes(&self) -> impl Iterator<Item = (&SceneFacts, &Truth)> {
         self.gathered.scenes.iter().filter_map(|scene| Some((scene, scene.truths.get(&self.profile)?)))
@@ -85,44 +84,34 @@ impl Setting<'_> {
         })
     }
 
-    /// The same with what a platform has to know of the season.
-    fn values_of(&self, season: &Season) -> Value {
+    /// The same with what a platform has to know of the competition.
+    fn values_of(&self, competition: &Competition) -> Value {
         let mut values = self.values();
-        values["publication"] = json!(season.publication);
-        values["until"] = json!(season.until);
-        values["track"] = season.track.as_str().into();
-        values["track_title"] = season.track.title().into();
-        values["takes_depth"] = (season.track == Track::ColourDepth).into();
+        values["publication"] = json!(competition.publication);
+        values["until"] = json!(competition.until);
+        values["track"] = competition.track.as_str().into();
+        values["track_title"] = competition.track.title().into();
+        values["takes_depth"] = (competition.track == Track::ColourDepth).into();
         values
     }
 
-    /// Reference data: the benchmark's own files, and one that says which they are.
+    /// Reference data: `benchmark/` with what scoring needs, and `competition.json`.
     fn reference(&self, track: Track) -> Result<Files, DataError> {
-        let manifest = &self.gathered.manifest;
-        let scenes: Vec<&Name> = self.scenes().map(|(scene, _)| &scene.name).collect();
-        let card = json!({
-            "schema": "l4d/reference/1",
-            "name": manifest.name,
-            "version": manifest.version,
-            "profile": self.profile,
-            "truth_digest": self.truth_digest,
-            "track": track,
-            "scenes": scenes,
-        });
-        let mut files = Files::from([("reference.json".to_owned(), format!("{card:#}\n").into_bytes())]);
+        let competition = json!({ "profile": self.profile, "track": track });
+        let mut files =
+            Files::from([("competition.json".to_owned(), format!("{competition:#}\n").into_bytes())]);
         let truth = format!("benchmark/truth/{}/", self.profile);
-        for (scene, _) in self.scenes() {
-            for source in &scene.files {
-                let queries = format!("benchmark/queries/{}.jsonl", scene.name);
-                let name = match source.name.strip_prefix(&truth) {
-                    Some(name) => format!("truth/{name}"),
-                    None if source.name == queries => format!("queries/{}.jsonl", scene.name),
-                    None => continue,
-                };
-                let bytes = std::fs::read(&source.path)
-                    .map_err(|error| DataError::io(&source.path, "read", error))?;
-                files.insert(name, bytes);
-            }
+        let common = self.gathered.files.iter().filter(|source| source.name == MANIFEST);
+        let judged = self.scenes().flat_map(|(scene, _)| {
+            let queries = format!("benchmark/queries/{}.jsonl", scene.name);
+            scene.files.iter().filter(move |source| source.name == queries)
+        });
+        let truths = self
+            .scenes()
+            .flat_map(|(scene, _)| &scene.files)
+            .filter(|source| source.name.starts_with(&truth));
+        for source in common.chain(judged).chain(truths) {
+            files.insert(source.name.clone(), read(&source.path)?);
         }
         Ok(files)
     }
@@ -194,6 +183,9 @@ const COLUMNS: [LeaderboardColumn; 11] = [
 ];
 
 /// Writes a form into a folder of its own. A folder that holds anything else is refused: a platform would take it in.
+///
+/// # Errors
+/// If the folder holds other files, or cannot be written.
 pub fn write(folder: &Path, files: &Files) -> Result<(), DataError> {
     let there = if folder.exists() {
         files_below(folder, &mut l4d_data::Report::default())?
@@ -205,6 +197,10 @@ pub fn write(folder: &Path, files: &Files) -> Result<(), DataError> {
         return Err(DataError::invalid(folder, "folder", message, "empty it, or choose another --out"));
     }
     files.iter().try_for_each(|(name, bytes)| write_atomic(&folder.join(name), bytes))
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, DataError> {
+    std::fs::read(path).map_err(|error| DataError::io(path, "read", error))
 }
 
 fn pretty(name: &str, value: &impl Serialize) -> Result<Vec<u8>, DataError> {
@@ -226,6 +222,7 @@ mod tests {
     use l4d_data::{Benchmark, Report};
 
     use super::*;
+    use crate::documents::render;
     use crate::gather::gather;
 
     #[test]
@@ -239,12 +236,14 @@ mod tests {
             url: "https://example.org".to_owned(),
             creators: vec!["A".to_owned()],
         };
-        let season = Season { publication, until: None, track: Track::Colour };
+        let competition = Competition { publication, until: None, track: Track::Colour };
         let mut says_public = |split: SetSplit| {
             gathered.manifest.split = split;
-            let setting = Setting { gathered: &gathered, profile: Profile::Tiny, truth_digest: "0" };
-            let files = codabench(&setting, &season).unwrap();
-            String::from_utf8_lossy(&files["pages/evaluation.md"]).contains("The truth is public")
+            let hosted = Hosted { gathered: &gathered, profile: Profile::Tiny, truth_digest: "0" };
+            let page = include_str!("../templates/codabench/evaluation.md");
+            render("evaluation.md", page, &hosted.values_of(&competition))
+                .unwrap()
+                .contains("The truth is public")
         };
         assert!(says_public(SetSplit::Test));
         assert!(!says_public(SetSplit::Private));

@@ -13,7 +13,7 @@ use crate::contents::{Contents, SUMS};
 
 const FETCH: &str = "fetch the file again";
 
-/// Compares a folder with its `SHA256SUMS`; gives what it says of itself, if that can be read. `progress` is told
+/// Compares a folder with its `SHA256SUMS`; gives what it says of itself, if that can be read. `progress` gets
 /// bytes.
 pub fn inspect(release: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Report) -> Option<Contents> {
     let path = release.join(SUMS);
@@ -100,7 +100,7 @@ pub(crate) fn files_below(root: &Path, report: &mut Report) -> Result<BTreeSet<S
     Ok(files)
 }
 
-/// Sizes and digests of all files below a folder, in parallel; `progress` is told bytes.
+/// Sizes and digests of all files below a folder, in parallel; `progress` gets bytes.
 pub(crate) fn digest_all(
     root: &Path,
     progress: &(dyn Fn(u64) + Sync),

@@ -1,9 +1,9 @@
 //! Freezing a version of the benchmark, and the forms in which platforms host it.
 //!
-//! A release is a folder that stands alone: archives by scene, tables that need no archive, metadata, checksums. It is
-//! a function of the benchmark, the renders, the votes and the arguments, byte for byte.
-//! The crate refuses to know how scores or frames come about: it carries files, counts what they say, and is told what
-//! people's votes say ([`votes::Votes`]) and which scores methods have ([`host::Entry`]).
+//! A release is a self-contained folder: archives by scene, tables, metadata, checksums. It is a function of the
+//! benchmark, the renders, the votes and the arguments, byte for byte.
+//! It carries files and counts what they say; the caller says what votes ([`votes::Votes`]) and scores
+//! ([`host::Entry`]) there are.
 
 pub mod archive;
 pub mod codes;
@@ -23,6 +23,6 @@ mod words;
 
 pub use contents::Contents;
 pub use day::Day;
-pub use freeze::{Order, Plan, Released, examine, freeze, plan};
+pub use freeze::{Plan, ReleaseOptions, Released, examine, freeze, plan};
 pub use inspect::inspect;
 pub use votes::Votes;

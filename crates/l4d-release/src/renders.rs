@@ -95,7 +95,7 @@ fn scene(
         Source::with_digest(format!("{prefix}/{file}"), dir.root().join(file), listed[file].clone())
     };
     let mut files: Vec<Source> = wanted.iter().map(source).collect::<Result<_, _>>()?;
-    // Written by the workers and by hand of nobody: no list names them, `check-scenes` reads them.
+    // Written by the workers; no list names them, `check-scenes` reads them.
     for camera in &scene.cameras {
         let card = dir.view_card(&camera.name);
         files.push(Source::read(format!("{prefix}/frames/{}/view.json", camera.name), card)?);

@@ -1,20 +1,24 @@
-//! The benchmark as tables, a JSON object a line: for viewers and loaders that open no archive.
+//! The benchmark as tables, a JSON object per line: for viewers and loaders that open no archive.
 //!
-//! What a column is called, holds and means is said once, here; the metadata and the card repeat it.
+//! What a column is called, holds and means is in `templates/columns.json`; the metadata and the card repeat it.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use l4d_data::query::Query;
 use l4d_data::scene::Role;
 use l4d_data::timeline::FPS;
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Profile, Split, json};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::gather::{Gathered, SceneFacts};
 
 /// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ColumnKind {
     Text,
     Integer,
     Float,
@@ -25,13 +29,15 @@ pub(crate) enum Kind {
 }
 
 /// A column of a table.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Column {
-    pub(crate) name: &'static str,
-    pub(crate) kind: Kind,
-    pub(crate) about: &'static str,
-    /// The column of another table in which the same values stand once each.
-    pub(crate) refers_to: Option<(&'static str, &'static str)>,
+    pub(crate) name: String,
+    pub(crate) kind: ColumnKind,
+    pub(crate) about: String,
+    /// Table and column in which the same values are once each.
+    #[serde(default)]
+    pub(crate) refers_to: Option<(String, String)>,
 }
 
 /// A table, ready to be written.
@@ -54,98 +60,10 @@ pub(crate) struct Card<'a> {
     rows: usize,
 }
 
-const fn column(name: &'static str, kind: Kind, about: &'static str) -> Column {
-    Column { name, kind, about, refers_to: None }
-}
-
-const SCENE: Column =
-    Column { refers_to: Some(("scenes", "scene")), ..column("scene", Kind::Text, "Name of the scene.") };
-
-const QUERIES: &[Column] = &[
-    column("id", Kind::Text, "Scene and number of the query."),
-    SCENE,
-    column("scale", Kind::Text, "Spatial scale of the scene: outdoor, room or tabletop."),
-    column("text", Kind::Text, "The sentence."),
-    column(
-        "categories",
-        Kind::Texts,
-        "What tells the referent from its look-alikes: attribute, action, spatial, interaction.",
-    ),
-    column("referents", Kind::Texts, "Names of the instances that are meant; none in absent sentences."),
-    column(
-        "temporal",
-        Kind::Text,
-        "whole: the sentence names an identity and counts in all frames; while: it counts in `frames` only.",
-    ),
-    column(
-        "frames",
-        Kind::Intervals,
-        "When it holds: first and last frame of each interval, both inclusive.",
-    ),
-    column("predicate", Kind::Text, "The meaning for machines, as JSON; empty for captures."),
-    column(
-        "status",
-        Kind::Text,
-        "candidate: proved by machine, not yet voted on by people; verified: by people; rejected: not scored.",
-    ),
-    column("source", Kind::Text, "Who wrote the sentence: author, model or import."),
-];
-
-const SCENES: &[Column] = &[
-    column("scene", Kind::Text, "Name of the scene."),
-    column("scale", Kind::Text, "Spatial scale: outdoor, room or tabletop."),
-    column("kind", Kind::Text, "rendered, or capture: recorded by others."),
-    column("description", Kind::Text, "The story in a sentence or two."),
-    column("objects", Kind::Integer, "Instances that queries may mean."),
-    column("landmarks", Kind::Integer, "Instances that are only named in relations."),
-    column("queries", Kind::Integer, "Single-category queries, rejected ones included."),
-    column("composites", Kind::Integer, "Queries of two categories."),
-    column("absents", Kind::Integer, "Sentences that nothing satisfies."),
-    column(
-        "training_views",
-        Kind::Integer,
-        "Cameras that methods may use, at most; 0 where nobody listed them.",
-    ),
-    column("held_out_view", Kind::Text, "The camera that is judged."),
-    column("frames", Kind::Integer, "Frames of the clip, annotated or not."),
-    column("duration_s", Kind::Float, "Length of the clip, seconds; 0 where nobody knows."),
-];
-
-const INSTANCES: &[Column] = &[
-    column("id", Kind::Text, "Scene and name of the instance."),
-    SCENE,
-    column(
-        "number",
-        Kind::Integer,
-        "Value of the id channel in frames: 1 to 999 objects, from 1001 landmarks.",
-    ),
-    column("name", Kind::Text, "Its name, as `referents` have it."),
-    column("role", Kind::Text, "object: queries may mean it; landmark: it is only named in relations."),
-    column("category", Kind::Text, "Common noun."),
-    column("attributes", Kind::Text, "Visible properties, as JSON."),
-    column("front", Kind::Text, "Axis of its box that points forward; empty where it has no front."),
-];
-
-const EVENTS: &[Column] = &[
-    SCENE,
-    column("subject", Kind::Text, "Who acts."),
-    column("verb", Kind::Text, "What it does, base form."),
-    column("object", Kind::Text, "To whom; empty for actions."),
-    column("first", Kind::Integer, "First frame."),
-    column("last", Kind::Integer, "Last frame, inclusive."),
-];
-
-const TRUTH: &[Column] = &[
-    SCENE,
-    Column {
-        refers_to: Some(("instances", "id")),
-        ..column("instance", Kind::Text, "Scene and name of the instance.")
-    },
-    column("frame", Kind::Integer, "Frame of the clip."),
-    column("height", Kind::Integer, "Height of the mask, pixels."),
-    column("width", Kind::Integer, "Width of the mask, pixels."),
-    column("counts", Kind::Text, "The mask in the held-out view: compressed COCO run lengths, column-major."),
-];
+static COLUMNS: LazyLock<BTreeMap<String, Vec<Column>>> = LazyLock::new(|| {
+    serde_json::from_str(include_str!("../templates/columns.json"))
+        .expect("the embedded list of columns is valid")
+});
 
 impl Table {
     /// Its path in a release.
@@ -165,10 +83,10 @@ impl Table {
 
 /// All tables of a benchmark; those that would be empty are left out.
 pub(crate) fn tables(gathered: &Gathered) -> Vec<Table> {
-    let table = |name: &str, about: &str, columns, key, rows| Table {
+    let table = |name: &str, columns: &str, key, about: &str, rows| Table {
         name: name.to_owned(),
         about: about.to_owned(),
-        columns,
+        columns: &COLUMNS[columns],
         key,
         rows,
     };
@@ -177,44 +95,29 @@ pub(crate) fn tables(gathered: &Gathered) -> Vec<Table> {
     let queries = |set: &dyn Fn(&SceneFacts) -> &[Query]| -> Vec<Value> {
         of_scenes(&|scene| set(scene).iter().map(|query| query_row(scene, query)).collect())
     };
+    let (one, two, none) = (
+        queries(&|scene| &scene.queries),
+        queries(&|scene| &scene.composites),
+        queries(&|scene| &scene.absents),
+    );
+    let scenes = of_scenes(&|scene| vec![scene_row(scene)]);
+    let instances = of_scenes(&instance_rows);
+    let events = of_scenes(&event_rows);
+    let of_event: &[&str] = &["scene", "subject", "verb", "object", "first"];
     let mut all = vec![
-        table(
-            "queries",
-            "Sentences of one category: what is scored.",
-            QUERIES,
-            &["id"],
-            queries(&|scene| &scene.queries),
-        ),
-        table(
-            "composites",
-            "Sentences of two categories, scored apart.",
-            QUERIES,
-            &["id"],
-            queries(&|scene| &scene.composites),
-        ),
-        table(
-            "absents",
-            "Sentences that nothing in the scene satisfies.",
-            QUERIES,
-            &["id"],
-            queries(&|scene| &scene.absents),
-        ),
-        table("scenes", "The scenes.", SCENES, &["scene"], of_scenes(&|scene| vec![scene_row(scene)])),
-        table("instances", "What is annotated in the scenes.", INSTANCES, &["id"], of_scenes(&instance_rows)),
-        table(
-            "events",
-            "What instances do, alone or to each other.",
-            EVENTS,
-            &["scene", "subject", "verb", "object", "first"],
-            of_scenes(&event_rows),
-        ),
+        table("queries", "queries", &["id"], "Sentences of one category: what is scored.", one),
+        table("composites", "queries", &["id"], "Sentences of two categories, scored apart.", two),
+        table("absents", "queries", &["id"], "Sentences that nothing in the scene satisfies.", none),
+        table("scenes", "scenes", &["scene"], "The scenes.", scenes),
+        table("instances", "instances", &["id"], "What is annotated in the scenes.", instances),
+        table("events", "events", of_event, "What instances do, alone or to each other.", events),
     ];
     for &profile in &gathered.profiles {
         let rows = of_scenes(&|scene| truth_rows(scene, profile));
         let about = format!(
             "Masks in the held-out views at profile {profile}; frames without a visible pixel have no row."
         );
-        all.push(table(&format!("truth_{profile}"), &about, TRUTH, &["instance", "frame"], rows));
+        all.push(table(&format!("truth_{profile}"), "truth", &["instance", "frame"], &about, rows));
     }
     all.retain(|table| !table.rows.is_empty());
     for table in &all {
@@ -229,7 +132,7 @@ pub(crate) fn tables(gathered: &Gathered) -> Vec<Table> {
 
 fn fits(table: &Table, row: &Value) -> bool {
     let names = row.as_object().into_iter().flat_map(Map::keys).map(String::as_str);
-    names.eq(table.columns.iter().map(|column| column.name))
+    names.eq(table.columns.iter().map(|column| column.name.as_str()))
 }
 
 fn query_row(scene: &SceneFacts, query: &Query) -> Value {

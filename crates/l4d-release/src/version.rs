@@ -95,7 +95,8 @@ pub fn changes(before: &Contents, now: &Contents) -> Vec<Change> {
     found
 }
 
-const MANIFEST: &str = "benchmark/panoptic-l4d.toml";
+/// The manifest of a benchmark, as releases name it.
+pub(crate) const MANIFEST: &str = "benchmark/panoptic-l4d.toml";
 
 fn compare_scene(name: &str, old: &SceneContents, new: &SceneContents, add: &mut impl FnMut(Step, String)) {
     if old.world != new.world {
@@ -167,7 +168,7 @@ pub(crate) fn check(
         return;
     };
     let lowest = step.after(&old);
-    // Of 1.0.0-rc.1 only what stands before the hyphen has to be high enough.
+    // Of 1.0.0-rc.1 only the part before the hyphen has to be high enough.
     let core = Version::new(version.major, version.minor, version.patch);
     if version <= old || core < lowest {
         let gravest: Vec<&str> =
@@ -240,13 +241,13 @@ mod tests {
     fn each_change_asks_for_its_step() {
         let other = |text: &mut String| "other".clone_into(text);
         assert_eq!(step(|_| {}), None);
-        assert_eq!(step(|now| other(now.files.get_mut(MANIFEST).unwrap())), None, "the version stands there");
+        assert_eq!(step(|now| other(now.files.get_mut(MANIFEST).unwrap())), None, "it holds the version");
         assert_eq!(step(|now| other(now.files.get_mut("x").unwrap())), Some(Step::Patch));
         assert_eq!(step(|now| other(&mut now.licence)), Some(Step::Patch));
         assert_eq!(step(|now| query(now, "a/001").status = Status::Verified), Some(Step::Patch));
         assert_eq!(step(|now| query(now, "a/001").status = Status::Rejected), Some(Step::Major));
         assert_eq!(step(|now| query(now, "a/002").status = Status::Candidate), Some(Step::Minor));
-        assert_eq!(step(|now| other(&mut query(now, "a/002").meaning)), None, "nobody is asked it");
+        assert_eq!(step(|now| other(&mut query(now, "a/002").meaning)), None, "it is not asked");
         assert_eq!(step(|now| other(&mut query(now, "a/001").meaning)), Some(Step::Major));
         assert_eq!(step(|now| scene(now).world = None), Some(Step::Major));
         assert_eq!(step(|now| other(scene(now).truth.get_mut(&Profile::Tiny).unwrap())), Some(Step::Major));

@@ -1,6 +1,6 @@
 //! What the votes of people say, and whether the statuses of the queries say the same.
 //!
-//! `l4d verdict` derives it from the ballots; a release is told, and refuses to call verified what was not.
+//! `l4d verdict` derives it from the ballots; a release takes it, and refuses to call verified what was not.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +19,7 @@ const HINT: &str = "name the folder of all rounds with --rounds, and run `l4d ve
 /// What all sealed rounds of people say together.
 #[derive(Debug, Clone, Default)]
 pub struct Votes {
-    /// The status that each query has by them; queries whose present wording nobody judged are not in it.
+    /// The status that each query has by them; queries whose present wording no one judged are not in it.
     pub statuses: BTreeMap<QueryId, Status>,
     /// The rounds, by name.
     pub rounds: Vec<Round>,
@@ -77,6 +77,9 @@ pub(crate) fn check(bench: &Benchmark, gathered: &Gathered, votes: &Votes, repor
 
 impl Votes {
     /// Adds the files below a folder of annotation; hidden ones and pictures are left out.
+    ///
+    /// # Errors
+    /// If a file cannot be read.
     pub fn add_files(&mut self, prefix: &str, folder: &Path) -> Result<(), DataError> {
         for name in list_folder(folder)? {
             let path = folder.join(&name);

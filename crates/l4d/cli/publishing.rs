@@ -102,6 +102,9 @@ pub(crate) struct CompetitionArgs {
     /// Who made it (repeated for several)
     #[arg(long = "creator", value_name = "NAME", default_value = "The l4d authors")]
     pub(crate) creators: Vec<String>,
+    /// Wheel of the Python package l4d for the scoring program, or a folder with one (`maturin build`)
+    #[arg(long, value_name = "WHEEL", default_value = "target/wheels")]
+    pub(crate) wheel: PathBuf,
 }
 
 #[derive(Debug, Args)]

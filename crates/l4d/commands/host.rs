@@ -7,7 +7,7 @@ use l4d_data::results::Track;
 use l4d_data::store::list_folder;
 use l4d_data::workspace::default_hosting;
 use l4d_data::{Benchmark, Category, DataError, Report};
-use l4d_release::host::{Entry, Files, Season, Setting, codabench, huggingface, write};
+use l4d_release::host::{Competition, Entry, Files, Hosted, codabench, huggingface, write};
 use l4d_score::{QuerySet, Summary};
 use serde_json::json;
 
@@ -18,24 +18,24 @@ use crate::published_votes::{publication, votes_of_people};
 pub(crate) fn run(command: &HostCommand, out: &Printer) -> Result<ExitStatus> {
     match command {
         HostCommand::Codabench(args) => {
-            let season = season(args)?;
-            make(&args.host, "codabench", out, |setting| Ok(codabench(setting, &season)?))
+            let competition = competition(args)?;
+            make(&args.host, "codabench", out, |hosted| Ok(codabench(hosted, &competition, &args.wheel)?))
         }
         HostCommand::Huggingface(args) => {
             require_hub_name(&args.dataset)?;
-            make(&args.host, "huggingface", out, |setting| {
-                Ok(huggingface(setting, &args.dataset, &entries(&args.scores, setting)?)?)
+            make(&args.host, "huggingface", out, |hosted| {
+                Ok(huggingface(hosted, &args.dataset, &entries(&args.scores, hosted)?)?)
             })
         }
     }
 }
 
-fn season(args: &CompetitionArgs) -> Result<Season> {
+fn competition(args: &CompetitionArgs) -> Result<Competition> {
     let publication = publication(&args.date, &args.url, &args.creators)?;
     if let Some(until) = args.until.as_ref().filter(|until| **until < args.date) {
         return Err(refusal(format!("{until} comes before {}", args.date), "mend --date or --until"));
     }
-    Ok(Season { publication, until: args.until.clone(), track: args.track.into() })
+    Ok(Competition { publication, until: args.until.clone(), track: args.track.into() })
 }
 
 impl From<TrackArg> for Track {
@@ -65,7 +65,7 @@ fn make(
     args: &HostArgs,
     platform: &str,
     out: &Printer,
-    form: impl FnOnce(&Setting<'_>) -> Result<Files>,
+    form: impl FnOnce(&Hosted<'_>) -> Result<Files>,
 ) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench)?;
     let votes = votes_of_people(&args.rounds, &bench)?;
@@ -75,8 +75,8 @@ fn make(
         return out.findings(report, args.json);
     }
     let truth_digest = bench.truth_digest(args.profile)?;
-    let setting = Setting { gathered: &gathered, profile: args.profile, truth_digest: &truth_digest };
-    let files = form(&setting)?;
+    let hosted = Hosted { gathered: &gathered, profile: args.profile, truth_digest: &truth_digest };
+    let files = form(&hosted)?;
     let folder = args.out.clone().unwrap_or_else(|| default_hosting(platform));
     write(&folder, &files)?;
     if args.json {
@@ -90,7 +90,7 @@ fn make(
 }
 
 /// The scored methods of a folder that belong to this benchmark and profile.
-fn entries(scores: &std::path::Path, setting: &Setting<'_>) -> Result<Vec<Entry>> {
+fn entries(scores: &std::path::Path, hosted: &Hosted<'_>) -> Result<Vec<Entry>> {
     let mut entries = Vec::new();
     for name in list_folder(scores)? {
         let path = scores.join(&name).join("summary.json");
@@ -98,9 +98,9 @@ fn entries(scores: &std::path::Path, setting: &Setting<'_>) -> Result<Vec<Entry>
             continue;
         }
         let summary = Summary::read(&path)?;
-        let fits = summary.profile == setting.profile
-            && summary.truth_digest == setting.truth_digest
-            && summary.benchmark_version == setting.gathered.manifest.version
+        let fits = summary.profile == hosted.profile
+            && summary.truth_digest == hosted.truth_digest
+            && summary.benchmark_version == hosted.gathered.manifest.version
             && summary.set == QuerySet::Queries;
         if !fits {
             let message = "belongs to another profile, version, truth or set of queries";

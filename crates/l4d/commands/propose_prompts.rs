@@ -8,7 +8,7 @@ use l4d_data::parallel::in_parallel;
 use l4d_data::{Benchmark, Name, Report, Workspace};
 use l4d_endpoint::{Client, Plan};
 use l4d_propose::printable;
-use l4d_propose::queries::{Asking, SceneOutcome};
+use l4d_propose::queries::{QueryProposer, SceneOutcome};
 use l4d_query::prove::Vocabulary;
 use serde_json::json;
 
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     let vocabulary = Vocabulary::read(&bench.dir.vocabulary())?;
     let client = open_client(&args.ask.server)?;
     let folder: PathBuf = args.out.clone().unwrap_or_else(|| space.proposals());
-    let asking = Asking {
+    let asking = QueryProposer {
         bench: &bench,
         profile,
         data: space.data(),
@@ -102,7 +102,7 @@ fn chosen_scenes(
 
 /// Asks about all scenes, `jobs` at once; the order of the outcomes is that of the scenes.
 fn propose_all(
-    asking: &Asking<'_>,
+    asking: &QueryProposer<'_>,
     scenes: &[Name],
     client: &Client,
     jobs: usize,
@@ -155,7 +155,7 @@ fn counts(outcome: &SceneOutcome) -> [usize; 4] {
 
 /// What would be asked and what it may cost; nothing is sent.
 fn plan(
-    asking: &Asking<'_>,
+    asking: &QueryProposer<'_>,
     scenes: &[Name],
     client: &Client,
     args: &ProposePromptsArgs,

@@ -7,7 +7,7 @@ use l4d_data::Progress as _;
 use l4d_data::{Benchmark, Report, Scale};
 use l4d_endpoint::Plan;
 use l4d_propose::printable;
-use l4d_propose::scenarios::{Inventing, Known, ScaleOutcome};
+use l4d_propose::scenarios::{Known, ScaleOutcome, ScenarioProposer};
 use serde_json::json;
 
 use crate::cli::models::ProposeScenesArgs;
@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
     let client = open_client(&args.ask.server)?;
     let is_wanted = |scale: &Scale| args.scales.is_empty() || args.scales.contains(scale);
     let scales: Vec<Scale> = Scale::ALL.into_iter().filter(is_wanted).collect();
-    let inventing = Inventing {
+    let inventing = ScenarioProposer {
         known: &known,
         out: &args.out,
         per_scale: args.per_scale,

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Progress as _, Report, Status, Workspace};
-use l4d_release::{Order, Plan, freeze, inspect, plan};
+use l4d_release::{Plan, ReleaseOptions, freeze, inspect, plan};
 use serde_json::json;
 
 use crate::cli::publishing::ReleaseArgs;
@@ -28,7 +28,7 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
     let votes = votes_of_people(&args.rounds, &bench)?;
     let space = |profile| Workspace::new(profile, bench.manifest.draw()).with_data(args.data.as_deref());
     let renders = args.profile.map(space);
-    let order = Order {
+    let order = ReleaseOptions {
         bench: &bench,
         votes: &votes,
         renders: renders.as_ref().map(|space| (space.data(), space.profile())),

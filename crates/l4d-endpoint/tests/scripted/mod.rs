@@ -1,4 +1,4 @@
-//! A model server that says what a test tells it to say, however badly.
+//! A model server that answers as a test wants, however badly.
 
 #![allow(dead_code, clippy::allow_attributes, reason = "each test target uses its own part of it")]
 

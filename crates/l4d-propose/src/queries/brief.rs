@@ -1,6 +1,6 @@
 //! The question about a scene: instructions, what of the scene is data, pictures, and how much is wanted.
 //!
-//! What happens in the scene is left out on purpose: a model that is told the events would repeat them, and the
+//! What happens in the scene is left out on purpose: a model that knows the events would repeat them, and the
 //! proof would compare the tracks with themselves. Names of objects often tell what they do, so they are left
 //! out, too.
 
@@ -23,14 +23,14 @@ const TOKENS_A_PROPOSAL: u32 = 250;
 
 /// Which pictures of a clip are shown.
 #[derive(Debug, Clone)]
-pub struct Showing<'a> {
+pub struct PictureChoice<'a> {
     /// The held-out view first, then training views along the rig.
     pub cameras: Vec<&'a Camera>,
     /// Canonical frames, ascending.
     pub frames: Vec<u32>,
 }
 
-impl<'a> Showing<'a> {
+impl<'a> PictureChoice<'a> {
     /// The held-out view and some training views, spread over the rig, at moments spread over the clip.
     pub fn choose(scene: &'a Scene, frames: usize, training_views: usize) -> Self {
         let training: Vec<&Camera> =
@@ -49,7 +49,7 @@ impl<'a> Showing<'a> {
 
 /// A picture with its caption.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Shot {
+pub struct ClipPicture {
     /// View and frame in words.
     pub caption: String,
     /// The picture, encoded.
@@ -57,18 +57,30 @@ pub struct Shot {
 }
 
 /// Draws the pictures, view by view.
-pub fn shots(clip: &Clip<'_>, showing: &Showing<'_>) -> Result<Vec<Shot>, DataError> {
+///
+/// # Errors
+/// If a frame cannot be read.
+pub fn clip_pictures(clip: &Clip<'_>, showing: &PictureChoice<'_>) -> Result<Vec<ClipPicture>, DataError> {
     let places =
         showing.cameras.iter().flat_map(|camera| showing.frames.iter().map(move |frame| (camera, *frame)));
     places
-        .map(|(camera, frame)| Ok(Shot { caption: caption(camera, frame), bytes: clip.jpeg(camera, frame)? }))
+        .map(|(camera, frame)| {
+            Ok(ClipPicture { caption: caption(camera, frame), bytes: clip.jpeg(camera, frame)? })
+        })
         .collect()
 }
 
 /// The question about a scene for `per_category` queries of each of the four categories.
-pub fn question(set: &SceneSet, shots: Vec<Shot>, per_category: u32) -> Result<Request, EndpointError> {
+///
+/// # Errors
+/// If a picture is larger than servers take.
+pub fn question(
+    set: &SceneSet,
+    clip_pictures: Vec<ClipPicture>,
+    per_category: u32,
+) -> Result<Request, EndpointError> {
     let mut parts = vec![Part::text(format!("The scene:\n{}", data_block(&description(set))))];
-    for Shot { caption, bytes } in shots {
+    for ClipPicture { caption, bytes } in clip_pictures {
         parts.push(Part::Text(caption));
         parts.push(Part::Image(Image::new(bytes)?));
     }
@@ -130,10 +142,10 @@ mod tests {
     use crate::queries::exam::tests::{kitchen, rendered};
 
     /// The smallest PNG there is.
-    fn shot(caption: &str) -> Shot {
+    fn picture(caption: &str) -> ClipPicture {
         let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0".to_vec();
         bytes.extend([0; 16]);
-        Shot { caption: caption.to_owned(), bytes }
+        ClipPicture { caption: caption.to_owned(), bytes }
     }
 
     fn texts(request: &Request) -> Vec<&str> {
@@ -154,7 +166,8 @@ mod tests {
     fn a_question_tells_what_is_there_and_not_what_happens() {
         let set = kitchen();
         let request =
-            question(&set, vec![shot("cam0, frame 0, 0.00 s"), shot("cam0, frame 96, 4.00 s")], 3).unwrap();
+            question(&set, vec![picture("cam0, frame 0, 0.00 s"), picture("cam0, frame 96, 4.00 s")], 3)
+                .unwrap();
         assert_eq!(request.images().count(), 2);
         let texts = texts(&request);
         assert_eq!(texts[0], INSTRUCTIONS);
@@ -192,12 +205,12 @@ mod tests {
     #[test]
     fn moments_and_views_are_spread() {
         let scene = rendered();
-        let showing = Showing::choose(&scene, 5, 2);
+        let showing = PictureChoice::choose(&scene, 5, 2);
         assert_eq!(showing.frames, [0, 24, 48, 72, 96]);
         let names: Vec<&str> = showing.cameras.iter().map(|camera| camera.name.as_str()).collect();
         assert_eq!(names, ["cam2", "cam1", "cam4"], "the held-out view, and two of cam0, cam1, cam3, cam4");
-        assert_eq!(Showing::choose(&scene, 1000, 1000).frames.len(), 9);
-        assert_eq!(Showing::choose(&scene, 0, 0).frames, [0, 96]);
-        assert_eq!(Showing::choose(&scene, 2, 0).cameras.len(), 1);
+        assert_eq!(PictureChoice::choose(&scene, 1000, 1000).frames.len(), 9);
+        assert_eq!(PictureChoice::choose(&scene, 0, 0).frames, [0, 96]);
+        assert_eq!(PictureChoice::choose(&scene, 2, 0).cameras.len(), 1);
     }
 }

@@ -53,7 +53,10 @@ pub(crate) fn schema() -> Value {
 }
 
 impl Proposal {
-    /// Reads one item of an answer; all that is wrong with it otherwise.
+    /// Reads one item of an answer.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
     pub fn read(item: &Value) -> Result<Self, Vec<Reason>> {
         let mut reasons = Vec::new();
         let mut keep = |reason: Reason| reasons.push(reason);

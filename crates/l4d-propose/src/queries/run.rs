@@ -12,13 +12,13 @@ use l4d_frames::clip::Clip;
 use l4d_query::prove::{SceneSet, Vocabulary};
 use serde::Serialize;
 
-use super::{Exam, Records, Showing, Sorted, question, shots, sort};
+use super::{Exam, PictureChoice, Records, Sorted, clip_pictures, question, sort};
 use crate::quote::printable;
-use crate::run::{Manner, origin};
+use crate::run::{AskOptions, origin};
 
-/// Where everything stands, and how much is asked of each scene.
+/// Where everything is, and how much is asked of each scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Asking<'a> {
+pub struct QueryProposer<'a> {
     /// Scenes, queries, truth.
     pub bench: &'a Benchmark,
     /// Which rendering is looked at.
@@ -38,7 +38,7 @@ pub struct Asking<'a> {
     /// Pictures are at least this wide, pixels.
     pub width_px: u32,
     /// How it is asked.
-    pub manner: Manner,
+    pub manner: AskOptions,
     /// Whether files that hold other proposals are replaced.
     pub force: bool,
 }
@@ -77,19 +77,20 @@ pub struct SceneOutcome {
     pub notes: Vec<String>,
 }
 
-impl Asking<'_> {
+impl QueryProposer<'_> {
     /// Reads a scene, draws its pictures and writes the question. What is wrong with its files is reported.
     pub fn prepare(&self, name: &Name, report: &mut Report) -> Option<Prepared> {
         let set = SceneSet::read(self.bench, self.profile, name, report)?;
         let dir = SceneDir::new(self.data, name);
         let scene = Scene::read(&dir.scene()).map_err(|error| report.data_error("L4D101", &error)).ok()?;
-        if let Some(error) = self.stranger(&set, &scene, &dir) {
+        if let Some(error) = self.mismatch(&set, &scene, &dir) {
             report.data_error("L4D112", &error);
             return None;
         }
-        let showing = Showing::choose(&scene, self.frames, self.training_views);
+        let showing = PictureChoice::choose(&scene, self.frames, self.training_views);
         let clip = Clip::new(&scene, &dir, self.width_px);
-        let drawn = shots(&clip, &showing).map_err(|error| report.data_error("L4D104", &error)).ok()?;
+        let drawn =
+            clip_pictures(&clip, &showing).map_err(|error| report.data_error("L4D104", &error)).ok()?;
         match question(&set, drawn, self.per_category) {
             Ok(request) => Some(Prepared { set, scene, request: self.manner.apply(request) }),
             Err(error) => {
@@ -136,7 +137,7 @@ impl Asking<'_> {
     }
 
     /// Why the frames do not show what the benchmark describes.
-    fn stranger(&self, set: &SceneSet, scene: &Scene, dir: &SceneDir) -> Option<DataError> {
+    fn mismatch(&self, set: &SceneSet, scene: &Scene, dir: &SceneDir) -> Option<DataError> {
         let tracked: Vec<Instance> = set.tracks.instances.iter().map(TrackedInstance::instance).collect();
         let same = scene.name == set.scene
             && scene.profile == self.profile

@@ -15,11 +15,11 @@ use crate::files::write_unless_other;
 use crate::listing::{excerpt, listing};
 use crate::quote::printable;
 use crate::reason::Reason;
-use crate::run::{Manner, origin, provenance};
+use crate::run::{AskOptions, origin, provenance};
 
 /// How many scenarios are asked for, and where they go.
 #[derive(Debug, Clone, Copy)]
-pub struct Inventing<'a> {
+pub struct ScenarioProposer<'a> {
     /// What they must fit to.
     pub known: &'a Known,
     /// Folder that receives them.
@@ -27,7 +27,7 @@ pub struct Inventing<'a> {
     /// Scenarios of each scale.
     pub per_scale: u32,
     /// How it is asked.
-    pub manner: Manner,
+    pub manner: AskOptions,
     /// Whether files that hold something else are replaced.
     pub force: bool,
 }
@@ -57,7 +57,7 @@ struct Failed {
     provenance: Provenance,
 }
 
-impl Inventing<'_> {
+impl ScenarioProposer<'_> {
     /// The question about a scale.
     pub fn request(&self, scale: Scale) -> Request {
         self.manner.apply(question(scale, self.per_scale, self.known))

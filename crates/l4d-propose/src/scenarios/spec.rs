@@ -119,6 +119,9 @@ pub struct Scenario {
 
 impl Draft {
     /// Reads one item of an answer.
+    ///
+    /// # Errors
+    /// The first field of another form.
     pub fn read(item: &Value) -> Result<Self, Reason> {
         let bytes = item.to_string().into_bytes();
         json::parse(Path::new("answer"), None, &bytes).map_err(|error| {

@@ -665,13 +665,14 @@ def score(
     verified_only: bool = False,
     resize: bool = False,
     scores: Optional[_Path] = None,
+    max_megabytes: int = 4000,
 ) -> _Scores:
     """Scores a results folder, or a folder of them: the document that `l4d score --json` prints, number for number.
 
     Percentages stand under `document["methods"]`; a method with an error finding is not among them, and
     `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
     `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
-    each method are written below `scores`, or nowhere.
+    each method are written below `scores`, or nowhere. A method with more than `max_megabytes` of masks is not read.
     """
 def check(
     results: _Path,
@@ -679,8 +680,11 @@ def check(
     *,
     set: _JudgedSet = "queries",
     scenes: Optional[Sequence[str]] = None,
+    max_megabytes: int = 4000,
 ) -> list[Finding]:
-    """Every problem of a results folder, or of a folder of them: what `l4d check-results` finds."""
+    """Every problem of a results folder, or of a folder of them: what `l4d check-results` finds. A method with more than
+    `max_megabytes` of masks is not read.
+    """
 def write_baseline(
     name: Literal["oracle", "time-agnostic", "look-alike-union", "random-look-alike", "all", "none"],
     benchmark: Benchmark,

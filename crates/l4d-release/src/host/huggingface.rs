@@ -10,7 +10,7 @@ use l4d_data::results::Track;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{COLUMNS, Files, Setting};
+use super::{COLUMNS, Files, Hosted, unwritable};
 use crate::contents::slug;
 use crate::documents::render;
 
@@ -37,8 +37,11 @@ pub struct Entry {
 
 /// Files for the repository of the data set (`dataset/`) and of each ranked method (`methods/<method>/`). `dataset` is
 /// the name of the data set on the Hub.
-pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> Result<Files, DataError> {
-    let colour = format!("{}-{}", slug(&setting.gathered.manifest.name), setting.profile);
+///
+/// # Errors
+/// If a template cannot be filled.
+pub fn huggingface(hosted: &Hosted<'_>, dataset: &str, entries: &[Entry]) -> Result<Files, DataError> {
+    let colour = format!("{}-{}", slug(&hosted.gathered.manifest.name), hosted.profile);
     // The Hub ranks all results of a task with each other.
     let task = |track: Track| match track {
         Track::Colour => colour.clone(),
@@ -60,7 +63,7 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
     });
     let rows: Vec<Value> =
         ranks(&entries).into_iter().zip(&entries).map(|(rank, entry)| row(rank, entry)).collect();
-    let mut values = setting.values();
+    let mut values = hosted.values();
     values["dataset"] = dataset.into();
     values["task"] = task(Track::Colour).into();
     values["depth_task"] = task(Track::ColourDepth).into();
@@ -85,7 +88,7 @@ pub fn huggingface(setting: &Setting<'_>, dataset: &str, entries: &[Entry]) -> R
         &values,
     )?;
     files.insert("leaderboard/leaderboard.jsonl".to_owned(), lines(&rows));
-    files.insert("leaderboard/leaderboard.csv".to_owned(), table(&rows));
+    files.insert("leaderboard/leaderboard.csv".to_owned(), table(&rows)?);
     for entry in entries.iter().filter(|entry| entry.unranked_because.is_none()) {
         let of = |file: &str| format!("methods/{}/{file}", entry.name);
         let task = task(entry.track);
@@ -160,24 +163,21 @@ fn lines(rows: &[Value]) -> Vec<u8> {
     rows.iter().flat_map(|row| format!("{row}\n").into_bytes()).collect()
 }
 
-/// The rows as CSV, texts quoted where they have to be.
-fn table(rows: &[Value]) -> Vec<u8> {
+/// The rows as CSV.
+fn table(rows: &[Value]) -> Result<Vec<u8>, DataError> {
     let cell = |value: &Value| match value {
         Value::Null => String::new(),
-        Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
-            format!("\"{}\"", text.replace('"', "\"\""))
-        }
         Value::String(text) => text.clone(),
         other => other.to_string(),
     };
-    let mut text = String::new();
-    for (place, row) in rows.iter().filter_map(Value::as_object).enumerate() {
-        if place == 0 {
-            text.push_str(&row.keys().cloned().collect::<Vec<_>>().join(","));
-            text.push('\n');
-        }
-        text.push_str(&row.values().map(cell).collect::<Vec<_>>().join(","));
-        text.push('\n');
+    let refuse = |error: csv::Error| unwritable("leaderboard.csv", &error);
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let mut rows = rows.iter().filter_map(Value::as_object).peekable();
+    if let Some(row) = rows.peek() {
+        table.write_record(row.keys()).map_err(refuse)?;
     }
-    text.into_bytes()
+    for row in rows {
+        table.write_record(row.values().map(cell)).map_err(refuse)?;
+    }
+    table.into_inner().map_err(|error| unwritable("leaderboard.csv", &error))
 }
