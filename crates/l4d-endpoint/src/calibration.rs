@@ -16,9 +16,9 @@ use crate::message::{Image, Message, Part};
 use crate::request::Request;
 
 /// Below this mean overlap a convention does not fit.
-pub const LEAST_IOU: f64 = 0.5;
+const LEAST_IOU: f64 = 0.5;
 /// A runner-up that comes closer than this makes the winner uncertain.
-pub const CLEAR_LEAD: f64 = 0.05;
+const CLEAR_LEAD: f64 = 0.05;
 
 /// A picture with squares of known places, one of each colour.
 #[derive(Debug, Clone)]

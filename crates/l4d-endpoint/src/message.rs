@@ -8,6 +8,9 @@ use l4d_data::digest::sha256_hex;
 
 use crate::error::EndpointError;
 
+/// No side of a picture may be longer, pixels.
+const MAX_SIDE: u32 = 16_384;
+
 /// Who says a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
@@ -15,8 +18,6 @@ pub enum Role {
     System,
     /// The one who asks.
     User,
-    /// The model, in a conversation that goes on.
-    Assistant,
 }
 
 impl Role {
@@ -25,7 +26,6 @@ impl Role {
         match self {
             Self::System => "system",
             Self::User => "user",
-            Self::Assistant => "assistant",
         }
     }
 }
@@ -94,15 +94,12 @@ impl Image {
         };
         let size = imagesize::blob_size(&bytes).map_err(|error| unusable(error.to_string()))?;
         let side = |pixels: usize| {
-            let side = u32::try_from(pixels).ok().filter(|side| (1..=Self::MAX_SIDE).contains(side));
+            let side = u32::try_from(pixels).ok().filter(|side| (1..=MAX_SIDE).contains(side));
             side.ok_or_else(|| unusable(format!("has a side of {pixels} pixels")))
         };
         let (width, height) = (side(size.width)?, side(size.height)?);
         Ok(Self { digest: sha256_hex(&bytes), bytes: bytes.into(), mime, width, height })
     }
-
-    /// No side may be longer, pixels.
-    pub const MAX_SIDE: u32 = 16_384;
 
     /// The encoded bytes.
     pub fn bytes(&self) -> &[u8] {

@@ -22,41 +22,29 @@ use crate::gather::Source;
 pub fn write(path: &Path, files: &[Source], progress: &(dyn Fn(u64) + Sync)) -> Result<(), DataError> {
     let mut sorted: Vec<&Source> = files.iter().collect();
     sorted.sort_by(|a, b| a.name.cmp(&b.name));
-    let mut archive = Builder::new(Sink { file: AtomicFile::create(path)?, refusal: None });
-    for source in sorted {
-        append(&mut archive, source, progress).map_err(|error| explain(path, &mut archive, error))?;
-    }
-    let sink = archive.into_inner().map_err(|source| DataError::io(path, "write", source))?;
-    sink.file.commit()
+    let mut archive = Builder::new(Sink(AtomicFile::create(path)?));
+    let append_all = move || {
+        sorted.into_iter().try_for_each(|source| append(&mut archive, source, progress))?;
+        archive.into_inner()
+    };
+    let sink = append_all().map_err(|error| match error.downcast::<DataError>() {
+        Ok(refusal) => refusal,
+        Err(source) => DataError::io(path, "write", source),
+    })?;
+    sink.0.commit()
 }
 
-/// The error of the disk behind an error of the archive.
-fn explain(path: &Path, archive: &mut Builder<Sink>, error: Trouble) -> DataError {
-    match (archive.get_mut().refusal.take(), error) {
-        (Some(refusal), _) | (None, Trouble::Data(refusal)) => refusal,
-        (None, Trouble::Io(source)) => DataError::io(path, "write", source),
-    }
-}
-
-enum Trouble {
-    Data(DataError),
-    Io(io::Error),
-}
-
-fn append(
-    archive: &mut Builder<Sink>,
-    source: &Source,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<(), Trouble> {
+/// Appends a file; an error may hold a [`DataError`].
+fn append(archive: &mut Builder<Sink>, source: &Source, progress: &(dyn Fn(u64) + Sync)) -> io::Result<()> {
     let refuse = |message: &str| {
         let remedy = "nothing may change while a release is made: run `l4d check-scenes`, then run it again";
-        Trouble::Data(DataError::invalid(&source.path, "bytes", message, remedy))
+        Err(io::Error::other(DataError::invalid(&source.path, "bytes", message, remedy)))
     };
     let file = File::open(&source.path)
-        .map_err(|error| Trouble::Data(DataError::io(&source.path, "open", error)))?;
+        .map_err(|error| io::Error::other(DataError::io(&source.path, "open", error)))?;
     let mut reader = Watched { file, digest: RunningDigest::default(), bytes: 0, progress };
     let mut header = Header::new_ustar();
-    header.set_path(&source.name).map_err(Trouble::Io)?;
+    header.set_path(&source.name)?;
     header.set_entry_type(EntryType::Regular);
     header.set_mode(0o644);
     header.set_uid(0);
@@ -64,14 +52,14 @@ fn append(
     header.set_mtime(0);
     header.set_size(source.bytes);
     header.set_cksum();
-    archive.append(&header, (&mut reader).take(source.bytes)).map_err(Trouble::Io)?;
+    archive.append(&header, (&mut reader).take(source.bytes))?;
     // What the file has more or less than its header says would shift all that follows.
-    let rest = io::copy(&mut reader, &mut io::sink()).map_err(Trouble::Io)?;
+    let rest = io::copy(&mut reader, &mut io::sink())?;
     if rest > 0 || reader.bytes != source.bytes {
-        return Err(refuse("are more or fewer than a moment ago"));
+        return refuse("are more or fewer than a moment ago");
     }
     if reader.digest.hex() != source.sha256 {
-        return Err(refuse("are not those of its digest"));
+        return refuse("are not those of its digest");
     }
     Ok(())
 }
@@ -94,18 +82,12 @@ impl Read for Watched<'_> {
     }
 }
 
-/// The archive on disk; keeps the whole reason why a write failed.
-struct Sink {
-    file: AtomicFile,
-    refusal: Option<DataError>,
-}
+/// The archive on disk.
+struct Sink(AtomicFile);
 
 impl Write for Sink {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes).map_err(|error| {
-            self.refusal = Some(error);
-            io::Error::other("cannot write the archive")
-        })?;
+        self.0.write(bytes).map_err(io::Error::other)?;
         Ok(bytes.len())
     }
 
