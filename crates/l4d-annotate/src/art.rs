@@ -8,7 +8,7 @@ use crate::look::{Colours, Look};
 use crate::picture::ArtCell;
 
 /// How many pixels a cell shows, columns and rows.
-pub fn grain(look: &Look) -> (u32, u32) {
+pub(crate) fn grain(look: &Look) -> (u32, u32) {
     match (look.unicode, look.quarters, look.colours) {
         (false, _, _) => (1, 1),
         (true, false, Colours::None) => (1, 1),
@@ -19,7 +19,7 @@ pub fn grain(look: &Look) -> (u32, u32) {
 }
 
 /// The cells of a closeup that has [`grain`] pixels for each, row by row.
-pub fn cells(closeup: &Closeup, look: &Look) -> Vec<ArtCell> {
+pub(crate) fn cells(closeup: &Closeup, look: &Look) -> Vec<ArtCell> {
     match (grain(look), look.colours) {
         ((2, 4), _) => dots(closeup),
         ((2, 2), _) => each(closeup, (2, 2), quarters),
@@ -190,7 +190,7 @@ fn diffused(closeup: &Closeup) -> Vec<bool> {
 }
 
 /// The nearest of the 256 colours of xterm, without the first 16, which users change.
-pub fn palette_index([red, green, blue]: [u8; 3]) -> u8 {
+pub(crate) fn palette_index([red, green, blue]: [u8; 3]) -> u8 {
     const STEPS: [i32; 6] = [0, 95, 135, 175, 215, 255];
     let nearest = |value: u8| (0..6).min_by_key(|&step| (STEPS[step] - i32::from(value)).abs()).unwrap_or(0);
     let distance = |other: [i32; 3]| {

@@ -9,7 +9,7 @@ use crate::scene::SceneInfo;
 
 /// What the prompt means, in numbers on the screen.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum DraftChoice {
+pub(crate) enum DraftChoice {
     /// These; nothing said yet if there are none.
     Objects(BTreeSet<usize>),
     /// Nothing in the scene.
@@ -20,18 +20,18 @@ pub enum DraftChoice {
 
 /// An answer in the making.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Draft {
+pub(crate) struct Draft {
     /// What.
-    pub choice: DraftChoice,
+    pub(crate) choice: DraftChoice,
     /// When; none is the whole clip.
-    pub frames: Option<Interval>,
+    pub(crate) frames: Option<Interval>,
     /// The first digits of a number that is not complete.
-    pub typed: String,
+    pub(crate) typed: String,
 }
 
 /// What became of a digit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Digit {
+pub(crate) enum Digit {
     /// It completed a number, which was put in or taken out.
     Took,
     /// It may be the start of a longer number.
@@ -48,12 +48,12 @@ impl Default for Draft {
 
 impl Draft {
     /// Whether nothing is said yet.
-    pub fn is_blank(&self) -> bool {
+    pub(crate) fn is_blank(&self) -> bool {
         matches!(&self.choice, DraftChoice::Objects(numbers) if numbers.is_empty()) && self.typed.is_empty()
     }
 
     /// The chosen numbers, ascending.
-    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> {
         let numbers = match &self.choice {
             DraftChoice::Objects(numbers) => Some(numbers.iter().copied()),
             DraftChoice::None | DraftChoice::Ambiguous(_) => None,
@@ -62,7 +62,7 @@ impl Draft {
     }
 
     /// Puts a number in, or takes it out; whatever else was said is withdrawn.
-    pub fn toggle(&mut self, number: usize) {
+    pub(crate) fn toggle(&mut self, number: usize) {
         self.typed.clear();
         let mut numbers: BTreeSet<usize> = self.numbers().collect();
         if !numbers.remove(&number) {
@@ -72,7 +72,7 @@ impl Draft {
     }
 
     /// Reads a number of 1 to `count`, digit by digit; it is complete when no further digit can follow.
-    pub fn digit(&mut self, digit: char, count: usize) -> Digit {
+    pub(crate) fn digit(&mut self, digit: char, count: usize) -> Digit {
         let typed = format!("{}{digit}", self.typed);
         let Some(number) = typed.parse().ok().filter(|number| (1..=count).contains(number)) else {
             self.typed.clear();
@@ -87,19 +87,19 @@ impl Draft {
     }
 
     /// Takes what was typed so far for the whole number.
-    pub fn finish_number(&mut self) {
+    pub(crate) fn finish_number(&mut self) {
         if let Ok(number) = self.typed.parse() {
             self.toggle(number);
         }
     }
 
     /// When the answer holds.
-    pub fn holds(&self, scene: &SceneInfo) -> Interval {
+    pub(crate) fn holds(&self, scene: &SceneInfo) -> Interval {
         self.frames.unwrap_or_else(|| scene.whole())
     }
 
     /// What would be saved; none while nothing is said.
-    pub fn answer(&self, scene: &SceneInfo) -> Option<Answer> {
+    pub(crate) fn answer(&self, scene: &SceneInfo) -> Option<Answer> {
         let choice = match &self.choice {
             DraftChoice::None => Choice::None,
             DraftChoice::Ambiguous(reason) => Choice::Ambiguous { reason: reason.clone() },

@@ -3,11 +3,11 @@
 use tui_input::{Input, InputRequest};
 
 /// Longest text that is taken, in characters.
-pub const MAX_LENGTH: usize = 400;
+pub(crate) const MAX_LENGTH: usize = 400;
 
 /// Text with a cursor. Control characters never enter; line breaks become spaces.
 #[derive(Debug, Clone, Default)]
-pub struct Field(Input);
+pub(crate) struct Field(Input);
 
 impl PartialEq for Field {
     fn eq(&self, other: &Self) -> bool {
@@ -19,31 +19,31 @@ impl Eq for Field {}
 
 impl Field {
     /// The cursor is behind the text.
-    pub fn new(text: &str) -> Self {
+    pub(crate) fn new(text: &str) -> Self {
         let mut field = Self::default();
         field.paste(text);
         field
     }
 
     /// What was typed, without spaces around it.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         self.0.value().trim().to_owned()
     }
 
     /// The parts before and after the cursor.
-    pub fn parts(&self) -> (&str, &str) {
+    pub(crate) fn parts(&self) -> (&str, &str) {
         let text = self.0.value();
         let cursor = text.char_indices().nth(self.0.cursor()).map_or(text.len(), |(at, _)| at);
         text.split_at(cursor)
     }
 
     /// Enters text.
-    pub fn paste(&mut self, text: &str) {
+    pub(crate) fn paste(&mut self, text: &str) {
         text.chars().for_each(|letter| self.edit(InputRequest::InsertChar(letter)));
     }
 
     /// Obeys a key.
-    pub fn edit(&mut self, edit: InputRequest) {
+    pub(crate) fn edit(&mut self, edit: InputRequest) {
         let edit = match edit {
             InputRequest::InsertChar(letter) if letter.is_whitespace() => InputRequest::InsertChar(' '),
             InputRequest::InsertChar(letter) if letter.is_control() => return,

@@ -18,7 +18,7 @@ const TO_LAST: i64 = i64::MAX / 2;
 pub type Group = (&'static str, &'static [(&'static str, &'static str)]);
 
 /// Most columns of an explanation on the help page, so that two fit side by side in 80.
-pub const HELP_COLUMNS: usize = 27;
+pub(crate) const HELP_COLUMNS: usize = 27;
 
 /// The help page.
 pub const HELP: &[Group] = &[
@@ -70,7 +70,7 @@ pub const HELP: &[Group] = &[
 ];
 
 /// What an event of the terminal means now.
-pub fn message(mode: &Mode, event: Event) -> Option<Message> {
+pub(crate) fn message(mode: &Mode, event: Event) -> Option<Message> {
     match event {
         Event::Key(key) if key.kind != KeyEventKind::Release => key_message(mode, key),
         Event::Mouse(mouse) => mouse_message(mouse),
@@ -81,7 +81,7 @@ pub fn message(mode: &Mode, event: Event) -> Option<Message> {
 }
 
 /// Whether a key ends the session whatever is on the screen.
-pub fn is_interrupt(event: &Event) -> bool {
+pub(crate) fn is_interrupt(event: &Event) -> bool {
     matches!(event, Event::Key(KeyEvent { code: KeyCode::Char('c'), modifiers, kind, .. })
         if modifiers.contains(KeyModifiers::CONTROL) && *kind != KeyEventKind::Release)
 }

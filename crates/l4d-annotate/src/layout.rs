@@ -4,7 +4,7 @@ use ratatui::layout::{Rect, Size};
 use ratatui::text::Span;
 
 /// Below this nothing useful fits.
-pub const SMALLEST: Size = Size { width: 80, height: 20 };
+pub(crate) const SMALLEST: Size = Size { width: 80, height: 20 };
 /// The panel's least and most columns.
 const PANEL_WIDTH: (u16, u16) = (28, 48);
 /// Screens with this many rows can spare some for air.
@@ -15,21 +15,21 @@ const TIMELINE_ROWS: u16 = 2;
 
 /// The areas of the screen of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Screen {
+pub(crate) struct Screen {
     /// Round, annotator, progress.
-    pub header: Rect,
+    pub(crate) header: Rect,
     /// The prompt.
-    pub prompt: Rect,
+    pub(crate) prompt: Rect,
     /// The picture, which may fill less of it.
-    pub picture: Rect,
+    pub(crate) picture: Rect,
     /// Answer, messages, keys.
-    pub panel: Rect,
+    pub(crate) panel: Rect,
     /// Current frame, and when the answer holds.
-    pub timeline: Rect,
+    pub(crate) timeline: Rect,
 }
 
 /// The areas for a prompt and a picture that is `aspect` times as many cells wide as high.
-pub fn screen(size: Size, prompt: &str, aspect: f64) -> Option<Screen> {
+pub(crate) fn screen(size: Size, prompt: &str, aspect: f64) -> Option<Screen> {
     if size.width < SMALLEST.width || size.height < SMALLEST.height {
         return None;
     }
@@ -53,7 +53,7 @@ pub fn screen(size: Size, prompt: &str, aspect: f64) -> Option<Screen> {
 }
 
 /// The bar of the timeline: column 0 of it is the first frame, its last column the last one.
-pub fn timeline_bar(timeline: Rect) -> Rect {
+pub(crate) fn timeline_bar(timeline: Rect) -> Rect {
     /// Room for what is beside the bar: a sign on the left, frame and time on the right.
     const BESIDE: (u16, u16) = (3, 20);
     let width = timeline.width.saturating_sub(BESIDE.0 + BESIDE.1);
@@ -61,13 +61,13 @@ pub fn timeline_bar(timeline: Rect) -> Rect {
 }
 
 /// Breaks text between words so that no line is wider than `columns`; longer words are cut.
-pub fn wrap(text: &str, columns: u16) -> Vec<String> {
+pub(crate) fn wrap(text: &str, columns: u16) -> Vec<String> {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     textwrap::wrap(&text, usize::from(columns.max(1))).into_iter().map(String::from).collect()
 }
 
 /// Columns that a text takes.
-pub fn width(text: &str) -> usize {
+pub(crate) fn width(text: &str) -> usize {
     Span::raw(text).width()
 }
 

@@ -8,27 +8,27 @@
 //! The annotator is shown a prompt, pictures and numbers drawn by lot. This crate knows nothing of the key of a
 //! round, of other ballots, and of what a vote leads to.
 
-pub mod art;
-pub mod draft;
-pub mod error;
-pub mod field;
+mod art;
+mod draft;
+mod error;
+mod field;
 pub mod keys;
-pub mod layout;
-pub mod look;
-pub mod message;
-pub mod model;
-pub mod paint_thread;
-pub mod painter;
-pub mod picture;
+mod layout;
+mod look;
+mod message;
+mod model;
+mod paint_thread;
+mod painter;
+mod picture;
 mod run;
 pub mod scene;
-pub mod session;
+mod session;
 pub mod terminal;
 #[cfg(test)]
 mod testing;
-pub mod update;
-pub mod view;
-pub mod viewport;
+mod update;
+mod view;
+mod viewport;
 
 pub use error::AnnotateError;
 pub use look::PictureMode;

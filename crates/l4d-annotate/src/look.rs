@@ -13,7 +13,7 @@ const USUAL_CELL: FontSize = FontSize { width: 10, height: 20 };
 
 /// Which colours the terminal takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Colours {
+pub(crate) enum Colours {
     /// None, because of NO_COLOR or the terminal.
     None,
     /// The 256 of xterm.
@@ -24,7 +24,7 @@ pub enum Colours {
 
 /// How pictures are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Medium {
+pub(crate) enum Medium {
     /// Not at all.
     Nothing,
     /// As characters.
@@ -53,37 +53,37 @@ pub enum PictureMode {
 
 /// What the terminal can show.
 #[derive(Debug, Clone, Copy)]
-pub struct Look {
+pub(crate) struct Look {
     /// Whether more than ASCII is understood.
-    pub unicode: bool,
+    pub(crate) unicode: bool,
     /// Whether the letters include quarter blocks, and not half blocks alone.
-    pub quarters: bool,
+    pub(crate) quarters: bool,
     /// Colours.
-    pub colours: Colours,
+    pub(crate) colours: Colours,
     /// Pictures.
-    pub medium: Medium,
+    pub(crate) medium: Medium,
     /// Pixels of a cell; only their ratio matters for characters.
-    pub cell: FontSize,
+    pub(crate) cell: FontSize,
 }
 
 /// The variables that decide, so that tests can set them.
 #[derive(Debug, Clone, Default)]
-pub struct Environment {
+pub(crate) struct Environment {
     /// `LC_ALL`, `LC_CTYPE` or `LANG`, whichever is set first.
-    pub locale: String,
+    pub(crate) locale: String,
     /// `TERM`.
-    pub term: String,
+    pub(crate) term: String,
     /// `COLORTERM`.
-    pub colorterm: String,
+    pub(crate) colorterm: String,
     /// `NO_COLOR`.
-    pub no_color: String,
+    pub(crate) no_color: String,
     /// `TMUX`.
-    pub tmux: String,
+    pub(crate) tmux: String,
 }
 
 impl Environment {
     /// That of the process.
-    pub fn of_process() -> Self {
+    pub(crate) fn of_process() -> Self {
         let var = |name: &str| std::env::var(name).unwrap_or_default();
         let locale = ["LC_ALL", "LC_CTYPE", "LANG"].map(var).into_iter().find(|value| !value.is_empty());
         Self {
@@ -99,7 +99,7 @@ impl Environment {
     ///
     /// # Errors
     /// The terminal cannot place text.
-    pub fn look(&self) -> Result<Look, AnnotateError> {
+    pub(crate) fn look(&self) -> Result<Look, AnnotateError> {
         if self.term.is_empty() || self.term == "dumb" {
             return Err(AnnotateError::DumbTerminal(self.term.clone()));
         }
@@ -133,7 +133,7 @@ impl Environment {
 
 impl Look {
     /// Whether the terminal has to be asked what it can show.
-    pub fn must_ask(&self, mode: PictureMode) -> bool {
+    pub(crate) fn must_ask(&self, mode: PictureMode) -> bool {
         !matches!(mode, PictureMode::None | PictureMode::Halfblocks)
     }
 
@@ -144,7 +144,7 @@ impl Look {
     ///
     /// # Errors
     /// The protocol of kitty is chosen and the locale is not UTF-8.
-    pub fn with_pictures(
+    pub(crate) fn with_pictures(
         mut self,
         mode: PictureMode,
         can_ask: bool,
@@ -185,18 +185,18 @@ impl Look {
     }
 
     /// Whether there are pictures.
-    pub fn shows_pictures(&self) -> bool {
+    pub(crate) fn shows_pictures(&self) -> bool {
         self.medium != Medium::Nothing
     }
 
     /// How many times as many cells wide as high a picture of so many pixels is.
-    pub fn aspect(&self, picture: UVec2) -> f64 {
+    pub(crate) fn aspect(&self, picture: UVec2) -> f64 {
         let [width, height] = [picture.x, picture.y].map(|side| f64::from(side.max(1)));
         width / height * f64::from(self.cell.height) / f64::from(self.cell.width)
     }
 
     /// The most cells inside an area that have the shape of a picture.
-    pub fn fit(&self, picture: UVec2, area: Size) -> Size {
+    pub(crate) fn fit(&self, picture: UVec2, area: Size) -> Size {
         let aspect = self.aspect(picture);
         let (width, height) = (f64::from(area.width), f64::from(area.height));
         let fitted = (width.min(height * aspect), height.min(width / aspect));

@@ -11,7 +11,7 @@ use crate::picture::{ExportRequest, Picture, PictureRequest};
 
 /// An event.
 #[derive(Debug, Clone)]
-pub enum Message {
+pub(crate) enum Message {
     /// A digit of an object's number.
     Digit(char),
     /// The prompt means nothing in the scene.
@@ -94,18 +94,18 @@ pub enum Message {
 
 /// An event that is on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Recorded {
+pub(crate) struct Recorded {
     /// The item.
-    pub item: ItemId,
+    pub(crate) item: ItemId,
     /// What the log says about it now.
-    pub response: Response,
+    pub(crate) response: Response,
     /// The item that an undo would change now.
-    pub undoable: Option<ItemId>,
+    pub(crate) undoable: Option<ItemId>,
 }
 
 /// What the session does for the model.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Effect {
+pub(crate) enum Effect {
     /// Paint a picture instead of any that was asked for before.
     Paint {
         /// The picture.

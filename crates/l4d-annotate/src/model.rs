@@ -22,20 +22,20 @@ const FRAME_TIME: Duration = Duration::from_nanos(1_000_000_000 / 24);
 
 /// An item with what the log says about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Question {
+pub(crate) struct Question {
     /// Its name in the round.
-    pub id: ItemId,
+    pub(crate) id: ItemId,
     /// What to look for.
-    pub text: String,
+    pub(crate) text: String,
     /// Where to look.
-    pub scene: Name,
+    pub(crate) scene: Name,
     /// What was said.
-    pub response: Response,
+    pub(crate) response: Response,
 }
 
 /// What the keys do now.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Mode {
+pub(crate) enum Mode {
     /// Looking, and choosing objects.
     Choose,
     /// Looking, and choice when the choice holds.
@@ -57,16 +57,16 @@ pub enum Mode {
 
 /// What the last event led to, in one sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Notice {
+pub(crate) struct Notice {
     /// For the person.
-    pub text: String,
+    pub(crate) text: String,
     /// Something did not work.
-    pub is_error: bool,
+    pub(crate) is_error: bool,
 }
 
 /// An event that was sent to the log and not confirmed yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Pending {
+pub(crate) enum Pending {
     /// An answer.
     Answer,
     /// A skip.
@@ -79,7 +79,7 @@ pub enum Pending {
 
 /// The part of a click that lasts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MouseDrag {
+pub(crate) enum MouseDrag {
     /// The button went down on the picture at this cell and did not move since.
     Press(u16, u16),
     /// The picture follows the pointer, last seen at this cell.
@@ -90,7 +90,7 @@ pub enum MouseDrag {
 
 /// State of the application.
 #[derive(Debug)]
-pub struct Model {
+pub(crate) struct Model {
     pub(crate) title: String,
     pub(crate) annotator: Name,
     pub(crate) questions: Vec<Question>,
@@ -128,26 +128,26 @@ pub struct Model {
 
 /// What a session starts with.
 #[derive(Debug)]
-pub struct Start<'a> {
+pub(crate) struct Start<'a> {
     /// The round.
-    pub round: &'a Round,
+    pub(crate) round: &'a Round,
     /// Who answers.
-    pub annotator: Name,
+    pub(crate) annotator: Name,
     /// In asking order.
-    pub questions: Vec<Question>,
+    pub(crate) questions: Vec<Question>,
     /// Scenes of the questions.
-    pub scenes: Arc<Scenes>,
+    pub(crate) scenes: Arc<Scenes>,
     /// What the terminal can do.
-    pub look: Look,
+    pub(crate) look: Look,
     /// Columns and rows.
-    pub size: Size,
+    pub(crate) size: Size,
     /// The item that an undo would change.
-    pub undoable: Option<ItemId>,
+    pub(crate) undoable: Option<ItemId>,
 }
 
 impl Model {
     /// A session at the first open item, or at the summary if there is none.
-    pub fn new(start: Start<'_>) -> Self {
+    pub(crate) fn new(start: Start<'_>) -> Self {
         let open = start.questions.iter().position(|question| question.response.is_open());
         let mode = if open.is_some() { Mode::Choose } else { Mode::Summary { selected: 0, sealing: false } };
         let mut model = Self {
@@ -184,32 +184,32 @@ impl Model {
     }
 
     /// The item on the screen.
-    pub fn question(&self) -> &Question {
+    pub(crate) fn question(&self) -> &Question {
         &self.questions[self.at]
     }
 
     /// The scene of the item on the screen.
-    pub fn scene(&self) -> &SceneInfo {
+    pub(crate) fn scene(&self) -> &SceneInfo {
         &self.scenes[&self.question().scene]
     }
 
     /// When the draft holds.
-    pub fn holds(&self) -> Interval {
+    pub(crate) fn holds(&self) -> Interval {
         self.draft.holds(self.scene())
     }
 
     /// The canonical frame on the screen.
-    pub fn frame_number(&self) -> u32 {
+    pub(crate) fn frame_number(&self) -> u32 {
         self.scene().frames[self.frame]
     }
 
     /// Where things are on the screen; none if it is too small.
-    pub fn screen(&self) -> Option<Screen> {
+    pub(crate) fn screen(&self) -> Option<Screen> {
         screen(self.size, &self.question().text, self.look.aspect(self.scene().size))
     }
 
     /// Items that are answered, and items that are skipped.
-    pub fn progress(&self) -> (usize, usize) {
+    pub(crate) fn progress(&self) -> (usize, usize) {
         let count = |test: fn(&Response) -> bool| {
             self.questions.iter().filter(|question| test(&question.response)).count()
         };
@@ -217,7 +217,7 @@ impl Model {
     }
 
     /// Places of the items without an answer: open ones first, then skipped ones.
-    pub fn unanswered(&self) -> Vec<usize> {
+    pub(crate) fn unanswered(&self) -> Vec<usize> {
         let places = |skipped: bool| {
             let matches = move |(_, question): &(usize, &Question)| {
                 question.response.answer.is_none() && question.response.skipped == skipped
@@ -228,12 +228,12 @@ impl Model {
     }
 
     /// Whether the draft says something that the log does not.
-    pub fn is_unsaved(&self) -> bool {
+    pub(crate) fn is_unsaved(&self) -> bool {
         !self.draft.is_blank() && self.draft.answer(self.scene()) != self.question().response.answer
     }
 
     /// Whether leaving now would drop something that was entered.
-    pub fn has_unsaved(&self) -> bool {
+    pub(crate) fn has_unsaved(&self) -> bool {
         let is_typing =
             matches!(&self.mode, Mode::Reason(field) | Mode::Comment(field) if !field.text().is_empty());
         is_typing || self.is_unsaved() || !self.drafts.is_empty()
@@ -260,13 +260,13 @@ impl Model {
     }
 
     /// Ids of the objects that the draft names.
-    pub fn chosen_ids(&self) -> BTreeSet<u32> {
+    pub(crate) fn chosen_ids(&self) -> BTreeSet<u32> {
         let scene = self.scene();
         self.draft.numbers().filter_map(|number| scene.object(number)).map(|object| object.id).collect()
     }
 
     /// The picture that ought to be on the screen; none where there is no room or pictures are off.
-    pub fn wanted(&self) -> Option<PictureRequest> {
+    pub(crate) fn wanted(&self) -> Option<PictureRequest> {
         let area = self.screen()?.picture;
         if self.help || !self.look.shows_pictures() || !self.shows_scene() {
             return None;
@@ -285,31 +285,31 @@ impl Model {
     }
 
     /// Whether the screen is that of an item, and not a page of text.
-    pub fn shows_scene(&self) -> bool {
+    pub(crate) fn shows_scene(&self) -> bool {
         !matches!(self.mode, Mode::Summary { .. })
     }
 
     /// The picture on the screen, if it is one of this scene.
-    pub fn picture(&self) -> Option<&Picture> {
+    pub(crate) fn picture(&self) -> Option<&Picture> {
         let picture = self.picture.as_deref()?;
         (picture.request.scene == self.question().scene).then_some(picture)
     }
 
     /// Whether the picture on the screen is not the wanted one yet.
-    pub fn is_loading(&self) -> bool {
+    pub(crate) fn is_loading(&self) -> bool {
         self.picture_error.is_none()
             && self.requested.is_some()
             && self.picture.as_deref().map(|picture| &picture.request) != self.requested.as_ref()
     }
 
     /// When something happens without a key.
-    pub fn wakes_at(&self) -> Option<Duration> {
+    pub(crate) fn wakes_at(&self) -> Option<Duration> {
         // A picture that is still being painted will wake the loop itself.
         self.playing.filter(|_| !self.is_loading())
     }
 
     /// How long each frame is shown while playing.
-    pub fn frame_time(&self) -> Duration {
+    pub(crate) fn frame_time(&self) -> Duration {
         let frames = &self.scene().frames;
         let stride = frames.get(1).map_or(1, |second| second - frames[0]);
         FRAME_TIME * stride.max(1)

@@ -36,7 +36,7 @@ impl Shared {
 }
 
 /// A painter on a thread of its own.
-pub struct PaintThread {
+pub(crate) struct PaintThread {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -49,7 +49,7 @@ enum Task {
 
 impl PaintThread {
     /// Starts the thread; it answers through `send`, and calls `died` if it panics.
-    pub fn open(
+    pub(crate) fn open(
         painter: Painter,
         send: impl Fn(Message) + Send + 'static,
         died: impl Fn() + Send + 'static,
@@ -64,13 +64,13 @@ impl PaintThread {
     }
 
     /// Asks for a picture instead of the one that was asked for before.
-    pub fn paint(&self, request: PictureRequest, ahead: Vec<u32>) {
+    pub(crate) fn paint(&self, request: PictureRequest, ahead: Vec<u32>) {
         self.shared.lock().request = Some((request, ahead));
         self.shared.changed.notify_one();
     }
 
     /// Asks for a file.
-    pub fn export(&self, request: ExportRequest) {
+    pub(crate) fn export(&self, request: ExportRequest) {
         self.shared.lock().exports.push_back(request);
         self.shared.changed.notify_one();
     }

@@ -46,16 +46,16 @@ const ROOM_FOR_LABEL_CELLS: f32 = 0.8;
 
 /// A frame as it is shown.
 #[derive(Debug)]
-pub struct Shown {
+pub(crate) struct Shown {
     picture: RgbImage,
     ids: Arc<Ids>,
 }
 
 /// A frame of a view of a scene.
-pub type FrameKey = (Name, Name, u32);
+pub(crate) type FrameKey = (Name, Name, u32);
 
 /// Decodes, scales, outlines and encodes.
-pub struct Painter {
+pub(crate) struct Painter {
     data: PathBuf,
     exports: PathBuf,
     scenes: Arc<Scenes>,
@@ -69,7 +69,13 @@ pub struct Painter {
 
 impl Painter {
     /// `data` holds the rendered scenes, `exports` receives pictures; `picker` encodes pixels, if they are shown.
-    pub fn new(data: &Path, exports: &Path, scenes: Arc<Scenes>, look: Look, picker: Option<Picker>) -> Self {
+    pub(crate) fn new(
+        data: &Path,
+        exports: &Path,
+        scenes: Arc<Scenes>,
+        look: Look,
+        picker: Option<Picker>,
+    ) -> Self {
         let largest = scenes.values().map(|card| card.size.element_product() as usize).max().unwrap_or(1);
         let bytes_each = largest * (size_of::<[u8; 3]>() + size_of::<u32>());
         let kept_frames = (FRAME_BUDGET_BYTES / bytes_each.max(1)).clamp(4, 2048);
@@ -87,7 +93,7 @@ impl Painter {
     }
 
     /// A picture that was painted before.
-    pub fn recall(&mut self, request: &PictureRequest) -> Option<Arc<Picture>> {
+    pub(crate) fn recall(&mut self, request: &PictureRequest) -> Option<Arc<Picture>> {
         self.pictures.get(request).map(Arc::clone)
     }
 
@@ -95,7 +101,7 @@ impl Painter {
     ///
     /// # Errors
     /// The frame cannot be read.
-    pub fn frame(&mut self, key: &FrameKey) -> Result<Arc<Shown>, DataError> {
+    pub(crate) fn frame(&mut self, key: &FrameKey) -> Result<Arc<Shown>, DataError> {
         if let Some(shown) = self.frames.get(key) {
             return Ok(Arc::clone(shown));
         }
@@ -141,7 +147,7 @@ impl Painter {
     ///
     /// # Errors
     /// The pixels cannot be encoded for the terminal.
-    pub fn paint(&mut self, request: &PictureRequest, shown: &Shown) -> Result<Arc<Picture>, String> {
+    pub(crate) fn paint(&mut self, request: &PictureRequest, shown: &Shown) -> Result<Arc<Picture>, String> {
         let card = self.card(&request.scene).map_err(|error| in_full(&error))?;
         let art = match &self.picker {
             Some(picker) => pixels(request, shown, &card, &self.look, picker)?,
@@ -159,7 +165,7 @@ impl Painter {
     ///
     /// # Errors
     /// The frame cannot be read, or the file not be written.
-    pub fn export(&mut self, request: &ExportRequest) -> Result<PathBuf, DataError> {
+    pub(crate) fn export(&mut self, request: &ExportRequest) -> Result<PathBuf, DataError> {
         let card = self.card(&request.scene)?;
         let shown = self.frame(&(request.scene.clone(), request.view.clone(), request.frame))?;
         let factor = EXPORT_WIDTH_PX.div_ceil(card.size.x.max(1)).max(1);

@@ -11,71 +11,71 @@ use ratatui_image::protocol::Protocol;
 
 /// A part of a picture, for so many cells.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct PictureRequest {
+pub(crate) struct PictureRequest {
     /// Scene.
-    pub scene: Name,
+    pub(crate) scene: Name,
     /// View.
-    pub view: Name,
+    pub(crate) view: Name,
     /// Canonical frame.
-    pub frame: u32,
+    pub(crate) frame: u32,
     /// Shown pixels.
-    pub region: PixelBox,
+    pub(crate) region: PixelBox,
     /// Columns and rows on the screen.
-    pub cells: Size,
+    pub(crate) cells: Size,
     /// Ids of the objects that stand out.
-    pub chosen: BTreeSet<u32>,
+    pub(crate) chosen: BTreeSet<u32>,
     /// Whether objects have outlines and numbers.
-    pub outlines: bool,
+    pub(crate) outlines: bool,
 }
 
 /// A whole picture with outlines and numbers, for a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ExportRequest {
+pub(crate) struct ExportRequest {
     /// Scene.
-    pub scene: Name,
+    pub(crate) scene: Name,
     /// View.
-    pub view: Name,
+    pub(crate) view: Name,
     /// Canonical frame.
-    pub frame: u32,
+    pub(crate) frame: u32,
     /// Ids of the objects that stand out.
-    pub chosen: BTreeSet<u32>,
+    pub(crate) chosen: BTreeSet<u32>,
     /// Name of the file, without folder.
-    pub file_name: String,
+    pub(crate) file_name: String,
 }
 
 /// The ids of a whole picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Ids {
+pub(crate) struct Ids {
     /// Columns and rows.
-    pub size: UVec2,
+    pub(crate) size: UVec2,
     /// Row-major.
-    pub ids: Vec<u32>,
+    pub(crate) ids: Vec<u32>,
 }
 
 /// A number on the screen.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Label {
+pub(crate) struct Label {
     /// The number.
-    pub number: usize,
+    pub(crate) number: usize,
     /// Its id.
-    pub id: u32,
+    pub(crate) id: u32,
     /// Cell of its middle, relative to the picture.
-    pub at: Position,
+    pub(crate) at: Position,
 }
 
 /// A cell of a picture that is made of characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ArtCell {
+pub(crate) struct ArtCell {
     /// Character.
-    pub symbol: char,
+    pub(crate) symbol: char,
     /// Its colour; none leaves the terminal's own.
-    pub ink: Option<[u8; 3]>,
+    pub(crate) ink: Option<[u8; 3]>,
     /// Colour behind it; none leaves the terminal's own.
-    pub paper: Option<[u8; 3]>,
+    pub(crate) paper: Option<[u8; 3]>,
 }
 
 /// How a picture is put on the screen.
-pub enum Art {
+pub(crate) enum Art {
     /// Characters, row by row; the numbers are written over them.
     Cells {
         /// Row-major.
@@ -89,13 +89,13 @@ pub enum Art {
 
 /// A painted picture.
 #[derive(Debug)]
-pub struct Picture {
+pub(crate) struct Picture {
     /// What was asked.
-    pub request: PictureRequest,
+    pub(crate) request: PictureRequest,
     /// The whole picture's ids: what a click hits, and which objects can be seen.
-    pub source: Arc<Ids>,
+    pub(crate) source: Arc<Ids>,
     /// What to draw.
-    pub art: Art,
+    pub(crate) art: Art,
 }
 
 impl std::fmt::Debug for Art {
@@ -109,12 +109,12 @@ impl std::fmt::Debug for Art {
 
 impl Ids {
     /// Ids that occur in a part of the picture.
-    pub fn visible(&self, region: PixelBox) -> BTreeSet<u32> {
+    pub(crate) fn visible(&self, region: PixelBox) -> BTreeSet<u32> {
         self.rows(region).flatten().copied().filter(|&id| id != 0).collect()
     }
 
     /// Box around all pixels of some ids.
-    pub fn box_around(&self, ids: &BTreeSet<u32>) -> Option<PixelBox> {
+    pub(crate) fn box_around(&self, ids: &BTreeSet<u32>) -> Option<PixelBox> {
         let pixels = || {
             let places = self.ids.iter().enumerate().filter(|(_, id)| ids.contains(id));
             places.map(|(index, _)| UVec2::new(index as u32 % self.size.x, index as u32 / self.size.x))
@@ -125,7 +125,7 @@ impl Ids {
     }
 
     /// The id among `candidates` with most pixels in a part of the picture.
-    pub fn most_frequent(&self, region: PixelBox, candidates: &BTreeSet<u32>) -> Option<u32> {
+    pub(crate) fn most_frequent(&self, region: PixelBox, candidates: &BTreeSet<u32>) -> Option<u32> {
         let count = |id: u32| self.rows(region).flatten().filter(|&&other| other == id).count();
         let counts = candidates.iter().map(|&id| (count(id), id)).filter(|(count, _)| *count > 0);
         counts.max_by_key(|&(count, id)| (count, std::cmp::Reverse(id))).map(|(_, id)| id)
@@ -144,7 +144,7 @@ impl Ids {
 
 impl Picture {
     /// The part of the whole picture that a cell shows.
-    pub fn under_cell(&self, column: u16, row: u16) -> PixelBox {
+    pub(crate) fn under_cell(&self, column: u16, row: u16) -> PixelBox {
         let region = self.request.region;
         let cells = self.request.cells;
         let along = |first: u32, last: u32, cell: u16, count: u16| {

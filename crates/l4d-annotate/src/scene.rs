@@ -72,7 +72,7 @@ impl SceneInfo {
     }
 
     /// How objects are outlined: the colour goes with the number, not with the object.
-    pub fn marks(&self) -> Vec<Mark> {
+    pub(crate) fn marks(&self) -> Vec<Mark> {
         let mark = |object: &Object| Mark {
             id: object.id,
             number: object.number,

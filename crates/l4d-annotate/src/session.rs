@@ -20,7 +20,7 @@ use crate::view;
 
 /// What comes from outside.
 #[derive(Debug)]
-pub enum Input {
+pub(crate) enum Input {
     /// A key, the mouse, a new size.
     Event(TerminalEvent),
     /// News of the painter.
@@ -34,7 +34,7 @@ pub enum Input {
 }
 
 /// Where events are kept: a ballot, or one that fails when a test wants it.
-pub trait Log {
+pub(crate) trait Log {
     /// Keeps an event; when this returns, it survives whatever happens to the process.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ pub trait Log {
 
 /// A ballot on disk.
 #[derive(Debug)]
-pub struct BallotLog(pub Ballot);
+pub(crate) struct BallotLog(pub Ballot);
 
 impl Log for BallotLog {
     fn record(
@@ -80,9 +80,9 @@ impl Log for BallotLog {
 }
 
 /// A running session.
-pub struct Session<L> {
+pub(crate) struct Session<L> {
     /// What is known.
-    pub model: Model,
+    pub(crate) model: Model,
     log: L,
     paint_thread: PaintThread,
     started: Instant,
@@ -92,7 +92,7 @@ pub struct Session<L> {
 
 impl<L: Log> Session<L> {
     /// A session whose first picture is asked for already.
-    pub fn new(mut model: Model, log: L, paint_thread: PaintThread) -> Self {
+    pub(crate) fn new(mut model: Model, log: L, paint_thread: PaintThread) -> Self {
         let effects = start(&mut model);
         let mut session =
             Self { model, log, paint_thread, started: Instant::now(), redraw: false, over: false };
@@ -104,7 +104,7 @@ impl<L: Log> Session<L> {
     ///
     /// # Errors
     /// The terminal or the painter is lost, or a signal came.
-    pub fn serve<B: Backend>(
+    pub(crate) fn serve<B: Backend>(
         &mut self,
         terminal: &mut Terminal<B>,
         inputs: &Receiver<Input>,
@@ -205,7 +205,7 @@ impl<L: Log> Session<L> {
 }
 
 /// The questions of a ballot, in asking order.
-pub fn questions(round: &Round, log: &BallotLog) -> Vec<Question> {
+pub(crate) fn questions(round: &Round, log: &BallotLog) -> Vec<Question> {
     let question = |id: &ItemId| {
         let item = round.item(id)?;
         Some(Question {
@@ -219,10 +219,10 @@ pub fn questions(round: &Round, log: &BallotLog) -> Vec<Question> {
 }
 
 /// Sends inputs to the loop.
-pub type Sender = mpsc::Sender<Input>;
+pub(crate) type Sender = mpsc::Sender<Input>;
 
 /// A painter in a thread of its own that answers to a loop.
-pub fn paint_thread(painter: Painter, inputs: &Sender) -> PaintThread {
+pub(crate) fn paint_thread(painter: Painter, inputs: &Sender) -> PaintThread {
     let (news, alarm) = (inputs.clone(), inputs.clone());
     // A loop that is over needs no news.
     let send = move |message| drop(news.send(Input::Message(message)));

@@ -17,7 +17,7 @@ use crate::model::{Mode, Model};
 use crate::picture::Picture;
 
 /// Applies a message; `now` is the time since the start of the session.
-pub fn update(model: &mut Model, message: Message, now: Duration) -> Vec<Effect> {
+pub(crate) fn update(model: &mut Model, message: Message, now: Duration) -> Vec<Effect> {
     let showed_picture = model.requested.is_some();
     if is_deliberate(&message) {
         model.notice = None;
@@ -33,7 +33,7 @@ pub fn update(model: &mut Model, message: Message, now: Duration) -> Vec<Effect>
 }
 
 /// Asks for the first picture.
-pub fn start(model: &mut Model) -> Vec<Effect> {
+pub(crate) fn start(model: &mut Model) -> Vec<Effect> {
     let mut effects = Vec::new();
     request_picture(model, &mut effects);
     effects

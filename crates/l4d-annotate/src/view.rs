@@ -18,7 +18,7 @@ use crate::model::{Mode, Model};
 use theme::{dim, strong};
 
 /// Draws the whole screen.
-pub fn draw(model: &Model, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(model: &Model, area: Rect, buffer: &mut Buffer) {
     match model.screen() {
         None => too_small(area, buffer),
         Some(_) if model.help => pages::help(area, buffer),

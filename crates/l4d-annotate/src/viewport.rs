@@ -12,27 +12,27 @@ const AIR: f64 = 0.3;
 
 /// A centre, as fractions of the picture's sides, and how much larger than the whole picture things appear.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Viewport {
+pub(crate) struct Viewport {
     centre: DVec2,
     zoom: f64,
 }
 
 impl Viewport {
     /// The whole picture.
-    pub const WHOLE: Self = Self { centre: DVec2::splat(0.5), zoom: 1.0 };
+    pub(crate) const WHOLE: Self = Self { centre: DVec2::splat(0.5), zoom: 1.0 };
 
     /// Whether everything is shown.
-    pub fn is_whole(self) -> bool {
+    pub(crate) fn is_whole(self) -> bool {
         self.zoom == 1.0
     }
 
     /// Enlargement over the whole picture.
-    pub fn zoom(self) -> f64 {
+    pub(crate) fn zoom(self) -> f64 {
         self.zoom
     }
 
     /// The shown pixels of a picture.
-    pub fn region(self, picture: UVec2) -> PixelBox {
+    pub(crate) fn region(self, picture: UVec2) -> PixelBox {
         let extent = (picture.as_dvec2() / self.zoom).round().max(DVec2::ONE).as_uvec2();
         let corner = (self.centre * picture.as_dvec2() - extent.as_dvec2() / 2.0).round();
         let first = corner.clamp(DVec2::ZERO, (picture - extent).as_dvec2()).as_uvec2();
@@ -42,7 +42,7 @@ impl Viewport {
 
     /// Zooms by steps, in when positive; the point at `hold` (fractions of the shown part) stays in its place.
     #[must_use]
-    pub fn zoomed(self, steps: i32, hold: DVec2) -> Self {
+    pub(crate) fn zoomed(self, steps: i32, hold: DVec2) -> Self {
         let zoom = (self.zoom * ZOOM_STEP.powi(steps)).clamp(1.0, MAX_ZOOM);
         let offset = hold - 0.5;
         Self { centre: self.centre + offset / self.zoom - offset / zoom, zoom }.settled()
@@ -50,12 +50,12 @@ impl Viewport {
 
     /// Moves by fractions of the shown part.
     #[must_use]
-    pub fn panned(self, by: DVec2) -> Self {
+    pub(crate) fn panned(self, by: DVec2) -> Self {
         Self { centre: self.centre + by / self.zoom, ..self }.settled()
     }
 
     /// Shows a box of pixels with some air around it.
-    pub fn onto(found: PixelBox, picture: UVec2) -> Self {
+    pub(crate) fn onto(found: PixelBox, picture: UVec2) -> Self {
         let first = UVec2::new(found.first_col, found.first_row).as_dvec2();
         let last = UVec2::new(found.last_col, found.last_row).as_dvec2() + 1.0;
         let share = (last - first) / picture.as_dvec2();
