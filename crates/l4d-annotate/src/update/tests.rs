@@ -33,13 +33,10 @@ fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
             }
             Mode::Leave => "leave".to_owned(),
         };
-        let draft = match model.draft.answer(model.scene()) {
-            Some(answer) => format!("{} {}", answer.choice.label(), frames(&answer)),
-            None => "nothing".to_owned(),
-        };
+        let draft = model.draft.answer(model.scene()).map_or("nothing".to_owned(), |answer| said(&answer));
         let (answered, skipped) = model.progress();
         let question = &model.question().id;
-        let flags = [(driver.log.is_sealed(), " SEALED"), (driver.is_over, " OVER")];
+        let flags = [(model.help, " HELP"), (driver.log.is_sealed(), " SEALED"), (driver.is_over, " OVER")];
         let flags: String = flags.into_iter().filter(|(is_set, _)| *is_set).map(|(_, word)| word).collect();
         lines.push_str(&format!(
             "{step}\n    {question} {mode}, draft {draft}, {answered} answered, {skipped} skipped{flags}\n"
@@ -49,7 +46,7 @@ fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
         }
         for (item, event, _, _) in &driver.log.events[before..] {
             let event = match event {
-                Event::Choose(answer) => format!("choose {} {}", answer.choice.label(), frames(answer)),
+                Event::Choose(answer) => format!("choose {}", said(answer)),
                 other => format!("{other:?}").to_lowercase(),
             };
             lines.push_str(&format!("    log {item}: {event}\n"));
@@ -58,8 +55,12 @@ fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
     lines
 }
 
-fn frames(answer: &Answer) -> String {
-    format!("{}..{}", answer.frames.first(), answer.frames.last())
+fn said(answer: &Answer) -> String {
+    let choice = match &answer.choice {
+        Choice::Ambiguous { reason } => format!("(ambiguous: {reason})"),
+        choice => choice.label(),
+    };
+    format!("{choice} {}..{}", answer.frames.first(), answer.frames.last())
 }
 
 /// Snapshots of a session of its own for each list of steps.
