@@ -4,16 +4,7 @@ use serde_json::Value;
 
 use crate::support::Dir;
 
-const PROTOCOLS: [&str; 8] = [
-    "langsplat",
-    "langsplat-v2",
-    "4d-langsplat",
-    "davis",
-    "mevis",
-    "gaussian-grouping",
-    "opengaussian",
-    "hc-stvg",
-];
+const PROTOCOLS: [&str; 5] = ["langsplat", "4d-langsplat", "davis", "mevis", "gaussian-grouping"];
 
 fn baselines() -> Dir {
     let dir = Dir::with_benchmark();
@@ -92,12 +83,7 @@ fn holes_are_refused_only_where_the_source_would_stop() {
         let partial = score(protocol, &["--missing", "skip"]);
         assert!(partial.stdout.contains(" partial\n"), "{}", partial.stdout);
     }
-    for (protocol, told) in [
-        ("mevis", "lost silently"),
-        ("gaussian-grouping", "skipped silently"),
-        ("opengaussian", "count 0"),
-        ("hc-stvg", "count 0"),
-    ] {
+    for (protocol, told) in [("mevis", "lost silently"), ("gaussian-grouping", "skipped silently")] {
         let run = score(protocol, &[]);
         assert!(run.code == 0 && run.stdout.contains(told), "{protocol}: {}", run.stdout);
         let refused = score(protocol, &["--missing", "zero"]);
@@ -109,7 +95,7 @@ fn holes_are_refused_only_where_the_source_would_stop() {
 fn unknown_protocols_and_options_of_ours_are_refused() {
     let dir = baselines();
     let unknown = dir.run(&["score", "--profile", "tiny", "--protocol", "coco"]);
-    assert!(unknown.code == 2 && unknown.stderr.contains("hc-stvg, l4d"), "{}", unknown.stderr);
+    assert!(unknown.code == 2 && unknown.stderr.contains("gaussian-grouping, l4d"), "{}", unknown.stderr);
     let hit = dir.run(&["score", "--profile", "tiny", "--protocol", "davis", "--hit-iou", "0.5"]);
     assert!(hit.code == 2 && hit.stderr.contains("--hit-iou"), "{}", hit.stderr);
     let ours = dir.json(&["score", "--profile", "tiny", "--protocol", "l4d"]);

@@ -74,14 +74,12 @@ impl Browser {
         browser
     }
 
-    /// Opens a file and waits until it says that it is interactive; gives the milliseconds from the start of the
-    /// navigation to that moment, by the page's own clock.
-    pub(crate) fn open(&mut self, file: &Path, address: &str) -> f64 {
+    /// Opens a file and waits until the page says that it is interactive.
+    pub(crate) fn open(&mut self, file: &Path, address: &str) {
         let url = format!("file://{}{address}", file.display());
         self.call("Page.navigate", json!({ "url": "about:blank" }));
         self.call("Page.navigate", json!({ "url": url }));
         self.until("performance.getEntriesByName('interactive').length > 0");
-        self.evaluate("performance.getEntriesByName('interactive')[0].startTime").as_f64().unwrap()
     }
 
     /// The value of an expression; promises are waited for.

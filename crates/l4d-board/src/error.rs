@@ -16,38 +16,21 @@ pub enum BoardError {
         /// What there is instead.
         found: String,
     },
-    /// Two rows of one name.
-    #[error("method `{0}` stands there twice")]
-    Twice(String),
-    /// A value that cannot be.
-    #[error("method `{method}`: {field} is {value}, but must be {must}")]
-    Value {
-        /// Method.
-        method: String,
-        /// Where ("miou of category action").
-        field: String,
-        /// What stands there.
-        value: f64,
-        /// What could.
-        must: &'static str,
-    },
-    /// polars refused.
+    /// A table, a figure or the page could not be made.
     #[error("cannot make {file}: {message}")]
-    Table {
-        /// The file that was to be made.
-        file: &'static str,
-        /// The refusal.
+    Render {
+        /// What was to be made.
+        file: String,
+        /// The reason.
         message: String,
     },
-    /// plotters or the PNG encoder refused.
-    #[error("cannot draw {figure}: {message}")]
-    Figure {
-        /// The figure that was to be drawn.
-        figure: String,
-        /// The refusal.
-        message: String,
-    },
-    /// A file could not be written.
+    /// A file could not be read or written.
     #[error(transparent)]
     Data(#[from] DataError),
+}
+
+impl BoardError {
+    pub(crate) fn render(file: &str, error: impl std::fmt::Display) -> Self {
+        Self::Render { file: file.to_owned(), message: error.to_string() }
+    }
 }

@@ -1,174 +1,266 @@
-//! Figures: each is a pure function from a board to a [`Drawing`]; `paint` turns drawings into SVG and PNG.
+//! Figures: each is a function from a board to a plot, drawn by plotters as SVG and PNG.
 //!
-//! House style: one accent and greys (Okabe-Ito), direct labels, thin axes, percentages from zero, print size.
+//! House style: Okabe and Ito's colours and greys, thin axes, percentages from zero, print size.
 
 mod bars;
+pub(crate) mod canvas;
 mod confusion;
-mod drawing;
-mod labels;
-mod lettering;
-mod metrics;
-mod multiples;
-mod paint;
-mod pareto;
-mod place;
+pub(crate) mod counts;
+mod lines;
 mod queries;
-mod reliability;
-mod scale;
-mod speed;
+pub(crate) mod scatter;
 mod taken;
-mod time;
-mod trend;
 
-pub(crate) use drawing::Drawing;
-pub(crate) use multiples::draw as chart;
-pub(crate) use pareto::draw as tradeoff;
-pub(crate) use reliability::draw as reliability;
-pub(crate) use trend::draw as trend;
-
-use std::path::{Path, PathBuf};
-
-use l4d_data::Name;
 use l4d_data::results::Track;
-use l4d_data::store::write_atomic;
 
-use crate::detail::{Detail, Details};
+use self::canvas::Plot;
+use crate::board::{Board, Method};
 use crate::error::BoardError;
-use crate::rank::Board;
-use crate::row::BoardRow;
-use crate::statistics::Statistics;
-use crate::taken::{Choices, choices, confusions};
 
-/// A figure and what to call it.
-pub(crate) struct Figure {
+/// Ranked methods that have figures of their own; those that come first.
+const MOST_ALONE: usize = 12;
+/// More methods than this make a figure that cannot be read; the tables have them all.
+const MOST_METHODS: usize = 24;
+
+/// The files of a figure: names and bytes.
+type Files = [(String, Vec<u8>); 2];
+
+/// A figure that has not been drawn yet.
+pub(crate) struct Figure<'a> {
     /// File stem.
     pub(crate) name: String,
     /// What it shows, one sentence without markup.
     pub(crate) caption: String,
-    /// Whether the page of the board shows it; the others stand beside it in the folder.
+    /// Whether `leaderboard.md` shows it; the others are beside it in the folder.
     pub(crate) is_on_page: bool,
-    /// The picture.
-    pub(crate) drawing: Drawing,
+    /// Draws it.
+    pub(crate) draw: Box<dyn Fn() -> Result<Files, BoardError> + Send + Sync + 'a>,
 }
 
-impl Figure {
-    fn of_board(name: &str, caption: &str, drawing: Drawing) -> Self {
-        Self { name: name.to_owned(), caption: caption.to_owned(), is_on_page: true, drawing }
+impl<'a> Figure<'a> {
+    fn new(
+        (name, title, caption): (&str, &str, &str),
+        notes: Vec<String>,
+        plot: impl Plot + Send + Sync + 'a,
+    ) -> Self {
+        let (name, title) = (name.to_owned(), title.to_owned());
+        let draw = {
+            let name = name.clone();
+            Box::new(move || canvas::files(&name, &title, &notes, &plot))
+        };
+        Self { name, caption: caption.to_owned(), is_on_page: true, draw }
     }
-
-    /// The files of the figure: their names and what they hold.
-    pub(crate) fn files(&self) -> Result<[(String, Vec<u8>); 2], BoardError> {
-        files(&self.name, &self.drawing)
-    }
-}
-
-/// Writes a figure as `<name>.svg` and `<name>.png` into `folder`; gives the paths.
-pub(crate) fn write(name: &str, drawing: &Drawing, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
-    let mut paths = Vec::new();
-    for (file, bytes) in files(name, drawing)? {
-        let path = folder.join(file);
-        write_atomic(&path, &bytes)?;
-        paths.push(path);
-    }
-    Ok(paths)
-}
-
-fn files(name: &str, drawing: &Drawing) -> Result<[(String, Vec<u8>); 2], BoardError> {
-    Ok([
-        (format!("{name}.svg"), paint::svg(name, drawing)?.into_bytes()),
-        (format!("{name}.png"), paint::png(name, drawing)?),
-    ])
 }
 
 /// All figures of a board, in the order of the page.
-pub(crate) fn all(board: &Board, statistics: &Statistics) -> Vec<Figure> {
-    let metrics = "What mIoU cannot tell apart: tube IoU and select against mIoU";
-    let speed = "Speed against error: seconds a query, as reported, against mIoU";
-    vec![
-        Figure::of_board("per_category", "mIoU per category", bars::per_category(board, statistics)),
-        Figure::of_board("per_scale", "mIoU per scale", bars::per_scale(board, statistics)),
-        Figure::of_board("metrics", metrics, metrics::draw(board)),
-        Figure::of_board("speed", speed, speed::draw(board)),
-        Figure::of_board("over_time", "Mean IoU over the clip", time::draw(board)),
-    ]
-}
-
-/// Figures of what methods did query by query.
-pub(crate) fn detailed(board: &Board, details: &Details) -> Vec<Figure> {
-    let (rows, left_out) = shown(board);
-    let is_shown = |name: &Name| rows.iter().any(|(_, row)| row.name == *name);
-    let all: Vec<Choices> = choices(board, details);
-    let shown: Vec<&Choices> = all.iter().filter(|choices| is_shown(choices.method)).collect();
-    let taken = taken::draw(board, &shown, left_out);
-    let mut figures = vec![Figure::of_board("taken", "What was taken for the thing that was meant", taken)];
+pub(crate) fn all(board: &Board) -> Vec<Figure<'_>> {
+    let line = board.heading.line();
+    let left_out = board.methods.len() - shown(board).len();
+    let notes = |about: &[&str]| {
+        let mut notes = vec![line.clone()];
+        notes.extend(about.iter().filter(|note| !note.is_empty()).map(|note| (*note).to_owned()));
+        if left_out > 0 {
+            notes.push(format!("{left_out} more methods are in the tables."));
+        }
+        notes
+    };
+    let (speed, untimed) = scatter::speed(board);
+    let untimed =
+        if untimed.is_empty() { String::new() } else { format!("No time reported: {}.", untimed.join(", ")) };
+    let metrics = "Tube IoU is lower where masks are marked at times without a target, select where the wrong instance is \
+                   outlined well.";
+    let speed_notes = [
+        "Wall seconds per query as methods report them, each of its own machine: compare orders of magnitude.",
+        "Grey steps: ranked methods that no ranked method of their track beats in both. Upright lines: 95 % intervals.",
+        &untimed,
+    ];
+    let over_time =
+        ["Mean over the queries with a true or a predicted pixel in the frame; a false alarm counts 0."];
+    let taken = ["Share of queries by the instance that the prediction overlaps most over the clip, %."];
+    let mut figures = vec![
+        Figure::new(
+            ("per_category", "mIoU per category, %", "mIoU per category"),
+            notes(&[]),
+            bars::per_category(board),
+        ),
+        Figure::new(("per_scale", "mIoU per scale, %", "mIoU per scale"), notes(&[]), bars::per_scale(board)),
+        Figure::new(
+            ("metrics", "What mIoU cannot tell apart, %", "What mIoU cannot tell apart: tube IoU and select"),
+            notes(&[metrics]),
+            bars::metrics(board),
+        ),
+        Figure::new(
+            (
+                "speed",
+                "Speed against error",
+                "Speed against error: seconds per query, as reported, against mIoU",
+            ),
+            notes(&speed_notes),
+            speed,
+        ),
+        Figure::new(
+            ("over_time", "Mean IoU over the clip", "Mean IoU over the clip"),
+            notes(&over_time),
+            lines::over_time(board),
+        ),
+        Figure::new(
+            (
+                "taken",
+                "What was taken for the thing that was meant",
+                "What was taken for the thing that was meant",
+            ),
+            notes(&taken),
+            taken::shares(board),
+        ),
+    ];
     // Ranked methods come first; a board without any shows its first.
-    let drawn = board.ranked.len().clamp(1, MOST_ALONE);
-    for (index, (detail, choices)) in details.methods.iter().zip(&all).take(drawn).enumerate() {
-        figures.extend(alone(board, details, detail, choices, index == 0));
+    let alone = board.ranked().len().clamp(1, MOST_ALONE);
+    for (place, method) in board.methods.iter().take(alone).enumerate() {
+        figures.extend(
+            of_method(board, method, &line)
+                .into_iter()
+                .map(|figure| Figure { is_on_page: place == 0, ..figure }),
+        );
     }
     figures
 }
 
 /// Figures of a single method, named after it: a [`l4d_data::Name`] has no letter that a file could not have.
-fn alone(
-    board: &Board,
-    details: &Details,
-    detail: &Detail,
-    choices: &Choices,
-    is_on_page: bool,
-) -> [Figure; 2] {
-    let method = choices.method;
+fn of_method<'a>(board: &'a Board, method: &'a Method, line: &str) -> [Figure<'a>; 2] {
+    let name = &method.name;
+    let (matrices, left_out) = confusion::matrices(&method.confusions);
+    let mut notes = vec![
+        line.to_owned(),
+        "One row per thing that is meant, one column per thing that was taken: the number of its row, L a landmark, – \
+         nothing. Cells count queries. Frames hold things of one category."
+            .to_owned(),
+    ];
+    if left_out > 0 {
+        notes.push(format!("{left_out} more scenes are in taken.csv."));
+    }
+    let (over_time, taken) = (
+        format!("IoU over time, query by query: {name}"),
+        format!("Which thing was taken for which: {name}"),
+    );
+    let about = "One row per query, best first; frames of the clip from left to right.";
     [
-        Figure {
-            name: format!("queries_{method}"),
-            caption: format!("IoU over time, query by query: {method}"),
-            is_on_page,
-            drawing: queries::draw(board, method, details, detail),
-        },
-        Figure {
-            name: format!("confusion_{method}"),
-            caption: format!("Which thing was taken for which: {method}"),
-            is_on_page,
-            drawing: confusion::draw(board, method, &confusions(choices, details)),
-        },
+        Figure::new(
+            (&format!("queries_{name}"), &over_time, &over_time),
+            vec![line.to_owned(), about.to_owned()],
+            queries::heat(board, method),
+        ),
+        Figure::new((&format!("confusion_{name}"), &taken, &taken), notes, matrices),
     ]
 }
 
-/// The name of a method with its track, unless that is the headline: no two of different tracks compete.
-fn named(row: &BoardRow) -> String {
-    name_in(&row.name, row.track)
-}
-
-fn name_in(name: &Name, track: Track) -> String {
-    match track {
-        Track::Colour => name.to_string(),
-        Track::ColourDepth => format!("{name} + depth"),
+/// The name of a method with its track, unless that is the headline: methods of two tracks do not compete.
+fn named(method: &Method) -> String {
+    match method.track {
+        Track::Colour => method.name.to_string(),
+        Track::ColourDepth => format!("{} + depth", method.name),
     }
 }
 
-/// The track in which a row is ranked; none for rows without a rank.
-fn group_of((rank, row): &(Option<usize>, &BoardRow)) -> Option<Track> {
-    rank.map(|_| row.track)
-}
-
-/// Ranked methods that have figures of their own; those that come first.
-const MOST_ALONE: usize = 12;
-/// More methods than this make a figure that nobody reads; the tables have them all.
-const MOST_METHODS: usize = 24;
-
-/// The methods that a figure shows, and how many it leaves out. The unranked bracket the scale, so they stay.
-fn shown(board: &Board) -> (Vec<(Option<usize>, &BoardRow)>, usize) {
-    let total = board.ranked.len() + board.unranked.len();
-    let unranked = board.unranked.len().min(MOST_METHODS / 2);
-    let ranked = board.ranked.len().min(MOST_METHODS - unranked);
-    let is_shown = |index: &usize| {
-        *index < ranked || (board.ranked.len()..board.ranked.len() + unranked).contains(index)
-    };
-    let rows: Vec<_> =
-        board.rows().enumerate().filter(|(index, _)| is_shown(index)).map(|(_, row)| row).collect();
-    let left_out = total - rows.len();
-    (rows, left_out)
+/// The methods that a figure shows. The unranked bracket the scale, so they stay.
+fn shown(board: &Board) -> Vec<&Method> {
+    let unranked = board.unranked().len().min(MOST_METHODS / 2);
+    let ranked = board.ranked().len().min(MOST_METHODS - unranked);
+    board.ranked()[..ranked].iter().chain(&board.unranked()[..unranked]).collect()
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use image::GenericImageView as _;
+    use rayon::prelude::*;
+
+    use super::*;
+    use crate::sample;
+
+    fn boards() -> Vec<(&'static str, Board)> {
+        let mut bare = sample::method("bare", 289, 0.0);
+        bare.iou_of_frames.clear();
+        bare.scores.categories.clear();
+        vec![
+            ("one", sample::board(1)),
+            ("fourteen", sample::answered(sample::board(14))),
+            ("thirty", sample::board(30)),
+            ("long", sample::answered(sample::long_names())),
+            ("bare", sample::board_of(289, vec![bare])),
+            ("tracks", sample::tracks()),
+        ]
+    }
+
+    fn svg(figure: &Figure) -> String {
+        let [(_, svg), _] = (figure.draw)().unwrap();
+        String::from_utf8(svg).unwrap()
+    }
+
+    #[test]
+    fn every_figure_of_every_board_says_what_it_is_of() {
+        boards().par_iter().for_each(|(name, board)| {
+            for figure in all(board) {
+                let [(_, svg), (_, png)] = (figure.draw)().unwrap();
+                let svg = String::from_utf8(svg).unwrap();
+                for said in ["profile small", "protocol l4d", "<title>", "<desc>"] {
+                    assert!(svg.contains(said), "{name}/{}: {said}", figure.name);
+                }
+                let size = image::load_from_memory(&png).unwrap().dimensions();
+                assert_eq!(size.0, 2 * canvas::WIDTH, "{name}/{}", figure.name);
+                let (width, height) = size;
+                let viewbox = format!(
+                    "width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"",
+                    width / 2,
+                    height / 2
+                );
+                assert!(svg.contains(&viewbox), "{name}/{}: {viewbox}", figure.name);
+            }
+        });
+    }
+
+    #[test]
+    fn the_same_board_gives_the_same_bytes() {
+        let board = sample::tracks();
+        for (first, second) in all(&board).into_iter().zip(all(&board)) {
+            assert!((first.draw)().unwrap() == (second.draw)().unwrap(), "{}", first.name);
+        }
+    }
+
+    #[test]
+    fn methods_are_named_with_their_track_and_the_untimed_are_told() {
+        let mut board = sample::tracks();
+        board.methods[0].seconds = None;
+        for figure in all(&board)
+            .iter()
+            .filter(|figure| ["metrics", "speed", "over_time"].contains(&figure.name.as_str()))
+        {
+            let svg = svg(figure);
+            assert!(svg.contains("deep + depth") && !svg.contains("bright + depth"), "{}", figure.name);
+            assert_eq!(svg.contains("No time reported: bright"), figure.name == "speed");
+        }
+        for method in &mut board.methods {
+            method.seconds = None;
+        }
+        let figures = all(&board);
+        let speed = figures.iter().find(|figure| figure.name == "speed").unwrap();
+        assert!(svg(speed).contains("No method says how long it took."));
+    }
+
+    #[test]
+    fn hostile_titles_stay_text() {
+        let mut board = sample::board_of(1, vec![sample::method("a", 1, 10.0)]);
+        board.heading.benchmark = "<script>\u{0}&\"</script> ".repeat(20);
+        for figure in all(&board) {
+            let svg = svg(&figure);
+            assert!(!svg.contains("<script") && !svg.contains('\0'), "{}", figure.name);
+        }
+    }
+
+    #[test]
+    #[ignore = "writes every figure of every board into L4D_BOARD_GALLERY, to be looked at"]
+    fn gallery() {
+        let folder = std::path::PathBuf::from(std::env::var_os("L4D_BOARD_GALLERY").unwrap());
+        for (name, board) in boards() {
+            crate::publish(&board, &folder.join(name)).unwrap();
+        }
+    }
+}

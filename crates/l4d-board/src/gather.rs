@@ -1,85 +1,118 @@
-//! From a folder of scores to a board. Every number of this board follows from `counts.csv`; the summary beside it
-//! says what was scored, and must agree.
+//! From a folder of scores to a [`Board`]. Every file is read once: `summary.json` of all methods says what was scored and
+//! gives the order, then `counts.csv` of each method of the board gives its numbers, with which the summary must agree.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use l4d_data::published::{Metric as PublishedMetric, Published};
+use l4d_data::results::Track;
 use l4d_data::store::list_folder;
-use l4d_data::{DataError, Query, Report, Status};
-use l4d_score::Exam;
+use l4d_data::{DataError, Name, Report, Role, Status};
+use l4d_score::compare::Pair;
 use l4d_score::counts::{self, FrameCount, State};
 use l4d_score::exam::SceneExam;
-use l4d_score::score::{counts_path, summary_path, tallies_of_counts};
-use l4d_score::{Breakdown, Estimate, Missing, Options, QuerySet, Summary};
+use l4d_score::metrics::{QueryTally, taken};
+use l4d_score::score::{counts_path, rows_by_query, summary_path, tallies_of_counts};
+use l4d_score::{
+    Breakdown, Estimate, Exam, GroupKind, Metric, Metrics, Options, QuerySet, Summary, all_pairs, groups,
+};
 use rayon::prelude::*;
 
+use crate::aggregate::{self, Taken};
+use crate::board::{
+    Answer, Board, BoardQuery, BoardScene, COMPARED, Choice, Comparisons, Heading, MOST_COMPARED,
+    MOST_DETAILED, Method, PublishedRow, PublishedTable, SCHEMA, ScoredOn, Thing,
+};
 use crate::codes;
 use crate::error::BoardError;
-use crate::rank::Board;
-use crate::row::{BoardRow, Heading, Metric};
-use crate::statistics::Statistics;
+use crate::protocols::gather_protocols;
+use crate::ranking::arrange;
 
-/// A board and what was odd among the scores.
-#[derive(Debug)]
-pub struct Gathered {
-    /// The board.
-    pub board: Board,
-    /// What its means can tell.
-    pub statistics: Statistics,
-    /// Warnings.
-    pub report: Report,
-}
+/// Tables of `benchmark/published`, in the order of the page.
+const PUBLISHED: [&str; 7] = ["panoptic_l4d", "neu3d", "composites", "scales", "mvsc", "views", "vlm"];
 
-/// Reads `scores/<method>/` of every method and sorts them into a board of `exam`. `seed` is that of the draws behind
-/// intervals.
-pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<Gathered, BoardError> {
+/// Reads `scores/<method>/` of every method and makes the board of `exam`, with what was odd among the scores. `seed` is
+/// that of the draws behind intervals.
+///
+/// # Errors
+/// No scores, none of this exam, and files that are damaged or contradict each other.
+pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), BoardError> {
     let mut report = Report::default();
     let summaries = read_summaries(scores, &mut report)?;
-    let heading = heading(exam, &summaries);
-    let of_method = |summary: Summary| match is_of_exam(&summary, exam) {
-        true => counted_row(scores, summary, exam, seed),
-        false => Ok(row(summary, None, BTreeMap::new())),
-    };
-    let rows = summaries.into_par_iter().map(of_method).collect::<Result<Vec<BoardRow>, DataError>>()?;
-    let board = Board::new(heading, rows)?;
-    let statistics = Statistics::of(&board, scores, exam, seed)?;
-    for row in board.others.iter().flat_map(|other| &other.rows) {
-        let message = format!(
-            "was scored on benchmark {} · protocol {} · profile {}",
-            row.benchmark_version, row.protocol, row.profile
-        );
+    let (heading, options) = heading(exam, &summaries);
+    let all_options: BTreeMap<Name, Options> =
+        summaries.iter().map(|summary| (summary.name.clone(), summary.options)).collect();
+    let methods = summaries.into_iter().map(method).collect();
+    let (mut methods, others) = arrange(&heading, methods)?;
+    for method in others.iter().flat_map(|other| &other.methods) {
+        let ScoredOn { profile, protocol, benchmark_version, .. } = &method.on;
+        let message =
+            format!("was scored on benchmark {benchmark_version} · protocol {protocol} · profile {profile}");
         let hint = "it stands apart and is not ranked here; score it again, or choose its --profile";
-        report.warning(codes::OTHER_BOARD, &summary_path(scores, &row.name), "", message, hint);
+        report.warning(codes::OTHER_BOARD, &summary_path(scores, &method.name), "", message, hint);
     }
-    Ok(Gathered { board, statistics, report })
+    let scenes: Vec<BoardScene> = exam.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
+    let count = |(place, method): (usize, &mut Method)| {
+        let source = Source { scores, exam, scenes: &scenes, seed, options: all_options[&method.name] };
+        source.count(method, place)
+    };
+    let tallies: Vec<Vec<QueryTally>> =
+        methods.par_iter_mut().enumerate().map(count).collect::<Result<_, BoardError>>()?;
+    let comparisons = COMPARED.map(|metric| compare(metric, &methods, &tallies, &heading, seed)).into();
+    let protocols = gather_protocols(scores, &methods, &scenes, exam, &mut report)?;
+    let published = published(exam)?;
+    let schema = SCHEMA.to_owned();
+    Ok((Board { schema, heading, methods, comparisons, others, scenes, protocols, published }, report))
 }
 
 fn read_summaries(scores: &Path, report: &mut Report) -> Result<Vec<Summary>, DataError> {
     let mut summaries = Vec::new();
     for entry in list_folder(scores)? {
-        if !scores.join(&entry).is_dir() {
+        let folder = scores.join(&entry);
+        if !folder.is_dir() {
             continue;
         }
         let path = summary_path(scores, &entry);
         if !path.exists() {
             let message = "holds no summary.json, so it is left out";
-            report.warning(
-                codes::NOT_SCORED,
-                &scores.join(&entry),
-                "",
-                message,
-                "run `l4d score`, or remove the folder",
-            );
+            let hint = "run `l4d score`, or remove the folder";
+            report.warning(codes::NOT_SCORED, &folder, "", message, hint);
             continue;
         }
         let summary = Summary::read(&path)?;
+        let again = "run `l4d score` again";
         if summary.name.as_str() != entry {
             let message = format!("is `{}`, but the folder is `{entry}`", summary.name);
-            return Err(DataError::invalid(&path, "field `name`", message, "run `l4d score` again"));
+            return Err(DataError::invalid(&path, "field `name`", message, again));
+        }
+        if let Some((field, value)) = impossible(&summary) {
+            let message = format!("is {value}, which no score can be");
+            return Err(DataError::invalid(&path, format!("field `{field}`"), message, again));
         }
         summaries.push(summary);
     }
     Ok(summaries)
+}
+
+/// A percentage that is none, or a time that is none.
+fn impossible(summary: &Summary) -> Option<(String, f64)> {
+    let Breakdown { headline, categories, scales, scenes, averages } = &summary.scores;
+    let named = |name: String, metrics: &Metrics| (name, *metrics);
+    let tables = std::iter::once(named(String::new(), headline))
+        .chain(
+            categories.iter().map(|(key, metrics)| named(format!("categories.{}.", key.as_str()), metrics)),
+        )
+        .chain(scales.iter().map(|(key, metrics)| named(format!("scales.{}.", key.as_str()), metrics)))
+        .chain(scenes.iter().map(|(key, metrics)| named(format!("scenes.{key}."), metrics)))
+        .chain(averages.iter().map(|(key, metrics)| named(format!("averages.{key:?}."), metrics)));
+    let numbers = tables.flat_map(|(name, metrics)| {
+        Metric::ALL.map(|metric| (format!("{name}{}", metric.key()), metrics.get(metric)))
+    });
+    // A mean of ones times a hundred may miss 100 by a rounding step.
+    let is_percentage = |value: f64| (0.0..=100.0 + 1e-6).contains(&value);
+    let mut numbers = numbers.filter_map(|(field, value)| Some((field, value?)));
+    let seconds = summary.seconds.filter(|seconds| !(seconds.is_finite() && *seconds >= 0.0));
+    numbers.find(|(_, value)| !is_percentage(*value)).or(seconds.map(|value| ("seconds".to_owned(), value)))
 }
 
 fn is_of_exam(summary: &Summary, exam: &Exam) -> bool {
@@ -89,37 +122,35 @@ fn is_of_exam(summary: &Summary, exam: &Exam) -> bool {
         && summary.truth_digest == exam.truth_digest
 }
 
-/// The board is of the protocol that most methods were scored with, among equals the plainest.
-fn heading(exam: &Exam, summaries: &[Summary]) -> Heading {
+/// The board is of the protocol and options that most methods were scored with, among equals the plainest.
+fn heading(exam: &Exam, summaries: &[Summary]) -> (Heading, Options) {
     let mut votes: BTreeMap<String, (usize, Options)> = BTreeMap::new();
     for summary in summaries.iter().filter(|summary| is_of_exam(summary, exam)) {
         votes.entry(protocol(summary)).or_insert((0, summary.options)).0 += 1;
     }
-    let mut chosen: Option<(String, usize, Options)> = None;
-    for (label, (count, options)) in votes {
-        if chosen.as_ref().is_none_or(|(_, most, _)| count > *most) {
-            chosen = Some((label, count, options));
-        }
-    }
-    let (protocol, _, options) =
-        chosen.unwrap_or_else(|| (l4d_score::results::PROTOCOL.to_owned(), 0, Options::default()));
+    let most = votes.values().map(|(count, _)| *count).max();
+    let chosen = votes.into_iter().find(|(_, (count, _))| Some(*count) == most);
+    let (protocol, (_, options)) =
+        chosen.unwrap_or_else(|| (l4d_score::results::PROTOCOL.to_owned(), (0, Options::default())));
     let asked = || exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query));
-    let is_verified = |query: &&Query| query.status == Status::Verified;
     let has_any = |scene: &&SceneExam| scene.queries.iter().any(|query| options.takes(query));
-    Heading {
+    let heading = Heading {
         benchmark: exam.bench.manifest.name.clone(),
-        version: exam.bench.manifest.version.clone(),
-        truth_digest: exam.truth_digest.clone(),
-        protocol,
-        profile: exam.profile,
+        on: ScoredOn {
+            profile: exam.profile,
+            protocol,
+            benchmark_version: exam.bench.manifest.version.clone(),
+            truth_digest: exam.truth_digest.clone(),
+        },
         queries: asked().count(),
         scenes: exam.scenes.iter().filter(has_any).count(),
-        verified: asked().filter(is_verified).count(),
+        verified: asked().filter(|query| query.status == Status::Verified).count(),
         rejected: exam.rejected(),
-    }
+    };
+    (heading, options)
 }
 
-/// The protocol with the choices that make its numbers incomparable with others.
+/// The protocol with the options that make its numbers incomparable with others.
 fn protocol(summary: &Summary) -> String {
     let mut label = summary.protocol.clone();
     if summary.options.hit_iou != 0.0 {
@@ -134,71 +165,226 @@ fn protocol(summary: &Summary) -> String {
     label
 }
 
-fn counted_row(scores: &Path, mut summary: Summary, exam: &Exam, seed: u64) -> Result<BoardRow, DataError> {
-    let path = counts_path(scores, &summary.name);
-    let counts = counts::read(&path)?;
-    let tallies = tallies_of_counts(&counts, exam, &summary.options);
-    let derived = Breakdown::of(&tallies);
-    // A method that was scored on other scenes cannot be derived from the queries of these.
-    if summary.asked_queries == tallies.len() {
-        if !agree(&derived, &summary.scores) {
-            let message = "the numbers of summary.json do not follow from these rows";
-            return Err(DataError::invalid(&path, "rows", message, "run `l4d score` again"));
-        }
-        summary.scores = derived;
+/// What a summary says of a method.
+fn method(summary: Summary) -> Method {
+    Method {
+        on: ScoredOn {
+            profile: summary.profile,
+            protocol: protocol(&summary),
+            benchmark_version: summary.benchmark_version.clone(),
+            truth_digest: summary.truth_digest.clone(),
+        },
+        track: summary.used.track(),
+        rank: None,
+        unranked_because: summary.unranked_because().into_iter().map(str::to_owned).collect(),
+        name: summary.name,
+        version: summary.version,
+        link: summary.link,
+        partial: summary.partial,
+        seconds: summary.seconds,
+        asked: summary.asked_queries,
+        resize: summary.options.resize,
+        scores: summary.scores,
+        reported: summary.reported,
+        miou: None,
+        groups: Vec::new(),
+        iou_of_frames: BTreeMap::new(),
+        answers: Vec::new(),
+        choices: BTreeMap::new(),
+        confusions: Vec::new(),
     }
-    let miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, seed);
-    let frames = mean_iou_of_frames(&counts, &summary.options);
-    Ok(row(summary, miou, frames))
+}
+
+pub(crate) fn board_scene(scene: &SceneExam, options: &Options) -> BoardScene {
+    let things = scene.truth.instances.iter().map(|instance| Thing {
+        category: instance.category.clone(),
+        name: instance.name.clone(),
+        role: instance.role,
+    });
+    let (width, height) = scene.size;
+    BoardScene {
+        name: scene.name.clone(),
+        scale: scene.scale,
+        width,
+        height,
+        clip: scene.clip.clone(),
+        unannotated: scene.unannotated.clone(),
+        queries: scene.queries.iter().filter(|query| options.takes(query)).map(BoardQuery::from).collect(),
+        things: things.collect(),
+    }
+}
+
+/// Where the numbers of a method come from.
+pub(crate) struct Source<'a> {
+    pub(crate) scores: &'a Path,
+    pub(crate) exam: &'a Exam,
+    pub(crate) scenes: &'a [BoardScene],
+    pub(crate) seed: u64,
+    pub(crate) options: Options,
+}
+
+impl Source<'_> {
+    /// Fills in what `counts.csv` says of the method at a place of the board; gives its tallies if it is compared.
+    fn count(&self, method: &mut Method, place: usize) -> Result<Vec<QueryTally>, BoardError> {
+        let path = counts_path(self.scores, &method.name);
+        let counts = counts::read(&path)?;
+        let contradicts =
+            |message: String| DataError::invalid(&path, "rows", message, "run `l4d score` again");
+        let tallies = tallies_of_counts(&counts, self.exam, &self.options);
+        // A method that was scored on other scenes cannot be derived from the queries of these.
+        if method.asked == tallies.len() {
+            let derived = Breakdown::of(&tallies);
+            if !agree(&derived, &method.scores) {
+                let message = "the numbers of summary.json do not follow from these rows";
+                return Err(contradicts(message.to_owned()).into());
+            }
+            method.scores = derived;
+        }
+        method.miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, self.seed);
+        let of_polars = |error| BoardError::render("board.json", error);
+        method.iou_of_frames = aggregate::iou_of_frames(&counts, &self.options).map_err(of_polars)?;
+        if place < MOST_DETAILED {
+            method.groups = groups(&tallies, self.exam, |kind| has_group(kind, place), self.seed);
+            self.detail(method, &counts, &tallies).map_err(|error| match error {
+                Detail::Rows(message) => contradicts(message).into(),
+                Detail::Polars(error) => of_polars(error),
+            })?;
+        }
+        Ok(if place < MOST_COMPARED { tallies } else { Vec::new() })
+    }
+
+    /// What the method did query by query.
+    pub(crate) fn detail(
+        &self,
+        method: &mut Method,
+        counts: &[FrameCount],
+        tallies: &[QueryTally],
+    ) -> Result<(), Detail> {
+        let rows = rows_by_query(counts);
+        let asked =
+            || self.scenes.iter().flat_map(|scene| scene.queries.iter().map(move |query| (scene, query)));
+        let mut answers = Vec::new();
+        for ((scene, query), tally) in asked().zip(tallies) {
+            let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice);
+            if !rows.is_empty() && rows.iter().map(|row| row.frame).ne(scene.clip.iter().copied()) {
+                return Err(Detail::Rows(format!(
+                    "query {} has not one row per frame of its clip",
+                    query.id
+                )));
+            }
+            answers.push(answer(scene, query, tally, rows));
+        }
+        method.answers = answers;
+        let choices = asked().zip(&method.answers).filter_map(|((scene, query), answer)| {
+            Some(Taken { scene, query, answer, choice: answer.choice? })
+        });
+        let (choices, confusions) =
+            aggregate::choices_and_confusions(&choices.collect::<Vec<_>>()).map_err(Detail::Polars)?;
+        (method.choices, method.confusions) = (choices, confusions);
+        Ok(())
+    }
+}
+
+/// Why there is no detail.
+#[derive(Debug)]
+pub(crate) enum Detail {
+    /// `counts.csv` contradicts the benchmark.
+    Rows(String),
+    /// polars refused.
+    Polars(polars::prelude::PolarsError),
+}
+
+/// Single queries are groups of which [`Method::answers`] say everything.
+fn has_group(kind: GroupKind, place: usize) -> bool {
+    match kind {
+        GroupKind::Query => false,
+        GroupKind::All | GroupKind::Category | GroupKind::Scale | GroupKind::ScaleCategory => true,
+        _ => place < MOST_COMPARED,
+    }
+}
+
+fn answer(scene: &BoardScene, query: &BoardQuery, tally: &QueryTally, rows: &[&FrameCount]) -> Answer {
+    let ratios = tally.ratios();
+    let taken = taken(&query.referents, rows.iter().copied()).cloned();
+    let column = |value: fn(&FrameCount) -> u64| rows.iter().map(|row| value(row)).collect();
+    let missing = rows.iter().enumerate().filter(|(_, row)| row.state == State::Missing);
+    Answer {
+        choice: ratios.select.map(|selected| choice(scene, query, taken.as_ref(), selected > 0.5)),
+        ratios,
+        taken,
+        intersection: column(|row| row.intersection),
+        union: column(|row| row.union),
+        predicted: column(|row| row.predicted),
+        missing: missing.map(|(position, _)| position).collect(),
+    }
+}
+
+fn choice(scene: &BoardScene, query: &BoardQuery, taken: Option<&Name>, is_selected: bool) -> Choice {
+    let Some(taken) = taken else { return Choice::Nothing };
+    if query.referents.contains(taken) {
+        return if is_selected { Choice::Meant } else { Choice::Tied };
+    }
+    let thing = |name: &Name| scene.things.iter().find(|thing| thing.name == *name);
+    let mut meant = query.referents.iter().filter_map(thing);
+    match thing(taken) {
+        Some(found) if found.role == Role::Landmark => Choice::Landmark,
+        Some(found) if meant.any(|referent| referent.category == found.category) => Choice::LookAlike,
+        _ => Choice::OtherObject,
+    }
 }
 
 fn agree(derived: &Breakdown, told: &Breakdown) -> bool {
-    let same = |metric: &Metric| match (metric.of(&derived.headline), metric.of(&told.headline)) {
+    let same = |metric: &Metric| match (derived.headline.get(*metric), told.headline.get(*metric)) {
         (Some(derived), Some(told)) => (derived - told).abs() < 1e-6,
         (derived, told) => derived == told,
     };
     derived.headline.queries == told.headline.queries && Metric::ALL.iter().all(same)
 }
 
-/// Frame -> mean IoU, percent, over the queries with a true or predicted pixel there; a false alarm counts 0.
-fn mean_iou_of_frames(counts: &[FrameCount], options: &Options) -> BTreeMap<u32, f64> {
-    let mut sums: BTreeMap<u32, (f64, u32)> = BTreeMap::new();
-    for count in counts {
-        let is_left_out = match count.state {
-            State::NotAnnotated => true,
-            State::Missing => options.missing == Missing::Skip,
-            State::Hit | State::Miss | State::FalseAlarm | State::TrueAbsent => false,
-        };
-        if is_left_out || count.union == 0 {
-            continue;
+/// All pairs of complete methods of each track.
+fn compare(
+    metric: Metric,
+    methods: &[Method],
+    tallies: &[Vec<QueryTally>],
+    heading: &Heading,
+    seed: u64,
+) -> Comparisons {
+    let of_track = |track: Track| -> Vec<Pair> {
+        let is_rival = |&index: &usize| methods[index].track == track && methods[index].is_complete(heading);
+        let rivals: Vec<usize> = (0..methods.len().min(MOST_COMPARED)).filter(is_rival).collect();
+        let compared: Vec<&[QueryTally]> = rivals.iter().map(|&index| tallies[index].as_slice()).collect();
+        let mut pairs = all_pairs(&compared, |ratios| ratios.get(metric), seed);
+        for pair in &mut pairs {
+            (pair.first, pair.second) = (rivals[pair.first], rivals[pair.second]);
         }
-        let (sum, queries) = sums.entry(count.frame).or_default();
-        *sum += count.intersection as f64 / count.union as f64;
-        *queries += 1;
-    }
-    sums.into_iter().map(|(frame, (sum, queries))| (frame, 100.0 * sum / f64::from(queries))).collect()
+        pairs
+    };
+    Comparisons { metric, pairs: Track::ALL.into_iter().flat_map(of_track).collect() }
 }
 
-fn row(summary: Summary, miou: Option<Estimate>, frames: BTreeMap<u32, f64>) -> BoardRow {
-    let protocol = protocol(&summary);
-    let unranked_because = summary.unranked_because();
-    let Summary { name, version, link, seconds, profile, reported, .. } = summary;
-    BoardRow {
-        name,
-        version,
-        link,
-        profile,
-        protocol,
-        benchmark_version: summary.benchmark_version,
-        truth_digest: summary.truth_digest,
-        track: summary.used.track(),
-        unranked_because,
-        partial: summary.partial,
-        seconds,
-        asked: summary.asked_queries,
-        scores: summary.scores,
-        miou,
-        reported,
-        frames,
+/// The tables of papers that the benchmark has.
+fn published(exam: &Exam) -> Result<Vec<PublishedTable>, DataError> {
+    let mut tables = Vec::new();
+    for name in PUBLISHED {
+        let path = exam.bench.dir.published(name);
+        if !path.exists() {
+            continue;
+        }
+        let table = Published::read(&path)?;
+        let columns = table.columns();
+        let row = |setting: &&str| PublishedRow {
+            setting: (*setting).to_owned(),
+            values: columns
+                .iter()
+                .map(|column| {
+                    [PublishedMetric::Macc, PublishedMetric::Miou]
+                        .map(|metric| table.value(setting, column, metric))
+                })
+                .collect(),
+        };
+        let rows = table.settings().iter().map(row).collect();
+        let columns = columns.iter().map(|column| (*column).to_owned()).collect();
+        tables.push(PublishedTable { name: name.to_owned(), columns, rows });
     }
+    Ok(tables)
 }

@@ -1,19 +1,15 @@
 //! Tables in the layout of the paper: mAcc and mIoU of each kind of queries, with intervals. What the paper reports of its
-//! own data stands below ours, apart: it is of other scenes and takes part in no comparison. So are the tracks apart.
+//! own data is below ours, apart: it is of other scenes and takes part in no comparison. So are the tracks apart.
 
 use std::collections::BTreeSet;
 
-use l4d_data::layout::BenchDir;
-use l4d_data::published::{self, Published};
 use l4d_data::results::Track;
-use l4d_data::{Category, DataError, Name, Scale};
-use l4d_score::groups::Kind;
-use l4d_score::{Estimate, Group};
+use l4d_data::{Category, Scale};
+use l4d_score::{Estimate, Group, GroupKind, Metric};
 
+use crate::board::{Board, Method, PublishedTable};
 use crate::markdown::{self, escape};
-use crate::rank::{Board, Podium};
-use crate::row::Metric;
-use crate::statistics::Statistics;
+use crate::ranking::Podium;
 
 /// Numbers of a cell, in the order of the paper.
 pub(crate) const METRICS: [Metric; 2] = [Metric::Macc, Metric::Miou];
@@ -65,127 +61,106 @@ impl From<Estimate> for Cell {
 }
 
 /// The tables that the groups of a board fill.
-pub(crate) fn all(
-    board: &Board,
-    statistics: &Statistics,
-    bench: &BenchDir,
-) -> Result<Vec<Layout>, DataError> {
-    let has_composites = statistics
-        .methods
-        .iter()
-        .any(|method| method.groups.iter().any(|group| group.kind == Kind::Composite));
-    let tables = match has_composites {
-        true => vec![composites(board, statistics)],
-        false => vec![categories(board, statistics), scales(board, statistics)],
+pub(crate) fn all(board: &Board) -> Vec<Layout> {
+    let composites = columns_of(board, GroupKind::Composite);
+    let categories = || Category::ALL.map(|category| category.as_str().to_owned()).to_vec();
+    if !composites.is_empty() {
+        let rows = |method: &Method, columns: &[String]| {
+            vec![line(method, "", columns, (GroupKind::All, GroupKind::Composite))]
+        };
+        return vec![layout(board, ("composites", "Methods by composite"), composites, rows)];
+    }
+    let by_category = |method: &Method, columns: &[String]| {
+        vec![line(method, "", columns, (GroupKind::All, GroupKind::Category))]
     };
-    let filled = tables.into_iter().map(|table| Ok(Layout { published: reported(&table, bench)?, ..table }));
-    filled.collect()
+    let by_scale = |method: &Method, columns: &[String]| {
+        let of_scale = |scale: Scale| {
+            line(method, scale.as_str(), columns, (GroupKind::Scale, GroupKind::ScaleCategory))
+        };
+        Scale::ALL.map(of_scale).to_vec()
+    };
+    vec![
+        layout(board, ("panoptic_l4d", "Methods by category"), categories(), by_category),
+        layout(board, ("scales", "Scales by category"), categories(), by_scale),
+    ]
 }
 
-fn categories(board: &Board, statistics: &Statistics) -> Layout {
-    let columns: Vec<String> = Category::ALL.iter().map(|category| category.as_str().to_owned()).collect();
-    let lines = per_method(board, statistics, |name, column| {
-        statistics.group(name, if column == ALL { Kind::All } else { Kind::Category }, column)
-    });
-    layout("panoptic_l4d", "Methods by category", columns, lines)
-}
-
-fn composites(board: &Board, statistics: &Statistics) -> Layout {
-    let mut columns: Vec<String> = Vec::new();
-    for group in statistics.methods.iter().flat_map(|method| &method.groups) {
-        if group.kind == Kind::Composite && !columns.contains(&group.name) {
-            columns.push(group.name.clone());
+/// The names of the groups of a kind, in the order in which they first occur.
+pub(crate) fn columns_of(board: &Board, kind: GroupKind) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for group in board.compared().iter().flat_map(|method| &method.groups).filter(|group| group.kind == kind)
+    {
+        if !names.contains(&group.name) {
+            names.push(group.name.clone());
         }
     }
-    let lines = per_method(board, statistics, |name, column| {
-        statistics.group(name, if column == ALL { Kind::All } else { Kind::Composite }, column)
-    });
-    layout("composites", "Methods by composite", columns, lines)
-}
-
-fn scales(board: &Board, statistics: &Statistics) -> Layout {
-    let columns: Vec<String> = Category::ALL.iter().map(|category| category.as_str().to_owned()).collect();
-    let lines = move |columns: &[String]| {
-        let of_scale = |scale: Scale| {
-            per_method(board, statistics, move |name, column| match column {
-                ALL => statistics.group(name, Kind::Scale, scale.as_str()),
-                _ => statistics.group(name, Kind::ScaleCategory, &format!("{} {column}", scale.as_str())),
-            })(columns)
-        };
-        let scales = Scale::ALL.map(|scale| (scale, of_scale(scale)));
-        let labelled = |index: usize| {
-            scales.iter().map(move |(scale, lines): &(Scale, Vec<Line>)| {
-                let line = lines[index].clone();
-                Line { label: format!("{}, {}", line.label, scale.as_str()), ..line }
-            })
-        };
-        (0..statistics.methods.len()).flat_map(labelled).collect()
-    };
-    layout("scales", "Scales by category", columns, lines)
+    names
 }
 
 fn layout(
-    name: &'static str,
-    title: &'static str,
+    board: &Board,
+    (name, title): (&'static str, &'static str),
     mut columns: Vec<String>,
-    lines: impl FnOnce(&[String]) -> Vec<Line>,
+    rows: impl Fn(&Method, &[String]) -> Vec<Line>,
 ) -> Layout {
     columns.push(ALL.to_owned());
-    Layout { name, title, rows: lines(&columns), columns, published: Vec::new() }
-}
-
-/// A row a method; `group` finds what stands in a column.
-fn per_method<'a>(
-    board: &'a Board,
-    statistics: &'a Statistics,
-    group: impl Fn(&Name, &str) -> Option<&'a Group>,
-) -> impl FnOnce(&[String]) -> Vec<Line> {
-    move |columns| {
-        let cells = |name: &Name| {
-            let cell = |column: &String| {
-                let estimates = group(name, column).map(|group| group.estimates).unwrap_or_default();
-                METRICS.map(|metric| metric.of_estimates(&estimates).map(Cell::from))
-            };
-            columns.iter().map(cell).collect()
-        };
-        let line = |((rank, row), method): ((Option<usize>, &crate::BoardRow), &crate::MethodGroups)| Line {
-            label: row.name.to_string(),
-            rank,
-            track: Some(row.track),
-            unranked_because: board.why_unranked(row),
-            cells: cells(&method.name),
-        };
-        board.rows().zip(&statistics.methods).map(line).collect()
+    let published = board.published.iter().find(|table| table.name == name);
+    Layout {
+        name,
+        title,
+        rows: board.compared().iter().flat_map(|method| rows(method, &columns)).collect(),
+        published: published.map(|table| reported(table, &columns)).unwrap_or_default(),
+        columns,
     }
 }
 
-/// The paper's rows, where the benchmark has its table.
-fn reported(table: &Layout, bench: &BenchDir) -> Result<Vec<Line>, DataError> {
-    let path = bench.published(table.name);
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let found = Published::read(&path)?;
-    let value = |setting: &str, column: &String, metric| {
-        let column = found.columns().into_iter().find(|other| same_column(other, column))?;
-        let value = found.value(setting, column, metric)?;
-        Some(Cell { value, interval: None, counts: None })
+/// A row of a method, or of a method and a scale. `kinds` are those of the groups in the last column and in the others.
+fn line(
+    method: &Method,
+    scale: &str,
+    columns: &[String],
+    (of_all, of_column): (GroupKind, GroupKind),
+) -> Line {
+    let group = |column: &str| -> Option<&Group> {
+        match (column == ALL, scale) {
+            (true, "") => method.group(of_all, ALL),
+            (true, scale) => method.group(of_all, scale),
+            (false, "") => method.group(of_column, column),
+            (false, scale) => method.group(of_column, &format!("{scale} {column}")),
+        }
     };
-    let line = |setting: &str| Line {
-        label: setting.to_owned(),
+    let cell = |column: &String| {
+        let estimates = group(column).map(|group| group.estimates).unwrap_or_default();
+        METRICS.map(|metric| estimates.get(metric).map(Cell::from))
+    };
+    let name = &method.name;
+    Line {
+        label: if scale.is_empty() { name.to_string() } else { format!("{name}, {scale}") },
+        rank: method.rank,
+        track: Some(method.track),
+        unranked_because: method.why_unranked(),
+        cells: columns.iter().map(cell).collect(),
+    }
+}
+
+/// The paper's rows.
+fn reported(table: &PublishedTable, columns: &[String]) -> Vec<Line> {
+    let places: Vec<Option<usize>> = columns
+        .iter()
+        .map(|column| table.columns.iter().position(|other| same_column(other, column)))
+        .collect();
+    let cell = |value: Option<f64>| value.map(|value| Cell { value, interval: None, counts: None });
+    let line = |row: &crate::board::PublishedRow| Line {
+        label: row.setting.clone(),
         rank: None,
         track: None,
         unranked_because: String::new(),
-        cells: table
-            .columns
+        cells: places
             .iter()
-            .map(|column| {
-                [published::Metric::Macc, published::Metric::Miou]
-                    .map(|metric| value(setting, column, metric))
-            })
+            .map(|place| place.map_or([None; 2], |place| row.values[place].map(cell)))
             .collect(),
     };
-    Ok(found.settings().into_iter().map(line).collect())
+    table.rows.iter().map(line).collect()
 }
 
 /// Whether two names of columns are of the same categories, in whatever order.
@@ -283,87 +258,35 @@ mod tests {
     use super::*;
     use crate::sample;
 
-    fn shipped() -> BenchDir {
-        BenchDir::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../benchmark"))
-    }
-
     #[test]
-    fn rows_follow_the_board_and_scales_come_three_a_method() {
-        let board = sample::hand_made();
-        let tables = all(&board, &sample::statistics(&board), &shipped()).unwrap();
-        let labels = |table: &Layout| table.rows.iter().map(|line| line.label.clone()).collect::<Vec<_>>();
-        assert_eq!(tables.iter().map(|table| table.name).collect::<Vec<_>>(), ["panoptic_l4d", "scales"]);
-        assert_eq!(labels(&tables[0]), ["alpha", "beta", "gamma", "oracle", "half"]);
-        assert_eq!(
-            labels(&tables[1])[..4],
-            ["alpha, outdoor", "alpha, room", "alpha, tabletop", "beta, outdoor"]
-        );
-        assert_eq!(tables[0].columns, ["attribute", "action", "spatial", "interaction", "all"]);
-        let gamma = &tables[0].rows[2];
-        assert_eq!(gamma.cells[2], [None, None], "it was asked nothing spatial");
-        assert_eq!(tables[0].published.len(), 3);
-        assert!(
-            tables[1].published.iter().all(|line| line.cells.len() == 5 && line.cells[4] == [None, None])
-        );
-    }
-
-    #[test]
-    fn composites_are_found_whatever_their_order() {
-        let board = sample::hand_made();
-        let mut statistics = sample::statistics(&board);
-        for method in &mut statistics.methods {
+    fn tables_are_the_hand_made_ones() {
+        let mut composites = sample::hand_made();
+        for method in &mut composites.methods {
             let mut group = method.groups[0].clone();
-            (group.kind, group.name) = (Kind::Composite, "action+spatial".to_owned());
+            (group.kind, group.name) = (GroupKind::Composite, "action+spatial".to_owned());
             method.groups.push(group);
         }
-        let tables = all(&board, &statistics, &shipped()).unwrap();
-        assert_eq!((tables.len(), tables[0].name), (1, "composites"));
-        assert_eq!(tables[0].columns, ["action+spatial", "all"]);
-        assert!(tables[0].published.iter().all(|line| line.cells[0].iter().all(Option::is_some)));
-    }
-
-    #[test]
-    fn tracks_are_apart_in_every_table() {
-        let board = sample::tracks();
-        for table in all(&board, &sample::statistics(&board), &shipped()).unwrap() {
-            let groups: Vec<_> = table.groups().map(|(track, _)| track).collect();
-            assert_eq!(groups, [Some(Track::Colour), Some(Track::ColourDepth), None], "{}", table.name);
-            let page = table.markdown(&board);
-            let (colour, depth) = page.split_once("## Track: colour + depth\n").unwrap();
-            let has_best = |text: &str, value: &str| text.contains(&format!("**{value}**"));
-            let is_ranking = table.name != "scales";
-            assert_eq!((has_best(colour, "40.00"), has_best(depth, "95.00")), (is_ranking, is_ranking));
+        let mut one_scene = sample::tracks();
+        one_scene.heading.scenes = 1;
+        for estimates in one_scene
+            .methods
+            .iter_mut()
+            .flat_map(|method| &mut method.groups)
+            .map(|group| &mut group.estimates)
+        {
+            for estimate in [&mut estimates.miou, &mut estimates.macc] {
+                *estimate = estimate.map(|found| Estimate { scenes: 1, interval: None, ..found });
+            }
         }
-    }
-
-    #[test]
-    fn one_method_or_one_scene_has_no_best() {
-        let board = sample::board(1);
-        let table = &all(&board, &sample::statistics(&board), &shipped()).unwrap()[0];
-        assert!(!table.markdown(&board).contains("**"));
-        let mut board = sample::tracks();
-        board.heading.scenes = 1;
-        let mut statistics = sample::statistics(&board);
-        let groups = statistics.methods.iter_mut().flat_map(|method| &mut method.groups);
-        for estimate in groups.flat_map(|group| [&mut group.estimates.miou, &mut group.estimates.macc]) {
-            let estimate = estimate.as_mut().unwrap();
-            (estimate.scenes, estimate.interval) = (1, None);
+        for (name, board) in [
+            ("hand_made", sample::hand_made()),
+            ("composites", composites),
+            ("tracks", sample::tracks()),
+            ("one_scene", one_scene),
+            ("one_method", sample::board(1)),
+        ] {
+            let pages: Vec<String> = all(&board).iter().map(|table| table.markdown(&board)).collect();
+            insta::assert_snapshot!(name, pages.join("\n"));
         }
-        let page = all(&board, &statistics, &shipped()).unwrap()[0].markdown(&board);
-        assert!(!page.contains("**") && !page.contains("In brackets"), "{page}");
-    }
-
-    #[test]
-    fn pages_mark_the_unranked_and_keep_the_paper_apart() {
-        let board = sample::hand_made();
-        let tables = all(&board, &sample::statistics(&board), &shipped()).unwrap();
-        let page = tables[0].markdown(&board);
-        let (ours, paper) = page.split_once(PUBLISHED_TITLE).unwrap();
-        assert!(ours.contains("| oracle † | 100.00 (95.5 to 100.0) |"), "{page}");
-        assert!(
-            ours.contains("| alpha | **62.50** (58.0 to 67.0) |") && !ours.contains("LangSplat"),
-            "{page}"
-        );
-        assert!(paper.contains("| PanopticQuery |") && !paper.contains("**"), "{page}");
     }
 }

@@ -1,14 +1,15 @@
-//! Tables and pictures of scores: who did how well, on what, and what the numbers can tell.
+//! Tables and pictures of scores: which method did how well, on what, and what the numbers can tell.
 //!
-//! Owns the ranking, the tables (CSV by polars, Markdown, terminal text), the figures (SVG and PNG by plotters) and
-//! the page (HTML). Refuses to define a metric: every number comes from `l4d-score`, and masks are only carried to
-//! where a person sees them.
+//! [`gather`] reads every score once and makes a [`Board`], the published document `board.json`. Tables (CSV, Markdown,
+//! LaTeX, terminal text), figures (SVG and PNG) and the page (HTML) are pure functions of it. No metric is defined here:
+//! every number comes from `l4d-score`.
 //!
-//! polars stays inside `table`, plotters inside `figures`; no type of either is public.
+//! polars stays inside `aggregate` and `tables`, plotters inside `figures`; no type of either is public.
 
+mod aggregate;
+pub mod board;
 mod charts;
 pub mod codes;
-mod detail;
 mod error;
 mod figures;
 mod gather;
@@ -18,31 +19,21 @@ mod markdown;
 mod page;
 mod protocols;
 mod publish;
-mod rank;
-mod reliability;
-mod reported;
-mod row;
-mod statistics;
-mod table;
-mod taken;
+mod ranking;
+mod tables;
 mod terminal;
-mod tradeoff;
-mod trend;
 
 #[cfg(test)]
 mod sample;
 
-pub use charts::{Chart, Layout, Panel, publish_charts};
-pub use detail::{Details, MOST_DETAILED, MethodChoice};
+pub use board::Board;
+pub use charts::{
+    Chart, Layout, Panel, TradePoint, Tradeoff, Trend, TrendPanel, TrendPoint, publish_charts,
+    publish_tradeoff, publish_trend,
+};
 pub use error::BoardError;
-pub use gather::{Gathered, gather};
-pub use page::{Backdrop, Exhibit, LONGEST_SIDE_PX, publish_page};
-pub use protocols::{ProtocolRow, ProtocolTable, gather_protocols};
+pub use gather::gather;
+pub use page::{Backdrop, LONGEST_SIDE_PX, Media, publish_page};
+pub use protocols::{ProtocolRow, ProtocolTable};
 pub use publish::publish;
-pub use rank::{Board, OtherBoard, Ranked, Unranked};
-pub use reliability::{Answered, Reliability, publish_reliability};
-pub use row::{BoardRow, Heading, Metric};
-pub use statistics::{COMPARED, Comparisons, MOST_METHODS, MethodGroups, Statistics};
 pub use terminal::{text_statistics, text_table};
-pub use tradeoff::{TradePoint, Tradeoff, front, publish_tradeoff};
-pub use trend::{Trend, TrendPanel, TrendPoint, publish_trend};

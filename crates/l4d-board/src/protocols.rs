@@ -1,25 +1,23 @@
-//! Numbers under the rules of other evaluations: a table each, apart from the board and from each other, never ranked.
-//!
-//! Owns where they stand, whose they are, and their tables. Every number follows from the values of queries that
-//! `l4d score --protocol` wrote, by the averages of `l4d-score`.
+//! Numbers under the protocols of other evaluations: a table each, apart from the board and from each other, never
+//! ranked. Every number follows from the values of queries that `l4d score --protocol` wrote, by `l4d-score`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::store::list_folder;
-use l4d_data::{DataError, Name, Report};
-use l4d_score::protocols::{LeftOut, Measure, Origin, Record, Sheet};
+use l4d_data::{Category, DataError, Name, QueryId, Report, Scale};
+use l4d_score::protocols::{LeftOut, Measure, Record, Sheet};
 use l4d_score::{Exam, Protocol};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+use crate::board::{BoardScene, Heading, MOST_DETAILED, Method};
 use crate::codes;
-use crate::detail::MOST_DETAILED;
-use crate::markdown::{Table, escape, linked};
-use crate::rank::Board;
+use crate::markdown::{Table, escape, hundredths, linked};
 
 /// What one protocol says of methods.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProtocolTable {
     /// Whose evaluation.
     pub protocol: Protocol,
@@ -27,8 +25,8 @@ pub struct ProtocolTable {
     pub rows: Vec<ProtocolRow>,
 }
 
-/// One method under a protocol.
-#[derive(Debug, Clone, PartialEq)]
+/// One method under a protocol. Numbers are percent, in the order of the protocol's measures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProtocolRow {
     /// Method.
     pub name: Name,
@@ -37,52 +35,49 @@ pub struct ProtocolRow {
     /// Paper or code, may be empty.
     pub link: String,
     /// What keeps it from being compared with others as an equal: `baseline`, `partial`, ...
-    pub remarks: Vec<&'static str>,
-    /// Percent, in the order of the protocol's measures.
+    pub remarks: Vec<String>,
+    /// Of all queries.
     pub numbers: Vec<Option<f64>>,
-    /// The same of each scene.
+    /// Of each scene.
     pub scenes: BTreeMap<Name, Vec<Option<f64>>>,
     /// Queries that enter at least one number.
     pub queries: usize,
     /// What the source leaves out or counts without an answer.
     pub left_out: Vec<LeftOut>,
-    /// Values of queries; of the first methods alone, so that thousands of them stay in bounds.
-    pub sheet: Option<Sheet>,
+    /// Of each smaller group that the page filters by (`category|scale`) and that has queries; of the first methods alone.
+    pub groups: BTreeMap<String, Vec<Option<f64>>>,
+    /// Of each query; of the first methods alone.
+    pub values: BTreeMap<QueryId, Vec<Option<f64>>>,
 }
 
-/// Reads what protocols say of methods: `<scores>-<protocol>/<method>/`, for every protocol that there is such a folder
-/// of. What was judged against something else than `exam` is reported and left out.
-///
-/// # Errors
-/// Files that are damaged or contradict each other.
-pub fn gather_protocols(
+/// Reads what protocols say of methods: `<scores>-<protocol>/<method>/`, for every protocol that has such a folder. What
+/// was judged against something else than `exam` is reported and left out.
+pub(crate) fn gather_protocols(
     scores: &Path,
-    board: &Board,
+    methods: &[Method],
+    scenes: &[BoardScene],
     exam: &Exam,
     report: &mut Report,
 ) -> Result<Vec<ProtocolTable>, DataError> {
     let place: BTreeMap<&str, usize> =
-        board.rows().enumerate().map(|(place, (_, row))| (row.name.as_str(), place)).collect();
+        methods.iter().enumerate().map(|(place, method)| (method.name.as_str(), place)).collect();
     let mut tables = Vec::new();
     for protocol in Protocol::ALL {
         let Some(folder) = folder(scores, protocol).filter(|folder| folder.is_dir()) else { continue };
         let mut names = list_folder(&folder)?;
         names.retain(|name| folder.join(name).is_dir());
         names.sort_by_key(|name| place.get(name.as_str()).copied().unwrap_or(usize::MAX));
-        let read = |(index, name): (usize, &String)| {
-            let Some(record) = Record::read(&folder, name, protocol)? else { return Ok(Err(Odd::NotJudged)) };
-            if !record.origin.is_of(exam) {
-                return Ok(Err(Odd::Elsewhere(Box::new(record.origin))));
-            }
-            Ok(Ok(ProtocolRow::of(record, exam, index < MOST_DETAILED)))
-        };
-        let read: Vec<Result<ProtocolRow, Odd>> =
-            names.par_iter().enumerate().map(read).collect::<Result<_, DataError>>()?;
+        let read: Vec<Option<Record>> = names
+            .par_iter()
+            .map(|name| Record::read(&folder, name, protocol))
+            .collect::<Result<_, DataError>>()?;
         let mut rows = Vec::new();
-        for (name, found) in names.iter().zip(read) {
-            match found {
-                Ok(row) => rows.push(row),
-                Err(odd) => odd.report(&folder.join(name), protocol, report),
+        for (place, (name, record)) in names.iter().zip(read).enumerate() {
+            match record {
+                Some(record) if record.origin.is_of(exam) => {
+                    rows.push(ProtocolRow::of(record, exam, scenes, place < MOST_DETAILED));
+                }
+                other => report_left_out(&folder.join(name), protocol, other, report),
             }
         }
         if !rows.is_empty() {
@@ -103,81 +98,97 @@ fn folder(scores: &Path, protocol: Protocol) -> Option<PathBuf> {
     Some(whole.with_file_name(name))
 }
 
-/// A folder that is left out.
-enum Odd {
-    NotJudged,
-    Elsewhere(Box<Origin>),
+fn report_left_out(folder: &Path, protocol: Protocol, record: Option<Record>, report: &mut Report) {
+    let Some(Record { origin, .. }) = record else {
+        let message = format!("holds nothing of the protocol {protocol}, so it is left out");
+        let hint = format!("run `l4d score --protocol {protocol}`, or remove the folder");
+        report.warning(codes::NOT_SCORED, folder, "", message, hint);
+        return;
+    };
+    let message = format!(
+        "was judged on benchmark {} · profile {} · {}, so it is left out",
+        origin.benchmark_version,
+        origin.profile,
+        origin.set.as_str()
+    );
+    let hint = format!("run `l4d score --protocol {protocol}` again, or choose its --profile and --set");
+    report.warning(codes::OTHER_BOARD, folder, "", message, hint);
 }
 
-impl Odd {
-    fn report(self, folder: &Path, protocol: Protocol, report: &mut Report) {
-        match self {
-            Self::NotJudged => {
-                let message = format!("holds nothing of the protocol {protocol}, so it is left out");
-                let hint = format!("run `l4d score --protocol {protocol}`, or remove the folder");
-                report.warning(codes::NOT_SCORED, folder, "", message, hint);
-            }
-            Self::Elsewhere(origin) => {
-                let message = format!(
-                    "was judged on benchmark {} · profile {} · {}, so it is left out",
-                    origin.benchmark_version,
-                    origin.profile,
-                    origin.set.as_str()
-                );
-                let hint =
-                    format!("run `l4d score --protocol {protocol}` again, or choose its --profile and --set");
-                report.warning(codes::OTHER_BOARD, folder, "", message, hint);
-            }
-        }
-    }
+/// The name of a group of queries: `category|scale`, each empty where all are meant.
+pub(crate) fn group_key(category: Option<Category>, scale: Option<Scale>) -> String {
+    format!("{}|{}", category.map_or("", Category::as_str), scale.map_or("", Scale::as_str))
+}
+
+/// Every group that the page filters by, all queries first.
+pub(crate) fn group_filters() -> impl Iterator<Item = (Option<Category>, Option<Scale>)> {
+    let categories = std::iter::once(None).chain(Category::ALL.map(Some));
+    categories.flat_map(|category| {
+        std::iter::once(None).chain(Scale::ALL.map(Some)).map(move |scale| (category, scale))
+    })
 }
 
 impl ProtocolRow {
-    fn of(record: Record, exam: &Exam, is_detailed: bool) -> Self {
-        let remarks = record.remarks(exam);
+    fn of(record: Record, exam: &Exam, scenes: &[BoardScene], is_detailed: bool) -> Self {
+        let remarks = record.remarks(exam).into_iter().map(str::to_owned).collect();
         let Record { origin, sheet } = record;
+        let (mut groups, mut values) = (BTreeMap::new(), BTreeMap::new());
+        if is_detailed {
+            for (category, scale) in group_filters().skip(1) {
+                let found = sheet.of(|id| is_in(id, scenes, category, scale));
+                if !found.rows.is_empty() {
+                    groups.insert(group_key(category, scale), numbers(&found));
+                }
+            }
+            let percent = |row: &l4d_score::protocols::Row| {
+                row.judged.values.iter().map(|value| value.map(|value| 100.0 * value.mean)).collect()
+            };
+            values = sheet.rows.iter().map(|row| (row.id.clone(), percent(row))).collect();
+        }
+        let of_scene = |scene: &Name| (scene.clone(), numbers(&sheet.of(|id| id.scene == *scene)));
         Self {
-            name: sheet.method.clone(),
             version: origin.version,
             link: origin.link,
             remarks,
             numbers: numbers(&sheet),
-            scenes: by_scene(&sheet),
+            scenes: sheet.scenes().into_keys().map(of_scene).collect(),
             queries: sheet.queries(),
-            left_out: sheet.left_out.clone(),
-            sheet: is_detailed.then_some(sheet),
+            groups,
+            values,
+            name: sheet.method,
+            left_out: sheet.left_out,
         }
     }
 }
 
+fn is_in(id: &QueryId, scenes: &[BoardScene], category: Option<Category>, scale: Option<Scale>) -> bool {
+    let Some(scene) = scenes.iter().find(|scene| scene.name == id.scene) else { return false };
+    let Some(query) = scene.queries.iter().find(|query| query.id == *id) else { return false };
+    category.is_none_or(|category| query.categories.contains(&category))
+        && scale.is_none_or(|scale_of| scale_of == scene.scale)
+}
+
 /// Percent, in the order of the measures.
-pub(crate) fn numbers(sheet: &Sheet) -> Vec<Option<f64>> {
+fn numbers(sheet: &Sheet) -> Vec<Option<f64>> {
     let measures = 0..sheet.protocol.measures().len();
     measures.map(|measure| sheet.number(measure).map(|ratio| 100.0 * ratio)).collect()
 }
 
-/// The same of each scene alone.
-pub(crate) fn by_scene(sheet: &Sheet) -> BTreeMap<Name, Vec<Option<f64>>> {
-    let of_scene = |scene: &Name| (scene.clone(), numbers(&sheet.of(|id| id.scene == *scene)));
-    sheet.scenes().into_keys().map(of_scene).collect()
-}
-
 impl ProtocolTable {
     /// `Panoptic-L4D 1.0.0 · protocol davis (DAVIS 2017, semi-supervised) · profile small · never ranked`.
-    pub fn line(&self, board: &Board) -> String {
-        let heading = &board.heading;
+    pub fn line(&self, heading: &Heading) -> String {
         format!(
             "{} {} · protocol {} ({}) · profile {} · never ranked",
             heading.benchmark,
-            heading.version,
+            heading.on.benchmark_version,
             self.protocol,
             self.protocol.source(),
-            heading.profile
+            heading.on.profile
         )
     }
 
     /// What was left out, with the methods of which the same is true.
-    pub(crate) fn left_out(&self) -> Vec<(&LeftOut, Vec<&Name>)> {
+    fn left_out(&self) -> Vec<(&LeftOut, Vec<&Name>)> {
         let mut all: Vec<(&LeftOut, Vec<&Name>)> = Vec::new();
         for row in &self.rows {
             for one in &row.left_out {
@@ -191,14 +202,15 @@ impl ProtocolTable {
     }
 
     /// `protocols/<protocol>.md`.
-    pub(crate) fn markdown(&self, board: &Board) -> String {
+    pub(crate) fn markdown(&self, heading: &Heading) -> String {
         let measures = self.protocol.measures();
-        let mut page = format!("# Protocol {}\n\n{}.\n\n", self.protocol, escape(&self.line(board)));
-        page.push_str(
-            "Percent. The masks of this benchmark under the sums of another evaluation: no headline, and in no order of \
-             merit. `docs/protocols.md` of l4d says what is counted.\n\n",
+        let mut page = format!(
+            "# Protocol {}\n\n{}.\n\nPercent. The masks of this benchmark under the sums of another evaluation: no headline, \
+             and in no order of merit. `docs/protocols.md` of l4d says what is counted.\n\n{}\n\n",
+            self.protocol,
+            escape(&self.line(heading)),
+            escape(self.protocol.remark())
         );
-        page.push_str(&format!("{}\n\n", escape(self.protocol.remark())));
         let mut table = Table::new(&["method", "version", "remarks"]);
         table.numbers(measures.iter().map(|measure| format!("{}: {}", self.protocol, measure.title)));
         table.numbers(["queries"]);
@@ -244,34 +256,18 @@ impl ProtocolTable {
     }
 }
 
-fn hundredths(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sample;
 
     #[test]
-    fn a_page_names_its_protocol_in_every_head_and_tells_what_is_left_out() {
-        let board = sample::hand_made();
-        let page = sample::protocol().markdown(&board);
-        assert!(page.starts_with("# Protocol langsplat\n"), "{page}");
-        assert!(
-            page.contains(
-                "| method | version | remarks | langsplat: mIoU | langsplat: loc. acc. | queries |"
-            ),
-            "{page}"
-        );
-        assert!(page.contains("| alpha | 1 |  | 50.00 | – | 2 |"), "{page}");
-        assert!(page.contains("| b\\_b | 1 | baseline | 50.00 | – | 2 |"), "{page}");
-        assert!(page.contains("- every method: 8 frames of 2 queries are dropped.\n"), "{page}");
-        assert!(page.contains("never ranked") && !page.contains("**"), "{page}");
+    fn a_page_names_its_protocol_in_every_head_and_says_what_is_left_out() {
+        insta::assert_snapshot!(sample::protocol().markdown(&sample::heading(4, 1)));
     }
 
     #[test]
-    fn folders_of_protocols_stand_beside_that_of_scores() {
+    fn folders_of_protocols_are_beside_that_of_scores() {
         let found = |scores: &str| folder(Path::new(scores), Protocol::Davis);
         assert_eq!(found("scores"), Some("scores-davis".into()));
         assert_eq!(found("a/scores-composites/"), Some("a/scores-composites-davis".into()));

@@ -2,60 +2,52 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::layout::BenchDir;
 use l4d_data::store::write_atomic;
 use rayon::prelude::*;
 
-use crate::detail::Details;
+use crate::board::Board;
 use crate::error::BoardError;
-use crate::figures::{self, Figure};
-use crate::protocols::ProtocolTable;
-use crate::rank::Board;
-use crate::statistics::Statistics;
-use crate::{latex, layout, markdown, table};
+use crate::figures;
+use crate::{latex, layout, markdown, tables};
 
-/// Writes tables, page and figures into `folder`, each file through a temporary neighbour and rename; gives the
-/// paths in order. Files of other names stay. `bench` has what papers report.
-pub fn publish(
-    board: &Board,
-    statistics: &Statistics,
-    details: &Details,
-    protocols: &[ProtocolTable],
-    bench: &BenchDir,
-    folder: &Path,
-) -> Result<Vec<PathBuf>, BoardError> {
+/// Writes the document, tables and figures into `folder`, each file through a temporary neighbour and rename; gives the
+/// paths in order. Files of other names stay.
+///
+/// # Errors
+/// What polars, plotters or the disk refuses.
+pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
+    let document = serde_json::to_vec(board).map_err(|error| BoardError::render("board.json", error))?;
     let mut files = vec![
-        ("leaderboard.csv".to_owned(), table::leaderboard(board)?),
-        ("per_category.csv".to_owned(), table::per_category(board)?),
-        ("per_scale.csv".to_owned(), table::per_scale(board)?),
-        ("per_scene.csv".to_owned(), table::per_scene(board)?),
-        ("groups.csv".to_owned(), table::groups(board, statistics)?),
-        ("comparisons.csv".to_owned(), table::comparisons(board, statistics)?),
-        ("reported.csv".to_owned(), table::reported(board)?),
-        ("taken.csv".to_owned(), table::taken(board, details)?),
+        ("board.json".to_owned(), [document, b"\n".to_vec()].concat()),
+        ("leaderboard.csv".to_owned(), tables::leaderboard(board)?),
+        ("per_category.csv".to_owned(), tables::per_category(board)?),
+        ("per_scale.csv".to_owned(), tables::per_scale(board)?),
+        ("per_scene.csv".to_owned(), tables::per_scene(board)?),
+        ("groups.csv".to_owned(), tables::groups(board)?),
+        ("comparisons.csv".to_owned(), tables::comparisons(board)?),
+        ("reported.csv".to_owned(), tables::reported(board)?),
+        ("taken.csv".to_owned(), tables::taken(board)?),
     ];
-    for table in layout::all(board, statistics, bench)? {
+    for table in layout::all(board) {
         let file = |extension: &str| format!("tables/{}.{extension}", table.name);
-        files.push((file("csv"), table::layout(board, &table)?));
+        files.push((file("csv"), tables::layout(board, &table)?));
         files.push((file("tex"), latex::tabular(&table, board).into_bytes()));
         files.push((file("md"), table.markdown(board).into_bytes()));
     }
-    let mut apart = Vec::new();
-    for table in protocols {
-        let page = format!("protocols/{}.md", table.protocol);
-        files.push((format!("protocols/{}.csv", table.protocol), table::protocol(board, table)?));
-        files.push((page.clone(), table.markdown(board).into_bytes()));
-        apart.push((page, table.protocol.as_str()));
+    for table in &board.protocols {
+        let file = |extension: &str| format!("protocols/{}.{extension}", table.protocol);
+        files.push((file("csv"), tables::protocol(board, table)?));
+        files.push((file("md"), table.markdown(&board.heading).into_bytes()));
     }
-    let mut figures = figures::all(board, statistics);
-    figures.extend(figures::detailed(board, details));
-    let painted: Vec<_> = figures.par_iter().map(Figure::files).collect::<Result<_, BoardError>>()?;
-    files.extend(painted.into_iter().flatten().map(|(name, bytes)| (format!("figures/{name}"), bytes)));
+    let figures = figures::all(board);
+    let drawn: Vec<_> =
+        figures.par_iter().map(|figure| (figure.draw)()).collect::<Result<_, BoardError>>()?;
+    files.extend(drawn.into_iter().flatten().map(|(name, bytes)| (format!("figures/{name}"), bytes)));
     let on_page = figures.iter().filter(|figure| figure.is_on_page);
     let shown: Vec<(String, &str)> =
         on_page.map(|figure| (format!("figures/{}.svg", figure.name), figure.caption.as_str())).collect();
     // The page comes last: when it is new, so is everything that it shows.
-    files.push(("leaderboard.md".to_owned(), markdown::page(board, statistics, &apart, &shown).into_bytes()));
+    files.push(("leaderboard.md".to_owned(), markdown::page(board, &shown).into_bytes()));
 
     let mut paths = Vec::new();
     for (name, bytes) in files {
@@ -71,53 +63,37 @@ mod tests {
     use super::*;
     use crate::sample;
 
-    fn bench() -> BenchDir {
-        BenchDir::new("nowhere")
-    }
-
-    fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-        let mut files = Vec::new();
-        for part in ["", "figures", "protocols", "tables"].map(|part| folder.join(part)) {
-            for entry in std::fs::read_dir(part).unwrap() {
-                let path = entry.unwrap().path();
-                if path.is_file() {
-                    files.push((path.clone(), std::fs::read(path).unwrap()));
-                }
-            }
-        }
-        files.sort();
-        files
-    }
-
     #[test]
-    fn a_second_run_replaces_files_with_the_same_bytes_and_leaves_others() {
+    fn a_second_run_gives_the_same_bytes_and_leaves_other_files() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("leaderboard.csv"), "old").unwrap();
         std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
-        let mut paths = publish(
-            &sample::hand_made(),
-            &sample::statistics(&sample::hand_made()),
-            &sample::details(),
-            &[sample::protocol()],
-            &bench(),
-            folder.path(),
-        )
-        .unwrap();
-        let first = files(folder.path());
-        publish(
-            &sample::hand_made(),
-            &sample::statistics(&sample::hand_made()),
-            &sample::details(),
-            &[sample::protocol()],
-            &bench(),
-            folder.path(),
-        )
-        .unwrap();
-        assert_eq!(files(folder.path()), first);
-        paths.push(folder.path().join("notes.txt"));
-        paths.sort();
-        assert_eq!(first.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>(), paths);
-        assert_eq!(paths.len(), 17 + 3 + 8 + 2);
+        let board = sample::answered(sample::hand_made());
+        let publish = || {
+            let paths = publish(&board, folder.path()).unwrap();
+            paths.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect::<Vec<_>>()
+        };
+        let first = publish();
+        assert!(first == publish());
+        assert_eq!(std::fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
+        let names: Vec<String> = first
+            .iter()
+            .map(|(path, _)| path.strip_prefix(folder.path()).unwrap().display().to_string())
+            .collect();
+        insta::assert_snapshot!(names.join("\n"));
+    }
+
+    #[test]
+    fn the_document_reads_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let board = sample::answered(sample::hand_made());
+        publish(&board, folder.path()).unwrap();
+        let path = folder.path().join("board.json");
+        assert_eq!(Board::read(&path).unwrap(), board);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replacen("l4d/board/1", "l4d/board/0", 1)).unwrap();
+        let error = Board::read(&path).unwrap_err().to_string();
+        assert!(error.contains("board.json") && error.contains("field `schema`"), "{error}");
     }
 
     #[test]
@@ -125,15 +101,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let blocked = folder.path().join("file");
         std::fs::write(&blocked, "a file").unwrap();
-        let error = publish(
-            &sample::hand_made(),
-            &sample::statistics(&sample::hand_made()),
-            &sample::details(),
-            &[sample::protocol()],
-            &bench(),
-            &blocked,
-        )
-        .unwrap_err();
+        let error = publish(&sample::board(1), &blocked).unwrap_err();
         assert!(error.to_string().contains("file"), "{error}");
     }
 }

@@ -2,11 +2,11 @@
 
 use l4d_data::Category;
 use l4d_data::results::Track;
+use l4d_score::Metric;
 use l4d_score::cluster::FEW_SCENES;
 
-use crate::rank::Board;
-use crate::row::{BoardRow, Metric};
-use crate::statistics::{Statistics, p_text};
+use crate::board::{Board, Method};
+use crate::tables::p_text;
 
 /// No line is wider.
 pub(crate) const WIDTH: usize = 100;
@@ -24,53 +24,45 @@ pub(crate) const ONE_SCENE: &str =
 pub fn text_table(board: &Board) -> String {
     let numbers = HEADLINES.len() + Category::ALL.len();
     let room = WIDTH - RANK_WIDTH - 1 - numbers * NUMBER_WIDTH - SECONDS_WIDTH;
-    let foreign = board.others.iter().flat_map(|other| &other.rows);
-    let longest =
-        board.rows().map(|(_, row)| row).chain(foreign).map(|row| row.name.len()).max().unwrap_or(0);
+    let foreign = board.others.iter().flat_map(|other| &other.methods);
+    let longest = board.methods.iter().chain(foreign).map(|method| method.name.len()).max().unwrap_or(0);
     let name_width = longest.clamp("method".len(), room);
 
     let mut lines = wrap(&board.heading.line(), WIDTH);
     lines.push(String::new());
     lines.extend(header(name_width));
-    if board.ranked.is_empty() {
+    if board.ranked().is_empty() {
         lines.push("   - no method is ranked".to_owned());
     }
-    for (index, (track, group)) in board.tracks().enumerate() {
+    for (index, (track, methods)) in board.tracks().enumerate() {
         lines.extend((index > 0).then(String::new));
         lines.push(track_line(track));
-        for entry in group {
-            lines.extend(row_lines(&entry.rank.to_string(), &entry.row, name_width));
-        }
+        methods.iter().for_each(|method| lines.extend(row_lines(method, name_width)));
     }
-    if !board.unranked.is_empty() {
+    if !board.unranked().is_empty() {
         lines.push(String::new());
         lines.push(UNRANKED.to_owned());
-        for entry in &board.unranked {
-            lines.extend(row_lines("-", &entry.row, name_width));
-            lines.push(format!("{:RANK_WIDTH$} ({})", "", entry.reason()));
+        for method in board.unranked() {
+            lines.extend(row_lines(method, name_width));
+            lines.push(format!("{:RANK_WIDTH$} ({})", "", method.why_unranked()));
         }
     }
     for other in &board.others {
         lines.push(String::new());
         lines.extend(wrap(&format!("not of this board: {}", other.line()), WIDTH));
-        for row in &other.rows {
-            lines.extend(row_lines("-", row, name_width));
-        }
+        other.methods.iter().for_each(|method| lines.extend(row_lines(method, name_width)));
     }
     lines.join("\n")
 }
 
 /// What the means of the board can tell, as lines of text: intervals, and by how much each method is ahead of the next
-/// of its track. Empty without a method whose counts were read.
-pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
+/// of its track.
+pub fn text_statistics(board: &Board) -> String {
     const VALUE_WIDTH: usize = 22;
     const SHORT_WIDTH: usize = 9;
-    let neighbours = statistics.neighbours(board);
+    let neighbours = board.neighbours();
     let room = WIDTH - RANK_WIDTH - 1 - 2 * VALUE_WIDTH - 2 * SHORT_WIDTH;
-    let longest = statistics.methods.iter().map(|method| method.name.len()).max().unwrap_or(0);
-    if longest == 0 {
-        return String::new();
-    }
+    let longest = board.compared().iter().map(|method| method.name.len()).max().unwrap_or(0);
     if board.is_of_one_scene() {
         return ONE_SCENE.to_owned();
     }
@@ -87,8 +79,8 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
     )];
     let mut is_rough = false;
     let mut group = None;
-    for (index, ((rank, row), method)) in board.rows().zip(&statistics.methods).enumerate() {
-        let track = rank.map(|_| row.track);
+    for (index, method) in board.compared().iter().enumerate() {
+        let track = method.ranked_in();
         if track != group || index == 0 {
             lines.push(track.map_or_else(|| UNRANKED.to_owned(), track_line));
             group = track;
@@ -96,8 +88,8 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
         let interval = |[low, high]: [f64; 2]| format!(" ({low:.1} to {high:.1})");
         let with_interval =
             |text: String, found: Option<[f64; 2]>| text + &found.map(interval).unwrap_or_default();
-        is_rough |= row.miou.is_some_and(|found| found.interval.is_some() && found.is_of_few_scenes());
-        let own = row.miou.map(|found| with_interval(format!("{:.2}", found.value), found.interval));
+        is_rough |= method.miou.is_some_and(|found| found.interval.is_some() && found.is_of_few_scenes());
+        let own = method.miou.map(|found| with_interval(format!("{:.2}", found.value), found.interval));
         let pair = neighbours.iter().find(|pair| pair.first == index);
         let [ahead, p, detectable] = pair.map_or_else(Default::default, |pair| {
             let found = &pair.comparison;
@@ -108,11 +100,11 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
                 found.detectable.map(|points| format!("{points:.2}")).unwrap_or_default(),
             ]
         });
-        let rank = rank.map_or_else(|| "-".to_owned(), |rank| rank.to_string());
         let mut name_lines = split(&method.name, name_width).into_iter();
         let first = name_lines.next().unwrap_or_default();
         let line = format!(
-            "{rank:>RANK_WIDTH$} {first:name_width$}{:>VALUE_WIDTH$}{ahead:>VALUE_WIDTH$}{p:>SHORT_WIDTH$}{detectable:>SHORT_WIDTH$}",
+            "{:>RANK_WIDTH$} {first:name_width$}{:>VALUE_WIDTH$}{ahead:>VALUE_WIDTH$}{p:>SHORT_WIDTH$}{detectable:>SHORT_WIDTH$}",
+            rank(method),
             own.unwrap_or_else(|| "-".to_owned())
         );
         lines.push(line.trim_end().to_owned());
@@ -129,8 +121,9 @@ pub fn text_statistics(board: &Board, statistics: &Statistics) -> String {
     if is_rough {
         lines.push(format!("Fewer than {FEW_SCENES} scenes: intervals may be too narrow."));
     }
-    if statistics.left_out > 0 {
-        lines.push(format!("{} more methods are not compared.", statistics.left_out));
+    let left_out = board.methods.len() - board.compared().len();
+    if left_out > 0 {
+        lines.push(format!("{left_out} more methods are not compared."));
     }
     lines.join("\n")
 }
@@ -151,16 +144,19 @@ fn header(name_width: usize) -> Vec<String> {
     ]
 }
 
-fn row_lines(rank: &str, row: &BoardRow, name_width: usize) -> Vec<String> {
-    let headlines = HEADLINES.map(|metric| metric.of(&row.scores.headline));
-    let categories =
-        Category::ALL.map(|category| row.scores.categories.get(&category).and_then(|metrics| metrics.miou));
+fn rank(method: &Method) -> String {
+    method.rank.map_or_else(|| "-".to_owned(), |rank| rank.to_string())
+}
+
+fn row_lines(method: &Method, name_width: usize) -> Vec<String> {
+    let headlines = HEADLINES.map(|metric| method.headline(metric));
+    let categories = Category::ALL.map(|category| method.scores.categories.get(&category)?.get(Metric::Miou));
     let numbers: String = headlines.iter().chain(&categories).map(|&value| number(value)).collect();
-    let seconds = row.seconds.map_or_else(|| "-".to_owned(), seconds_text);
-    let mut name_lines = split(&row.name, name_width).into_iter();
+    let seconds = method.seconds.map_or_else(|| "-".to_owned(), seconds_text);
+    let mut name_lines = split(&method.name, name_width).into_iter();
     let first = name_lines.next().unwrap_or_default();
     let mut lines =
-        vec![format!("{rank:>RANK_WIDTH$} {first:name_width$}{numbers}{seconds:>SECONDS_WIDTH$}")];
+        vec![format!("{:>RANK_WIDTH$} {first:name_width$}{numbers}{seconds:>SECONDS_WIDTH$}", rank(method))];
     lines.extend(name_lines.map(|rest| format!("{:RANK_WIDTH$} {rest}", "")));
     lines
 }
@@ -192,7 +188,7 @@ fn split(name: &str, width: usize) -> Vec<&str> {
 }
 
 /// Breaks a sentence at spaces so that no line is wider than `width` characters.
-fn wrap(sentence: &str, width: usize) -> Vec<String> {
+pub(crate) fn wrap(sentence: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in sentence.split(' ') {
         let line = lines.last_mut().expect("starts with one line");
@@ -214,76 +210,20 @@ mod tests {
     use crate::sample;
 
     #[test]
-    fn no_line_is_wider_than_the_terminal() {
-        for board in [sample::board(1), sample::board(14), sample::long_names(), sample::tracks()] {
-            let text = text_table(&board);
-            for line in text.lines() {
-                assert!(line.chars().count() <= WIDTH, "{} columns: {line}", line.chars().count());
-            }
-            for (_, row) in board.rows() {
-                let glued: String = text.split_whitespace().collect();
-                let start: String = row.name.chars().take(20).collect();
-                assert!(glued.contains(&start), "{} is not in\n{text}", row.name);
-            }
+    fn texts_are_the_hand_made_ones() {
+        let mut one_scene = sample::board(14);
+        one_scene.heading.scenes = 1;
+        assert_eq!(text_statistics(&one_scene), ONE_SCENE);
+        for (name, board) in [
+            ("hand_made", sample::hand_made()),
+            ("tracks", sample::tracks()),
+            ("one_method", sample::board(1)),
+            ("long_names", sample::long_names()),
+        ] {
+            let text = format!("{}\n\n{}", text_table(&board), text_statistics(&board));
+            assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+            insta::assert_snapshot!(name, text);
         }
-    }
-
-    #[test]
-    fn no_line_of_statistics_is_wider_than_the_terminal() {
-        for board in [sample::board(1), sample::board(14), sample::long_names(), sample::tracks()] {
-            let text = text_statistics(&board, &sample::statistics(&board));
-            for line in text.lines() {
-                assert!(line.chars().count() <= WIDTH, "{} columns: {line}", line.chars().count());
-            }
-        }
-        let board = sample::hand_made();
-        let text = text_statistics(&board, &sample::statistics(&board));
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "rank method  mIoU (95 % interval)     ahead of the next        p  detect.");
-        assert_eq!(lines[1], "track: colour");
-        assert_eq!(lines[2], "   1 alpha   62.50 (58.0 to 66.5)   +0.00 (-4.5 to 4.5)   1.0000     6.20");
-        assert_eq!(lines[5], UNRANKED);
-        assert_eq!(lines[7], "   - half    80.00 (75.5 to 84.0)", "a partial method is compared with none");
-        assert_eq!(text_statistics(&board, &Statistics::default()), "");
-    }
-
-    #[test]
-    fn tracks_are_apart_and_not_tested_against_each_other() {
-        let board = sample::tracks();
-        let text = text_table(&board);
-        let starts: Vec<&str> = text
-            .lines()
-            .skip(4)
-            .map(|line| line.split("  ").find(|part| !part.is_empty()).unwrap_or_default().trim())
-            .collect();
-        let expected = [
-            "track: colour",
-            "1 bright",
-            "2 dim",
-            "",
-            "track: colour + depth",
-            "1 deeper",
-            "2 deep",
-            "",
-            UNRANKED,
-            "- oracle",
-            "(baseline)",
-        ];
-        assert_eq!(starts, expected, "{text}");
-        let text = text_statistics(&board, &sample::statistics(&board));
-        let line = |start: &str| text.lines().find(|line| line.contains(start)).unwrap();
-        assert!(line("deeper").contains("+5.00") && line("bright").contains("+10.00"), "{text}");
-        assert!(!line("dim").contains('+') && !line("2 deep ").contains('+'), "{text}");
-    }
-
-    #[test]
-    fn one_scene_and_one_method_have_no_p() {
-        let mut board = sample::board(14);
-        board.heading.scenes = 1;
-        assert_eq!(text_statistics(&board, &sample::statistics(&board)), ONE_SCENE);
-        let board = sample::board(1);
-        let text = text_statistics(&board, &sample::statistics(&board));
-        assert!(text.contains("rank method") && !text.contains("p:") && !text.contains("detect."), "{text}");
     }
 
     #[test]
@@ -294,30 +234,5 @@ mod tests {
             ["panopticquery-robust-", "without-consensus"]
         );
         assert_eq!(split(&"x".repeat(45), 21).concat(), "x".repeat(45));
-    }
-
-    #[test]
-    fn columns_line_up_and_say_what_is_missing() {
-        let text = text_table(&sample::hand_made());
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(
-            lines[0],
-            "Panoptic-L4D 1.0.0 · protocol l4d · profile small · 4 queries, 1 verified by people"
-        );
-        assert_eq!(
-            lines[3],
-            "rank method       mIoU    mAcc    tube  select attrib.  action spatial  inter.  seconds"
-        );
-        assert_eq!(
-            lines[5],
-            "   1 alpha       62.50   62.50   62.50   62.50   62.50   62.50   62.50   62.50     12.3"
-        );
-        assert_eq!(
-            lines[7],
-            "   3 gamma       50.00   50.00   50.00       -   50.00   50.00       -   50.00        -"
-        );
-        assert!(text.contains("   - oracle     100.00  100.00"), "{text}");
-        assert!(text.contains("     (baseline, used ground truth)\n"), "{text}");
-        assert!(text.contains("not of this board: benchmark 1.0.0 · protocol l4d · profile tiny"), "{text}");
     }
 }

@@ -38,7 +38,7 @@ impl Used {
 
 /// Methods that are ranked with each other. Rendered depth is exact, which no camera measures, so that who learned from
 /// it is not ranked with who did not.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Track {
     /// Colour alone: the headline.
     #[default]

@@ -3,7 +3,6 @@
 //! A mask's size is checked before it is decoded; frames are compared with those that are asked for.
 
 use std::fmt;
-use std::ops::Range;
 use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
@@ -11,7 +10,7 @@ use l4d_data::truth::frame_key;
 use l4d_data::{QueryId, Report, json};
 use l4d_masks::png::{self, PngError};
 use l4d_masks::{Mask, Rle};
-use serde::de::{DeserializeSeed, Error as _, MapAccess, Visitor};
+use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::codes;
@@ -24,7 +23,7 @@ const BESIDES_BYTES: u64 = 64 << 10;
 /// Frames have four digits.
 const MAX_FRAMES: usize = 10_000;
 
-/// The forms in which the answers to one query stand there.
+/// The forms in which the answers to one query are there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Forms {
     /// `<nnn>.json`.
@@ -36,7 +35,7 @@ pub struct Forms {
 /// Reads the answers of one method to one query after another.
 #[derive(Debug, Clone, Copy)]
 pub struct Reader<'a> {
-    /// Where the results stand.
+    /// The results.
     pub dir: &'a ResultsDir,
     /// Frames that are asked for, ascending.
     pub clip: &'a [u32],
@@ -115,7 +114,7 @@ impl Reader<'_> {
         }
         let mut is_seen = vec![false; self.clip.len()];
         let mut answer = Answer::Missing;
-        for (key, counts) in file.frames.iter() {
+        for (key, counts) in &file.frames.0 {
             let place = || format!("frame `{}`", printable(key));
             let Some(position) = self.position(key) else {
                 let hint = format!("use the frames {}", frame_list(self.clip));
@@ -290,7 +289,7 @@ pub fn report_missing(
     report.error(codes::MISSING, &path, format!("query {id}"), message, hint);
 }
 
-/// [`l4d_data::results::MaskFile`] as read from strangers: keys in order, so that doubles are seen.
+/// [`l4d_data::results::MaskFile`] as read from an untrusted file: keys in order, so that doubles are seen.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AnswerFile {
@@ -298,20 +297,9 @@ struct AnswerFile {
     frames: Pairs,
 }
 
-/// Frames and their counts, null for absent, in one buffer: a file holds hundreds of texts.
+/// Frames and their counts, null for absent.
 #[derive(Debug)]
-struct Pairs {
-    text: String,
-    /// Where keys and values stand in it.
-    places: Vec<(Range<usize>, Option<Range<usize>>)>,
-}
-
-impl Pairs {
-    fn iter(&self) -> impl Iterator<Item = (&str, Option<&str>)> {
-        let text = |place: &Range<usize>| &self.text[place.clone()];
-        self.places.iter().map(move |(key, counts)| (text(key), counts.as_ref().map(text)))
-    }
-}
+struct Pairs(Vec<(String, Option<String>)>);
 
 impl<'de> Deserialize<'de> for Pairs {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -325,73 +313,18 @@ impl<'de> Deserialize<'de> for Pairs {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Pairs, A::Error> {
-                /// What the masks of a clip at full size take; more is made room for as it comes.
-                const USUAL_BYTES: usize = 256 << 10;
-                let mut pairs = Pairs { text: String::with_capacity(USUAL_BYTES), places: Vec::new() };
-                while let Some(key) = map.next_key_seed(Append(&mut pairs.text))? {
-                    if pairs.places.len() == MAX_FRAMES {
+                let mut pairs = Vec::new();
+                while let Some(pair) = map.next_entry()? {
+                    if pairs.len() == MAX_FRAMES {
                         return Err(A::Error::custom("more frames than four digits can name"));
                     }
-                    let counts = map.next_value_seed(AppendIfAny(&mut pairs.text))?;
-                    pairs.places.push((key, counts));
+                    pairs.push(pair);
                 }
-                Ok(pairs)
+                Ok(Pairs(pairs))
             }
         }
 
         deserializer.deserialize_map(Collect)
-    }
-}
-
-/// Appends a text to others, and says where it stands.
-struct Append<'a>(&'a mut String);
-
-impl<'de> DeserializeSeed<'de> for Append<'_> {
-    type Value = Range<usize>;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Range<usize>, D::Error> {
-        deserializer.deserialize_str(self)
-    }
-}
-
-impl Visitor<'_> for Append<'_> {
-    type Value = Range<usize>;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a string")
-    }
-
-    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Range<usize>, E> {
-        let start = self.0.len();
-        self.0.push_str(text);
-        Ok(start..self.0.len())
-    }
-}
-
-/// The same where null may stand.
-struct AppendIfAny<'a>(&'a mut String);
-
-impl<'de> DeserializeSeed<'de> for AppendIfAny<'_> {
-    type Value = Option<Range<usize>>;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
-        deserializer.deserialize_option(self)
-    }
-}
-
-impl<'de> Visitor<'de> for AppendIfAny<'_> {
-    type Value = Option<Range<usize>>;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a string or null")
-    }
-
-    fn visit_none<E: serde::de::Error>(self) -> Result<Self::Value, E> {
-        Ok(None)
-    }
-
-    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
-        Append(self.0).deserialize(deserializer).map(Some)
     }
 }
 
@@ -405,7 +338,7 @@ pub(crate) fn frame_list(frames: &[u32]) -> String {
     }
 }
 
-/// What a stranger wrote, short and without effect.
+/// Untrusted text, short and without effect.
 pub(crate) fn printable(text: &str) -> String {
     text.chars().take(40).flat_map(char::escape_default).collect()
 }

@@ -159,7 +159,7 @@ mod tests {
             tally("room/002", Category::Attribute, Scale::Room, &[(0, 0, 0)]),
         ];
         let found = Breakdown::of(&tallies);
-        let miou = |average| found.averages[&average].miou.unwrap() / 100.0;
+        let miou = |average| found.averages[&average].percent.miou.unwrap() / 100.0;
         let close = |found: f64, expected: f64| {
             assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
         };
@@ -168,20 +168,20 @@ mod tests {
         close(miou(Average::MacroScene), (0.375 + 0.25) / 2.0);
         close(miou(Average::MacroCategory), (0.5 + 0.0) / 2.0);
 
-        let tube = |average| found.averages[&average].tube_iou.unwrap() / 100.0;
+        let tube = |average| found.averages[&average].percent.tube_iou.unwrap() / 100.0;
         close(tube(Average::MacroQuery), (6.0 / 8.0 + 0.0 + 1.0 / 10.0) / 3.0);
         close(tube(Average::Micro), 7.0 / 26.0);
 
         // One frame without a target in each of the last two queries, and an alarm in the first of them.
-        let false_positives = |average| found.averages[&average].false_positive_rate.unwrap() / 100.0;
+        let false_positives = |average| found.averages[&average].percent.false_positive_rate.unwrap() / 100.0;
         close(false_positives(Average::MacroQuery), (1.0 + 0.0) / 2.0);
         close(false_positives(Average::Micro), 1.0 / 2.0);
 
         assert_eq!(found.headline.queries, 3);
-        assert_eq!(found.categories[&Category::Attribute].miou, None);
+        assert_eq!(found.categories[&Category::Attribute].percent.miou, None);
         assert_eq!(found.categories[&Category::Attribute].queries, 0);
         assert!(!found.categories.contains_key(&Category::Interaction));
-        close(found.scales[&Scale::Outdoor].select.unwrap(), 50.0);
+        close(found.scales[&Scale::Outdoor].percent.select.unwrap(), 50.0);
     }
 
     #[test]

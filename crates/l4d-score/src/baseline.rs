@@ -85,6 +85,9 @@ pub struct Written {
 
 /// Writes the results of a baseline to `<results>/<name>/`. Files with the right bytes are kept, so that a killed
 /// run is finished by the next; other bytes are replaced only if `force` is set.
+///
+/// # Errors
+/// Truth that is damaged, files of other content without `force`, and what the disk refuses.
 pub fn write_baseline(
     baseline: Baseline,
     exam: &Exam,
@@ -97,7 +100,7 @@ pub fn write_baseline(
     let card_bytes = pretty(&card);
     let is_current = is_current(&dir.card(), &card_bytes, force)?;
     if !is_current && dir.card().exists() {
-        // Until the last mask stands, the folder must not look like results of either kind.
+        // Until the last mask is written, the folder must not look like results of either kind.
         fs::remove_file(dir.card()).map_err(|source| DataError::io(&dir.card(), "replace", source))?;
     }
     let mut written = Written::default();
@@ -203,7 +206,7 @@ fn compact(file: &MaskFile) -> Vec<u8> {
     (text + "\n").into_bytes()
 }
 
-/// Whether the file stands there with these bytes; other bytes are an error unless they may be replaced.
+/// Whether the file is there with these bytes; other bytes are an error unless they may be replaced.
 fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError> {
     if fs::symlink_metadata(path).is_err() {
         return Ok(false);

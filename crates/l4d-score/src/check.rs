@@ -11,6 +11,9 @@ use crate::reading::{Holes, SceneReader};
 use crate::results::{admit, find_methods, read_card};
 
 /// Checks one method or a folder of them; gives the number of methods.
+///
+/// # Errors
+/// A folder that cannot be listed, and truth that is damaged.
 pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<usize, DataError> {
     let methods = find_methods(root, report)?;
     for dir in &methods {

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use l4d_data::{Name, QueryId};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 use crate::metrics::{QueryTally, Ratios};
@@ -31,7 +31,7 @@ const MOST_FLAT_DRAWS: f64 = 0.01;
 const ROUNDING: f64 = 1e-12;
 
 /// A mean over queries, and how far it may be off.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Mean over queries.
     pub value: f64,

@@ -10,9 +10,9 @@ pub const CARD_MISMATCH: &str = "L4D303";
 pub const UNKNOWN_SCENE: &str = "L4D304";
 /// Masks for a query that the scene does not have.
 pub const UNKNOWN_QUERY: &str = "L4D305";
-/// A file or a frame that has no meaning where it stands.
+/// A file or a frame that has no meaning where it is.
 pub const UNKNOWN_ENTRY: &str = "L4D306";
-/// The masks of a query stand there both as JSON and as PNG, or a frame stands there twice.
+/// The masks of a query are there both as JSON and as PNG, or a frame is there twice.
 pub const DUPLICATE: &str = "L4D307";
 /// Frames without an answer.
 pub const MISSING: &str = "L4D308";

@@ -13,7 +13,7 @@ use l4d_data::Name;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::cluster::{Estimate, Sample, TAIL, gains, student_quantile};
 use crate::metrics::{QueryTally, Ratios};
@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-9;
 const CHUNK: usize = 10;
 
 /// Two methods on the queries that both have a number for.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Mean over queries of the first less the second, percentage points.
     pub difference: Estimate,
@@ -81,7 +81,7 @@ impl Comparison {
 }
 
 /// One pair of a table of methods.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// Index of the first method.
     pub first: usize,

@@ -66,7 +66,7 @@ pub struct FrameCount {
     pub instance_overlap: u64,
 }
 
-/// A row as it stands in the file, with names that are checked when it is read.
+/// A row of the file, with names that are checked when it is read.
 #[derive(Debug, Serialize, Deserialize)]
 struct Row<N> {
     scene: N,
@@ -127,39 +127,35 @@ impl Row<Name> {
     }
 }
 
-/// Writes `counts.csv` row by row; the file appears when all rows stand.
+/// Writes `counts.csv` query by query; the file appears when all rows are there.
 #[derive(Debug)]
-pub struct CountsWriter {
-    file: AtomicFile,
-    has_header: bool,
-}
+pub struct CountsWriter(AtomicFile);
 
 impl CountsWriter {
-    /// Starts the file at `path`.
+    /// Starts the file at `path` with its header.
+    ///
+    /// # Errors
+    /// What the disk refuses.
     pub fn create(path: &Path) -> Result<Self, DataError> {
-        Ok(Self { file: AtomicFile::create(path)?, has_header: false })
+        let mut file = AtomicFile::create(path)?;
+        file.write(&to_csv(&[], true))?;
+        Ok(Self(file))
     }
 
-    /// Appends rows.
-    pub fn write(&mut self, counts: &[FrameCount]) -> Result<(), DataError> {
-        self.write_csv(&to_csv(counts, false))
-    }
-
-    /// Appends rows that are CSV already, without a header.
-    pub fn write_csv(&mut self, rows: &[u8]) -> Result<(), DataError> {
-        if !self.has_header {
-            self.has_header = true;
-            self.file.write(&to_csv(&[], true))?;
-        }
-        self.file.write(rows)
+    /// Appends rows of [`to_csv`].
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn write(&mut self, rows: &[u8]) -> Result<(), DataError> {
+        self.0.write(rows)
     }
 
     /// Puts the file in place.
-    pub fn commit(mut self) -> Result<(), DataError> {
-        if !self.has_header {
-            self.write(&[])?;
-        }
-        self.file.commit()
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn commit(self) -> Result<(), DataError> {
+        self.0.commit()
     }
 }
 
@@ -189,6 +185,9 @@ pub fn to_csv(counts: &[FrameCount], with_header: bool) -> Vec<u8> {
 }
 
 /// Reads a `counts.csv`.
+///
+/// # Errors
+/// A file that cannot be read, and rows that are none or contradict themselves, by line.
 pub fn read(path: &Path) -> Result<Vec<FrameCount>, DataError> {
     let bytes = read_bounded(path, 1 << 30)?;
     let mut rows = csv::Reader::from_reader(bytes.as_slice());
@@ -229,8 +228,8 @@ mod tests {
         let path = folder.path().join("counts.csv");
         let rows = [row(0, State::Hit, Some("bucket_red")), row(12, State::FalseAlarm, None)];
         let mut writer = CountsWriter::create(&path).unwrap();
-        writer.write(&rows[..1]).unwrap();
-        writer.write(&rows[1..]).unwrap();
+        writer.write(&to_csv(&rows[..1], false)).unwrap();
+        writer.write(&to_csv(&rows[1..], false)).unwrap();
         writer.commit().unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let expected = "scene,query,frame,state,intersection,union,predicted,truth,instance,instance_overlap\n\

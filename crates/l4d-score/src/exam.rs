@@ -64,7 +64,7 @@ pub struct Exam {
     pub clip: Vec<u32>,
     /// The scenes asked about, in table order.
     pub scenes: Vec<SceneExam>,
-    /// Bytes of masks that a method may have: [`MOST_BYTES`], until whoever judges says otherwise.
+    /// Bytes of masks that a method may have: [`MOST_BYTES`], unless the caller says otherwise.
     pub most_bytes: u64,
 }
 
@@ -139,6 +139,9 @@ impl SceneExam {
 impl Exam {
     /// Reads what is asked about some scenes; none means all that have queries and truth, and those without are
     /// reported.
+    ///
+    /// # Errors
+    /// Files of the benchmark that are damaged, unknown scenes, and no scene with queries and truth.
     pub fn open(
         bench: Benchmark,
         profile: Profile,

@@ -1,4 +1,4 @@
-//! Folders of strangers: what stands in them, without following a link out of them, and never more of it than any sound
+//! Untrusted folders: what is in them, without following a link out of them, and never more of it than any sound
 //! folder has.
 
 use std::fs;
@@ -46,7 +46,7 @@ pub(crate) fn entries(folder: &Path, report: &mut Report) -> Vec<(String, Kind)>
             report_link(folder, report);
             return Vec::new();
         }
-        // A file in the place of a folder is reported by whoever listed its parent.
+        // A file in the place of a folder is reported where its parent is listed.
         Ok(Kind::File) => return Vec::new(),
         Err(DataError::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => return Vec::new(),
         Err(error) => {

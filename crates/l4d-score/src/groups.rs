@@ -3,52 +3,27 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::{Category, Name, QueryId, Scale, Temporal};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::cluster::{Estimate, FEW_SCENES};
 use crate::exam::Exam;
-use crate::metrics::{QueryTally, Ratios};
+use crate::metrics::{PerMetric, QueryTally};
 use crate::traits::Traits;
 
 /// Each number of a table with its interval, percent.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Estimates {
-    /// [`Ratios::miou`].
-    pub miou: Option<Estimate>,
-    /// [`Ratios::macc`].
-    pub macc: Option<Estimate>,
-    /// [`Ratios::acc25`].
-    pub acc25: Option<Estimate>,
-    /// [`Ratios::acc50`].
-    pub acc50: Option<Estimate>,
-    /// [`Ratios::tube_iou`].
-    pub tube_iou: Option<Estimate>,
-    /// [`Ratios::select`].
-    pub select: Option<Estimate>,
-    /// [`Ratios::false_positive_rate`].
-    pub false_positive_rate: Option<Estimate>,
-}
+pub type Estimates = PerMetric<Option<Estimate>>;
 
 impl Estimates {
     /// Means over some queries.
-    pub fn of(tallies: &[&QueryTally], seed: u64) -> Self {
-        let of = |ratio: fn(&Ratios) -> Option<f64>| Estimate::of_ratio(tallies.iter().copied(), ratio, seed);
-        Self {
-            miou: of(|ratios| ratios.miou),
-            macc: of(|ratios| ratios.macc),
-            acc25: of(|ratios| ratios.acc25),
-            acc50: of(|ratios| ratios.acc50),
-            tube_iou: of(|ratios| ratios.tube_iou),
-            select: of(|ratios| ratios.select),
-            false_positive_rate: of(|ratios| ratios.false_positive_rate),
-        }
+    pub fn over(tallies: &[&QueryTally], seed: u64) -> Self {
+        Self::of(|metric| Estimate::of_ratio(tallies.iter().copied(), |ratios| ratios.get(metric), seed))
     }
 }
 
 /// What the queries of a group have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum GroupKind {
     /// Nothing: all of them.
     All,
     /// A category; a composite query is in each of its two.
@@ -72,7 +47,7 @@ pub enum Kind {
     Query,
 }
 
-impl Kind {
+impl GroupKind {
     /// Name as written in files.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -91,10 +66,10 @@ impl Kind {
 }
 
 /// A group of queries of one method.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     /// What its queries have in common.
-    pub kind: Kind,
+    pub kind: GroupKind,
     /// Which of that kind: `attribute`, `attribute+action`, `room`, `room attribute`, `while`, `small`, `room_gym/003`.
     pub name: String,
     /// Queries with at least one frame that shows the target.
@@ -108,62 +83,68 @@ pub struct Group {
     pub estimates: Estimates,
 }
 
-/// All groups that have a query, by kind, then in the order of the tables.
-pub fn groups(tallies: &[QueryTally], exam: &Exam, seed: u64) -> Vec<Group> {
+/// All groups of the wanted kinds that have a query, by kind, then in the order of the tables.
+pub fn groups(
+    tallies: &[QueryTally],
+    exam: &Exam,
+    is_wanted: impl Fn(GroupKind) -> bool,
+    seed: u64,
+) -> Vec<Group> {
     let traits: BTreeMap<&QueryId, Traits> = exam
         .scenes
         .iter()
         .flat_map(|scene| scene.queries.iter().zip(&scene.traits))
         .map(|(query, &traits)| (&query.id, traits))
         .collect();
-    let mut members: BTreeMap<(Kind, usize, String), Vec<&QueryTally>> = BTreeMap::new();
+    let mut members: BTreeMap<(GroupKind, usize, String), Vec<&QueryTally>> = BTreeMap::new();
     let scenes: Vec<&Name> = exam.scenes.iter().map(|scene| &scene.name).collect();
     for tally in tallies {
-        for place in places(tally, traits.get(&tally.facts.id), &scenes) {
+        let places = places(tally, traits.get(&tally.facts.id), &scenes);
+        for place in places.into_iter().filter(|(kind, ..)| is_wanted(*kind)) {
             members.entry(place).or_default().push(tally);
         }
     }
     members.into_iter().map(|((kind, _, name), tallies)| group(kind, name, &tallies, seed)).collect()
 }
 
-/// Kind, rank among its kind, and name of the groups of a query.
-fn places(tally: &QueryTally, traits: Option<&Traits>, scenes: &[&Name]) -> Vec<(Kind, usize, String)> {
+/// GroupKind, rank among its kind, and name of the groups of a query.
+fn places(tally: &QueryTally, traits: Option<&Traits>, scenes: &[&Name]) -> Vec<(GroupKind, usize, String)> {
     let facts = &tally.facts;
     let scale = Scale::ALL.iter().position(|scale| *scale == facts.scale).unwrap_or_default();
     let scene = scenes.iter().position(|scene| **scene == facts.id.scene).unwrap_or(scenes.len());
     let mut places = vec![
-        (Kind::All, 0, "all".to_owned()),
-        (Kind::Scale, scale, facts.scale.as_str().to_owned()),
-        (Kind::Scene, scene, facts.id.scene.to_string()),
-        (Kind::Query, scene, facts.id.to_string()),
+        (GroupKind::All, 0, "all".to_owned()),
+        (GroupKind::Scale, scale, facts.scale.as_str().to_owned()),
+        (GroupKind::Scene, scene, facts.id.scene.to_string()),
+        (GroupKind::Query, scene, facts.id.to_string()),
     ];
     let rank =
         |category: Category| Category::ALL.iter().position(|other| *other == category).unwrap_or_default();
     for &category in &facts.categories {
         let name = category.as_str();
-        places.push((Kind::Category, rank(category), name.to_owned()));
+        places.push((GroupKind::Category, rank(category), name.to_owned()));
         let of_scale = format!("{} {name}", facts.scale.as_str());
-        places.push((Kind::ScaleCategory, Category::ALL.len() * scale + rank(category), of_scale));
+        places.push((GroupKind::ScaleCategory, Category::ALL.len() * scale + rank(category), of_scale));
     }
     if let [first, second] = facts.categories[..] {
         let name = format!("{}+{}", first.as_str(), second.as_str());
-        places.push((Kind::Composite, Category::ALL.len() * rank(first) + rank(second), name));
+        places.push((GroupKind::Composite, Category::ALL.len() * rank(first) + rank(second), name));
     }
     if let Some(traits) = traits {
         let temporal = match traits.temporal {
             Temporal::Whole => (0, "whole"),
             Temporal::While => (1, "while"),
         };
-        places.push((Kind::Temporal, temporal.0, temporal.1.to_owned()));
-        places.extend(traits.size.map(|size| (Kind::Size, size as usize, size.as_str().to_owned())));
+        places.push((GroupKind::Temporal, temporal.0, temporal.1.to_owned()));
+        places.extend(traits.size.map(|size| (GroupKind::Size, size as usize, size.as_str().to_owned())));
         places.extend(
-            traits.occlusion.map(|found| (Kind::Occlusion, found as usize, found.as_str().to_owned())),
+            traits.occlusion.map(|found| (GroupKind::Occlusion, found as usize, found.as_str().to_owned())),
         );
     }
     places
 }
 
-fn group(kind: Kind, name: String, tallies: &[&QueryTally], seed: u64) -> Group {
+fn group(kind: GroupKind, name: String, tallies: &[&QueryTally], seed: u64) -> Group {
     let counted = || tallies.iter().filter(|tally| tally.is_counted());
     let scenes = counted().map(|tally| &tally.facts.id.scene).collect::<BTreeSet<_>>().len();
     Group {
@@ -172,6 +153,6 @@ fn group(kind: Kind, name: String, tallies: &[&QueryTally], seed: u64) -> Group 
         queries: counted().count(),
         scenes,
         few_scenes: scenes < FEW_SCENES,
-        estimates: Estimates::of(tallies, seed),
+        estimates: Estimates::over(tallies, seed),
     }
 }

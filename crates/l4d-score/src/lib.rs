@@ -2,7 +2,7 @@
 //!
 //! Counts come first: for every query and frame a [`counts::FrameCount`], written to `counts.csv`. Every number of
 //! a table is derived from those rows by [`metrics`] and [`averages`], so that anyone can do it again. Definitions and worked
-//! examples stand in `docs/scoring.md`, which is also a test.
+//! examples are in `docs/scoring.md`, which is also a test.
 //!
 //! Uncertainty comes last, from the same rows: [`Estimate::of_ratio`] is a mean with its standard error and interval,
 //! [`Comparison::of`] holds two methods against each other, [`all_pairs`] all methods of a table. All of them take
@@ -42,8 +42,8 @@ pub use cluster::Estimate;
 pub use compare::{Comparison, Pair, all_pairs, holm};
 pub use counts::{FrameCount, State};
 pub use exam::{Exam, QuerySet};
-pub use groups::{Estimates, Group, groups};
-pub use metrics::{Metrics, Missing, Options};
+pub use groups::{Estimates, Group, GroupKind, groups};
+pub use metrics::{Metric, Metrics, Missing, Options, PerMetric};
 pub use protocols::Protocol;
 pub use score::{Scored, score_results};
 pub use summary::Summary;

@@ -21,7 +21,7 @@ pub enum Missing {
     Skip,
 }
 
-/// Choices that change numbers. They stand beside every score.
+/// Choices that change numbers. They are beside every score.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Options {
@@ -128,7 +128,11 @@ pub struct QueryTally {
 
 impl QueryTally {
     /// Adds up the rows of one query.
-    pub fn of(facts: QueryFacts, counts: &[FrameCount], options: &Options) -> Self {
+    pub fn of<'a>(
+        facts: QueryFacts,
+        counts: impl IntoIterator<Item = &'a FrameCount>,
+        options: &Options,
+    ) -> Self {
         let mut sums = Sums::default();
         let mut missing_frames = 0;
         let mut overlaps: BTreeMap<&Name, u64> = BTreeMap::new();
@@ -178,96 +182,165 @@ impl QueryTally {
     }
 }
 
-/// The instance that the answer to a query overlaps most over the clip; `counts` are the rows of the query. Among equals
+/// The instance that the answer to a query overlaps most over the clip; `counts` are its rows. Among equals
 /// an instance that is not meant, as `select` has it, then the first by name.
-pub fn taken<'a>(query: &Query, counts: impl IntoIterator<Item = &'a FrameCount>) -> Option<&'a Name> {
+pub fn taken<'a>(referents: &[Name], counts: impl IntoIterator<Item = &'a FrameCount>) -> Option<&'a Name> {
     let mut overlaps: BTreeMap<&Name, u64> = BTreeMap::new();
     for count in counts {
         if let Some(instance) = &count.instance {
             *overlaps.entry(instance).or_default() += count.instance_overlap;
         }
     }
-    let order = |(name, overlap): &(&Name, u64)| (*overlap, !query.referents.contains(name));
+    let order = |(name, overlap): &(&Name, u64)| (*overlap, !referents.contains(name));
     // The last of equals is taken, so the first by name has to come last.
     overlaps.into_iter().rev().max_by_key(order).map(|(name, _)| name)
 }
 
-/// Ratios, 0 to 1; none where the denominator is zero.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Ratios {
-    /// Mean IoU over the frames in which the target is present.
-    pub miou: Option<f64>,
+/// What is measured; docs/scoring.md defines each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Metric {
+    /// Mean IoU over the frames in which the target is present. The headline.
+    Miou,
     /// Share of those frames that are hit.
-    pub macc: Option<f64>,
+    Macc,
     /// Share of those frames with IoU above 0.25.
-    pub acc25: Option<f64>,
+    Acc25,
     /// Share of those frames with IoU above 0.5.
-    pub acc50: Option<f64>,
+    Acc50,
     /// Intersections over unions, summed over the clip.
-    pub tube_iou: Option<f64>,
+    TubeIou,
     /// Whether the referent is the instance that the prediction overlaps most.
-    pub select: Option<f64>,
-    /// Share of the frames without a target in which something was predicted.
-    pub false_positive_rate: Option<f64>,
+    Select,
+    /// Share of the frames without a target in which something was predicted; lower is better.
+    FalsePositiveRate,
 }
 
-impl Ratios {
-    fn by_column(all: &[Self], combine: impl Fn(&mut dyn Iterator<Item = f64>) -> Option<f64>) -> Self {
-        let column = |field: fn(&Self) -> Option<f64>| combine(&mut all.iter().filter_map(field));
-        Self {
-            miou: column(|ratios| ratios.miou),
-            macc: column(|ratios| ratios.macc),
-            acc25: column(|ratios| ratios.acc25),
-            acc50: column(|ratios| ratios.acc50),
-            tube_iou: column(|ratios| ratios.tube_iou),
-            select: column(|ratios| ratios.select),
-            false_positive_rate: column(|ratios| ratios.false_positive_rate),
+impl Metric {
+    /// All metrics in column order; the first is the headline.
+    pub const ALL: [Self; 7] = [
+        Self::Miou,
+        Self::Macc,
+        Self::Acc25,
+        Self::Acc50,
+        Self::TubeIou,
+        Self::Select,
+        Self::FalsePositiveRate,
+    ];
+
+    /// Name in files.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Miou => "miou",
+            Self::Macc => "macc",
+            Self::Acc25 => "acc25",
+            Self::Acc50 => "acc50",
+            Self::TubeIou => "tube_iou",
+            Self::Select => "select",
+            Self::FalsePositiveRate => "false_positive_rate",
         }
     }
 
-    /// Column-wise means; a missing value is left out of its column.
-    pub(crate) fn mean(all: &[Self]) -> Self {
-        Self::by_column(all, |values| {
-            let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value, count + 1));
-            (count > 0).then(|| sum / count as f64)
-        })
+    /// Title of a column.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Miou => "mIoU",
+            Self::Macc => "mAcc",
+            Self::Acc25 => "Acc@0.25",
+            Self::Acc50 => "Acc@0.5",
+            Self::TubeIou => "tube IoU",
+            Self::Select => "select",
+            Self::FalsePositiveRate => "FPR",
+        }
     }
+
+    /// Whether more is better.
+    pub fn higher_is_better(self) -> bool {
+        self != Self::FalsePositiveRate
+    }
+}
+
+/// One value per metric.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct PerMetric<T> {
+    /// [`Metric::Miou`].
+    pub miou: T,
+    /// [`Metric::Macc`].
+    pub macc: T,
+    /// [`Metric::Acc25`].
+    pub acc25: T,
+    /// [`Metric::Acc50`].
+    pub acc50: T,
+    /// [`Metric::TubeIou`].
+    pub tube_iou: T,
+    /// [`Metric::Select`].
+    pub select: T,
+    /// [`Metric::FalsePositiveRate`].
+    pub false_positive_rate: T,
+}
+
+impl<T: Copy> PerMetric<T> {
+    /// Makes each value.
+    pub fn of(value: impl Fn(Metric) -> T) -> Self {
+        Self {
+            miou: value(Metric::Miou),
+            macc: value(Metric::Macc),
+            acc25: value(Metric::Acc25),
+            acc50: value(Metric::Acc50),
+            tube_iou: value(Metric::TubeIou),
+            select: value(Metric::Select),
+            false_positive_rate: value(Metric::FalsePositiveRate),
+        }
+    }
+
+    /// The value of a metric.
+    pub fn get(&self, metric: Metric) -> T {
+        match metric {
+            Metric::Miou => self.miou,
+            Metric::Macc => self.macc,
+            Metric::Acc25 => self.acc25,
+            Metric::Acc50 => self.acc50,
+            Metric::TubeIou => self.tube_iou,
+            Metric::Select => self.select,
+            Metric::FalsePositiveRate => self.false_positive_rate,
+        }
+    }
+}
+
+/// Ratios, 0 to 1; none where the denominator is zero.
+pub type Ratios = PerMetric<Option<f64>>;
+
+impl Ratios {
+    /// Means by metric; a missing value is left out.
+    pub(crate) fn mean(all: &[Self]) -> Self {
+        Self::of(|metric| mean(all.iter().filter_map(|ratios| ratios.get(metric))))
+    }
+}
+
+/// The mean of some values, summed in their order; none without any.
+pub(crate) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.into_iter().fold((0.0, 0_u64), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
 }
 
 /// A row of a table: percentages and how many queries they rest on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
-    /// Mean IoU over frames with the target, percent.
-    pub miou: Option<f64>,
-    /// Mean accuracy, percent.
-    pub macc: Option<f64>,
-    /// The same with IoU above 0.25, percent.
-    pub acc25: Option<f64>,
-    /// The same with IoU above 0.5, percent.
-    pub acc50: Option<f64>,
-    /// Spatio-temporal IoU, percent.
-    pub tube_iou: Option<f64>,
-    /// Share of queries whose most-overlapped instance is the referent, percent.
-    pub select: Option<f64>,
-    /// Share of frames without a target in which something was predicted, percent; lower is better.
-    pub false_positive_rate: Option<f64>,
+    /// Percent.
+    #[serde(flatten)]
+    pub percent: PerMetric<Option<f64>>,
     /// Queries with at least one frame that shows the target.
     pub queries: usize,
 }
 
 impl Metrics {
     pub(crate) fn new(ratios: &Ratios, queries: usize) -> Self {
-        let percent = |ratio: Option<f64>| ratio.map(|ratio| 100.0 * ratio);
-        Self {
-            miou: percent(ratios.miou),
-            macc: percent(ratios.macc),
-            acc25: percent(ratios.acc25),
-            acc50: percent(ratios.acc50),
-            tube_iou: percent(ratios.tube_iou),
-            select: percent(ratios.select),
-            false_positive_rate: percent(ratios.false_positive_rate),
-            queries,
-        }
+        Self { percent: PerMetric::of(|metric| ratios.get(metric).map(|ratio| 100.0 * ratio)), queries }
+    }
+
+    /// A metric, percent.
+    pub fn get(&self, metric: Metric) -> Option<f64> {
+        self.percent.get(metric)
     }
 }
 

@@ -6,25 +6,24 @@
 //! and every table, file and document bears the name of the protocol.
 //!
 //! A protocol sees masks and truth. Where masks come from, and how relevancy was cut into them, is not its business;
-//! what can only be told from relevancy is told where [`Summits`] are given.
+//! what needs relevancy has a value only where [`Summits`] are given.
 
 mod boundary;
 mod davis;
 mod four_d_langsplat;
 mod gaussian_grouping;
-mod hc_stvg;
 mod judged;
 mod langsplat;
 mod mevis;
-mod opengaussian;
 mod record;
-mod region;
 mod run;
 mod seen;
 mod sheet;
 
 use std::fmt;
 use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
 
 pub use judged::{Judged, LeftOut, Value};
 pub use record::{Origin, Record};
@@ -33,12 +32,11 @@ pub use seen::{Clip, Seen, Summits};
 pub use sheet::{Row, Sheet, file_stem, render};
 
 /// Whose evaluation is done again.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(into = "&'static str", try_from = "String")]
 pub enum Protocol {
     /// LangSplat, `eval/evaluate_iou_loc.py`.
     LangSplat,
-    /// LangSplatV2, `eval_lerf.py`.
-    LangSplatV2,
     /// 4D LangSplat, `eval/eval.py`.
     FourDLangSplat,
     /// DAVIS 2017, semi-supervised.
@@ -47,10 +45,6 @@ pub enum Protocol {
     Mevis,
     /// Gaussian Grouping, `script/eval_lerf_mask.py`.
     GaussianGrouping,
-    /// OpenGaussian, `scripts/compute_lerf_iou.py`.
-    OpenGaussian,
-    /// HC-STVG, `eval_hcvg.py`.
-    HcStvg,
 }
 
 /// A number that a source reports.
@@ -82,66 +76,54 @@ pub enum Averaging {
     Queries,
 }
 
+/// Everything that tells one protocol from another.
+struct Rules {
+    /// Name in options, files and tables.
+    name: &'static str,
+    /// The evaluation that is done again.
+    source: &'static str,
+    /// What the source reports, in the order of [`Judged::values`].
+    measures: &'static [Measure],
+    on_missing: OnMissing,
+    averaging: Averaging,
+    /// What one has to know before setting these numbers beside those of a paper.
+    remark: &'static str,
+    judge: fn(&Clip<'_>) -> Judged,
+}
+
 impl Protocol {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 8] = [
-        Self::LangSplat,
-        Self::LangSplatV2,
-        Self::FourDLangSplat,
-        Self::Davis,
-        Self::Mevis,
-        Self::GaussianGrouping,
-        Self::OpenGaussian,
-        Self::HcStvg,
-    ];
+    pub const ALL: [Self; 5] =
+        [Self::LangSplat, Self::FourDLangSplat, Self::Davis, Self::Mevis, Self::GaussianGrouping];
+
+    fn rules(self) -> &'static Rules {
+        match self {
+            Self::LangSplat => &langsplat::RULES,
+            Self::FourDLangSplat => &four_d_langsplat::RULES,
+            Self::Davis => &davis::RULES,
+            Self::Mevis => &mevis::RULES,
+            Self::GaussianGrouping => &gaussian_grouping::RULES,
+        }
+    }
 
     /// Name in options, files and tables.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Self::LangSplat => "langsplat",
-            Self::LangSplatV2 => "langsplat-v2",
-            Self::FourDLangSplat => "4d-langsplat",
-            Self::Davis => "davis",
-            Self::Mevis => "mevis",
-            Self::GaussianGrouping => "gaussian-grouping",
-            Self::OpenGaussian => "opengaussian",
-            Self::HcStvg => "hc-stvg",
-        }
+        self.rules().name
     }
 
     /// The evaluation that is done again.
     pub fn source(self) -> &'static str {
-        match self {
-            Self::LangSplat => "LangSplat, eval/evaluate_iou_loc.py",
-            Self::LangSplatV2 => "LangSplatV2, eval_lerf.py",
-            Self::FourDLangSplat => "4D LangSplat, eval/eval.py",
-            Self::Davis => "DAVIS 2017, semi-supervised",
-            Self::Mevis => "MeViS, tools/eval_mevis.py",
-            Self::GaussianGrouping => "Gaussian Grouping, script/eval_lerf_mask.py",
-            Self::OpenGaussian => "OpenGaussian, scripts/compute_lerf_iou.py",
-            Self::HcStvg => "HC-STVG, eval_hcvg.py, on the boxes around the masks",
-        }
+        self.rules().source
     }
 
-    /// What the source reports, in the order of its [`Judged::values`].
+    /// What the source reports, in the order of [`Judged::values`].
     pub fn measures(self) -> &'static [Measure] {
-        match self {
-            Self::LangSplat | Self::LangSplatV2 => langsplat::MEASURES,
-            Self::FourDLangSplat => four_d_langsplat::MEASURES,
-            Self::Davis => davis::MEASURES,
-            Self::Mevis => mevis::MEASURES,
-            Self::GaussianGrouping => gaussian_grouping::MEASURES,
-            Self::OpenGaussian => opengaussian::MEASURES,
-            Self::HcStvg => hc_stvg::MEASURES,
-        }
+        self.rules().measures
     }
 
     /// What a frame without an answer does to the source.
     pub fn on_missing(self) -> OnMissing {
-        match self {
-            Self::LangSplat | Self::LangSplatV2 | Self::FourDLangSplat | Self::Davis => OnMissing::Stops,
-            Self::Mevis | Self::GaussianGrouping | Self::OpenGaussian | Self::HcStvg => OnMissing::OwnRule,
-        }
+        self.rules().on_missing
     }
 
     /// Whether the source brings predictions of another size to that of the truth.
@@ -149,54 +131,19 @@ impl Protocol {
         self == Self::GaussianGrouping
     }
 
-    /// How values become one number.
+    /// How values of queries become one number.
     pub fn averaging(self) -> Averaging {
-        match self {
-            Self::LangSplat | Self::LangSplatV2 | Self::OpenGaussian => Averaging::PairsThenScenes,
-            Self::FourDLangSplat | Self::GaussianGrouping => Averaging::QueriesThenScenes,
-            Self::Davis | Self::Mevis | Self::HcStvg => Averaging::Queries,
-        }
+        self.rules().averaging
     }
 
     /// What one has to know before setting these numbers beside those of a paper.
     pub fn remark(self) -> &'static str {
-        match self {
-            Self::LangSplat => {
-                "The source cuts relevancy at 0.7 of its own range and looks at frames that show the object; \
-                 here masks are as they were given. Localization accuracy needs relevancy: `l4d import langsplat`."
-            }
-            Self::LangSplatV2 => {
-                "On the same masks the sums are LangSplat's; the source differs before them (pool of 29, majority to \
-                 the border), which only latents show: `l4d import langsplat`."
-            }
-            Self::FourDLangSplat => {
-                "An answer of at least one pixel says that the sentence holds; the source says so where the \
-                 features of time are closer to it than on average."
-            }
-            Self::Davis => "A query is an object. There are no void pixels.",
-            Self::Mevis => "A query is an expression, a scene a video.",
-            Self::GaussianGrouping => "The source writes masks above 128; here they are as they were given.",
-            Self::OpenGaussian => {
-                "The source cuts its silhouettes above 10 of 255; here masks are as they were given."
-            }
-            Self::HcStvg => {
-                "The source is given boxes; here they are those around the masks, and time is counted in frames \
-                 of the profile."
-            }
-        }
+        self.rules().remark
     }
 
     /// Judges the answers to one query.
     pub fn judge(self, clip: &Clip<'_>) -> Judged {
-        match self {
-            Self::LangSplat | Self::LangSplatV2 => langsplat::judge(clip),
-            Self::FourDLangSplat => four_d_langsplat::judge(clip),
-            Self::Davis => davis::judge(clip),
-            Self::Mevis => mevis::judge(clip),
-            Self::GaussianGrouping => gaussian_grouping::judge(clip),
-            Self::OpenGaussian => opengaussian::judge(clip),
-            Self::HcStvg => hc_stvg::judge(clip),
-        }
+        (self.rules().judge)(clip)
     }
 }
 
@@ -218,6 +165,20 @@ impl fmt::Display for UnknownProtocol {
 }
 
 impl std::error::Error for UnknownProtocol {}
+
+impl From<Protocol> for &'static str {
+    fn from(protocol: Protocol) -> Self {
+        protocol.as_str()
+    }
+}
+
+impl TryFrom<String> for Protocol {
+    type Error = UnknownProtocol;
+
+    fn try_from(name: String) -> Result<Self, UnknownProtocol> {
+        name.parse()
+    }
+}
 
 impl FromStr for Protocol {
     type Err = UnknownProtocol;

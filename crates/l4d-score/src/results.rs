@@ -1,7 +1,7 @@
 //! Finds the results of methods, reads their cards and looks through their folders, and reports every problem
 //! instead of stopping at the first.
 //!
-//! Results come from strangers: names are compared with what is asked and never joined to a path otherwise, links
+//! Results are untrusted: names are compared with what is asked and never joined to a path otherwise, links
 //! are refused, files have a largest size.
 
 use std::collections::BTreeMap;
@@ -23,13 +23,16 @@ use crate::folder::{Kind, entries, kind_of, list, report_link};
 pub const PROTOCOL: &str = "l4d";
 /// No card is larger.
 const MAX_CARD_BYTES: u64 = 1 << 20;
-/// Unit in which people are told.
+/// Unit of messages.
 pub const MEGABYTE: u64 = 1_000_000;
-/// Bytes of masks that one method may have unless whoever judges says otherwise. Noise in every frame of the profile full
+/// Bytes of masks that one method may have unless the caller says otherwise. Noise in every frame of the profile full
 /// takes a quarter of it as 1-bit PNG.
 pub const MOST_BYTES: u64 = 4000 * MEGABYTE;
 
 /// Finds the methods in a folder: the folder itself if it holds a card or masks, else each of its folders.
+///
+/// # Errors
+/// A folder that cannot be listed.
 pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>, DataError> {
     // `l4d score .` must know its name.
     let root = match root.file_name() {
@@ -37,7 +40,7 @@ pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>,
         None => fs::canonicalize(root).map_err(|source| DataError::io(root, "open", source))?,
     };
     fs::read_dir(&root).map_err(|source| DataError::io(&root, "list the folder", source))?;
-    // Asked by name: a method may stand beside more than a list could hold.
+    // Asked by name: a method may be beside more than a list could hold.
     if ["method.json", "masks"].iter().any(|name| fs::symlink_metadata(root.join(name)).is_ok()) {
         return Ok(vec![ResultsDir::new(root)]);
     }
@@ -55,6 +58,30 @@ pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>,
         report.error(codes::NO_RESULTS, &root, "folder", "holds no results of any method", hint);
     }
     Ok(methods)
+}
+
+/// Judges every method of a folder whose card fits and whose masks are not too much; gives what `judge` made of them.
+/// `progress` gets the name of each method that was read.
+pub(crate) fn each_method<T>(
+    root: &Path,
+    exam: &Exam,
+    resize: bool,
+    report: &mut Report,
+    progress: impl Fn(&str),
+    mut judge: impl FnMut(&ResultsDir, MethodCard, &mut Report) -> Result<Option<T>, DataError>,
+) -> Result<Vec<T>, DataError> {
+    let mut judged = Vec::new();
+    for dir in find_methods(root, report)? {
+        let mut found = Report::default();
+        if let Some(card) = read_card(&dir, exam, resize, &mut found)
+            && admit(&dir, exam, resize, &mut found)
+        {
+            judged.extend(judge(&dir, card, &mut found)?);
+        }
+        report.extend(found);
+        progress(&dir.root().file_name().unwrap_or_default().to_string_lossy());
+    }
+    Ok(judged)
 }
 
 /// Reads `method.json` and checks that the masks were made for this exam; none if they cannot be scored.

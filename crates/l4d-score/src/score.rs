@@ -15,7 +15,7 @@ use crate::exam::{Exam, SceneExam};
 use crate::judge::QueryJudge;
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{PROTOCOL, admit, find_methods, read_card};
+use crate::results::{PROTOCOL, each_method};
 use crate::summary::Summary;
 
 /// Scores of all methods of a folder that have no error.
@@ -55,8 +55,11 @@ pub fn summary_path(scores: &Path, method: &str) -> PathBuf {
 }
 
 /// Scores one method or a folder of them into `scores/<method>/`. A method with an error finding is not scored and
-/// the scores that it had before stay. `progress` is told the name of
-/// each method that was read.
+/// the scores that it had before stay. `progress` gets the name of each method that
+/// was read.
+///
+/// # Errors
+/// No query to score, a folder that cannot be listed, truth that is damaged, and what the disk refuses.
 pub fn score_results(
     root: &Path,
     exam: &Exam,
@@ -65,7 +68,6 @@ pub fn score_results(
     progress: impl Fn(&str),
 ) -> Result<Scored, DataError> {
     let mut report = Report::default();
-    let mut summaries = Vec::new();
     let asked =
         exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
     if asked == 0 {
@@ -77,16 +79,9 @@ pub fn score_results(
             remedy,
         ));
     }
-    for dir in find_methods(root, &mut report)? {
-        let mut found = Report::default();
-        if let Some(card) = read_card(&dir, exam, options.resize, &mut found)
-            && let Some(summary) = score_method(&dir, card, exam, options, scores, &mut found)?
-        {
-            summaries.push(summary);
-        }
-        report.extend(found);
-        progress(&dir.root().file_name().unwrap_or_default().to_string_lossy());
-    }
+    let summaries = each_method(root, exam, options.resize, &mut report, progress, |dir, card, found| {
+        score_method(dir, card, exam, options, scores, found)
+    })?;
     if let Some(first) = summaries.first() {
         report_never_present(first, exam, &mut report);
     }
@@ -101,9 +96,6 @@ fn score_method(
     scores: &Path,
     report: &mut Report,
 ) -> Result<Option<Summary>, DataError> {
-    if !admit(dir, exam, options.resize, report) {
-        return Ok(None);
-    }
     let mut writer = CountsWriter::create(&counts_path(scores, &card.name))?;
     let mut tallies = Vec::new();
     // As many scenes at once as there are threads: their truth is all that memory must hold.
@@ -115,7 +107,7 @@ fn score_method(
         for JudgedScene { queries, report: found } in judged {
             report.extend(found);
             for (tally, rows) in queries {
-                writer.write_csv(&rows)?;
+                writer.write(&rows)?;
                 tallies.push(tally);
             }
         }
@@ -164,16 +156,22 @@ fn judge_scene(
     Ok(JudgedScene { queries, report })
 }
 
+/// The rows of each query, in the order of the file.
+pub fn rows_by_query(counts: &[FrameCount]) -> BTreeMap<&QueryId, Vec<&FrameCount>> {
+    let mut rows: BTreeMap<&QueryId, Vec<&FrameCount>> = BTreeMap::new();
+    for count in counts {
+        rows.entry(&count.query).or_default().push(count);
+    }
+    rows
+}
+
 /// Sums up rows that were read back from `counts.csv`: the same numbers as when they were counted.
 pub fn tallies_of_counts(counts: &[FrameCount], exam: &Exam, options: &Options) -> Vec<QueryTally> {
-    let mut rows: BTreeMap<&QueryId, Vec<FrameCount>> = BTreeMap::new();
-    for count in counts {
-        rows.entry(&count.query).or_default().push(count.clone());
-    }
+    let rows = rows_by_query(counts);
     let mut tallies = Vec::new();
     for scene in &exam.scenes {
         for query in scene.queries.iter().filter(|query| options.takes(query)) {
-            let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice);
+            let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice).iter().copied();
             tallies.push(QueryTally::of(QueryFacts::of(query, scene.scale), rows, options));
         }
     }

@@ -117,15 +117,18 @@ impl Summary {
         }
     }
 
-    /// Why the method is shown for scale and never ranked, whoever it is compared with; nothing for one that competes.
+    /// Why the method is shown for scale and never ranked; empty for one that competes.
     pub fn unranked_because(&self) -> Vec<&'static str> {
         let mut reasons = handicaps(&self.name, self.baseline, &self.used);
         reasons.extend(self.partial.then_some(PARTIAL));
-        reasons.extend(self.scores.headline.miou.is_none().then_some("no query with a target"));
+        reasons.extend(self.scores.headline.percent.miou.is_none().then_some("no query with a target"));
         reasons
     }
 
     /// Reads a summary.
+    ///
+    /// # Errors
+    /// A file that is no summary, or of another schema.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let summary: Self = json::read(path)?;
         if summary.schema != SCHEMA {

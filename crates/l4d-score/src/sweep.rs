@@ -2,7 +2,7 @@
 //!
 //! Two kinds of thresholds. That of a hit is part of the metric, and the curve over it needs masks alone. That of a mask
 //! belongs to the method, and the curve over it needs its relevancy (`soft/`). A threshold that was chosen by looking at the
-//! truth is an oracle: such numbers stand in files of their own, are labelled, and are no scores. Nothing here is written
+//! truth is an oracle: such numbers are in files of their own, are labelled, and are no scores. Nothing here is written
 //! where a leaderboard would look.
 
 use std::collections::BTreeMap;
@@ -19,16 +19,16 @@ use crate::codes;
 use crate::exam::{Exam, SceneExam};
 use crate::folder::{Kind, kind_of, report_link};
 use crate::judge::judge_query;
-use crate::metrics::Options;
+use crate::metrics::{Options, mean};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{admit, find_methods, read_card};
+use crate::results::each_method;
 use crate::truth::SceneTruth;
 
 /// Relevancy is a byte: inside is what lies strictly above one of these.
 const LEVELS: usize = 255;
 /// Thresholds of a hit: multiples of a twentieth, from 0.
 const HITS: usize = 20;
-/// What stands wherever such a number does.
+/// Written beside every such number.
 pub const LABEL: &str =
     "sweep: thresholds chosen by looking at the truth are no scores, and nothing here is ranked";
 
@@ -102,6 +102,9 @@ struct Soft {
 
 /// Sweeps one method or a folder of them and writes `<sweeps>/<method>/sweep.{json,csv}`. A method with an error finding
 /// has no curves.
+///
+/// # Errors
+/// A folder that cannot be listed, truth that is damaged, and what the disk refuses.
 pub fn sweep_results(
     root: &Path,
     exam: &Exam,
@@ -110,27 +113,20 @@ pub fn sweep_results(
     report: &mut Report,
     progress: impl Fn(&str),
 ) -> Result<Vec<Sweep>, DataError> {
-    let mut found = Vec::new();
-    for dir in find_methods(root, report)? {
-        let mut problems = Report::default();
-        if let Some(card) = read_card(&dir, exam, options.resize, &mut problems) {
-            let is_admitted = admit(&dir, exam, options.resize, &mut problems);
-            let mut scenes = Vec::new();
-            for scene in exam.scenes.iter().filter(|_| is_admitted) {
-                scenes.push(sweep_scene(&dir, scene, exam, options, &mut problems)?);
-            }
-            if !problems.has_errors() {
-                let sweep = summed(card.name, &scenes);
-                let folder = sweeps.join(sweep.name.as_str());
-                write_atomic(&folder.join("sweep.csv"), to_csv(&sweep).as_bytes())?;
-                file::write(&folder.join("sweep.json"), &sweep)?;
-                found.push(sweep);
-            }
+    each_method(root, exam, options.resize, report, progress, |dir, card, found| {
+        let mut scenes = Vec::new();
+        for scene in &exam.scenes {
+            scenes.push(sweep_scene(dir, scene, exam, options, found)?);
         }
-        report.extend(problems);
-        progress(&dir.root().file_name().unwrap_or_default().to_string_lossy());
-    }
-    Ok(found)
+        if found.has_errors() {
+            return Ok(None);
+        }
+        let sweep = summed(card.name, &scenes);
+        let folder = sweeps.join(sweep.name.as_str());
+        write_atomic(&folder.join("sweep.csv"), to_csv(&sweep).as_bytes())?;
+        file::write(&folder.join("sweep.json"), &sweep)?;
+        Ok(Some(sweep))
+    })
 }
 
 fn sweep_scene(
@@ -337,11 +333,6 @@ fn relevancy(scenes: &[Vec<Swept>]) -> Option<Relevancy> {
         oracle_by_scene: (count > 0).then(|| sum / count as f64),
         oracle_by_query: mean(all.iter().filter_map(|soft| best(&[*soft])).map(|(_, miou)| miou)),
     })
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }
 
 fn percent(ratio: f64) -> f64 {

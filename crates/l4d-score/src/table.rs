@@ -6,8 +6,8 @@ use l4d_data::results::Track;
 use l4d_data::{Category, Scale};
 
 use crate::cluster::{Estimate, FEW_SCENES};
-use crate::groups::{Group, Kind};
-use crate::metrics::Metrics;
+use crate::groups::{Group, GroupKind};
+use crate::metrics::{Metric, Metrics};
 use crate::summary::Summary;
 
 const NAME_WIDTH: usize = 24;
@@ -36,9 +36,9 @@ pub fn render_groups(name: &str, groups: &[Group]) -> String {
     let titles = COLUMNS.iter().map(|title| format!("{title:>20}"));
     line(&mut text, "group", ["  queries scenes".to_owned()].into_iter().chain(titles));
     let mut is_rough = false;
-    for group in groups.iter().filter(|group| group.kind != Kind::Query) {
+    for group in groups.iter().filter(|group| group.kind != GroupKind::Query) {
         let name = match group.kind {
-            Kind::All | Kind::Scene | Kind::ScaleCategory => group.name.clone(),
+            GroupKind::All | GroupKind::Scene | GroupKind::ScaleCategory => group.name.clone(),
             kind => format!("{} {}", kind.as_str(), group.name),
         };
         // A single scene has no interval to distrust.
@@ -68,10 +68,8 @@ fn headline(text: &mut String, summaries: &[Summary]) {
     let titles = COLUMNS.iter().map(|title| format!("{title:>8}"));
     line(text, "method", titles);
     for summary in summaries {
-        let Metrics { miou, macc, acc25, acc50, tube_iou, select, false_positive_rate, queries } =
-            summary.scores.headline;
-        let values = [miou, macc, acc25, acc50, tube_iou, select, false_positive_rate];
-        let cells = values.into_iter().map(|value| format!("{:>8}", percent(value)));
+        let Metrics { percent: values, queries } = &summary.scores.headline;
+        let cells = Metric::ALL.into_iter().map(|metric| format!("{:>8}", percent(values.get(metric))));
         let track = if summary.used.depth { DEPTH_MARK } else { "" };
         let mark = if summary.partial { " partial" } else { "" };
         line(text, &summary.name, cells.chain([format!("{queries:>8}{track}{mark}")]));
@@ -96,7 +94,7 @@ fn groups<K: Ord + Copy>(
     for summary in summaries {
         let cells = keys.iter().map(|(key, _)| {
             let metrics = table(summary).get(key).copied().unwrap_or_default();
-            format!("{:>9}{:>8}", percent(metrics.miou), percent(metrics.macc))
+            format!("{:>9}{:>8}", percent(metrics.percent.miou), percent(metrics.percent.macc))
         });
         line(text, &summary.name, cells);
     }

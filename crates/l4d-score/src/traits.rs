@@ -26,7 +26,7 @@ pub enum Size {
 }
 
 /// How much of the target comes and goes while it is asked for. A truth has no hidden pixels, so that a target that moves
-/// away, or out of the picture, looks as one that something stands before.
+/// away, or out of the picture, looks like one that is hidden.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Occlusion {
@@ -153,35 +153,35 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_means_over_visible_frames_that_are_asked_for() {
-        let whole = |counts: &[u32]| traits("whole", "[[0,30]]", r#"["a"]"#, &[("a", counts)]).size;
-        assert_eq!(whole(&[9, 9, 10, 11]), Some(Size::Small));
-        assert_eq!(whole(&[10, 10, 10, 10]), Some(Size::Medium));
-        assert_eq!(whole(&[30, 0, 0, 0]), Some(Size::Large));
-        assert_eq!(whole(&[0, 0, 0, 0]), None);
-        let gated = traits("while", "[[10,20]]", r#"["a"]"#, &[("a", &[99, 5, 7, 99])]);
-        assert_eq!((gated.size, gated.temporal), (Some(Size::Small), Temporal::While));
-    }
-
-    #[test]
-    fn occlusion_is_against_the_largest_area_of_the_whole_clip() {
-        let whole = |counts: &[u32]| traits("whole", "[[0,30]]", r#"["a"]"#, &[("a", counts)]).occlusion;
-        assert_eq!(whole(&[20, 10, 15, 20]), Some(Occlusion::Never));
-        assert_eq!(whole(&[20, 9, 15, 20]), Some(Occlusion::Partly));
-        assert_eq!(whole(&[20, 0, 15, 20]), Some(Occlusion::Fully));
-        let gated = |counts: &[u32]| traits("while", "[[10,20]]", r#"["a"]"#, &[("a", counts)]).occlusion;
-        assert_eq!(gated(&[0, 9, 9, 0]), Some(Occlusion::Never));
-        assert_eq!(gated(&[0, 9, 9, 20]), Some(Occlusion::Partly));
-    }
-
-    #[test]
-    fn several_referents_are_added_up_and_unknown_ones_are_not_there() {
-        let found = traits(
-            "whole",
-            "[[0,30]]",
-            r#"["a","b","c"]"#,
-            &[("a", &[20, 0, 20, 20]), ("b", &[0, 15, 0, 0])],
-        );
-        assert_eq!((found.size, found.occlusion), (Some(Size::Medium), Some(Occlusion::Never)));
+    fn size_and_occlusion_of_hand_made_targets() {
+        use Occlusion::{Fully, Never, Partly};
+        use Size::{Large, Medium, Small};
+        let whole: [(&[u32], Option<Size>, Option<Occlusion>); 7] = [
+            (&[9, 9, 10, 11], Some(Small), Some(Never)),
+            (&[10, 10, 10, 10], Some(Medium), Some(Never)),
+            (&[30, 0, 0, 0], Some(Large), Some(Fully)),
+            (&[0, 0, 0, 0], None, None),
+            (&[20, 10, 15, 20], Some(Medium), Some(Never)),
+            (&[20, 9, 15, 20], Some(Medium), Some(Partly)),
+            (&[20, 0, 15, 20], Some(Medium), Some(Fully)),
+        ];
+        for (counts, size, occlusion) in whole {
+            let found = traits("whole", "[[0,30]]", r#"["a"]"#, &[("a", counts)]);
+            assert_eq!((found.size, found.occlusion), (size, occlusion), "{counts:?}");
+        }
+        // While the sentence holds, against the largest area of the whole clip.
+        let gated: [(&[u32], Option<Size>, Option<Occlusion>); 3] = [
+            (&[99, 5, 7, 99], Some(Small), Some(Partly)),
+            (&[0, 9, 9, 0], Some(Small), Some(Never)),
+            (&[0, 9, 9, 20], Some(Small), Some(Partly)),
+        ];
+        for (counts, size, occlusion) in gated {
+            let found = traits("while", "[[10,20]]", r#"["a"]"#, &[("a", counts)]);
+            assert_eq!((found.size, found.occlusion, found.temporal), (size, occlusion, Temporal::While));
+        }
+        // Several referents are added up; unknown ones are not there.
+        let visible: [(&str, &[u32]); 2] = [("a", &[20, 0, 20, 20]), ("b", &[0, 15, 0, 0])];
+        let found = traits("whole", "[[0,30]]", r#"["a","b","c"]"#, &visible);
+        assert_eq!((found.size, found.occlusion), (Some(Medium), Some(Never)));
     }
 }

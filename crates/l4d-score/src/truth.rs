@@ -147,6 +147,9 @@ impl SceneTruth {
     }
 
     /// Positions of the referents of a query among the instances. `queries` is the file to blame.
+    ///
+    /// # Errors
+    /// A query that names no instance of the truth.
     pub fn referents(&self, query: &Query, queries: &Path) -> Result<Vec<usize>, DataError> {
         let position = |name: &Name| {
             self.instances.iter().position(|instance| instance.name == *name).ok_or_else(|| {

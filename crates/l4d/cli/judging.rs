@@ -110,8 +110,8 @@ pub(crate) struct ScoreArgs {
     /// Which sentences are judged
     #[arg(long, value_enum, default_value = "queries")]
     pub(crate) set: JudgedSetArg,
-    /// Whose evaluation judges: l4d, or the sums of another one done again (langsplat, langsplat-v2, 4d-langsplat, davis,
-    /// mevis, gaussian-grouping, opengaussian, hc-stvg), which is never ranked
+    /// Whose evaluation judges: l4d, or the sums of another one done again (langsplat, 4d-langsplat, davis, mevis,
+    /// gaussian-grouping), which is never ranked
     #[arg(long, value_name = "NAME", default_value = "l4d", value_parser = protocol)]
     pub(crate) protocol: ProtocolArg,
     /// Instead of scores, curves over thresholds: of a hit, and of relevancy where results have it (soft/). Labelled, never
@@ -163,9 +163,6 @@ pub(crate) struct LeaderboardArgs {
     /// Seed of the draws behind intervals
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Folder of what solvers left on their way: how sure they were becomes a figure
-    #[arg(long, value_name = "DIR", default_value = "work")]
-    pub(crate) work: PathBuf,
     /// Write index.html too: the board as one page with masks and pictures, which needs no network
     #[arg(long)]
     pub(crate) html: bool,

@@ -120,18 +120,18 @@ fn entry(summary: Summary) -> Entry {
     let all = summary.scores.headline;
     let mut scores = BTreeMap::from(
         [
-            ("miou", all.miou),
-            ("macc", all.macc),
-            ("acc25", all.acc25),
-            ("acc50", all.acc50),
-            ("tube_iou", all.tube_iou),
-            ("select", all.select),
-            ("fpr", all.false_positive_rate),
+            ("miou", all.percent.miou),
+            ("macc", all.percent.macc),
+            ("acc25", all.percent.acc25),
+            ("acc50", all.percent.acc50),
+            ("tube_iou", all.percent.tube_iou),
+            ("select", all.percent.select),
+            ("fpr", all.percent.false_positive_rate),
         ]
         .map(|(key, value)| (key.to_owned(), value)),
     );
     for category in Category::ALL {
-        let miou = summary.scores.categories.get(&category).and_then(|metrics| metrics.miou);
+        let miou = summary.scores.categories.get(&category).and_then(|metrics| metrics.percent.miou);
         scores.insert(format!("miou_{}", category.as_str()), miou);
     }
     let because = summary.unranked_because();

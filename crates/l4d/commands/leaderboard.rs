@@ -1,16 +1,12 @@
 //! `l4d leaderboard`: scores of methods in, ranked tables, figures and a page out.
 
 mod page;
-mod reliability;
 
 use std::path::Path;
 
 use anyhow::Result;
-use l4d_board::{
-    Board, BoardError, Details, Gathered, ProtocolTable, Statistics, gather, gather_protocols, publish,
-    publish_reliability, text_statistics, text_table,
-};
-use l4d_data::results::Track;
+use l4d_board::board::Method;
+use l4d_board::{Board, BoardError, ProtocolTable, gather, publish, text_statistics, text_table};
 use l4d_data::workspace::{default_leaderboard, default_scores};
 use l4d_data::{Benchmark, Report};
 use l4d_score::{Exam, QuerySet};
@@ -19,14 +15,6 @@ use serde_json::{Value, json};
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
-/// What the scores became.
-struct Made<'a> {
-    board: &'a Board,
-    statistics: &'a Statistics,
-    details: &'a Details<'a>,
-    protocols: &'a [ProtocolTable],
-}
-
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
@@ -34,33 +22,23 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(set.as_str(), None));
     let output = args.output.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
-    let Gathered { board, statistics, report: found } =
-        gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
+    let (board, found) = gather(&scores, &exam, args.seed).map_err(|error| with_hint(error, &scores))?;
     report.extend(found);
-    let details = Details::read(&board, &scores, &exam)?;
-    let protocols = gather_protocols(&scores, &board, &exam, &mut report)?;
-    let mut paths = publish(&board, &statistics, &details, &protocols, &exam.bench.dir, &output)
-        .map_err(|error| with_hint(error, &scores))?;
-    let certainties = reliability::of_methods(args, &exam, &details)?;
-    if !certainties.is_empty() {
-        let figures = output.join("figures");
-        paths.extend(publish_reliability(&certainties, &reliability::about(&board), &figures)?);
-    }
+    let mut paths = publish(&board, &output).map_err(|error| with_hint(error, &scores))?;
     if args.html {
-        let made = Made { board: &board, statistics: &statistics, details: &details, protocols: &protocols };
-        paths.push(page::write(args, &exam, &made, [&scores, &output], out)?);
+        paths.push(page::write(args, &exam, &board, &output, out)?);
     }
 
     for finding in report.into_sorted() {
         out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
     }
     if args.json {
-        out.json(&as_json(&board, &statistics, &protocols))?;
+        out.json(&as_json(&board))?;
     } else {
         out.data(text_table(&board))?;
-        out.data(format!("\n{}", text_statistics(&board, &statistics)))?;
-        if !protocols.is_empty() {
-            let names: Vec<&str> = protocols.iter().map(|table| table.protocol.as_str()).collect();
+        out.data(format!("\n{}", text_statistics(&board)))?;
+        if !board.protocols.is_empty() {
+            let names: Vec<&str> = board.protocols.iter().map(|table| table.protocol.as_str()).collect();
             let folder = output.join("protocols");
             out.data(format!("\nApart and never ranked, in {}: {}.", folder.display(), names.join(", ")))?;
         }
@@ -94,39 +72,41 @@ fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {
     }
 }
 
-fn as_json(board: &Board, statistics: &Statistics, protocols: &[ProtocolTable]) -> Value {
+fn as_json(board: &Board) -> Value {
     let heading = &board.heading;
-    let ranked = board.ranked.iter().map(|entry| json!({
-        "name": entry.row.name, "rank": entry.rank, "track": entry.row.track, "seconds": entry.row.seconds, "scores": entry.row.scores,
-        "miou": entry.row.miou, "reported": entry.row.reported,
-    }));
-    let unranked = board.unranked.iter().map(|entry| json!({
-        "name": entry.row.name, "unranked_because": entry.reasons, "track": entry.row.track, "seconds": entry.row.seconds, "scores": entry.row.scores,
-        "miou": entry.row.miou, "reported": entry.row.reported,
-    }));
-    let name = |index: usize| &statistics.methods[index].name;
-    let tracks: Vec<Track> = board.rows().map(|(_, row)| row.track).collect();
-    let tracks = &tracks;
-    let pairs = statistics.comparisons.iter().flat_map(|found| {
+    let ranked = |method: &Method| {
+        json!({
+            "name": method.name, "rank": method.rank, "track": method.track, "seconds": method.seconds,
+            "scores": method.scores, "miou": method.miou, "reported": method.reported,
+        })
+    };
+    let unranked = |method: &Method| {
+        json!({
+            "name": method.name, "unranked_because": method.unranked_because, "track": method.track,
+            "seconds": method.seconds, "scores": method.scores, "miou": method.miou, "reported": method.reported,
+        })
+    };
+    let method = |index: usize| &board.methods[index];
+    let pairs = board.comparisons.iter().flat_map(|found| {
         found.pairs.iter().map(|pair| {
             json!({
-                "metric": found.metric.key(), "track": tracks[pair.first], "first": name(pair.first), "second": name(pair.second),
-                "difference": pair.comparison.difference, "p": pair.comparison.p, "holm_p": pair.holm_p,
-                "detectable": pair.comparison.detectable, "different": pair.is_different(),
+                "metric": found.metric.key(), "track": method(pair.first).track, "first": method(pair.first).name,
+                "second": method(pair.second).name, "difference": pair.comparison.difference, "p": pair.comparison.p,
+                "holm_p": pair.holm_p, "detectable": pair.comparison.detectable, "different": pair.is_different(),
             })
         })
     });
     json!({
         "benchmark": heading.benchmark,
-        "benchmark_version": heading.version,
-        "protocol": heading.protocol,
-        "profile": heading.profile,
+        "benchmark_version": heading.on.benchmark_version,
+        "protocol": heading.on.protocol,
+        "profile": heading.on.profile,
         "queries": heading.queries,
         "verified_queries": heading.verified,
         "rejected_queries": heading.rejected,
-        "ranked": ranked.collect::<Vec<_>>(),
-        "unranked": unranked.collect::<Vec<_>>(),
-        "comparisons": pairs.collect::<Vec<_>>(),
-        "protocols": protocols.iter().map(ProtocolTable::to_json).collect::<Value>(),
+        "ranked": board.ranked().iter().map(ranked).collect::<Value>(),
+        "unranked": board.unranked().iter().map(unranked).collect::<Value>(),
+        "comparisons": pairs.collect::<Value>(),
+        "protocols": board.protocols.iter().map(ProtocolTable::to_json).collect::<Value>(),
     })
 }

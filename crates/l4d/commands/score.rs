@@ -86,7 +86,7 @@ fn grouped(
 ) -> Result<Vec<Vec<Group>>, DataError> {
     let of_method = |summary: &Summary| {
         let rows = counts::read(&counts_path(scores, &summary.name))?;
-        Ok(groups(&tallies_of_counts(&rows, exam, &summary.options), exam, seed))
+        Ok(groups(&tallies_of_counts(&rows, exam, &summary.options), exam, |_| true, seed))
     };
     summaries.iter().map(of_method).collect()
 }

@@ -1,46 +1,36 @@
-//! Bars of mIoU with their intervals: one panel a group, one row a method, the value in a column beside the bars.
+//! Bars with intervals: one panel per group of queries or metric, one row per method.
 
-use std::collections::BTreeMap;
-
-use l4d_data::results::Track;
 use l4d_data::{Category, Scale};
 use l4d_score::cluster::FEW_SCENES;
-use l4d_score::groups::Kind;
-use l4d_score::{Group, Metrics};
+use l4d_score::{GroupKind, Metric};
+use plotters::prelude::*;
+use plotters::style::text_anchor::HPos;
 
-use super::drawing::{
-    AXIS, Anchor, BLUE, Drawing, GRID, INK, Lettering, MARGIN, PAPER, QUIET, SHADE, WIDTH, leading,
+use super::canvas::{
+    Area, BLUE, Chart, Drawn, INK, Plot, QUIET, SHADE, beside, bold, font, legend, percent_rows, px,
+    shortened,
 };
-use super::{group_of, lettering, named, shown};
-use crate::rank::{Board, Podium};
-use crate::row::{BoardRow, Metric};
-use crate::statistics::Statistics;
+use super::{named, shown};
+use crate::board::{Board, Method};
+use crate::ranking::Podium;
 
-const BAR: f64 = 11.0;
-const GAP: f64 = 18.0;
-const LONGEST_LABEL: f64 = 190.0;
+/// Print pixels of a row, of the names, and beside the bars for their values.
+const ROW: i32 = 20;
+const NAMES: i32 = 150;
+const VALUES: i32 = 38;
+const NAME_LETTERS: usize = 26;
 
-/// mIoU of each method in each category.
-pub(crate) fn per_category(board: &Board, statistics: &Statistics) -> Drawing {
-    let panels = Category::ALL.map(|key| {
-        panel(board, statistics, (Kind::Category, key.as_str()), move |row| row.scores.categories.get(&key))
-    });
-    draw("mIoU per category", board, &panels)
-}
-
-/// mIoU of each method at each spatial scale.
-pub(crate) fn per_scale(board: &Board, statistics: &Statistics) -> Drawing {
-    let panels = Scale::ALL.map(|key| {
-        panel(board, statistics, (Kind::Scale, key.as_str()), move |row| row.scores.scales.get(&key))
-    });
-    draw("mIoU per scale", board, &panels)
+/// Panels side by side with common rows.
+pub(crate) struct Bars {
+    /// Names of the methods, and whether they are ranked.
+    names: Vec<(String, bool)>,
+    panels: Vec<Panel>,
 }
 
 struct Panel {
     title: String,
-    queries: usize,
-    scenes: Option<usize>,
-    /// One for each method shown.
+    note: String,
+    /// One per method.
     bars: Vec<Option<Bar>>,
 }
 
@@ -48,180 +38,162 @@ struct Panel {
 struct Bar {
     value: f64,
     interval: Option<[f64; 2]>,
-    is_of_few_scenes: bool,
-    /// Of its track.
+    /// Among the ranked methods of its track.
     is_best: bool,
 }
 
-fn panel(
-    board: &Board,
-    statistics: &Statistics,
-    (kind, name): (Kind, &str),
-    metrics_of: impl Fn(&BoardRow) -> Option<&Metrics>,
-) -> Panel {
-    let miou = |row: &BoardRow| metrics_of(row).and_then(|metrics| metrics.miou);
-    let (rows, _) = shown(board);
-    let group = |row: &BoardRow| statistics.group(&row.name, kind, name);
-    let podiums: BTreeMap<Track, Podium> =
-        board.tracks().map(|(track, _)| (track, board.podium(track, Metric::Miou, miou))).collect();
-    let bar = |rank: Option<usize>, row: &BoardRow| {
-        let (found, value) = (group(row), miou(row)?);
-        let podium = rank.and_then(|_| podiums.get(&row.track)).copied().unwrap_or_default();
-        Some(Bar {
-            value,
-            is_best: podium.is_best(value),
-            interval: found.and_then(|group: &Group| group.estimates.miou?.interval),
-            is_of_few_scenes: found.is_some_and(|group| group.few_scenes),
-        })
+/// mIoU in each category.
+pub(crate) fn per_category(board: &Board) -> Bars {
+    let groups = Category::ALL.map(|category| (GroupKind::Category, category.as_str()));
+    of_groups(board, &groups, |method, place| {
+        method.scores.categories.get(&Category::ALL[place])?.get(Metric::Miou)
+    })
+}
+
+/// mIoU at each spatial scale.
+pub(crate) fn per_scale(board: &Board) -> Bars {
+    let groups = Scale::ALL.map(|scale| (GroupKind::Scale, scale.as_str()));
+    of_groups(board, &groups, |method, place| method.scores.scales.get(&Scale::ALL[place])?.get(Metric::Miou))
+}
+
+/// mIoU beside the metrics that see what it does not: times without a target, and the wrong instance.
+pub(crate) fn metrics(board: &Board) -> Bars {
+    let panel = |metric: Metric| {
+        let estimate = |method: &Method| method.group(GroupKind::All, "all")?.estimates.get(metric);
+        Panel {
+            title: metric.title().to_owned(),
+            note: counted(board.heading.queries, Some(board.heading.scenes)),
+            bars: bars(board, metric, |method| method.headline(metric), |method| estimate(method)?.interval),
+        }
     };
-    let queries = board.rows().filter_map(|(_, row)| metrics_of(row)).map(|metrics| metrics.queries).max();
-    Panel {
-        title: title_case(name),
-        queries: queries.unwrap_or(0),
-        scenes: rows.iter().filter_map(|(_, row)| group(row)).map(|group| group.scenes).max(),
-        bars: rows.iter().map(|&(rank, row)| bar(rank, row)).collect(),
-    }
+    Bars { names: names(board), panels: [Metric::Miou, Metric::TubeIou, Metric::Select].map(panel).into() }
 }
 
-fn draw(title: &str, board: &Board, panels: &[Panel]) -> Drawing {
-    let (rows, left_out) = shown(board);
-    let (mut drawing, above) = Drawing::titled(title, board, &notes(panels, left_out));
-    let top = legend(&mut drawing, board, panels, above);
+fn of_groups(
+    board: &Board,
+    groups: &[(GroupKind, &str)],
+    miou: impl Fn(&Method, usize) -> Option<f64>,
+) -> Bars {
+    let panel = |(place, (kind, name)): (usize, &(GroupKind, &str))| {
+        let found = board.methods.iter().filter_map(|method| method.group(*kind, name));
+        let (queries, scenes) =
+            (found.clone().map(|group| group.queries).max(), found.map(|group| group.scenes).max());
+        let interval = |method: &Method| method.group(*kind, name)?.estimates.miou?.interval;
+        Panel {
+            title: title_case(name),
+            note: counted(queries.unwrap_or(0), scenes),
+            bars: bars(board, Metric::Miou, |method| miou(method, place), interval),
+        }
+    };
+    Bars { names: names(board), panels: groups.iter().enumerate().map(panel).collect() }
+}
 
-    let label = Lettering::LABEL.anchored(Anchor::End);
-    let labels: Vec<Vec<String>> = rows
+fn names(board: &Board) -> Vec<(String, bool)> {
+    shown(board)
         .iter()
-        .map(|(_, row)| lettering::wrap_name(&named(row), |line| label.width(line) <= LONGEST_LABEL))
-        .collect();
-    let label_width = labels.iter().flatten().map(|line| label.width(line)).fold(0.0, f64::max);
-    let left = MARGIN + label_width + 8.0;
-    let number_room = Lettering::NUMBER.bold().width("100.0") + 4.0;
-    let count = panels.len() as f64;
-    let pitch = (WIDTH - MARGIN - left + GAP) / count;
-    let scale = pitch - GAP - number_room;
-    let head = if panels.iter().any(|panel| panel.scenes.is_some()) { 43.0 } else { 30.0 };
-
-    // Rows: heights first, so that grid lines can go beneath the bars.
-    let mut y = top + head;
-    let mut middles = Vec::new();
-    for index in 0..rows.len() {
-        let begins_group = index > 0 && group_of(&rows[index]) != group_of(&rows[index - 1]);
-        y += if begins_group { 8.0 } else { 0.0 };
-        let height = (BAR + 8.0).max(labels[index].len() as f64 * leading(label) + 5.0);
-        middles.push(y + height / 2.0);
-        y += height;
-    }
-    let bottom = y + 2.0;
-
-    for (index, panel) in panels.iter().enumerate() {
-        let x = left + index as f64 * pitch;
-        drawing.text(x, top + 8.0, &panel.title, Lettering::HEAD);
-        drawing.text(x, top + 21.0, &counted(panel.queries, "query", "queries"), Lettering::NOTE);
-        if let Some(scenes) = panel.scenes {
-            let mark = if scenes < FEW_SCENES { " !" } else { "" };
-            let text = format!("{}{mark}", counted(scenes, "scene", "scenes"));
-            drawing.text(x, top + 34.0, &text, Lettering::NOTE);
-        }
-        axis(&mut drawing, x, scale, top + head - 2.0, bottom);
-        let numbers = x + scale + number_room;
-        for ((bar, &middle), (rank, _)) in panel.bars.iter().zip(&middles).zip(&rows) {
-            let Some(Bar { value, interval, is_of_few_scenes, is_best }) = bar else {
-                let number = Lettering::NUMBER.coloured(QUIET).anchored(Anchor::End);
-                drawing.text(numbers, middle + 3.5, "–", number);
-                continue;
-            };
-            let length = value / 100.0 * scale;
-            let fill = if rank.is_some() || board.ranked.is_empty() { BLUE } else { SHADE };
-            drawing.bar(x, middle - BAR / 2.0, length, BAR, fill);
-            if let Some(ends) = interval {
-                let [low, high] = ends.map(|end| (x + end / 100.0 * scale, middle));
-                whisker(&mut drawing, low, high, *is_of_few_scenes);
-            }
-            let number = if *is_best { Lettering::NUMBER.bold() } else { Lettering::NUMBER };
-            drawing.text(numbers, middle + 3.5, &format!("{value:.1}"), number.anchored(Anchor::End));
-        }
-        drawing.line([(x, top + head - 2.0), (x, bottom)], 0.75, AXIS);
-    }
-    for ((lines, &middle), (rank, _)) in labels.iter().zip(&middles).zip(&rows) {
-        let first = middle + 4.0 - (lines.len() as f64 - 1.0) * leading(label) / 2.0;
-        let ink = if rank.is_some() { label } else { label.coloured(QUIET) };
-        drawing.lines(MARGIN + label_width, first, lines, ink);
-    }
-    drawing.text(left, bottom + 28.0, "mIoU, %", Lettering::NOTE);
-    drawing.height = bottom + 28.0 + MARGIN;
-    drawing
+        .map(|method| (shortened(&named(method), NAME_LETTERS), method.rank.is_some()))
+        .collect()
 }
 
-/// An interval that can be seen on a bar as well as beside it. One that has no length has nothing to say.
-fn whisker(drawing: &mut Drawing, low: (f64, f64), high: (f64, f64), is_of_few_scenes: bool) {
-    if high.0 - low.0 < 0.5 {
-        return;
-    }
-    drawing.line([low, high], 3.0, PAPER);
-    drawing.whisker(low, high, is_of_few_scenes, INK);
+fn bars(
+    board: &Board,
+    metric: Metric,
+    value: impl Fn(&Method) -> Option<f64>,
+    interval: impl Fn(&Method) -> Option<[f64; 2]>,
+) -> Vec<Option<Bar>> {
+    let bar = |method: &&Method| {
+        let found = value(method)?;
+        let podium = |track| Podium::of_track(board, track, metric, &value);
+        let is_best = method.ranked_in().is_some_and(|track| podium(track).is_best(found));
+        Some(Bar { value: found, interval: interval(method), is_best })
+    };
+    shown(board).iter().map(bar).collect()
 }
 
-fn notes(panels: &[Panel], left_out: usize) -> Vec<String> {
-    let bars = || panels.iter().flat_map(|panel| &panel.bars).flatten();
-    let mut notes = Vec::new();
-    if bars().any(|bar| bar.interval.is_none()) && bars().any(|bar| bar.interval.is_some()) {
-        notes
-            .push("Without an interval: from a single scene, or of a method beyond the foremost.".to_owned());
-    }
-    if left_out > 0 {
-        notes.push(format!("{left_out} more methods stand in the tables."));
-    }
-    notes
-}
-
-/// What colours and lines mean; gives the first free height below.
-fn legend(drawing: &mut Drawing, board: &Board, panels: &[Panel], above: f64) -> f64 {
-    const LINE: f64 = 22.0;
-    let mut baseline = above + 18.0;
-    let mut x = MARGIN;
-    if !(board.unranked.is_empty() || board.ranked.is_empty()) {
-        let ranked = if board.has_rivals() { "ranked (bold: best of its track)" } else { "ranked" };
-        for (fill, text) in [(BLUE, ranked), (SHADE, "not ranked, shown for scale")] {
-            drawing.bar(x, baseline - 8.0, 9.0, 9.0, fill);
-            drawing.text(x + 13.0, baseline, text, Lettering::NOTE);
-            x += 13.0 + Lettering::NOTE.width(text) + 14.0;
-        }
-    }
-    let few = format!("95 % interval, ! from fewer than {FEW_SCENES} scenes: may be too narrow");
-    for (is_of_few_scenes, text) in [(false, "95 % interval"), (true, few.as_str())] {
-        let mut with_interval = panels.iter().flat_map(|panel| &panel.bars).flatten();
-        if with_interval.any(|bar| bar.interval.is_some() && bar.is_of_few_scenes == is_of_few_scenes) {
-            let width = LINE + 5.0 + Lettering::NOTE.width(text);
-            if x + width > WIDTH - MARGIN {
-                (x, baseline) = (MARGIN, baseline + 16.0);
-            }
-            whisker(drawing, (x, baseline - 3.5), (x + LINE, baseline - 3.5), is_of_few_scenes);
-            drawing.text(x + LINE + 5.0, baseline, text, Lettering::NOTE);
-            x += width + 14.0;
-        }
-    }
-    if x > MARGIN { baseline + 18.0 } else { above + 16.0 }
-}
-
-fn axis(drawing: &mut Drawing, x: f64, scale: f64, top: f64, bottom: f64) {
-    for tick in [0, 25, 50, 75, 100] {
-        let at = x + f64::from(tick) / 100.0 * scale;
-        drawing.line([(at, top), (at, bottom)], 0.5, GRID);
-        if tick % 50 == 0 {
-            drawing.text(at, bottom + 13.0, &tick.to_string(), Lettering::NOTE.anchored(Anchor::Middle));
-        }
-    }
-}
-
-fn counted(count: usize, one: &str, many: &str) -> String {
-    match count {
-        0 => format!("no {one}"),
-        1 => format!("1 {one}"),
-        _ => format!("{count} {many}"),
-    }
+fn counted(queries: usize, scenes: Option<usize>) -> String {
+    let plural =
+        |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+    let mark = if scenes.is_some_and(|scenes| scenes < FEW_SCENES) { " !" } else { "" };
+    let scenes = scenes.map(|scenes| format!(", {}{mark}", plural(scenes, "scene", "scenes")));
+    format!("{}{}", plural(queries, "query", "queries"), scenes.unwrap_or_default())
 }
 
 fn title_case(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+impl Plot for Bars {
+    fn height(&self) -> i32 {
+        20 + 34 + ROW * self.names.len().max(1) as i32 + 20
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Drawn<DB> {
+        let (above, below) = area.split_vertically(px(20));
+        legend(
+            &above,
+            &[
+                (BLUE, "ranked (bold: best of its track)"),
+                (SHADE, "not ranked, shown for scale"),
+                (INK, "line: 95 % interval, ! from fewer than 8 scenes: may be too narrow"),
+            ],
+        )?;
+        let (_, panels) = below.split_horizontally(px(NAMES));
+        for (place, (panel, area)) in
+            self.panels.iter().zip(panels.split_evenly((1, self.panels.len()))).enumerate()
+        {
+            area.draw(&Text::new(panel.title.clone(), (0, 0), bold(11)))?;
+            area.draw(&Text::new(panel.note.clone(), (0, px(15)), font(10, QUIET)))?;
+            let plot = area.margin(px(34), 0, 0, px(VALUES));
+            let mut chart = percent_rows(&plot, self.names.len())?;
+            self.panel(&mut chart, panel)?;
+            if place == 0 {
+                let rows = self.names.iter().enumerate();
+                chart.draw_series(rows.map(|(row, (name, is_ranked))| {
+                    let colour = if *is_ranked { INK } else { QUIET };
+                    let style = beside(font(11, colour), HPos::Right);
+                    EmptyElement::at((0.0, self.y(row))) + Text::new(name.clone(), (-px(6), 0), style)
+                }))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Bars {
+    fn y(&self, row: usize) -> f64 {
+        self.names.len() as f64 - row as f64 - 0.5
+    }
+
+    fn panel<DB: DrawingBackend>(&self, chart: &mut Chart<DB>, panel: &Panel) -> Drawn<DB> {
+        let bars = || panel.bars.iter().zip(&self.names).enumerate();
+        chart.draw_series(bars().filter_map(|(row, (bar, (_, is_ranked)))| {
+            let fill = if *is_ranked { BLUE } else { SHADE };
+            let (value, y) = (bar.as_ref()?.value, self.y(row));
+            Some(Rectangle::new([(0.0, y - 0.28), (value, y + 0.28)], fill.filled()))
+        }))?;
+        chart.draw_series(bars().filter_map(|(row, (bar, _))| {
+            let bar = bar.as_ref()?;
+            let [low, high] = bar.interval.filter(|[low, high]| high - low > 0.5)?;
+            let style = INK.filled().stroke_width(2);
+            Some(ErrorBar::new_horizontal(
+                self.y(row),
+                low,
+                bar.value.clamp(low, high),
+                high,
+                style,
+                px(5) as u32,
+            ))
+        }))?;
+        chart.draw_series(bars().map(|(row, (bar, _))| {
+            let (text, style) = match bar {
+                None => ("–".to_owned(), font(10, QUIET)),
+                Some(bar) if bar.is_best => (format!("{:.1}", bar.value), bold(10)),
+                Some(bar) => (format!("{:.1}", bar.value), font(10, INK)),
+            };
+            let style = beside(style, HPos::Right);
+            EmptyElement::at((100.0, self.y(row))) + Text::new(text, (px(VALUES - 6), 0), style)
+        }))?;
+        Ok(())
+    }
 }

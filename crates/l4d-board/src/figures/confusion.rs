@@ -1,229 +1,151 @@
-//! Which thing was taken for which: a small matrix a scene, look-alikes in frames of their own.
+//! Which instance was taken for which: a small matrix per scene, look-alikes in frames of their own.
 
-use super::drawing::{
-    AXIS, Anchor, BLUE, Colour, Drawing, Extent, GRID, INK, Lettering, MARGIN, ORANGE, PAPER, QUIET, SHADE,
-    VERMILLION, WIDTH, leading,
+use plotters::prelude::*;
+use plotters::style::text_anchor::HPos;
+
+use super::canvas::{
+    AXIS, Area, BLUE, Drawn, GRID, INK, ORANGE, Plot, QUIET, SHADE, VERMILLION, beside, bold, font, legend,
+    px, shortened,
 };
-use super::lettering;
-use crate::rank::Board;
-use crate::taken::{Choice, Confusion, Instead};
+use crate::board::Confusion;
 
-const GAP: f64 = 14.0;
-/// Side of a cell; cells with long numbers are wider.
-const CELL: f64 = 13.0;
-/// More scenes than this make a figure that nobody reads, and so do more objects in one of them.
+/// Print pixels: side of a cell, width of all matrices, space between them, head of one.
+const CELL: i32 = 14;
+const ROOM: i32 = 692;
+const GAP: i32 = 12;
+const HEAD: i32 = 34;
+/// Names need at least so much.
+const LEAST_NAMES: i32 = 76;
+/// More make a figure that nothing can be read from.
 const MOST_SCENES: usize = 24;
 const MOST_OBJECTS: usize = 24;
-/// Panels are laid out in so many columns; wide ones take more than one.
-const ABREAST: usize = 3;
-const PITCH: f64 = (WIDTH - 2.0 * MARGIN + GAP) / ABREAST as f64;
-/// Room for names: at least, and where they may be broken.
-const LEAST_LABEL: f64 = 70.0;
-const EASY_LABEL: f64 = 104.0;
-/// Room for the number of a row and the gaps around it.
-const NUMBER_ROOM: f64 = 22.0;
 
-/// The figure of one method.
-pub(crate) fn draw(board: &Board, method: &str, scenes: &[Confusion]) -> Drawing {
-    let cell = cell_width(scenes);
-    let fits = |scene: &&Confusion| {
-        scene.objects.len() <= MOST_OBJECTS && LEAST_LABEL + cells_width(scene, cell) <= room(ABREAST)
-    };
-    let shown: Vec<&Confusion> = scenes.iter().filter(fits).take(MOST_SCENES).collect();
-    let mut notes = vec![
-        "A row a thing that is meant, a column a thing that was taken: the number of its row, L a landmark, – nothing. \
-         Cells count queries. Frames hold things of one category: what stands in a frame beside its diagonal is a \
-         look-alike that was taken instead."
-            .to_owned(),
-    ];
-    if shown.len() < scenes.len() {
-        notes.push(format!("{} more scenes stand in taken.csv.", scenes.len() - shown.len()));
+/// The matrices of one method.
+pub(crate) struct Matrices<'a> {
+    scenes: Vec<&'a Confusion>,
+    abreast: usize,
+}
+
+/// The figure of some scenes, and how many it leaves out.
+pub(crate) fn matrices(confusions: &[Confusion]) -> (Matrices<'_>, usize) {
+    let fits = |scene: &&Confusion| scene.objects.len() <= MOST_OBJECTS;
+    let scenes: Vec<&Confusion> = confusions.iter().filter(fits).take(MOST_SCENES).collect();
+    let most = scenes.iter().map(|scene| scene.objects.len()).max().unwrap_or(0) as i32;
+    let needed = LEAST_NAMES + (most + 2) * CELL + GAP;
+    let left_out = confusions.len() - scenes.len();
+    (Matrices { scenes, abreast: (ROOM / needed).clamp(1, 4) as usize }, left_out)
+}
+
+fn height(scene: &Confusion) -> i32 {
+    HEAD + scene.objects.len() as i32 * CELL + GAP
+}
+
+impl Plot for Matrices<'_> {
+    fn height(&self) -> i32 {
+        let rows = self.scenes.chunks(self.abreast);
+        24 + rows.map(|row| row.iter().map(|scene| height(scene)).max().unwrap_or(0)).sum::<i32>().max(20)
     }
-    let (mut drawing, above) =
-        Drawing::titled(&format!("Which thing was taken for which: {method}"), board, &notes);
-    if shown.is_empty() {
-        let reason = match scenes.is_empty() {
-            true => "No query has a visible target.",
-            false => "Every scene has too many things for a picture.",
-        };
-        drawing.text(MARGIN, above + 36.0, reason, Lettering::LABEL);
-        drawing.height = above + 48.0 + MARGIN;
-        return drawing;
-    }
-    let mut top = legend(&mut drawing, above) + 28.0;
-    let (mut column, mut bottom) = (0, top);
-    for scene in shown {
-        let span = span(scene, cell);
-        if column + span > ABREAST {
-            (column, top) = (0, bottom + 30.0);
+
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Drawn<DB> {
+        if self.scenes.is_empty() {
+            let text = "No query has a visible target, or every scene has too many objects for a picture.";
+            return area.draw(&Text::new(text, (0, 0), font(11, INK)));
         }
-        let left = MARGIN + column as f64 * PITCH;
-        let left_for_labels = room(span) - cells_width(scene, cell);
-        // Panels of one column line up at their right; others stand below their title.
-        let label_room = if span == 1 { left_for_labels } else { left_for_labels.min(wished_label(scene)) };
-        bottom = f64::max(bottom, panel(&mut drawing, scene, (left, top), label_room, cell));
-        column += span;
+        let (above, mut below) = area.split_vertically(px(24));
+        legend(
+            &above,
+            &[
+                (BLUE, "the one meant"),
+                (VERMILLION, "a look-alike"),
+                (ORANGE, "another object"),
+                (SHADE, "a landmark (L), or nothing (–); fuller: more of the row"),
+            ],
+        )?;
+        for row in self.scenes.chunks(self.abreast) {
+            let tallest = row.iter().map(|scene| height(scene)).max().unwrap_or(0);
+            let (line, rest) = below.split_vertically(px(tallest));
+            for (scene, panel) in row.iter().zip(line.split_evenly((1, self.abreast))) {
+                matrix(&panel, scene, ROOM / self.abreast as i32 - GAP)?;
+            }
+            below = rest;
+        }
+        Ok(())
     }
-    drawing.height = bottom + MARGIN;
-    drawing
 }
 
-/// Width of so many columns of panels.
-fn room(span: usize) -> f64 {
-    span as f64 * PITCH - GAP
-}
-
-fn cells_width(scene: &Confusion, cell: f64) -> f64 {
-    (scene.objects.len() + 2) as f64 * cell
-}
-
-/// Columns that a panel takes so that its names need not be broken much.
-fn span(scene: &Confusion, cell: f64) -> usize {
-    let wanted = wished_label(scene).clamp(LEAST_LABEL, EASY_LABEL);
-    (1..ABREAST).find(|&span| room(span) - cells_width(scene, cell) >= wanted).unwrap_or(ABREAST)
-}
-
-/// Room in which no name of a scene has to be broken.
-fn wished_label(scene: &Confusion) -> f64 {
-    let names = scene.objects.iter().map(|object| Lettering::NUMBER.width(&object.name));
-    names.fold(0.0, f64::max) + NUMBER_ROOM
-}
-
-fn cell_width(scenes: &[Confusion]) -> f64 {
-    let queries = scenes.iter().flat_map(|scene| &scene.meant).map(Instead::queries);
-    let numbers = queries.chain(scenes.iter().map(|scene| scene.objects.len()));
-    let most = numbers.max().unwrap_or(0);
-    f64::max(CELL, Lettering::NUMBER.width(&most.to_string()) + 3.0)
-}
-
-/// Gives its lower edge.
-fn panel(
-    drawing: &mut Drawing,
-    scene: &Confusion,
-    (left, top): (f64, f64),
-    label_room: f64,
-    cell: f64,
-) -> f64 {
-    let label = Lettering::NUMBER.anchored(Anchor::End);
-    let names = left + label_room - NUMBER_ROOM;
-    let cells = left + label_room;
-    let count = scene.objects.len();
-    let x_of = |column: usize| cells + column as f64 * cell;
-    let title = lettering::wrap_name(scene.scene, |line| {
-        Lettering::HEAD.width(line) <= label_room + count as f64 * cell
-    });
-    drawing.lines(left, top, &title, Lettering::HEAD);
-    let head = top + (title.len() as f64 - 1.0) * leading(Lettering::HEAD) + 16.0;
+fn matrix<DB: DrawingBackend>(area: &Area<DB>, scene: &Confusion, width: i32) -> Drawn<DB> {
+    let count = scene.objects.len() as i32;
+    let cells = width - (count + 2) * CELL;
+    let letters = |room: i32| (room / 6).max(4) as usize;
+    area.draw(&Text::new(shortened(&scene.scene, letters(width)), (0, 0), bold(11)))?;
     let heads = (1..=count).map(|place| place.to_string()).chain(["L".to_owned(), "–".to_owned()]);
-    for (column, text) in heads.enumerate() {
-        let note = Lettering::NOTE.anchored(Anchor::Middle);
-        drawing.text(x_of(column) + cell / 2.0, head, &text, note);
+    for (column, head) in heads.enumerate() {
+        let x = cells + column as i32 * CELL + CELL / 2;
+        area.draw(&Text::new(head, (px(x), px(HEAD - 9)), beside(font(9, QUIET), HPos::Center)))?;
     }
-
-    let mut edges = vec![head + 4.0];
-    for (place, (object, instead)) in scene.objects.iter().zip(&scene.meant).enumerate() {
-        let fits = |line: &str| label.width(line) <= label_room - NUMBER_ROOM;
-        let lines = lettering::wrap_name(&object.name, fits);
-        let y = edges[place];
-        let height = f64::max(CELL, lines.len() as f64 * leading(label) + 3.0);
-        let middle = y + height / 2.0;
-        let first = middle + 3.5 - (lines.len() as f64 - 1.0) * leading(label) / 2.0;
-        let ink = if instead.queries() > 0 { INK } else { QUIET };
-        drawing.lines(names, first, &lines, label.coloured(ink));
-        let own = Lettering::NOTE.anchored(Anchor::End);
-        drawing.text(cells - 4.0, middle + 3.5, &(place + 1).to_string(), own);
-        for (column, (choice, queries)) in row(scene, place).into_iter().enumerate() {
-            let extent = Extent { left: x_of(column), top: y, right: x_of(column + 1), bottom: y + height };
-            let share = queries as f64 / instead.queries().max(1) as f64;
-            fill(drawing, extent, choice, queries, share);
+    for (row, (object, queries)) in scene.objects.iter().zip(&scene.queries).enumerate() {
+        let y = HEAD + row as i32 * CELL;
+        let all: usize = queries.iter().sum();
+        let name = shortened(&object.name, letters(cells - 20));
+        let ink = if all > 0 { INK } else { QUIET };
+        area.draw(&Text::new(name, (px(cells - 18), px(y + CELL / 2)), beside(font(10, ink), HPos::Right)))?;
+        let number = Text::new(
+            (row + 1).to_string(),
+            (px(cells - 4), px(y + CELL / 2)),
+            beside(font(9, QUIET), HPos::Right),
+        );
+        area.draw(&number)?;
+        for (column, &found) in queries.iter().enumerate() {
+            let colour = colour(scene, row, column);
+            let share = found as f64 / all.max(1) as f64;
+            cell(area, (cells + column as i32 * CELL, y), colour, (found, share))?;
         }
-        edges.push(y + height);
     }
-    frames(drawing, scene, &x_of, &edges);
-    edges.last().copied().unwrap_or(head)
-}
-
-/// What the cells of a row hold.
-fn row(scene: &Confusion, place: usize) -> Vec<(Choice, usize)> {
-    let category = &scene.objects[place].category;
-    let choice = |column: usize| match column {
-        _ if column == place => Choice::Meant,
-        _ if scene.objects[column].category == *category => Choice::LookAlike,
-        _ => Choice::OtherObject,
-    };
-    let Instead { objects, landmark, nothing } = &scene.meant[place];
-    let objects = objects.iter().enumerate().map(|(column, &queries)| (choice(column), queries));
-    objects.chain([(Choice::Landmark, *landmark), (Choice::Nothing, *nothing)]).collect()
-}
-
-/// A cell, the fuller of its colour the larger its share of the row.
-fn fill(drawing: &mut Drawing, extent: Extent, choice: Choice, queries: usize, share: f64) {
-    let Extent { left, top, right, bottom } = extent;
-    let shade = if queries == 0 { PAPER } else { tint(colour(choice), 0.3 + 0.7 * share) };
-    drawing.bar(left, top, right - left, bottom - top, shade);
-    drawing.line([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], 0.5, GRID);
-    if queries > 0 {
-        let ink = if luminance(shade) < 0.45 { PAPER } else { INK };
-        let number = Lettering::NUMBER.anchored(Anchor::Middle).coloured(ink);
-        let middle = (f64::midpoint(left, right), f64::midpoint(top, bottom) + 3.5);
-        drawing.text(middle.0, middle.1, &queries.to_string(), number);
-    }
-}
-
-/// Lines around the objects of each category and around all.
-fn frames(drawing: &mut Drawing, scene: &Confusion, x_of: &impl Fn(usize) -> f64, edges: &[f64]) {
-    let count = scene.objects.len();
-    let mut frame = |columns: (usize, usize), rows: (usize, usize), width: f64, ink: Colour| {
-        let (left, right, top, bottom) = (x_of(columns.0), x_of(columns.1), edges[rows.0], edges[rows.1]);
-        drawing.line([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], width, ink);
-    };
-    frame((0, count + 2), (0, count), 0.75, AXIS);
-    frame((0, count), (0, count), 0.75, AXIS);
+    frame(area, (cells, HEAD), (count + 2, count), AXIS.stroke_width(2))?;
     let mut first = 0;
-    for place in 1..=count {
-        let is_end = place == count || scene.objects[place].category != scene.objects[first].category;
-        if is_end {
-            frame((first, place), (first, place), 1.25, INK);
-            first = place;
-        }
+    for alike in scene.objects.chunk_by(|a, b| a.category == b.category) {
+        let size = alike.len() as i32;
+        frame(area, (cells + first * CELL, HEAD + first * CELL), (size, size), INK.stroke_width(2))?;
+        first += size;
+    }
+    Ok(())
+}
+
+fn colour(scene: &Confusion, row: usize, column: usize) -> RGBColor {
+    match scene.objects.get(column) {
+        _ if row == column => BLUE,
+        None => SHADE,
+        Some(taken) if taken.category == scene.objects[row].category => VERMILLION,
+        Some(_) => ORANGE,
     }
 }
 
-fn colour(choice: Choice) -> Colour {
-    match choice {
-        Choice::Meant | Choice::Tied => BLUE,
-        Choice::LookAlike => VERMILLION,
-        Choice::OtherObject => ORANGE,
-        Choice::Landmark | Choice::Nothing => SHADE,
+fn cell<DB: DrawingBackend>(
+    area: &Area<DB>,
+    (x, y): (i32, i32),
+    colour: RGBColor,
+    (queries, share): (usize, f64),
+) -> Drawn<DB> {
+    let corners = [(px(x), px(y)), (px(x + CELL), px(y + CELL))];
+    let opacity = 0.3 + 0.7 * share;
+    if queries > 0 {
+        area.draw(&Rectangle::new(corners, colour.mix(opacity).filled()))?;
     }
-}
-
-/// So much of a colour on paper.
-fn tint((red, green, blue): Colour, share: f64) -> Colour {
-    let mix = |part: u8| (255.0 - share * (255.0 - f64::from(part))).round() as u8;
-    (mix(red), mix(green), mix(blue))
-}
-
-/// 0 to 1, as eyes weigh display colours.
-fn luminance((red, green, blue): Colour) -> f64 {
-    (0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)) / 255.0
-}
-
-/// What the colours mean; gives the first free height below.
-fn legend(drawing: &mut Drawing, above: f64) -> f64 {
-    let baseline = above + 20.0;
-    let mut x = MARGIN;
-    let texts = [
-        (Choice::Meant, "the one meant"),
-        (Choice::LookAlike, "a look-alike"),
-        (Choice::OtherObject, "another object"),
-        (Choice::Landmark, "a landmark, or nothing"),
-    ];
-    for (choice, text) in texts {
-        drawing.bar(x, baseline - 9.0, 11.0, 11.0, colour(choice));
-        drawing.text(x + 16.0, baseline, text, Lettering::NOTE);
-        x += 16.0 + Lettering::NOTE.width(text) + 14.0;
+    area.draw(&Rectangle::new(corners, GRID.stroke_width(1)))?;
+    if queries > 0 {
+        let ink = if colour == BLUE && opacity > 0.6 { WHITE } else { INK };
+        let size = if queries > 99 { 7 } else { 10 };
+        let middle = (px(x) + px(CELL) / 2, px(y) + px(CELL) / 2);
+        area.draw(&Text::new(queries.to_string(), middle, beside(font(size, ink), HPos::Center)))?;
     }
-    drawing.text(x, baseline, "(fuller: more of the row)", Lettering::NOTE);
-    baseline
+    Ok(())
+}
+
+fn frame<DB: DrawingBackend>(
+    area: &Area<DB>,
+    (x, y): (i32, i32),
+    (columns, rows): (i32, i32),
+    style: ShapeStyle,
+) -> Drawn<DB> {
+    area.draw(&Rectangle::new([(px(x), px(y)), (px(x + columns * CELL), px(y + rows * CELL))], style))
 }

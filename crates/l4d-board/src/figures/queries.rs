@@ -1,168 +1,120 @@
-//! IoU of every query over the clip: one row a query, best first, one panel a category.
+//! IoU of every query over the clip: one row per query, best first, one panel per category.
 
 use l4d_data::Category;
 use l4d_score::counts::State;
+use plotters::prelude::*;
 
-use super::drawing::{
-    AXIS, Anchor, Colour, Drawing, Extent, INK, Lettering, MARGIN, PAPER, VERMILLION, WIDTH,
-};
-use crate::detail::{Detail, Details, FrameDetail};
-use crate::rank::Board;
+use super::canvas::{AXIS, Area, Drawn, Plot, QUIET, VERMILLION, bold, font, legend, px};
+use crate::board::{Answer, Board, BoardScene, Method};
 
-const GAP: f64 = 22.0;
-/// Height of a row where there are few, and where there are many.
+/// Print pixels of a row, where there are few and where there are many.
 const ROWS: (f64, f64) = (9.0, 2.5);
 const TALLEST: f64 = 420.0;
+const GAP: i32 = 22;
 /// Light to dark in even steps of luminance, so that grey says the same: a miss is the lightest.
-const MISSED: Colour = (0xFB, 0xDC, 0x9C);
-const BLUES: [Colour; 5] =
-    [(0x8F, 0xBD, 0xE0), (0x5B, 0x9B, 0xCB), (0x35, 0x79, 0xB0), (0x18, 0x53, 0x88), (0x08, 0x25, 0x52)];
+const MISSED: RGBColor = RGBColor(0xFB, 0xDC, 0x9C);
+const BLUES: [RGBColor; 5] = [
+    RGBColor(0x8F, 0xBD, 0xE0),
+    RGBColor(0x5B, 0x9B, 0xCB),
+    RGBColor(0x35, 0x79, 0xB0),
+    RGBColor(0x18, 0x53, 0x88),
+    RGBColor(0x08, 0x25, 0x52),
+];
 
-/// What a cell shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Cell {
-    /// Something is to be found and was, at least a little: place among [`BLUES`].
-    Found(usize),
-    /// Something is to be found and was not.
-    Missed,
-    /// Nothing is to be found, and something was marked.
-    FalseAlarm,
-    /// Nothing is to be found, nothing was.
-    Empty,
-}
-
-impl Cell {
-    fn of(frame: &FrameDetail) -> Self {
-        match frame.state {
-            State::Hit => {
-                let step = frame.iou().unwrap_or(0.0) * BLUES.len() as f64;
-                Self::Found((step as usize).min(BLUES.len() - 1))
-            }
-            State::Miss | State::Missing if frame.union > 0 => Self::Missed,
-            State::FalseAlarm => Self::FalseAlarm,
-            _ => Self::Empty,
-        }
-    }
-}
+/// The queries of one method: the colour of each frame; none where there is nothing to find and nothing was marked.
+pub(crate) struct Heat(Vec<(Category, Vec<Vec<Option<RGBColor>>>)>);
 
 /// The figure of one method.
-pub(crate) fn draw(board: &Board, method: &str, details: &Details, detail: &Detail) -> Drawing {
-    let notes = ["One row a query, best first; canonical frames from left to right.".to_owned()];
-    let title = format!("IoU over time, query by query: {method}");
-    let (mut drawing, above) = Drawing::titled(&title, board, &notes);
-    let top = legend(&mut drawing, above) + 36.0;
-    let panels: Vec<(Category, Vec<Vec<&FrameDetail>>)> =
-        Category::ALL.into_iter().map(|category| (category, rows(category, details, detail))).collect();
-    let most = panels.iter().map(|(_, rows)| rows.len()).max().unwrap_or(0).max(1);
-    let row = (TALLEST / most as f64).clamp(ROWS.1, ROWS.0);
-    let pitch = (WIDTH - 2.0 * MARGIN + GAP) / panels.len() as f64;
-    let width = pitch - GAP;
-    for (index, (category, rows)) in panels.iter().enumerate() {
-        let left = MARGIN + index as f64 * pitch;
-        let noun = if rows.len() == 1 { "query" } else { "queries" };
-        drawing.text(
-            left,
-            top - 10.0,
-            &format!("{}: {} {noun}", category.as_str(), rows.len()),
-            Lettering::HEAD,
-        );
-        for (place, frames) in rows.iter().enumerate() {
-            line(
-                &mut drawing,
-                frames,
-                Extent {
-                    left,
-                    top: top + place as f64 * row,
-                    right: left + width,
-                    bottom: top + (place + 1) as f64 * row,
-                },
-            );
-        }
-        let bottom = top + rows.len() as f64 * row;
-        let border = [(left, top), (left + width, top), (left + width, bottom), (left, bottom), (left, top)];
-        drawing.line(border, 0.75, AXIS);
-        ends(&mut drawing, rows, left, width, bottom);
-    }
-    drawing.height = top + most as f64 * row + 18.0 + MARGIN;
-    drawing
-}
-
-/// Frames of the queries of a category that have a target, the best query first.
-fn rows<'a>(category: Category, details: &Details, detail: &'a Detail) -> Vec<Vec<&'a FrameDetail>> {
-    let queries = details.asked.queries().zip(detail.tallies.iter().zip(&detail.queries));
-    let of_category = queries.filter(|((query, _), _)| query.categories.first() == Some(&category));
-    let mut rows: Vec<(f64, Vec<&FrameDetail>)> = of_category
-        .filter_map(|(_, (tally, found))| {
-            let frames = found.frames.iter().filter(|frame| frame.state != State::NotAnnotated);
-            Some((tally.ratios().miou?, frames.collect()))
-        })
-        .collect();
-    rows.sort_by(|a, b| b.0.total_cmp(&a.0));
-    rows.into_iter().map(|(_, frames)| frames).collect()
-}
-
-/// Neighbours that look the same become one bar.
-fn line(drawing: &mut Drawing, frames: &[&FrameDetail], extent: Extent) {
-    let step = (extent.right - extent.left) / frames.len().max(1) as f64;
-    let cells: Vec<Cell> = frames.iter().map(|frame| Cell::of(frame)).collect();
-    let mut first = 0;
-    while first < cells.len() {
-        let last = (first..cells.len()).take_while(|&at| cells[at] == cells[first]).count() + first;
-        let x = extent.left + first as f64 * step;
-        let width = (last - first) as f64 * step;
-        fill(drawing, cells[first], Extent { left: x, right: x + width, ..extent });
-        first = last;
-    }
-}
-
-fn fill(drawing: &mut Drawing, cell: Cell, extent: Extent) {
-    let Extent { left, top, right, bottom } = extent;
-    match cell {
-        Cell::Found(step) => drawing.bar(left, top, right - left, bottom - top, BLUES[step]),
-        Cell::Missed => drawing.bar(left, top, right - left, bottom - top, MISSED),
-        Cell::FalseAlarm => {
-            let middle = f64::midpoint(top, bottom);
-            drawing.line([(left, middle), (right, middle)], 1.0, VERMILLION);
-        }
-        Cell::Empty => {}
-    }
-}
-
-fn ends(drawing: &mut Drawing, rows: &[Vec<&FrameDetail>], left: f64, width: f64, bottom: f64) {
-    let frames = || rows.iter().flatten().map(|frame| frame.frame);
-    let (Some(first), Some(last)) = (frames().min(), frames().max()) else { return };
-    drawing.text(left, bottom + 13.0, &first.to_string(), Lettering::NOTE);
-    drawing.text(left + width, bottom + 13.0, &last.to_string(), Lettering::NOTE.anchored(Anchor::End));
-}
-
-fn legend(drawing: &mut Drawing, above: f64) -> f64 {
-    let baseline = above + 20.0;
-    let mut x = MARGIN;
-    let swatch = |drawing: &mut Drawing, x: f64, cell: Cell| {
-        let extent = Extent { left: x, top: baseline - 9.0, right: x + 16.0, bottom: baseline + 1.0 };
-        drawing.bar(x, extent.top, 16.0, 10.0, PAPER);
-        fill(drawing, cell, extent);
-        let Extent { left, top, right, bottom } = extent;
-        drawing.line([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], 0.5, AXIS);
+pub(crate) fn heat(board: &Board, method: &Method) -> Heat {
+    let panel = |category: Category| {
+        let queries = board.queries().zip(&method.answers);
+        let of_category = queries.filter(|((_, query), _)| query.categories.first() == Some(&category));
+        let mut rows: Vec<(f64, Vec<Option<RGBColor>>)> = of_category
+            .filter_map(|((scene, _), answer)| Some((answer.ratios.miou?, colours(scene, answer))))
+            .collect();
+        rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+        (category, rows.into_iter().map(|(_, row)| row).collect())
     };
-    drawing.text(x, baseline, "IoU", Lettering::NOTE.coloured(INK));
-    x += Lettering::NOTE.width("IoU") + 6.0;
-    for step in 0..BLUES.len() {
-        swatch(drawing, x, Cell::Found(step));
-        x += 16.0;
-    }
-    for (cell, text) in [
-        (None, "0 to 100 in steps of 20"),
-        (Some(Cell::Missed), "missed"),
-        (Some(Cell::FalseAlarm), "marked where there is nothing"),
-        (Some(Cell::Empty), "nothing to find, nothing marked"),
-    ] {
-        if let Some(cell) = cell {
-            swatch(drawing, x, cell);
-            x += 16.0;
+    Heat(Category::ALL.map(panel).into())
+}
+
+fn colours(scene: &BoardScene, answer: &Answer) -> Vec<Option<RGBColor>> {
+    let colour = |position: usize| match answer.state(scene, position) {
+        State::Hit => {
+            let step = answer.iou(position).unwrap_or(0.0) * BLUES.len() as f64;
+            Some(BLUES[(step as usize).min(BLUES.len() - 1)])
         }
-        drawing.text(x + 5.0, baseline, text, Lettering::NOTE);
-        x += 5.0 + Lettering::NOTE.width(text) + 16.0;
+        State::Miss | State::Missing if answer.union[position] > 0 => Some(MISSED),
+        State::FalseAlarm => Some(VERMILLION),
+        _ => None,
+    };
+    let is_annotated = |position: &usize| answer.state(scene, *position) != State::NotAnnotated;
+    (0..answer.union.len()).filter(is_annotated).map(colour).collect()
+}
+
+impl Heat {
+    fn most(&self) -> usize {
+        self.0.iter().map(|(_, rows)| rows.len()).max().unwrap_or(0).max(1)
     }
-    baseline
+
+    /// Print pixels.
+    fn row(&self) -> f64 {
+        (TALLEST / self.most() as f64).clamp(ROWS.1, ROWS.0)
+    }
+}
+
+impl Plot for Heat {
+    fn height(&self) -> i32 {
+        24 + 16 + (self.most() as f64 * self.row()).ceil() as i32 + 4
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Drawn<DB> {
+        let (above, below) = area.split_vertically(px(24));
+        legend(
+            &above,
+            &[
+                (BLUES[0], ""),
+                (BLUES[1], ""),
+                (BLUES[2], ""),
+                (BLUES[3], ""),
+                (BLUES[4], "IoU, 0 to 100 in steps of 20"),
+                (MISSED, "missed"),
+                (VERMILLION, "marked where there is nothing"),
+                (WHITE, "nothing to find, nothing marked"),
+            ],
+        )?;
+        for ((category, rows), panel) in self.0.iter().zip(below.split_evenly((1, self.0.len()))) {
+            let noun = if rows.len() == 1 { "query" } else { "queries" };
+            let title = format!("{}: {} {noun}", category.as_str(), rows.len());
+            panel.draw(&Text::new(title, (0, 0), bold(11)))?;
+            let height = (rows.len() as f64 * self.row() * f64::from(px(1))) as i32;
+            let (width, _) = panel.dim_in_pixel();
+            let plot = panel.clone().shrink((0, px(16)), (width - px(GAP) as u32, height.max(px(9)) as u32));
+            let frames = rows.iter().map(Vec::len).max().unwrap_or(0).max(1);
+            let chart = ChartBuilder::on(&plot)
+                .build_cartesian_2d(0.0..frames as f64, 0.0..rows.len().max(1) as f64)?;
+            for (row, cells) in rows.iter().enumerate() {
+                let y = (rows.len() - row) as f64;
+                let mut first = 0;
+                for run in cells.chunk_by(|a, b| a == b) {
+                    let last = first + run.len();
+                    if let Some(colour) = run[0] {
+                        let edge = if colour == VERMILLION { 0.35 } else { 0.0 };
+                        let corners = [(first as f64, y - 1.0 + edge), (last as f64, y - edge)];
+                        chart.plotting_area().draw(&Rectangle::new(corners, colour.filled()))?;
+                    }
+                    first = last;
+                }
+            }
+            let (width, height) = plot.dim_in_pixel();
+            plot.draw(&Rectangle::new(
+                [(0, 0), (width as i32 - 1, height as i32 - 1)],
+                AXIS.stroke_width(2),
+            ))?;
+            if rows.is_empty() {
+                plot.draw(&Text::new("no query", (px(4), px(2)), font(9, QUIET)))?;
+            }
+        }
+        Ok(())
+    }
 }

@@ -36,7 +36,7 @@ pub(crate) fn document(title: &str, data: &[(String, &str, String)]) -> String {
         .iter()
         .map(|(id, kind, content)| format!("<script type=\"{kind}\" id=\"{id}\">{content}</script>\n"))
         .collect();
-    // Each mark stands in the shell once, and what replaces it is never searched again.
+    // Each mark is in the shell once, and what replaces it is never searched again.
     let parts: [(&str, &str); 5] = [
         ("{{policy}}", &policy),
         ("{{title}}", &html(title)),

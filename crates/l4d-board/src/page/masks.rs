@@ -14,21 +14,22 @@ use l4d_score::judge::Answer;
 use l4d_score::results::scan_scene;
 use l4d_score::truth::SceneTruth;
 
-use crate::detail::FrameDetail;
+use crate::board::{Answer as Counted, BoardScene};
 
 /// The page shows a frame of every so many canonical ones: no interval of a query is shorter than 13, so each is seen.
 const STEP: u32 = 8;
 /// Longest side of masks and pictures on the page, pixels.
 pub const LONGEST_SIDE_PX: u32 = 320;
 
-/// What stands in the place of a mask.
+/// In the place of a mask without a pixel.
 pub(crate) const NOTHING: i64 = -1;
 /// No answer.
 pub(crate) const MISSING: i64 = -2;
 
 /// Frames of a clip that the page shows, ascending: the annotated ones nearest to every [`STEP`]th, the last included.
-pub(crate) fn shown_frames(scene: &SceneExam) -> Vec<u32> {
-    let asked: Vec<u32> = scene.asked().collect();
+pub(crate) fn shown_frames(scene: &BoardScene) -> Vec<u32> {
+    let is_asked = |frame: &u32| !scene.unannotated.contains(frame);
+    let asked: Vec<u32> = scene.clip.iter().copied().filter(is_asked).collect();
     let (Some(&first), Some(&last)) = (asked.first(), asked.last()) else { return Vec::new() };
     let wanted = (first..=last).step_by(STEP as usize).chain([last]);
     let mut shown: Vec<u32> =
@@ -116,12 +117,19 @@ impl<'a> Answers<'a> {
     }
 
     /// The answers to a query at the shown frames; none if they are not there, or not those that were counted.
-    pub(crate) fn places(&self, pool: &mut Pool, id: &QueryId, counted: &[FrameDetail]) -> Option<Vec<i64>> {
+    pub(crate) fn places(
+        &self,
+        pool: &mut Pool,
+        id: &QueryId,
+        scene: &BoardScene,
+        counted: &Counted,
+    ) -> Option<Vec<i64>> {
         let forms = self.forms.get(id.number.as_str()).copied()?;
         let answers = self.reader.read(id, forms, &mut Report::default());
         let is_counted = |(&frame, answer): (&u32, &Answer)| {
             let area = answer.mask(self.reader.size).map_or(0, |mask| mask.area());
-            counted.iter().any(|count| count.frame == frame && count.predicted == area)
+            let position = scene.clip.binary_search(&frame).ok();
+            position.and_then(|position| counted.predicted.get(position)) == Some(&area)
         };
         if !self.reader.clip.iter().zip(&answers).all(is_counted) {
             return None;

@@ -1,60 +1,50 @@
-//! What the page knows when it opens: who stands where, in every group that it can be filtered by.
+//! What the page knows when it opens: the order of methods, in every group that it can be filtered by.
 
 use l4d_data::results::Track;
-use l4d_data::{Category, Name, Query, Scale, Status, Temporal};
-use l4d_score::metrics::QueryTally;
-use l4d_score::{Comparison, Estimate, Metrics, Pair};
-use rayon::prelude::*;
+use l4d_data::{Category, Scale, Temporal};
+use l4d_score::cluster::FEW_SCENES;
+use l4d_score::protocols::Measure;
+use l4d_score::{Comparison, Estimate, GroupKind, Metric, Metrics, Pair};
 use serde_json::{Map, Value, json};
 
 use super::masks::{shown_frames, shown_size};
-use crate::detail::{Asked, AskedScene, Detail};
-use crate::rank::Board;
-use crate::row::{BoardRow, Metric};
-use crate::statistics::Statistics;
+use crate::board::{Board, BoardQuery, BoardScene, Method, OtherBoard, PublishedRow, PublishedTable};
+use crate::protocols::{ProtocolRow, ProtocolTable, group_filters, group_key};
 
-/// What is asked: scenes with their queries, in order.
-pub(crate) fn scenes(asked: &Asked) -> Value {
-    asked.scenes.iter().map(scene).collect()
-}
-
-fn scene(asked: &AskedScene) -> Value {
-    let scene = asked.scene;
-    let (width, height) = shown_size(scene.size);
+/// The first element of data. Keys are those of the scripts.
+pub(crate) fn overview(board: &Board) -> Value {
+    let heading = &board.heading;
     json!({
-        "name": scene.name,
-        "scale": asked.scale,
-        "width": width,
-        "height": height,
-        "frames": scene.clip,
-        "shown": shown_frames(scene),
-        "queries": asked.queries.iter().map(|query| question(query)).collect::<Value>(),
+        "software": env!("CARGO_PKG_VERSION"),
+        "benchmark": heading.benchmark,
+        "version": heading.on.benchmark_version,
+        "truthDigest": heading.on.truth_digest,
+        "protocol": heading.on.protocol,
+        "profile": heading.on.profile,
+        "queries": heading.queries,
+        "sceneCount": heading.scenes,
+        "verified": heading.verified,
+        "rejected": heading.rejected,
+        "line": heading.line(),
+        "metrics": Metric::ALL.into_iter().map(metric).collect::<Value>(),
+        "tracks": Track::ALL.into_iter().map(|track| json!({ "key": track, "title": track.title() })).collect::<Value>(),
+        "fewScenes": FEW_SCENES,
+        "methods": board.methods.iter().map(|one| method(board, one)).collect::<Value>(),
+        "comparisons": comparisons(board),
+        "others": board.others.iter().map(other).collect::<Value>(),
+        "protocols": board.protocols.iter().map(|table| protocol(board, table)).collect::<Value>(),
+        "scenes": board.scenes.iter().map(scene).collect::<Value>(),
+        "published": board.published.iter().map(published).collect::<Value>(),
     })
 }
 
-fn question(query: &Query) -> Value {
+fn metric(metric: Metric) -> Value {
     json!({
-        "number": query.id.number,
-        "text": query.text,
-        "categories": query.categories,
-        "referents": query.referents,
-        "gated": query.temporal == Temporal::While,
-        "frames": query.frames,
-        "verified": query.status == Status::Verified,
+        "key": metric.key(),
+        "title": metric.title(),
+        "about": about(metric),
+        "higher": metric.higher_is_better(),
     })
-}
-
-/// The metrics, in the order of all columns.
-pub(crate) fn metrics() -> Value {
-    let metric = |metric: Metric| {
-        json!({
-            "key": metric.key(),
-            "title": metric.title(),
-            "about": about(metric),
-            "higher": metric.higher_is_better(),
-        })
-    };
-    Metric::ALL.into_iter().map(metric).collect()
 }
 
 fn about(metric: Metric) -> &'static str {
@@ -73,82 +63,58 @@ fn about(metric: Metric) -> &'static str {
     }
 }
 
-/// The methods of the board: ranked, then those that are only shown. `details` are those of the first of them.
-pub(crate) fn methods(board: &Board, asked: &Asked, details: &[Detail], seed: u64) -> Value {
-    let entries: Vec<(Option<usize>, &BoardRow)> = board.rows().collect();
-    let reasons: Vec<&[&str]> = board
-        .ranked
-        .iter()
-        .map(|_| [].as_slice())
-        .chain(board.unranked.iter().map(|entry| entry.reasons.as_slice()))
-        .collect();
-    let method = |(index, &(rank, row)): (usize, &(Option<usize>, &BoardRow))| {
-        let groups = match details.get(index) {
-            Some(detail) => groups(detail, seed),
-            None => Map::from_iter([(group_key(None, None), bare(row))]),
-        };
-        json!({
-            "name": row.name,
-            "version": row.version,
-            "link": link(&row.link),
-            "rank": rank,
-            "track": row.track,
-            "reasons": reasons[index],
-            "seconds": row.seconds,
-            "queries": row.scores.headline.queries,
-            "isDetailed": index < details.len(),
-            "groups": groups,
-            "scenes": asked.scenes.iter().map(|asked| row.scores.scenes.get(&asked.scene.name).map(values)).collect::<Value>(),
-        })
+fn method(board: &Board, method: &Method) -> Value {
+    let is_detailed = !method.answers.is_empty();
+    let groups = match is_detailed {
+        true => groups(method),
+        false => Map::from_iter([(group_key(None, None), bare(method))]),
     };
-    let methods: Vec<Value> = entries.par_iter().enumerate().map(method).collect();
-    Value::Array(methods)
+    json!({
+        "name": method.name,
+        "version": method.version,
+        "link": link(&method.link),
+        "rank": method.rank,
+        "track": method.track,
+        "reasons": method.unranked_because,
+        "seconds": method.seconds,
+        "queries": method.scores.headline.queries,
+        "isDetailed": is_detailed,
+        "groups": groups,
+        "scenes": board.scenes.iter().map(|scene| method.scores.scenes.get(&scene.name).map(values)).collect::<Value>(),
+    })
 }
 
 /// Percent, in the order of all metrics.
 fn values(metrics: &Metrics) -> Value {
-    Metric::ALL.into_iter().map(|metric| metric.of(metrics).map(hundredths)).collect()
+    Metric::ALL.into_iter().map(|metric| metrics.get(metric).map(hundredths)).collect()
 }
 
 /// A link is only shown if it leads to the web: a page must not run what a method's card says.
-pub(crate) fn link(link: &str) -> Option<&str> {
+fn link(link: &str) -> Option<&str> {
     (link.starts_with("https://") || link.starts_with("http://")).then_some(link)
 }
 
-/// The name of a group of queries: `category|scale`, each empty where all are meant.
-pub(crate) fn group_key(category: Option<Category>, scale: Option<Scale>) -> String {
-    format!("{}|{}", category.map_or("", Category::as_str), scale.map_or("", Scale::as_str))
-}
-
-/// Every group of queries that the page can show: its metrics with intervals. Groups without queries are left out.
-fn groups(detail: &Detail, seed: u64) -> Map<String, Value> {
-    let categories = || [None].into_iter().chain(Category::ALL.map(Some));
-    let scales = || [None].into_iter().chain(Scale::ALL.map(Some));
-    let mut groups = Map::new();
-    for (category, scale) in categories().flat_map(|category| scales().map(move |scale| (category, scale))) {
-        let belongs = |tally: &&QueryTally| {
-            category.is_none_or(|category| tally.facts.categories.contains(&category))
-                && scale.is_none_or(|scale| tally.facts.scale == scale)
-        };
-        let members: Vec<&QueryTally> = detail.tallies.iter().filter(belongs).collect();
-        if members.is_empty() {
-            continue;
+/// Every group of queries that the page filters by: its metrics with intervals. Groups without queries are left out.
+fn groups(method: &Method) -> Map<String, Value> {
+    let named = |(category, scale): (Option<Category>, Option<Scale>)| match (category, scale) {
+        (None, None) => (GroupKind::All, "all".to_owned()),
+        (Some(category), None) => (GroupKind::Category, category.as_str().to_owned()),
+        (None, Some(scale)) => (GroupKind::Scale, scale.as_str().to_owned()),
+        (Some(category), Some(scale)) => {
+            (GroupKind::ScaleCategory, format!("{} {}", scale.as_str(), category.as_str()))
         }
-        let cells: Vec<Value> = Metric::ALL
-            .into_iter()
-            .map(|metric| {
-                let estimate =
-                    Estimate::of_ratio(members.iter().copied(), |ratios| metric.of_ratios(ratios), seed);
-                estimate.as_ref().map_or(Value::Null, cell)
-            })
-            .collect();
-        groups.insert(group_key(category, scale), Value::Array(cells));
-    }
-    groups
+    };
+    let entry = |filter: (Option<Category>, Option<Scale>)| {
+        let (kind, name) = named(filter);
+        let estimates = method.group(kind, &name)?.estimates;
+        let cells = Metric::ALL.into_iter().map(|metric| estimates.get(metric).as_ref().map(cell));
+        Some((group_key(filter.0, filter.1), cells.collect()))
+    };
+    group_filters().filter_map(entry).collect()
 }
 
 /// `[value, low, high, queries, scenes]` in percent; low and high are null where one scene says nothing of others.
-pub(crate) fn cell(estimate: &Estimate) -> Value {
+fn cell(estimate: &Estimate) -> Value {
     let [low, high] = estimate.interval.map_or([None; 2], |interval| interval.map(Some));
     json!([
         hundredths(estimate.value),
@@ -159,11 +125,11 @@ pub(crate) fn cell(estimate: &Estimate) -> Value {
     ])
 }
 
-/// The numbers of a row without intervals.
-fn bare(row: &BoardRow) -> Value {
-    let queries = row.scores.headline.queries;
+/// The numbers of a method without intervals.
+fn bare(method: &Method) -> Value {
+    let queries = method.scores.headline.queries;
     let cell = |metric: Metric| {
-        let value = metric.of(&row.scores.headline)?;
+        let value = method.headline(metric)?;
         Some(json!([hundredths(value), null, null, queries, null]))
     };
     Metric::ALL.into_iter().map(cell).collect()
@@ -174,14 +140,9 @@ pub(crate) fn hundredths(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
-/// The tracks, the headline first.
-pub(crate) fn tracks() -> Value {
-    Track::ALL.into_iter().map(|track| json!({ "key": track, "title": track.title() })).collect()
-}
-
 /// How each method compares with each behind it in its track, in mIoU.
-pub(crate) fn comparisons(statistics: &Statistics) -> Value {
-    let name = |index: usize| &statistics.methods[index].name;
+fn comparisons(board: &Board) -> Value {
+    let name = |index: usize| &board.methods[index].name;
     let pair = |pair: &Pair| {
         let Comparison { difference, p, least_p, detectable } = &pair.comparison;
         json!({
@@ -194,35 +155,108 @@ pub(crate) fn comparisons(statistics: &Statistics) -> Value {
             "leastP": least_p,
         })
     };
-    let pairs = statistics.headline();
+    let pairs = board.headline_pairs();
     let is_compared = |index: &usize| pairs.iter().any(|pair| pair.first == *index || pair.second == *index);
-    let names: Vec<&Name> = (0..statistics.methods.len()).filter(is_compared).map(name).collect();
+    let names: Vec<_> = (0..board.compared().len()).filter(is_compared).map(name).collect();
     json!({ "names": names, "pairs": pairs.iter().map(pair).collect::<Value>() })
 }
 
-/// Methods that were scored on something else: one board each, numbers alone.
-pub(crate) fn others(board: &Board) -> Value {
-    let other = |other: &crate::rank::OtherBoard| {
-        let method = |row: &BoardRow| {
-            json!({
-                "name": row.name,
-                "version": row.version,
-                "link": link(&row.link),
-                "rank": null,
-                "track": row.track,
-                "reasons": ["scored on something else"],
-                "seconds": row.seconds,
-                "queries": row.scores.headline.queries,
-                "isDetailed": false,
-                "groups": { "|": bare(row) },
-            })
-        };
+/// Methods that were scored on something else: numbers alone.
+fn other(other: &OtherBoard) -> Value {
+    let method = |method: &Method| {
         json!({
-            "line": other.line(),
-            "protocol": other.protocol,
-            "profile": other.profile,
-            "methods": other.rows.iter().map(method).collect::<Value>(),
+            "name": method.name,
+            "version": method.version,
+            "link": link(&method.link),
+            "rank": null,
+            "track": method.track,
+            "reasons": ["scored on something else"],
+            "seconds": method.seconds,
+            "queries": method.scores.headline.queries,
+            "isDetailed": false,
+            "groups": { "|": bare(method) },
         })
     };
-    board.others.iter().map(other).collect()
+    json!({
+        "line": other.line(),
+        "protocol": other.on.protocol,
+        "profile": other.on.profile,
+        "methods": other.methods.iter().map(method).collect::<Value>(),
+    })
+}
+
+fn protocol(board: &Board, table: &ProtocolTable) -> Value {
+    let shown =
+        |numbers: &Vec<Option<f64>>| numbers.iter().map(|number| number.map(hundredths)).collect::<Value>();
+    let method = |row: &ProtocolRow| {
+        let mut groups = Map::from_iter([(group_key(None, None), shown(&row.numbers))]);
+        let keys = group_filters().map(|(category, scale)| group_key(category, scale));
+        groups.extend(keys.filter_map(|key| Some((key.clone(), shown(row.groups.get(&key)?)))));
+        json!({
+            "name": row.name,
+            "version": row.version,
+            "link": link(&row.link),
+            "rank": null,
+            "reasons": row.remarks,
+            "queries": row.queries,
+            "leftOut": row.left_out,
+            "isDetailed": !row.values.is_empty(),
+            "groups": groups,
+            "scenes": board.scenes.iter().map(|scene| row.scenes.get(&scene.name).map(shown)).collect::<Value>(),
+        })
+    };
+    let measure = |one: &Measure| json!({ "key": one.key, "title": one.title });
+    json!({
+        "name": table.protocol.as_str(),
+        "source": table.protocol.source(),
+        "remark": table.protocol.remark(),
+        "line": table.line(&board.heading),
+        "measures": table.protocol.measures().iter().map(measure).collect::<Value>(),
+        "methods": table.rows.iter().map(method).collect::<Value>(),
+    })
+}
+
+fn scene(scene: &BoardScene) -> Value {
+    let (width, height) = shown_size((scene.width, scene.height));
+    json!({
+        "name": scene.name,
+        "scale": scene.scale,
+        "width": width,
+        "height": height,
+        "frames": scene.clip,
+        "shown": shown_frames(scene),
+        "queries": scene.queries.iter().map(question).collect::<Value>(),
+    })
+}
+
+fn question(query: &BoardQuery) -> Value {
+    json!({
+        "number": query.id.number,
+        "text": query.text,
+        "categories": query.categories,
+        "referents": query.referents,
+        "gated": query.temporal == Temporal::While,
+        "frames": query.frames,
+        "verified": query.verified,
+    })
+}
+
+/// A table of a paper.
+fn published(table: &PublishedTable) -> Value {
+    let title = match table.name.as_str() {
+        "panoptic_l4d" => "Query types on the authors' Panoptic-L4D",
+        "neu3d" => "Query types on Neu3D",
+        "composites" => "Queries of two categories",
+        "scales" => "Spatial scales, PanopticQuery",
+        "mvsc" => "Without and with multi-view semantic consensus",
+        "views" => "Number of cameras",
+        "vlm" => "Vision-language models",
+        name => name,
+    };
+    let row = |row: &PublishedRow| json!({ "setting": row.setting, "values": row.values.concat() });
+    json!({
+        "title": title,
+        "columns": table.columns,
+        "rows": table.rows.iter().map(row).collect::<Value>(),
+    })
 }

@@ -199,7 +199,7 @@ fn latents_of_langsplat_become_the_masks_of_its_rules() {
     assert!(imported.assumptions["threshold"].contains("0.7"), "{:?}", imported.assumptions);
     assert!(imported.inputs.keys().any(|input| input.ends_with("best_ckpt.pth")));
     assert_eq!(imported.inputs[&format!("{SCENE}: 27 files")].len(), 64);
-    assert!(score(&bench, &imported).scores.headline.miou.unwrap() > 90.0);
+    assert!(score(&bench, &imported).scores.headline.percent.miou.unwrap() > 90.0);
 }
 
 /// Imports with relevancy and writes results; gives those of the method.

@@ -1,4 +1,4 @@
-//! Contours and boundaries of masks, compared.
+//! J and F in the sense of DAVIS, and boundaries of masks.
 //!
 //! F after the DAVIS 2017 evaluation (`davis2017/metrics.py` lines 40 to 117): contours of one pixel that may lie apart by
 //! 0.008 of the diagonal, rounded up. Boundary IoU after Cheng et al. 2021: the pixels of a mask near its border, 0.02 of
@@ -7,6 +7,9 @@
 use l4d_masks::Mask;
 use l4d_masks::morphology::{dilated, edges, eroded_square};
 
+use super::judged::Value;
+use super::seen::Seen;
+
 /// Share of the diagonal that contours may lie apart.
 const CONTOUR_TOLERANCE: f64 = 0.008;
 /// Share of the diagonal that boundaries are deep.
@@ -14,7 +17,7 @@ const BOUNDARY_DEPTH: f64 = 0.02;
 
 /// How much of two contours lies near the other one, pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Contours {
+struct Contours {
     predicted: u64,
     predicted_near: u64,
     target: u64,
@@ -22,7 +25,7 @@ pub(super) struct Contours {
 }
 
 impl Contours {
-    pub(super) fn of(predicted: &Mask, target: &Mask) -> Self {
+    fn of(predicted: &Mask, target: &Mask) -> Self {
         let reach_px = (CONTOUR_TOLERANCE * diagonal(target)).ceil() as u32;
         let (predicted, target) = (edges(predicted), edges(target));
         let near = |ours: &Mask, theirs: &Mask| match ours.is_empty() || theirs.is_empty() {
@@ -38,7 +41,7 @@ impl Contours {
     }
 
     /// A mask that fills the picture has no contour, and then counts as one without a pixel.
-    pub(super) fn f_measure(self) -> f64 {
+    fn f_measure(self) -> f64 {
         let share = |part: u64, whole: u64| part as f64 / whole as f64;
         let (precision, recall) = match (self.predicted, self.target) {
             (0, 0) => (1.0, 1.0),
@@ -48,6 +51,31 @@ impl Contours {
         };
         if precision + recall == 0.0 { 0.0 } else { 2.0 * precision * recall / (precision + recall) }
     }
+}
+
+/// J: IoU of the masks; where neither has a pixel, 1.
+pub(super) fn region(seen: &Seen<'_>) -> f64 {
+    seen.iou().unwrap_or(1.0)
+}
+
+/// F: the harmonic mean of the shares of either contour that lie near the other; where neither is, 1.
+pub(super) fn contour(seen: &Seen<'_>) -> f64 {
+    match (seen.target(), seen.predicted.as_deref().filter(|_| seen.answered > 0)) {
+        (None, None) => 1.0,
+        (Some(target), Some(predicted)) => Contours::of(predicted, target.mask()).f_measure(),
+        (Some(one), None) => Contours::of(&empty_like(one.mask()), one.mask()).f_measure(),
+        (None, Some(one)) => Contours::of(one, &empty_like(one)).f_measure(),
+    }
+}
+
+fn empty_like(mask: &Mask) -> Mask {
+    Mask::empty(mask.width(), mask.height())
+}
+
+/// The mean of J and F, from their means.
+pub(super) fn both(j: Option<Value>, f: Option<Value>) -> Option<Value> {
+    let (j, f) = (j?, f?);
+    Some(Value { mean: (j.mean + f.mean) / 2.0, frames: j.frames })
 }
 
 /// IoU of the boundaries of two masks; none where neither has one.

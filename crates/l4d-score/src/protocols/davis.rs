@@ -4,20 +4,28 @@
 //! methods and the last is dropped), `davis.py` line 93 (objects are those of the first frame), `utils.py` lines 144 to 158
 //! (recall, decay). A query is an object.
 
-use super::Measure;
+use super::boundary::{both, contour, region};
 use super::judged::{Judged, Value};
-use super::region::{both, contour, region};
 use super::seen::{Clip, Seen};
+use super::{Averaging, Measure, OnMissing, Rules};
 
-pub(super) const MEASURES: &[Measure] = &[
-    Measure { key: "j_and_f", title: "J&F" },
-    Measure { key: "j_mean", title: "J-Mean" },
-    Measure { key: "j_recall", title: "J-Recall" },
-    Measure { key: "j_decay", title: "J-Decay" },
-    Measure { key: "f_mean", title: "F-Mean" },
-    Measure { key: "f_recall", title: "F-Recall" },
-    Measure { key: "f_decay", title: "F-Decay" },
-];
+pub(super) const RULES: Rules = Rules {
+    name: "davis",
+    source: "DAVIS 2017, semi-supervised",
+    measures: &[
+        Measure { key: "j_and_f", title: "J&F" },
+        Measure { key: "j_mean", title: "J-Mean" },
+        Measure { key: "j_recall", title: "J-Recall" },
+        Measure { key: "j_decay", title: "J-Decay" },
+        Measure { key: "f_mean", title: "F-Mean" },
+        Measure { key: "f_recall", title: "F-Recall" },
+        Measure { key: "f_decay", title: "F-Decay" },
+    ],
+    on_missing: OnMissing::Stops,
+    averaging: Averaging::Queries,
+    remark: "A query is an object. There are no void pixels.",
+    judge,
+};
 
 const NO_OBJECT: &str =
     "belong to objects that the first frame does not show, so that nobody is told to follow them";
@@ -27,7 +35,7 @@ const TOO_SHORT: &str = "belong to clips of one or two frames, of which nothing 
 /// Quarters of a clip between which decay is measured.
 const BINS: usize = 4;
 
-pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> Judged {
     let frames = clip.seen.len();
     let none = || Judged::new([None; 7]);
     if !clip.seen.first().is_some_and(Seen::is_present) {

@@ -5,20 +5,29 @@
 
 use l4d_data::Temporal;
 
-use super::Measure;
 use super::judged::{Judged, Value};
 use super::langsplat::leaving_out_absent;
 use super::seen::{Clip, Seen};
+use super::{Averaging, Measure, OnMissing, Rules};
 
-pub(super) const MEASURES: &[Measure] = &[
-    Measure { key: "miou", title: "mIoU" },
-    Measure { key: "viou", title: "vIoU" },
-    Measure { key: "acc", title: "Acc" },
-];
+pub(super) const RULES: Rules = Rules {
+    name: "4d-langsplat",
+    source: "4D LangSplat, eval/eval.py",
+    measures: &[
+        Measure { key: "miou", title: "mIoU" },
+        Measure { key: "viou", title: "vIoU" },
+        Measure { key: "acc", title: "Acc" },
+    ],
+    on_missing: OnMissing::Stops,
+    averaging: Averaging::QueriesThenScenes,
+    remark: "An answer of at least one pixel says that the sentence holds; the source says so where the \
+             features of time are closer to it than on average.",
+    judge,
+};
 
 const NOT_SHOWN: &str = "do not show the object of a sentence about a time: nobody annotates them";
 
-pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> Judged {
     if clip.query.temporal == Temporal::Whole {
         let iou = Value::mean(clip.present().filter_map(Seen::iou));
         return leaving_out_absent(Judged::new([iou, None, None]), clip);

@@ -3,18 +3,28 @@
 //! `script/eval_lerf_mask.py` lines 62 to 73 and 95 to 98: a missing picture is skipped without a word. Boundaries are
 //! 0.02 of the diagonal deep (Cheng et al., Boundary IoU, 2021).
 
-use super::Measure;
 use super::boundary::boundary_iou;
 use super::judged::{Judged, Value};
 use super::langsplat::leaving_out_absent;
 use super::seen::{Clip, Seen};
+use super::{Averaging, Measure, OnMissing, Rules};
 
-pub(super) const MEASURES: &[Measure] =
-    &[Measure { key: "miou", title: "mIoU" }, Measure { key: "boundary_miou", title: "bound. mIoU" }];
+pub(super) const RULES: Rules = Rules {
+    name: "gaussian-grouping",
+    source: "Gaussian Grouping, script/eval_lerf_mask.py",
+    measures: &[
+        Measure { key: "miou", title: "mIoU" },
+        Measure { key: "boundary_miou", title: "bound. mIoU" },
+    ],
+    on_missing: OnMissing::OwnRule,
+    averaging: Averaging::QueriesThenScenes,
+    remark: "The source writes masks above 128; here they are as they were given.",
+    judge,
+};
 
 const SKIPPED: &str = "have no answer and are skipped silently, as if they had not been asked";
 
-pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> Judged {
     let answered = || clip.present().filter(|seen| !seen.is_missing());
     let boundary = answered().filter_map(|seen| {
         let (target, predicted) = (seen.target()?, seen.predicted.as_ref()?);

@@ -16,9 +16,9 @@ pub struct Value {
 impl Value {
     /// The mean of some values; none without any.
     pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let (sum, frames) =
-            values.into_iter().fold((0.0, 0_u64), |(sum, count), value| (sum + value, count + 1));
-        (frames > 0).then(|| Self { mean: sum / frames as f64, frames })
+        let mut frames = 0;
+        let mean = crate::metrics::mean(values.into_iter().inspect(|_| frames += 1))?;
+        Some(Self { mean, frames })
     }
 
     /// The share of frames for which something holds.

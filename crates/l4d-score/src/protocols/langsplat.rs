@@ -1,21 +1,29 @@
-//! LangSplat and LangSplatV2: pairs of frame and sentence that somebody annotated.
+//! LangSplat: pairs of frame and sentence that were annotated.
 //!
 //! `eval/evaluate_iou_loc.py` lines 141 to 152 and 275 (IoU of the chosen level, mean over all pairs of a scene) and 162
 //! to 217 (localisation). Frames that do not show the object have no annotation, so nothing that is said there counts.
 
-use super::Measure;
 use super::judged::{Judged, Value};
 use super::seen::{Clip, Seen};
+use super::{Averaging, Measure, OnMissing, Rules};
 
-pub(super) const MEASURES: &[Measure] =
-    &[Measure { key: "miou", title: "mIoU" }, Measure { key: "localisation", title: "loc. acc." }];
+pub(super) const RULES: Rules = Rules {
+    name: "langsplat",
+    source: "LangSplat, eval/evaluate_iou_loc.py",
+    measures: &[Measure { key: "miou", title: "mIoU" }, Measure { key: "localisation", title: "loc. acc." }],
+    on_missing: OnMissing::Stops,
+    averaging: Averaging::PairsThenScenes,
+    remark: "The source cuts relevancy at 0.7 of its own range and looks at frames that show the object; \
+             here masks are as they were given. Localization accuracy needs relevancy: `l4d import langsplat`.",
+    judge,
+};
 
 /// Why frames are left out where only present targets are annotated.
 pub(super) const NOT_SHOWN: &str = "do not show what is asked for: nobody annotates them";
 /// The same frames, where a method says something.
 pub(super) const UNSEEN_ALARM: &str = "are false alarms among them, which go unnoticed";
 
-pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> Judged {
     let iou = Value::mean(clip.present().filter_map(Seen::iou));
     let localisation = Value::share(clip.present().filter_map(is_located));
     leaving_out_absent(Judged::new([iou, localisation]), clip)

@@ -4,21 +4,29 @@
 //! A missing picture ends the worker, and the expression is then absent from the mean without a word; a video without a
 //! folder counts 0.
 
-use super::Measure;
+use super::boundary::{both, contour, region};
 use super::judged::{Judged, Value};
-use super::region::{both, contour, region};
 use super::seen::{Clip, Seen};
+use super::{Averaging, Measure, OnMissing, Rules};
 
-pub(super) const MEASURES: &[Measure] = &[
-    Measure { key: "j_and_f", title: "J&F" },
-    Measure { key: "j", title: "J" },
-    Measure { key: "f", title: "F" },
-];
+pub(super) const RULES: Rules = Rules {
+    name: "mevis",
+    source: "MeViS, tools/eval_mevis.py",
+    measures: &[
+        Measure { key: "j_and_f", title: "J&F" },
+        Measure { key: "j", title: "J" },
+        Measure { key: "f", title: "F" },
+    ],
+    on_missing: OnMissing::OwnRule,
+    averaging: Averaging::Queries,
+    remark: "A query is an expression, a scene a video.",
+    judge,
+};
 
 const NO_VIDEO: &str = "belong to videos without any answer, which count 0";
 const LOST: &str = "belong to expressions that lack an answer, and such an expression is lost silently";
 
-pub(super) fn judge(clip: &Clip<'_>) -> Judged {
+fn judge(clip: &Clip<'_>) -> Judged {
     let frames = clip.seen.len();
     if !clip.is_scene_answered {
         return Judged::new([Some(Value::whole(0.0, frames)); 3]).leaving_out(NO_VIDEO, frames);

@@ -1,4 +1,4 @@
-//! What stands in `scores-<protocol>/<method>/`: a sheet with everything that its numbers depend on.
+//! What is in `scores-<protocol>/<method>/`: a sheet with everything that its numbers depend on.
 //!
 //! The rows of the CSV file are the base: numbers that are read back are derived from them anew, and those of the JSON
 //! file have to agree.
@@ -97,6 +97,9 @@ struct File {
 
 impl Record {
     /// Writes `<scores>/<method>/protocol-<name>.{csv,json}`.
+    ///
+    /// # Errors
+    /// What the disk refuses.
     pub fn write(&self, scores: &Path) -> Result<(), DataError> {
         let Self { origin, sheet } = self;
         let path = |ending| path(scores, &sheet.method, sheet.protocol, ending);

@@ -18,7 +18,7 @@ use crate::exam::{Exam, SceneExam};
 use crate::judge::Answer;
 use crate::metrics::{Missing, Options};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{admit, find_methods, read_card};
+use crate::results::each_method;
 use crate::truth::SceneTruth;
 
 const COUNTED: &str = "have no answer and count as empty, where the source would stop or take another frame";
@@ -55,7 +55,10 @@ impl Protocolled {
 }
 
 /// Judges one method or a folder of them and writes `<scores>/<method>/protocol-<name>.{csv,json}`. A method with an
-/// error finding has no numbers. `progress` is told the name of each method that was read.
+/// error finding has no numbers. `progress` gets the name of each method that was read.
+///
+/// # Errors
+/// A folder that cannot be listed, truth that is damaged, and what the disk refuses.
 pub fn judge_results(
     root: &Path,
     exam: &Exam,
@@ -65,24 +68,17 @@ pub fn judge_results(
     progress: impl Fn(&str),
 ) -> Result<Protocolled, DataError> {
     let mut report = Report::default();
-    let mut sheets = Vec::new();
     let resize = options.resize || protocol.resizes();
-    for dir in find_methods(root, &mut report)? {
-        let mut found = Report::default();
-        if let Some(card) = read_card(&dir, exam, resize, &mut found)
-            && admit(&dir, exam, resize, &mut found)
-        {
-            let options = Options { resize, ..*options };
-            let sheet = judge_method(&dir, &card, exam, protocol, &options, &mut found)?;
-            if !found.has_errors() {
-                let record = Record { origin: Origin::new(card, exam, &options), sheet };
-                record.write(scores)?;
-                sheets.push(record.sheet);
-            }
+    let options = Options { resize, ..*options };
+    let sheets = each_method(root, exam, resize, &mut report, progress, |dir, card, found| {
+        let sheet = judge_method(dir, &card, exam, protocol, &options, found)?;
+        if found.has_errors() {
+            return Ok(None);
         }
-        report.extend(found);
-        progress(&dir.root().file_name().unwrap_or_default().to_string_lossy());
-    }
+        let record = Record { origin: Origin::new(card, exam, &options), sheet };
+        record.write(scores)?;
+        Ok(Some(record.sheet))
+    })?;
     Ok(Protocolled { protocol, sheets, report })
 }
 
@@ -144,9 +140,12 @@ struct Asked<'a> {
     missing: Missing,
 }
 
-/// Judges answers that stand in memory under several protocols: one per annotated frame of the truth and query, those
+/// Judges answers in memory under several protocols: one per annotated frame of the truth and query, those
 /// of other queries are missing. `queries_path` is the file to blame for queries; a frame without an answer counts as
 /// empty where the source would stop.
+///
+/// # Errors
+/// Queries that name no instance of the truth.
 pub fn judge_answers(
     protocols: &[Protocol],
     method: &Name,

@@ -7,6 +7,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::judged::{Judged, LeftOut, Value};
 use super::{Averaging, Measure, Protocol};
+use crate::metrics::mean;
 
 const NAME_WIDTH: usize = 24;
 
@@ -165,7 +166,7 @@ pub fn file_stem(protocol: Protocol) -> String {
     format!("protocol-{protocol}")
 }
 
-/// The numbers of methods under one protocol, percent, and what the source leaves out. Its name stands above.
+/// The numbers of methods under one protocol, percent, and what the source leaves out. Its name is above.
 pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
     let mut text = format!("protocol {protocol} ({}), never ranked\n", protocol.source());
     let width = |measure: &Measure| 8.max(measure.title.len() + 1);
@@ -238,8 +239,4 @@ fn wrapped(sentence: &str) -> String {
 
 fn mean_of_queries<'a>(rows: impl Iterator<Item = &'a Row>, measure: usize) -> Option<f64> {
     mean(rows.filter_map(|row| row.judged.values[measure]).map(|value| value.mean))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    Value::mean(values).map(|value| value.mean)
 }

@@ -127,18 +127,6 @@ def boundary(mask):
     return mask & (core == 0)
 
 
-def box(mask):
-    rows, cols = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return None if not rows.size else (cols[0], rows[0], cols[-1] + 1, rows[-1] + 1)
-
-
-def box_iou(one, other):
-    width = max(0, min(one[2], other[2]) - max(one[0], other[0]))
-    height = max(0, min(one[3], other[3]) - max(one[1], other[1]))
-    area = lambda of: (of[2] - of[0]) * (of[3] - of[1])
-    return width * height / (area(one) + area(other) - width * height)
-
-
 def average(values):
     values = [value for value in values if value is not None and not math.isnan(value)]
     return float(np.mean(values)) if values else None
@@ -181,12 +169,6 @@ def gaussian_grouping(clips):
     return {"miou": average(regions), "boundary_miou": average(boundaries)}
 
 
-def opengaussian(clips):
-    values = [iou(frame.predicted, frame.target) for seen, *_ in clips for frame in pairs(seen)]
-    above = lambda threshold: average([float(value > threshold) for value in values])
-    return {"miou": average(values), "acc25": above(0.25), "acc50": above(0.5)}
-
-
 def j_and_f(seen):
     j = [iou(frame.predicted, frame.target) for frame in seen]
     return [1.0 if math.isnan(value) else value for value in j], [
@@ -222,27 +204,6 @@ def mevis(clips):
     return {"j_and_f": (j + f) / 2, "j": j, "f": f}
 
 
-def hc_stvg(clips):
-    rows = []
-    for seen, *_ in clips:
-        tubes = [{at: box(mask) for at, mask in enumerate(masks) if mask.any()} for masks in (
-            [frame.target for frame in seen],
-            [frame.predicted for frame in seen],
-        )]
-        if not tubes[0]:
-            continue
-        if not tubes[1]:
-            rows.append((0.0, 0.0))
-            continue
-        both = tubes[0].keys() & tubes[1].keys()
-        either = tubes[0].keys() | tubes[1].keys()
-        hull = max(either) - min(either) + 1
-        rows.append((sum(box_iou(tubes[0][at], tubes[1][at]) for at in both) / hull, len(both) / hull))
-    viou, tiou = np.array(rows).T
-    share = lambda threshold: float(np.mean(viou > threshold))
-    return {"viou": float(viou.mean()), "tiou": float(tiou.mean()), "viou30": share(0.3), "viou50": share(0.5)}
-
-
 def clips_of(scene):
     shape = scene["height"], scene["width"]
     is_answered = any(query["answers"] for query in scene["queries"])
@@ -265,13 +226,10 @@ def main():
     pooled = [clip for scene in scenes for clip in clips_of(scene)]
     expected = {
         "langsplat": by_scene(scenes, langsplat),
-        "langsplat-v2": by_scene(scenes, langsplat),
         "4d-langsplat": by_scene(scenes, four_d_langsplat),
         "davis": davis(pooled),
         "mevis": mevis(pooled),
         "gaussian-grouping": by_scene(scenes, gaussian_grouping),
-        "opengaussian": by_scene(scenes, opengaussian),
-        "hc-stvg": hc_stvg(pooled),
     }
     for scene in scenes:
         scene["queries"] = [written(query) for query in scene["queries"]]

@@ -4,20 +4,19 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_board::{Exhibit, LONGEST_SIDE_PX, publish_page};
+use l4d_board::{Board, LONGEST_SIDE_PX, Media, publish_page};
 use l4d_data::Name;
 use l4d_frames::backdrop::Backdrop;
 use l4d_score::Exam;
 
-use super::{Made, with_hint};
 use crate::cli::judging::LeaderboardArgs;
 use crate::out::Printer;
 
 pub(super) fn write(
     args: &LeaderboardArgs,
     exam: &Exam,
-    made: &Made,
-    [scores, output]: [&Path; 2],
+    board: &Board,
+    output: &Path,
     out: &Printer,
 ) -> Result<PathBuf> {
     let results = args.results.is_dir().then_some(args.results.as_path());
@@ -32,19 +31,8 @@ pub(super) fn write(
         let found = backdrops.get(scene)?.jpeg(frame);
         found.inspect_err(|error| tracing::warn!("no picture under the masks: {error}")).ok()
     };
-    let &Made { board, statistics, details, protocols } = made;
-    let exhibit = Exhibit {
-        exam,
-        board,
-        statistics,
-        details,
-        protocols,
-        seed: args.seed,
-        results,
-        backdrop: &jpeg,
-        software: env!("CARGO_PKG_VERSION"),
-    };
-    publish_page(&exhibit, output).map_err(|error| with_hint(error, scores))
+    let media = Media { exam, results, backdrop: &jpeg };
+    Ok(publish_page(board, &media, output)?)
 }
 
 /// The held-out views of the scenes that are rendered.

@@ -89,7 +89,7 @@ pub(super) fn endings<'a>(
             Some(select) if select > 0.5 => Why::Right,
             _ => {
                 let rows = rows.iter().filter(|row| row.query == query.id);
-                reason(&work.answer(method, &query.id.number), taken(query, rows).cloned())?
+                reason(&work.answer(method, &query.id.number), taken(&query.referents, rows).cloned())?
             }
         };
         endings.push(Ending { query, why, miou: ratios.miou.unwrap_or(0.0) });
