@@ -326,9 +326,9 @@ class Scene:
         obj.location = location
         return obj
 
-    def hdri(self, name: str, strength: float = 1.0, rotation: float = 0.0) -> None:
+    def hdri(self, name: str, strength: float = 1.0, rotation_deg: float = 0.0) -> None:
         """Light and backdrop from one of the CC0 panoramas inside the bpy wheel (city, courtyard, forest,
-        interior, night, studio, sunrise, sunset), turned by `rotation` radians round +Z."""
+        interior, night, studio, sunrise, sunset), turned by `rotation_deg` round +Z."""
         folder = Path(bpy.utils.system_resource("DATAFILES")) / "studiolights" / "world"
         file = folder / f"{name}.exr"
         if not file.is_file():
@@ -337,7 +337,7 @@ class Scene:
         nodes, links, background = self._world()
         coordinates = nodes.new("ShaderNodeTexCoord")
         mapping = nodes.new("ShaderNodeMapping")
-        mapping.inputs["Rotation"].default_value = (0.0, 0.0, rotation)
+        mapping.inputs["Rotation"].default_value = (0.0, 0.0, radians(rotation_deg))
         picture = nodes.new("ShaderNodeTexEnvironment")
         picture.image = bpy.data.images.load(str(file), check_existing=True)
         links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])

@@ -227,7 +227,7 @@ def _walker(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: I
             "trousers": "jeans",
         },
         at=(1.72, 1.74),
-        heading_rad=-0.36,
+        heading_deg=degrees(-0.36),
     )
     parked = walker.pull(case, instance, choices.walk_last, side="r")
     walker.walk_along([(1.32, 0.40), (1.24, -0.66)], (0, choices.walk_last))

@@ -174,11 +174,11 @@ def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
 
 
 def _towards(a: Vector, b: Vector) -> float:
-    """The heading of one who stands at a and faces b."""
-    return math.atan2(b.x - a.x, a.y - b.y)
+    """The heading in degrees of one who stands at a and faces b."""
+    return degrees(math.atan2(b.x - a.x, a.y - b.y))
 
 
-def _bird(scene: Scene, name: str, id: int, look: str, at: Vector, heading: float) -> WaterBird:
+def _bird(scene: Scene, name: str, id: int, look: str, at: Vector, heading_deg: float) -> WaterBird:
     is_duck = look in ("drake", "duck_hen")
     return WaterBird(
         scene,
@@ -189,13 +189,13 @@ def _bird(scene: Scene, name: str, id: int, look: str, at: Vector, heading: floa
         category="duck" if is_duck else "bird",
         attributes=LOOKS[look],
         at=at,
-        heading=heading,
+        heading_deg=heading_deg,
     )
 
 
-def _at_dish(way: float) -> tuple[Vector, Vector]:
-    """(where to stand, where to dip the bill) on the side of the dish that lies in a direction (radians)."""
-    out = Vector((math.cos(way), math.sin(way), 0.0))
+def _at_dish(way_deg: float) -> tuple[Vector, Vector]:
+    """(where to stand, where to dip the bill) on the side of the dish that lies in a direction."""
+    out = Vector((math.cos(math.radians(way_deg)), math.sin(math.radians(way_deg)), 0.0))
     dip = DISH + 0.062 * out
     return dip + REACH_M * out, dip + Vector((0.0, 0.0, bird_feeder.WATER_Z_M - 0.004))
 
@@ -203,10 +203,10 @@ def _at_dish(way: float) -> tuple[Vector, Vector]:
 def _gulls(scene: Scene, choices: Choices, dish: Instance) -> None:
     """The dish passes from the first drinker to the last; the one that lands only stands there."""
     late = choices.late_s
-    spot, dip = _at_dish(math.radians(168.0))
+    spot, dip = _at_dish(168.0)
     first = _bird(scene, "gull_first_drinker", 1, choices.twins, spot, _towards(spot, DISH))
     first.drink(dish, dip, 0, 40 + late)
-    first.turn(-1.85, 41 + late, 55 + late)
+    first.turn(degrees(-1.85), 41 + late, 55 + late)
     away = keys.Path([spot, spot + Vector((-0.34, 0.10, 0.0)), Vector((-0.93, 0.30, 0.0))])
     first.walk(away, 56 + late, 88 + late)
     first.pause(89 + late, LAST_FRAME)
@@ -221,7 +221,7 @@ def _gulls(scene: Scene, choices: Choices, dish: Instance) -> None:
     lander.stand(55 + late, LAST_FRAME)
     lander.finish()
 
-    spot, dip = _at_dish(math.radians(12.0))
+    spot, dip = _at_dish(12.0)
     bend = spot + 0.9 * (spot - dip)
     bend.z = spot.z
     come = keys.Path([WAIT, WAIT.lerp(bend, 0.35), bend, spot])
@@ -240,7 +240,9 @@ def _ducks(scene: Scene, choices: Choices, tray: Instance) -> None:
     afloat = Vector((0.0, 0.0, WATER_M - DRAFT_M))
     course = keys.Path([way.point(way.length * k / 12) + afloat for k in range(13)])
     start = course.tangent(0.0)
-    drake = _bird(scene, "duck_swimming", 4, "drake", course.point(0.0), math.atan2(start.x, -start.y))
+    drake = _bird(
+        scene, "duck_swimming", 4, "drake", course.point(0.0), degrees(math.atan2(start.x, -start.y))
+    )
     wake = lake.wake("wake")
     scene.scenery(wake)
     drake.rest(0, 13)

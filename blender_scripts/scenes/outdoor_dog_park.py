@@ -202,7 +202,9 @@ def _landmarks(scene: Scene) -> Ball:
 def _play(scene: Scene, choices: Choices, toy: Ball) -> None:
     """Throw, chase, shove and second chase in the order of time; beside it the stroked dog."""
 
-    def animal(name: str, id: int, coat: str, at: tuple[float, float], heading: float, posture: str) -> Dog:
+    def animal(
+        name: str, id: int, coat: str, at: tuple[float, float], heading_deg: float, posture: str
+    ) -> Dog:
         collar = choices.collars[0] if coat == choices.twins else choices.collars[1]
         looks = COLOURS[coat] | {"collar": collar}
         return Dog(
@@ -212,14 +214,14 @@ def _play(scene: Scene, choices: Choices, toy: Ball) -> None:
             coat=coat,
             collar=collar,
             at=at,
-            heading=heading,
+            heading_deg=heading_deg,
             posture=posture,
             attributes=looks,
         )
 
-    chaser = animal("dog_chasing", 1, choices.third, CHASER, -1.45, "stand")
-    waiting = animal("dog_waiting", 2, choices.twins, (0.24, 0.58), 1.72, "sit")
-    stroked = animal("dog_stroked", 3, choices.twins, (-0.98, 0.36), 0.25, "sit")
+    chaser = animal("dog_chasing", 1, choices.third, CHASER, degrees(-1.45), "stand")
+    waiting = animal("dog_waiting", 2, choices.twins, (0.24, 0.58), degrees(1.72), "sit")
+    stroked = animal("dog_stroked", 3, choices.twins, (-0.98, 0.36), degrees(0.25), "sit")
 
     man = Thrower(
         scene,
@@ -229,7 +231,7 @@ def _play(scene: Scene, choices: Choices, toy: Ball) -> None:
         look=_man(scene, choices),
         attributes={"top": choices.man_top, "pattern": "checked", "hair": "short"},
         at=(1.42, 0.42),
-        heading_rad=-0.95,
+        heading_deg=degrees(-0.95),
     )
     man.hold_ball(toy.instance, BALL_RADIUS_M)
     man.throw(toy.instance, (2, 36), release=17, towards=(*BALL_STOPS, 0.1))
@@ -293,11 +295,11 @@ def _woman(scene: Scene, choices: Choices, dog: Dog) -> None:
         look=look,
         attributes={"top": choices.woman_top, "pattern": "striped", "hair": "ponytail"},
         at=(-0.02, 1.42),
-        heading_rad=-0.7,
+        heading_deg=degrees(-0.7),
     )
-    facing = -0.95
+    facing_deg = degrees(-0.95)
     crown = dog.crown(first)
-    woman.walk_to(woman.reach_spot(crown, facing, side="r"), (0, first - 2), facing_rad=facing)
+    woman.walk_to(woman.reach_spot(crown, facing_deg, side="r"), (0, first - 2), facing_deg=facing_deg)
     woman.pet(dog.instance, crown, (first, last), side="r")
     woman.look_at(dog.instance, (last, LAST_FRAME))
     woman.finish()

@@ -304,11 +304,11 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
         look=fetcher_look,
         attributes={"dress": choices.dresses[0], "pattern": "plain", "apron": "beige"},
         at=(0.22, 2.80),
-        heading_rad=0.10,
+        heading_deg=degrees(0.10),
     )
-    facing = -0.80
+    facing_deg = degrees(-0.80)
     fetcher.walk_to(
-        fetcher.reach_spot(wanted.matrix(0).translation, facing, side="l"), (0, 30), facing_rad=facing
+        fetcher.reach_spot(wanted.matrix(0).translation, facing_deg, side="l"), (0, 30), facing_deg=facing_deg
     )
     fetcher.lift(
         wanted,
@@ -329,7 +329,7 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
         look=waver_look,
         attributes={"dress": choices.dresses[1], "pattern": "dotted", "apron": "none"},
         at=(1.06, 0.66),
-        heading_rad=-0.45,
+        heading_deg=degrees(-0.45),
     )
     waver.stand()
     waver.wave(choices.wave, side="r")
@@ -337,10 +337,10 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
 
 
 def _hens(scene: Scene, choices: Choices) -> None:
-    def actor(name: str, id: int, at: Vector, heading: float) -> Hen:
-        return Hen(scene, name, id, plumage=choices.plumage, at=at, heading=heading)
+    def actor(name: str, id: int, at: Vector, heading_deg: float) -> Hen:
+        return Hen(scene, name, id, plumage=choices.plumage, at=at, heading_deg=heading_deg)
 
-    pecker = actor("hen_pecking", 7, Vector((-0.62, -1.18, 0.0)), 0.9)
+    pecker = actor("hen_pecking", 7, Vector((-0.62, -1.18, 0.0)), degrees(0.9))
     first, last = choices.peck
     pecker.stand(0, first - 1)
     pecker.peck(first, last)
@@ -348,12 +348,12 @@ def _hens(scene: Scene, choices: Choices) -> None:
     pecker.finish()
 
     way = keys.Path([(0.02, -1.56), (0.35, -1.52), (0.62, -1.36), (0.80, -1.14)])
-    walker = actor("hen_walking", 8, way.point(0.0), heading_on(way, 0.0))
+    walker = actor("hen_walking", 8, way.point(0.0), degrees(heading_on(way, 0.0)))
     walker.walk(way, 0, 72)
     walker.stand(73, LAST_FRAME)
     walker.finish()
 
-    watcher = actor("hen_watching", 9, Vector((0.60, -0.12, 0.0)), -0.7)
+    watcher = actor("hen_watching", 9, Vector((0.60, -0.12, 0.0)), degrees(-0.7))
     watcher.stand(0, LAST_FRAME)
     watcher.finish()
 

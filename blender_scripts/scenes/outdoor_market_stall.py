@@ -25,7 +25,7 @@ from l4d_blender.timeline import LAST_FRAME
 SCALE = "outdoor"
 
 STALL = (0.10, 1.28)
-VENDOR = (-0.86, 0.46, pi / 2 - 0.35)
+VENDOR = ((-0.86, 0.46), degrees(pi / 2 - 0.35))
 HANDOVER = (-0.01, 0.15)  # where the customer stands to take the basket
 ON_GROUND = ((0.92, 0.56), degrees(0.5))
 
@@ -199,7 +199,9 @@ def _baskets(scene: Scene, choices: Choices) -> dict[str, Instance]:
     return baskets
 
 
-def _person(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading: float) -> Trader:
+def _person(
+    scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading_deg: float
+) -> Trader:
     return Trader(
         scene,
         name,
@@ -213,21 +215,21 @@ def _person(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float
             "hair": look.hair,
         },
         at=at,
-        heading_rad=heading,
+        heading_deg=heading_deg,
     )
 
 
 def _deal(scene: Scene, choices: Choices, baskets: dict[str, Instance]) -> None:
     """The customer comes, takes the basket that the vendor holds out, and goes on."""
     release = choices.release
-    vendor = _person(scene, "person_selling", 4, choices.vendor, VENDOR[:2], VENDOR[2])
+    vendor = _person(scene, "person_selling", 4, choices.vendor, *VENDOR)
     vendor.hold(baskets["handed"], NEAR_END, side="r", bar=(1.0, 0.0, 0.0), clear_m=CLEAR_M)
     vendor.offer(baskets["handed"], (release - 24, release + 20), release=release, side="r")
     vendor.wave((release + 26, LAST_FRAME), side="r")
 
-    customer = _person(scene, "person_buying", 5, choices.customer, (1.02, -0.11), -pi / 2 + 0.35)
+    customer = _person(scene, "person_buying", 5, choices.customer, (1.02, -0.11), degrees(-pi / 2 + 0.35))
     customer.hold(baskets["carried"], GRIP, side="l", bar=(1.0, 0.0, 0.0), clear_m=CLEAR_M)
-    customer.walk_to(HANDOVER, (0, 32), facing_rad=VENDOR[2] - pi)
+    customer.walk_to(HANDOVER, (0, 32), facing_deg=VENDOR[1] - 180.0)
     vendor.look_at((HANDOVER[0], HANDOVER[1], 1.5), (0, LAST_FRAME))
     vendor.finish()
     customer.take(

@@ -19,6 +19,7 @@ from l4d_blender.assets import cat, ground, park_lamp
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.cat_friends import CatFriend, FriendlyCat
 from l4d_blender.motion.travellers import Traveller
+from l4d_blender.placing import Spot
 from l4d_blender.scattering import scatter, skyline
 from l4d_blender.scene import Scene
 from l4d_blender.timeline import LAST_FRAME
@@ -30,9 +31,9 @@ BENCH_HEADING_DEG = degrees(0.19)
 LAMP = Vector((1.42, 1.12, 0.0))
 TREE = Vector((2.75, 2.55, 0.0))
 FRIEND = (0.16, 0.42)
-FIRST_CAT = (0.50, 0.10, -0.25)
+FIRST_CAT = ((0.50, 0.10), degrees(-0.25))
 SECOND_SPOT = (-0.24, 0.0)
-PASSER_CAT = (1.22, 0.30, -0.55)
+PASSER_CAT = ((1.22, 0.30), degrees(-0.55))
 
 LOOKS = {
     "grey_tabby": {"colour": "grey", "pattern": "striped"},
@@ -179,24 +180,21 @@ def _act(scene: Scene, choices: Choices) -> None:
     """Stroking passes from the first cat to the one that comes; the twin only walks past."""
     late = choices.late
 
-    def animal(
-        name: str, id: int, coat: cat.Coat, place: tuple[float, float, float], posture: str
-    ) -> FriendlyCat:
-        x, y, heading = place
+    def animal(name: str, id: int, coat: cat.Coat, spot: Spot, posture: str) -> FriendlyCat:
         return FriendlyCat(
             scene,
             name,
             id,
             coat=coat,
-            at=(x, y),
-            heading=heading,
+            at=spot[0],
+            heading_deg=spot[1],
             posture=posture,
             attributes=LOOKS[coat.name],
         )
 
     first = animal("cat_stroked_first", 1, choices.twins, FIRST_CAT, "sit")
     passer = animal("cat_passing", 2, choices.twins, PASSER_CAT, "sit")
-    comer = animal("cat_coming", 3, choices.third, (-1.02, -0.46, 1.25), "stand")
+    comer = animal("cat_coming", 3, choices.third, ((-1.02, -0.46), degrees(1.25)), "stand")
 
     comer.walk_along([(-0.58, -0.32), SECOND_SPOT], (12 + late, 48 + late))
     comer.sit_down((48 + late, 58 + late))
@@ -210,7 +208,7 @@ def _act(scene: Scene, choices: Choices) -> None:
         look=_friend_look(scene, choices),
         attributes={"top": choices.top, "pattern": "checked", "hair": "bun", "bottom": "trousers"},
         at=FRIEND,
-        heading_rad=0.10,
+        heading_deg=degrees(0.10),
     )
     friend.squat()
     friend.stroke(first, (4 + late, 42 + late), side="l")
@@ -236,9 +234,9 @@ def _act(scene: Scene, choices: Choices) -> None:
         look=_walker_look(scene, choices),
         attributes={"top": choices.dress, "pattern": "dotted", "hair": "ponytail", "bottom": "dress"},
         at=(1.70, 1.62),
-        heading_rad=-1.5,
+        heading_deg=degrees(-1.5),
     )
-    walker.walk_along([(0.80, 1.58), (-0.12, 1.34)], (0, 48), facing_rad=-0.45)
+    walker.walk_along([(0.80, 1.58), (-0.12, 1.34)], (0, 48), facing_deg=degrees(-0.45))
     walker.phone((70 + late, LAST_FRAME))
     walker.finish()
 

@@ -285,7 +285,9 @@ def _turned(rng: random.Random) -> Quaternion:
     return Quaternion((rng.gauss(0, 1), rng.gauss(0, 1), rng.gauss(0, 1)), rng.uniform(0.5, 2.8))
 
 
-def _child(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading: float) -> Player:
+def _child(
+    scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading_deg: float
+) -> Player:
     return Player(
         scene,
         name,
@@ -299,7 +301,7 @@ def _child(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float]
             "hair": look.hair,
         },
         at=at,
-        heading_rad=heading,
+        heading_deg=heading_deg,
         ground_m=0.0,
     )
 
@@ -341,13 +343,13 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
     shot_from = Vector((0.06, -0.72, FLOOR_M + striped))
     target = Vector((1.58, -0.50, FLOOR_M + striped))
     way = target - shot_from
-    heading = math.atan2(way.x, -way.y)
-    spot = kick_spot(choices.kicker, shot_from, heading, striped)
+    heading_deg = degrees(math.atan2(way.x, -way.y))
+    spot = kick_spot(choices.kicker, shot_from, heading_deg, striped)
     start = Vector(spot) - 0.44 * Vector(way[:2]).normalized()
-    kicker = _child(scene, "child_at_ball", 4, choices.kicker, start, heading)
+    kicker = _child(scene, "child_at_ball", 4, choices.kicker, start, heading_deg)
     first = choices.kick
     strike = first + 10
-    kicker.walk_to(spot, (0, first), facing_rad=heading)
+    kicker.walk_to(spot, (0, first), facing_deg=heading_deg)
     kicker.kick(kicked, (first, strike + 16), strike=strike)
     shot = RollingBall(kicked, striped, shot_from, _turned(rng))
     shot.roll_along([target], (strike, strike + 36), slowing(2.0))

@@ -30,7 +30,7 @@ SCALE = "outdoor"
 NEAR_KERB_Y, FAR_KERB_Y, FACADE_Y = -0.75, 5.05, 7.2
 PAVEMENT_M = 0.10
 CROSSING = (2.55, 4.65)  # from x to x
-ALONG, BACK = 0.5 * pi, -0.5 * pi  # headings towards +X and -X
+ALONG, BACK = 90.0, -90.0  # headings towards +X and -X
 ARRIVING = Vector((-2.2, 0.38, 0.0))
 LEAVING = Vector((0.40, 4.05, 0.0))
 PARKED = Vector((-5.1, 4.05, 0.0))
@@ -200,7 +200,7 @@ def _street_clutter(scene: Scene) -> None:
         post = scene.make("street_furniture.bollard", f"bollard_{k}")
         scene.scenery(scene.place(post, (x, NEAR_KERB_Y - 0.30), on=PAVEMENT_M - 0.02))
     coach = scene.make("bus", "bus", rng, colour=(0.52, 0.50, 0.46), line="5 MARKET")
-    scene.scenery(scene.place(coach, (25.0, 3.0), degrees(BACK)))
+    scene.scenery(scene.place(coach, (25.0, 3.0), BACK))
     for k, (x, y) in enumerate(((4.2, 6.7), (8.9, 6.7), (-10.9, 6.7), (6.4, -2.6), (-8.2, -2.6))):
         tub = scene.make("street_furniture.planter", f"planter_{k}", scene.rng(f"planter {k}"))
         scene.scenery(scene.place(tub, (x, y), on=PAVEMENT_M))
@@ -250,7 +250,7 @@ def _cars(scene: Scene, choices: Choices) -> Driver:
     drivers = {}
     for id, (what, (look, spot, heading)) in enumerate(plan.items(), 1):
         made = scene.make("car", f"car_{what}", scene.rng(f"car/{what}"), look=look)
-        scene.place(made, spot, degrees(heading))
+        scene.place(made, spot, heading)
         instance = scene.instance(
             f"car_{what}",
             id,
@@ -293,7 +293,7 @@ def _crosser(scene: Scene, choices: Choices, stopped: Instance) -> Traveller:
         look=look,
         attributes={"clothes": "dress", "pattern": "dotted", "hair": style},
         at=(3.20, -1.10),
-        heading_rad=pi - 0.25,
+        heading_deg=degrees(pi - 0.25),
     )
     person.cross([(3.30, 0.5), (3.35, 2.15)], (38, LAST_FRAME - 1), before=stopped, passing=(50, 84))
     person.finish()
@@ -323,7 +323,7 @@ def _waiter(scene: Scene, choices: Choices) -> None:
         look=look,
         attributes={"clothes": "shorts", "pattern": "striped", "hair": "short"},
         at=(-1.75, -1.55),
-        heading_rad=2.0,
+        heading_deg=degrees(2.0),
         ground_m=PAVEMENT_M,
     )
     person.phone((0, choices.call_last), side="r")

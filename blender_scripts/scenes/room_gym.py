@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
+from math import degrees, radians
 
 from l4d_blender.assets import dumbbell, gym_equipment
 from l4d_blender.assets.person import Cloth, Look
@@ -27,9 +27,9 @@ HALF_WIDTH, BACK_Y, FRONT_Y = 3.3, 2.5, -3.6
 STEP = ((-0.72, -0.27), 4.0)
 BENCH = ((0.40, -0.22), -3.0)
 TREADMILL = ((2.12, 1.12), -30.0)
-LONER, LONER_HEADING = (-0.60, 0.20), 0.30
-WAITS, WAITS_HEADING = (0.96, 0.64), -0.30
-AT_BENCH, BENCH_HEADING = (0.82, 0.23), -0.20
+LONER = ((-0.60, 0.20), degrees(0.30))
+WAITS = ((0.96, 0.64), degrees(-0.30))
+AT_BENCH, BENCH_HEADING_DEG = (0.82, 0.23), degrees(-0.20)
 TAKEN = (-0.73, -0.25)
 LEFT = (0.08, -0.21)
 BIG = (0.54, -0.23)
@@ -182,7 +182,7 @@ def train(scene: Scene, choices: Choices) -> None:
     d = choices.delay
     taken, left, heavy = (weight(scene, choices, place, id) for id, place in enumerate(PLACES, 1))
 
-    loner = hire(scene, choices, 0, "athlete_curling", 4, LONER, LONER_HEADING)
+    loner = hire(scene, choices, 0, "athlete_curling", 4, *LONER)
     rest = loner.rest_matrix((*TAKEN, gym_equipment.STEP_TOP_M), "r")
     loner.train(
         taken,
@@ -196,12 +196,12 @@ def train(scene: Scene, choices: Choices) -> None:
     )
     loner.finish()
 
-    key_path(left.frame_object, still((*LEFT, gym_equipment.BENCH_TOP_M), radians(66)))
+    key_path(left.frame_object, still((*LEFT, gym_equipment.BENCH_TOP_M), 66.0))
 
-    comer = hire(scene, choices, 1, "athlete_stretching", 5, WAITS, WAITS_HEADING)
+    comer = hire(scene, choices, 1, "athlete_stretching", 5, *WAITS)
     comer.stretch((0, 36))
-    comer.walk_to(AT_BENCH, (36, 56), facing_rad=BENCH_HEADING)
-    rest = still((*BIG, gym_equipment.BENCH_TOP_M), BENCH_HEADING + radians(78))[0]
+    comer.walk_to(AT_BENCH, (36, 56), facing_deg=BENCH_HEADING_DEG)
+    rest = still((*BIG, gym_equipment.BENCH_TOP_M), BENCH_HEADING_DEG + 78.0)[0]
     bar_m = look_of(choices, "from_bench").bar_height_m
     comer.train(heavy, rest, bar_m, side="r", take=(54, 78), curl=(78, 122), reps=2)
     comer.finish()
@@ -233,7 +233,7 @@ def weight(scene: Scene, choices: Choices, place: str, id: int) -> Instance:
 
 
 def hire(
-    scene: Scene, choices: Choices, k: int, name: str, id: int, at: tuple[float, float], heading: float
+    scene: Scene, choices: Choices, k: int, name: str, id: int, at: tuple[float, float], heading_deg: float
 ) -> Lifter:
     """One of the two wears shorts and short sleeves, the other leggings and a sleeveless top."""
     build, in_shorts = choices.builds[k], k == choices.in_shorts
@@ -265,7 +265,7 @@ def hire(
             "hair": look.hair,
         },
         at=at,
-        heading_rad=heading,
+        heading_deg=heading_deg,
     )
 
 
@@ -275,7 +275,7 @@ def hire(
 def light(scene: Scene, choices: Choices) -> None:
     """Late sun that slants in from the side windows, cool sky from the back, tubes under the roof."""
     scene.exposure = 1.1
-    scene.hdri("city", strength=0.42, rotation=2.2)
+    scene.hdri("city", strength=0.42, rotation_deg=degrees(2.2))
     scene.area_light(
         "sky",
         (0.1, BACK_Y - 0.3, 2.2),

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
+from math import degrees, radians
 
 import numpy as np
 
@@ -146,9 +146,9 @@ def cook(scene: Scene, choices: Choices) -> None:
     d = choices.delay
     big_look = pot.stock_pot(ENAMELS[choices.big_colour])
     ways = {
-        "stirred": still((*STIRRED, HOB_Z), radians(-24)),
-        "big": shift(still((*BIG, HOB_Z), radians(48)), (BIG_MOVES, 0.0, 0.0), (50 + d, 66 + d)),
-        "poured": shift(still((*POURED, HOB_Z), radians(4)), (*POURED_MOVES, 0.0), POURED_MOVING),
+        "stirred": still((*STIRRED, HOB_Z), -24.0),
+        "big": shift(still((*BIG, HOB_Z), 48.0), (BIG_MOVES, 0.0, 0.0), (50 + d, 66 + d)),
+        "poured": shift(still((*POURED, HOB_Z), 4.0), (*POURED_MOVES, 0.0), POURED_MOVING),
     }
     level = np.full(FRAME_COUNT, pot.SAUCEPAN.soup_m)
     pots = {
@@ -215,7 +215,7 @@ def dress(choices: Choices, stirs: bool, seed: int) -> Look:
 
 
 def hire(
-    scene: Scene, choices: Choices, name: str, id: int, x: float, heading: float, *, stirs: bool
+    scene: Scene, choices: Choices, name: str, id: int, x: float, heading_deg: float, *, stirs: bool
 ) -> Cook:
     """One cook behind the island; one of the two wears the tall hat."""
     hatted = stirs == choices.stirrer_wears_hat
@@ -233,7 +233,7 @@ def hire(
             "shirt": choices.shirts[0 if stirs else 1],
         },
         at=(x, COOKS_Y),
-        heading_rad=heading,
+        heading_deg=heading_deg,
     )
     if hatted:
         hat = chef_hat.put_on(f"{name}.hat", person.body)
@@ -322,7 +322,7 @@ def pour_and_move(
 def light(scene: Scene, choices: Choices) -> None:
     """Cool morning light through the window, warm lamps over the island, the rest of the house in front."""
     scene.exposure = 1.05
-    scene.hdri("studio", strength=0.50, rotation=0.6)
+    scene.hdri("studio", strength=0.50, rotation_deg=degrees(0.6))
     scene.area_light(
         "window_light",
         (0.15, kitchen_set.BACK_Y - 0.25, 1.75),

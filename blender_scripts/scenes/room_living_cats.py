@@ -44,10 +44,9 @@ PLANT = ((1.95, 1.20), 0.0)
 CAT_TREE = ((-2.15, 0.40), degrees(0.5))
 BALL_UNDER_TABLE = (-0.40, 0.10)
 TOY_MOUSE = ((0.76, -0.34), degrees(-0.5))
-# Cats: x, y, heading in radians.
-SLEEPER = (-0.36, 0.90, -1.15)
-WALKER = (0.90, 0.88, -0.35)
-PLAYER = (-0.66, -0.40, 0.60)
+SLEEPER = ((-0.36, 0.90), degrees(-1.15))
+WALKER = ((0.90, 0.88), degrees(-0.35))
+PLAYER = ((-0.66, -0.40), degrees(0.60))
 
 BALL_RADIUS_M = 0.076
 REACH_M = 0.295  # from the middle of a poised cat to the ball that it bats
@@ -261,9 +260,9 @@ def put_toys(stage: Stage) -> Toys:
     return Toys(*balls)
 
 
-def ahead_of(stage: Stage, place: tuple[float, float, float], aside_m: float = 0.0) -> tuple[float, float]:
-    """Where a cat poised at a place of the layout has a ball before its paws (`aside_m` to its left)."""
-    x, y, heading = place
+def ahead_of(stage: Stage, spot: Spot, aside_m: float = 0.0) -> tuple[float, float]:
+    """Where a cat poised at a spot of the layout has a ball before its paws (`aside_m` to its left)."""
+    (x, y), heading = spot[0], radians(spot[1])
     return (
         stage.x(x + REACH_M * sin(heading) + aside_m * cos(heading)),
         y - REACH_M * cos(heading) + aside_m * sin(heading),
@@ -274,17 +273,15 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
     """The action, in the order of time: batting, the long roll, the walk, the second player."""
     scene, ball, cast, m = stage.scene, toys.played, stage.cast, stage.mirror
 
-    def animal(
-        name: str, id: int, coat: cat.Coat, place: tuple[float, float, float], posture: str, ground: Ground
-    ) -> Cat:
-        x, y, heading = place
+    def animal(name: str, id: int, coat: cat.Coat, spot: Spot, posture: str, ground: Ground) -> Cat:
+        (x, y), heading_deg = spot
         return Cat(
             scene,
             name,
             id,
             coat=coat,
             at=(m * x, y),
-            heading=m * heading,
+            heading_deg=m * heading_deg,
             ground=ground,
             posture=posture,
             tail_side=m,
@@ -296,7 +293,7 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
         return RUG_TOP_M if on_rug else 0.0
 
     # It curls the same way round in a mirrored room, and its face should show.
-    asleep_at = (SLEEPER[0], SLEEPER[1], m * SLEEPER[2])
+    asleep_at = (SLEEPER[0], m * SLEEPER[1])
     sleeper = animal("cat_sleeper", 1, cast.sleeper, asleep_at, "sleep", level(sofa.SEAT_HEIGHT_M - 0.004))
     walker = animal("cat_walker", 2, cast.walker, WALKER, "sit", on_floor)
     player = animal("cat_player", 3, cast.player, PLAYER, "poise", on_floor)
@@ -317,9 +314,9 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
         (0, 46),
     )
 
-    start, goal = WALKER, (0.36, 0.02)
+    (start, _), goal = WALKER, (0.36, 0.02)
     toward = atan2(m * rest[0] - goal[0], goal[1] - rest[1])
-    stop = (m * rest[0] - REACH_M * sin(toward), rest[1] + REACH_M * cos(toward), toward)
+    stop = (m * rest[0] - REACH_M * sin(toward), rest[1] + REACH_M * cos(toward))
     walker.sit((0, 13))
     walker.stand_up((13, 23))
     walker.walk_along(
@@ -330,7 +327,7 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
         (23, 66),
     )
     walker.poise((66, 75))
-    left = ahead_of(stage, stop, 0.10)
+    left = ahead_of(stage, (stop, degrees(toward)), 0.10)
     walker.play_with(
         ball,
         [Tap(76, stage.paw("fore.R"), left, 86), Tap(86, stage.paw("fore.L"), rest, 96)],
@@ -348,7 +345,7 @@ def light(stage: Stage) -> None:
     """Daylight from the window, a sunbeam on the rug, the house from the open side, a warm lamp."""
     scene, m = stage.scene, stage.mirror
     scene.exposure = 1.12
-    scene.hdri("interior", strength=0.46, rotation=1.2 if m > 0 else -1.2)
+    scene.hdri("interior", strength=0.46, rotation_deg=m * degrees(1.2))
     scene.area_light(
         "window_light",
         (m * WINDOW_X, BACK_WALL_Y - 0.22, 1.35),

@@ -21,7 +21,7 @@ from mathutils import Matrix, Vector
 
 from l4d_blender.assets import desk, high_table, laptop, office_chair, whiteboard
 from l4d_blender.assets.person import Cloth, Look
-from l4d_blender.motion.deskwork import OPEN_RAD, Computer, OfficeWorker
+from l4d_blender.motion.deskwork import Computer, OfficeWorker
 from l4d_blender.placing import Loose, Point, Support, pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
@@ -232,18 +232,18 @@ def put_laptops(stage: Stage) -> dict[str, Computer]:
     over = stage.high_table @ pose((0.0, 0.0, high_table.HEIGHT_M))
     spots = {side: over @ pose((x, 0.09), 180.0) for side, x in HIGH_TABLE_SPOTS.items()}
     plan = (
-        ("first", "laptop_first", choices.twins, desk_at, 0.0, 0),
-        ("idle", "laptop_idle", choices.twins, spots["left"], OPEN_RAD, 1),
-        ("later", "laptop_later", choices.other, spots["right"], 0.0, 2),
+        ("first", "laptop_first", choices.twins, desk_at, False, 0),
+        ("idle", "laptop_idle", choices.twins, spots["left"], True, 1),
+        ("later", "laptop_later", choices.other, spots["right"], False, 2),
     )
     computers = {}
-    for id, (role, name, look, at, angle, page) in enumerate(plan, 1):
+    for id, (role, name, look, at, is_open, page) in enumerate(plan, 1):
         made = scene.make("laptop", name, scene.rng(f"laptop/{role}"), model=MODELS[look], page=page)
         size = "large" if MODELS[look].size_m[0] > 0.35 else "compact"
         instance = scene.instance(
             name, id, "laptop", made, attributes={"colour": look, "size": size}, front="-y"
         )
-        computers[role] = Computer(instance, made, at, angle)
+        computers[role] = Computer(instance, made, at, is_open)
     return computers
 
 
@@ -283,7 +283,7 @@ def sit_and_type(stage: Stage, computer: Computer) -> None:
     look, seen = clothes(stage.choices, "seated")
     feet = stage.desk @ Vector((DESK_SEAT_X, -0.22, 0.0))
     seat = stage.desk @ Vector((DESK_SEAT_X, -0.66, office_chair.SEAT_M))
-    heading = stage.desk.to_euler().z + pi
+    heading_deg = degrees(stage.desk.to_euler().z + pi)
     mug = scene.add(
         1007,
         "coffee_table.mug",
@@ -293,7 +293,7 @@ def sit_and_type(stage: Stage, computer: Computer) -> None:
         colour=(0.62, 0.20, 0.08),
     )
     man = OfficeWorker(
-        scene, "man_seated", 4, category="man", look=look, attributes=seen, at=feet, heading_rad=heading
+        scene, "man_seated", 4, category="man", look=look, attributes=seen, at=feet, heading_deg=heading_deg
     )
     man.be_seated(seat)
     lap = {
@@ -322,7 +322,7 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
         look=look,
         attributes=seen,
         at=start,
-        heading_rad=stage.whiteboard.to_euler().z + pi,
+        heading_deg=degrees(stage.whiteboard.to_euler().z + pi),
     )
     done = choices.write
     tray = Vector((0.20, whiteboard.TRAY_Y_M, whiteboard.TRAY_Z_M + 0.0095))
@@ -332,7 +332,7 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
     goal = stage.high_table @ Vector((x, depth + STANDING_GAP_M, 0.0))
     halfway = 0.5 * (start + goal) + Vector((0.0, 0.07, 0.0))
     man.walk_along(
-        [halfway[:2], goal[:2]], (done + 12, 59), facing_rad=stage.high_table.to_euler().z + 2 * pi
+        [halfway[:2], goal[:2]], (done + 12, 59), facing_deg=degrees(stage.high_table.to_euler().z + 2 * pi)
     )
     man.open_lid(computer, (59, 73))
     man.type_on(computer, (78, LAST_FRAME), arrive=5)
@@ -346,7 +346,7 @@ def light(stage: Stage) -> None:
     """Low sun through the blind, daylight from the window, cool panels overhead."""
     scene = stage.scene
     scene.exposure = 1.1
-    scene.hdri("interior", strength=0.34, rotation=2.0)
+    scene.hdri("interior", strength=0.34, rotation_deg=degrees(2.0))
     scene.sun(
         elevation_deg=24.0,
         azimuth_deg=stage.choices.sun_deg - 25.0,

@@ -257,7 +257,9 @@ def _rock(bear: Instance, chair: Instance) -> None:
     bear.scene.event(bear, "rock", (0, stop - 6))
 
 
-def _child(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading: float) -> Toddler:
+def _child(
+    scene: Scene, name: str, id: int, look: Look, at: tuple[float, float], heading_deg: float
+) -> Toddler:
     wears_dress = look.bottom == "dress"
     cloth = look.lower if wears_dress else look.top
     return Toddler(
@@ -274,17 +276,17 @@ def _child(scene: Scene, name: str, id: int, look: Look, at: tuple[float, float]
             "hair_colour": look.hair_colour,
         },
         at=at,
-        heading_rad=heading,
+        heading_deg=heading_deg,
         ground_m=MAT_M,
     )
 
 
 def _hugger(scene: Scene, choices: Choices, bear: Instance) -> None:
     """Comes from the bookcase, picks the bear up and hugs it."""
-    hugger = _child(scene, "child_hugging", 4, choices.hugger, (-0.04, 0.86), -0.45)
+    hugger = _child(scene, "child_hugging", 4, choices.hugger, (-0.04, 0.86), degrees(-0.45))
     spot = (BEAR_ON_MAT[0], BEAR_ON_MAT[1] + 0.26)
     first = choices.lift
-    hugger.walk_to(spot, (0, first), facing_rad=0.0)
+    hugger.walk_to(spot, (0, first), facing_deg=0.0)
     hugger.lift(bear, teddy.SIDES_M, (first, first + 32), carry="chest")
     hugger.hug(bear, (first + 32, LAST_FRAME), half_m=abs(teddy.SIDES_M[0][0]))
     hugger.finish()
@@ -323,7 +325,7 @@ def _builder(scene: Scene, choices: Choices, bear: Instance) -> None:
 def _light(scene: Scene) -> None:
     """Cool daylight from the window, soft light from the open side, a sunlit patch on the mat."""
     scene.exposure = 1.22
-    scene.hdri("interior", strength=0.40, rotation=2.2)
+    scene.hdri("interior", strength=0.40, rotation_deg=degrees(2.2))
     scene.area_light(
         "window_light",
         (WINDOW_X, BACK_WALL_Y - 0.25, 1.35),

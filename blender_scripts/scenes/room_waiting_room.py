@@ -248,14 +248,21 @@ def read(stage: Stage) -> None:
     look, seen = clothes(choices, 0)
     feet = seat @ Vector((0.0, -0.40, 0.0))
     woman = Reader(
-        scene, "woman_reading", 4, category="woman", look=look, attributes=seen, at=feet, heading_rad=turn
+        scene,
+        "woman_reading",
+        4,
+        category="woman",
+        look=look,
+        attributes=seen,
+        at=feet,
+        heading_deg=degrees(turn),
     )
     made = scene.make("magazine", "magazine", leaves=len(choices.pages))
     held = scene.instance("magazine", 1006, "magazine", made, front="-y")
     # Held over the lap, its top away from her and raised towards her eyes: her left is the page at -X.
     tilt = Euler((0.75, 0.0, pi)).to_matrix().to_4x4()
     spread = Spread(held, made, seat @ Matrix.Translation((0.0, -0.39, 0.30)) @ tilt)
-    woman.be_seated(seat @ Vector((0.0, 0.0, 0.0)), lean_rad=0.06)
+    woman.be_seated(seat @ Vector((0.0, 0.0, 0.0)), lean_deg=degrees(0.06))
     woman.hold_open(spread)
     for leaf, frames in enumerate(choices.pages):
         woman.turn_page(spread, leaf, frames)
@@ -268,18 +275,29 @@ def walk_in(stage: Stage, carried: Instance, backpack: Instance) -> None:
     """The standing woman: walks in with the duffel, sets it down, steps to the seats, lifts the backpack."""
     scene, turn = stage.scene, stage.chairs.to_euler().z
     look, seen = clothes(stage.choices, 1)
-    along = turn - 0.5 * pi
+    along_deg = degrees(turn - 0.5 * pi)
     start = stage.chairs @ ENTER
     woman = Visitor(
-        scene, "woman_arriving", 5, category="woman", look=look, attributes=seen, at=start, heading_rad=along
+        scene,
+        "woman_arriving",
+        5,
+        category="woman",
+        look=look,
+        attributes=seen,
+        at=start,
+        heading_deg=along_deg,
     )
     woman.hold(carried, tuple(bags.DUFFEL_GRIP), bar=(-1.0, 0.0, 0.0), clear_m=0.13)
     target = stage.chairs @ PUT_DOWN
-    woman.walk_to(woman.reach_spot(target, along, ahead_m=0.22, aside_m=0.37), (0, 30), facing_rad=along)
+    woman.walk_to(
+        woman.reach_spot(target, along_deg, ahead_m=0.22, aside_m=0.37), (0, 30), facing_deg=along_deg
+    )
     woman.put_down(carried, target, (30, 47))
-    facing = turn + pi
+    facing_deg = degrees(turn + pi)
     grip = stage.seat(BACKPACK_SEAT) @ Vector((0.0, -0.03, 0.0)) + bags.BACKPACK_GRIP
-    woman.walk_to(woman.reach_spot(grip, facing, ahead_m=0.53, aside_m=0.25), (46, 67), facing_rad=facing)
+    woman.walk_to(
+        woman.reach_spot(grip, facing_deg, ahead_m=0.53, aside_m=0.25), (46, 67), facing_deg=facing_deg
+    )
     woman.fetch(backpack, tuple(bags.BACKPACK_GRIP), (63, 90), bar=(1.0, 0.0, 0.0), clear_m=0.12)
     woman.finish()
 
@@ -291,7 +309,7 @@ def light(stage: Stage) -> None:
     """Evening: two ceiling panels, a floor lamp, a little blue from outside."""
     scene = stage.scene
     scene.exposure = 1.1
-    scene.hdri("night", strength=0.5, rotation=0.6)
+    scene.hdri("night", strength=0.5, rotation_deg=degrees(0.6))
     for n, x in enumerate((-1.1, 1.1)):
         scene.area_light(
             f"ceiling_{n}",

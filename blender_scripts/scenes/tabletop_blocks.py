@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
+from math import degrees, radians
 
 from mathutils import Matrix, Vector
 
@@ -155,7 +155,7 @@ def _clutter(scene: Scene) -> None:
 
 def _light(scene: Scene, choices: Choices) -> None:
     """A bright forenoon: low sun from the window's side, a pale room as fill."""
-    scene.hdri("courtyard", 0.45, rotation=2.2)
+    scene.hdri("courtyard", 0.45, rotation_deg=degrees(2.2))
     scene.sun(
         elevation_deg=44,
         azimuth_deg=choices.sun_azimuth_deg,
@@ -218,13 +218,12 @@ def _right_hand(scene: Scene, choices: Choices, blocks: dict[str, Instance]) -> 
     hand = _hand(scene, "hand_right", 1005, "r")
     pushed, bumped, stacked = (blocks[name] for name in ("block_pushed", "block_bumped", "block_stacked"))
     first, last = choices.push
-    turn = radians(TRAY[1])
-    ahead = Matrix.Rotation(turn, 3, "Z") @ Vector((0.0, -0.066, 0.0))
-    hand.approach(pushed, (first - 12, first), grip="push", heading_rad=turn, point=_middle(pushed, 0.028))
+    ahead = Matrix.Rotation(radians(TRAY[1]), 3, "Z") @ Vector((0.0, -0.066, 0.0))
+    hand.approach(pushed, (first - 12, first), grip="push", heading_deg=TRAY[1], point=_middle(pushed, 0.028))
     hand.push(ahead[:2], (first, last), bumped=bumped)
     hand.release((last, last + 7))
 
-    hand.approach(stacked, (last + 7, 60), grip="top", heading_rad=radians(24))
+    hand.approach(stacked, (last + 7, 60), grip="top", heading_deg=24)
     top = bumped.matrix(96).translation + Vector((0.0, 0.0, 0.0602))
     hand.lift((60, 74), height_m=0.105, toward=top)
     hand.put_down(top, (74, 88))
@@ -236,9 +235,7 @@ def _left_hand(scene: Scene, choices: Choices, block: Instance, slide: RampSlide
     """Pushes a block over the edge of the slide's deck, then rests."""
     hand = _hand(scene, "hand_left", 1006, "l")
     first, last = choices.slide
-    hand.approach(
-        block, (first - 16, first), grip="push", heading_rad=radians(RAMP[1]), point=_middle(block, 0.026)
-    )
+    hand.approach(block, (first - 16, first), grip="push", heading_deg=RAMP[1], point=_middle(block, 0.026))
     hand.push_down(slide, (first, last), 90)
     hand.release((last + 6, last + 14))
     hand.withdraw((last + 14, 96))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import pi, radians
+from math import degrees, pi
 
 from mathutils import Matrix, Vector
 
@@ -172,7 +172,7 @@ def _room(scene: Scene) -> None:
 
 def _light(scene: Scene, choices: Choices) -> None:
     """Candles, a warm lamp over the table, dusk in the window."""
-    scene.hdri("night", 0.10, rotation=0.6)
+    scene.hdri("night", 0.10, rotation_deg=degrees(0.6))
     scene.area_light(
         "lamp",
         (0.05, -0.15, 1.15),
@@ -281,8 +281,8 @@ def _left_diner(
     hand = _hand(scene, "left_right", 1010)
     held, look = spoons["spoon_in_soup"], choices.twin[0]
     grip = held.matrix(0) @ look.tip.lerp(look.end, 0.90)
-    hand.hold_from_start(held, grip="pen", point=grip, heading_rad=radians(75.0))
-    hand.stir(dishes["soup_bowl"], _stir_soup(choices), (3, 36 + t), rounds=1.5, start_rad=pi)
+    hand.hold_from_start(held, grip="pen", point=grip, heading_deg=75.0)
+    hand.stir(dishes["soup_bowl"], _stir_soup(choices), (3, 36 + t), rounds=1.5, start_deg=180.0)
     up = Matrix.Translation((-0.02, -0.06, 0.13)) @ held.matrix(36 + t)
     hand.bring(up, (36 + t, 50 + t))
     hand.lay_down(pose(*SPOON_LAID), (50 + t, 70 + t))
@@ -300,7 +300,7 @@ def _right_diner(
     left = _hand(scene, "right_left", 1013)
     dish = dishes["dish"]
     edge = dish.matrix(0).translation + Vector((0.0, 0.0, 0.012))
-    left.approach(dish, (2, 16), grip="push", point=edge, heading_rad=radians(-98.0))
+    left.approach(dish, (2, 16), grip="push", point=edge, heading_deg=-98.0)
     left.push_dish(DISH_SLIDES, (17, 48 + t), load=(dishes["sauce_bowl"], spoons["spoon_in_sauce"]))
     left.release((48 + t, 57 + t))
     left.withdraw((57 + t, 78 + t))
@@ -309,13 +309,11 @@ def _right_diner(
     right = _hand(scene, "right_right", 1012)
     taken = spoons["spoon_picked"]
     grip = taken.matrix(0) @ PLAIN_METAL[0].tip.lerp(PLAIN_METAL[0].end, 0.78)
-    right.approach(
-        taken, (12, 30 + t), grip="pick", point=grip + Vector((0, 0, 0.004)), heading_rad=radians(-80.0)
-    )
+    right.approach(taken, (12, 30 + t), grip="pick", point=grip + Vector((0, 0, 0.004)), heading_deg=-80.0)
     right.lift((30 + t, 43 + t), height_m=0.10)
     way = _stir_plate(choices)
     right.bring(way.at(pi), (43 + t, 59 + t))
-    right.stir(dishes["deep_plate"], way, (59 + t, 92 + t), rounds=1.0, start_rad=pi)
+    right.stir(dishes["deep_plate"], way, (59 + t, 92 + t), rounds=1.0, start_deg=180.0)
     right.finish()
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
+from math import degrees
 
 from mathutils import Matrix, Vector
 
@@ -158,7 +158,7 @@ def _kitchen(scene: Scene) -> None:
 
 def _light(scene: Scene, choices: Choices) -> None:
     """Low morning light from a window on the left, the rest of the kitchen as fill."""
-    scene.hdri("interior", 0.24, rotation=2.4)
+    scene.hdri("interior", 0.24, rotation_deg=degrees(2.4))
     scene.area_light(
         "morning",
         (-1.55, -0.25, 0.78),
@@ -257,10 +257,8 @@ def _apples(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Round]:
     floor = fruit.BOWL_FLOOR_M + 0.0004
     at = (x + RED_IN_BOWL[0], y + RED_IN_BOWL[1], floor)
     poses = {
-        "apple_from_bowl": made["apple_from_bowl"].lying(at, radians(5.0)),
-        "apple_pushed": made["apple_pushed"].lying(
-            (*loose.point(GREEN_ON_TOWEL, 0.4), TOWEL_M), radians(3.0)
-        ),
+        "apple_from_bowl": made["apple_from_bowl"].lying(at, 5.0),
+        "apple_pushed": made["apple_pushed"].lying((*loose.point(GREEN_ON_TOWEL, 0.4), TOWEL_M), 3.0),
         "apple_on_towel": pose((*loose.point(RED_ON_TOWEL, 0.6), TOWEL_M), 40.0),
     }
     left = made["apple_left_in_bowl"]
@@ -278,17 +276,13 @@ def _right_hand(scene: Scene, choices: Choices, apples: dict[str, Round]) -> Non
     t = choices.later
     middle = pushed.instance.matrix(0) @ pushed.middle
     hand.approach(
-        pushed.instance,
-        (0, 13 + t),
-        grip="push",
-        point=middle + Vector((0, 0, 0.004)),
-        heading_rad=radians(4.0),
+        pushed.instance, (0, 13 + t), grip="push", point=middle + Vector((0, 0, 0.004)), heading_deg=4.0
     )
     hand.send_rolling(pushed, list(GREEN_ROLLS), (13 + t, 54 + t), let_go=27 + t)
     stem = turned.instance.matrix(0) @ (turned.middle * 1.95)
     hand.move_to((-0.24, 0.30, 0.0), (37 + t, 52 + t))
     hand.approach(turned.instance, (50 + t, 66 + t), grip="pinch", point=stem)
-    hand.twist(turned, radians(75.0), (67 + t, 88 + t))
+    hand.twist(turned, 75.0, (67 + t, 88 + t))
     hand.finish()
 
 
@@ -306,7 +300,7 @@ def _left_hand(scene: Scene, choices: Choices, apples: dict[str, Round]) -> None
     roll(taken, list(RED_ROLLS), (62 + t, 91 + t), free=72 + t)
     hand.withdraw((66 + t, 84 + t))
     hand.finish()
-    rock(apples["apple_left_in_bowl"], Vector((0.9, 0.35, 0.0)), (22 + t, 62 + t), swing_rad=radians(13.0))
+    rock(apples["apple_left_in_bowl"], Vector((0.9, 0.35, 0.0)), (22 + t, 62 + t), swing_deg=13.0)
 
 
 def _hand(

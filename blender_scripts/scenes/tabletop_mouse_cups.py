@@ -13,7 +13,7 @@ Axes: the desk top is z = 0; the sitter is at -X and faces +X, so the right hand
 
 from __future__ import annotations
 
-from math import radians
+from math import degrees
 
 from mathutils import Vector
 
@@ -167,7 +167,7 @@ def _clutter(scene: Scene) -> None:
 
 def _light(scene: Scene) -> None:
     """Soft daylight through the window, a warm lamp, the rest of the room as fill."""
-    scene.hdri("interior", 0.38, rotation=1.0)
+    scene.hdri("interior", 0.38, rotation_deg=degrees(1.0))
     scene.area_light(
         "daylight",
         (-0.35, 0.70, 0.62),
@@ -267,7 +267,7 @@ def _right_hand(scene: Scene, mouse: Instance) -> None:
     _dress(scene, hand)
     behind_the_buttons = mouse.matrix(0) @ Vector((0.0, 0.038, 0.0))
     hand.approach(mouse, (2, 18), grip="mouse", point=behind_the_buttons)
-    hand.slide(SLIDE_THROUGH, (18, 58), verb="move", turn_rad=radians(SLIDE_TURN_DEG))
+    hand.slide(SLIDE_THROUGH, (18, 58), verb="move", turn_deg=SLIDE_TURN_DEG)
     hand.release((58, 68))
     hand.withdraw((68, 84))
     hand.finish()

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
+from math import degrees
 
 import bpy
 from mathutils import Vector
@@ -170,7 +170,7 @@ def _clutter(scene: Scene) -> None:
 
 def _light(scene: Scene, choices: Choices) -> None:
     """Cool daylight through the blind at the right hand's side."""
-    scene.hdri("studio", 0.55, rotation=1.2)
+    scene.hdri("studio", 0.55, rotation_deg=degrees(1.2))
     scene.area_light(
         "window",
         (-1.5, -0.15, 0.95),
@@ -262,7 +262,7 @@ def _right_hand(
     hand = _hand(scene, "hand_right", 1006, "r")
     first, last = choices.writing
     grip = pen.matrix(0) @ (writing.TIP + Vector((writing.GRIP_M, 0.0, 0.0)))
-    hand.approach(pen, (2, first - 14), grip="pinch", heading_rad=radians(8), point=grip)
+    hand.approach(pen, (2, first - 14), grip="pinch", heading_deg=8, point=grip)
     z = notebook.page_z(LINE[0][0]) + 0.0004
     start, end = (page.matrix(0) @ Vector((x, y, z)) for x, y in LINE)
     shares = hand.write(
@@ -296,8 +296,10 @@ def _push(
 ) -> None:
     """Lays the fingertips against a pen's middle and makes it roll."""
     start = pen.matrix(0)
-    heading = start.to_euler().z - radians(180.0)
-    hand.approach(pen, approach, grip="push", heading_rad=heading, point=start @ Vector((0.010, 0.0, 0.0095)))
+    heading_deg = degrees(start.to_euler().z) - 180.0
+    hand.approach(
+        pen, approach, grip="push", heading_deg=heading_deg, point=start @ Vector((0.010, 0.0, 0.0095))
+    )
     hand.push_rolling(way, push, rest)
 
 

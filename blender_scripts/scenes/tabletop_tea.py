@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
 
 import bpy
 from mathutils import Vector
@@ -282,13 +281,9 @@ def _serve(
     flow = Vector((ahead.x * FLOW_M_S[0], ahead.y * FLOW_M_S[0], FLOW_M_S[1]))
     over = foot + Vector((0, 0, lip + CLEARANCE_M))
     over -= (tea.landing_point(over, flow, foot.z + 0.6 * lip) - over) * Vector((1, 1, 0))
-    hand.approach(
-        pot, (reach, lift), grip="ear", point=pot.matrix(0) @ look.grip, heading_rad=radians(heading_deg)
-    )
+    hand.approach(pot, (reach, lift), grip="ear", point=pot.matrix(0) @ look.grip, heading_deg=heading_deg)
     hand.raise_spout(look.spout_tip, over + Vector((0, 0, 0.012)), (lift, tip))
-    wet = hand.pour(
-        into, look.spout_tip, (tip, end), tip_rad=radians(50.0 if look.shape == "round" else 58.0)
-    )
+    wet = hand.pour(into, look.spout_tip, (tip, end), tip_deg=50.0 if look.shape == "round" else 58.0)
     levels = tea.rising(wet[0] + 3, wet[1], CUP_LOW * lip, CUP_HIGH * lip)
     _fill(into.objects[1], into, cup_look, levels)
     spout = pot.matrix(wet[0] + 3) @ look.spout_tip

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from math import radians
+from math import degrees
 
 from mathutils import Vector
 
@@ -143,7 +143,7 @@ def _clutter(scene: Scene) -> None:
 
 def _light(scene: Scene, choices: Choices) -> None:
     """A warm desk lamp against the last blue light of the window."""
-    scene.hdri("interior", 0.16, rotation=2.4)
+    scene.hdri("interior", 0.16, rotation_deg=degrees(2.4))
     scene.area_light(
         "dusk", (0.1, 1.15, 0.75), (0.0, 0.0, 0.0), size_m=(0.8, 0.8), power_w=9, colour=(0.62, 0.74, 1.0)
     )
@@ -211,9 +211,9 @@ def _robots(scene: Scene, choices: Choices) -> dict[str, Instance]:
         movers[name] = WindUpRobot(robots[name], robot, pose((*at, z), heading_deg))
     walk = choices.walk
     movers["robot_walker"].walk(walk)
-    movers["robot_walker"].turn((walk[1] + 8, walk[1] + 48), radians(-130.0))
-    movers["robot_released"].walk((54, 94), step_m=0.026, turn_rad=radians(36.0))
-    movers["robot_on_box"].turn((43, 91), radians(choices.turn_deg))
+    movers["robot_walker"].turn((walk[1] + 8, walk[1] + 48), -130.0)
+    movers["robot_released"].walk((54, 94), step_m=0.026, turn_deg=36.0)
+    movers["robot_on_box"].turn((43, 91), choices.turn_deg)
     for mover in movers.values():
         mover.finish()
     return robots
@@ -239,11 +239,13 @@ def _tops(scene: Scene) -> dict[str, Instance]:
             look=look,
         )
     spinning_tops.run_down(
-        tops["top_tin"], spinning_top.BROAD, Vector((*TIN_TOP, MAT_M)), falls=(36, 62), towards_rad=1.0
+        tops["top_tin"],
+        spinning_top.BROAD,
+        Vector((*TIN_TOP, MAT_M)),
+        falls=(36, 62),
+        towards_deg=degrees(1.0),
     )
-    spinning_tops.lie(
-        tops["top_wooden"], spinning_top.PEAR, Vector((*WOODEN_TOP, MAT_M)), towards_rad=radians(180)
-    )
+    spinning_tops.lie(tops["top_wooden"], spinning_top.PEAR, Vector((*WOODEN_TOP, MAT_M)), towards_deg=180)
     return tops
 
 
@@ -265,11 +267,11 @@ def _left_hand(scene: Scene, robot: Instance, top: Instance) -> None:
         top,
         spinning_top.PEAR,
         at=Vector((*WOODEN_TOP, MAT_M)),
-        towards_rad=radians(180),
+        towards_deg=180,
         approach=(41, 57),
         upright=66,
         let_go=80,
-        heading_rad=radians(90),
+        heading_deg=90,
     )
     hand.move_to((-0.14, 0.05, 0.10), (87, 96))
     hand.finish()

@@ -102,13 +102,13 @@ class Bird:
         attributes: Mapping[str, str],
         joint: Joint,
         at: Sequence[float],
-        heading: float,
+        heading_deg: float,
     ) -> None:
         self.instance = scene.instance(
             name, id, category, body, attributes=attributes, front="-y", frame_object=body.parent
         )
         self._joint, self._rig, self._rng = joint, body.parent, scene.rng(f"{name}/acts")
-        self._position, self._heading = Vector(at).to_3d(), heading
+        self._position, self._heading = Vector(at).to_3d(), math.radians(heading_deg)
         self._roots: dict[int, Matrix] = {}
         self._poses: dict[int, Pose] = {}
         self._plant_feet()

@@ -60,19 +60,19 @@ class Cat(Quadruped):
         *,
         coat: anatomy.Coat,
         at: Sequence[float],
-        heading: float,
+        heading_deg: float,
         ground: Ground = FLOOR,
         posture: str = "stand",
         tail_side: float = 1.0,
         attributes: Mapping[str, str] | None = None,
     ) -> None:
-        """`at` is (x, y) of the middle, `heading` 0 faces -Y; posture stand, sit, crouch, poise or sleep.
+        """`at` is (x, y) of the middle, `heading_deg` 0 faces -Y; posture stand, sit, crouch, poise or sleep.
 
         `ground` gives the height in metres of what is underfoot at (x, y).
         """
         self._ground, self._tail_side = ground, tail_side
         self._asleep = posture == "sleep"
-        start = self._posture(posture, np.array([at[0], at[1], heading]))
+        start = self._posture(posture, np.array([at[0], at[1], math.radians(heading_deg)]))
         shape = anatomy.cat(name, scene.rng(f"coat/{coat.name}"), coat=coat)
         super().__init__(scene, name, id, "cat", shape, attributes, start)
 

@@ -31,9 +31,9 @@ PEN_CURL = 0.46
 class Computer:
     """A laptop that stands somewhere: its instance and the lid's angle at all frames."""
 
-    def __init__(self, instance: Instance, made: Laptop, at: Matrix, angle_rad: float) -> None:
+    def __init__(self, instance: Instance, made: Laptop, at: Matrix, is_open: bool) -> None:
         self.instance, self.made, self.at = instance, made, at
-        self.angles = np.full(FRAME_COUNT, angle_rad)
+        self.angles = np.full(FRAME_COUNT, OPEN_RAD if is_open else 0.0)
         made.base.matrix_basis = at
 
     @property

@@ -39,12 +39,12 @@ class Dog(Quadruped):
         coat: str,
         collar: str,
         at: Sequence[float],
-        heading: float,
+        heading_deg: float,
         posture: str = "stand",
         attributes: Mapping[str, str] | None = None,
     ) -> None:
-        """`at` is (x, y) of the middle, `heading` 0 faces -Y; posture stand, sit or lie."""
-        start = POSTURES[posture]((at[0], at[1], heading))
+        """`at` is (x, y) of the middle, `heading_deg` 0 faces -Y; posture stand, sit or lie."""
+        start = POSTURES[posture]((at[0], at[1], math.radians(heading_deg)))
         shape = anatomy.dog(name, scene.rng(f"coat/{coat}"), coat=coat, collar=collar)
         super().__init__(scene, name, id, "dog", shape, attributes, start)
         self._wags: list[tuple[Frames, float]] = []

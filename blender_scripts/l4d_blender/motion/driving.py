@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import cos, sin, tan
+from math import cos, radians, sin, tan
 
 import numpy as np
 from mathutils import Matrix, Vector
@@ -32,9 +32,9 @@ _STANDING_M_PER_S = 0.05
 class Driver:
     """Drives one car from frame 0 on; heading 0 faces -Y and grows counter-clockwise."""
 
-    def __init__(self, instance: Instance, car: Car, at: Sequence[float], heading_rad: float) -> None:
+    def __init__(self, instance: Instance, car: Car, at: Sequence[float], heading_deg: float) -> None:
         self.instance, self.car = instance, car
-        self._at, self._heading = np.array(at[:2], float), heading_rad
+        self._at, self._heading = np.array(at[:2], float), radians(heading_deg)
 
     def drive(self, speeds: Knots, steering: Knots = ((0, 0.0),), *, verb: str | None = None) -> None:
         """Follows speeds (m/s) and steering angles (left is positive) given at frames, eased in between.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import radians
 
 import bpy
 import numpy as np
@@ -135,10 +136,10 @@ class Handler(Person):
 # ---- paths of things -----------------------------------------------------------------------------
 
 
-def still(at: Sequence[float], turn: float = 0.0) -> np.ndarray:
+def still(at: Sequence[float], heading_deg: float = 0.0) -> np.ndarray:
     """A thing that stands upright at a place, at all frames."""
     matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = turn_z(turn), at
+    matrix[:3, :3], matrix[:3, 3] = turn_z(radians(heading_deg)), at
     return np.tile(matrix, (FRAME_COUNT, 1, 1))
 
 

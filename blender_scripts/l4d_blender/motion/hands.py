@@ -7,7 +7,7 @@ shoulder. Knows timing and touch; shapes are in assets/hand.py, finger poses in 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import pi
+from math import pi, radians
 
 import numpy as np
 from mathutils import Matrix, Vector
@@ -29,7 +29,7 @@ Point = Sequence[float]
 class Hand:
     """One hand of a scene, on an arm that comes from `shoulder` (all points in world metres).
 
-    `rest_at` is where the palm lies at frame 0; `heading_rad` is the direction of the fingers (0: -Y,
+    `rest_at` is where the palm lies at frame 0; `heading_deg` is the direction of the fingers (0: -Y,
     counter-clockwise from above; default: away from the shoulder); `table_m` is the height of the table top.
     """
 
@@ -45,7 +45,7 @@ class Hand:
         attributes: Mapping[str, str] | None = None,
         shoulder: Point,
         rest_at: Point,
-        heading_rad: float | None = None,
+        heading_deg: float | None = None,
         table_m: float = 0.0,
         pose: str = "relaxed",
     ) -> None:
@@ -63,7 +63,7 @@ class Hand:
         )
         self.shoulder = np.array(shoulder, float)
         self._phase = scene.rng(f"{name}/idle").uniform(0.0, 2.0 * pi)
-        start = self._resting(np.array(rest_at, float), self._heading_to(rest_at, heading_rad), POSES[pose])
+        start = self._resting(np.array(rest_at, float), self._heading_to(rest_at, heading_deg), POSES[pose])
         self._place = np.tile(start, (FRAME_COUNT, 1, 1))
         self._pose = np.tile(POSES[pose], (FRAME_COUNT, 1, 1))
         self._busy = np.zeros(FRAME_COUNT)
@@ -80,12 +80,12 @@ class Hand:
         point: Point,
         frames: Frames,
         *,
-        heading_rad: float | None = None,
+        heading_deg: float | None = None,
         pose: str = "relaxed",
         arc_m: float = 0.05,
     ) -> None:
         """Moves through the air and comes to rest with the palm on (or over) a point."""
-        goal = self._resting(np.array(point, float), self._heading_to(point, heading_rad), POSES[pose])
+        goal = self._resting(np.array(point, float), self._heading_to(point, heading_deg), POSES[pose])
         goal[2, 3] = max(goal[2, 3], goal[2, 3] + float(point[2]) - self.table_m)
         self._travel(goal, POSES[pose], frames, arc_m)
 
@@ -123,23 +123,22 @@ class Hand:
         frames: Frames,
         *,
         grip: str = "mouse",
-        heading_rad: float | None = None,
+        heading_deg: float | None = None,
         point: Point | None = None,
     ) -> None:
         """Reaches for something and closes round it, so that flesh touches at the last frame.
 
         `grip` is mouse (palm on top, fingers curled over), flat (palm on top, fingers straight), side (wraps
         a cup or bottle from the thumb side), top (fingers round it from above), pinch (thumb against
-        fingertips) or push (fingertips against it). `heading_rad` is where the fingers point, `point` another
+        fingertips) or push (fingertips against it). `heading_deg` is where the fingers point, `point` another
         spot to aim at than the middle of the thing.
         """
         if self._holding is not None:
             raise RecipeError(f"{self.instance.name} already holds {self._holding.name}", "release it first")
         first, last = frames
         solid = Solid(thing.objects, last)
-        if heading_rad is None:
-            heading_rad = self._heading_to(solid.centre if point is None else point, None)
-        before, place, opened, closed, away = self._fit(solid, grip, heading_rad, point)
+        heading = self._heading_to(solid.centre if point is None else point, heading_deg)
+        before, place, opened, closed, away = self._fit(solid, grip, heading, point)
         split = first + round(0.68 * (last - first))
         self._travel(before, opened, (first, split), 0.05, blend_end=0.35)
         self._travel(place, closed, (split, last), 0.0)
@@ -216,7 +215,7 @@ class Hand:
         frames: Frames,
         *,
         verb: str = "push",
-        turn_rad: float = 0.0,
+        turn_deg: float = 0.0,
         thing_verb: str | None = "slide",
         ease_ends: bool = True,
     ) -> None:
@@ -232,7 +231,7 @@ class Hand:
             t = np.clip((f - first) / (last - first), 0.0, 1.0)
             u = float(ease(t)) if ease_ends else float(t)
             shift = Matrix.Translation(way.point(u * way.length) - start.translation)
-            moved.append(shift @ _spin(start, turn_rad * u) @ start)
+            moved.append(shift @ _spin(start, radians(turn_deg) * u) @ start)
         self._carry(thing, moved, first)
         self.scene.event(self.instance, verb, frames, thing)
         if thing_verb:
@@ -249,16 +248,16 @@ class Hand:
         self._carry_between(thing, start, goal, frames, rise_first=True)
         self.scene.event(self.instance, "lift", frames, thing)
 
-    def carry(self, to: Point, frames: Frames, *, tilt_rad: float = 0.0, turn_rad: float = 0.0) -> None:
+    def carry(self, to: Point, frames: Frames, *, tilt_deg: float = 0.0, turn_deg: float = 0.0) -> None:
         """Moves what it holds through the air, so that its origin ends at a point; may tip it (to pour)."""
         thing = self._require("carry")
         start = self._where(thing, frames[0])
         axis = start.to_3x3().inverted() @ Vector(self._place[frames[0]][:3, :3] @ vec(0, 1, 0))
         goal = (
             Matrix.Translation(to)
-            @ Matrix.Rotation(turn_rad, 4, "Z")
+            @ Matrix.Rotation(radians(turn_deg), 4, "Z")
             @ start.to_3x3().to_4x4()
-            @ Matrix.Rotation(tilt_rad, 4, axis)
+            @ Matrix.Rotation(radians(tilt_deg), 4, axis)
         )
         self._carry_between(thing, start, goal, frames)
         self.scene.event(self.instance, "carry", frames, thing)
@@ -328,10 +327,10 @@ class Hand:
         if until - self._since + 1 >= MIN_EVENT_FRAMES:
             self.scene.event(self.instance, "hold", (self._since, until), thing)
 
-    def _heading_to(self, point: Point, heading: float | None) -> float:
-        """Fingers point away from the shoulder, turned a little inwards, as arms do."""
-        if heading is not None:
-            return heading
+    def _heading_to(self, point: Point, heading_deg: float | None) -> float:
+        """Fingers point away from the shoulder, turned a little inwards, as arms do (radians)."""
+        if heading_deg is not None:
+            return radians(heading_deg)
         way = np.array([float(point[0]), float(point[1])]) - self.shoulder[:2]
         inwards = 0.22 if self.side == "r" else -0.22
         return float(np.arctan2(way[0], -way[1])) + inwards

@@ -33,11 +33,13 @@ class Hen(Bird):
     GLANCE_RAD = (0.75, -0.15, 0.2)
     BREATH = (0.0015, 40.0)
 
-    def __init__(self, scene: Scene, name: str, id: int, *, plumage: str, at: Vector, heading: float) -> None:
-        """`heading` in radians: 0 faces -Y, counter-clockwise seen from above."""
+    def __init__(
+        self, scene: Scene, name: str, id: int, *, plumage: str, at: Vector, heading_deg: float
+    ) -> None:
+        """`heading_deg` 0 faces -Y, counter-clockwise seen from above."""
         body = shape.hen(name, scene.rng(name), plumage=plumage)
         looks = {"colour": plumage}
-        super().__init__(scene, name, id, "hen", body, looks, shape.joint, at, heading)
+        super().__init__(scene, name, id, "hen", body, looks, shape.joint, at, heading_deg)
 
     def peck(self, first: int, last: int) -> None:
         """Bends down and pecks at the ground in bouts, then comes up again."""

@@ -20,6 +20,7 @@ FOREARM_M = 0.335  # from the elbow to the middle of the fist, on the reference 
 HANG, BOTTOM, TOP = radians(12), radians(40), radians(126)
 SUPINE = radians(-62)  # the palm turns up in a curl; dumbbells are taken up with the palm to the body
 OVERHAND = radians(78)
+_SWAY_RAD = 0.34
 
 
 class Lifter(Handler):
@@ -75,11 +76,11 @@ class Lifter(Handler):
         self.scene.event(weight, "rise", (grasp, max(take[1], grasp + MIN_EVENT_FRAMES - 1)))
         self.scene.event(self.instance, "curl", (curl[0], min(curl[1], LAST_FRAME)), weight)
 
-    def stretch(self, frames: Frames, *, sway_rad: float = 0.34, period: int = 40) -> None:
+    def stretch(self, frames: Frames, *, period: int = 40) -> None:
         """Arms overhead, bends to one side and the other; lets the arms sink when it ends."""
         first, last = frames
         shape = ease((ROWS - first + 10 * (first == 0)) / 10) * (1.0 - ease((ROWS - last + 10) / 10))
-        bend = sway_rad * np.sin(2 * pi * (ROWS - first) / period + 0.5) * shape
+        bend = _SWAY_RAD * np.sin(2 * pi * (ROWS - first) / period + 0.5) * shape
         self._lean = self._lean + bend
         pivot = vec(0.0, 0.015, 1.05) * self._k
         for side, s in SIDES:

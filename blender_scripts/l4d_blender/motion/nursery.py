@@ -6,7 +6,7 @@ Adds verbs to Person; knows nothing of what toys look like, only where hands hol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from math import pi, radians
 
 import numpy as np
 from mathutils import Matrix
@@ -40,22 +40,24 @@ class Toddler(Person):
         self.scene.event(self.instance, "hug", frames, thing)
         self.scene.event(thing, "rock", (first + 8, last))
 
-    def sit_at(self, seat: Sequence[float], heading_rad: float, *, lean: float = 0.20) -> None:
+    def sit_at(self, seat: Sequence[float], heading_deg: float, *, lean: float = 0.20) -> None:
         """Sits on a low seat all the clip, feet flat before it; `seat` is a point on its surface."""
         k = self._k
-        self._heading[:] = heading_rad
+        self._heading[:] = radians(heading_deg)
         self._bend[:] = lean
         root = self.body.anatomy.joints["root"]
         self._crouch[:] = root[2] - 0.012 * k - (float(seat[2]) - self.ground_m + 0.085 * k)
         back = 0.17 * np.sin(lean) * k + 0.12 * self._crouch[0]
-        xy = np.array(seat[:2]) - (turn_z(heading_rad) @ vec(0, root[1] + back, 0))[:2]
+        xy = np.array(seat[:2]) - (turn_z(radians(heading_deg)) @ vec(0, root[1] + back, 0))[:2]
         self._xy[:] = xy
         for side, s in SIDES:
-            spot = np.array([*seat[:2], 0.0]) + turn_z(heading_rad) @ vec(s * 0.11 * k, -0.40 * k, 0.0)
+            spot = np.array([*seat[:2], 0.0]) + turn_z(radians(heading_deg)) @ vec(
+                s * 0.11 * k, -0.40 * k, 0.0
+            )
             feet = self._feet
             feet.spot[side][:] = spot
-            feet.yaw[side][:] = heading_rad + s * 0.12
-            feet.ankle[side][:] = feet.soles[side].lifted(spot, heading_rad + s * 0.12, 0.0)
+            feet.yaw[side][:] = radians(heading_deg) + s * 0.12
+            feet.ankle[side][:] = feet.soles[side].lifted(spot, radians(heading_deg) + s * 0.12, 0.0)
         self.scene.event(self.instance, "sit", (0, LAST_FRAME))
 
     def keep_hand_on(

@@ -7,7 +7,7 @@ knows intentions (walk, lift, wave) and their timing; gait.py knows feet, puppet
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from math import pi, radians
 
 import numpy as np
 from mathutils import Matrix
@@ -23,7 +23,7 @@ from .plan_person import ROWS, SIGN, Frames, Held, PersonPlan
 
 
 class Person(PersonPlan):
-    """One person of a scene. `heading_rad` 0 faces -Y and grows counter-clockwise seen from above."""
+    """One person of a scene. `heading_deg` 0 faces -Y and grows counter-clockwise seen from above."""
 
     # ---- standing, walking, turning --------------------------------------------------------------
 
@@ -31,19 +31,20 @@ class Person(PersonPlan):
         """Stands and breathes (what a person does anyway), and says so."""
         self.scene.event(self.instance, "stand", frames)
 
-    def walk_to(self, xy: Sequence[float], frames: Frames, *, facing_rad: float | None = None) -> None:
-        """Walks straight to a point; `facing_rad` is the heading on arrival."""
-        self.walk_along([xy], frames, facing_rad=facing_rad)
+    def walk_to(self, xy: Sequence[float], frames: Frames, *, facing_deg: float | None = None) -> None:
+        """Walks straight to a point; `facing_deg` is the heading on arrival."""
+        self.walk_along([xy], frames, facing_deg=facing_deg)
 
     def walk_along(
-        self, points: Sequence[Sequence[float]], frames: Frames, *, facing_rad: float | None = None
+        self, points: Sequence[Sequence[float]], frames: Frames, *, facing_deg: float | None = None
     ) -> None:
         """Walks through points with planted feet; whatever is held is carried."""
         first, last = frames
         here, heading = self._xy[first].copy(), float(self._heading[first])
         path = keys.Path([(*here, 0.0), *[(float(p[0]), float(p[1]), 0.0) for p in points]])
+        facing = None if facing_deg is None else radians(facing_deg)
         steps, distance, headings = gait.walk_steps(
-            self.body.anatomy, path, heading, facing_rad, frames, self._lead
+            self.body.anatomy, path, heading, facing, frames, self._lead
         )
         for step in steps:
             self._feet.apply(step)
@@ -58,11 +59,11 @@ class Person(PersonPlan):
             if held.last is None and last - max(first, held.first) + 1 >= MIN_EVENT_FRAMES:
                 self.scene.event(self.instance, "carry", (max(first, held.first), last), held.instance)
 
-    def turn(self, heading_rad: float, frames: Frames) -> None:
+    def turn(self, heading_deg: float, frames: Frames) -> None:
         """Turns on the spot with small steps, the short way."""
         first, last = frames
         start = float(self._heading[first])
-        end = start + (heading_rad - start + pi) % (2 * pi) - pi
+        end = start + (radians(heading_deg) - start + pi) % (2 * pi) - pi
         for step in gait.turn_steps(self.body.anatomy, self._xy[first], start, end, frames):
             self._feet.apply(step)
         self._heading = (
@@ -76,14 +77,14 @@ class Person(PersonPlan):
     def reach_spot(
         self,
         point: Sequence[float],
-        heading_rad: float,
+        heading_deg: float,
         side: str = "r",
         ahead_m: float = 0.36,
         aside_m: float = 0.14,
     ) -> tuple[float, float]:
-        """Where to stand, facing `heading_rad`, so that `point` lies conveniently before a hand."""
+        """Where to stand, facing `heading_deg`, so that `point` lies conveniently before a hand."""
         local = vec(SIGN[side] * aside_m, -ahead_m, 0.0) * self._k
-        spot = np.array([point[0], point[1], 0.0]) - turn_z(heading_rad) @ local
+        spot = np.array([point[0], point[1], 0.0]) - turn_z(radians(heading_deg)) @ local
         return float(spot[0]), float(spot[1])
 
     # ---- torso -----------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import pi
+from math import pi, radians
 
 import numpy as np
 from mathutils import Matrix
@@ -67,7 +67,7 @@ class PersonPlan:
         look: Look,
         attributes: Mapping[str, str] | None = None,
         at: Sequence[float] = (0.0, 0.0),
-        heading_rad: float = 0.0,
+        heading_deg: float = 0.0,
         ground_m: float = 0.0,
     ) -> None:
         self.scene, self.look, self.ground_m = scene, look, ground_m
@@ -86,9 +86,9 @@ class PersonPlan:
         self._phase = scene.rng(f"{name}/idle").uniform(0.0, 2.0 * pi)
         xy = np.array(at[:2], float)
         self._xy = np.tile(xy, (FRAME_COUNT, 1))
-        self._heading = np.full(FRAME_COUNT, float(heading_rad))
-        spots = {s: gait.stance_spot(self.body.anatomy, s, xy, heading_rad) for s, _ in SIDES}
-        self._feet = gait.FootTrack(self.body.anatomy, spots, heading_rad)
+        self._heading = np.full(FRAME_COUNT, float(radians(heading_deg)))
+        spots = {s: gait.stance_spot(self.body.anatomy, s, xy, radians(heading_deg)) for s, _ in SIDES}
+        self._feet = gait.FootTrack(self.body.anatomy, spots, radians(heading_deg))
         self._crouch, self._bend = np.zeros(FRAME_COUNT), np.zeros(FRAME_COUNT)
         self._twist, self._lean = np.zeros(FRAME_COUNT), np.zeros(FRAME_COUNT)
         self._slide = np.zeros((FRAME_COUNT, 2))

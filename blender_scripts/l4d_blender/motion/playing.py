@@ -7,7 +7,7 @@ Adds verbs to Person; knows how legs pump and kick. The swing's angles over time
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import pi
+from math import pi, radians
 
 import numpy as np
 from mathutils import Matrix
@@ -39,12 +39,14 @@ def swing_angles(amplitude: float, frames: Frames, *, drag: int, length_m: float
 
 
 def kick_spot(
-    look: Look, ball: Sequence[float], heading_rad: float, radius_m: float, side: str = "r"
+    look: Look, ball: Sequence[float], heading_deg: float, radius_m: float, side: str = "r"
 ) -> tuple[float, float]:
     """Where somebody must stand before `Player.kick` so that the foot meets a ball that lies at a point."""
     k = Anatomy(look.build, look.height_m).scale
     ahead = (_STEP_IN + _ANKLE_AHEAD + _TOE_AHEAD) * k + radius_m
-    spot = np.array([ball[0], ball[1], 0.0]) - turn_z(heading_rad) @ vec(SIGN[side] * 0.082 * k, -ahead, 0.0)
+    spot = np.array([ball[0], ball[1], 0.0]) - turn_z(radians(heading_deg)) @ vec(
+        SIGN[side] * 0.082 * k, -ahead, 0.0
+    )
     return float(spot[0]), float(spot[1])
 
 

@@ -8,7 +8,7 @@ rolls). Knows no shapes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, exp, pi, sin
+from math import atan2, exp, pi, radians, sin
 
 import numpy as np
 from mathutils import Matrix, Vector
@@ -33,14 +33,14 @@ class Round:
     radius_m: float
     middle: Vector
 
-    def lying(self, at: Point, axle_rad: float, turn_rad: float = 0.0) -> Matrix:
+    def lying(self, at: Point, axle_deg: float, turn_deg: float = 0.0) -> Matrix:
         """Where it lies with its axle (local +Z) level along a heading, over a point of what it lies on."""
-        axle = Matrix.Rotation(axle_rad, 4, "Z") @ Matrix.Rotation(0.5 * pi, 4, "Y")
+        axle = Matrix.Rotation(radians(axle_deg), 4, "Z") @ Matrix.Rotation(0.5 * pi, 4, "Y")
         centre = Vector(at) + UP * self.radius_m
         return (
             Matrix.Translation(centre)
             @ axle
-            @ Matrix.Rotation(turn_rad, 4, "Z")
+            @ Matrix.Rotation(radians(turn_deg), 4, "Z")
             @ Matrix.Translation(-self.middle)
         )
 
@@ -94,7 +94,7 @@ def roll(thing: Round, way: list[Point], frames: Frames, *, free: int) -> None:
     thing.instance.scene.event(thing.instance, "roll", frames)
 
 
-def rock(thing: Round, axis: Vector, frames: Frames, *, swing_rad: float, hertz: float = 1.25) -> None:
+def rock(thing: Round, axis: Vector, frames: Frames, *, swing_deg: float, hertz: float = 1.25) -> None:
     """Rocks to and fro on its underside about a level axis and settles."""
     first, last = frames
     start = thing.instance.matrix(first)
@@ -106,7 +106,7 @@ def rock(thing: Round, axis: Vector, frames: Frames, *, swing_rad: float, hertz:
         fade = (
             float(ease(min(t / 0.25, 1.0))) * exp(-1.1 * t) * (1.0 - float(ease((frame - last + 10) / 10.0)))
         )
-        angle = swing_rad * fade * sin(2 * pi * hertz * t)
+        angle = radians(swing_deg) * fade * sin(2 * pi * hertz * t)
         shift = side.cross(UP) * thing.radius_m * angle
         turn = Matrix.Translation(centre) @ Matrix.Rotation(angle, 4, side) @ Matrix.Translation(-centre)
         moved.append(Matrix.Translation(shift) @ turn @ start)
@@ -153,7 +153,7 @@ class Roller(Server):
         self.scene.event(self.instance, "push", (first, let_go), held)
         self.scene.event(held, "roll", frames)
 
-    def twist(self, thing: Round, angle_rad: float, frames: Frames) -> None:
+    def twist(self, thing: Round, angle_deg: float, frames: Frames) -> None:
         """Turns what it holds about the vertical, on the spot."""
         held = self._require("turn")
         first, last = frames
@@ -161,7 +161,7 @@ class Roller(Server):
         centre = start @ thing.middle
         moved = []
         for f in range(FRAME_COUNT):
-            angle = angle_rad * float(ease((f - first) / (last - first)))
+            angle = radians(angle_deg) * float(ease((f - first) / (last - first)))
             turn = Matrix.Translation(centre) @ Matrix.Rotation(angle, 4, "Z") @ Matrix.Translation(-centre)
             moved.append(turn @ start)
         self._carry(held, moved, first)

@@ -7,7 +7,7 @@ tea are keyed by assets/tea.py. Knows timing and touch, no shapes beyond spout a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import cos, pi, radians, sin
 
 import numpy as np
 from mathutils import Matrix, Vector
@@ -21,6 +21,7 @@ from .hands import Frames, Hand, Point, _rotation
 from .ik import between, ease, turn_z
 
 TIP_FRAMES = 11  # from upright to pouring
+_UPRIGHT_RAD = 0.06  # how far a pot that is carried leans
 
 
 @dataclass(frozen=True)
@@ -75,33 +76,31 @@ class Server(Hand):
         return before, place, POSES["open_wide"], pose, -way
 
     def hold_from_start(
-        self, thing: Instance, *, grip: str, point: Point, heading_rad: float | None = None
+        self, thing: Instance, *, grip: str, point: Point, heading_deg: float | None = None
     ) -> None:
         """Has something in its fingers when the clip begins."""
-        self.approach(thing, (-24, 0), grip=grip, point=point, heading_rad=heading_rad)
+        self.approach(thing, (-24, 0), grip=grip, point=point, heading_deg=heading_deg)
 
-    def raise_spout(self, spout: Vector, to: Point, frames: Frames, *, lean_rad: float = 0.06) -> None:
+    def raise_spout(self, spout: Vector, to: Point, frames: Frames) -> None:
         """Lifts a pot so that its spout's tip (`spout`, in the pot's axes) arrives at a point."""
         thing = self._require("lift")
-        self._swing(thing, spout, Vector(to), lean_rad, frames, rise_first=True)
+        self._swing(thing, spout, Vector(to), _UPRIGHT_RAD, frames, rise_first=True)
         self.scene.event(self.instance, "lift", frames, thing)
 
-    def pour(
-        self, into: Instance, spout: Vector, frames: Frames, *, tip_rad: float, upright_rad: float = 0.06
-    ) -> Frames:
+    def pour(self, into: Instance, spout: Vector, frames: Frames, *, tip_deg: float) -> Frames:
         """Tips the pot over its spout, waits, and rights it again; returns when tea flows, both inclusive."""
         thing = self._require("pour")
         first, last = frames
         tip = self._where(thing, first) @ spout
-        self._swing(thing, spout, tip - Vector((0, 0, 0.012)), tip_rad, (first, first + TIP_FRAMES))
-        self._swing(thing, spout, tip, upright_rad, (last - TIP_FRAMES, last))
+        self._swing(thing, spout, tip - Vector((0, 0, 0.012)), radians(tip_deg), (first, first + TIP_FRAMES))
+        self._swing(thing, spout, tip, _UPRIGHT_RAD, (last - TIP_FRAMES, last))
         flow = (first + TIP_FRAMES - 3, last - TIP_FRAMES + 4)
         self.scene.event(thing, "tip", frames)
         self.scene.event(thing, "pour_into", flow, into)
         return flow
 
     def stir(
-        self, cup: Instance, way: Stirring, frames: Frames, *, rounds: float, start_rad: float = 0.0
+        self, cup: Instance, way: Stirring, frames: Frames, *, rounds: float, start_deg: float = 0.0
     ) -> None:
         """Moves the held spoon round in a vessel, from where `way` has it at an angle."""
         spoon = self._require("stir")
@@ -109,7 +108,7 @@ class Server(Hand):
         moved = []
         for f in range(FRAME_COUNT):
             t = float(ease((f - first) / (last - first)))
-            moved.append(way.at(start_rad + 2 * pi * rounds * t))
+            moved.append(way.at(radians(start_deg) + 2 * pi * rounds * t))
         self._carry(spoon, moved, first)
         self.scene.event(self.instance, "stir", frames, cup)
         self.scene.event(spoon, "stir", frames, cup)

@@ -6,6 +6,7 @@ Knows seats and surfaces as points; refuses to know what is done while sitting (
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import degrees, radians
 
 import numpy as np
 
@@ -26,11 +27,11 @@ class Sitter(Person):
         super().__init__(*args, **more)
         self._rigid: list[Rigid] = []
 
-    def be_seated(self, seat: Sequence[float], *, lean_rad: float = 0.10) -> None:
+    def be_seated(self, seat: Sequence[float], *, lean_deg: float = degrees(0.10)) -> None:
         """Sits from the first frame to the last on a seat (a point on its surface, behind the feet)."""
         drop = self.body.anatomy.joints["root"][2] - (float(seat[2]) - self.ground_m + SEAT_SINK_M * self._k)
         self._crouch[:] = drop
-        self._bend[:] = lean_rad
+        self._bend[:] = radians(lean_deg)
         self._slide[:] = np.array(seat[:2]) - self._xy[0]
 
     def rest_hands(self, points: dict[str, Sequence[float]], frames: Frames) -> None:

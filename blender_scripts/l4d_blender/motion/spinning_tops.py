@@ -7,7 +7,7 @@ and roll to rest; shapes are in assets/spinning_top.py.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, sin
+from math import pi, radians, sin
 
 from mathutils import Matrix, Vector
 
@@ -35,13 +35,13 @@ class Attitude:
         return Matrix.Translation(point) @ tip @ Matrix.Rotation(self.turn - self.towards, 4, "Z")
 
 
-def run_down(top: Instance, profile: Profile, at: Vector, *, falls: Frames, towards_rad: float) -> None:
+def run_down(top: Instance, profile: Profile, at: Vector, *, falls: Frames, towards_deg: float) -> None:
     """Spins from the start, leans more and more, falls over during `falls` and rolls to rest."""
     lying = lean_at_rest(profile)
     radius, height = rim(profile)
     first, last = falls
     touch = first + 0.55 * (last - first)
-    track, state = [], Attitude(0.07, towards_rad, 0.0)
+    track, state = [], Attitude(0.07, radians(towards_deg), 0.0)
     for f in range(FRAME_COUNT):
         slowing = min(f / touch, 1.0)
         sway = 0.07 + 0.16 * slowing**2
@@ -63,9 +63,9 @@ def run_down(top: Instance, profile: Profile, at: Vector, *, falls: Frames, towa
     top.scene.event(top, "topple", falls)
 
 
-def lie(top: Instance, profile: Profile, at: Vector, towards_rad: float) -> None:
+def lie(top: Instance, profile: Profile, at: Vector, towards_deg: float) -> None:
     """Lies on its rim."""
-    _key(top, [Attitude(lean_at_rest(profile), towards_rad, 0.0).matrix(at)] * FRAME_COUNT)
+    _key(top, [Attitude(lean_at_rest(profile), radians(towards_deg), 0.0).matrix(at)] * FRAME_COUNT)
 
 
 class TopHand(Hand):
@@ -77,18 +77,18 @@ class TopHand(Hand):
         profile: Profile,
         *,
         at: Vector,
-        towards_rad: float,
+        towards_deg: float,
         approach: Frames,
         upright: int,
         let_go: int,
-        heading_rad: float,
+        heading_deg: float,
     ) -> None:
         """Takes a lying top by its stem, stands it up until frame `upright`, twists it, lets it spin."""
         lying = lean_at_rest(profile)
-        start = Attitude(lying, towards_rad, 0.0).matrix(at)
+        start = Attitude(lying, radians(towards_deg), 0.0).matrix(at)
         stem = max(z for _, z in profile) - 0.012
         self.approach(
-            top, approach, grip="pinch", heading_rad=heading_rad, point=start @ Vector((0.0, 0.0, stem))
+            top, approach, grip="pinch", heading_deg=heading_deg, point=start @ Vector((0.0, 0.0, stem))
         )
         took = approach[1]
         held, track, turn = [], [], 0.0
@@ -98,9 +98,9 @@ class TopHand(Hand):
             turn += 2 * pi * SPIN_HZ * twist / FPS * (1.0 if f <= let_go else 0.985 ** (f - let_go))
             away = max(f - let_go, 0)
             lean = lying * (1.0 - up) + 0.06 * min(away / 8.0, 1.0)
-            towards = towards_rad + 2 * pi * 0.5 * away / FPS
+            towards = radians(towards_deg) + 2 * pi * 0.5 * away / FPS
             track.append(Attitude(lean, towards, turn).matrix(at))
-            held.append(Attitude(lying * (1.0 - up), towards_rad, min(turn, 1.1)).matrix(at))
+            held.append(Attitude(lying * (1.0 - up), radians(towards_deg), min(turn, 1.1)).matrix(at))
         self._carry(top, held, took)
         self.release((let_go, let_go + 7))
         _key(top, track)

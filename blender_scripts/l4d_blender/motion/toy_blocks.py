@@ -35,12 +35,12 @@ class PushingHand(Hand):
         frames: Frames,
         *,
         grip: str = "push",
-        heading_rad: float | None = None,
+        heading_deg: float | None = None,
         point: Point | None = None,
     ) -> None:
         """As `Hand.approach`; remembers whether the fingers close round the thing at all."""
         self._grip = grip
-        super().approach(thing, frames, grip=grip, heading_rad=heading_rad, point=point)
+        super().approach(thing, frames, grip=grip, heading_deg=heading_deg, point=point)
 
     def _note_hold(self, thing: Instance, until: int) -> None:
         if self._grip != "push":

@@ -41,13 +41,13 @@ class WaterBird(Bird):
         category: str,
         attributes: Mapping[str, str],
         at: Sequence[float],
-        heading: float,
+        heading_deg: float,
     ) -> None:
-        """`at` is (x, y, z of what it stands on); `heading` 0 faces -Y, counter-clockwise from above."""
+        """`at` is (x, y, z of what it stands on); `heading_deg` 0 faces -Y, counter-clockwise from above."""
         body = shape.waterbird(name, scene.rng(f"plumage/{plumage}"), species=species, plumage=plumage)
         self._species = species
         self._wake: tuple[bpy.types.Object, dict[int, float]] | None = None
-        super().__init__(scene, name, id, category, body, attributes, species.joint, at, heading)
+        super().__init__(scene, name, id, category, body, attributes, species.joint, at, heading_deg)
 
     # ---- on its feet -----------------------------------------------------------------------------
 
@@ -91,10 +91,10 @@ class WaterBird(Bird):
         self._feet = {side: landings[side][-1][1:] for side in SIDES}
         self.instance.scene.event(self.instance, "walk", (first, last))
 
-    def turn(self, heading: float, first: int, last: int) -> None:
+    def turn(self, heading_deg: float, first: int, last: int) -> None:
         """Turns on the spot the short way, with small steps."""
         start = self._heading
-        sweep = math.remainder(heading - start, 2 * math.pi)
+        sweep = math.remainder(math.radians(heading_deg) - start, 2 * math.pi)
         steps = max(2, 2 * round(abs(sweep) / 1.1))
         landings = {side: [(-1.0, *self._feet[side])] for side in SIDES}
         for k in range(steps):

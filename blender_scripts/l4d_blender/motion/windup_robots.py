@@ -7,7 +7,7 @@ gaits; shapes are in assets/toy_robot.py.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import pi, sin
+from math import pi, radians, sin
 
 from mathutils import Matrix, Vector
 
@@ -35,22 +35,24 @@ class WindUpRobot:
         self._busy_until = 0
         self._pose()
 
-    def walk(self, frames: Frames, *, step_m: float = 0.021, turn_rad: float = 0.0) -> None:
+    def walk(self, frames: Frames, *, step_m: float = 0.021, turn_deg: float = 0.0) -> None:
         """Shuffles forward, `step_m` per step of `STEP_FRAMES` frames, bending its way by an angle in all."""
         steps = self._steps(frames)
 
         def leg(progress: float) -> Matrix:
-            heading = turn_rad * progress / steps
+            heading = radians(turn_deg) * progress / steps
             back = Matrix.Rotation(0.5 * heading, 3, "Z") @ Vector((0.0, -step_m * progress, 0.0))
             return Matrix.Translation(back) @ Matrix.Rotation(heading, 4, "Z")
 
         self._shuffle(frames, steps, leg)
         self.instance.scene.event(self.instance, "walk", frames)
 
-    def turn(self, frames: Frames, angle_rad: float) -> None:
+    def turn(self, frames: Frames, angle_deg: float) -> None:
         """Turns on the spot by an angle, counter-clockwise from above."""
         steps = self._steps(frames)
-        self._shuffle(frames, steps, lambda progress: Matrix.Rotation(angle_rad * progress / steps, 4, "Z"))
+        self._shuffle(
+            frames, steps, lambda progress: Matrix.Rotation(radians(angle_deg) * progress / steps, 4, "Z")
+        )
         self.instance.scene.event(self.instance, "turn", frames)
 
     def where(self, frame: int) -> Matrix:
