@@ -54,21 +54,21 @@ def build(scene: Scene) -> None:
 _PLACES = {
     "outdoor": {
         "unit": 1.0,
-        "place": 'scene.scenery(scene.make("ground", "ground"))',
+        "place": 'scene.make("ground", "ground")',
         "landmark": "haystack",
         "light": "scene.sky(sun_elevation_deg=35.0, sun_azimuth_deg=-60.0)\n"
         "    scene.sun(elevation_deg=35.0, azimuth_deg=-60.0)",
     },
     "room": {
         "unit": 0.6,
-        "place": 'scene.scenery(scene.make("room", "room"))',
+        "place": 'scene.make("room", "room")',
         "landmark": "toy_chest",
         "light": 'scene.hdri("interior", 0.5)\n'
         '    scene.area_light("ceiling", (0.0, -0.5, 2.4), (0.0, 0.0, 0.0), size_m=(2.0, 1.0), power_w=60)',
     },
     "tabletop": {
         "unit": 0.16,
-        "place": 'scene.scenery(scene.make("dining_table", "table"))',
+        "place": 'scene.make("dining_table", "table")',
         "landmark": "biscuit_tin",
         "light": 'scene.hdri("interior", 0.5)\n'
         '    scene.area_light("lamp", (0.5, -0.3, 1.0), (0.0, 0.0, 0.0), size_m=(0.5, 0.5), power_w=15)',

@@ -30,7 +30,7 @@ def scatter(
     loose_m: float = 0.0,
     turn_first: bool = False,
 ) -> None:
-    """Puts a copy (`name`_0, ...) of the models in turn at every spot, as scenery; removes the models.
+    """Puts a copy (`name`_0, ...) of the models in turn at every spot; removes the models.
 
     Draws per copy, in this order: how far off along x and y (if `loose_m`), scale (if it has a range), turn
     (added to the spot's own heading); turn before scale if `turn_first`.
@@ -45,7 +45,7 @@ def scatter(
         if not turn_first:
             heading_deg += rng.uniform(*turn_deg)
         copy = mesh.duplicate(models[k % len(models)], f"{name}_{k}", linked=True)
-        scene.scenery(place(copy, (x, y, -sunk_m), heading_deg, on=on, scale=size))
+        place(copy, (x, y, -sunk_m), heading_deg, on=on, scale=size)
     for model in models:
         bpy.data.objects.remove(model)
 

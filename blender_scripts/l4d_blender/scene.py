@@ -181,7 +181,7 @@ class Scene:
         tilt_deg: float = 0.0,
         **attributes: object,
     ) -> Thing:
-        """Builds a thing of the catalogue and places it: `make`, then `place`."""
+        """Builds a thing of the catalogue and places it: `make`, then `place`. It has no identity."""
         thing = self.make(kind, name, rng, **attributes)
         return self.place(thing, at, heading_deg, on=on, tilt_deg=tilt_deg)
 
@@ -206,13 +206,6 @@ class Scene:
         entry = catalogue.find(kind)
         front = entry.front if front == "of its kind" else front
         return self.instance(name, id, category or entry.category, thing, attributes=attributes, front=front)
-
-    def scenery(self, *things: Thing) -> None:
-        """Declares things that have no identity: ground, walls, clutter."""
-        for obj in (obj for thing in things for obj in placing.parts(thing)):
-            if any(obj is part for instance in self.instances for part in instance.objects):
-                raise RecipeError(f"{obj.name} is part of an instance and can't be scenery too")
-            obj.pass_index = 0
 
     def event(
         self, subject: Instance, verb: str, frames: tuple[int, int], object: Instance | None = None

@@ -96,23 +96,19 @@ def _ground(scene: Scene) -> None:
     depth = FACADE_Y - KERB_Y
     pavement = mesh.move(mesh.grid("pavement", 90.0, depth, 30, 4), 0.0, KERB_Y + 0.5 * depth)
     road = mesh.move(mesh.grid("road", 120.0, 40.0, 24, 8), 0.0, KERB_Y - 20.0, ROAD_Z)
-    stones = scene.make("street_furniture.kerb", "kerb", length_m=72.0)
-    scene.place(stones, (0.0, KERB_Y))
+    scene.put("street_furniture.kerb", "kerb", (0.0, KERB_Y), length_m=72.0)
     yellow = street.road_paint("yellow_line", (0.62, 0.40, 0.04))
     white = street.road_paint("white_line")
-    scene.scenery(
-        mesh.set_material(pavement, slabs),
-        mesh.set_material(road, street.asphalt("asphalt", wetness=0.6)),
-        stones,
-    )
+    mesh.set_material(pavement, slabs)
+    mesh.set_material(road, street.asphalt("asphalt", wetness=0.6))
     for y in (KERB_Y - 0.32, KERB_Y - 0.50):
         line = mesh.move(mesh.grid("no_waiting", 72.0, 0.09, 40, 1), 0.0, y, ROAD_Z + 0.004)
-        scene.scenery(mesh.set_material(line, yellow))
+        mesh.set_material(line, yellow)
     for k in range(12):
         dash = mesh.move(
             mesh.grid("lane_dash", 2.0, 0.12, 4, 1), -33.0 + 6.0 * k, KERB_Y - 6.4, ROAD_Z + 0.004
         )
-        scene.scenery(mesh.set_material(dash, white))
+        mesh.set_material(dash, white)
 
 
 def _surroundings(scene: Scene) -> None:
@@ -120,35 +116,41 @@ def _surroundings(scene: Scene) -> None:
     rng = scene.rng("surroundings")
     for part in scene.make("terminal", "terminal"):
         part.location.y = FACADE_Y
-        scene.scenery(part)
     for k, x in enumerate((-8.9, -7.0, -5.1, -3.2, 2.9, 4.8, 6.7, 8.6)):
-        scene.scenery(scene.put("street_furniture.bollard", f"bollard_{k}", (x, KERB_Y + 0.33)))
+        scene.put("street_furniture.bollard", f"bollard_{k}", (x, KERB_Y + 0.33))
     for k, x in enumerate((-9.5, 6.2, 17.0, -22.0)):
-        scene.scenery(scene.put("street_furniture.lamp_post", f"lamp_{k}", (x, KERB_Y + 0.7)))
+        scene.put("street_furniture.lamp_post", f"lamp_{k}", (x, KERB_Y + 0.7))
     for k, (x, y) in enumerate(((3.6, 3.2), (-5.3, 3.3))):
-        basket = scene.make("street_furniture.litter_bin", f"bin_{k}", colour=(0.09, 0.095, 0.10))
-        scene.scenery(scene.place(basket, (x, y)))
+        scene.put("street_furniture.litter_bin", f"bin_{k}", (x, y), colour=(0.09, 0.095, 0.10))
     for k, x in enumerate((-7.4, -5.9, 5.3, 6.8)):
-        scene.scenery(
-            scene.put("street_furniture.planter", f"planter_{k}", (x, 3.3), rng=scene.rng(f"planter {k}"))
-        )
-    stop = scene.make(
-        "street_furniture.sign_post", "stop_sign", text="BUS", face=(0.02, 0.16, 0.10), timetable=True
+        scene.put("street_furniture.planter", f"planter_{k}", (x, 3.3), rng=scene.rng(f"planter {k}"))
+    scene.put(
+        "street_furniture.sign_post",
+        "stop_sign",
+        (-4.4, 0.2),
+        text="BUS",
+        face=(0.02, 0.16, 0.10),
+        timetable=True,
     )
-    scene.place(stop, (-4.4, 0.2))
-    coach = scene.make("bus", "bus", rng, colour=(0.52, 0.50, 0.46))
-    scene.place(coach, (-22.5, 1.5), degrees(-0.35), on=ROAD_Z)
-    second = scene.make("bus", "bus_behind", rng, colour=(0.46, 0.16, 0.03), line="X4 HARBOUR")
-    scene.place(second, (22.5, 1.0), degrees(0.30), on=ROAD_Z)
-    scene.scenery(stop, coach, second)
+    scene.put("bus", "bus", (-22.5, 1.5), degrees(-0.35), on=ROAD_Z, rng=rng, colour=(0.52, 0.50, 0.46))
+    scene.put(
+        "bus",
+        "bus_behind",
+        (22.5, 1.0),
+        degrees(0.30),
+        on=ROAD_Z,
+        rng=rng,
+        colour=(0.46, 0.16, 0.03),
+        line="X4 HARBOUR",
+    )
     model = scene.make("tree.far_wood", "wood_model", scene.rng("wood"))
     for k in range(10):
         wood = mesh.duplicate(model, f"wood_{k}", linked=True)
         side = -1.0 if k % 2 else 1.0
         at = (side * rng.uniform(38.0, 48.0), -16.0 + 4.2 * (k // 2), -0.4)
         turn, size = 1.5708 + rng.uniform(-0.3, 0.3), rng.uniform(0.8, 1.2)
-        scene.scenery(scene.place(wood, at, degrees(turn), scale=size))
-    scene.scenery(scene.place(model, (0.0, -60.0, -0.4)))
+        scene.place(wood, at, degrees(turn), scale=size)
+    scene.place(model, (0.0, -60.0, -0.4))
 
 
 def _landmarks(scene: Scene) -> None:
@@ -177,8 +179,14 @@ def _suitcases(scene: Scene, choices: Choices) -> dict[str, tuple[suitcase.Suitc
     }
     made = {}
     for id, (place, (look, spot, turn)) in enumerate(plan.items(), 1):
-        case = scene.make("suitcase", f"suitcase_{place}", scene.rng(f"suitcase/{place}"), look=look)
-        scene.place(case, spot, degrees(turn + rng.uniform(-0.08, 0.08)))
+        case = scene.put(
+            "suitcase",
+            f"suitcase_{place}",
+            spot,
+            degrees(turn + rng.uniform(-0.08, 0.08)),
+            rng=scene.rng(f"suitcase/{place}"),
+            look=look,
+        )
         instance = scene.instance(
             f"suitcase_{place}",
             id,

@@ -102,11 +102,11 @@ def _lakeside(scene: Scene, shore: lake.Shore) -> None:
     def dry(x: float, y: float) -> float:
         return 1.0 if shore.depth_into_lake(x, y) < -0.12 else 0.0
 
-    short = scene.make("ground.grass", "turf", terrain=shore, tufts=420, radius_m=7.5, keep=dry)
-    tall = scene.make(
+    scene.make("ground.grass", "turf", terrain=shore, tufts=420, radius_m=7.5, keep=dry)
+    scene.make(
         "ground.grass", "meadow", terrain=shore, tufts=420, radius_m=11.0, length_m=(0.16, 0.42), keep=dry
     )
-    stones = scene.make(
+    scene.make(
         "ground.stones",
         "stones",
         terrain=shore,
@@ -115,10 +115,10 @@ def _lakeside(scene: Scene, shore: lake.Shore) -> None:
         size_m=(0.02, 0.11),
         keep=lambda x, y: 1.0 if -1.1 < shore.depth_into_lake(x, y) < 0.25 else 0.0,
     )
-    scene.scenery(scene.make("ground", "land", terrain=shore, radius_m=92.0), short, tall, stones)
-    scene.scenery(scene.make("lake.water", "lake", shore=shore))
+    scene.make("ground", "land", terrain=shore, radius_m=92.0)
+    scene.make("lake.water", "lake", shore=shore)
     pads = [(2.15, 1.75), (2.75, 1.20), (1.05, 2.60), (2.3, 0.2), (3.2, 2.4)]
-    scene.scenery(scene.make("lake.lily_pads", "lily_pads", spots=pads, water_m=WATER_M))
+    scene.make("lake.lily_pads", "lily_pads", spots=pads, water_m=WATER_M)
 
     trees = [scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.0) for k in range(2)]
     spots = [(-6.4, 6.8), (-8.8, 2.6), (-10.5, 9.0), (-7.8, 12.5), (-7.2, -2.4), (-13.0, 4.5)]
@@ -143,12 +143,9 @@ def _lakeside(scene: Scene, shore: lake.Shore) -> None:
 
 
 def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
-    tray = scene.make("bird_feeder.seed_tray", "seed_tray", scene.rng("seeds"))
-    scene.place(tray, TRAY, degrees(0.25))
-    post = scene.make("dock.mooring_post", "mooring_post", scene.rng("post"))
-    scene.place(post, POST)
-    coil = scene.make("dock.rope_coil", "rope_coil", scene.rng("coil"))
-    scene.scenery(scene.place(coil, (0.74, -0.42), degrees(2.4)))
+    tray = scene.put("bird_feeder.seed_tray", "seed_tray", TRAY, degrees(0.25), rng=scene.rng("seeds"))
+    post = scene.put("dock.mooring_post", "mooring_post", POST, rng=scene.rng("post"))
+    scene.put("dock.rope_coil", "rope_coil", (0.74, -0.42), degrees(2.4), rng=scene.rng("coil"))
     return {
         "dish": scene.add(1001, "bird_feeder.water_dish", "water_dish", DISH, glaze=choices.glaze),
         "tray": scene.instance("seed_tray", 1002, "tray", tray),
@@ -244,7 +241,6 @@ def _ducks(scene: Scene, choices: Choices, tray: Instance) -> None:
         scene, "duck_swimming", 4, "drake", course.point(0.0), degrees(math.atan2(start.x, -start.y))
     )
     wake = lake.wake("wake")
-    scene.scenery(wake)
     drake.rest(0, 13)
     drake.swim(course, 14, 78, wake)
     drake.rest(79, LAST_FRAME)

@@ -109,18 +109,16 @@ def _park(scene: Scene) -> None:
         hill_height_m=5.0,
     )
     rng = scene.rng("park")
-    lawn = scene.make(
-        "ground.grass", "lawn", terrain=terrain, tufts=2600, radius_m=9.0, length_m=(0.025, 0.055)
-    )
+    scene.make("ground.grass", "lawn", terrain=terrain, tufts=2600, radius_m=9.0, length_m=(0.025, 0.055))
 
     def rim(x: float, y: float) -> float:
         near_fence = abs(y - FENCE_Y) < 0.16 or abs(abs(x) - 4.6) < 0.16
         return 1.0 if near_fence or math.hypot(x - BENCH.x, y - BENCH.y - 0.1) < 0.45 else 0.06 * (y > 3.0)
 
-    tall = scene.make(
+    scene.make(
         "ground.grass", "uncut", terrain=terrain, tufts=420, radius_m=9.0, length_m=(0.10, 0.24), keep=rim
     )
-    leaves = scene.make(
+    scene.make(
         "autumn.fallen_leaves",
         "fallen_leaves",
         scene.rng("fallen"),
@@ -128,7 +126,7 @@ def _park(scene: Scene) -> None:
         count=1500,
         radius_m=9.0,
     )
-    scene.scenery(scene.make("ground", "ground", terrain=terrain), lawn, tall, leaves)
+    scene.make("ground", "ground", terrain=terrain)
 
     trees = []
     for k, tone in enumerate(autumn.TONES):
@@ -157,7 +155,7 @@ def _park(scene: Scene) -> None:
             size, turn = rng.uniform(0.9, 1.2), rng.uniform(-0.2, 0.2)
             copy = mesh.duplicate(hedge[k % 2], f"hedge_{k}", linked=True)
             at = (x, 6.4 + 0.3 * math.sin(k), -0.05)
-            scene.scenery(scene.place(copy, at, degrees(turn), on=terrain, scale=size))
+            scene.place(copy, at, degrees(turn), on=terrain, scale=size)
     for model in hedge:
         bpy.data.objects.remove(model)
     woods = [scene.make("tree.far_wood", f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]

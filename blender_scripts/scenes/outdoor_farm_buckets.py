@@ -123,7 +123,7 @@ def _yard(scene: Scene) -> ground.Terrain:
         inside_barn = abs(x - BARN.x) < 3.2 and abs(y - BARN.y) < 2.7
         return 0.0 if inside_barn or any(math.hypot(x - c.x, y - c.y) < r for c, r in covered) else 1.0
 
-    short = scene.make(
+    scene.make(
         "ground.grass", "turf", terrain=terrain, tufts=1500, radius_m=8.5, length_m=(0.04, 0.11), keep=free
     )
     rim = [(WELL, 0.66, 0.22), (HAYSTACK, 0.85, 0.25)]
@@ -133,7 +133,7 @@ def _yard(scene: Scene) -> ground.Terrain:
         near = max((1.0 for c, r, w in rim if r < math.hypot(x - c.x, y - c.y) < r + w), default=0.0)
         return free(x, y) * max(near, 0.25 if math.hypot(x, y) > 5.5 else 0.0)
 
-    tall = scene.make(
+    scene.make(
         "ground.grass",
         "meadow",
         terrain=terrain,
@@ -142,8 +142,8 @@ def _yard(scene: Scene) -> ground.Terrain:
         length_m=(0.12, 0.34),
         keep=at_edges,
     )
-    stones = scene.make("ground.stones", "stones", terrain=terrain, count=240, radius_m=7.0, keep=free)
-    litter = scene.make(
+    scene.make("ground.stones", "stones", terrain=terrain, count=240, radius_m=7.0, keep=free)
+    scene.make(
         "ground.straw_litter",
         "litter",
         terrain=terrain,
@@ -153,7 +153,7 @@ def _yard(scene: Scene) -> ground.Terrain:
             ((-0.3, -0.3), 2.6, 130),
         ],
     )
-    scene.scenery(scene.make("ground", "ground", terrain=terrain), short, tall, stones, litter)
+    scene.make("ground", "ground", terrain=terrain)
     return terrain
 
 
@@ -199,20 +199,28 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
 
     door = pose(BARN, BARN_HEADING_DEG)
     ladder_foot = door @ Vector((1.75, -3.2, 0.0))
-    ladder = scene.make("farm_tools.ladder", "ladder", rng)
-    scene.place(ladder, ladder_foot.xy, BARN_HEADING_DEG, on=terrain, tilt_deg=degrees(-0.19))
-    scene.scenery(ladder)
+    scene.put(
+        "farm_tools.ladder",
+        "ladder",
+        ladder_foot.xy,
+        BARN_HEADING_DEG,
+        on=terrain,
+        tilt_deg=degrees(-0.19),
+        rng=rng,
+    )
     for k, (x, y, turn) in enumerate([(2.2, -3.3, 0.1), (2.35, -3.85, -0.25)]):
         spot = door @ Vector((x, y, 0.0))
-        bale = scene.make("haystack.hay_bale", f"bale_{k}", rng)
-        scene.scenery(scene.place(bale, spot.xy, BARN_HEADING_DEG + degrees(turn), on=terrain))
+        scene.put(
+            "haystack.hay_bale", f"bale_{k}", spot.xy, BARN_HEADING_DEG + degrees(turn), on=terrain, rng=rng
+        )
     for k, (x, y) in enumerate([(-1.75, -2.95), (-2.15, -3.05)]):
         spot = door @ Vector((x, y, 0.0))
-        churn = scene.make("farm_tools.milk_churn", f"churn_{k}", rng)
-        scene.scenery(scene.place(churn, spot.xy, degrees(rng.uniform(0, 3)), on=terrain))
+        scene.put(
+            "farm_tools.milk_churn", f"churn_{k}", spot.xy, degrees(rng.uniform(0, 3)), on=terrain, rng=rng
+        )
     fork = scene.make("farm_tools.hay_fork", "fork")
     leaning = HAYSTACK + Vector((0.62, -0.60, 0.0))
-    scene.scenery(scene.place(fork, leaning, degrees(0.75), tilt_deg=degrees(-0.30)))
+    scene.place(fork, leaning, degrees(0.75), tilt_deg=degrees(-0.30))
 
 
 def _landmarks(scene: Scene) -> None:

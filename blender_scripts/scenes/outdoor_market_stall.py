@@ -121,7 +121,7 @@ def build(scene: Scene) -> None:
 
 def _square(scene: Scene) -> None:
     """Paving, the houses round the square, trees in front of them: none annotated."""
-    scene.scenery(scene.make("cobbles", "paving"))
+    scene.make("cobbles", "paving")
     rng = scene.rng("square")
     for k, (x, y, turn) in enumerate(
         (
@@ -135,14 +135,15 @@ def _square(scene: Scene) -> None:
             (-21.0, -6.0, 1.6),
         )
     ):
-        home = scene.make(
+        scene.put(
             "house",
             f"house_{k}",
-            scene.rng(f"house{k}"),
+            (x, y),
+            degrees(turn),
+            rng=scene.rng(f"house{k}"),
             size_xy=(rng.uniform(9.0, 10.4), 7.0),
             eaves_m=rng.uniform(4.6, 6.2),
         )
-        scene.scenery(scene.place(home, (x, y), degrees(turn)))
     model = scene.make("tree", "tree_model", scene.rng("tree"), height_m=5.2)
     spots = ((-7.0, 9.4), (7.6, 9.8), (10.6, 3.6), (-10.4, 2.6), (0.8, 11.6))
     scatter(scene, "tree", [model], spots, rng, sunk_m=0.0)
@@ -155,25 +156,19 @@ def _stalls(scene: Scene, choices: Choices) -> None:
     for k, (x, y, turn) in enumerate(
         ((-3.1, 4.3, 0.25), (2.7, 4.6, -0.15), (5.2, 1.9, -0.9), (-5.0, 1.2, 1.0), (0.1, 7.2, 0.05))
     ):
-        other = scene.make(
+        scene.put(
             "market_stall",
             f"other_stall_{k}",
-            scene.rng(f"stall{k}"),
+            (x, y),
+            degrees(turn),
+            rng=scene.rng(f"stall{k}"),
             stripes=others[k % 3],
             skirt=((0.30, 0.05, 0.05), (0.06, 0.10, 0.24), (0.34, 0.26, 0.12))[k % 3],
             crates=3,
         )
-        scene.scenery(scene.place(other, (x, y), degrees(turn)))
     for k, (x, y, tall) in enumerate(((1.62, 1.02, 0.85), (1.86, 1.42, 0.60), (-1.42, 1.62, 0.95))):
-        scene.scenery(
-            scene.put(
-                "houseplant",
-                f"plant_{k}",
-                (x, y),
-                degrees(1.3 * k),
-                rng=scene.rng(f"plant{k}"),
-                height_m=tall,
-            )
+        scene.put(
+            "houseplant", f"plant_{k}", (x, y), degrees(1.3 * k), rng=scene.rng(f"plant{k}"), height_m=tall
         )
 
 

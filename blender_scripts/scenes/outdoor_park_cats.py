@@ -103,18 +103,16 @@ def _park(scene: Scene) -> None:
         hill_height_m=4.0,
     )
     rng = scene.rng("park")
-    lawn = scene.make(
-        "ground.grass", "lawn", terrain=terrain, tufts=2400, radius_m=9.0, length_m=(0.03, 0.075)
-    )
+    scene.make("ground.grass", "lawn", terrain=terrain, tufts=2400, radius_m=9.0, length_m=(0.03, 0.075))
 
     def rim(x: float, y: float) -> float:
         at_feet = min(math.hypot(x - p.x, y - p.y) for p in (LAMP, TREE, BENCH))
         return 1.0 if at_feet < 0.40 else 0.05
 
-    tall = scene.make(
+    scene.make(
         "ground.grass", "uncut", terrain=terrain, tufts=330, radius_m=10.0, length_m=(0.10, 0.26), keep=rim
     )
-    pebbles = scene.make(
+    scene.make(
         "ground.stones",
         "pebbles",
         terrain=terrain,
@@ -123,7 +121,7 @@ def _park(scene: Scene) -> None:
         size_m=(0.006, 0.022),
         keep=terrain.wear,
     )
-    scene.scenery(scene.make("ground", "ground", terrain=terrain), lawn, tall, pebbles)
+    scene.make("ground", "ground", terrain=terrain)
 
     trees = [scene.make("tree", f"tree_model_{k}", scene.rng(f"tree{k}"), height_m=7.4) for k in range(2)]
     spots = [
@@ -159,12 +157,9 @@ def _park(scene: Scene) -> None:
     woods = [scene.make("tree.far_wood", f"wood_model_{k}", scene.rng(f"wood{k}")) for k in range(2)]
     ring = (at for at, _ in skyline(rng, 12, (-15.0, 195.0), (32.0, 50.0)))
     scatter(scene, "wood", woods, ring, rng, on=terrain, scale=(0.8, 1.2))
-    rails = scene.make("fence", "rails", line=[(-7.0, 5.6), (-2.2, 6.4)], post_m=0.8, rails=2)
-    bin_at = scene.make("street_furniture.litter_bin", "litter_bin")
-    scene.place(bin_at, (-2.72, 1.05))
-    flowers = scene.make("street_furniture.planter", "planter")
-    scene.place(flowers, (2.15, 1.75))
-    scene.scenery(rails, bin_at, flowers)
+    scene.make("fence", "rails", line=[(-7.0, 5.6), (-2.2, 6.4)], post_m=0.8, rails=2)
+    scene.put("street_furniture.litter_bin", "litter_bin", (-2.72, 1.05))
+    scene.put("street_furniture.planter", "planter", (2.15, 1.75))
 
 
 def _landmarks(scene: Scene) -> None:

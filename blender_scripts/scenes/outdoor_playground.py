@@ -168,7 +168,7 @@ def _ground(scene: Scene, choices: Choices) -> ground.Terrain:
         faces += [(a + k, b + k, b + (k + 1) % count, a + (k + 1) % count) for k in range(count)]
     floor = mesh.from_pydata("rubber_floor", verts, faces, smooth=False)
     mesh.set_material(floor, playground.rubber_granulate("rubber_floor", *choices.floor))
-    lawn = scene.make(
+    scene.make(
         "ground.grass",
         "lawn",
         terrain=terrain,
@@ -177,7 +177,7 @@ def _ground(scene: Scene, choices: Choices) -> ground.Terrain:
         length_m=(0.035, 0.085),
         keep=outside,
     )
-    scene.scenery(scene.make("ground", "ground", terrain=terrain), floor, lawn)
+    scene.make("ground", "ground", terrain=terrain)
     return terrain
 
 
@@ -226,16 +226,20 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
             (30.0, -7.0, -1.6),
         ]
     ):
-        home = scene.make(
-            "house", f"house_{k}", scene.rng(f"house{k}"), size_xy=(rng.uniform(8.0, 11.0), 7.0)
+        scene.put(
+            "house",
+            f"house_{k}",
+            (x, y),
+            degrees(turn),
+            on=terrain,
+            rng=scene.rng(f"house{k}"),
+            size_xy=(rng.uniform(8.0, 11.0), 7.0),
         )
-        scene.scenery(scene.place(home, (x, y), degrees(turn), on=terrain))
 
 
 def _landmarks(scene: Scene) -> list[tuple[bpy.types.Object, Matrix]]:
     """Swing, slide, sandbox, goal and fence; returns the swing's seats with their resting matrices."""
-    made = scene.make("swing", "swing")
-    scene.place(made, *SWING)
+    made = scene.put("swing", "swing", *SWING)
     scene.instance("swing", 1001, "swing", made, front="-y")
     scene.add(1002, "slide", "slide", *SLIDE)
 
@@ -248,7 +252,7 @@ def _landmarks(scene: Scene) -> list[tuple[bpy.types.Object, Matrix]]:
         (scene.make("sandbox.sand_cake", "cake_0", rng), -0.33, 0.20, 0.0),
         (scene.make("sandbox.sand_cake", "cake_1", rng), -0.16, 0.29, 1.0),
     ):
-        scene.scenery(scene.place(thing, (x, y, sand.height(x, y)), degrees(turn), on=pose(*SANDBOX)))
+        scene.place(thing, (x, y, sand.height(x, y)), degrees(turn), on=pose(*SANDBOX))
 
     scene.add(1004, "goal", "goal", *GOAL, width_m=1.10, height_m=0.72, depth_m=0.50)
     scene.add(

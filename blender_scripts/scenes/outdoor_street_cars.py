@@ -108,11 +108,11 @@ def _pavement_height(x: float, y: float) -> float:
 def _ground(scene: Scene) -> None:
     road_deep = FAR_KERB_Y - NEAR_KERB_Y
     road = mesh.move(mesh.grid("road", 130.0, road_deep, 24, 4), 0.0, NEAR_KERB_Y + 0.5 * road_deep)
-    scene.scenery(mesh.set_material(road, street.asphalt("asphalt", wetness=0.25, tone=0.085)))
+    mesh.set_material(road, street.asphalt("asphalt", wetness=0.25, tone=0.085))
     slabs = street.paving("slabs", ((0.36, 0.33, 0.29), (0.29, 0.265, 0.235)), slab_m=(0.75, 0.50))
     for name, low, high in (("near", -11.0, NEAR_KERB_Y), ("far", FAR_KERB_Y, FACADE_Y + 0.5)):
         sheet = mesh.grid(f"pavement_{name}", 129.6, high - low, 432, 2, _pavement_height)
-        scene.scenery(mesh.set_material(mesh.move(sheet, 0.0, 0.5 * (low + high)), slabs))
+        mesh.set_material(mesh.move(sheet, 0.0, 0.5 * (low + high)), slabs)
     rng = scene.rng("kerbs")
     low, high = CROSSING[0] - 0.55, CROSSING[1] + 0.55
     for k, y in enumerate((NEAR_KERB_Y, FAR_KERB_Y)):
@@ -121,15 +121,20 @@ def _ground(scene: Scene) -> None:
             ("crossing", low, high, 0.012),
             ("east", high, high + 36.0, PAVEMENT_M + 0.004),
         ):
-            stones = scene.make("street_furniture.kerb", f"kerb_{part}_{k}", rng, length_m=last - first)
-            scene.scenery(scene.place(stones, (0.5 * (first + last), y, z)))
+            scene.put(
+                "street_furniture.kerb",
+                f"kerb_{part}_{k}",
+                (0.5 * (first + last), y, z),
+                rng=rng,
+                length_m=last - first,
+            )
     paint = street.road_paint("road_paint")
     dashes = [
         mesh.move(mesh.grid("dash", 2.0, 0.12, 4, 1), x, 2.15, 0.003)
         for x in (-28, -22, -16, -10, -4, 10, 16, 22)
     ]
     stop = mesh.move(mesh.grid("stop_line", 0.22, 2.6, 1, 6), CROSSING[0] - 0.26, 0.70, 0.003)
-    scene.scenery(mesh.set_material(mesh.join("lane_marks", [*dashes, stop]), paint))
+    mesh.set_material(mesh.join("lane_marks", [*dashes, stop]), paint)
 
 
 def _houses(scene: Scene) -> None:
@@ -167,7 +172,7 @@ def _houses(scene: Scene) -> None:
             rows.append((order[k], side * 31.0, -3.4 + 5.6 * k, -side * 90.0))
     for k, (name, x, y, turn_deg) in enumerate(rows):
         house = mesh.duplicate(models[name], f"terrace_{k}", linked=True)
-        scene.scenery(scene.place(house, (x, y), turn_deg))
+        scene.place(house, (x, y), turn_deg)
     for model in models.values():
         bpy.data.objects.remove(model)
 
@@ -191,19 +196,16 @@ def _street_clutter(scene: Scene) -> None:
         turn_first=True,
     )
     for k, x in enumerate((-6.3, 1.55, 10.4, 20.0, -16.0)):
-        lamp = scene.make("street_furniture.lamp_post", f"lamp_{k}", glow=0.0)
-        scene.scenery(scene.place(lamp, (x, FAR_KERB_Y + 0.38), on=PAVEMENT_M))
+        scene.put("street_furniture.lamp_post", f"lamp_{k}", (x, FAR_KERB_Y + 0.38), on=PAVEMENT_M, glow=0.0)
     for k, (x, y) in enumerate(((2.0, 6.75), (-6.4, 6.8), (-4.55, -1.35))):
-        basket = scene.make("street_furniture.litter_bin", f"bin_{k}")
-        scene.scenery(scene.place(basket, (x, y), on=PAVEMENT_M))
+        scene.put("street_furniture.litter_bin", f"bin_{k}", (x, y), on=PAVEMENT_M)
     for k, x in enumerate((1.75, 5.45)):
-        post = scene.make("street_furniture.bollard", f"bollard_{k}")
-        scene.scenery(scene.place(post, (x, NEAR_KERB_Y - 0.30), on=PAVEMENT_M - 0.02))
-    coach = scene.make("bus", "bus", rng, colour=(0.52, 0.50, 0.46), line="5 MARKET")
-    scene.scenery(scene.place(coach, (25.0, 3.0), BACK))
+        scene.put("street_furniture.bollard", f"bollard_{k}", (x, NEAR_KERB_Y - 0.30), on=PAVEMENT_M - 0.02)
+    scene.put("bus", "bus", (25.0, 3.0), BACK, rng=rng, colour=(0.52, 0.50, 0.46), line="5 MARKET")
     for k, (x, y) in enumerate(((4.2, 6.7), (8.9, 6.7), (-10.9, 6.7), (6.4, -2.6), (-8.2, -2.6))):
-        tub = scene.make("street_furniture.planter", f"planter_{k}", scene.rng(f"planter {k}"))
-        scene.scenery(scene.place(tub, (x, y), on=PAVEMENT_M))
+        scene.put(
+            "street_furniture.planter", f"planter_{k}", (x, y), on=PAVEMENT_M, rng=scene.rng(f"planter {k}")
+        )
 
 
 def _landmarks(scene: Scene) -> None:
@@ -249,8 +251,7 @@ def _cars(scene: Scene, choices: Choices) -> Driver:
     }
     drivers = {}
     for id, (what, (look, spot, heading)) in enumerate(plan.items(), 1):
-        made = scene.make("car", f"car_{what}", scene.rng(f"car/{what}"), look=look)
-        scene.place(made, spot, heading)
+        made = scene.put("car", f"car_{what}", spot, heading, rng=scene.rng(f"car/{what}"), look=look)
         instance = scene.instance(
             f"car_{what}",
             id,

@@ -98,7 +98,7 @@ def build(scene: Scene) -> None:
 def build_hall(scene: Scene, choices: Choices) -> None:
     """Walls, windows and what stands along the walls."""
     rng = scene.rng("hall")
-    shell = scene.make(
+    scene.make(
         "gym_room",
         "hall",
         rng,
@@ -119,32 +119,21 @@ def build_hall(scene: Scene, choices: Choices) -> None:
     scene.add(
         1007, "gym_equipment.punching_bag", "punching_bag", (-1.85, 1.25), rng=rng, colour=(0.10, 0.03, 0.025)
     )
-    scene.scenery(
-        *shell,
-        scene.put(
-            "gym_equipment.barbell_stand",
-            "stand",
-            (0.62, BACK_Y - 0.02),
-            rng=rng,
-            plate=(0.030, 0.030, 0.033),
-        ),
-        scene.put(
-            "gym_equipment.exercise_ball", "ball_grey", (-2.65, -0.62), rng=rng, colour=(0.30, 0.32, 0.34)
-        ),
-        scene.put(
-            "gym_equipment.exercise_ball", "ball_teal", (2.75, -0.15), rng=rng, colour=(0.03, 0.24, 0.25)
-        ),
-        scene.put("gym_equipment.rolled_mats", "mats", (2.85, 0.75), rng=rng),
-        scene.put("gym_room.pipes", "duct", (0.0, BACK_Y - 0.45), on=3.12, rng=rng, width_m=6.5),
-        scene.put(
-            "gym_equipment.folded_towel",
-            "bar_towel",
-            (-HALF_WIDTH + 0.11, 0.40),
-            90,
-            on=1.30,
-            rng=rng,
-            colour=(0.62, 0.58, 0.50),
-        ),
+    scene.put(
+        "gym_equipment.barbell_stand", "stand", (0.62, BACK_Y - 0.02), rng=rng, plate=(0.030, 0.030, 0.033)
+    )
+    scene.put("gym_equipment.exercise_ball", "ball_grey", (-2.65, -0.62), rng=rng, colour=(0.30, 0.32, 0.34))
+    scene.put("gym_equipment.exercise_ball", "ball_teal", (2.75, -0.15), rng=rng, colour=(0.03, 0.24, 0.25))
+    scene.put("gym_equipment.rolled_mats", "mats", (2.85, 0.75), rng=rng)
+    scene.put("gym_room.pipes", "duct", (0.0, BACK_Y - 0.45), on=3.12, rng=rng, width_m=6.5)
+    scene.put(
+        "gym_equipment.folded_towel",
+        "bar_towel",
+        (-HALF_WIDTH + 0.11, 0.40),
+        90,
+        on=1.30,
+        rng=rng,
+        colour=(0.62, 0.58, 0.50),
     )
 
 
@@ -155,23 +144,17 @@ def set_equipment(scene: Scene, choices: Choices) -> None:
     scene.add(1001, "gym_equipment.bench", "bench", *BENCH, rng=rng, colour=choices.vinyl)
     scene.instance("step", 1002, "step", step)
     scene.add(1003, "gym_equipment.treadmill", "treadmill", *TREADMILL, rng=rng)
-    scene.scenery(
-        scene.put(
-            "gym_equipment.floor_mat",
-            "mat",
-            (-0.66, 0.06),
-            3,
-            rng=rng,
-            colour=(0.07, 0.12, 0.17),
-            size_m=(1.7, 1.2),
-        ),
-        scene.put(
-            "gym_equipment.drink_bottle", "bottle_0", (-1.28, -0.22), rng=rng, colour=(0.60, 0.58, 0.10)
-        ),
-        scene.put(
-            "gym_equipment.drink_bottle", "bottle_1", (1.30, -0.42), rng=rng, colour=(0.10, 0.30, 0.50)
-        ),
+    scene.put(
+        "gym_equipment.floor_mat",
+        "mat",
+        (-0.66, 0.06),
+        3,
+        rng=rng,
+        colour=(0.07, 0.12, 0.17),
+        size_m=(1.7, 1.2),
     )
+    scene.put("gym_equipment.drink_bottle", "bottle_0", (-1.28, -0.22), rng=rng, colour=(0.60, 0.58, 0.10))
+    scene.put("gym_equipment.drink_bottle", "bottle_1", (1.30, -0.42), rng=rng, colour=(0.10, 0.30, 0.50))
 
 
 # --- those who train --------------------------------------------------------------------------------------

@@ -115,7 +115,6 @@ def fit_kitchen(scene: Scene, choices: Choices) -> None:
     rng = scene.rng("kitchen")
     finish = units.Finish(front=choices.front)
     kitchen = kitchen_set.build(rng, finish=finish, wall=choices.wall, tile=choices.tile)
-    scene.scenery(*kitchen.scenery)
     top = units.TOP_M
     burners = [(x + 0.02, y + 0.04) for x, y in BURNERS]
     hob = scene.put(
@@ -296,7 +295,6 @@ def pour_and_move(
     falling = kitchen_jug.stream("stream", colour=colour)
     surface = np.full(FRAME_COUNT, HOB_Z + pot.SAUCEPAN.soup_m - 0.012)
     key_path(falling, stream_matrices(jug_path, kitchen_jug.LIP, surface, (9, 36), turn))
-    scene.scenery(falling)
 
     helper.grip(
         pots["big"],

@@ -130,17 +130,15 @@ def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng = stage.scene, stage.scene.rng("furniture")
     wall, figure = WALLS[stage.look]
-    scene.scenery(
-        *scene.make(
-            "room",
-            "room",
-            rng,
-            half_width_m=HALF_WIDTH,
-            back_m=BACK_WALL_Y,
-            front_m=FRONT_Y,
-            wall=wall,
-            figure=figure,
-        )
+    scene.make(
+        "room",
+        "room",
+        rng,
+        half_width_m=HALF_WIDTH,
+        back_m=BACK_WALL_Y,
+        front_m=FRONT_Y,
+        wall=wall,
+        figure=figure,
     )
 
     couch_at = stage.spot(SOFA)
@@ -155,7 +153,7 @@ def furnish(stage: Stage) -> None:
         (scene.make("coffee_table.book_stack", "table_books", rng), -0.27, -0.02, 0.3),
     ):
         at = (table_at[0][0] + dx, table_at[0][1] + dy)
-        scene.scenery(scene.place(thing, at, degrees(turn), on=coffee_table.HEIGHT_M))
+        scene.place(thing, at, degrees(turn), on=coffee_table.HEIGHT_M)
 
     scene.add(
         1003,
@@ -179,25 +177,29 @@ def furnish(stage: Stage) -> None:
     scene.add(1005, "bookcase", "bookcase", *stage.spot(BOOKCASE, 0.01), rng=rng)
     scene.add(1006, "armchair", "armchair", *stage.spot(ARMCHAIR), rng=rng, colour=ARMCHAIR_CLOTH[stage.look])
 
-    scene.scenery(
-        scene.put("floor_lamp", "floor_lamp", *stage.spot(LAMP), rng=rng),
-        scene.put("houseplant", "plant", *stage.spot(PLANT), rng=rng),
-        scene.put(
-            "houseplant",
-            "small_plant",
-            *stage.spot(((-2.62, 1.05), 0.0)),
-            rng=rng,
-            height_m=0.55,
-            stems=8,
-            pot=(0.45, 0.16, 0.08),
-        ),
-        scene.put("cat_tree", "cat_tree", *stage.spot(CAT_TREE), rng=rng),
+    scene.put("floor_lamp", "floor_lamp", *stage.spot(LAMP), rng=rng)
+    scene.put("houseplant", "plant", *stage.spot(PLANT), rng=rng)
+    scene.put(
+        "houseplant",
+        "small_plant",
+        *stage.spot(((-2.62, 1.05), 0.0)),
+        rng=rng,
+        height_m=0.55,
+        stems=8,
+        pot=(0.45, 0.16, 0.08),
     )
+    scene.put("cat_tree", "cat_tree", *stage.spot(CAT_TREE), rng=rng)
     for k, (x, z, size) in enumerate(
         ((-1.16, 0.97, (0.36, 0.46)), (-0.68, 1.02, (0.44, 0.34)), (-0.20, 0.97, (0.34, 0.44)))
     ):
-        picture = scene.make("picture_frame", f"picture_{k}", rng, size_m=size, palette=k + stage.look)
-        scene.scenery(scene.place(picture, (stage.x(x), BACK_WALL_Y, z)))
+        scene.put(
+            "picture_frame",
+            f"picture_{k}",
+            (stage.x(x), BACK_WALL_Y, z),
+            rng=rng,
+            size_m=size,
+            palette=k + stage.look,
+        )
 
 
 def cushions(stage: Stage, couch: Spot) -> list[bpy.types.Object]:

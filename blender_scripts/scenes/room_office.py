@@ -131,18 +131,16 @@ def build(scene: Scene) -> None:
 def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng, choices = stage.scene, stage.scene.rng("furniture"), stage.choices
-    scene.scenery(
-        *scene.make(
-            "office_room",
-            "office",
-            rng,
-            half_width_m=HALF_WIDTH,
-            back_m=BACK_Y,
-            front_m=FRONT_Y,
-            window_y_m=WINDOW_Y,
-            wall=choices.wall,
-            accent=choices.accent,
-        )
+    scene.make(
+        "office_room",
+        "office",
+        rng,
+        half_width_m=HALF_WIDTH,
+        back_m=BACK_Y,
+        front_m=FRONT_Y,
+        window_y_m=WINDOW_Y,
+        wall=choices.wall,
+        accent=choices.accent,
     )
     scene.add(1001, "desk", "desk", ORIGIN, on=stage.desk, rng=rng, size_m=(1.30, 0.70))
     scene.add(1002, "high_table", "high_table", ORIGIN, on=stage.high_table, rng=rng)
@@ -171,7 +169,7 @@ def clutter(stage: Stage, rng: random.Random) -> None:
     """Papers, pens, books, lamps and chairs: none annotated."""
 
     def put(thing: bpy.types.Object, on: Support, at: Point, heading_deg: float = 0.0) -> None:
-        stage.scene.scenery(stage.scene.place(thing, at, heading_deg, on=on))
+        stage.scene.place(thing, at, heading_deg, on=on)
 
     low, high = desk.HEIGHT_M, high_table.HEIGHT_M
     put(stage.scene.make("paper_sheets", "sheets", rng), stage.desk, (-0.42, -0.14, low), degrees(0.3))

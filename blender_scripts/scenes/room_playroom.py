@@ -144,18 +144,16 @@ def _room(scene: Scene, choices: Choices) -> None:
     """Walls, floor, window and what hangs on the walls."""
     rng = scene.rng("room")
     wall, figure = choices.wall
-    scene.scenery(
-        *scene.make(
-            "room",
-            "room",
-            rng,
-            half_width_m=HALF_WIDTH,
-            back_m=BACK_WALL_Y,
-            front_m=FRONT_Y,
-            wall=wall,
-            figure=figure,
-            boards=(0.50, 0.36, 0.22),
-        )
+    scene.make(
+        "room",
+        "room",
+        rng,
+        half_width_m=HALF_WIDTH,
+        back_m=BACK_WALL_Y,
+        front_m=FRONT_Y,
+        wall=wall,
+        figure=figure,
+        boards=(0.50, 0.36, 0.22),
     )
     scene.add(
         1001,
@@ -171,8 +169,7 @@ def _room(scene: Scene, choices: Choices) -> None:
     for k, (x, z, size) in enumerate(
         ((-0.02, 1.06, (0.28, 0.36)), (1.16, 0.98, (0.42, 0.34)), (1.66, 1.08, (0.30, 0.38)))
     ):
-        picture = scene.make("picture_frame", f"picture_{k}", rng, size_m=size, palette=k)
-        scene.scenery(scene.place(picture, (x, BACK_WALL_Y, z)))
+        scene.put("picture_frame", f"picture_{k}", (x, BACK_WALL_Y, z), rng=rng, size_m=size, palette=k)
 
 
 def _clutter(scene: Scene) -> None:
@@ -183,17 +180,15 @@ def _clutter(scene: Scene) -> None:
         (scene.make("picture_book", "book", rng), (0.16, -0.40), degrees(0.5), 1.0),
     )
     for thing, at, heading_deg, size in on_mat:
-        scene.scenery(scene.place(thing, at, heading_deg, on=MAT_M, scale=size))
+        scene.place(thing, at, heading_deg, on=MAT_M, scale=size)
     paints = ((0.50, 0.035, 0.03), (0.05, 0.16, 0.42), (0.66, 0.40, 0.03), (0.08, 0.28, 0.08))
     spots = (((0.30, -0.12), 0.4), ((0.40, -0.22), 1.2), ((-0.10, -0.48), 0.2), ((-0.86, -0.24), 0.9))
     for k, (paint, (at, turn)) in enumerate(zip(paints, spots)):
         look = toy_block.Look(paint=paint, figure=toy_block.FIGURES[k], size_m=BLOCK_M)
-        scene.scenery(scene.put("toy_block", f"strewn_{k}", at, degrees(turn), on=MAT_M, rng=rng, look=look))
-    scene.scenery(
-        scene.put("houseplant", "plant", (1.75, 1.30), rng=rng, height_m=0.95),
-        scene.put("floor_lamp", "lamp", (-2.05, 1.40), rng=rng),
-        scene.put("bookcase", "low_shelf", (1.36, 1.56), rng=rng, height_m=0.80, width_m=0.95, shelves=2),
-    )
+        scene.put("toy_block", f"strewn_{k}", at, degrees(turn), on=MAT_M, rng=rng, look=look)
+    scene.put("houseplant", "plant", (1.75, 1.30), rng=rng, height_m=0.95)
+    scene.put("floor_lamp", "lamp", (-2.05, 1.40), rng=rng)
+    scene.put("bookcase", "low_shelf", (1.36, 1.56), rng=rng, height_m=0.80, width_m=0.95, shelves=2)
 
 
 def _landmarks(scene: Scene, choices: Choices) -> Instance:
@@ -215,7 +210,7 @@ def _landmarks(scene: Scene, choices: Choices) -> Instance:
     rocker = scene.add(1006, "rocking_chair", "rocking_chair", *ROCKER, on=MAT_M, rng=rng)
     chair = scene.make("wooden_chair", "stool", rng)
     size = (SEAT_M - MAT_M) / wooden_chair.SEAT_M
-    scene.scenery(scene.place(chair, (CHAIR[0], CHAIR[1] + 0.02), on=MAT_M, scale=size))
+    scene.place(chair, (CHAIR[0], CHAIR[1] + 0.02), on=MAT_M, scale=size)
     return rocker
 
 

@@ -121,16 +121,14 @@ def build(scene: Scene) -> None:
 def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng = stage.scene, stage.scene.rng("furniture")
-    scene.scenery(
-        *scene.make(
-            "waiting_room",
-            "room",
-            rng,
-            half_width_m=HALF_WIDTH,
-            back_m=BACK_Y,
-            front_m=FRONT_Y,
-            lower=stage.choices.lower,
-        )
+    scene.make(
+        "waiting_room",
+        "room",
+        rng,
+        half_width_m=HALF_WIDTH,
+        back_m=BACK_Y,
+        front_m=FRONT_Y,
+        lower=stage.choices.lower,
     )
     scene.add(
         1001,
@@ -154,8 +152,15 @@ def furnish(stage: Stage) -> None:
         colour=(0.42, 0.27, 0.14),
     )
     for n, (dx, turn) in enumerate(((-0.17, 0.3), (0.16, -0.5))):
-        heap = scene.make("magazine.pile", f"pile_{n}", rng, count=5 - 2 * n)
-        scene.scenery(scene.place(heap, (dx, 0.0, coffee_table.HEIGHT_M), degrees(turn), on=stage.low_table))
+        scene.put(
+            "magazine.pile",
+            f"pile_{n}",
+            (dx, 0.0, coffee_table.HEIGHT_M),
+            degrees(turn),
+            on=stage.low_table,
+            rng=rng,
+            count=5 - 2 * n,
+        )
 
     scene.add(1003, "coffee_machine", "coffee_machine", ORIGIN, on=stage.machine, rng=rng)
     scene.add(
@@ -171,10 +176,10 @@ def furnish(stage: Stage) -> None:
     )
     scene.add(1005, "waiting_room.door", "door", (DOOR_X, BACK_Y), rng=rng)
 
-    lamp = scene.make("floor_lamp", "lamp", rng)
-    scene.scenery(scene.place(lamp, ORIGIN, on=stage.lamp))
-    small = scene.make("houseplant", "small_plant", rng, height_m=0.6, stems=9, pot=(0.40, 0.14, 0.07))
-    scene.scenery(scene.place(small, (-2.62, 0.55)))
+    scene.put("floor_lamp", "lamp", ORIGIN, on=stage.lamp, rng=rng)
+    scene.put(
+        "houseplant", "small_plant", (-2.62, 0.55), rng=rng, height_m=0.6, stems=9, pot=(0.40, 0.14, 0.07)
+    )
     for n, (title, paper, figure, x) in enumerate(
         (
             ("FEEL WELL", (0.52, 0.56, 0.50), (0.10, 0.34, 0.26), -1.72),
@@ -182,10 +187,16 @@ def furnish(stage: Stage) -> None:
             ("BE KIND", (0.42, 0.50, 0.58), (0.08, 0.20, 0.42), -0.40),
         )
     ):
-        sheet = scene.make("waiting_room.poster", f"poster_{n}", rng, title=title, paper=paper, figure=figure)
-        scene.scenery(scene.place(sheet, (x, BACK_Y, 1.28)))
-    dial = scene.make("waiting_room.clock", "clock", rng)
-    scene.scenery(scene.place(dial, (1.30, BACK_Y, 2.05)))
+        scene.put(
+            "waiting_room.poster",
+            f"poster_{n}",
+            (x, BACK_Y, 1.28),
+            rng=rng,
+            title=title,
+            paper=paper,
+            figure=figure,
+        )
+    scene.put("waiting_room.clock", "clock", (1.30, BACK_Y, 2.05), rng=rng)
 
 
 def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:

@@ -117,40 +117,30 @@ def _nursery(scene: Scene) -> None:
     scene.place(casement, (-0.85, 1.54), on=FLOOR_M)
     torso = scene.make("sitter", "child", rng, pullover=products.knit("jersey", JERSEY, rng))
     mesh.transform(torso, Matrix.Rotation(radians(LEAN_DEG), 4, "X") @ Matrix.Scale(CHILD, 4))
-    scene.scenery(
-        *shell,
-        *casement,
-        scene.put(
-            "coffee_table",
-            "table",
-            (0.0, -0.09),
-            on=FLOOR_M,
-            rng=rng,
-            size_m=(1.02, 0.70),
-            colour=(0.60, 0.47, 0.32),
-        ),
-        scene.put(
-            "rug", "rug", (0.1, 0.25), 8, on=FLOOR_M, rng=rng, size_m=(2.3, 1.5), palette=rug.PALETTES[2]
-        ),
-        scene.put(
-            "bookcase", "shelves", (0.75, 1.38), on=FLOOR_M, rng=rng, width_m=1.2, height_m=0.95, shelves=3
-        ),
-        scene.place(torso, (0.0, 0.375), on=FLOOR_M + SEAT_M),
+    scene.put(
+        "coffee_table",
+        "table",
+        (0.0, -0.09),
+        on=FLOOR_M,
+        rng=rng,
+        size_m=(1.02, 0.70),
+        colour=(0.60, 0.47, 0.32),
     )
+    scene.put("rug", "rug", (0.1, 0.25), 8, on=FLOOR_M, rng=rng, size_m=(2.3, 1.5), palette=rug.PALETTES[2])
+    scene.put("bookcase", "shelves", (0.75, 1.38), on=FLOOR_M, rng=rng, width_m=1.2, height_m=0.95, shelves=3)
+    scene.place(torso, (0.0, 0.375), on=FLOOR_M + SEAT_M)
 
 
 def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
-    scene.scenery(
-        scene.put("ring_stacker", "stacker", *STACKER, rng=rng),
-        scene.put("crayons.crayon_box", "crayon_box", *CRAYON_BOX, rng=rng),
-        scene.put("crayons.loose_crayons", "crayons", (0.305, -0.235), 24, rng=rng, count=4),
-        scene.put(
-            "cushion.block", "floor_cushion", (1.05, 0.55), 24, on=FLOOR_M, rng=rng, size_m=(0.55, 0.55, 0.16)
-        ),
-        scene.put("yarn_ball", "ball", (-1.0, 0.75), on=FLOOR_M, rng=rng, radius_m=0.09),
+    scene.put("ring_stacker", "stacker", *STACKER, rng=rng)
+    scene.put("crayons.crayon_box", "crayon_box", *CRAYON_BOX, rng=rng)
+    scene.put("crayons.loose_crayons", "crayons", (0.305, -0.235), 24, rng=rng, count=4)
+    scene.put(
+        "cushion.block", "floor_cushion", (1.05, 0.55), 24, on=FLOOR_M, rng=rng, size_m=(0.55, 0.55, 0.16)
     )
+    scene.put("yarn_ball", "ball", (-1.0, 0.75), on=FLOOR_M, rng=rng, radius_m=0.09)
 
 
 def _light(scene: Scene, choices: Choices) -> None:

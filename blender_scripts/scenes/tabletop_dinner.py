@@ -137,7 +137,6 @@ def _room(scene: Scene) -> None:
     rng = scene.rng("room")
     for obj in scene.make("dining_room", "room", rng):
         obj.matrix_basis = pose((0.0, 0.0, FLOOR_M)) @ obj.matrix_basis
-        scene.scenery(obj)
     table = scene.make(
         "dining_table",
         "table",
@@ -152,22 +151,19 @@ def _room(scene: Scene) -> None:
     )
     cloth = scene.make("dining_table.tablecloth", "cloth", rng, material=linen, table_m=TABLE_M)
     mug = cup.Look(profile=cup.STRAIGHT, glaze=(0.10, 0.14, 0.15), pattern="dipped")
-    scene.scenery(
-        scene.place(table, TABLE),
-        scene.place(cloth, TABLE),
-        scene.put("cup", "left_mug", (-0.335, 0.085), 60, rng=rng, look=mug),
-        scene.put("cup", "right_mug", (0.520, 0.055), 215, rng=rng, look=mug),
-        scene.put("kitchen_clutter.bottle", "oil", (0.235, 0.375), rng=rng, colour=(0.16, 0.15, 0.03)),
-    )
+    scene.place(table, TABLE)
+    scene.place(cloth, TABLE)
+    scene.put("cup", "left_mug", (-0.335, 0.085), 60, rng=rng, look=mug)
+    scene.put("cup", "right_mug", (0.520, 0.055), 215, rng=rng, look=mug)
+    scene.put("kitchen_clutter.bottle", "oil", (0.235, 0.375), rng=rng, colour=(0.16, 0.15, 0.03))
     for name, colour, x, heading in (
         ("left_diner", LEFT_KNIT, -0.62, 90),
         ("right_diner", RIGHT_KNIT, 0.80, -90),
     ):
         chair = scene.make("wooden_chair", f"{name}_chair", rng)
         body = scene.make("sitter", name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
-        scene.scenery(
-            scene.place(chair, (x, 0.0), heading, on=FLOOR_M), scene.place(body, (x, 0.0), heading, on=SEAT_M)
-        )
+        scene.place(chair, (x, 0.0), heading, on=FLOOR_M)
+        scene.place(body, (x, 0.0), heading, on=SEAT_M)
 
 
 def _light(scene: Scene, choices: Choices) -> None:

@@ -117,42 +117,36 @@ def _kitchen(scene: Scene) -> None:
     units = scene.make("kitchen_units.base_run", "units", rng, width_m=3.4, finish=finish, sink_x=-0.6)
     basin = scene.make("kitchen_units.sink", "basin", rng)
     top = FLOOR_M + kitchen_units.TOP_M
-    scene.scenery(
-        scene.place(room, (0.0, 0.0), on=FLOOR_M),
-        scene.place(units, (0.0, 2.04), on=FLOOR_M),
-        scene.place(basin, (-0.6, 2.04), on=top),
-        scene.put(
-            "kitchen_clutter.kettle", "kettle", (0.75, 1.75), 140, on=top, rng=rng, colour=(0.50, 0.10, 0.06)
-        ),
-        scene.put(
-            "kitchen_clutter.plate_stack", "plates", (0.25, 1.78), on=top, rng=rng, colour=(0.62, 0.60, 0.54)
-        ),
-        scene.put("kitchen_clutter.herb_pot", "basil", (-1.15, 1.80), on=top, rng=rng),
-        *[
-            scene.put(
-                "kitchen_clutter.jar", f"jar{k}", (1.15 + 0.17 * k, 1.84), on=top, rng=rng, content=colour
-            )
-            for k, colour in enumerate(((0.42, 0.23, 0.08), (0.60, 0.52, 0.36), (0.22, 0.09, 0.04)))
-        ],
-        scene.put(
-            "dining_table",
-            "table",
-            TABLE,
-            rng=rng,
-            size_m=TABLE_M,
-            light=(0.56, 0.40, 0.22),
-            dark=(0.36, 0.22, 0.10),
-        ),
-        scene.put("wooden_chair", "chair", (0.0, 0.59), on=FLOOR_M, rng=rng),
-        scene.put("wooden_chair", "other_chair", (-0.95, 0.62), 68, on=FLOOR_M, rng=rng),
-        scene.put(
-            "sitter",
-            "sitter",
-            (0.0, 0.55),
-            on=FLOOR_M + wooden_chair.SEAT_M,
-            rng=rng,
-            pullover=products.knit("pullover", PULLOVER, rng),
-        ),
+    scene.place(room, (0.0, 0.0), on=FLOOR_M)
+    scene.place(units, (0.0, 2.04), on=FLOOR_M)
+    scene.place(basin, (-0.6, 2.04), on=top)
+    scene.put(
+        "kitchen_clutter.kettle", "kettle", (0.75, 1.75), 140, on=top, rng=rng, colour=(0.50, 0.10, 0.06)
+    )
+    scene.put(
+        "kitchen_clutter.plate_stack", "plates", (0.25, 1.78), on=top, rng=rng, colour=(0.62, 0.60, 0.54)
+    )
+    scene.put("kitchen_clutter.herb_pot", "basil", (-1.15, 1.80), on=top, rng=rng)
+    for k, colour in enumerate(((0.42, 0.23, 0.08), (0.60, 0.52, 0.36), (0.22, 0.09, 0.04))):
+        scene.put("kitchen_clutter.jar", f"jar{k}", (1.15 + 0.17 * k, 1.84), on=top, rng=rng, content=colour)
+    scene.put(
+        "dining_table",
+        "table",
+        TABLE,
+        rng=rng,
+        size_m=TABLE_M,
+        light=(0.56, 0.40, 0.22),
+        dark=(0.36, 0.22, 0.10),
+    )
+    scene.put("wooden_chair", "chair", (0.0, 0.59), on=FLOOR_M, rng=rng)
+    scene.put("wooden_chair", "other_chair", (-0.95, 0.62), 68, on=FLOOR_M, rng=rng)
+    scene.put(
+        "sitter",
+        "sitter",
+        (0.0, 0.55),
+        on=FLOOR_M + wooden_chair.SEAT_M,
+        rng=rng,
+        pullover=products.knit("pullover", PULLOVER, rng),
     )
 
 
@@ -210,22 +204,14 @@ def _fruit(scene: Scene) -> None:
     rng = scene.rng("fruit")
     x, y = BOWL
     floor = fruit.BOWL_FLOOR_M
-    scene.scenery(
-        scene.put("fruit.orange", "orange", (x + 0.058, y + 0.040), on=floor, rng=rng),
-        scene.put(
-            "fruit.orange",
-            "second_orange",
-            (x - 0.012, y + 0.086),
-            80,
-            on=floor + 0.006,
-            rng=rng,
-            radius_m=0.034,
-        ),
-        scene.put("fruit.lemon", "lemon", (x - 0.050, y - 0.068), 35, on=floor + 0.004, rng=rng),
-        scene.put("fruit.pear", "pear", (x + 0.102, y - 0.022), 35, on=floor + 0.009, rng=rng),
-        scene.put("fruit.grapes", "grapes", (0.47, 0.245), 25, rng=rng),
-        scene.put("fruit.lemon", "loose_lemon", (-0.385, -0.185), 130, rng=rng),
+    scene.put("fruit.orange", "orange", (x + 0.058, y + 0.040), on=floor, rng=rng)
+    scene.put(
+        "fruit.orange", "second_orange", (x - 0.012, y + 0.086), 80, on=floor + 0.006, rng=rng, radius_m=0.034
     )
+    scene.put("fruit.lemon", "lemon", (x - 0.050, y - 0.068), 35, on=floor + 0.004, rng=rng)
+    scene.put("fruit.pear", "pear", (x + 0.102, y - 0.022), 35, on=floor + 0.009, rng=rng)
+    scene.put("fruit.grapes", "grapes", (0.47, 0.245), 25, rng=rng)
+    scene.put("fruit.lemon", "loose_lemon", (-0.385, -0.185), 130, rng=rng)
 
 
 def _apples(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Round]:

@@ -111,58 +111,54 @@ def build(scene: Scene) -> None:
 def _room(scene: Scene) -> None:
     """Walls, window, shelves, desk, chair, and whoever sits there."""
     rng = scene.rng("room")
-    window = scene.make("study_room", "room", rng, wall_y_m=0.74, window_x_m=(-1.05, 0.32), sill_m=0.86)
-    scene.scenery(
-        scene.place(window, (0.0, 0.0), on=FLOOR_M),
-        scene.put("desk", "desk", (0.02, 0.0), -90, on=FLOOR_M, rng=rng, size_m=(1.36, 0.80)),
-        scene.put(
-            "bookcase",
-            "shelf",
-            (1.15, 0.63),
-            on=0.05,
-            rng=rng,
-            width_m=1.1,
-            depth_m=0.22,
-            height_m=0.38,
-            shelves=1,
-        ),
-        scene.put("bookcase", "bookcase", (-2.42, -0.1), 90, on=FLOOR_M, rng=rng, width_m=1.3),
-        scene.put(
-            "bookcase",
-            "cabinet",
-            (2.42, -0.2),
-            -90,
-            on=FLOOR_M,
-            rng=rng,
-            width_m=1.2,
-            height_m=1.1,
-            shelves=3,
-        ),
-        scene.put("office_chair", "chair", (-0.70, 0.0), 90, on=FLOOR_M, rng=rng),
-        scene.put(
-            "sitter",
-            "sitter",
-            (-0.60, 0.0),
-            90,
-            on=FLOOR_M + office_chair.SEAT_M,
-            rng=rng,
-            pullover=products.knit("pullover", PULLOVER, rng),
-        ),
+    scene.put(
+        "study_room",
+        "room",
+        (0.0, 0.0),
+        on=FLOOR_M,
+        rng=rng,
+        wall_y_m=0.74,
+        window_x_m=(-1.05, 0.32),
+        sill_m=0.86,
+    )
+    scene.put("desk", "desk", (0.02, 0.0), -90, on=FLOOR_M, rng=rng, size_m=(1.36, 0.80))
+    scene.put(
+        "bookcase",
+        "shelf",
+        (1.15, 0.63),
+        on=0.05,
+        rng=rng,
+        width_m=1.1,
+        depth_m=0.22,
+        height_m=0.38,
+        shelves=1,
+    )
+    scene.put("bookcase", "bookcase", (-2.42, -0.1), 90, on=FLOOR_M, rng=rng, width_m=1.3)
+    scene.put(
+        "bookcase", "cabinet", (2.42, -0.2), -90, on=FLOOR_M, rng=rng, width_m=1.2, height_m=1.1, shelves=3
+    )
+    scene.put("office_chair", "chair", (-0.70, 0.0), 90, on=FLOOR_M, rng=rng)
+    scene.put(
+        "sitter",
+        "sitter",
+        (-0.60, 0.0),
+        90,
+        on=FLOOR_M + office_chair.SEAT_M,
+        rng=rng,
+        pullover=products.knit("pullover", PULLOVER, rng),
     )
 
 
 def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
-    scene.scenery(
-        scene.put("monitor", "monitor", (0.30, 0.50), -62, rng=rng),
-        scene.put("headphones", "headphones", (0.275, 0.17), -150, rng=rng),
-        scene.put("paper_sheets", "sheets", (0.0, -0.47), -75, rng=rng),
-        scene.put("paper_sheets.sticky_notes", "sticky_notes", (0.14, -0.46), -60, rng=rng),
-        scene.put("pen_pot", "pen_pot", (-0.02, 0.58), rng=rng),
-        scene.put("plant_pot", "plant", (-0.24, 0.52), rng=rng),
-        scene.put("pen", "pen", (0.16, -0.29), 160, on=notepad.THICKNESS_M, rng=rng),
-    )
+    scene.put("monitor", "monitor", (0.30, 0.50), -62, rng=rng)
+    scene.put("headphones", "headphones", (0.275, 0.17), -150, rng=rng)
+    scene.put("paper_sheets", "sheets", (0.0, -0.47), -75, rng=rng)
+    scene.put("paper_sheets.sticky_notes", "sticky_notes", (0.14, -0.46), -60, rng=rng)
+    scene.put("pen_pot", "pen_pot", (-0.02, 0.58), rng=rng)
+    scene.put("plant_pot", "plant", (-0.24, 0.52), rng=rng)
+    scene.put("pen", "pen", (0.16, -0.29), 160, on=notepad.THICKNESS_M, rng=rng)
 
 
 def _light(scene: Scene) -> None:

@@ -114,17 +114,18 @@ def build(scene: Scene) -> None:
 def _office(scene: Scene) -> None:
     """The room, the desk and whoever sits there."""
     rng = scene.rng("room")
-    shell = scene.make(
+    scene.put(
         "office_room",
         "office",
-        rng,
+        (0.0, 0.0),
+        on=FLOOR_M,
+        rng=rng,
         half_width_m=2.1,
         back_m=1.7,
         front_m=-2.0,
         window_y_m=(-0.9, 0.9),
         accent=(0.12, 0.20, 0.27),
     )
-    scene.place(shell, (0.0, 0.0), on=FLOOR_M)
     table = scene.make(
         "desk",
         "desk",
@@ -137,35 +138,23 @@ def _office(scene: Scene) -> None:
     writer = scene.make(
         "sitter", "writer", rng, pullover=products.knit("jumper", SHIRT, rng), jeans=(0.05, 0.05, 0.06)
     )
-    scene.scenery(
-        *shell,
-        scene.place(table, (0.0, -0.05), 180, on=FLOOR_M),
-        scene.place(writer, (0.0, 0.44), on=FLOOR_M + SEAT_M),
-        scene.put(
-            "bookcase", "shelves", (0.75, 1.5), on=FLOOR_M, rng=rng, width_m=1.5, height_m=1.1, shelves=3
-        ),
-    )
+    scene.place(table, (0.0, -0.05), 180, on=FLOOR_M)
+    scene.place(writer, (0.0, 0.44), on=FLOOR_M + SEAT_M)
+    scene.put("bookcase", "shelves", (0.75, 1.5), on=FLOOR_M, rng=rng, width_m=1.5, height_m=1.1, shelves=3)
 
 
 def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
     scene.add(1005, "laptop", "laptop", *LAPTOP, front=None, rng=rng, model=laptop.COMPACT_SILVER)
-    scene.scenery(
-        scene.put("desk_pad", "pad", (0.0, -0.035), rng=rng),
-        scene.put("glasses", "glasses", *GLASSES, on=PAD_M, rng=rng),
-        scene.put(
-            "cup",
-            "cup",
-            (-0.395, 0.235),
-            40,
-            rng=rng,
-            look=cup.Look(glaze=(0.30, 0.34, 0.33), liquid=cup.COFFEE),
-        ),
-        scene.put("paper_sheets", "sheets", (-0.300, -0.345), 24, rng=rng),
-        scene.put("paper_sheets.sticky_notes", "sticky_notes", (-0.335, -0.185), 14, on=PAD_M, rng=rng),
-        scene.put("plant_pot", "plant", (0.560, 0.285), rng=rng),
+    scene.put("desk_pad", "pad", (0.0, -0.035), rng=rng)
+    scene.put("glasses", "glasses", *GLASSES, on=PAD_M, rng=rng)
+    scene.put(
+        "cup", "cup", (-0.395, 0.235), 40, rng=rng, look=cup.Look(glaze=(0.30, 0.34, 0.33), liquid=cup.COFFEE)
     )
+    scene.put("paper_sheets", "sheets", (-0.300, -0.345), 24, rng=rng)
+    scene.put("paper_sheets.sticky_notes", "sticky_notes", (-0.335, -0.185), 14, on=PAD_M, rng=rng)
+    scene.put("plant_pot", "plant", (0.560, 0.285), rng=rng)
 
 
 def _light(scene: Scene, choices: Choices) -> None:
@@ -205,10 +194,14 @@ def _notebooks(scene: Scene, choices: Choices) -> tuple[dict[str, Instance], lis
     """One open, one shut; and the words that will be written."""
     covers = choices.covers
     rng = scene.rng("notebook_open")
-    opened = scene.make(
-        "notebook.open_notebook", "notebook_open", rng, look=notebook.Look(cover=COVERS[covers[0]])
+    opened = scene.put(
+        "notebook.open_notebook",
+        "notebook_open",
+        *OPEN,
+        on=PAD_M,
+        rng=rng,
+        look=notebook.Look(cover=COVERS[covers[0]]),
     )
-    scene.place(opened, *OPEN, on=PAD_M)
     words, x = [], LINE[0][0]
     for k, length in enumerate(WORDS_M):
         word = scene.make("notebook.word", f"word_{k}", rng, length_m=length)

@@ -112,7 +112,7 @@ def _draw(rng: random.Random) -> Choices:
 def build(scene: Scene) -> None:
     """Lays the table in the garden; the story happens in `_host` and `_guest`."""
     choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-    scene.scenery(*scene.make("garden", "garden", floor_m=FLOOR_M))
+    scene.make("garden", "garden", floor_m=FLOOR_M)
     _seats(scene, choices)
     _light(scene, choices)
 
@@ -139,17 +139,16 @@ def _seats(scene: Scene, choices: Choices) -> None:
         material=tableware.gingham("gingham", choices.cloth, rng, check_m=0.032),
         table_m=TABLE_M,
     )
-    scene.scenery(scene.place(table, TABLE), scene.place(cloth, TABLE))
+    scene.place(table, TABLE)
+    scene.place(cloth, TABLE)
     for name, colour, (x, y), heading in (
         ("host", CARDIGAN, (-0.62, 0.0), 90),
         ("guest", SHIRT, (0.14, 0.76), 0),
     ):
         chair = scene.make("wooden_chair", f"{name}_chair", rng)
         body = scene.make("sitter", name, rng, pullover=products.knit(f"{name}_knit", colour, rng))
-        scene.scenery(
-            scene.place(chair, (x, y), heading, on=FLOOR_M),
-            scene.place(body, (x, y), heading, on=FLOOR_M + wooden_chair.SEAT_M),
-        )
+        scene.place(chair, (x, y), heading, on=FLOOR_M)
+        scene.place(body, (x, y), heading, on=FLOOR_M + wooden_chair.SEAT_M)
     napkin = scene.make(
         "dining_table.runner",
         "napkin",
@@ -158,7 +157,8 @@ def _seats(scene: Scene, choices: Choices) -> None:
         size_m=(0.17, 0.13),
     )
     spare = scene.make("saucer", "spare_saucer", rng, rim=(0.10, 0.20, 0.34))
-    scene.scenery(scene.place(napkin, (0.10, -0.33), 22, on=0.002), scene.place(spare, (0.47, 0.07)))
+    scene.place(napkin, (0.10, -0.33), 22, on=0.002)
+    scene.place(spare, (0.47, 0.07))
 
 
 def _light(scene: Scene, choices: Choices) -> None:
@@ -190,8 +190,7 @@ def _landmarks(scene: Scene, loose: Loose) -> None:
 
 def _cups(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
     """Two twins and another, each with some tea in it."""
-    under = scene.make("saucer", "saucer")
-    scene.scenery(scene.place(under, *loose((CUP_BY_HOST[0], 0.0), 0.0)))
+    scene.put("saucer", "saucer", *loose((CUP_BY_HOST[0], 0.0), 0.0))
     cups = {}
     for id_, name, (look, attributes), spot, height_m in (
         (1, "cup_by_host", choices.twin, CUP_BY_HOST, saucer.SAUCER_WELL_M),
@@ -274,7 +273,6 @@ def _serve(
 ) -> None:
     """Takes a pot by its ear, brings the spout over a cup and pours: `frames` part reach, lift and pour."""
     reach, lift, tip, end = frames
-    scene = hand.scene
     lip = cup_look.profile[-1][1]
     foot = into.matrix(0).translation
     ahead = pot.matrix(0).to_3x3() @ Vector((0.0, -1.0, 0.0))
@@ -287,7 +285,7 @@ def _serve(
     levels = tea.rising(wet[0] + 3, wet[1], CUP_LOW * lip, CUP_HIGH * lip)
     _fill(into.objects[1], into, cup_look, levels)
     spout = pot.matrix(wet[0] + 3) @ look.spout_tip
-    scene.scenery(tea.stream(f"{pot.name}.stream", TEA, spout, flow, [foot.z + z for z in levels], wet))
+    tea.stream(f"{pot.name}.stream", TEA, spout, flow, [foot.z + z for z in levels], wet)
 
 
 def _fill(drink: bpy.types.Object, into: Instance, look: cup.Look, levels: list[float]) -> None:

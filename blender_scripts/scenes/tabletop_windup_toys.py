@@ -102,43 +102,39 @@ def build(scene: Scene) -> None:
 def _attic(scene: Scene) -> None:
     """The room under the roof, the table, the stool and whoever sits there."""
     rng = scene.rng("room")
-    shell = scene.make("attic_room", "attic", rng)
-    scene.place(shell, (-0.25, 0.0), on=FLOOR_M)
-    table = scene.make(
+    scene.put("attic_room", "attic", (-0.25, 0.0), on=FLOOR_M, rng=rng)
+    scene.put(
         "desk",
         "table",
-        rng,
+        (0.06, 0.0),
+        -90,
+        on=FLOOR_M,
+        rng=rng,
         size_m=(1.30, 0.72),
         light=(0.25, 0.135, 0.060),
         dark=(0.12, 0.06, 0.026),
         steel=(0.16, 0.085, 0.04),
     )
-    scene.scenery(
-        *shell,
-        scene.place(table, (0.06, 0.0), -90, on=FLOOR_M),
-        scene.put(
-            "sitter",
-            "tinkerer",
-            (-0.45, 0.0),
-            90,
-            on=FLOOR_M + SEAT_M,
-            rng=rng,
-            pullover=products.knit("pullover", WOOL, rng),
-            jeans=(0.09, 0.075, 0.05),
-        ),
+    scene.put(
+        "sitter",
+        "tinkerer",
+        (-0.45, 0.0),
+        90,
+        on=FLOOR_M + SEAT_M,
+        rng=rng,
+        pullover=products.knit("pullover", WOOL, rng),
+        jeans=(0.09, 0.075, 0.05),
     )
 
 
 def _clutter(scene: Scene) -> None:
     """What lies about and is never asked for."""
     rng = scene.rng("clutter")
-    scene.scenery(
-        scene.put("workshop_clutter.screwdriver", "screwdriver", (0.245, -0.10), 80, on=MAT_M, rng=rng),
-        scene.put("workshop_clutter.loose_parts", "parts", (0.225, 0.065), 20, on=MAT_M, rng=rng),
-        scene.put("workshop_clutter.oil_can", "oil_can", (0.235, 0.345), -30, rng=rng),
-        scene.put("workshop_clutter.spool", "spool", (-0.11, -0.375), rng=rng),
-        scene.put("workshop_clutter.spool", "spool_red", (-0.06, -0.405), rng=rng, thread=(0.34, 0.05, 0.03)),
-    )
+    scene.put("workshop_clutter.screwdriver", "screwdriver", (0.245, -0.10), 80, on=MAT_M, rng=rng)
+    scene.put("workshop_clutter.loose_parts", "parts", (0.225, 0.065), 20, on=MAT_M, rng=rng)
+    scene.put("workshop_clutter.oil_can", "oil_can", (0.235, 0.345), -30, rng=rng)
+    scene.put("workshop_clutter.spool", "spool", (-0.11, -0.375), rng=rng)
+    scene.put("workshop_clutter.spool", "spool_red", (-0.06, -0.405), rng=rng, thread=(0.34, 0.05, 0.03))
 
 
 def _light(scene: Scene, choices: Choices) -> None:

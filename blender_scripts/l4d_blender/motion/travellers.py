@@ -138,7 +138,6 @@ class Traveller(Person):
         if last < LAST_FRAME:
             self._lower(side, (last, last + 16))
         thing = phone.phone(f"{self.instance.name}_phone", self.scene.rng(f"{self.instance.name}/phone"))
-        self.scene.scenery(thing)
         self._phone = Carried(thing, side, first - draw)
         self.scene.event(self.instance, "phone", frames)
 

@@ -21,7 +21,6 @@ SCALE = "tabletop"
 def build(scene: Scene) -> None:
     ground = mesh.grid("ground", 6.0, 6.0, 8, 8)
     mesh.set_material(ground, principled("soil", (0.3, 0.25, 0.2), variation=0.5))
-    scene.scenery(ground)
     rng = scene.rng("layout")
 
     slider = _crate("crate_sliding", (0.8, 0.2, 0.2))
