@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ..assets import cat as anatomy
+from ..assets import cat_anatomy as anatomy
 from .limbs import about, carried, two_bones, untwisted
 from .quadrupeds import PAWS, Pose, mirrored, move_chain, move_head, move_pelvis, zeros
 

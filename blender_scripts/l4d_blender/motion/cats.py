@@ -15,7 +15,8 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from .. import keys
-from ..assets import cat as anatomy
+from ..assets import cat as shape
+from ..assets import cat_anatomy as anatomy
 from ..scene import Scene
 from ..timeline import FPS, LAST_FRAME
 from .ball_games import Ball
@@ -58,7 +59,7 @@ class Cat(Quadruped):
         name: str,
         id: int,
         *,
-        coat: anatomy.Coat,
+        coat: shape.Coat,
         at: Sequence[float],
         heading_deg: float,
         ground: Ground = FLOOR,
@@ -73,8 +74,8 @@ class Cat(Quadruped):
         self._ground, self._tail_side = ground, tail_side
         self._asleep = posture == "sleep"
         start = self._posture(posture, np.array([at[0], at[1], math.radians(heading_deg)]))
-        shape = anatomy.cat(name, scene.rng(f"coat/{coat.name}"), coat=coat)
-        super().__init__(scene, name, id, "cat", shape, attributes, start)
+        made = shape.cat(name, scene.rng(f"coat/{coat.name}"), coat=coat)
+        super().__init__(scene, name, id, "cat", made, attributes, start)
 
     def sleep(self, frames: Frames = (0, LAST_FRAME)) -> None:
         """Stays curled up: slow breathing, an ear that twitches once."""
