@@ -16,13 +16,12 @@ import random
 from dataclasses import dataclass
 from math import cos, degrees, pi, sin
 
-import bpy
 from mathutils import Matrix, Vector
 
 from l4d_blender.assets import desk, high_table, laptop, office_chair, whiteboard
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.deskwork import Computer, OfficeWorker
-from l4d_blender.placing import Loose, Point, Support, pose
+from l4d_blender.placing import Loose, pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -168,40 +167,19 @@ def furnish(stage: Stage) -> None:
 def clutter(stage: Stage, rng: random.Random) -> None:
     """Papers, pens, books, lamps and chairs: none annotated."""
 
-    def put(thing: bpy.types.Object, on: Support, at: Point, heading_deg: float = 0.0) -> None:
-        stage.scene.place(thing, at, heading_deg, on=on)
-
-    low, high = desk.HEIGHT_M, high_table.HEIGHT_M
-    put(stage.scene.make("paper_sheets", "sheets", rng), stage.desk, (-0.42, -0.14, low), degrees(0.3))
-    put(
-        stage.scene.make("paper_sheets", "more_sheets", rng, count=2),
-        stage.high_table,
-        (0.05, -0.12, high),
-        degrees(2.9),
-    )
-    put(
-        stage.scene.make("paper_sheets.sticky_notes", "notes", rng),
-        stage.high_table,
-        (0.10, 0.16, high),
-        degrees(0.4),
-    )
-    put(stage.scene.make("pen_pot", "pens", rng), stage.desk, (-0.30, 0.22, low))
-    put(
-        stage.scene.make("desk_lamp", "lamp", rng, enamel=(0.08, 0.09, 0.10)),
-        stage.desk,
-        (0.52, 0.10, low),
-        degrees(-0.7),
-    )
-    put(
-        stage.scene.make("coffee_table.book_stack", "manuals", rng),
-        stage.desk,
-        (-0.48, 0.16, low),
-        degrees(0.2),
-    )
-    put(stage.scene.make("office_chair", "chair", rng), stage.desk, (DESK_SEAT_X, -0.655), 180.0)
-    spare = stage.scene.make("office_chair", "other_chair", rng, cloth=(0.16, 0.05, 0.04))
-    put(spare, stage.high_table, (1.50, -0.10), degrees(1.9))
-    put(stage.scene.make("floor_lamp", "corner_lamp", rng), 0.0, (-2.45, 1.40))
+    scene, low, high = stage.scene, desk.HEIGHT_M, high_table.HEIGHT_M
+    for kind, name, on, at, turn, looks in (
+        ("paper_sheets", "sheets", stage.desk, (-0.42, -0.14, low), 0.3, {}),
+        ("paper_sheets", "more_sheets", stage.high_table, (0.05, -0.12, high), 2.9, {"count": 2}),
+        ("paper_sheets.sticky_notes", "notes", stage.high_table, (0.10, 0.16, high), 0.4, {}),
+        ("pen_pot", "pens", stage.desk, (-0.30, 0.22, low), 0.0, {}),
+        ("desk_lamp", "lamp", stage.desk, (0.52, 0.10, low), -0.7, {"enamel": (0.08, 0.09, 0.10)}),
+        ("coffee_table.book_stack", "manuals", stage.desk, (-0.48, 0.16, low), 0.2, {}),
+        ("office_chair", "chair", stage.desk, (DESK_SEAT_X, -0.655), pi, {}),
+        ("office_chair", "other_chair", stage.high_table, (1.50, -0.10), 1.9, {"cloth": (0.16, 0.05, 0.04)}),
+        ("floor_lamp", "corner_lamp", 0.0, (-2.45, 1.40), 0.0, {}),
+    ):
+        scene.put(kind, name, at, degrees(turn), on=on, rng=rng, **looks)
 
 
 def put_whiteboard(stage: Stage) -> Instance:
