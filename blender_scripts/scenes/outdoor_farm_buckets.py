@@ -215,9 +215,8 @@ def _surroundings(scene: Scene, terrain: ground.Terrain) -> None:
         )
     for k, (x, y) in enumerate([(-1.75, -2.95), (-2.15, -3.05)]):
         spot = door @ Vector((x, y, 0.0))
-        scene.put(
-            "farm_tools.milk_churn", f"churn_{k}", spot.xy, degrees(rng.uniform(0, 3)), on=terrain, rng=rng
-        )
+        churn = scene.make("farm_tools.milk_churn", f"churn_{k}", rng)
+        scene.place(churn, spot.xy, degrees(rng.uniform(0, 3)), on=terrain)
     fork = scene.make("farm_tools.hay_fork", "fork")
     leaning = HAYSTACK + Vector((0.62, -0.60, 0.0))
     scene.place(fork, leaning, degrees(0.75), tilt_deg=degrees(-0.30))
