@@ -23,6 +23,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
         ],
     ),
     ("l4d-masks", &["l4d-frames", "exr", "image"]),
+    ("l4d-formats", &["l4d-masks", "l4d-frames", "l4d-splat", "l4d-import", "exr", "image"]),
     ("l4d-frames", &["l4d-query", "l4d-score", "l4d-board", "polars", "plotters"]),
     ("l4d-query", &["l4d-frames", "l4d-score", "l4d-board", "exr", "image", "polars", "plotters"]),
     (
@@ -110,6 +111,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
             "l4d-endpoint",
             "l4d-ground",
             "l4d-solve",
+            "l4d-splat",
             "l4d-score",
             "l4d-gpu",
             "l4d-board",

@@ -2,8 +2,8 @@
 //! another method, and scored. Nothing of it is rendered.
 
 use l4d_data::query::text_digest;
+use l4d_formats::npy;
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
-use l4d_import::npy;
 use l4d_masks::{Mask, png};
 use serde_json::{Value, json};
 

@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 use half::f16;
 use l4d_data::query::text_digest;
 use l4d_data::{Camera, Split};
+use l4d_formats::npy;
 use l4d_frames::drawn::{RgbImage, encode_colour};
 use l4d_frames::{Display, Frame};
-use l4d_import::npy;
 use l4d_masks::{Mask, ids, png};
 use serde_json::{Value, json};
 

@@ -4,7 +4,6 @@
 //! recognised; every assumption that was made is written down ([`import`]). What is known of single methods is data
 //! ([`preset`]). Refuses to know how masks are ranked and how anything was trained.
 
-pub mod arrays;
 pub mod claims;
 pub mod codec;
 pub mod codes;

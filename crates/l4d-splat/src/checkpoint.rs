@@ -1,26 +1,23 @@
 //! How a model reaches a disk and comes back.
 //!
 //! Three families of files: our own checkpoint ([`own`]), the model folders of 4DGaussians ([`foreign`]), and the bare
-//! PLY of 3D Gaussians ([`ply`]). All numbers are raw, before any activation. Everything that is read is taken as
-//! hostile: sizes are held against the length of the file before room is made, nothing is ever executed, and what is
-//! wrong is told with its place and a remedy. This module refuses to know what a field computes or how Gaussians are
-//! drawn; `docs/splats.md` is the reference of the formats.
+//! PLY of 3D Gaussians ([`ply`]). All numbers are raw, before any activation; `docs/splats.md` is the reference of the
+//! formats.
 
 pub mod cfg_args;
-pub mod fault;
 pub mod foreign;
 pub mod own;
-pub mod pickle;
 pub mod ply;
-pub mod tensor_file;
 
 use std::collections::BTreeMap;
 
 use crate::deform::{DeformConfig, DeformError, DeformationField};
 use crate::gaussians::Gaussians;
-use crate::tensor::Tensor;
 
-pub use fault::Fault;
+pub use l4d_formats::Fault;
+use l4d_formats::Tensor;
+use l4d_formats::fault::quoted;
+use l4d_formats::tensor::REMEDY_NOT_FINITE;
 
 /// No file of a checkpoint is larger, bytes: a thousand times what a model of this project needs.
 pub const MAX_BYTES: u64 = 8 << 30;
@@ -45,7 +42,7 @@ fn build_field(config: DeformConfig, tensors: &BTreeMap<String, Tensor>) -> Resu
     let unknown = |name: &&String| name.starts_with(foreign::keys::PREFIX) && !shapes.contains_key(*name);
     if let Some(name) = tensors.keys().find(unknown) {
         let message = "is no part of a field with this configuration";
-        return Err(Fault::new(format!("parameter {}", fault::quoted(name)), message, REMEDY_PAIR));
+        return Err(Fault::new(format!("parameter {}", quoted(name)), message, REMEDY_PAIR));
     }
     DeformationField::from_tensors(config, |name| tensors.get(name)).map_err(broken)
 }
@@ -77,5 +74,3 @@ fn check_gaussians(gaussians: &Gaussians) -> Result<(), Fault> {
         None => Ok(()),
     }
 }
-
-const REMEDY_NOT_FINITE: &str = "take an earlier checkpoint: training diverged before this one was written";

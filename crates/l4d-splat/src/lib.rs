@@ -16,11 +16,10 @@ pub mod source;
 pub mod speed;
 pub mod splats;
 pub mod synthetic;
-pub mod tensor;
 pub mod train;
 pub mod training_run;
 pub mod view;
 
 pub use gaussians::{Gaussians, ShDegree};
+pub use l4d_formats::{Tensor, tensor};
 pub use model::Model;
-pub use tensor::Tensor;

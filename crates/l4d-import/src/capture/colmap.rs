@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::{DataError, Name};
+use l4d_formats::colmap::{CameraModel, Model, ModelCamera, ModelPoint};
 
 use super::Order;
 use super::lens::Distortion;
 use super::plan::{Plan, PlanPoint, View, camera, inside, name_of};
-use crate::colmap::{Lens, Model, ModelCamera, ModelPoint};
-use crate::ply::ColouredPoint;
+use crate::points::ColouredPoint;
 use crate::pose;
 
 pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
@@ -77,10 +77,10 @@ fn plan_point(point: &ModelPoint, names: &BTreeMap<u32, Name>) -> PlanPoint {
 
 fn distortion_of(camera: &ModelCamera) -> Distortion {
     let mut distortion = Distortion::default();
-    match (camera.lens, camera.parameters.as_slice()) {
-        (Lens::SimpleRadial, &[_, _, _, k]) => distortion.radial[0] = k,
-        (Lens::Radial, &[_, _, _, k1, k2]) => distortion.radial[..2].copy_from_slice(&[k1, k2]),
-        (Lens::OpenCv, &[_, _, _, _, k1, k2, p1, p2]) => {
+    match (camera.model, camera.parameters.as_slice()) {
+        (CameraModel::SimpleRadial, &[_, _, _, k]) => distortion.radial[0] = k,
+        (CameraModel::Radial, &[_, _, _, k1, k2]) => distortion.radial[..2].copy_from_slice(&[k1, k2]),
+        (CameraModel::OpenCv, &[_, _, _, _, k1, k2, p1, p2]) => {
             distortion.radial[..2].copy_from_slice(&[k1, k2]);
             distortion.tangential = [p1, p2];
         }

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DMat4, DVec3};
 use l4d_data::DataError;
 use l4d_data::store::{list_folder, read_bounded};
+use l4d_formats::npy::Array;
 
 use super::plan::{Plan, View, camera, is_wanted, name_of};
 use super::{Order, video};
-use crate::npy::Array;
 use crate::pose;
 
 /// Held out in the literature: the camera in the middle.

@@ -8,7 +8,7 @@ use l4d_data::{Camera, DataError, Name, Split};
 
 use super::Order;
 use super::lens::Distortion;
-use crate::ply::ColouredPoint;
+use crate::points::ColouredPoint;
 
 /// A capture to be written.
 pub(super) struct Plan {

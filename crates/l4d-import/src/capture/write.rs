@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::Order;
 use super::plan::{Plan, View};
-use crate::colmap::Model;
+use crate::points::{add_point, model_of_pinholes};
 
 /// No picture file is larger, bytes.
 const MAX_BYTES: u64 = 256 << 20;
@@ -124,12 +124,12 @@ fn write_points(
     let cameras: BTreeMap<&str, &Camera> =
         plan.views.iter().map(|view| (view.camera.name.as_str(), &view.camera)).collect();
     let all: Vec<&Camera> = cameras.values().copied().collect();
-    let mut model = Model::of_pinholes(&all, frame, size);
+    let mut model = model_of_pinholes(&all, frame, size);
     for point in &plan.points {
         let seen = point.views.iter().filter_map(|name| cameras.get(name.as_str()).copied());
         let sightings: Vec<(&Camera, DVec2)> =
             seen.map(|camera| (camera, camera.project(frame, point.surface.position).0)).collect();
-        model.add_point(point.surface, point.error_px, &sightings);
+        add_point(&mut model, point.surface, point.error_px, &sightings);
     }
     model.write(&order.out.join(SPARSE))
 }

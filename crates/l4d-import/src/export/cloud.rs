@@ -12,7 +12,7 @@ use l4d_data::Camera;
 use self::depth::Moment;
 pub(super) use self::depth::View;
 pub(super) use self::reconstruction::Reconstruction;
-use crate::ply::ColouredPoint;
+use crate::points::ColouredPoint;
 
 /// The moment whose points a layout of a whole clip starts from.
 pub(super) const FIRST: &str = "the first moment";

@@ -12,7 +12,7 @@ use super::cloud::{self, EACH};
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
 use super::{Format, Job, is_centred, off_centre};
-use crate::colmap::{Model, picture_name};
+use crate::points::{add_point, model_of_pinholes, picture_name};
 
 /// The points of a model, without the suffix of its encoding.
 const POINTS: &str = "sparse/0/points3D";
@@ -41,11 +41,11 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         footage.write_png(&shots, *tick)?;
 
         let cloud = footage.cloud(frame)?;
-        let mut model = Model::of_pinholes(&cameras, frame, footage.size());
+        let mut model = model_of_pinholes(&cameras, frame, footage.size());
         for point in cloud.iter().flat_map(|cloud| cloud.points(order.points)) {
             // Positions are where the point projects, so that there is no error to speak of.
             let sightings = cloud.as_ref().map(|cloud| cloud.sightings(&point)).unwrap_or_default();
-            model.add_point(point.surface, 0.0, &sightings);
+            add_point(&mut model, point.surface, 0.0, &sightings);
         }
         model.write(&folder.join("sparse").join("0"))?;
         statement.get_or_insert_with(|| cloud::statement(POINTS, EACH, cloud.as_ref()));

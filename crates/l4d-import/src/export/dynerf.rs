@@ -7,13 +7,13 @@ use std::path::Path;
 use glam::DMat4;
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError};
+use l4d_formats::npy;
 
 use super::cloud::{self, FIRST};
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
 use super::{Format, Job, is_centred, limit, off_centre};
-use crate::npy;
-use crate::ply::{self, ColouredPoint};
+use crate::points::{self, ColouredPoint};
 
 /// The first points.
 const POINTS: &str = "points3D_downsample2.ply";
@@ -53,7 +53,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let cloud = footage.cloud(frames[0])?;
     let points = cloud.as_ref().map(|cloud| cloud.surfaces(order.points));
     if let Some(points) = &points {
-        write_atomic(&order.out.join(POINTS), &ply::encode(points))?;
+        write_atomic(&order.out.join(POINTS), &points::encode_ply(points))?;
     }
     let points = points.unwrap_or_default();
     let rows: Vec<f64> = cameras.iter().flat_map(|camera| row(job, camera, &points)).collect();

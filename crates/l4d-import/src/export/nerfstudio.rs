@@ -11,7 +11,7 @@ use super::cloud::{self, EACH};
 use super::colmap::moment_folder;
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
-use crate::{ply, pose};
+use crate::{points, pose};
 
 /// The points of a moment.
 const POINTS: &str = "points.ply";
@@ -67,7 +67,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         footage.write_png(&shots, *tick)?;
         let cloud = footage.cloud(frame)?;
         if let Some(cloud) = &cloud {
-            write_atomic(&folder.join(POINTS), &ply::encode(&cloud.surfaces(order.points)))?;
+            write_atomic(&folder.join(POINTS), &points::encode_ply(&cloud.surfaces(order.points)))?;
         }
         let names = |cameras: &[&Camera]| {
             footage.present(cameras, frame).into_iter().map(picture_path).collect::<Vec<String>>()

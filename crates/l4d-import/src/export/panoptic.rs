@@ -7,14 +7,15 @@ use std::path::Path;
 
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, json};
+use l4d_formats::{npy, npz};
 use serde::Serialize;
 
 use super::Job;
 use super::cloud::{self, FIRST};
 use super::footage::Shot;
 use super::manifest::{Called, Manifest};
-use crate::ply::ColouredPoint;
-use crate::{npy, pose};
+use crate::points::ColouredPoint;
+use crate::pose;
 
 /// The first points.
 const POINTS: &str = "init_pt_cld.npz";
@@ -95,5 +96,5 @@ fn write_points(path: &Path, points: &[ColouredPoint]) -> Result<(), DataError> 
         values.extend(point.rgb.map(|value| f64::from(value) / 255.0));
     }
     let array = npy::encode_f64(&[points.len(), 6], &values);
-    write_atomic(path, &npy::encode_archive(path, &[("data", array)])?)
+    write_atomic(path, &npz::encode(path, &[("data", array)])?)
 }

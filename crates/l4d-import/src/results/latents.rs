@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::Report;
 
-use super::arrays::{self, Array};
+use l4d_formats::arrays;
+use l4d_formats::npy::Array;
+
 use super::codes;
 use super::relevancy::Latents;
 
@@ -135,13 +137,12 @@ pub fn check(levels: &[(u64, Level)], channels: usize, report: &mut Report) -> b
 
 #[cfg(test)]
 mod tests {
-    use super::super::arrays::Kind;
     use super::*;
 
     fn level(number: u64, shape: [usize; 3], value: impl Fn(usize) -> f32) -> (u64, Level) {
         let data: Vec<f32> = (0..shape.iter().product()).map(value).collect();
         let path = PathBuf::from(format!("level{number}.npy"));
-        (number, Level { path, array: Array { shape: shape.to_vec(), data, kind: Kind::Float } })
+        (number, Level { path, array: Array { shape: shape.to_vec(), data } })
     }
 
     fn found(levels: &[(u64, Level)], channels: usize) -> Vec<&'static str> {

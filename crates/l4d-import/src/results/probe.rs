@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use l4d_data::{DataError, Report};
+use l4d_formats::arrays;
 use serde::Serialize;
 
-use super::arrays;
 use super::codec::Codec;
 use super::preset::Preset;
 use super::template::{Captures, Hit, Template};

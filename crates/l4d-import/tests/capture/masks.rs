@@ -1,8 +1,8 @@
 //! Object masks on the pictures of a capture.
 
+use l4d_formats::npy;
 use l4d_import::capture::masks::{MaskFormat, MaskSet, mask_at, read};
 use l4d_import::capture::{Capture, Source};
-use l4d_import::npy;
 use l4d_masks::{Mask, ids};
 use serde_json::json;
 

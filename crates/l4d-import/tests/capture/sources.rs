@@ -5,10 +5,10 @@ use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3};
 use l4d_data::layout::CaptureDir;
+use l4d_formats::colmap::{CameraModel, Model};
+use l4d_formats::npy;
 use l4d_import::capture::Source;
-use l4d_import::colmap::{Lens, Model};
 use l4d_import::export::{Format, HeldOut, Order, Origin, export};
-use l4d_import::npy;
 use serde_json::json;
 
 use crate::support::{TEST_VIEW, World};
@@ -302,7 +302,7 @@ fn lenses_are_undone() {
     let sparse = bench.input().join("sparse/0");
     let mut model = Model::read(&sparse).unwrap();
     for camera in &mut model.cameras {
-        camera.lens = Lens::OpenCv;
+        camera.model = CameraModel::OpenCv;
         camera.parameters.extend([0.1, 0.0, 0.0, 0.0]);
     }
     model.write(&sparse).unwrap();

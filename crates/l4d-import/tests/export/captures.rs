@@ -5,9 +5,9 @@ use std::path::Path;
 use glam::DVec3;
 use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::{DataError, Name, Profile, Split, json as files_of_json};
+use l4d_formats::colmap::Model;
 use l4d_import::annotations::Judged;
 use l4d_import::annotations::four_d_langsplat::{self, Counting};
-use l4d_import::colmap::Model;
 use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
 use l4d_masks::{Mask, ids};
 

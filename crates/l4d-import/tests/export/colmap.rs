@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec2, DVec3};
-use l4d_import::colmap::Model;
+use l4d_formats::colmap::Model;
 use l4d_import::export::{Format, HeldOut};
 
 use crate::support::{TEST_VIEW, World};

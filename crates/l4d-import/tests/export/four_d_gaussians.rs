@@ -1,11 +1,10 @@
 //! The readers of 4DGaussians and 4D LangSplat.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+use l4d_formats::npy::Array;
 use l4d_import::export::{Format, HeldOut};
-use l4d_import::npy::Array;
 
 use crate::support::{TEST_VIEW, World};
 use crate::{Kind, RAY_TOLERANCE_PX, exported, exported_as, json, matrix, png, probes, shown, try_export};
@@ -114,30 +113,13 @@ fn the_first_points_lie_on_surfaces() {
     let world = World::new();
     let out = world.out("points");
     exported(&world, Format::FourDGaussians, HeldOut::Pose, &out);
-    let points = archive_array(&out.join("init_pt_cld.npz"), "data.npy");
+    let points = l4d_formats::arrays::read(&out.join("init_pt_cld.npz"), Some("data")).unwrap();
     assert_eq!(points.shape[1], 6);
     assert!((1800..2200).contains(&points.shape[0]), "{} points for 2000", points.shape[0]);
     for row in points.data.chunks(6) {
         assert!(row[2] > -1e-5, "nothing lies below the ground, but {row:?}");
         assert!(row[3..].iter().all(|value| (0.0..=1.0).contains(value)));
     }
-}
-
-/// Reads an entry of an archive as `numpy.load` does.
-fn archive_array(path: &Path, name: &str) -> Array<f64> {
-    let bytes = std::fs::read(path).unwrap();
-    let archive = rawzip::ZipArchive::from_slice(&bytes).unwrap();
-    for entry in archive.entries() {
-        let entry = entry.unwrap();
-        if entry.file_path().as_ref() == name.as_bytes() {
-            let mut array = Vec::new();
-            let inside = archive.get_entry(entry.wayfinder()).unwrap();
-            inside.data().read_to_end(&mut array).unwrap();
-            assert_eq!(rawzip::crc32(&array), entry.crc32());
-            return Array::decode(path, &array).unwrap();
-        }
-    }
-    panic!("{name} is not in {}", path.display());
 }
 
 /// Rotation and translation that the reader of Neu3D hands to the rasterizer, and the focal length that it uses.

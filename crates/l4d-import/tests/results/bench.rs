@@ -165,19 +165,46 @@ pub(crate) fn npy(shape: &[usize], data: &[f32]) -> Vec<u8> {
     file
 }
 
-/// A `.npz` of entries as they are, and of one of texts.
-pub(crate) fn npz(entries: &[(&str, Vec<u8>)]) -> Vec<u8> {
-    let mut archive = Vec::new();
-    let mut writer = rawzip::ZipArchiveWriter::new(&mut archive);
+/// A `.npz` of the bytes of `.npy` files.
+pub(crate) fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    l4d_formats::npz::encode("made up".as_ref(), arrays).unwrap()
+}
+
+/// A state dict as torch saves it.
+pub(crate) fn pth(tensors: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
+    let text = |text: &str| [b"X", &(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
+    let int = |number: usize| [b"J", &(number as u32).to_le_bytes()[..]].concat();
+    let ints = |numbers: &[usize]| {
+        [b"(".to_vec(), numbers.iter().flat_map(|&number| int(number)).collect(), b"t".to_vec()].concat()
+    };
+    let mut pickle = b"\x80\x02}(".to_vec();
+    let mut entries = Vec::new();
+    for (key, (name, shape, data)) in tensors.iter().enumerate() {
+        let strides: Vec<usize> = (1..=shape.len()).map(|axis| shape[axis..].iter().product()).collect();
+        pickle.extend(text(name));
+        pickle.extend(b"ctorch._utils\n_rebuild_tensor_v2\n((");
+        pickle.extend(text("storage"));
+        pickle.extend(b"ctorch\nFloatStorage\n");
+        pickle.extend([text(&key.to_string()), text("cpu"), int(data.len())].concat());
+        pickle.extend(b"tQK\0");
+        pickle.extend([ints(shape), ints(&strides)].concat());
+        pickle.extend(b"\x89ccollections\nOrderedDict\n)RtR");
+        entries.push((
+            format!("x/data/{key}"),
+            data.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>(),
+        ));
+    }
+    pickle.extend(b"u.");
+    entries.push(("x/data.pkl".to_owned(), pickle));
+    let mut writer = rawzip::ZipArchiveWriter::new(Vec::new());
     for (name, bytes) in entries {
-        let (mut entry, config) = writer.new_file(name).start().unwrap();
+        let (mut entry, config) = writer.new_file(&name).start().unwrap();
         let mut data = config.wrap(&mut entry);
-        std::io::Write::write_all(&mut data, bytes).unwrap();
+        std::io::Write::write_all(&mut data, &bytes).unwrap();
         let (_, descriptor) = data.finish().unwrap();
         entry.finish(descriptor).unwrap();
     }
-    writer.finish().unwrap();
-    archive
+    writer.finish().unwrap()
 }
 
 /// A `.npy` of texts.

@@ -17,10 +17,8 @@ use l4d_score::protocols::judge_answers;
 use l4d_score::sweep::sweep_results;
 use l4d_score::truth::SceneTruth;
 use l4d_score::{Exam, Options, Protocol, QuerySet, Summary, score_results};
-use l4d_splat::Tensor;
-use l4d_splat::checkpoint::pickle::encode_state_dict;
 
-use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, referent, request};
+use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, pth, referent, request};
 
 fn id(query: usize) -> QueryId {
     format!("{SCENE}/{:03}", query + 1).parse().unwrap()
@@ -136,13 +134,11 @@ fn axes(position: usize, strength: f32) -> Vec<f32> {
 fn weights(width: usize) -> Vec<u8> {
     let mut identity = vec![0.0; width * width];
     (0..width).for_each(|index| identity[index * width + index] = 1.0);
-    let tensor = |shape: &[usize], data: Vec<f32>| Tensor { shape: shape.to_vec(), data };
-    let tensors = BTreeMap::from([
-        ("decoder.0.bias".to_owned(), tensor(&[width], vec![0.0; width])),
-        ("decoder.0.weight".to_owned(), tensor(&[width, width], identity)),
-        ("encoder.0.weight".to_owned(), tensor(&[1, 1], vec![0.5])),
-    ]);
-    encode_state_dict("archive", &tensors).unwrap()
+    pth(&[
+        ("decoder.0.bias", &[width], vec![0.0; width]),
+        ("decoder.0.weight", &[width, width], identity),
+        ("encoder.0.weight", &[1, 1], vec![0.5]),
+    ])
 }
 
 /// Sentences along the axes, with one phrase along the third.
@@ -150,10 +146,10 @@ fn texts(bench: &Bench) -> (PathBuf, TextsFile) {
     let path = bench.path("texts.npz");
     let positives = npy(&[3, 3], &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
     let bytes = npz(&[
-        ("queries.npy", npy_texts(&TEXTS)),
-        ("positives.npy", positives),
-        ("negatives.npy", npy(&[1, 3], &[0.0, 0.0, 1.0])),
-        ("model.npy", npy_texts(&["made by hand"])),
+        ("queries", npy_texts(&TEXTS)),
+        ("positives", positives),
+        ("negatives", npy(&[1, 3], &[0.0, 0.0, 1.0])),
+        ("model", npy_texts(&["made by hand"])),
     ]);
     std::fs::write(&path, bytes).unwrap();
     let file = TextsFile::read(&path).unwrap();
@@ -353,8 +349,8 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
     bench.write(&format!("{SCENE}/video_best_ckpt.pth"), weights(6));
     let time_texts = bench.path("time.npz");
     let bytes = npz(&[
-        ("queries.npy", npy_texts(&TEXTS[2..])),
-        ("positives.npy", npy(&[1, 6], &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
+        ("queries", npy_texts(&TEXTS[2..])),
+        ("positives", npy(&[1, 6], &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
     ]);
     std::fs::write(&time_texts, bytes).unwrap();
     let dir = with_soft(&bench, "4d-langsplat", |request| {

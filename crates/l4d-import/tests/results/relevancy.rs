@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_import::results::arrays::{self, Array};
+use l4d_formats::arrays;
+use l4d_formats::npy::Array;
 use l4d_import::results::relevancy::decoder::Layer;
 use l4d_import::results::relevancy::{
     Chosen, Decoder, Engine, Folded, Latents, Plain, Rules, Smoothing, Texts, answer, gate,

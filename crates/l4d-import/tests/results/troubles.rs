@@ -5,10 +5,8 @@ use l4d_import::results::import::Imported;
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
 use l4d_masks::{Mask, png};
-use l4d_splat::Tensor;
-use l4d_splat::checkpoint::pickle::encode_state_dict;
 
-use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, referent};
+use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, pth, referent};
 
 fn masks(bench: &Bench, mask: impl Fn(usize, usize) -> Mask) {
     for position in 0..clip().len() {
@@ -33,9 +31,7 @@ fn latents(bench: &Bench, value: impl Fn(u64, usize) -> f32, channels: usize, ou
         }
     }
     let weight: Vec<f32> = (0..3 * out).map(|index| ((index * 7 % 11) as f32 - 5.0) / 5.0).collect();
-    let tensors = [("decoder.0.weight", vec![out, 3], weight), ("decoder.0.bias", vec![out], vec![0.1; out])];
-    let tensors = tensors.map(|(name, shape, data)| (name.to_owned(), Tensor { shape, data }));
-    let bytes = encode_state_dict("archive", &tensors.into_iter().collect()).unwrap();
+    let bytes = pth(&[("decoder.0.weight", &[out, 3], weight), ("decoder.0.bias", &[out], vec![0.1; out])]);
     bench.write(&format!("{SCENE}/ae_ckpt/best_ckpt.pth"), bytes);
 }
 
@@ -48,9 +44,9 @@ fn import_latents(bench: &Bench, width: usize) -> (Imported, Report) {
     let path = bench.path("texts.npz");
     let numbers = |count: usize| -> Vec<f32> { (0..count * width).map(|index| wave(9, index)).collect() };
     let bytes = npz(&[
-        ("queries.npy", npy_texts(&TEXTS)),
-        ("positives.npy", npy(&[3, width], &numbers(3))),
-        ("negatives.npy", npy(&[4, width], &numbers(4))),
+        ("queries", npy_texts(&TEXTS)),
+        ("positives", npy(&[3, width], &numbers(3))),
+        ("negatives", npy(&[4, width], &numbers(4))),
     ]);
     std::fs::write(&path, bytes).unwrap();
     bench.import("langsplat", |request| {

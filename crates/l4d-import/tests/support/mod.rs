@@ -13,12 +13,12 @@ use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Camera, Category, Interval, Name, Profile, Query, Split, Status, Temporal, json};
+use l4d_formats::colmap::Model;
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::exr::write_frame;
 use l4d_frames::truth::truth_of_scene;
 use l4d_frames::{Display, Frame, Surfaces};
-use l4d_import::colmap::Model;
-use l4d_import::ply::ColouredPoint;
+use l4d_import::points::ColouredPoint;
 use l4d_masks::Mask;
 
 pub(crate) const BALL: u32 = 1;

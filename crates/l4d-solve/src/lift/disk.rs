@@ -5,17 +5,15 @@
 //! <folder>/lift-<digest>.safetensors
 //! ```
 //!
-//! How the two stay together is known by `l4d_splat::checkpoint::tensor_file`. Everything that is read is taken as
-//! hostile.
+//! `l4d_formats::tensor_file` keeps the two together.
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use l4d_data::store::read_bounded;
 use l4d_data::{DataError, json};
-use l4d_splat::checkpoint::Fault;
-use l4d_splat::checkpoint::tensor_file::{self, Column, Found, TensorFile};
-use l4d_splat::tensor::Tensor;
+use l4d_formats::tensor_file::{Column, Found, TensorFile, TensorFileKind};
+use l4d_formats::{Fault, Tensor};
 use serde::{Deserialize, Serialize};
 
 use super::digest::ModelDigest;
@@ -35,7 +33,7 @@ const WIDEST: usize = 4096;
 
 const REMEDY: &str = "lift the answer again, or copy its whole folder";
 
-const FILES: tensor_file::Kind = tensor_file::Kind {
+const FILES: TensorFileKind = TensorFileKind {
     card: CARD,
     stem: "lift",
     whole: "an answer",

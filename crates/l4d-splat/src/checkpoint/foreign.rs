@@ -1,29 +1,27 @@
-//! Model folders of 4DGaussians, read and written.
+//! Model folders of 4DGaussians.
 //!
 //! ```text
 //! <model>/cfg_args
 //! <model>/point_cloud/{iteration_<N>,coarse_iteration_<N>}/
-//!     point_cloud.ply  deformation.pth  deformation_table.pth  deformation_accum.pth
+//!     point_cloud.ply  deformation.pth  deformation_table.pth
 //! ```
 
 mod config;
 pub mod keys;
-mod time_axis;
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
 use l4d_data::DataError;
-use l4d_data::store::{list_folder, write_atomic};
+use l4d_data::store::list_folder;
+use l4d_formats::fault::quoted;
+use l4d_formats::{Fault, Tensor, pickle};
 
 use super::cfg_args::{CfgArgs, Literal};
-use super::fault::quoted;
-use super::pickle::{self, Numbers};
-use super::{Fault, build_field, ply};
+use super::{build_field, ply};
 use crate::deform::{DeformConfig, DeformationField};
 use crate::gaussians::Gaussians;
-use crate::tensor::Tensor;
 
 const REMEDY_FOLDER: &str =
     "give the folder that 4DGaussians trained into: it holds cfg_args and point_cloud/iteration_<N>";
@@ -75,13 +73,9 @@ pub struct ForeignModel {
     pub gaussians: Gaussians,
     /// The field.
     pub field: DeformationField,
-    /// What the state dict holds beside the field, which nothing computes with: see [`keys::ballast`].
-    pub beside: BTreeMap<String, Tensor>,
     /// Which Gaussians the original meant to deform. **It draws as if all were true**: its renderer reads the list and
     /// does not use it.
     pub table: Vec<bool>,
-    /// Statistics that the original keeps for densification, a row a Gaussian; nothing draws with them.
-    pub accumulated: Vec<[f32; 3]>,
     /// The options of the run.
     pub args: CfgArgs,
     /// What was ignored or assumed: for people, a sentence each.
@@ -89,20 +83,6 @@ pub struct ForeignModel {
 }
 
 impl ForeignModel {
-    /// A model that another program trained, with the options that the original needs to draw it. `dynamic` names the
-    /// Gaussians that go through the field; numbers beyond the last Gaussian are left out.
-    pub fn new(save: Save, gaussians: Gaussians, field: DeformationField, dynamic: &[u32]) -> Self {
-        let mut table = vec![false; gaussians.len()];
-        for &index in dynamic {
-            if let Some(moves) = table.get_mut(index as usize) {
-                *moves = true;
-            }
-        }
-        let accumulated = vec![[0.0; 3]; gaussians.len()];
-        let args = config::fresh_args(gaussians.sh_degree.get());
-        Self { save, gaussians, field, beside: BTreeMap::new(), table, accumulated, args, notes: Vec::new() }
-    }
-
     /// The field with which the original draws this save: none at the coarse stage.
     pub fn drawn_field(&self) -> Option<&DeformationField> {
         (self.save.stage == Stage::Fine).then_some(&self.field)
@@ -110,6 +90,9 @@ impl ForeignModel {
 }
 
 /// All saves in a model folder, the oldest first.
+///
+/// # Errors
+/// A folder without `point_cloud`.
 pub fn saves(model: &Path) -> Result<Vec<Save>, DataError> {
     let folder = model.join("point_cloud");
     if !folder.is_dir() {
@@ -121,6 +104,9 @@ pub fn saves(model: &Path) -> Result<Vec<Save>, DataError> {
 }
 
 /// Reads a save of a model, or the newest: the last fine one, or the last coarse one where none is fine.
+///
+/// # Errors
+/// Files that are missing, damaged or do not belong together, and options that change what the field computes.
 pub fn read(model: &Path, save: Option<Save>) -> Result<ForeignModel, DataError> {
     let found = saves(model)?;
     let newest = found.last().copied();
@@ -142,66 +128,28 @@ pub fn read(model: &Path, save: Option<Save>) -> Result<ForeignModel, DataError>
     let config = config::derive(&args, &tensors).map_err(|fault| fault.at(model))?;
     check_harmonics(&args, &gaussians, &config).map_err(|fault| fault.at(model))?;
     let field = build_field(config, &tensors).map_err(|fault| fault.at(model))?;
-    tensors.retain(|name, _| !name.starts_with(keys::PREFIX));
-    let beside = tensors;
-    notes.extend(unknown_keys(&args, &beside));
+    tensors.retain(|name, _| !name.starts_with(keys::PREFIX) && !keys::is_unused(name));
+    if !tensors.is_empty() {
+        let names: Vec<String> = tensors.keys().take(8).map(|name| quoted(name)).collect();
+        notes.push(format!("deformation.pth has parameters that 4DGaussians does not: {}", names.join(", ")));
+    }
 
     let count = gaussians.len();
-    let table = match optional(&folder.join("deformation_table.pth"))? {
-        Some((path, tensor)) => table_of(tensor, count).map_err(|fault| fault.at(&path))?,
-        None => vec![true; count],
+    let table = folder.join("deformation_table.pth");
+    let table = match table.exists() {
+        true => table_of(pickle::read_tensor(&table)?, count).map_err(|fault| fault.at(&table))?,
+        // The original can do without.
+        false => vec![true; count],
     };
     if table.contains(&false) {
         notes.push(
             "deformation_table.pth leaves Gaussians out; the original draws as if it did not".to_owned(),
         );
     }
-    let accumulated = match optional(&folder.join("deformation_accum.pth"))? {
-        Some((path, tensor)) => rows_of(tensor, count).map_err(|fault| fault.at(&path))?,
-        None => vec![[0.0; 3]; count],
-    };
-    Ok(ForeignModel { save, gaussians, field, beside, table, accumulated, args, notes })
+    Ok(ForeignModel { save, gaussians, field, table, args, notes })
 }
 
-/// Writes a save into a model folder, beside others that stand there; the options of the folder become this model's.
-///
-/// A field that uses its whole time axis becomes the same field on the half axis that the original reads. Returns what
-/// the format cannot say, a sentence each.
-pub fn write(model: &Path, content: &ForeignModel) -> Result<Vec<String>, DataError> {
-    let folder = model.join("point_cloud").join(content.save.to_string());
-    let count = content.gaussians.len();
-    let in_model = |fault: Fault| fault.at(model);
-    for (field, rows) in [("table", content.table.len()), ("accumulated", content.accumulated.len())] {
-        if rows != count {
-            let message = format!("has {rows} rows for {count} Gaussians");
-            return Err(in_model(Fault::new(format!("field `{field}`"), message, REMEDY_ONE_SAVE)));
-        }
-    }
-    let (config, mut tensors) = time_axis::on_half(content.field.config(), content.field.tensors());
-    let mut args = content.args.clone();
-    args.set("sh_degree", Literal::Int(content.gaussians.sh_degree.get().into()));
-    config::describe(&config, &mut args);
-    check_harmonics(&args, &content.gaussians, &config).map_err(in_model)?;
-    tensors.extend(keys::ballast(&args));
-    tensors.extend(content.beside.iter().map(|(name, tensor)| (name.clone(), tensor.clone())));
-    let pth = |stem: &str, encoded: Result<Vec<u8>, Fault>| {
-        let path = folder.join(format!("{stem}.pth"));
-        write_atomic(&path, &encoded.map_err(|fault| fault.at(&path))?)
-    };
-    pth("deformation", pickle::encode_state_dict("deformation", &tensors))?;
-    let table = Numbers::Bool(&content.table);
-    pth("deformation_table", pickle::encode_tensor("deformation_table", &[count], table))?;
-    let accumulated = Numbers::F32(content.accumulated.as_flattened());
-    pth("deformation_accum", pickle::encode_tensor("deformation_accum", &[count, 3], accumulated))?;
-    ply::write(&folder.join("point_cloud.ply"), &content.gaussians)?;
-    write_atomic(&model.join("cfg_args"), args.to_string().as_bytes())?;
-
-    let frozen = content.table.iter().filter(|&&moves| !moves).count();
-    let note = format!("{frozen} static Gaussians: 4DGaussians will deform them too, it ignores its table");
-    Ok((frozen > 0).then_some(note).into_iter().collect())
-}
-
-/// The degree stands in the options, in the number of `f_rest_*`, and in the head that changes colours.
+/// The degree is in the options, in the number of `f_rest_*`, and in the head that changes colours.
 fn check_harmonics(args: &CfgArgs, gaussians: &Gaussians, config: &DeformConfig) -> Result<(), Fault> {
     let degree = gaussians.sh_degree.get();
     if let Some(said) = args.get("sh_degree")
@@ -219,26 +167,11 @@ fn check_harmonics(args: &CfgArgs, gaussians: &Gaussians, config: &DeformConfig)
     Ok(())
 }
 
-fn unknown_keys(args: &CfgArgs, beside: &BTreeMap<String, Tensor>) -> Option<String> {
-    let ballast = keys::ballast(args);
-    let known = |name: &String| ballast.iter().any(|(known, _)| known == name);
-    let names: Vec<String> =
-        beside.keys().filter(|name| !known(name)).take(8).map(|name| quoted(name)).collect();
-    (!names.is_empty())
-        .then(|| format!("deformation.pth has parameters that 4DGaussians does not: {}", names.join(", ")))
-}
-
-/// A file that the original can do without.
-fn optional(path: &Path) -> Result<Option<(std::path::PathBuf, Tensor)>, DataError> {
-    if !path.exists() {
-        return Ok(None);
-    }
-    Ok(Some((path.to_owned(), pickle::read_tensor(path)?)))
-}
-
 fn table_of(tensor: Tensor, count: usize) -> Result<Vec<bool>, Fault> {
     if tensor.shape != [count] {
-        return Err(wrong_rows(&tensor, format!("[{count}]")));
+        let shape = &tensor.shape;
+        let message = format!("has the shape {shape:?}, but the Gaussians of point_cloud.ply need [{count}]");
+        return Err(Fault::new("tensor", message, REMEDY_ONE_SAVE));
     }
     match tensor.data.iter().find(|&&value| value != 0.0 && value != 1.0) {
         Some(value) => Err(Fault::new(
@@ -248,17 +181,4 @@ fn table_of(tensor: Tensor, count: usize) -> Result<Vec<bool>, Fault> {
         )),
         None => Ok(tensor.data.into_iter().map(|value| value == 1.0).collect()),
     }
-}
-
-fn rows_of(tensor: Tensor, count: usize) -> Result<Vec<[f32; 3]>, Fault> {
-    if tensor.shape != [count, 3] {
-        return Err(wrong_rows(&tensor, format!("[{count}, 3]")));
-    }
-    Ok(tensor.data.as_chunks::<3>().0.to_vec())
-}
-
-fn wrong_rows(tensor: &Tensor, expected: String) -> Fault {
-    let message =
-        format!("has the shape {:?}, but the Gaussians of point_cloud.ply need {expected}", tensor.shape);
-    Fault::new("tensor", message, REMEDY_ONE_SAVE)
 }

@@ -4,8 +4,6 @@
 //! <folder>/checkpoint.json
 //! <folder>/splats-<digest>.safetensors
 //! ```
-//!
-//! How the two stay together is known by [`super::tensor_file`].
 
 mod card;
 mod tensors;
@@ -17,12 +15,14 @@ use l4d_data::store::read_bounded;
 use l4d_data::{DataError, Name, Profile, json};
 use serde::{Deserialize, Serialize};
 
-use super::fault::quoted;
-use super::tensor_file::Kind;
-use super::{Fault, MAX_BYTES, build_field, check_gaussians, pickle};
+use l4d_formats::fault::quoted;
+use l4d_formats::tensor::element_count;
+use l4d_formats::tensor_file::TensorFileKind;
+use l4d_formats::{Fault, Tensor};
+
+use super::{MAX_BYTES, build_field, check_gaussians};
 use crate::deform::DeformationField;
 use crate::gaussians::{Gaussians, ShDegree};
-use crate::tensor::Tensor;
 use card::Card;
 
 pub use card::SCHEMA;
@@ -35,7 +35,7 @@ const MAX_CARD_BYTES: u64 = 4 << 20;
 
 const REMEDY: &str = "copy the whole checkpoint folder again, or train again";
 
-const KIND: Kind = Kind {
+const KIND: TensorFileKind = TensorFileKind {
     card: CARD,
     stem: "splats",
     whole: "a checkpoint",
@@ -60,7 +60,7 @@ pub struct Checkpoint {
     pub scene: Option<Name>,
     /// Profile of the training pictures, where there is one.
     pub profile: Option<Profile>,
-    /// Which pictures were trained on; none for the pictures of a profile, and where nobody knows.
+    /// Which pictures were trained on; none for the pictures of a profile, and where it is not known.
     pub sampling: Option<Sampling>,
     /// Whether rendered depth of the training views was looked at; none where it is not known.
     pub saw_depth: Option<bool>,
@@ -107,7 +107,10 @@ pub struct Training {
     pub values: serde_json::Map<String, serde_json::Value>,
 }
 
-/// Writes a checkpoint into a folder, in place of the one that stands there.
+/// Writes a checkpoint into a folder, in place of the one that is there.
+///
+/// # Errors
+/// Lists of several lengths, numbers that are not finite, and what the disk refuses.
 pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
     check(checkpoint).map_err(|fault| fault.at(&folder.join(CARD)))?;
     let field = checkpoint.field.as_ref().map(DeformationField::tensors).unwrap_or_default();
@@ -131,6 +134,9 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
 }
 
 /// Reads the checkpoint in a folder.
+///
+/// # Errors
+/// Files that are missing, damaged or do not belong together.
 pub fn read(folder: &Path) -> Result<Checkpoint, DataError> {
     let (card, degree) = read_card(folder)?;
     let (path, bytes) = KIND.read(folder, &card.tensors)?;
@@ -138,6 +144,9 @@ pub fn read(folder: &Path) -> Result<Checkpoint, DataError> {
 }
 
 /// [`Checkpoint::saw_depth`] of the checkpoint in a folder, without its numbers.
+///
+/// # Errors
+/// A card that cannot be read.
 pub fn saw_depth(folder: &Path) -> Result<Option<bool>, DataError> {
     Ok(read_card(folder)?.0.saw_depth())
 }
@@ -195,11 +204,11 @@ fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
         return Err(fault("says that Gaussians move, but there is no deformation field".to_owned()));
     }
     for (name, tensor) in &checkpoint.training.tensors {
-        if crate::tensor::element_count(&tensor.shape) != Some(tensor.data.len()) {
+        if element_count(&tensor.shape) != Some(tensor.data.len()) {
             let message = format!("has {} numbers for the shape {:?}", tensor.data.len(), tensor.shape);
             return Err(Fault::new(quoted(name), message, REMEDY));
         }
-        pickle::check_finite(&quoted(name), tensor)?;
+        tensor.check_finite(&quoted(name))?;
     }
     Ok(())
 }

@@ -1,22 +1,19 @@
 //! 3D Gaussians as PLY: the 62 properties of 3DGS, or fewer below degree 3.
 //!
-//! Read by name, so that order, extra properties and number types may differ; written in the one order that every
-//! program reads. The format is so small that parsing it here costs less than steering a general crate: those hand
-//! over rows or maps by name where columns are needed, and make room for as many rows as a header claims.
-
-mod header;
-mod rows;
+//! Written in the one order that every program reads.
 
 use std::path::Path;
 
 use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
 
-use crate::checkpoint::fault::{Fault, quoted};
-use crate::checkpoint::{MAX_BYTES, REMEDY_NOT_FINITE, check_gaussians};
+use l4d_formats::Fault;
+use l4d_formats::fault::quoted;
+use l4d_formats::ply::{self, Element, Ply, Scalar};
+use l4d_formats::tensor::REMEDY_NOT_FINITE;
+
+use crate::checkpoint::{MAX_BYTES, check_gaussians};
 use crate::gaussians::{Gaussians, ShDegree};
-use header::{Element, Header, Scalar};
-use rows::Column;
 
 const REMEDY_FOREIGN: &str =
     "export the model as the PLY of 3DGS (x, y, z, f_dc_*, f_rest_*, opacity, scale_*, rot_*)";
@@ -31,11 +28,17 @@ pub struct Decoded {
 }
 
 /// Reads a PLY file.
+///
+/// # Errors
+/// A file that cannot be read, and what [`decode`] refuses.
 pub fn read(path: &Path) -> Result<Decoded, DataError> {
     decode(&read_bounded(path, MAX_BYTES)?).map_err(|fault| fault.at(path))
 }
 
 /// Writes a PLY file, binary little endian.
+///
+/// # Errors
+/// What [`encode`] and the disk refuse.
 pub fn write(path: &Path, gaussians: &Gaussians) -> Result<(), DataError> {
     let bytes = encode(gaussians).map_err(|fault| fault.at(path))?;
     write_atomic(path, &bytes)
@@ -43,23 +46,20 @@ pub fn write(path: &Path, gaussians: &Gaussians) -> Result<(), DataError> {
 
 /// Gaussians from the bytes of a PLY file: ascii or binary, `float` or `double`.
 ///
-/// Refuses lists, other than 0, 9, 24 or 45 `f_rest_*`, sizes that are not the file's, and values that are not finite.
+/// # Errors
+/// Lists, other than 0, 9, 24 or 45 `f_rest_*`, sizes that are not the file's, and values that are not finite.
 pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
-    let header = Header::parse(bytes)?;
-    let vertex = header.elements.iter().find(|element| element.name == "vertex").ok_or_else(|| {
+    let file = Ply::open(bytes)?;
+    let vertex = file.elements().iter().find(|element| element.name == "vertex").ok_or_else(|| {
         Fault::new("header", "has no element `vertex`, in which Gaussians are stored", REMEDY_FOREIGN)
     })?;
     let degree = degree_of(vertex)?;
-    let columns = columns_of(vertex, degree)?;
-    let notes = notes_of(&header, vertex, &columns);
-
+    let names = parameter_names(degree);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
-    rows::check_size(&header, bytes)?;
-    reserve(&mut gaussians, vertex.count);
-    rows::read(&header, bytes, &columns, |index, row| {
-        if let Some((value, column)) = row.iter().zip(&columns).find(|(value, _)| !value.is_finite()) {
+    file.rows(vertex, &names, REMEDY_FOREIGN, |index, row| {
+        if let Some((value, name)) = row.iter().zip(&names).find(|(value, _)| !value.is_finite()) {
             return Err(Fault::new(
-                format!("Gaussian {index}, property `{}`", column.name),
+                format!("Gaussian {index}, property `{name}`"),
                 format!("is {value}, but parameters are finite"),
                 REMEDY_NOT_FINITE,
             ));
@@ -67,26 +67,18 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
         push(&mut gaussians, row);
         Ok(())
     })?;
-    Ok(Decoded { gaussians, notes })
+    Ok(Decoded { gaussians, notes: notes_of(&file, vertex, &names) })
 }
 
 /// Gaussians as the bytes of a PLY file: binary little endian, normals zero, the properties in the order of 3DGS.
 ///
-/// Refuses lists of different lengths and values that are not finite.
+/// # Errors
+/// Lists of different lengths and values that are not finite.
 pub fn encode(gaussians: &Gaussians) -> Result<Vec<u8>, Fault> {
     check_gaussians(gaussians)?;
     let names = written_names(gaussians.sh_degree);
-    let mut file = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", gaussians.len());
-    for name in &names {
-        file.push_str("property float ");
-        file.push_str(name);
-        file.push('\n');
-    }
-    file.push_str("end_header\n");
-
-    let mut bytes = file.into_bytes();
-    bytes.reserve_exact(gaussians.len() * names.len() * size_of::<f32>());
-    let mut put = |value: f32| bytes.extend_from_slice(&value.to_le_bytes());
+    let mut body = Vec::with_capacity(gaussians.len() * names.len() * size_of::<f32>());
+    let mut put = |value: f32| body.extend_from_slice(&value.to_le_bytes());
     for index in 0..gaussians.len() {
         let sh = gaussians.sh_of(index);
         gaussians.means[index].into_iter().for_each(&mut put);
@@ -99,7 +91,8 @@ pub fn encode(gaussians: &Gaussians) -> Result<Vec<u8>, Fault> {
         gaussians.log_scales[index].into_iter().for_each(&mut put);
         gaussians.rotations[index].into_iter().for_each(&mut put);
     }
-    Ok(bytes)
+    let properties = names.iter().map(|name| (name.as_str(), Scalar::F32));
+    Ok(ply::encode(gaussians.len(), properties, &body))
 }
 
 /// Properties that carry parameters, in the order of 3DGS, normals left out.
@@ -138,56 +131,29 @@ fn degree_of(vertex: &Element) -> Result<ShDegree, Fault> {
         })
 }
 
-fn columns_of(vertex: &Element, degree: ShDegree) -> Result<Vec<Column>, Fault> {
-    let find = |name: String| {
-        let mut offset = 0;
-        for (word, property) in vertex.properties.iter().enumerate() {
-            let scalar = property.scalar;
-            if property.name != name {
-                offset += scalar.size();
-                continue;
-            }
-            if matches!(scalar, Scalar::F32 | Scalar::F64) {
-                return Ok(Column { name, offset, word, scalar });
-            }
-            return Err(Fault::new(
-                format!("header, property `{name}`"),
-                format!("is of type `{}`, but parameters are `float` or `double`", scalar.name()),
-                REMEDY_FOREIGN,
-            ));
-        }
-        Err(Fault::new(format!("header, property `{name}`"), "is missing", REMEDY_FOREIGN))
-    };
-    parameter_names(degree).into_iter().map(find).collect()
-}
-
-fn notes_of(header: &Header, vertex: &Element, columns: &[Column]) -> Vec<String> {
+fn notes_of(file: &Ply<'_>, vertex: &Element, names: &[String]) -> Vec<String> {
     let listed = |what: &str, names: Vec<&str>| {
         let shown: Vec<String> = names.iter().take(8).map(|name| quoted(name)).collect();
         let more = if names.len() > shown.len() { " and more" } else { "" };
         (!names.is_empty()).then(|| format!("{what}: {}{more}", shown.join(", ")))
     };
-    let known = |name: &str| NORMALS.contains(&name) || columns.iter().any(|column| column.name == name);
-    let extra = vertex.properties.iter().map(|property| property.name.as_str()).filter(|name| !known(name));
-    let others = header.elements.iter().map(|element| element.name.as_str()).filter(|name| *name != "vertex");
-    let narrowed =
-        columns.iter().filter(|column| column.scalar == Scalar::F64).map(|column| column.name.as_str());
+    let is_parameter = |name: &str| names.iter().any(|known| known == name);
+    let is_double = |name: &&str| {
+        vertex.properties.iter().any(|property| property.name == *name && property.scalar == Scalar::F64)
+    };
+    let properties = vertex.properties.iter().map(|property| property.name.as_str());
+    let extra = properties.filter(|name| !NORMALS.contains(name) && !is_parameter(name)).collect();
+    let elements = file.elements().iter().map(|element| element.name.as_str());
+    let others = elements.filter(|name| *name != "vertex").collect();
+    let narrowed = names.iter().map(String::as_str).filter(is_double).collect();
     [
-        listed("ignored properties", extra.collect()),
-        listed("ignored elements", others.collect()),
-        listed("rounded from double to float", narrowed.collect()),
+        listed("ignored properties", extra),
+        listed("ignored elements", others),
+        listed("rounded from double to float", narrowed),
     ]
     .into_iter()
     .flatten()
     .collect()
-}
-
-fn reserve(gaussians: &mut Gaussians, count: usize) {
-    gaussians.means.reserve_exact(count);
-    gaussians.log_scales.reserve_exact(count);
-    gaussians.rotations.reserve_exact(count);
-    gaussians.opacity_logits.reserve_exact(count);
-    gaussians.sh.reserve_exact(count * gaussians.sh_degree.coefficients());
 }
 
 /// Takes one row in the order of [`parameter_names`].

@@ -8,7 +8,7 @@ use l4d_frames::Surfaces;
 use l4d_frames::drawn::RgbImage;
 
 use super::{CloudPoint, is_kept, share};
-use crate::ply::ColouredPoint;
+use crate::points::ColouredPoint;
 
 /// A surface seen by another camera lies so near to its depth, relative.
 const DEPTH_TOLERANCE: f64 = 0.01;

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use glam::{DMat3, DVec2};
 use l4d_data::{Camera, DataError, Name, Split};
+use l4d_formats::colmap::{Model, ModelImage};
 
 use super::{CloudPoint, is_kept, share};
 use crate::capture::name_of;
-use crate::colmap::{Model, ModelImage};
-use crate::ply::ColouredPoint;
+use crate::points::ColouredPoint;
 
 /// Poses of one view agree to this: radians, and the distance between its centres over that of all cameras.
 const SAME_POSE: f64 = 1e-3;

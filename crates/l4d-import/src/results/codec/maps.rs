@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use l4d_data::store::read_bounded;
+use l4d_formats::arrays;
+use l4d_formats::npy::Array;
 use serde::{Deserialize, Serialize};
 
-use super::super::arrays::{self, Array};
 use super::super::codes;
 use super::super::inside::{Cut, CutError, Inside};
 use super::super::picture::{self, PictureError};
@@ -255,7 +256,6 @@ impl Layout {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::arrays::Kind;
     use super::*;
 
     #[test]
@@ -272,8 +272,7 @@ mod tests {
     #[test]
     fn pictures_are_gathered_from_any_order_of_axes() {
         // Columns first, then levels, then rows: 2 columns, 2 levels, 3 rows.
-        let array =
-            Array { shape: vec![2, 2, 3], data: (0..12).map(|n| n as f32).collect(), kind: Kind::Float };
+        let array = Array { shape: vec![2, 2, 3], data: (0..12).map(|n| n as f32).collect() };
         let layout = Layout::new(&array, &[Axis::Col, Axis::Level, Axis::Row]).unwrap();
         assert_eq!(layout.size, (2, 3));
         assert_eq!(layout.picture(&array, [0, 0, 1]), [3.0, 9.0, 4.0, 10.0, 5.0, 11.0]);

@@ -7,10 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::DataError;
-use l4d_splat::Tensor;
-use l4d_splat::checkpoint::pickle;
-
-use super::super::arrays;
+use l4d_formats::{Tensor, arrays, pickle};
 
 /// Numbers of a layer's output: E5 has 4096.
 const WIDEST: usize = 1 << 14;

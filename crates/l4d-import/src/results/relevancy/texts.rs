@@ -4,7 +4,8 @@ use std::path::Path;
 
 use l4d_data::DataError;
 
-use super::super::arrays::{self, Contents};
+use l4d_formats::arrays;
+use l4d_formats::npy::Contents;
 
 /// Sentences of one file.
 const MOST: usize = 10_000;

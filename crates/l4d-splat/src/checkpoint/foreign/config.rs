@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use l4d_formats::fault::quoted;
+use l4d_formats::{Fault, Tensor};
+
 use super::keys;
 use crate::checkpoint::REMEDY_PAIR;
 use crate::checkpoint::cfg_args::{CfgArgs, Literal};
-use crate::checkpoint::fault::{Fault, quoted};
 use crate::deform::{DeformConfig, TimeAxis};
-use crate::tensor::Tensor;
 
 /// Levels of planes, and how much finer one may be than the first: four and 8 in the original.
 const MOST_LEVELS: usize = 16;
@@ -69,64 +70,6 @@ pub(super) fn derive(args: &CfgArgs, tensors: &BTreeMap<String, Tensor>) -> Resu
     Ok(config)
 }
 
-/// Writes a configuration into the options, next to what stands there.
-pub(super) fn describe(config: &DeformConfig, args: &mut CfgArgs) {
-    let mut planes = match args.get("kplanes_config") {
-        Some(Literal::Dict(known)) => known.clone(),
-        _ => {
-            vec![(text("grid_dimensions"), Literal::Int(2)), (text("input_coordinate_dim"), Literal::Int(4))]
-        }
-    };
-    for (name, value) in [("output_coordinate_dim", int(config.channels)), ("resolution", resolution(config))]
-    {
-        match planes.iter_mut().find(|(key, _)| *key == text(name)) {
-            Some((_, old)) => *old = value,
-            None => planes.push((text(name), value)),
-        }
-    }
-    args.set("net_width", int(config.width));
-    args.set("kplanes_config", Literal::Dict(planes));
-    args.set(
-        "multires",
-        Literal::List(config.multires.iter().map(|&factor| Literal::Int(factor.into())).collect()),
-    );
-    for (name, value) in [
-        ("no_dx", config.no_dx),
-        ("no_ds", config.no_ds),
-        ("no_dr", config.no_dr),
-        ("no_do", config.no_do),
-        ("no_dshs", config.no_dshs),
-    ] {
-        args.set(name, Literal::Bool(value));
-    }
-}
-
-/// The options that the original's renderer looks up, for a model that it did not train.
-pub(super) fn fresh_args(sh_degree: u8) -> CfgArgs {
-    let mut args = CfgArgs::default();
-    args.set("sh_degree", Literal::Int(sh_degree.into()));
-    for (name, value) in
-        [("source_path", ""), ("model_path", ""), ("images", "images"), ("data_device", "cuda")]
-    {
-        args.set(name, text(value));
-    }
-    args.set("resolution", Literal::Int(-1));
-    args.set("white_background", Literal::Bool(false));
-    args.set("eval", Literal::Bool(true));
-    for (name, value) in
-        [("timebase_pe", 4), ("defor_depth", 0), ("posebase_pe", 10), ("scale_rotation_pe", 2)]
-    {
-        args.set(name, Literal::Int(value));
-    }
-    for (name, value) in [("opacity_pe", 2), ("timenet_width", 64), ("timenet_output", 32), ("grid_pe", 0)] {
-        args.set(name, Literal::Int(value));
-    }
-    for name in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation"] {
-        args.set(name, Literal::Bool(false));
-    }
-    args
-}
-
 fn int(value: usize) -> Literal {
     Literal::Int(i64::try_from(value).unwrap_or(i64::MAX))
 }
@@ -134,10 +77,6 @@ fn int(value: usize) -> Literal {
 /// Samples along x, y, z and t.
 fn resolution(config: &DeformConfig) -> Literal {
     Literal::List(config.spatial_resolution.into_iter().chain([config.time_resolution]).map(int).collect())
-}
-
-fn text(value: &str) -> Literal {
-    Literal::Text(value.to_owned())
 }
 
 fn find<'a>(tensors: &'a BTreeMap<String, Tensor>, name: &str) -> Result<&'a Tensor, Fault> {
@@ -210,16 +149,12 @@ impl Options<'_> {
     fn compare(&self, config: &DeformConfig) -> Result<(), Fault> {
         self.agree("net_width", self.0.get("net_width"), &int(config.width))?;
         let Some(planes) = self.0.get("kplanes_config") else { return Ok(()) };
-        let Literal::Dict(entries) = planes else {
+        if !matches!(planes, Literal::Dict(_)) {
             return Err(self.kind("kplanes_config", planes, "a dict"));
-        };
-        let entry = |name: &str| entries.iter().find(|(key, _)| *key == text(name)).map(|(_, value)| value);
-        self.agree(
-            "kplanes_config.output_coordinate_dim",
-            entry("output_coordinate_dim"),
-            &int(config.channels),
-        )?;
-        self.agree("kplanes_config.resolution", entry("resolution"), &resolution(config))
+        }
+        let channels = planes.get("output_coordinate_dim");
+        self.agree("kplanes_config.output_coordinate_dim", channels, &int(config.channels))?;
+        self.agree("kplanes_config.resolution", planes.get("resolution"), &resolution(config))
     }
 
     fn agree(&self, option: &str, said: Option<&Literal>, seen: &Literal) -> Result<(), Fault> {

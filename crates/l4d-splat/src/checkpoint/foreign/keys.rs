@@ -1,10 +1,8 @@
 //! Names and shapes in the state dict of a 4DGaussians deformation.
 
-use crate::checkpoint::cfg_args::{CfgArgs, Literal};
 use crate::deform::DeformConfig;
-use crate::tensor::Tensor;
 
-/// Everything that a field computes with stands below it.
+/// What everything that a field computes with begins with.
 pub const PREFIX: &str = "deformation_net.";
 
 /// Corners of the box in which planes are sampled, `[2][3]`: row 0 is the maximum, row 1 the minimum.
@@ -54,31 +52,8 @@ pub fn field_shapes(config: &DeformConfig) -> Vec<(String, Vec<usize>)> {
     shapes
 }
 
-/// What the original's loader asks for and nothing computes with: four tables of powers of two, and a network for time.
-pub fn ballast(args: &CfgArgs) -> Vec<(String, Tensor)> {
-    let size = |option: &str, default: usize| match args.get(option) {
-        Some(Literal::Int(value)) => {
-            usize::try_from(*value).ok().filter(|size| *size <= 1024).unwrap_or(default)
-        }
-        _ => default,
-    };
-    let powers = |name: &str, count: usize| {
-        let data: Vec<f32> = (0..count as i32).map(|power| 2_f32.powi(power)).collect();
-        (name.to_owned(), Tensor { shape: vec![count], data })
-    };
-    let zeros = |name: &str, shape: &[usize]| {
-        (format!("timenet.{name}"), Tensor { shape: shape.to_vec(), data: vec![0.0; shape.iter().product()] })
-    };
-    let frequencies = size("timebase_pe", 4);
-    let (width, output) = (size("timenet_width", 64), size("timenet_output", 32));
-    vec![
-        powers("time_poc", frequencies),
-        powers("pos_poc", size("posebase_pe", 10)),
-        powers("rotation_scaling_poc", size("scale_rotation_pe", 2)),
-        powers("opacity_poc", size("opacity_pe", 2)),
-        zeros("0.weight", &[width, 2 * frequencies + 1]),
-        zeros("0.bias", &[width]),
-        zeros("2.weight", &[output, width]),
-        zeros("2.bias", &[output]),
-    ]
+/// Parameters that the original saves and nothing computes with: tables of powers of two, and a network for time.
+pub(super) fn is_unused(name: &str) -> bool {
+    let tables = ["time_poc", "pos_poc", "rotation_scaling_poc", "opacity_poc"];
+    name.starts_with("timenet.") || tables.contains(&name)
 }

@@ -6,8 +6,10 @@ use l4d_data::{Name, Profile};
 use serde::{Deserialize, Serialize};
 
 use super::{KIND, REMEDY, Sampling};
-use crate::checkpoint::fault::{Fault, quoted};
-use crate::checkpoint::tensor_file::TensorFile;
+use l4d_formats::Fault;
+use l4d_formats::fault::quoted;
+use l4d_formats::tensor_file::TensorFile;
+
 use crate::deform::DeformConfig;
 use crate::gaussians::ShDegree;
 

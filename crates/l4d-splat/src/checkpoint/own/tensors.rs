@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::checkpoint::fault::Fault;
-use crate::checkpoint::tensor_file::{Column, Found};
+use l4d_formats::tensor_file::{Column, Found};
+use l4d_formats::{Fault, Tensor};
+
 use crate::gaussians::{Gaussians, ShDegree};
-use crate::tensor::Tensor;
 
 use super::Checkpoint;
 
