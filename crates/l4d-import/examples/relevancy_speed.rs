@@ -11,8 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use l4d_data::DataError;
-
-use l4d_import::results::arrays;
+use l4d_formats::arrays;
 use l4d_import::results::relevancy::{Decoder, Folded, Latents, Rules, Smoothing, TextsFile, answer};
 use std::io::Write as _;
 

@@ -12,7 +12,6 @@ pub mod inside;
 pub mod latents;
 pub mod picture;
 pub mod preset;
-pub mod probe;
 pub mod prompts;
 pub mod relevancy;
 pub mod shift;

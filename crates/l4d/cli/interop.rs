@@ -12,8 +12,7 @@ use super::BenchArgs;
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
     /// What the files are: a preset (langsplat, langsplat-per-frame, langsplat-masks, 4d-langsplat, 4d-langsplat-masks,
-    /// gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, generic), a preset of your own (.toml), or
-    /// `probe`: say what the folder looks like and import nothing
+    /// gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, generic), or a preset of your own (.toml)
     pub(crate) format: String,
     /// Folder that the preset's template starts from
     pub(crate) source: PathBuf,
@@ -38,7 +37,7 @@ pub(crate) struct ImportArgs {
     pub(crate) files: ImportFilesArgs,
     #[command(flatten)]
     pub(crate) encoders: ImportEncodersArgs,
-    /// Logs and tables with numbers that the method claims; those at their usual place are found
+    /// Logs with numbers that the method claims; those at their usual place are found
     #[arg(long, value_name = "FILE")]
     pub(crate) claims: Vec<PathBuf>,
     /// Keep the relevancy that masks are cut from (soft/), for `score --sweep`
@@ -77,12 +76,6 @@ pub(crate) struct ImportFilesArgs {
     /// Which array of a file with several
     #[arg(long, value_name = "NAME")]
     pub(crate) key: Option<String>,
-    /// What the axes of arrays are, e.g. level,row,col
-    #[arg(long, value_enum, value_delimiter = ',')]
-    pub(crate) axes: Vec<AxisArg>,
-    /// Sentences in the order of a prompt axis, one a line
-    #[arg(long, value_name = "FILE")]
-    pub(crate) prompts: Option<PathBuf>,
     /// Which ids mean which sentence: {"<number or sentence>": [ids]}
     #[arg(long, value_name = "JSON")]
     pub(crate) selections: Option<PathBuf>,
@@ -123,16 +116,6 @@ pub(crate) enum CodecArg {
     Array,
     Latents,
     CocoRle,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AxisArg {
-    Frame,
-    Prompt,
-    Level,
-    Row,
-    Col,
-    One,
 }
 
 fn choice(text: &str) -> Result<(String, String), String> {

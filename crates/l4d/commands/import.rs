@@ -6,28 +6,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use l4d_data::store::read_bounded;
 use l4d_data::{Benchmark, DataError, Name, Report, json};
-use l4d_import::results::codec::{Axis, Codec, Reading};
+use l4d_import::results::codec::{Codec, Reading};
 use l4d_import::results::import::{
     Encoders, Identity, Images, Imported, Order, Request, SoftStage, import, write,
 };
 use l4d_import::results::preset::Preset;
-use l4d_import::results::probe::probe;
 use l4d_import::results::relevancy::TextsFile;
 use serde_json::{Value, json};
 
 use self::recount::{Recounted, recount};
-use crate::cli::interop::{AxisArg, CodecArg, ImportArgs, ImportEncodersArgs};
+use crate::cli::interop::{CodecArg, ImportArgs, ImportEncodersArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
-/// No list of sentences or ids is larger.
-const MAX_BYTES: u64 = 16 << 20;
-
 pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
-    if args.format == "probe" {
-        return look(&args.source, args.json, out);
-    }
     let bench = Benchmark::open(&args.bench.bench)?;
     let mut request = request(args, &bench)?;
     let name = args.name.clone().map_or_else(|| Name::new(&request.preset.name), Ok)?;
@@ -66,25 +58,6 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
     Ok(status)
 }
 
-fn look(source: &Path, as_json: bool, out: &Printer) -> Result<ExitStatus> {
-    let found = probe(source)?;
-    if as_json {
-        out.json(&json!({ "recognised": found }))?;
-    } else {
-        for recognised in &found {
-            out.data(format!("{}: {}", recognised.preset, recognised.title))?;
-            recognised.why.iter().try_for_each(|why| out.data(format!("    {why}")))?;
-        }
-    }
-    if found.is_empty() {
-        return Err(refusal(
-            format!("{}: no preset finds a file here", source.display()),
-            "give the folder that holds one folder a scene, or write a template: l4d import generic --template ...",
-        ));
-    }
-    Ok(ExitStatus::Success)
-}
-
 fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
     let files = &args.files;
     let mut preset = Preset::find(&args.format)?;
@@ -101,13 +74,10 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
         Some(path) => json::read::<BTreeMap<String, BTreeSet<u32>>>(path)?,
         None => BTreeMap::new(),
     };
-    let axes: Vec<Axis> = files.axes.iter().map(|&axis| axis.into()).collect();
     let reading = Reading {
         codec: preset.codec,
         inside: files.inside.unwrap_or(preset.inside),
         key: files.key.clone().or_else(|| preset.key.clone()),
-        axes: if axes.is_empty() { preset.axes.clone() } else { Some(axes) },
-        prompts: files.prompts.as_deref().map(lines).transpose()?.unwrap_or_default(),
         selections,
     };
     Ok(Request {
@@ -137,11 +107,6 @@ fn encoders(args: &ImportEncodersArgs) -> Result<Encoders, DataError> {
         time_decoder: args.time_decoder.clone(),
         time_texts: args.time_texts.as_ref().map(read).transpose()?,
     })
-}
-
-fn lines(path: &Path) -> Result<Vec<String>, DataError> {
-    let bytes = read_bounded(path, MAX_BYTES)?;
-    Ok(String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect())
 }
 
 /// Claimed numbers, and what the evaluations of others would say of the masks that came in.
@@ -177,19 +142,6 @@ impl From<CodecArg> for Codec {
             CodecArg::Array => Self::Array,
             CodecArg::Latents => Self::Latents,
             CodecArg::CocoRle => Self::CocoRle,
-        }
-    }
-}
-
-impl From<AxisArg> for Axis {
-    fn from(axis: AxisArg) -> Self {
-        match axis {
-            AxisArg::Frame => Self::Frame,
-            AxisArg::Prompt => Self::Prompt,
-            AxisArg::Level => Self::Level,
-            AxisArg::Row => Self::Row,
-            AxisArg::Col => Self::Col,
-            AxisArg::One => Self::One,
         }
     }
 }

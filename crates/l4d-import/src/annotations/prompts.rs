@@ -30,7 +30,7 @@ impl<'a> Judged<'a> {
     /// # Errors
     /// Referents that the truth does not have, and damaged masks.
     pub fn new(path: &Path, truth: &'a Truth, queries: &'a [Query]) -> Result<Self, DataError> {
-        let prompts = queries.iter().map(|query| Ok(Prompt { query, masks: masks_of(path, truth, query)? }));
+        let prompts = queries.iter().map(|query| Prompt::new(path, truth, query));
         Ok(Self { truth, prompts: prompts.collect::<Result<_, DataError>>()? })
     }
 
@@ -45,7 +45,15 @@ impl<'a> Judged<'a> {
     }
 }
 
-impl Prompt<'_> {
+impl<'a> Prompt<'a> {
+    /// Decodes what a query means; `path` is that of the truth, for errors.
+    ///
+    /// # Errors
+    /// Referents that the truth does not have, and damaged masks.
+    pub fn new(path: &Path, truth: &Truth, query: &'a Query) -> Result<Self, DataError> {
+        Ok(Self { query, masks: masks_of(path, truth, query)? })
+    }
+
     /// Whether the sentence counts at some times only.
     pub fn is_gated(&self) -> bool {
         self.query.temporal == Temporal::While

@@ -16,8 +16,6 @@ use serde::{Deserialize, Serialize};
 use super::codes;
 use super::inside::Inside;
 
-pub use maps::Axis;
-
 /// Kinds of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -56,10 +54,6 @@ pub struct Reading {
     pub inside: Inside,
     /// Which array of a file with several.
     pub key: Option<String>,
-    /// What the axes of arrays are; none: as many as a picture has, and any of length 1.
-    pub axes: Option<Vec<Axis>>,
-    /// Sentences in the order of a prompt axis.
-    pub prompts: Vec<String>,
     /// Which ids mean which sentence, for [`Inside::Selected`].
     pub selections: Selections,
 }

@@ -24,7 +24,7 @@ use super::codes;
 use super::preset::Preset;
 use super::prompts::Prompts;
 use super::relevancy::TextsFile;
-use super::shift::{Answers, Judged, Summits, check_cover};
+use super::shift::{Answers, Summits, check_cover, check_frames};
 use super::template::{Captures, Hit, Template};
 
 pub use card::{Identity, write};
@@ -331,7 +331,7 @@ fn check_fit(
     let truth = request.bench.truth(request.profile, &queries.name)?;
     let asked: Vec<(&Query, &Answers)> =
         queries.asked().iter().filter_map(|query| Some((query, found.get(&query.id)?))).collect();
-    Judged::new(&truth).check(&request.root.join(queries.name.as_str()), &asked, report);
+    check_frames(&truth, &request.root.join(queries.name.as_str()), &asked, report);
     Ok(())
 }
 

@@ -9,7 +9,7 @@ use l4d_data::DataError;
 use l4d_data::store::read_bounded;
 use serde::{Deserialize, Serialize};
 
-use super::codec::{Axis, Codec};
+use super::codec::Codec;
 use super::inside::Inside;
 use super::relevancy::Rules;
 use super::template::Template;
@@ -41,9 +41,6 @@ pub struct Preset {
     /// Which array of a file with several.
     #[serde(default)]
     pub key: Option<String>,
-    /// What the axes of arrays are.
-    #[serde(default)]
-    pub axes: Option<Vec<Axis>>,
     /// Whether masks of another size are brought to ours, as the method's own evaluation does.
     #[serde(default)]
     pub resize: bool,

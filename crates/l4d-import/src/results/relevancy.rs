@@ -2,15 +2,12 @@
 //!
 //! A latent is decoded to the width of CLIP, compared with a sentence and with four phrases that mean anything, and
 //! the map of that comparison is smoothed, stretched over its own range and cut ([`Rules`]). Of several levels the
-//! one with the highest peak answers. This module owns the arithmetic twice: [`plain`] reads like the definition and
-//! is the reference, [`folded`] is the fast path, and one suite of tests holds them together. It refuses to know where
-//! latents come from, which frame they belong to, and what becomes of a mask.
+//! one with the highest peak answers.
 
 pub mod decoder;
 pub mod folded;
 pub mod gate;
 mod gram;
-pub mod plain;
 mod smooth;
 pub mod texts;
 
@@ -19,7 +16,6 @@ use serde::{Deserialize, Serialize};
 
 pub use decoder::Decoder;
 pub use folded::Folded;
-pub use plain::Plain;
 pub use texts::{Texts, TextsFile};
 
 /// How sharp the comparison with the phrases is.
@@ -88,7 +84,8 @@ pub struct Summit {
 }
 
 impl Summit {
-    fn at(index: usize, height: f32, cols: usize, rows: usize) -> Self {
+    /// The pixel of this index, row by row.
+    pub fn at(index: usize, height: f32, cols: usize, rows: usize) -> Self {
         let share = |place: usize, count: usize| (place as f64 + 0.5) / count as f64;
         Self { height, at: [share(index % cols, cols), share(index / cols, rows)] }
     }
@@ -105,23 +102,8 @@ pub struct Chosen {
     pub summit: Summit,
 }
 
-/// Anything that finds sentences in latents.
-pub trait Engine: Sync {
-    /// What a level says of each sentence, in the order of the texts.
-    ///
-    /// # Panics
-    /// If the latents have other channels than the decoder takes, or are not as many as their size says.
-    fn level(&self, latents: Latents<'_>, rules: &Rules) -> Vec<Found>;
-
-    /// Cosine between each pixel and each sentence: one picture a sentence.
-    ///
-    /// # Panics
-    /// As [`Self::level`].
-    fn cosines(&self, latents: Latents<'_>) -> Vec<Vec<f32>>;
-}
-
 /// The answer of a frame to each sentence: the level with the highest peak, the first of equals.
-pub fn answer(engine: &impl Engine, levels: &[Latents<'_>], rules: &Rules) -> Vec<Chosen> {
+pub fn answer(engine: &Folded, levels: &[Latents<'_>], rules: &Rules) -> Vec<Chosen> {
     let lowest = || levels.iter().flat_map(|level| level.data).copied().fold(f32::INFINITY, f32::min);
     if rules.stretch_positive && lowest() > 0.0 {
         let stretched: Vec<Vec<f32>> =
@@ -132,7 +114,7 @@ pub fn answer(engine: &impl Engine, levels: &[Latents<'_>], rules: &Rules) -> Ve
     best(engine, levels.iter().copied(), rules)
 }
 
-fn best<'a>(engine: &impl Engine, levels: impl Iterator<Item = Latents<'a>>, rules: &Rules) -> Vec<Chosen> {
+fn best<'a>(engine: &Folded, levels: impl Iterator<Item = Latents<'a>>, rules: &Rules) -> Vec<Chosen> {
     let mut chosen: Vec<Chosen> = Vec::new();
     for (level, latents) in levels.enumerate() {
         let found = engine.level(latents, rules).into_iter();

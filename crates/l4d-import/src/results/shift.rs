@@ -8,8 +8,7 @@ use std::path::Path;
 
 use l4d_data::truth::Truth;
 use l4d_data::{Query, QueryId, Report};
-use l4d_masks::target;
-use l4d_masks::{Mask, Rle};
+use l4d_masks::{Mask, Rle, target};
 
 use super::codes;
 
@@ -19,105 +18,54 @@ pub type Answers = BTreeMap<u32, Option<Rle>>;
 /// Where relevancy is highest by query and frame: shares of width and height.
 pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
 
-/// A shift that raises the mean IoU by this factor is told.
+/// A shift that raises the mean IoU by this factor is reported.
 const TELLING: f64 = 1.1;
-/// From so few pairs of frame and query nothing follows: what rests fits every frame.
+/// From so few pairs of frame and query nothing follows: what is at rest fits every frame.
 const FEW: u64 = 6;
-/// A mean IoU below this is told: masks and truth have nothing to do with each other.
+/// A mean IoU below this is reported: masks and truth are unrelated.
 const HARDLY: f64 = 0.01;
 
-/// One query in one frame.
-struct Count {
-    /// Pixels that the referents show, whether the query holds or not.
-    visible: u64,
-    /// Whether anything is asked for: the query holds, or is about no time.
-    is_asked: bool,
-    /// Pixels predicted; none where nothing was answered.
-    predicted: Option<u64>,
-    /// Pixels of the prediction within what is visible.
-    intersection: u64,
-}
-
-/// The truth of a scene.
-pub struct Judged<'a> {
-    truth: &'a Truth,
-}
-
-impl<'a> Judged<'a> {
-    /// The truth in a file.
-    pub fn new(truth: &'a Truth) -> Self {
-        Self { truth }
+/// Reports that masks fit the frame before or after better, or hardly touch the truth.
+pub fn check_frames(truth: &Truth, at: &Path, asked: &[(&Query, &Answers)], report: &mut Report) {
+    let Some((now, _)) = mean_iou(truth, asked, 0) else { return };
+    for (shift, side) in [(-1, "earlier"), (1, "later")] {
+        let is_telling = |(iou, pairs): &(f64, u64)| *pairs >= FEW && *iou > TELLING * now && *iou > HARDLY;
+        let Some((iou, _)) = mean_iou(truth, asked, shift).filter(is_telling) else { continue };
+        let message = format!(
+            "fit the truth of one frame {side} better (mean IoU {:.1} % instead of {:.1} %)",
+            100.0 * iou,
+            100.0 * now
+        );
+        let hint = "check how files are numbered: from 0 or 1, by position or by name ({position}, {frame+1}, --frames)";
+        report.warning(codes::FRAME_SHIFT, at, "masks", message, hint);
+        return;
     }
-
-    /// Reports that masks fit the frame before or after better, or hardly touch the truth.
-    pub fn check(&self, at: &Path, asked: &[(&Query, &Answers)], report: &mut Report) {
-        let [before, now, after] = [-1, 0, 1].map(|shift| self.mean_iou(asked, shift));
-        let Some((now, _)) = now else { return };
-        for (shift, other) in [(-1, before), (1, after)] {
-            let is_telling =
-                |(other, pairs): &(f64, u64)| *pairs >= FEW && *other > TELLING * now && *other > HARDLY;
-            let Some((other, _)) = other.filter(is_telling) else {
-                continue;
-            };
-            let side = if shift < 0 { "earlier" } else { "later" };
-            let message = format!(
-                "fit the truth of one frame {side} better (mean IoU {:.1} % instead of {:.1} %)",
-                100.0 * other,
-                100.0 * now
-            );
-            let hint = "check how files are numbered: from 0 or 1, by position or by name ({position}, {frame+1}, --frames)";
-            report.warning(codes::FRAME_SHIFT, at, "masks", message, hint);
-            return;
-        }
-        if now < HARDLY {
-            let message = format!("hardly touch the truth: mean IoU {:.2} %", 100.0 * now);
-            let hint = "check that these are masks of the held-out camera, in the right order of frames, and not flipped";
-            report.warning(codes::HARDLY_TOUCHES, at, "masks", message, hint);
-        }
-    }
-
-    /// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it, and the
-    /// number of these pairs.
-    fn mean_iou(&self, asked: &[(&Query, &Answers)], shift: isize) -> Option<(f64, u64)> {
-        let (mut sum, mut count) = (0.0, 0_u64);
-        for (query, answers) in asked {
-            for frame in self.compared(query, answers, shift) {
-                let Some(predicted) = frame.predicted.filter(|_| frame.is_asked && frame.visible > 0) else {
-                    continue;
-                };
-                let union = frame.visible + predicted - frame.intersection;
-                sum += frame.intersection as f64 / union as f64;
-                count += 1;
-            }
-        }
-        (count > 0).then(|| (sum / count as f64, count))
-    }
-
-    fn compared(&self, query: &Query, answers: &Answers, shift: isize) -> Vec<Count> {
-        let frames = &self.truth.frames;
-        let mut counts = Vec::new();
-        for (position, &frame) in frames.iter().enumerate() {
-            let target = target::union(self.truth, &query.referents, frame)
-                .unwrap_or_else(|| Mask::empty(self.truth.width, self.truth.height));
-            // What was answered for a frame is held against the truth `shift` places later.
-            let answered = position.checked_add_signed(-shift).and_then(|position| frames.get(position));
-            let mask = match answered.and_then(|frame| answers.get(frame)) {
-                None => None,
-                Some(None) => Some(Mask::empty(self.truth.width, self.truth.height)),
-                Some(Some(mask)) => Some(Mask::from_rle(mask, self.truth.width, self.truth.height)),
-            };
-            counts.push(Count {
-                visible: target.area(),
-                is_asked: query.asks_at(frame),
-                predicted: mask.as_ref().map(Mask::area),
-                intersection: mask.map_or(0, |mask| mask.and_count(&target)),
-            });
-        }
-        counts
+    if now < HARDLY {
+        let message = format!("hardly touch the truth: mean IoU {:.2} %", 100.0 * now);
+        let hint = "check that these are masks of the held-out camera, in the right order of frames, and not flipped";
+        report.warning(codes::HARDLY_TOUCHES, at, "masks", message, hint);
     }
 }
 
-/// Reports masks that cover nearly everything: any of them counts as a hit for mAcc.
+/// Mean IoU over the frames that show a target, each compared with the answer `shift` places before it, and the number
+/// of these pairs.
+fn mean_iou(truth: &Truth, asked: &[(&Query, &Answers)], shift: isize) -> Option<(f64, u64)> {
+    let (mut sum, mut count) = (0.0, 0_u64);
+    for (query, answers) in asked {
+        for (position, &frame) in truth.frames.iter().enumerate().filter(|(_, frame)| query.asks_at(**frame)) {
+            let target = target::union(truth, &query.referents, frame).filter(|mask| !mask.is_empty());
+            let answered = position.checked_add_signed(-shift).and_then(|at| truth.frames.get(at));
+            let answer = answered.and_then(|frame| answers.get(frame));
+            let (Some(target), Some(answer)) = (target, answer) else { continue };
+            let mask = answer.as_ref().map(|mask| Mask::from_rle(mask, truth.width, truth.height));
+            sum += mask.and_then(|mask| mask.iou(&target)).unwrap_or(0.0);
+            count += 1;
+        }
+    }
+    (count > 0).then(|| (sum / count as f64, count))
+}
+
+/// Reports masks that cover nearly everything: any of them is a hit for mAcc.
 pub fn check_cover(at: &Path, size: (u32, u32), answers: &BTreeMap<QueryId, Answers>, report: &mut Report) {
     let pixels = u64::from(size.0) * u64::from(size.1);
     let covers = |mask: &&Rle| mask.area() * 20 > pixels * 19;

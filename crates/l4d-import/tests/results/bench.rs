@@ -86,8 +86,6 @@ pub(crate) fn request<'a>(bench: &'a Benchmark, preset: &str, root: &Path) -> Re
             codec: preset.codec,
             inside: preset.inside,
             key: preset.key.clone(),
-            axes: preset.axes.clone(),
-            prompts: Vec::new(),
             selections: Selections::new(),
         },
         resize: preset.resize,

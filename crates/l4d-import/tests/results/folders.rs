@@ -9,8 +9,7 @@ use l4d_data::{Name, Profile, Query, QueryId, Report};
 use l4d_import::results::codec::Codec;
 use l4d_import::results::import::{Identity, Imported, Order, Request, SoftStage, import, write};
 use l4d_import::results::preset::Preset;
-use l4d_import::results::probe::probe;
-use l4d_import::results::relevancy::{Plain, Texts, TextsFile, answer, gate};
+use l4d_import::results::relevancy::{TextsFile, gate};
 use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
 use l4d_score::protocols::judge_answers;
@@ -454,46 +453,4 @@ fn a_list_of_frames_leaves_other_cameras_out() {
     assert!(report.is_empty(), "{:?}", report.into_sorted());
     assert_eq!(imported.answers[&id(2)].len(), 9);
     assert_eq!(mask_of(&imported, 0, 24).unwrap(), cup("cup_red", 2));
-}
-
-#[test]
-fn probing_says_what_it_sees() {
-    let bench = Bench::new();
-    langsplat(&bench);
-    let found = probe(&bench.path("method")).unwrap();
-    assert_eq!(found[0].preset, "langsplat");
-    assert_eq!(found[0].files, 27);
-    let why = found[0].why.join("\n");
-    for part in [
-        "27 files",
-        "{position}: 9 numbers from 0 to 8",
-        "{level}: 3 numbers from 1 to 3",
-        "[96, 128, 3]",
-        "--texts",
-    ] {
-        assert!(why.contains(part), "{part} is not in\n{why}");
-    }
-    assert!(Preset::find(&found[0].preset).is_ok());
-}
-
-#[test]
-fn the_reference_engine_finds_the_same_in_files() {
-    let bench = Bench::new();
-    langsplat(&bench);
-    let (imported, _) = bench.import("langsplat", |request| request.encoders.texts = Some(texts(&bench)));
-    let (_, file) = texts(&bench);
-    let decoder = l4d_import::results::relevancy::Decoder::read(
-        &bench.path("method").join(format!("{SCENE}/ae_ckpt/best_ckpt.pth")),
-    )
-    .unwrap();
-    let one: Texts = file.texts.select(&[1]);
-    let plain = Plain::new(decoder, one).unwrap();
-    let rules = Preset::find("langsplat").unwrap().latents.unwrap().rules;
-    let data: Vec<Vec<f32>> = [0.5, 0.9, 0.3].into_iter().map(|strength| axes(4, strength)).collect();
-    let levels: Vec<_> = data
-        .iter()
-        .map(|data| l4d_import::results::relevancy::Latents { width: 128, height: 96, channels: 3, data })
-        .collect();
-    let chosen = answer(&plain, &levels, &rules);
-    assert_eq!(mask_of(&imported, 1, 48).unwrap(), chosen[0].found.mask);
 }

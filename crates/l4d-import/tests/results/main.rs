@@ -5,5 +5,6 @@
 mod bench;
 mod folders;
 mod hostile;
+mod reference;
 mod relevancy;
 mod troubles;

@@ -1,15 +1,15 @@
-//! One suite over both engines, and both against masks that the originals' evaluation found (`fixture.py`).
+//! Relevancy against a plain reference, and against masks that the originals' evaluation found (`fixture.py`).
 
 use std::path::{Path, PathBuf};
 
 use l4d_formats::arrays;
 use l4d_formats::npy::Array;
 use l4d_import::results::relevancy::decoder::Layer;
-use l4d_import::results::relevancy::{
-    Chosen, Decoder, Engine, Folded, Latents, Plain, Rules, Smoothing, Texts, answer, gate,
-};
+use l4d_import::results::relevancy::{Decoder, Folded, Latents, Rules, Smoothing, Texts, answer, gate};
 use l4d_masks::Mask;
 use proptest::prelude::*;
+
+use crate::reference::Plain;
 
 fn fixture() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/results/fixtures/relevancy.npz")
@@ -34,15 +34,14 @@ fn masks(name: &str) -> Vec<Mask> {
     array.data.chunks_exact((width * height) as usize).map(picture).collect()
 }
 
-/// A suite that every engine has to pass: the originals' masks, levels and peaks, and their scores to 1e-4.
-fn agrees_with_the_originals(
-    make: impl Fn(Decoder, Texts) -> Box<dyn Fn(&[Latents<'_>], &Rules) -> Vec<Chosen>>,
-) {
+/// The originals' masks, levels and peaks, and their scores to 1e-4.
+#[test]
+fn the_originals_find_the_same() {
     let decoder = Decoder::read(&fixture()).unwrap();
     assert_eq!(decoder.widths(), "3 -> 16 -> 32 -> 64 -> 48");
     let width = decoder.outputs();
     let texts = Texts::new(width, array("positives").data, array("negatives").data).unwrap();
-    let engine = make(decoder, texts);
+    let engine = Folded::new(&decoder, &texts).unwrap();
     let levels = array("levels");
     let [_, height, width, channels] = levels.shape[..] else { panic!("{:?}", levels.shape) };
     let pictures: Vec<Latents<'_>> = levels
@@ -51,7 +50,7 @@ fn agrees_with_the_originals(
         .map(|data| Latents { width: width as u32, height: height as u32, channels, data })
         .collect();
     for (name, smoothing) in [("box30", Smoothing::Box30), ("pool29", Smoothing::Pool29)] {
-        let chosen = engine(&pictures, &rules(smoothing));
+        let chosen = answer(&engine, &pictures, &rules(smoothing));
         let expected = masks(&format!("{name}.mask"));
         let unsmoothed = masks(&format!("{name}.unsmoothed"));
         let truth = masks(&format!("{name}.truth"));
@@ -72,22 +71,6 @@ fn agrees_with_the_originals(
             assert!((iou - f64::from(ious.data[sentence])).abs() < 1e-4);
         }
     }
-}
-
-#[test]
-fn the_reference_finds_what_the_originals_find() {
-    agrees_with_the_originals(|decoder, texts| {
-        let engine = Plain::new(decoder, texts).unwrap();
-        Box::new(move |levels, rules| answer(&engine, levels, rules))
-    });
-}
-
-#[test]
-fn the_fast_path_finds_what_the_originals_find() {
-    agrees_with_the_originals(|decoder, texts| {
-        let engine = Folded::new(&decoder, &texts).unwrap();
-        Box::new(move |levels, rules| answer(&engine, levels, rules))
-    });
 }
 
 /// Numbers from -1 to 1 that look like chance and come again.
@@ -117,7 +100,7 @@ proptest! {
 
     /// Any sizes, any widths (narrowing ones included): cosines agree to rounding, masks wherever rounding cannot decide.
     #[test]
-    fn both_engines_agree(
+    fn the_reference_finds_the_same(
         (width, height) in (1..40_u32, 1..36_u32),
         widths in proptest::collection::vec(1..90_usize, 1..4),
         (channels, sentences, phrases) in (1..7_usize, 1..4_usize, 1..5_usize),
@@ -131,7 +114,7 @@ proptest! {
         let data = noise((width * height) as usize * channels, seed + 3);
         let latents = Latents { width, height, channels, data: &data };
         let folded = Folded::new(&decoder, &texts).unwrap();
-        let plain = Plain::new(decoder, texts).unwrap();
+        let plain = Plain::new(decoder, texts);
         for (fast, slow) in folded.cosines(latents).iter().flatten().zip(plain.cosines(latents).iter().flatten()) {
             prop_assert!((fast - slow).abs() < 2e-4, "{} and {}", fast, slow);
         }
@@ -186,7 +169,7 @@ fn the_gate_averages_cosines_of_the_mask_s_pixels() {
     let mask = Mask::from_fn(9, 7, |col, row| (col + row) % 3 == 0);
     let engine = Folded::new(&decoder, &texts).unwrap();
     let found = gate::similarities(&engine, latents, &mask).unwrap();
-    let all = Plain::new(decoder, texts).unwrap().cosines(latents);
+    let all = Plain::new(decoder, texts).cosines(latents);
     for (found, picture) in found.iter().zip(all) {
         let inside: Vec<f64> =
             mask.pixels().map(|(col, row)| f64::from(picture[(row * 9 + col) as usize])).collect();

@@ -9,7 +9,7 @@ use ndarray::{ArrayView2, ArrayViewMut2, s};
 use rayon::prelude::*;
 
 use super::decoder::Layer;
-use super::{Decoder, Engine, Found, Latents, Rules, Texts, gram, relevancy, smooth};
+use super::{Decoder, Found, Latents, Rules, Texts, gram, relevancy, smooth};
 
 /// Pixels that pass all layers together.
 const BLOCK: usize = 256;
@@ -94,8 +94,12 @@ impl Folded {
     }
 }
 
-impl Engine for Folded {
-    fn level(&self, latents: Latents<'_>, rules: &Rules) -> Vec<Found> {
+impl Folded {
+    /// What a level says of each sentence, in the order of the texts.
+    ///
+    /// # Panics
+    /// If the latents have other channels than the decoder takes, or are not as many as their size says.
+    pub fn level(&self, latents: Latents<'_>, rules: &Rules) -> Vec<Found> {
         let sentences = self.sentences;
         let maps = self.fill(latents, |cosines, sentence| {
             let best_phrase = cosines[sentences..].iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -105,7 +109,11 @@ impl Engine for Folded {
         maps.into_par_iter().map(|map| smooth::find(map, width, height, rules)).collect()
     }
 
-    fn cosines(&self, latents: Latents<'_>) -> Vec<Vec<f32>> {
+    /// Cosine between each pixel and each sentence: one map per sentence.
+    ///
+    /// # Panics
+    /// As [`Self::level`].
+    pub fn cosines(&self, latents: Latents<'_>) -> Vec<Vec<f32>> {
         self.fill(latents, |cosines, sentence| cosines[sentence])
     }
 }

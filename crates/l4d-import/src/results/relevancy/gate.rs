@@ -6,7 +6,7 @@
 
 use l4d_masks::Mask;
 
-use super::{Engine, Latents};
+use super::{Folded, Latents};
 
 /// Weights of a frame's neighbours and of itself.
 const WEIGHTS: [f64; 3] = [0.1, 0.8, 0.1];
@@ -42,7 +42,7 @@ pub fn gate(similarities: &[f64], smooth: bool) -> Gate {
 ///
 /// # Panics
 /// If mask and latents have different sizes.
-pub fn similarities(engine: &impl Engine, latents: Latents<'_>, mask: &Mask) -> Option<Vec<f64>> {
+pub fn similarities(engine: &Folded, latents: Latents<'_>, mask: &Mask) -> Option<Vec<f64>> {
     assert_eq!(mask.size(), (latents.width, latents.height), "mask and latents");
     let width = latents.width as usize;
     let pixel = |(col, row): (u32, u32)| {

@@ -1,20 +1,20 @@
-//! The reference: every step as it is defined, pixel by pixel, in double precision. Slow, and meant to be read.
+//! The reference of relevancy: every step as it is defined, pixel by pixel, in double precision.
 
+use l4d_import::results::relevancy::{Decoder, Found, Latents, Rules, Smoothing, Summit, Texts};
 use l4d_masks::Mask;
 
-use super::{Decoder, Engine, Found, Latents, Rules, SHARPNESS, Smoothing, Summit, Texts};
+/// How sharp the comparison with the phrases is.
+const SHARPNESS: f64 = 10.0;
 
 /// The definition.
-#[derive(Debug, Clone)]
-pub struct Plain {
+pub(crate) struct Plain {
     decoder: Decoder,
     texts: Texts,
 }
 
 impl Plain {
-    /// An engine for these sentences; none if the decoder does not end in their width.
-    pub fn new(decoder: Decoder, texts: Texts) -> Option<Self> {
-        (decoder.outputs() == texts.width()).then_some(Self { decoder, texts })
+    pub(crate) fn new(decoder: Decoder, texts: Texts) -> Self {
+        Self { decoder, texts }
     }
 
     /// The embedding of a latent, of length 1.
@@ -37,14 +37,14 @@ impl Plain {
             let best_phrase =
                 self.texts.phrases().map(|phrase| dot(&embedding, phrase)).fold(f64::NEG_INFINITY, f64::max);
             let margin = dot(&embedding, sentence) - best_phrase;
-            1.0 / (1.0 + (-f64::from(SHARPNESS) * margin).exp())
+            1.0 / (1.0 + (-SHARPNESS * margin).exp())
         };
         latents.data.chunks_exact(latents.channels).map(pixel).collect()
     }
 }
 
-impl Engine for Plain {
-    fn level(&self, latents: Latents<'_>, rules: &Rules) -> Vec<Found> {
+impl Plain {
+    pub(crate) fn level(&self, latents: Latents<'_>, rules: &Rules) -> Vec<Found> {
         assert_eq!(latents.channels, self.decoder.inputs(), "channels of the latents");
         let picture = |sentence| Picture {
             width: latents.width as usize,
@@ -54,7 +54,7 @@ impl Engine for Plain {
         self.texts.sentences().map(|sentence| picture(sentence).found(rules)).collect()
     }
 
-    fn cosines(&self, latents: Latents<'_>) -> Vec<Vec<f32>> {
+    pub(crate) fn cosines(&self, latents: Latents<'_>) -> Vec<Vec<f32>> {
         assert_eq!(latents.channels, self.decoder.inputs(), "channels of the latents");
         let embeddings: Vec<Vec<f64>> =
             latents.data.chunks_exact(latents.channels).map(|latent| self.decode(latent)).collect();
