@@ -13,7 +13,7 @@ use crate::pickle::{self, Value};
 pub const MAX_BYTES: u64 = 512 << 20;
 
 impl Array {
-    /// Where the first number that is not finite stands, and what it is.
+    /// Where the first number that is not finite is, and what it is.
     pub fn bad_value(&self) -> Option<(usize, f32)> {
         self.data.iter().copied().enumerate().find(|(_, value)| !value.is_finite())
     }

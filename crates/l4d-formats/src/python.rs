@@ -132,7 +132,7 @@ impl<'a> Parser<'a> {
         self.text.get(self.at..).unwrap_or("")
     }
 
-    /// What stands here, for a message.
+    /// What is here, for a message.
     fn sample(&self) -> String {
         if self.rest().is_empty() {
             return "the end of the file".to_owned();

@@ -84,7 +84,7 @@ impl View for Column<'_> {
 }
 
 impl TensorFileKind {
-    /// Writes tensors and the card that names them, in place of those that stand there.
+    /// Writes tensors and the card that names them, in place of those that are there.
     ///
     /// # Errors
     /// What the disk refuses.
@@ -124,7 +124,7 @@ impl TensorFileKind {
         Err(Fault::new("field `tensors.file`", message, self.remedy))
     }
 
-    /// The bytes of a file whose entry was checked, and where it stands.
+    /// The bytes of a file whose entry was checked, and where it is.
     ///
     /// # Errors
     /// A file that is missing, too long, or not the one that the card was written with.

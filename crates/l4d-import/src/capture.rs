@@ -2,7 +2,7 @@
 //!
 //! Owns how captures lie on disk elsewhere and here. A capture has colours and cameras; it has neither depth nor ids,
 //! and says so. Its world is that of its reconstruction: neither metres nor the direction up are known unless the
-//! source states them. Refuses to know what is asked about a capture.
+//! source states them.
 
 mod colmap;
 mod hypernerf;
@@ -94,7 +94,7 @@ pub struct Order<'a> {
     pub ffmpeg: &'a Path,
 }
 
-/// Reads a capture of somebody else and writes it as ours; `tick` is called for each picture.
+/// Reads a capture of another tool and writes it as ours; `tick` is called for each picture.
 ///
 /// # Errors
 /// A folder that lacks what the source should have, cameras that cannot be, pictures of several sizes, and views of

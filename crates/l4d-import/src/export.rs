@@ -12,11 +12,11 @@ mod colmap;
 mod davis;
 mod dynerf;
 mod folder;
-mod footage;
 mod judged;
 mod manifest;
 mod nerfstudio;
 mod panoptic;
+mod views;
 
 use std::fmt;
 use std::path::Path;
@@ -32,14 +32,14 @@ pub use self::manifest::{Called, Exported, Manifest, SCHEMA};
 use crate::annotations::Judged;
 
 use self::folder::Folder;
-use self::footage::Footage;
+use self::views::SceneViews;
 
 /// Most points of a cloud by default: what 4DGaussians itself reduces Neu3D's clouds to.
 pub const DEFAULT_POINTS: usize = 40_000;
 /// Pixels by which a principal point may miss the centre.
 const CENTRE_TOLERANCE_PX: f64 = 1e-6;
 
-/// A layout of somebody else.
+/// A layout of another tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// 4DGaussians, its reader `PanopticSports`: keeps size, principal point and split.
@@ -146,9 +146,9 @@ impl FromStr for Format {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HeldOut {
-    /// Nothing, not even where it stands.
+    /// Nothing, not even where it is.
     Nothing,
-    /// Where it stands, so that a trained model can be drawn from there; grey where a reader insists on a picture.
+    /// Where it is, so that a trained model can be drawn from there; grey where a reader insists on a picture.
     Pose,
     /// Its pictures too, in the test split: the export measures errors by itself, and must not be trained on whole.
     Pictures,
@@ -184,12 +184,20 @@ pub struct Order<'a> {
     pub judged: Option<&'a Judged<'a>>,
 }
 
+impl<'a> Order<'a> {
+    /// All moments of a scene, the pose of the held-out camera, and as many points as usual.
+    pub fn new(origin: Origin<'a>, format: Format, out: &'a Path) -> Self {
+        let (held_out, points) = (HeldOut::Pose, DEFAULT_POINTS);
+        Self { origin, format, out, frames: &[], held_out, points, points_from: None, judged: None }
+    }
+}
+
 /// Exports a scene; `tick` is called for each picture that was written.
 ///
 /// # Errors
 /// A scene that is torn, a folder that holds something else, and a format that cannot hold the scene.
 pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, DataError> {
-    let footage = Footage::open(&order)?;
+    let views = SceneViews::open(&order)?;
     let write = match order.format {
         Format::FourDGaussians => panoptic::write,
         Format::Dynerf | Format::FourDLangSplat => dynerf::write,
@@ -199,10 +207,10 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
         Format::Davis => davis::write,
         Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
     };
-    let job = Job { order, footage: &footage, tick };
+    let job = Job { order, views: &views, tick };
     check(&job)?;
-    let folder = Folder::claim(&order, &footage)?;
-    let mut manifest = write(&job, Manifest::new(&order, &footage)?)?;
+    let folder = Folder::claim(&order, &views)?;
+    let mut manifest = write(&job, Manifest::new(&order, &views)?)?;
     manifest.note_depth();
     folder.settle(manifest)
 }
@@ -212,7 +220,7 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
     match job.order.format {
         Format::Dynerf | Format::FourDLangSplat => dynerf::check(job),
         Format::LangSplat => colmap::check_centres(job),
-        Format::Coco | Format::Davis => annotated::cameras(job.footage).map(drop),
+        Format::Coco | Format::Davis => annotated::cameras(job.views).map(drop),
         Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::camera(job).map(drop),
         Format::FourDGaussians | Format::Nerfstudio | Format::Colmap => Ok(()),
     }
@@ -223,32 +231,32 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
 /// # Errors
 /// A scene that is torn.
 pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
-    let footage = Footage::open(order)?;
-    Ok(((footage.training().len() + footage.held_out().len()) * footage.frames().len()) as u64)
+    let views = SceneViews::open(order)?;
+    Ok(((views.training().len() + views.held_out().len()) * views.frames().len()) as u64)
 }
 
 /// All that a layout needs.
 struct Job<'a> {
     order: Order<'a>,
-    footage: &'a Footage,
+    views: &'a SceneViews,
     tick: &'a (dyn Fn() + Sync),
 }
 
 /// Whether a principal point is the centre of the picture: many readers drop it.
-fn is_centred(footage: &Footage, camera: &Camera) -> bool {
-    let [width, height] = footage.size().map(f64::from);
+fn is_centred(views: &SceneViews, camera: &Camera) -> bool {
+    let [width, height] = views.size().map(f64::from);
     (camera.cx - width / 2.0).abs() <= CENTRE_TOLERANCE_PX
         && (camera.cy - height / 2.0).abs() <= CENTRE_TOLERANCE_PX
 }
 
 /// A layout whose reader drops principal points.
-fn off_centre(footage: &Footage, camera: &Camera) -> DataError {
+fn off_centre(views: &SceneViews, camera: &Camera) -> DataError {
     let message = format!("the principal point of {} is not the centre, and readers drop it", camera.name);
-    limit(footage, "cx", message)
+    limit(views, "cx", message)
 }
 
 /// A layout that cannot hold a scene.
-fn limit(footage: &Footage, field: &str, message: impl Into<String>) -> DataError {
+fn limit(views: &SceneViews, field: &str, message: impl Into<String>) -> DataError {
     let remedy = "use `--format 4dgaussians` or `--format colmap`, which hold any camera";
-    footage.wrong(&format!("field `{field}`"), message.into(), remedy)
+    views.wrong(&format!("field `{field}`"), message.into(), remedy)
 }

@@ -2,7 +2,7 @@
 //!
 //! Owns how foreign files are found ([`template`]), what they hold ([`codec`]), and which traps of their formats are
 //! recognised; every assumption that was made is written down ([`import`]). What is known of single methods is data
-//! ([`preset`]). Refuses to know how masks are ranked and how anything was trained.
+//! ([`preset`]).
 
 pub mod claims;
 pub mod codec;

@@ -22,7 +22,7 @@ use l4d_formats::tensor::REMEDY_NOT_FINITE;
 /// No file of a checkpoint is larger, bytes: a thousand times what a model of this project needs.
 pub const MAX_BYTES: u64 = 8 << 30;
 
-/// The field with these sizes whose parameters are `tensors`; others may stand beside them.
+/// The field with these sizes whose parameters are `tensors`; others may are beside them.
 ///
 /// Shapes come first: a field makes room for what its configuration says, and that came from a file too.
 fn build_field(config: DeformConfig, tensors: &BTreeMap<String, Tensor>) -> Result<DeformationField, Fault> {

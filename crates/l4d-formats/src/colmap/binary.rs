@@ -8,7 +8,7 @@ use l4d_data::error::inert;
 
 use super::{CameraModel, ModelCamera, ModelImage, ModelPoint, Observation, REMEDY};
 
-/// What stands for no point.
+/// What means no point.
 const NO_POINT: u64 = u64::MAX;
 
 pub(super) fn cameras(path: &Path, bytes: &[u8]) -> Result<Vec<ModelCamera>, DataError> {

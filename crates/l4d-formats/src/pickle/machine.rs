@@ -29,11 +29,11 @@ pub(super) fn run(bytes: &[u8]) -> Result<Pickle, Fault> {
 pub(super) struct Machine<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Where the running opcode stands.
+    /// Where the running opcode is.
     start: usize,
     nodes: Vec<Node>,
     pub(super) stack: Vec<Id>,
-    /// Heights of the stack at which marks stand.
+    /// Heights of the stack at which marks are.
     marks: Vec<usize>,
     memo: BTreeMap<u32, Id>,
 }

@@ -29,7 +29,7 @@ pub enum Value {
     List(Vec<Value>),
     /// A tuple.
     Tuple(Vec<Value>),
-    /// A dict, in the order of the file; a key that comes twice stands twice.
+    /// A dict, in the order of the file; a key that comes twice is twice.
     Dict(Vec<(Value, Value)>),
     /// A tensor or parameter.
     Tensor(Tensor),

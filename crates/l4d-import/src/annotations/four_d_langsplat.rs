@@ -7,19 +7,21 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use l4d_data::DataError;
 use l4d_data::error::inert;
 use l4d_data::truth::Truth;
-use l4d_data::{DataError, json};
+use l4d_data::DataError;
 use l4d_masks::Mask;
-use serde::Serialize;
+use l4d_masks::mask::PixelBox;
+use serde_json::{Value, json};
 
 use super::fill::Rule;
 use super::outline::{Piece, pieces};
 use super::{Annotations, Judged, coco};
 
-/// Where the documents stand below a dataset.
+/// Where the documents are below a dataset.
 pub const COCO: &str = "annotations/train/_annotations.coco.json";
-/// Where the intervals stand below a dataset.
+/// Where the intervals are below a dataset.
 pub const INTERVALS: &str = "annotations/video_annotations.json";
 /// The reading of the original evaluator.
 pub const READING: coco::Reading = coco::Reading { rule: Rule::Cv2, first_polygon_only: true };
@@ -74,52 +76,9 @@ pub fn read(folder: &Path, counting: Counting) -> Result<Dataset, DataError> {
     let moments = annotations.pictures.iter().map(|picture| moment(&picture.file_name));
     let moments = moments.collect::<Result<_, _>>()?;
     let intervals = folder.join(INTERVALS);
-    let intervals: Intervals = if intervals.is_file() { json::read(&intervals)? } else { Intervals::new() };
+    let intervals: Intervals =
+        if intervals.is_file() { l4d_data::json::read(&intervals)? } else { Intervals::new() };
     Ok(Dataset { annotations, moments, intervals })
-}
-
-#[derive(Debug, Serialize)]
-struct Document {
-    info: Info,
-    licenses: Vec<()>,
-    categories: Vec<Category>,
-    images: Vec<Image>,
-    annotations: Vec<Annotation>,
-}
-
-#[derive(Debug, Serialize)]
-struct Info {
-    year: &'static str,
-    version: &'static str,
-    description: String,
-}
-
-#[derive(Debug, Serialize)]
-struct Category {
-    id: usize,
-    name: String,
-    supercategory: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct Image {
-    id: usize,
-    license: u32,
-    file_name: String,
-    height: u32,
-    width: u32,
-}
-
-#[derive(Debug, Serialize)]
-struct Annotation {
-    id: usize,
-    image_id: usize,
-    category_id: usize,
-    /// x, y, width, height of the thing that the piece belongs to.
-    bbox: [u32; 4],
-    area: u64,
-    segmentation: [Vec<u32>; 1],
-    iscrowd: u8,
 }
 
 /// Name of the picture of a moment, in the way of Roboflow.
@@ -144,30 +103,19 @@ pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataErro
         }
     }
     let names: Vec<String> = moments.iter().map(|(moment, _)| file_name(*moment)).collect();
-    let image = |(id, file_name): (usize, &String)| Image {
-        id,
-        license: 1,
-        file_name: file_name.clone(),
-        height: truth.height,
-        width: truth.width,
-    };
-    let document = Document {
-        info: Info {
-            year: "2026",
-            version: "1",
-            description: format!("{} ({})", truth.scene, truth.profile),
-        },
-        licenses: Vec::new(),
-        categories: subjects
-            .iter()
-            .enumerate()
-            .map(|(id, (name, _))| Category { id, name: name.clone(), supercategory: "prompt" })
-            .collect(),
-        images: names.iter().enumerate().map(image).collect(),
-        annotations,
-    };
-    json::write_compact(&folder.join(COCO), &document)?;
-    json::write(&folder.join(INTERVALS), &intervals(judged))?;
+    let (width, height) = (truth.width, truth.height);
+    let image = |(id, name): (usize, &String)| json!({"id": id, "license": 1, "file_name": name, "height": height, "width": width});
+    let category = |(id, (name, _)): (usize, &(String, &BTreeMap<u32, Mask>))| json!({"id": id, "name": name, "supercategory": "prompt"});
+    let description = format!("{} ({})", truth.scene, truth.profile);
+    let document = json!({
+        "info": { "year": "2026", "version": "1", "description": description },
+        "licenses": [],
+        "categories": subjects.iter().enumerate().map(category).collect::<Vec<_>>(),
+        "images": names.iter().enumerate().map(image).collect::<Vec<_>>(),
+        "annotations": annotations,
+    });
+    l4d_data::json::write_compact(&folder.join(COCO), &document)?;
+    l4d_data::json::write(&folder.join(INTERVALS), &intervals(judged))?;
     Ok(names)
 }
 
@@ -188,22 +136,18 @@ fn subjects<'a>(judged: &'a Judged<'_>) -> Vec<(String, &'a BTreeMap<u32, Mask>)
     subjects
 }
 
-fn annotation(id: usize, image_id: usize, category_id: usize, piece: &Piece) -> Annotation {
-    let whole = piece.whole;
-    Annotation {
-        id,
-        image_id,
-        category_id,
-        bbox: [
-            whole.first_col,
-            whole.first_row,
-            whole.last_col - whole.first_col + 1,
-            whole.last_row - whole.first_row + 1,
-        ],
-        area: piece.area,
-        segmentation: [piece.corners.iter().flatten().copied().collect()],
-        iscrowd: 0,
-    }
+fn annotation(id: usize, image: usize, category: usize, piece: &Piece) -> Value {
+    let PixelBox { first_col, first_row, last_col, last_row } = piece.whole;
+    json!({
+        "id": id,
+        "image_id": image,
+        "category_id": category,
+        // Of the connected thing that the piece belongs to.
+        "bbox": [first_col, first_row, last_col - first_col + 1, last_row - first_row + 1],
+        "area": piece.area,
+        "segmentation": [piece.corners.iter().flatten().collect::<Vec<_>>()],
+        "iscrowd": 0,
+    })
 }
 
 /// Moments, counted in the clip of the held-out view, at which gated sentences hold.

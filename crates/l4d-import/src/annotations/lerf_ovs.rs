@@ -12,36 +12,6 @@ use serde::Serialize;
 use super::Judged;
 use super::outline::pieces;
 
-#[derive(Debug, Serialize)]
-struct Document {
-    info: Info,
-    objects: Vec<Object>,
-}
-
-#[derive(Debug, Serialize)]
-struct Info {
-    description: &'static str,
-    folder: &'static str,
-    name: String,
-    width: u32,
-    height: u32,
-    depth: u32,
-    note: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct Object {
-    category: String,
-    group: u64,
-    segmentation: Vec<[f64; 2]>,
-    area: f64,
-    layer: f64,
-    /// First and last column and row: x1, y1, x2, y2.
-    bbox: [f64; 4],
-    iscrowd: bool,
-    note: &'static str,
-}
-
 /// Stem of the one picture of a moment.
 pub const STEM: &str = "frame_00001";
 
@@ -62,41 +32,37 @@ pub fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<u32>, DataError> 
         if objects.is_empty() {
             continue;
         }
-        let document = Document {
-            info: Info {
-                description: "ISAT",
-                folder: "",
-                name: format!("{STEM}.jpg"),
-                width: truth.width,
-                height: truth.height,
-                depth: 3,
-                note: "",
+        let (width, height) = (truth.width, truth.height);
+        let document = json!({
+            "info": {
+                "description": "ISAT", "folder": "", "name": format!("{STEM}.jpg"),
+                "width": width, "height": height, "depth": 3, "note": "",
             },
-            objects,
-        };
+            "objects": objects,
+        });
         let path = folder.join(moment_folder(&truth.scene, frame)).join(format!("{STEM}.json"));
-        json::write(&path, &document)?;
+        l4d_data::json::write(&path, &document)?;
         written.push(frame);
     }
     Ok(written)
 }
 
-fn objects(judged: &Judged<'_>, frame: u32) -> Vec<Object> {
+fn objects(judged: &Judged<'_>, frame: u32) -> Vec<Value> {
     let mut objects = Vec::new();
-    for (group, prompt) in (1..).zip(judged.prompts()) {
+    for (group, prompt) in (1_u64..).zip(judged.prompts()) {
         let Some(mask) = prompt.masks.get(&frame).filter(|_| prompt.query.holds_at(frame)) else { continue };
         for piece in pieces(mask) {
-            let whole = piece.whole;
-            objects.push(Object {
-                category: prompt.query.text.clone(),
-                group,
-                segmentation: piece.corners.iter().map(|corner| corner.map(f64::from)).collect(),
-                area: piece.area as f64,
-                layer: 1.0,
-                bbox: [whole.first_col, whole.first_row, whole.last_col, whole.last_row].map(f64::from),
-                iscrowd: false,
-                note: "",
-            });
+            let PixelBox { first_col, first_row, last_col, last_row } = piece.whole;
+            objects.push(json!({
+                "category": prompt.query.text,
+                "group": group,
+                "segmentation": piece.corners.iter().map(|corner| corner.map(f64::from)).collect::<Vec<_>>(),
+                "area": piece.area as f64,
+                "layer": 1.0,
+                "bbox": [first_col, first_row, last_col, last_row].map(f64::from),
+                "iscrowd": false,
+                "note": "",
+            }));
         }
     }
     objects

@@ -60,7 +60,7 @@ fn one() -> f64 {
 }
 
 /// One picture of a view.
-struct Sight {
+struct PictureEntry {
     moment: u32,
     world_from_camera: [f64; 16],
     picture: PathBuf,
@@ -73,7 +73,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let metadata: BTreeMap<String, Metadata> = json::read(&order.input.join("metadata.json"))?;
     let (scale, pictures) = picture_folder(order.input)?;
     let mut plan = Plan::new(vec![path.clone(), order.input.join("metadata.json")]);
-    let mut sights: BTreeMap<String, (Camera, Distortion, Vec<Sight>)> = BTreeMap::new();
+    let mut found: BTreeMap<String, (Camera, Distortion, Vec<PictureEntry>)> = BTreeMap::new();
     for id in &dataset.ids {
         let card_path = inside(&path, &order.input.join("camera"), &format!("{id}.json"))?;
         let card: Card = json::read(&card_path)?;
@@ -98,7 +98,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
             return Err(DataError::invalid(&card_path, "field `skew`", message, REMEDY));
         }
         plan.stated_size.get_or_insert(card.image_size);
-        let sight = Sight {
+        let entry = PictureEntry {
             moment,
             world_from_camera: card.world_from_camera(),
             picture: inside(&path, &pictures, &format!("{id}.png"))?,
@@ -106,11 +106,11 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         };
         let (title, _) = id.rsplit_once('_').unwrap_or(("cam", id));
         let (view, distortion) =
-            (camera(name_of(&path, title)?, card.intrinsics(), sight.world_from_camera), card.distortion());
-        match sights.get_mut(title) {
-            None => drop(sights.insert(title.to_owned(), (view, distortion, vec![sight]))),
+            (camera(name_of(&path, title)?, card.intrinsics(), entry.world_from_camera), card.distortion());
+        match found.get_mut(title) {
+            None => drop(found.insert(title.to_owned(), (view, distortion, vec![entry]))),
             Some((first, lens, list)) if *lens == distortion && is_same(first, &view) => {
-                list.push(sight);
+                list.push(entry);
             }
             Some(_) => {
                 let message = "has other intrinsics than the first picture of its view";
@@ -118,7 +118,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
             }
         }
     }
-    for (_, (view, distortion, list)) in sights {
+    for (_, (view, distortion, list)) in found {
         plan.views.push(view_of(view, distortion, list));
     }
     plan.note(format!("pictures are those of rgb/{scale}x"));
@@ -134,20 +134,20 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
 }
 
 /// A view with a pose for each number up to its last moment; moments that it did not see repeat the pose before.
-fn view_of(mut camera: Camera, distortion: Distortion, mut list: Vec<Sight>) -> View {
-    list.sort_by_key(|sight| sight.moment);
-    if list.iter().all(|sight| !sight.is_trained_on) {
+fn view_of(mut camera: Camera, distortion: Distortion, mut list: Vec<PictureEntry>) -> View {
+    list.sort_by_key(|entry| entry.moment);
+    if list.iter().all(|entry| !entry.is_trained_on) {
         camera.split = Split::Test;
     }
     let mut poses = Vec::new();
-    for sight in &list {
-        let before = poses.last().copied().unwrap_or(sight.world_from_camera);
-        poses.resize(sight.moment as usize + 1, before);
-        poses[sight.moment as usize] = sight.world_from_camera;
+    for entry in &list {
+        let before = poses.last().copied().unwrap_or(entry.world_from_camera);
+        poses.resize(entry.moment as usize + 1, before);
+        poses[entry.moment as usize] = entry.world_from_camera;
     }
     let stands_still = poses.iter().all(|pose| *pose == poses[0]);
     camera.world_from_camera = if stands_still { vec![poses[0]] } else { poses };
-    let pictures = list.into_iter().map(|sight| (sight.moment, sight.picture)).collect();
+    let pictures = list.into_iter().map(|entry| (entry.moment, entry.picture)).collect();
     View { camera, distortion, pictures }
 }
 

@@ -1,4 +1,4 @@
-//! What a source says of a capture before any picture is read: cameras, lenses, and where pictures stand.
+//! What a source says of a capture before any picture is read: cameras, lenses, and where pictures are.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -79,7 +79,7 @@ impl Plan {
     }
 }
 
-/// A training camera that stands still.
+/// A training camera that does not move.
 pub(super) fn camera(name: Name, [fx, fy, cx, cy]: [f64; 4], world_from_camera: [f64; 16]) -> Camera {
     Camera { name, split: Split::Train, fx, fy, cx, cy, world_from_camera: vec![world_from_camera] }
 }

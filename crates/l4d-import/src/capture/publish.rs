@@ -1,6 +1,6 @@
 //! From a capture with masks to a scene that can be asked about: its truth, in a benchmark folder of real scenes.
 //!
-//! What people drew on the held-out view is the truth; frames on which nobody drew are not judged. Real and rendered
+//! What people drew on the held-out view is the truth; frames on which no one drew are not judged. Real and rendered
 //! scenes never share a folder: a score over both would mean nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,7 +23,7 @@ const HEADING: &str = "Real scenes. Their pictures stand where they came from; q
 pub struct Published {
     /// The truth.
     pub truth: PathBuf,
-    /// Where the queries stand, or are to be written.
+    /// Where the queries are, or are to be written.
     pub queries: PathBuf,
     /// Frames that are judged.
     pub annotated: usize,
@@ -32,7 +32,7 @@ pub struct Published {
 }
 
 /// Writes the truth of a capture into a benchmark folder, and the folder itself where there is none. Queries that
-/// stand there stay.
+/// that are there stay.
 ///
 /// # Errors
 /// No or several held-out views with masks, more objects than there are ids, a folder of rendered scenes, and
@@ -115,7 +115,7 @@ fn truth_of(capture: &Capture, set: &MaskSet, scale: Scale) -> Result<Truth, Dat
     })
 }
 
-/// The one held-out view on which somebody drew.
+/// The one held-out view on which someone drew.
 fn judged_view<'a>(capture: &'a Capture, set: &MaskSet) -> Result<&'a Camera, DataError> {
     let is_drawn = |camera: &&Camera| set.instances.iter().any(|one| one.masks.contains_key(&camera.name));
     let drawn: Vec<&Camera> = capture.held_out().filter(is_drawn).collect();

@@ -2,17 +2,17 @@
 
 use l4d_data::{Camera, DataError};
 
-use super::footage::Footage;
 use super::manifest::Manifest;
+use super::views::SceneViews;
 
 /// Training cameras with masks, and held-out ones if their pictures are allowed: masks are pictures.
-pub(super) fn cameras(footage: &Footage) -> Result<Vec<&Camera>, DataError> {
-    let held_out = footage.held_out();
-    let shown = held_out.iter().copied().filter(|_| footage.shows_held_out_pictures());
+pub(super) fn cameras(views: &SceneViews) -> Result<Vec<&Camera>, DataError> {
+    let held_out = views.held_out();
+    let shown = held_out.iter().copied().filter(|_| views.shows_held_out_pictures());
     let is_annotated =
-        |camera: &Camera| footage.frames().iter().any(|&frame| footage.is_annotated(camera, frame));
+        |camera: &Camera| views.frames().iter().any(|&frame| views.is_annotated(camera, frame));
     let cameras: Vec<&Camera> =
-        footage.training().into_iter().chain(shown).filter(|camera| is_annotated(camera)).collect();
+        views.training().into_iter().chain(shown).filter(|camera| is_annotated(camera)).collect();
     if !cameras.is_empty() {
         return Ok(cameras);
     }
@@ -26,16 +26,16 @@ pub(super) fn cameras(footage: &Footage) -> Result<Vec<&Camera>, DataError> {
             "bring them in with `l4d import-scene --masks ... --masks-format ...`",
         ),
     };
-    Err(footage.wrong("masks", message.to_owned(), remedy))
+    Err(views.wrong("masks", message.to_owned(), remedy))
 }
 
 /// Says what such an export is.
-pub(super) fn note(manifest: &mut Manifest, footage: &Footage) {
+pub(super) fn note(manifest: &mut Manifest, views: &SceneViews) {
     let origin =
-        if footage.has_depth() { "ids are those of the render" } else { "masks are those that people drew" };
+        if views.has_depth() { "ids are those of the render" } else { "masks are those that people drew" };
     manifest
         .note(format!("{origin}: a method that learns from them has to say `ground_truth` in method.json"));
-    if !footage.shows_held_out_pictures() {
+    if !views.shows_held_out_pictures() {
         manifest.note("the held-out camera is left out: its ids are the truth that results are judged by");
     }
 }

@@ -1,6 +1,6 @@
 //! Points of surfaces at one moment, and which training cameras see them.
 //!
-//! They come from rendered depth, or from a reconstruction where there is one; nobody makes them up. Which of too many
+//! They come from rendered depth, or from a reconstruction where there is one; no one makes them up. Which of too many
 //! are kept is decided by a hash, so that they lie evenly and are the same in every run.
 
 mod depth;

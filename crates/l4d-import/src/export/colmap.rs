@@ -1,7 +1,6 @@
 //! A COLMAP model for each moment: for LangSplat and all others that know no time.
 //!
-//! Moments are apart in folders of their own: whoever reads `sparse/` in a moving scene takes its pictures for one
-//! moment. Poses are those of the scene, and tracks say who sees a point.
+//! Moments have folders of their own: readers of `sparse/` take all pictures for one moment. Poses are those of the scene, and tracks say who sees a point.
 
 use std::path::{Path, PathBuf};
 
@@ -9,8 +8,8 @@ use l4d_data::{DataError, json};
 use serde_json::json;
 
 use super::cloud::{self, EACH};
-use super::footage::Shot;
 use super::manifest::{Called, Manifest};
+use super::views::PictureFile;
 use super::{Format, Job, is_centred, off_centre};
 use crate::points::{add_point, model_of_pinholes, picture_name};
 
@@ -18,30 +17,30 @@ use crate::points::{add_point, model_of_pinholes, picture_name};
 const POINTS: &str = "sparse/0/points3D";
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, footage, tick } = job;
-    for camera in footage.training() {
+    let Job { order, views, tick } = job;
+    for camera in views.training() {
         manifest.cameras.push(Called::camera(camera, picture_name(&camera.name)));
     }
     let mut statement = None;
-    for &frame in footage.frames() {
+    for &frame in views.frames() {
         let folder = moment_folder(order.out, frame);
-        let cameras = footage.present(&footage.training(), frame);
-        let held_out = match footage.shows_held_out_pictures() {
-            true => footage.present(&footage.held_out(), frame),
+        let cameras = views.present(&views.training(), frame);
+        let held_out = match views.shows_held_out_pictures() {
+            true => views.present(&views.held_out(), frame),
             false => Vec::new(),
         };
 
-        let mut shots = Vec::new();
+        let mut pictures = Vec::new();
         for (below, cameras) in [("images", &cameras), ("held_out", &held_out)] {
             for &camera in cameras {
                 let path = folder.join(below).join(picture_name(&camera.name));
-                shots.push(Shot { camera, frame, path, depth: None });
+                pictures.push(PictureFile { camera, frame, path, depth: None });
             }
         }
-        footage.write_png(&shots, *tick)?;
+        views.write_png(&pictures, *tick)?;
 
-        let cloud = footage.cloud(frame)?;
-        let mut model = model_of_pinholes(&cameras, frame, footage.size());
+        let cloud = views.cloud(frame)?;
+        let mut model = model_of_pinholes(&cameras, frame, views.size());
         for point in cloud.iter().flat_map(|cloud| cloud.points(order.points)) {
             // Positions are where the point projects, so that there is no error to speak of.
             let sightings = cloud.as_ref().map(|cloud| cloud.sightings(&point)).unwrap_or_default();
@@ -50,9 +49,9 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         model.write(&folder.join("sparse").join("0"))?;
         statement.get_or_insert_with(|| cloud::statement(POINTS, EACH, cloud.as_ref()));
     }
-    let held_out = footage.held_out();
+    let held_out = views.held_out();
     if !held_out.is_empty() {
-        let [width, height] = footage.size();
+        let [width, height] = views.size();
         let rig = json!({ "width": width, "height": height, "cameras": held_out });
         json::write(&order.out.join("held_out_camera.json"), &rig)?;
     }
@@ -72,8 +71,8 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 
 /// Refuses cameras that the reader of LangSplat would bend: it drops principal points.
 pub(super) fn check_centres(job: &Job<'_>) -> Result<(), DataError> {
-    let off = job.footage.training().into_iter().find(|camera| !is_centred(job.footage, camera));
-    off.map_or(Ok(()), |camera| Err(off_centre(job.footage, camera)))
+    let off = job.views.training().into_iter().find(|camera| !is_centred(job.views, camera));
+    off.map_or(Ok(()), |camera| Err(off_centre(job.views, camera)))
 }
 
 /// The folder of a moment.

@@ -17,19 +17,19 @@ use super::{Job, annotated, limit};
 const MOST_OBJECTS: usize = 254;
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, footage, .. } = job;
+    let Job { order, views, .. } = job;
     let objects: Vec<&Instance> =
-        footage.instances().iter().filter(|instance| instance.role == Role::Object).collect();
+        views.instances().iter().filter(|instance| instance.role == Role::Object).collect();
     if objects.len() > MOST_OBJECTS {
-        return Err(limit(footage, "instances", format!("{} objects do not fit a palette", objects.len())));
+        return Err(limit(views, "instances", format!("{} objects do not fit a palette", objects.len())));
     }
     for (number, object) in (1..).zip(&objects) {
         let called = format!("{number}");
         manifest.instances.push(Called { name: object.name.clone(), held_out: false, called });
     }
-    let cameras = annotated::cameras(footage)?;
+    let cameras = annotated::cameras(views)?;
     for camera in &cameras {
-        let sequence = format!("{}_{}", footage.name(), camera.name);
+        let sequence = format!("{}_{}", views.name(), camera.name);
         let tally = write_sequence(job, camera, &sequence, &objects)?;
         tally.notes(&sequence).into_iter().for_each(|note| manifest.note(note));
         manifest.cameras.push(Called::camera(camera, sequence));
@@ -38,7 +38,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let lines: String = cameras
             .iter()
             .filter(|camera| camera.split == split)
-            .map(|camera| format!("{}_{}\n", footage.name(), camera.name))
+            .map(|camera| format!("{}_{}\n", views.name(), camera.name))
             .collect();
         write_atomic(&order.out.join("ImageSets/2017").join(format!("{list}.txt")), lines.as_bytes())?;
     }
@@ -47,7 +47,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     );
     manifest.note("DAVIS' evaluator leaves out the first and the last picture of a sequence");
     manifest.note("pictures are JPEG of quality 90, as DAVIS wants");
-    annotated::note(&mut manifest, footage);
+    annotated::note(&mut manifest, views);
     Ok(manifest)
 }
 
@@ -55,7 +55,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 struct Tally<'a> {
     /// Objects that appear after the first annotated picture.
     late: Vec<&'a Instance>,
-    /// Pictures that nobody drew on.
+    /// Pictures that no one drew on.
     unannotated: usize,
     /// Pictures of which two objects share pixels.
     overlapping: usize,
@@ -99,12 +99,12 @@ fn write_sequence<'a>(
     sequence: &str,
     objects: &[&'a Instance],
 ) -> Result<Tally<'a>, DataError> {
-    let moments = job.footage.frames().iter().copied().enumerate();
-    let moments: Vec<(usize, u32)> = moments.filter(|(_, frame)| job.footage.saw(camera, *frame)).collect();
+    let moments = job.views.frames().iter().copied().enumerate();
+    let moments: Vec<(usize, u32)> = moments.filter(|(_, frame)| job.views.saw(camera, *frame)).collect();
     let write = |&(moment, frame): &(usize, u32)| {
         let path = job.order.out.join("JPEGImages/480p").join(sequence).join(format!("{moment:05}.jpg"));
-        write_atomic(&path, &encode_jpeg(&job.footage.picture(camera, frame)?))?;
-        let masks = job.footage.masks(camera, frame)?;
+        write_atomic(&path, &encode_jpeg(&job.views.picture(camera, frame)?))?;
+        let masks = job.views.masks(camera, frame)?;
         let path = job.order.out.join("Annotations/480p").join(sequence).join(format!("{moment:05}.png"));
         let numbered = masks.map(|masks| write_numbers(job, &path, &masks, objects)).transpose()?;
         (job.tick)();
@@ -128,7 +128,7 @@ fn write_numbers(
     masks: &[(&Instance, Mask)],
     objects: &[&Instance],
 ) -> Result<Numbered, DataError> {
-    let [width, height] = job.footage.size();
+    let [width, height] = job.views.size();
     let mut numbers = vec![0; width as usize * height as usize];
     let mut numbered = Numbered { seen: BTreeSet::new(), is_overlapping: false };
     for (number, object) in (1..).zip(objects) {

@@ -10,15 +10,15 @@ use l4d_data::{Camera, DataError};
 use l4d_formats::npy;
 
 use super::cloud::{self, FIRST};
-use super::footage::Shot;
 use super::manifest::{Called, Manifest};
+use super::views::PictureFile;
 use super::{Format, Job, is_centred, limit, off_centre};
 use crate::points::{self, ColouredPoint};
 
 /// The first points.
 const POINTS: &str = "points3D_downsample2.ply";
 
-/// Width and height that `poses_bounds.npy` has to state: readers divide by the first whatever stands there.
+/// Width and height that `poses_bounds.npy` has to state: readers divide by the first whatever is there.
 const STATED_WIDTH: f64 = 2704.0;
 const STATED_HEIGHT: f64 = 2028.0;
 /// Bounds of a camera that sees no known surface.
@@ -27,20 +27,20 @@ const UNKNOWN_BOUNDS: [f64; 2] = [0.1, 100.0];
 const MOMENTS: usize = 300;
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, footage, tick } = job;
+    let Job { order, views, tick } = job;
     let cameras = cameras(job);
-    let frames = footage.frames();
+    let frames = views.frames();
     let is_padded = order.format == Format::FourDLangSplat;
-    let mut shots = Vec::new();
+    let mut pictures = Vec::new();
     for (number, camera) in cameras.iter().enumerate() {
         let name = format!("cam{number:02}");
         for (moment, &frame) in frames.iter().enumerate() {
             let path = order.out.join(&name).join("images").join(format!("{moment:04}.png"));
-            shots.push(Shot { camera, frame, path, depth: None });
+            pictures.push(PictureFile { camera, frame, path, depth: None });
         }
         manifest.cameras.push(Called::camera(camera, name));
     }
-    footage.write_png(&shots, *tick)?;
+    views.write_png(&pictures, *tick)?;
     for number in 0..cameras.len() {
         let name = format!("cam{number:02}");
         // Readers count these files; what is in them is read only where pictures are missing.
@@ -50,7 +50,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         }
     }
 
-    let cloud = footage.cloud(frames[0])?;
+    let cloud = views.cloud(frames[0])?;
     let points = cloud.as_ref().map(|cloud| cloud.surfaces(order.points));
     if let Some(points) = &points {
         write_atomic(&order.out.join(POINTS), &points::encode_ply(points))?;
@@ -77,41 +77,41 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let [near, far] = UNKNOWN_BOUNDS;
         manifest.note(format!("bounds are {near} and {far} units, since nothing is known of surfaces"));
     }
-    for camera in footage.held_out().into_iter().skip(1) {
+    for camera in views.held_out().into_iter().skip(1) {
         manifest.note(format!(
             "{} is left out: its reader holds out one camera, and trains on all others",
             camera.name
         ));
     }
-    manifest.note_test_split(footage);
+    manifest.note_test_split(views);
     Ok(manifest)
 }
 
 /// One held-out camera, or a training camera in its place; then all training cameras.
 fn cameras<'a>(job: &Job<'a>) -> Vec<&'a Camera> {
-    let footage = job.footage;
-    footage.test_split().into_iter().take(1).chain(footage.training()).collect()
+    let views = job.views;
+    views.test_split().into_iter().take(1).chain(views.training()).collect()
 }
 
 pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
-    let (footage, cameras) = (job.footage, cameras(job));
-    let [width, height] = footage.size();
-    let refuse = |field: &str, message: String| Err(limit(footage, field, message));
+    let (views, cameras) = (job.views, cameras(job));
+    let [width, height] = views.size();
+    let refuse = |field: &str, message: String| Err(limit(views, field, message));
     if width * 3 != height * 4 {
         return refuse("width", format!("{width}x{height} is not 4:3, and readers would bend the pictures"));
     }
-    if footage.frames().len() > MOMENTS {
+    if views.frames().len() > MOMENTS {
         return refuse("stride", format!("there are more than {MOMENTS} moments, and readers drop the rest"));
     }
     for camera in &cameras {
         let name = &camera.name;
-        if !is_centred(footage, camera) {
-            return Err(off_centre(footage, camera));
+        if !is_centred(views, camera) {
+            return Err(off_centre(views, camera));
         }
         if camera.fx != camera.fy || camera.fx != cameras[0].fx {
             return refuse("fx", format!("{name} has another focal length, and readers know one"));
         }
-        if let Some(frame) = footage.frames().iter().find(|frame| !footage.saw(camera, **frame)) {
+        if let Some(frame) = views.frames().iter().find(|frame| !views.saw(camera, **frame)) {
             return refuse("unseen", format!("{name} did not see {frame}, and readers want all moments"));
         }
         if camera.world_from_camera.len() > 1 {
@@ -124,7 +124,7 @@ pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
 /// 3x5 numbers `[down | right | back | centre | height, width, focal length]` row by row, then near and far.
 fn row(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 17] {
     let world_from_camera = camera.world_from_camera(0);
-    let focal = camera.fx * STATED_WIDTH / f64::from(job.footage.size()[0]);
+    let focal = camera.fx * STATED_WIDTH / f64::from(job.views.size()[0]);
     let hwf = [STATED_HEIGHT, STATED_WIDTH, focal];
     let DMat4 { x_axis: right, y_axis: down, z_axis: forward, w_axis: centre } = world_from_camera;
     let [near, far] = bounds(job, camera, points);
@@ -145,7 +145,7 @@ fn row(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 17] {
 
 /// The depths between which all but a thousandth of the visible points lie, as LLFF has it, metres.
 fn bounds(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 2] {
-    let size = job.footage.size().map(f64::from);
+    let size = job.views.size().map(f64::from);
     let mut depths: Vec<f64> = points
         .iter()
         .map(|point| camera.project(0, point.position))

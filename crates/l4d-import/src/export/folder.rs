@@ -9,8 +9,8 @@ use l4d_data::store::{list_folder, make_folder};
 use l4d_data::{DataError, json};
 
 use super::Order;
-use super::footage::Footage;
 use super::manifest::{Exported, Manifest};
+use super::views::SceneViews;
 
 /// Name of the manifest.
 pub const MANIFEST: &str = "l4d-export.json";
@@ -21,7 +21,7 @@ pub(super) struct Folder {
 
 impl Folder {
     /// Takes possession of the folder of an order.
-    pub(super) fn claim(order: &Order<'_>, footage: &Footage) -> Result<Self, DataError> {
+    pub(super) fn claim(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
         make_folder(order.out)?;
         let path = order.out.join(MANIFEST);
         let refuse = |message: String| {
@@ -30,17 +30,17 @@ impl Folder {
         };
         if path.is_file() {
             let earlier: Manifest = json::read(&path)?;
-            let (scene, format) = (footage.name().as_str(), order.format.as_str());
+            let (scene, format) = (views.name().as_str(), order.format.as_str());
             if (earlier.scene.as_str(), earlier.format.as_str()) != (scene, format) {
                 return refuse(format!("holds {} as {}", earlier.scene, earlier.format));
             }
-            if earlier.differs_from(&Manifest::new(order, footage)?) {
+            if earlier.differs_from(&Manifest::new(order, views)?) {
                 return refuse("holds an export of other frames, other pictures or another split".to_owned());
             }
         } else if let Some(entry) = list_folder(order.out)?.first() {
             return refuse(format!("is not empty: `{}` stands there", l4d_data::error::inert(entry)));
         }
-        json::write(&path, &Manifest::new(order, footage)?)?;
+        json::write(&path, &Manifest::new(order, views)?)?;
         Ok(Self { manifest: path })
     }
 

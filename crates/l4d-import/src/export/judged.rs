@@ -11,7 +11,7 @@ use super::{Format, Job, limit};
 use crate::annotations::{Judged, four_d_langsplat, lerf_ovs};
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, footage, .. } = job;
+    let Job { order, views, .. } = job;
     let (judged, camera) = camera(job)?;
     manifest.cameras.push(Called::camera(camera, camera.name.as_str()));
     match order.format {
@@ -21,7 +21,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     manifest.note(
         "a mask is cut into pieces without holes, each an annotation: their union is the mask to the pixel",
     );
-    manifest.note(if footage.shows_held_out_pictures() {
+    manifest.note(if views.shows_held_out_pictures() {
         "pictures are those of the held-out camera"
     } else {
         "pictures are grey: evaluators only draw on them"
@@ -32,14 +32,13 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
 
 /// The truth of an order, and the camera that it is of.
 pub(super) fn camera<'a>(job: &Job<'a>) -> Result<(&'a Judged<'a>, &'a Camera), DataError> {
-    let Job { order, footage, .. } = job;
-    let judged =
-        order.judged.ok_or_else(|| limit(footage, "name", "its queries and truth were not given"))?;
+    let Job { order, views, .. } = job;
+    let judged = order.judged.ok_or_else(|| limit(views, "name", "its queries and truth were not given"))?;
     let truth = judged.truth();
-    let is_ours = truth.scene == *footage.name() && truth.profile == footage.profile();
-    match footage.camera(&truth.test_view) {
-        Some(camera) if is_ours && [truth.width, truth.height] == footage.size() => Ok((judged, camera)),
-        _ => Err(limit(footage, "name", "the truth is that of another scene or profile")),
+    let is_ours = truth.scene == *views.name() && truth.profile == views.profile();
+    match views.camera(&truth.test_view) {
+        Some(camera) if is_ours && [truth.width, truth.height] == views.size() => Ok((judged, camera)),
+        _ => Err(limit(views, "name", "the truth is that of another scene or profile")),
     }
 }
 
@@ -51,7 +50,7 @@ fn write_4d_langsplat(
 ) -> Result<(), DataError> {
     let names = four_d_langsplat::write(job.order.out, judged)?;
     for (name, &frame) in names.iter().zip(&judged.truth().frames) {
-        let picture = job.footage.picture(camera, frame)?;
+        let picture = job.views.picture(camera, frame)?;
         let path = job.order.out.join("annotations/train").join(name);
         write_atomic(&path, &encode_jpeg(&picture))?;
         (job.tick)();
@@ -70,7 +69,7 @@ fn write_lerf_ovs(
 ) -> Result<(), DataError> {
     for frame in lerf_ovs::write(job.order.out, judged)? {
         let folder = job.order.out.join(lerf_ovs::moment_folder(&judged.truth().scene, frame));
-        let picture = job.footage.picture(camera, frame)?;
+        let picture = job.views.picture(camera, frame)?;
         write_atomic(&folder.join(format!("{}.jpg", lerf_ovs::STEM)), &encode_jpeg(&picture))?;
         (job.tick)();
     }

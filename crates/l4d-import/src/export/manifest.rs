@@ -7,7 +7,7 @@ use l4d_data::results::Track;
 use l4d_data::{Camera, DataError, Name, Profile, Split};
 use serde::{Deserialize, Serialize};
 
-use super::footage::Footage;
+use super::views::SceneViews;
 use super::{HeldOut, Order};
 
 /// Schema tag of the manifest.
@@ -18,7 +18,7 @@ pub const SCHEMA: &str = "l4d/export/1";
 pub struct Exported {
     /// What it says of itself.
     pub manifest: Manifest,
-    /// Where that stands.
+    /// Where that is.
     pub path: PathBuf,
 }
 
@@ -77,7 +77,7 @@ impl Called {
 }
 
 impl Manifest {
-    pub(super) fn new(order: &Order<'_>, footage: &Footage) -> Result<Self, DataError> {
+    pub(super) fn new(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
         let held_out = match order.held_out {
             HeldOut::Nothing => "nothing",
             HeldOut::Pose => "pose",
@@ -85,21 +85,21 @@ impl Manifest {
         };
         // Evaluators ask about all moments, whichever were chosen for pictures.
         let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| judged.truth().clip());
-        let masks = footage.masks_path().filter(|_| order.format.holds_masks());
+        let masks = views.masks_path().filter(|_| order.format.holds_masks());
         Ok(Self {
             schema: SCHEMA.to_owned(),
             complete: false,
-            scene: footage.name().clone(),
-            profile: footage.profile(),
+            scene: views.name().clone(),
+            profile: views.profile(),
             format: order.format.to_string(),
             held_out: held_out.to_owned(),
-            depth: shows_depth(order, footage),
-            scene_sha256: sha256_file(&footage.path())?,
+            depth: shows_depth(order, views),
+            scene_sha256: sha256_file(&views.path())?,
             masks_sha256: masks.map(|path| sha256_file(&path)).transpose()?,
-            frames: truth.unwrap_or_else(|| footage.frames().to_vec()),
+            frames: truth.unwrap_or_else(|| views.frames().to_vec()),
             cameras: Vec::new(),
             instances: Vec::new(),
-            notes: footage.notes(),
+            notes: views.notes(),
         })
     }
 
@@ -132,14 +132,14 @@ impl Manifest {
     }
 
     /// Says what became of the held-out cameras in a layout whose test split they are.
-    pub(super) fn note_test_split(&mut self, footage: &Footage) {
-        let held_out = footage.held_out();
+    pub(super) fn note_test_split(&mut self, views: &SceneViews) {
+        let held_out = views.held_out();
         if held_out.is_empty() {
             self.note("the test split repeats a training camera, since its reader wants one");
         }
         for camera in held_out {
             let name = &camera.name;
-            self.note(match footage.shows_held_out_pictures() {
+            self.note(match views.shows_held_out_pictures() {
                 false => format!(
                     "the test split is the pose of {name} with grey pictures: draw it, but believe no error measured on it"
                 ),
@@ -150,7 +150,7 @@ impl Manifest {
 }
 
 /// Whether an export holds depth of the render, or points made from it.
-fn shows_depth(order: &Order<'_>, footage: &Footage) -> bool {
+fn shows_depth(order: &Order<'_>, views: &SceneViews) -> bool {
     let has_points_of_depth = order.format.holds_points() && order.points_from.is_none();
-    footage.has_depth() && (order.format.holds_depth() || has_points_of_depth)
+    views.has_depth() && (order.format.holds_depth() || has_points_of_depth)
 }

@@ -1,6 +1,6 @@
 //! 4DGaussians, reader `PanopticSports`: the one that keeps size, principal point, moments and split.
 //!
-//! `train_meta.json` and `test_meta.json` hold lists over moments of lists over cameras; pictures stand in `ims/`; the
+//! `train_meta.json` and `test_meta.json` hold lists over moments of lists over cameras; pictures are in `ims/`; the
 //! first points in `init_pt_cld.npz`.
 
 use std::path::Path;
@@ -8,71 +8,58 @@ use std::path::Path;
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, json};
 use l4d_formats::{npy, npz};
-use serde::Serialize;
+use serde_json::json;
 
 use super::Job;
 use super::cloud::{self, FIRST};
-use super::footage::Shot;
 use super::manifest::{Called, Manifest};
+use super::views::PictureFile;
 use crate::points::ColouredPoint;
 use crate::pose;
 
 /// The first points.
 const POINTS: &str = "init_pt_cld.npz";
 
-/// `train_meta.json`, `test_meta.json`.
-#[derive(Debug, Serialize)]
-struct Meta {
-    w: u32,
-    h: u32,
-    /// Moment, camera: 3x3 intrinsics.
-    k: Vec<Vec<[[f64; 3]; 3]>>,
-    /// Moment, camera: 4x4 `camera_from_world`.
-    w2c: Vec<Vec<[[f64; 4]; 4]>>,
-    /// Moment, camera: picture below `ims/`.
-    r#fn: Vec<Vec<String>>,
-    /// Moment, camera: number of the camera.
-    cam_id: Vec<Vec<usize>>,
-}
-
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
-    let Job { order, footage, tick } = job;
-    let training = footage.training();
-    let test = footage.test_split();
+    let Job { order, views, tick } = job;
+    let training = views.training();
+    let test = views.test_split();
     let mut numbered: Vec<&Camera> = training.clone();
-    numbered.extend(footage.held_out());
+    numbered.extend(views.held_out());
 
     let picture = |number: usize, moment: usize| format!("{number}/{moment:06}.png");
-    let mut shots = Vec::new();
+    let mut pictures = Vec::new();
     for (number, camera) in numbered.iter().enumerate() {
         manifest.cameras.push(Called::camera(camera, format!("ims/{number}")));
-        let moments = footage.frames().iter().enumerate();
-        for (moment, &frame) in moments.filter(|(_, frame)| footage.saw(camera, **frame)) {
+        let moments = views.frames().iter().enumerate();
+        for (moment, &frame) in moments.filter(|(_, frame)| views.saw(camera, **frame)) {
             let path = order.out.join("ims").join(picture(number, moment));
-            shots.push(Shot { camera, frame, path, depth: None });
+            pictures.push(PictureFile { camera, frame, path, depth: None });
         }
     }
-    footage.write_png(&shots, *tick)?;
+    views.write_png(&pictures, *tick)?;
 
     let meta = |cameras: &[&Camera]| {
         let number_of =
             |camera: &Camera| numbered.iter().position(|other| other.name == camera.name).unwrap_or(0);
-        let [w, h] = footage.size();
-        let mut meta = Meta { w, h, k: vec![], w2c: vec![], r#fn: vec![], cam_id: vec![] };
-        for (moment, &frame) in footage.frames().iter().enumerate() {
-            let present = footage.present(cameras, frame);
+        let [w, h] = views.size();
+        // Lists over moments of lists over cameras: 3x3 intrinsics, 4x4 `camera_from_world`, picture below `ims/`,
+        // number of the camera.
+        let (mut k, mut w2c, mut files, mut ids) = (vec![], vec![], vec![], vec![]);
+        for (moment, &frame) in views.frames().iter().enumerate() {
+            let present = views.present(cameras, frame);
             let numbers: Vec<usize> = present.iter().map(|camera| number_of(camera)).collect();
             let pose = |camera: &&Camera| pose::nested_rows(camera.camera_from_world(frame));
-            meta.k.push(present.iter().map(|camera| intrinsics(camera)).collect());
-            meta.w2c.push(present.iter().map(pose).collect());
-            meta.r#fn.push(numbers.iter().map(|&number| picture(number, moment)).collect());
-            meta.cam_id.push(numbers);
+            k.push(present.iter().map(|camera| intrinsics(camera)).collect::<Vec<_>>());
+            w2c.push(present.iter().map(pose).collect::<Vec<_>>());
+            files.push(numbers.iter().map(|&number| picture(number, moment)).collect::<Vec<_>>());
+            ids.push(numbers);
         }
-        meta
+        json!({ "w": w, "h": h, "k": k, "w2c": w2c, "fn": files, "cam_id": ids })
     };
     json::write_compact(&order.out.join("train_meta.json"), &meta(&training))?;
     json::write_compact(&order.out.join("test_meta.json"), &meta(&test))?;
-    let cloud = footage.cloud(footage.frames()[0])?;
+    let cloud = views.cloud(views.frames()[0])?;
     if let Some(cloud) = &cloud {
         write_points(&order.out.join(POINTS), &cloud.surfaces(order.points))?;
     }
@@ -80,7 +67,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     manifest.note("time of the i-th moment is i / number of moments, as its reader computes it");
     manifest.note("its reader draws without harmonics: colours do not depend on direction");
     manifest.note(cloud::statement(POINTS, FIRST, cloud.as_ref()));
-    manifest.note_test_split(footage);
+    manifest.note_test_split(views);
     Ok(manifest)
 }
 

@@ -26,7 +26,7 @@ pub fn read(path: &Path) -> Result<Claims, DataError> {
     Ok(log(&text).into_iter().take(MOST).collect())
 }
 
-/// What stands before a number in a line of a log, and what the number is called.
+/// What is before a number in a line of a log, and what the number is called.
 const MARKS: [(&str, &str); 6] = [
     ("trunc thresh: ", "threshold"),
     ("iou chosen: ", "iou chosen"),

@@ -1,6 +1,6 @@
 //! Codes of findings about foreign results; `docs/findings.md` describes them.
 
-/// Nothing stands where the template looks.
+/// Nothing is where the template looks.
 pub const NOTHING_FOUND: &str = "L4D540";
 /// A file that cannot be read: damaged, hostile, of another kind.
 pub const UNREADABLE: &str = "L4D541";

@@ -45,7 +45,7 @@ pub struct Request<'a> {
     pub scenes: Vec<Name>,
     /// What is known of the files.
     pub preset: Preset,
-    /// Where they stand.
+    /// Where they are.
     pub root: PathBuf,
     /// Fields of the template that the user fixed.
     pub choices: Captures,
@@ -142,7 +142,7 @@ pub fn import(
     let mut hits = template.find(&request.root, &request.choices, report)?;
     hits.retain(|hit| !is_ignored(&hit.path, &request.preset.ignore));
     if let Some(latents) = &request.preset.latents {
-        // Other levels stand beside them: that of time, and the default one that no evaluation reads.
+        // Other levels are beside them: that of time, and the default one that no evaluation reads.
         hits.retain(|hit| hit.number("level").is_none_or(|level| latents.levels.contains(&level)));
     }
     if hits.is_empty() {
@@ -293,7 +293,7 @@ fn read_claims(request: &Request<'_>, imported: &mut Imported, report: &mut Repo
         request.claims.iter().map(|path| (String::new(), path.clone())).collect();
     if let Some(preset) = &request.preset.claims {
         let template = parse(&preset.template, &request.root)?;
-        // Other runs of the evaluation may stand beside each other: the latest by name counts.
+        // Other runs of the evaluation may are beside each other: the latest by name counts.
         let mut latest: BTreeMap<String, PathBuf> = BTreeMap::new();
         for hit in template.find(&request.root, &Captures::new(), report)? {
             let scene = hit.text("scene").unwrap_or_default().to_owned();

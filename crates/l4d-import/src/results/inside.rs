@@ -90,7 +90,7 @@ impl fmt::Display for Inside {
     }
 }
 
-/// A mask, and how high it would stand among levels.
+/// A mask, and the peak by which levels compete.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cut {
     /// The mask.
@@ -114,7 +114,7 @@ pub enum CutError {
         col: usize,
         /// Row.
         row: usize,
-        /// What stands there.
+        /// What is there.
         value: f32,
     },
     /// A range of zero under a rule that needs one.

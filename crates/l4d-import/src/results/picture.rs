@@ -24,29 +24,12 @@ pub struct Picture {
 /// Why bytes are no picture of numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
-    /// Not a PNG, or damaged.
+    /// Not a PNG, damaged, or too large.
     #[error("is no whole PNG: {0}")]
     Damaged(String),
-    /// A side that no decoder should make room for.
-    #[error("is {0}x{1}, but each side must have 1 to {max} pixels", max = Mask::MAX_SIDE)]
-    Size(u32, u32),
-    /// Colours.
-    #[error("has colours (pixel {col}, {row} is {red}, {green}, {blue}), so nothing says what is inside")]
-    Colours {
-        /// Column.
-        col: usize,
-        /// Row.
-        row: usize,
-        /// Red.
-        red: u16,
-        /// Green.
-        green: u16,
-        /// Blue.
-        blue: u16,
-    },
-    /// Alpha that is not opaque everywhere.
-    #[error("has pixels that are not opaque, and alpha is no mask")]
-    Alpha,
+    /// Colours, or alpha that is not opaque everywhere.
+    #[error("{0}")]
+    Ambiguous(String),
 }
 
 /// Decodes a PNG.
@@ -56,11 +39,15 @@ pub fn decode(bytes: &[u8]) -> Result<Picture, PictureError> {
     let mut reader = decoder.read_info().map_err(damaged)?;
     let info = reader.info();
     let (width, height) = info.size();
+    let too_large = || {
+        let most = Mask::MAX_SIDE;
+        PictureError::Damaged(format!("is {width}x{height}, but each side must have 1 to {most} pixels"))
+    };
     if !Mask::is_sane_size(width, height) {
-        return Err(PictureError::Size(width, height));
+        return Err(too_large());
     }
     let (colour, depth) = (info.color_type, info.bit_depth);
-    let length = reader.output_buffer_size().ok_or(PictureError::Size(width, height))?;
+    let length = reader.output_buffer_size().ok_or_else(too_large)?;
     let mut buffer = vec![0; length];
     let frame = reader.next_frame(&mut buffer).map_err(damaged)?;
     let row_bytes = frame.line_size;
@@ -97,10 +84,14 @@ fn value(
         _ => false,
     };
     if is_clear {
-        return Err(PictureError::Alpha);
+        let message = "has pixels that are not opaque, and alpha is no mask";
+        return Err(PictureError::Ambiguous(message.to_owned()));
     }
     if matches!(colour, ColorType::Rgb | ColorType::Rgba) && (at(0) != at(1) || at(1) != at(2)) {
-        return Err(PictureError::Colours { col, row, red: at(0), green: at(1), blue: at(2) });
+        let (red, green, blue) = (at(0), at(1), at(2));
+        return Err(PictureError::Ambiguous(format!(
+            "has colours (pixel {col}, {row} is {red}, {green}, {blue}), so nothing says what is inside"
+        )));
     }
     Ok(at(0))
 }
@@ -157,8 +148,8 @@ mod tests {
     fn what_says_nothing_of_inside_is_refused() {
         use BitDepth::Eight;
         let refused = |colour, pixels: &[u8]| decode(&png(colour, Eight, 1, pixels)).unwrap_err();
-        assert!(matches!(refused(ColorType::Rgb, &[1, 2, 3]), PictureError::Colours { red: 1, blue: 3, .. }));
-        assert_eq!(refused(ColorType::Rgba, &[1, 1, 1, 0]), PictureError::Alpha);
+        assert!(refused(ColorType::Rgb, &[1, 2, 3]).to_string().contains("(pixel 0, 0 is 1, 2, 3)"));
+        assert!(refused(ColorType::Rgba, &[1, 1, 1, 0]).to_string().contains("alpha is no mask"));
         assert!(matches!(decode(b"no picture"), Err(PictureError::Damaged(_))));
         let mut huge = png(ColorType::Grayscale, Eight, 1, &[0]);
         huge[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);

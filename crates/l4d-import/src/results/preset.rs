@@ -1,7 +1,7 @@
 //! Presets: what is known of the files that methods leave, as data.
 //!
-//! A preset says where files stand, what they hold and which rule of their own evaluation makes a mask of them. The
-//! built-in ones stand in `presets/` beside this crate; any file of that form can take their place.
+//! A preset says where files are, what they hold and which rule of their own evaluation makes a mask of them. The
+//! built-in ones are in `presets/` beside this crate; any file of that form can take their place.
 
 use std::path::Path;
 
@@ -28,7 +28,7 @@ pub struct Preset {
     /// Paper or code.
     #[serde(default)]
     pub link: String,
-    /// Where files stand.
+    /// Where files are.
     pub template: String,
     /// What they hold.
     pub codec: Codec,
@@ -50,7 +50,7 @@ pub struct Preset {
     /// Where the method writes numbers of its own.
     #[serde(default)]
     pub claims: Option<Claims>,
-    /// What somebody who compares should know: a sentence each.
+    /// What someone who compares should know: a sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
 }
@@ -63,13 +63,13 @@ pub struct LatentsPreset {
     pub levels: Vec<u64>,
     /// The rules.
     pub rules: Rules,
-    /// Where the weights of the autoencoder stand, if none are given.
+    /// Where the weights of the autoencoder are, if none are given.
     #[serde(default)]
     pub decoder: Option<String>,
-    /// Where latents of time stand.
+    /// Where latents of time are.
     #[serde(default)]
     pub time_template: Option<String>,
-    /// Where the weights of the autoencoder of time stand, if none are given.
+    /// Where the weights of the autoencoder of time are, if none are given.
     #[serde(default)]
     pub time_decoder: Option<String>,
 }
@@ -78,7 +78,7 @@ pub struct LatentsPreset {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claims {
-    /// Where they stand.
+    /// Where they are.
     pub template: String,
 }
 

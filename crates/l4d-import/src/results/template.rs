@@ -46,7 +46,7 @@ enum Piece {
 /// A file that a template found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Hit {
-    /// Where it stands.
+    /// Where it is.
     pub path: PathBuf,
     /// What its path says.
     pub captures: Captures,

@@ -223,16 +223,7 @@ fn hypernerf_skew_and_ids_that_leave_the_folder_are_refused() {
 fn exported(format: Format) -> (World, Bench) {
     let (world, bench) = (World::new(), Bench::new());
     let (scene, out) = (world.dir(), world.out("exported"));
-    let order = Order {
-        origin: Origin::Rendered(&scene),
-        format,
-        out: &out,
-        frames: &[48],
-        held_out: HeldOut::Pose,
-        points: 500,
-        points_from: None,
-        judged: None,
-    };
+    let order = Order { frames: &[48], points: 500, ..Order::new(Origin::Rendered(&scene), format, &out) };
     export(order, &|| {}).unwrap();
     std::fs::rename(out.join("frame_0048"), bench.input()).unwrap();
     (world, bench)
@@ -268,16 +259,7 @@ fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
     // The capture stands in a folder of another name than its own.
     let dir = CaptureDir::new(bench.out().parent().unwrap(), "out");
     let out = world.out("again");
-    let order = Order {
-        origin: Origin::Captured(&dir),
-        format: Format::Colmap,
-        out: &out,
-        frames: &[],
-        held_out: HeldOut::Pose,
-        points: usize::MAX,
-        points_from: None,
-        judged: None,
-    };
+    let order = Order { points: usize::MAX, ..Order::new(Origin::Captured(&dir), Format::Colmap, &out) };
     export(order, &|| {}).unwrap();
     let ours = Model::read(&out.join("frame_0000/sparse/0")).unwrap();
     let name_of =

@@ -26,10 +26,7 @@ fn recorded(change: impl FnOnce(&mut Capture)) -> World {
 fn try_captured(world: &World, format: Format, held_out: HeldOut, out: &Path) -> Result<Exported, DataError> {
     let capture = world.capture_dir();
     let origin = Origin::Captured(&capture);
-    export(
-        Order { origin, format, out, frames: &[], held_out, points: 2000, points_from: None, judged: None },
-        &|| {},
-    )
+    export(Order { held_out, points: 2000, ..Order::new(origin, format, out) }, &|| {})
 }
 
 fn name(text: &str) -> Name {
@@ -103,14 +100,10 @@ fn without_points_a_layout_says_so_and_takes_those_of_a_model_in_the_same_world(
     let (capture, scene) = (world.capture_dir(), world.dir());
     let with = |origin: Origin<'_>, model: &Path, out: &Path| {
         let order = Order {
-            origin,
-            format: Format::FourDGaussians,
-            out,
             frames: &[0, 48],
-            held_out: HeldOut::Pose,
             points: 2000,
             points_from: Some(model),
-            judged: None,
+            ..Order::new(origin, Format::FourDGaussians, out)
         };
         export(order, &|| {})
     };
@@ -212,14 +205,8 @@ fn evaluators_count_the_moments_that_nobody_drew_on() {
     let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
     let (capture, out) = (world.capture_dir(), world.out("annotations"));
     let order = Order {
-        origin: Origin::Captured(&capture),
-        format: Format::FourDLangSplatAnnotations,
-        out: &out,
-        frames: &[],
-        held_out: HeldOut::Pose,
-        points: 1,
-        points_from: None,
         judged: Some(&judged),
+        ..Order::new(Origin::Captured(&capture), Format::FourDLangSplatAnnotations, &out)
     };
     let manifest = export(order, &|| {}).unwrap().manifest;
     assert_eq!(manifest.frames, world.frames(), "a moment is a place in the clip");

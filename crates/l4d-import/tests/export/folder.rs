@@ -71,14 +71,10 @@ fn what_comes_from_rendered_depth_is_said() {
         let (scene, out) = (world.dir(), world.out(&format!("{format}-given")));
         let points = world.out("colmap").join("frame_0000/sparse/0");
         let order = Order {
-            origin: Origin::Rendered(&scene),
-            format,
-            out: &out,
             frames: &[0],
-            held_out: HeldOut::Pose,
             points: 100,
             points_from: Some(&points),
-            judged: None,
+            ..Order::new(Origin::Rendered(&scene), format, &out)
         };
         assert_eq!(export(order, &|| {}).unwrap().manifest.depth, depth, "{format}");
     }
@@ -89,16 +85,7 @@ fn truth_has_to_be_brought_along() {
     let world = World::new();
     let (scene, out) = (world.dir(), world.out("none"));
     let format = Format::LerfOvs;
-    let order = Order {
-        origin: Origin::Rendered(&scene),
-        format,
-        out: &out,
-        frames: &[],
-        held_out: HeldOut::Pose,
-        points: 1,
-        points_from: None,
-        judged: None,
-    };
+    let order = Order::new(Origin::Rendered(&scene), format, &out);
     assert!(export(order, &|| {}).unwrap_err().to_string().contains("truth were not given"));
 }
 
@@ -107,16 +94,8 @@ fn frames_can_be_chosen_among_the_rendered_ones() {
     let world = World::new();
     let scene = world.dir();
     let out = world.out("two");
-    let order = Order {
-        origin: Origin::Rendered(&scene),
-        format: Format::FourDGaussians,
-        out: &out,
-        frames: &[96, 12],
-        held_out: HeldOut::Pose,
-        points: 1,
-        points_from: None,
-        judged: None,
-    };
+    let order =
+        Order { frames: &[96, 12], ..Order::new(Origin::Rendered(&scene), Format::FourDGaussians, &out) };
     assert_eq!(export(order, &|| {}).unwrap().manifest.frames, [12, 96]);
     assert_eq!(std::fs::read_dir(out.join("ims/0")).unwrap().count(), 2);
     let elsewhere = world.out("elsewhere");

@@ -52,7 +52,7 @@ pub struct Checkpoint {
     pub gaussians: Gaussians,
     /// The Gaussians that go through the field, ascending.
     pub dynamic: Vec<u32>,
-    /// The deformation field; none for a scene that stands still.
+    /// The deformation field; none for a scene that does not move.
     pub field: Option<DeformationField>,
     /// Steps of training so far.
     pub iteration: u64,

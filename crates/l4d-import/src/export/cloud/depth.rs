@@ -1,6 +1,6 @@
 //! Points from the depth of training cameras: every pixel with a depth is one.
 //!
-//! Depth is that of the render: exact, and known to nobody who has a real scene.
+//! Depth is that of the render: exact, and known to no one who has a real scene.
 
 use glam::{DVec2, DVec3};
 use l4d_data::Camera;
@@ -74,7 +74,7 @@ impl<'a> View<'a> {
         depth_m.is_finite().then(|| self.camera.unproject(frame, centre, depth_m))
     }
 
-    /// Where the picture shows a point, unless something stands before it.
+    /// Where the picture shows a point, unless something is before it.
     fn sees(&self, frame: u32, point: DVec3) -> Option<DVec2> {
         let (position, depth_m) = self.camera.project(frame, point);
         let size = DVec2::new(f64::from(self.surfaces.width), f64::from(self.surfaces.height));

@@ -1,4 +1,4 @@
-//! Points of a COLMAP model that stands in the world of the scene.
+//! Points of a COLMAP model that is in the world of the scene.
 //!
 //! A point that could not have been triangulated without a held-out view is left out: it would show what that view saw.
 
@@ -30,7 +30,7 @@ struct Point {
 }
 
 impl Reconstruction {
-    /// Reads the model in a folder. Its images are called like the views, and stand where these stand at one of the frames.
+    /// Reads the model in a folder. Its images are called like the views, and are where these are at one of the frames.
     pub(in crate::export) fn given(
         folder: &Path,
         cameras: &[Camera],

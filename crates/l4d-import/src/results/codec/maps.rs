@@ -35,8 +35,8 @@ pub(super) fn read_picture(path: &Path, reading: &Reading) -> Result<Vec<Piece>,
     }
     let bytes = read_bounded(path, MAX_PICTURE_BYTES)?;
     let picture = picture::decode(&bytes).map_err(|error| match error {
-        PictureError::Colours { .. } | PictureError::Alpha => ambiguous(error.to_string()),
-        PictureError::Damaged(_) | PictureError::Size(..) => {
+        PictureError::Ambiguous(message) => ambiguous(message),
+        PictureError::Damaged(_) => {
             Problem::unreadable("picture", error.to_string(), "write the picture again")
         }
     })?;

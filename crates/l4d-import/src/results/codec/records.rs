@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Piece>, Problem> {
     Ok(pieces)
 }
 
-/// Where in the file a value stands, and what that says.
+/// Where in the file a value is, and what that says.
 #[derive(Debug, Clone, Default)]
 struct Trail {
     shown: String,

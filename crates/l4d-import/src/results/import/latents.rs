@@ -127,7 +127,7 @@ fn report_blank(query: &Query, chosen: &Chosen, levels: &[(u64, Level)], report:
     report.error(codes::CONSTANT, path, "relevancy", message, hint);
 }
 
-/// Files by frame, each frame's levels in the order of the preset; holes and strangers are reported.
+/// Files by frame, each frame's levels in the order of the preset; gaps and unknown files are reported.
 fn by_frame<'h>(
     preset: &LatentsPreset,
     hits: &'h [Hit],
@@ -181,7 +181,7 @@ struct Engines {
 
 impl Engines {
     fn new(given: Option<&String>, preset: Option<&String>, root: &Path) -> Result<Self, DataError> {
-        // What the user gives stands below the working folder or anywhere; a preset's stands below the root.
+        // What the user gives is below the working folder or anywhere; a preset's is below the root.
         let template = match (given, preset) {
             (Some(given), _) => {
                 let (base, below) = match given.strip_prefix('/') {

@@ -7,7 +7,7 @@ use l4d_data::{Benchmark, DataError, Name, Profile};
 pub(super) struct Pictures {
     /// Frames of the clip, ascending: the n-th picture of a render shows the n-th of them.
     pub(super) clip: Vec<u32>,
-    /// Those that nobody annotated, ascending: answers for them are left out, since nothing judges them.
+    /// Those that no one annotated, ascending: answers for them are left out, since nothing judges them.
     pub(super) unannotated: Vec<u32>,
     /// Columns and rows.
     pub(super) size: (u32, u32),

@@ -115,7 +115,7 @@ impl Options<'_> {
         )
     }
 
-    /// An option that older runs do not have stands at the original's default.
+    /// An option that older runs do not have is at the original's default.
     fn switch(&self, option: &str, default: bool) -> Result<bool, Fault> {
         match self.0.get(option) {
             None => Ok(default),

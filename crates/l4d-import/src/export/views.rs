@@ -21,11 +21,11 @@ use super::{HeldOut, Order, Origin};
 use self::captured::Recording;
 use self::rendered::Rendering;
 
-/// What stands in for a picture that must not be shown.
+/// What replaces a picture that must not be shown.
 const PLACEHOLDER: Rgb<u8> = Rgb([128; 3]);
 
 /// A scene and what may be seen of it.
-pub(super) struct Footage {
+pub(super) struct SceneViews {
     material: Material,
     frames: Vec<u32>,
     shown: HeldOut,
@@ -39,7 +39,7 @@ enum Material {
 }
 
 /// One picture to be written.
-pub(super) struct Shot<'a> {
+pub(super) struct PictureFile<'a> {
     pub(super) camera: &'a Camera,
     pub(super) frame: u32,
     pub(super) path: PathBuf,
@@ -47,39 +47,39 @@ pub(super) struct Shot<'a> {
     pub(super) depth: Option<PathBuf>,
 }
 
-impl Footage {
+impl SceneViews {
     pub(super) fn open(order: &Order<'_>) -> Result<Self, DataError> {
         let material = match order.origin {
             Origin::Rendered(dir) => Material::Rendered(Rendering::open(dir)?),
             Origin::Captured(dir) => Material::Captured(Recording::open(dir)?),
         };
-        let mut footage =
+        let mut views =
             Self { material, frames: order.frames.to_vec(), shown: order.held_out, reconstruction: None };
-        let clip = footage.clip();
+        let clip = views.clip();
         if let Some(frame) = order.frames.iter().find(|frame| !clip.contains(frame)) {
-            let message = match footage.profile() {
+            let message = match views.profile() {
                 Profile::Real => format!("frame {frame} was not recorded"),
                 profile => format!("frame {frame} is not rendered in profile {profile}"),
             };
             let listed = clip.iter().take(3).map(u32::to_string).collect::<Vec<_>>().join(", ");
             let last = clip.last().copied().unwrap_or_default();
-            return Err(footage.wrong("frames", message, &format!("choose from {listed}, ..., {last}")));
+            return Err(views.wrong("frames", message, &format!("choose from {listed}, ..., {last}")));
         }
-        if footage.frames.is_empty() {
-            footage.frames = clip;
+        if views.frames.is_empty() {
+            views.frames = clip;
         }
-        footage.frames.sort_unstable();
-        footage.frames.dedup();
-        if footage.training().is_empty() {
+        views.frames.sort_unstable();
+        views.frames.dedup();
+        if views.training().is_empty() {
             let remedy = "leave a view out of the held-out ones";
-            return Err(footage.wrong("field `cameras`", "there is none to train on".to_owned(), remedy));
+            return Err(views.wrong("field `cameras`", "there is none to train on".to_owned(), remedy));
         }
-        footage.reconstruction = match (order.points_from, &footage.material) {
-            (Some(folder), _) => Some(Reconstruction::given(folder, footage.cameras(), &footage.frames)?),
+        views.reconstruction = match (order.points_from, &views.material) {
+            (Some(folder), _) => Some(Reconstruction::given(folder, views.cameras(), &views.frames)?),
             (None, Material::Captured(recording)) => recording.reconstruction()?,
             (None, Material::Rendered(_)) => None,
         };
-        Ok(footage)
+        Ok(views)
     }
 
     /// The scene.
@@ -197,7 +197,7 @@ impl Footage {
         }
     }
 
-    /// Whether somebody looked at what a picture shows.
+    /// Whether someone looked at what a picture shows.
     pub(super) fn is_annotated(&self, camera: &Camera, frame: u32) -> bool {
         match &self.material {
             Material::Rendered(_) => true,
@@ -205,7 +205,7 @@ impl Footage {
         }
     }
 
-    /// What a picture shows of the instances, leaving out those that it does not show; none if nobody looked.
+    /// What a picture shows of the instances, leaving out those that it does not show; none if no one looked.
     pub(super) fn masks(
         &self,
         camera: &Camera,
@@ -242,16 +242,20 @@ impl Footage {
     }
 
     /// Writes pictures as PNG, several at once.
-    pub(super) fn write_png(&self, shots: &[Shot<'_>], tick: &(dyn Fn() + Sync)) -> Result<(), DataError> {
-        shots.par_iter().try_for_each(|shot| {
-            self.write_shot(shot)?;
+    pub(super) fn write_png(
+        &self,
+        pictures: &[PictureFile<'_>],
+        tick: &(dyn Fn() + Sync),
+    ) -> Result<(), DataError> {
+        pictures.par_iter().try_for_each(|picture| {
+            self.write_picture(picture)?;
             tick();
             Ok(())
         })
     }
 
-    fn write_shot(&self, shot: &Shot<'_>) -> Result<(), DataError> {
-        let Shot { camera, frame, path, depth } = shot;
+    fn write_picture(&self, picture: &PictureFile<'_>) -> Result<(), DataError> {
+        let PictureFile { camera, frame, path, depth } = picture;
         let [width, height] = self.size();
         if self.admit(camera, *frame).is_err() {
             write_png(path, &self.placeholder())?;
