@@ -156,8 +156,8 @@ fn no_mutation_panics_or_allocates_out_of_proportion() {
     });
     let array = npy::encode_f64(&[3, 4], &[0.5; 12]);
     storm("npy", &array, 1500, 64, |bytes| drop(npy::decode::<f32>(bytes)));
-    let archive = l4d_formats::npz::encode("a.npz".as_ref(), &[("a", array)]).unwrap();
-    storm("npz", &archive, 1500, 64, |bytes| {
+    let arrays = l4d_formats::npz::encode("a.npz".as_ref(), &[("a", array)]).unwrap();
+    storm("npz", &arrays, 1500, 64, |bytes| {
         drop(Npz::open(bytes).and_then(|archive| archive.read("a")));
     });
     for name in ["types", "chkpnt", "bools"] {

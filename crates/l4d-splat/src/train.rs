@@ -28,7 +28,7 @@ mod time_span;
 mod trainer;
 mod views;
 
-pub use colmap::read_points;
+pub use colmap::{ColouredPoint, read_points};
 pub use error::TrainError;
 pub use initial_points::InitialPoints;
 pub use motion::{Background, Motion, SurfaceKind};

@@ -5,9 +5,10 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::{DataError, json};
+use l4d_data::DataError;
+use l4d_frames::mask::PixelBox;
 
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::Judged;
 use super::outline::pieces;
@@ -53,13 +54,14 @@ fn objects(judged: &Judged<'_>, frame: u32) -> Vec<Value> {
         let Some(mask) = prompt.masks.get(&frame).filter(|_| prompt.query.holds_at(frame)) else { continue };
         for piece in pieces(mask) {
             let PixelBox { first_col, first_row, last_col, last_row } = piece.whole;
+            let bbox = [first_col, first_row, last_col, last_row].map(f64::from);
             objects.push(json!({
                 "category": prompt.query.text,
                 "group": group,
                 "segmentation": piece.corners.iter().map(|corner| corner.map(f64::from)).collect::<Vec<_>>(),
                 "area": piece.area as f64,
                 "layer": 1.0,
-                "bbox": [first_col, first_row, last_col, last_row].map(f64::from),
+                "bbox": bbox,
                 "iscrowd": false,
                 "note": "",
             }));

@@ -8,7 +8,7 @@ use l4d_data::layout::CaptureDir;
 use l4d_formats::colmap::{CameraModel, Model};
 use l4d_formats::npy;
 use l4d_import::capture::Source;
-use l4d_import::export::{Format, HeldOut, Order, Origin, export};
+use l4d_import::export::{Format, Order, Origin, export};
 use serde_json::json;
 
 use crate::support::{TEST_VIEW, World};

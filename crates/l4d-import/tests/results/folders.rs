@@ -8,7 +8,6 @@ use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
 use l4d_import::results::codec::Codec;
 use l4d_import::results::import::{Identity, Imported, Order, Request, SoftStage, import, write};
-use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::{TextsFile, gate};
 use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;

@@ -13,12 +13,11 @@ use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Camera, Category, Interval, Name, Profile, Query, Split, Status, Temporal, json};
-use l4d_formats::colmap::Model;
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::exr::write_frame;
 use l4d_frames::truth::truth_of_scene;
 use l4d_frames::{Display, Frame, Surfaces};
-use l4d_import::points::ColouredPoint;
+use l4d_import::points::{ColouredPoint, add_point, model_of_pinholes};
 use l4d_masks::Mask;
 
 pub(crate) const BALL: u32 = 1;
@@ -113,7 +112,7 @@ impl World {
     /// Writes a model with points of the ground that all cameras see, and says how many.
     pub(crate) fn reconstruct(&self, folder: &Path) -> usize {
         let cameras: Vec<&Camera> = self.scene.cameras.iter().collect();
-        let mut model = Model::of_pinholes(&cameras, 0, [128, 96]);
+        let mut model = model_of_pinholes(&cameras, 0, [128, 96]);
         for index in 0..400 {
             let position =
                 DVec3::new(f64::from(index % 20) * 0.1 - 1.0, f64::from(index / 20) * 0.1 - 1.0, 0.0);
@@ -122,7 +121,7 @@ impl World {
                 cameras.iter().map(|camera| (*camera, camera.project(0, position).0)).collect();
             // Every tenth point took the held-out camera to find.
             let sightings = if index % 10 == 0 { &sightings[1..3] } else { &sightings[..] };
-            model.add_point(surface, 0.5, sightings);
+            add_point(&mut model, surface, 0.5, sightings);
         }
         model.write(folder).unwrap();
         model.points.len()

@@ -9,7 +9,6 @@
 mod config;
 pub mod keys;
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
