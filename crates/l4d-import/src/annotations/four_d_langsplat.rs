@@ -10,7 +10,6 @@ use std::path::Path;
 use l4d_data::DataError;
 use l4d_data::error::inert;
 use l4d_data::truth::Truth;
-use l4d_data::DataError;
 use l4d_masks::Mask;
 use l4d_masks::mask::PixelBox;
 use serde_json::{Value, json};

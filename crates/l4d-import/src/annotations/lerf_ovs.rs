@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use l4d_data::DataError;
-use l4d_frames::mask::PixelBox;
+use l4d_masks::mask::PixelBox;
 
 use serde_json::{Value, json};
 

@@ -52,7 +52,8 @@ pub fn check_frames(truth: &Truth, at: &Path, asked: &[(&Query, &Answers)], repo
 fn mean_iou(truth: &Truth, asked: &[(&Query, &Answers)], shift: isize) -> Option<(f64, u64)> {
     let (mut sum, mut count) = (0.0, 0_u64);
     for (query, answers) in asked {
-        for (position, &frame) in truth.frames.iter().enumerate().filter(|(_, frame)| query.asks_at(**frame)) {
+        for (position, &frame) in truth.frames.iter().enumerate().filter(|(_, frame)| query.asks_at(**frame))
+        {
             let target = target::union(truth, &query.referents, frame).filter(|mask| !mask.is_empty());
             let answered = position.checked_add_signed(-shift).and_then(|at| truth.frames.get(at));
             let answer = answered.and_then(|frame| answers.get(frame));
