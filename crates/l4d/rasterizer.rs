@@ -16,7 +16,7 @@ pub(crate) struct Opened {
 pub(crate) fn open(adapter: &str) -> Result<Opened> {
     match adapter {
         "cpu" => Ok(processor()),
-        "auto" => graphics::best().map_or_else(|| Ok(processor()), |opened| opened),
+        "auto" => graphics::best().unwrap_or_else(|| Ok(processor())),
         adapter => graphics::open(adapter),
     }
 }

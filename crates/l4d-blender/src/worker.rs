@@ -94,7 +94,7 @@ pub fn run(
         let Ok(event) = serde_json::from_str(&line) else { continue };
         match &event {
             WorkerEvent::Error { message, hint } => {
-                reason = Some(StageError::new(message.clone(), hint.clone()))
+                reason = Some(StageError::new(message.clone(), hint.clone()));
             }
             WorkerEvent::Done => done = true,
             _ => {}

@@ -217,8 +217,7 @@ impl BoxReport {
             );
         }
         for (id, place) in self.unseen {
-            let message =
-                "its box is wholly in the picture and nothing is before it, but no pixel shows it";
+            let message = "its box is wholly in the picture and nothing is before it, but no pixel shows it";
             let hint = "check the instance's pass index and that its parts are rendered";
             report.error(
                 "L4D114",
