@@ -1,5 +1,4 @@
-//! A small scene whose every pixel is known in closed form, written to disk as a whole dataset: for tests, also those of
-//! other crates (feature `testing`).
+//! A small scene whose every pixel is known in closed form, written to disk as a whole dataset.
 //!
 //! A textured ground (scenery), a table (landmark), a ball that rolls behind a box, and a box that turns; five
 //! cameras on an arc, profile `tiny`.
@@ -24,11 +23,11 @@ use crate::frame::{Frame, Surfaces};
 use crate::truth::truth_of_scene;
 
 /// Id of the ball.
-pub const BALL: u32 = 1;
+pub(crate) const BALL: u32 = 1;
 /// Id of the box.
-pub const BOX: u32 = 2;
+pub(crate) const BOX: u32 = 2;
 /// Id of the table.
-pub const TABLE: u32 = 1001;
+pub(crate) const TABLE: u32 = 1001;
 const PROFILE: Profile = Profile::Tiny;
 
 /// A solid at one frame.
@@ -131,12 +130,12 @@ fn tint(id: u32, point: DVec3) -> [f16; 3] {
 
 /// A dataset and a benchmark on disk, removed when dropped.
 #[derive(Debug)]
-pub struct FakeScene {
+pub(crate) struct FakeScene {
     folder: tempfile::TempDir,
     /// `scene.json`.
-    pub scene: Scene,
+    pub(crate) scene: Scene,
     /// `benchmark/scenes/fake_yard.json`.
-    pub tracks: Tracks,
+    pub(crate) tracks: Tracks,
 }
 
 /// Rendered once, copied for each test.
@@ -144,7 +143,7 @@ static PRISTINE: LazyLock<FakeScene> = LazyLock::new(FakeScene::render);
 
 impl FakeScene {
     /// A scene on disk; all of it agrees.
-    pub fn write() -> Self {
+    pub(crate) fn write() -> Self {
         let folder = tempfile::tempdir().unwrap();
         copy_folder(PRISTINE.folder.path(), folder.path());
         Self { folder, scene: PRISTINE.scene.clone(), tracks: PRISTINE.tracks.clone() }
@@ -171,35 +170,35 @@ impl FakeScene {
     }
 
     /// The folder of scenes.
-    pub fn data(&self) -> PathBuf {
+    pub(crate) fn data(&self) -> PathBuf {
         self.folder.path().join("data")
     }
 
     /// The benchmark.
-    pub fn bench(&self) -> BenchDir {
+    pub(crate) fn bench(&self) -> BenchDir {
         BenchDir::new(self.folder.path().join("benchmark"))
     }
 
     /// The folder of the scene.
-    pub fn dir(&self) -> SceneDir {
+    pub(crate) fn dir(&self) -> SceneDir {
         SceneDir::new(&self.data(), &self.scene.name)
     }
 
     /// Writes scene.json and the tracks as they are in memory now.
-    pub fn save_descriptions(&self) {
+    pub(crate) fn save_descriptions(&self) {
         json::write(&self.dir().scene(), &self.scene).unwrap();
         json::write(&self.bench().tracks(&self.scene.name), &self.tracks).unwrap();
         json::write(&self.dir().tracks(), &self.tracks).unwrap();
     }
 
     /// Writes the truth of the frames on disk.
-    pub fn save_truth(&self) {
+    pub(crate) fn save_truth(&self) {
         let truth = truth_of_scene(&self.dir(), &self.scene).unwrap().unwrap();
         json::write_compact(&self.bench().truth(PROFILE, &self.scene.name), &truth).unwrap();
     }
 
     /// Writes SHA256SUMS of what is on disk now.
-    pub fn save_checksums(&self) {
+    pub(crate) fn save_checksums(&self) {
         let mut lines = String::new();
         let mut add = |relative: String| {
             let digest = sha256_file(&self.dir().root().join(&relative)).unwrap();
@@ -215,7 +214,7 @@ impl FakeScene {
     }
 
     /// Rewrites one frame after `change`, and everything that states its digest: only the content is wrong.
-    pub fn change_frame(&mut self, view: &str, frame: u32, change: impl FnOnce(&mut Surfaces)) {
+    pub(crate) fn change_frame(&mut self, view: &str, frame: u32, change: impl FnOnce(&mut Surfaces)) {
         let path = self.dir().frame(view, frame);
         let mut picture =
             crate::exr::read_frame(&path, UVec2::new(self.scene.width, self.scene.height)).unwrap();

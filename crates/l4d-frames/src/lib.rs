@@ -11,9 +11,8 @@ pub mod closeup;
 pub mod display;
 pub mod drawn;
 pub mod exr;
-#[cfg(any(test, feature = "testing"))]
-#[cfg_attr(not(test), expect(clippy::unwrap_used, reason = "it is for tests"))]
-pub mod fake;
+#[cfg(test)]
+mod fake;
 pub mod frame;
 pub mod geometry;
 pub mod moving_picture;
