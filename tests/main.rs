@@ -31,4 +31,5 @@ mod splats_render;
 mod support;
 mod sweep;
 mod unchanged;
+mod words;
 mod world;

@@ -148,7 +148,7 @@ fn a_file_that_names_no_worker_is_refused() {
     let shipped = root().join("crates/l4d-ground/workers").display().to_string();
     for (worker, parts) in [
         ("", ["segmenter.worker", "neither is there"]),
-        ("worker = \"box\"\nprogram = \"python3\"", ["segmenter.worker", "stands beside"]),
+        ("worker = \"box\"\nprogram = \"python3\"", ["segmenter.worker", "is beside"]),
         ("worker = \"sam9\"", ["is `sam9`", "sam2-hf"]),
         ("worker = \"samwise\"", ["segmenter.python", "checkout"]),
         ("program = \"python3\"", ["segmenter.package", "leave it out"]),

@@ -56,7 +56,7 @@ fn click(browser: &mut Browser, selector: &str) {
     assert_eq!(clicked, true, "{selector} is not there");
 }
 
-/// Chooses an option as a person does: the value changes and the page is told.
+/// Chooses an option as a person does: the value changes and the page gets the event.
 fn choose(browser: &mut Browser, label: &str, value: &str) {
     browser.evaluate(&format!(
         "{{ const label = [...document.querySelectorAll('label')].find((label) => label.textContent.startsWith({label:?}));
@@ -392,7 +392,7 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     browser.until("document.querySelectorAll('.layers input').length === 2");
     assert_quiet(&mut browser);
 
-    // A damaged picture is told and left out.
+    // A damaged picture is reported and left out.
     dir.write("data/tiny/room_discs/frames/test/0048.exr", "torn");
     let run = dir.succeed(&[&["leaderboard", "--html", "--data", "data/tiny"], &PROFILE[..]].concat());
     assert!(run.stderr.contains("0048.exr"), "{}", run.stderr);
@@ -430,7 +430,7 @@ fn one_frame_and_one_query_make_a_page() {
     dir.succeed(&[&["score", "--protocol", "davis"], &real[..]].concat());
     dir.succeed(&[&["leaderboard", "--html"], &real[..]].concat());
     let mut browser = open(&dir, "");
-    // Baselines alone: nobody is ranked, and the page says so.
+    // Baselines alone: none is ranked, and the page says so.
     assert!(browser.text("document.querySelector('main').textContent").contains("No method is ranked yet"));
     assert_eq!(browser.text("document.querySelector('.count').textContent"), "6 methods, 1 query");
     // One scene: nothing is compared, and nothing looks like an interval.

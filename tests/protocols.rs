@@ -43,7 +43,7 @@ fn the_truth_is_right_and_silence_wrong_under_every_protocol() {
             assert!(value == 0.0 || (is_bounded && value < 100.0), "{protocol}, {measure}: {value}");
         }
     }
-    // Blind to time: unseen by whoever looks at frames that show the target, seen by the others.
+    // Blind to time: unseen by protocols that look at frames that show the target, seen by the others.
     let blind = |protocol: &str, measure: &str| {
         measures(&judge(&dir, protocol), "time-agnostic")[measure].as_f64().unwrap()
     };

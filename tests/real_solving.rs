@@ -319,7 +319,7 @@ fn pictures_may_be_shrunk_and_left_out() {
     refused(&dir.run(&train(&["--depth-weight", "0.1"])), &["has no depth", "leave it out"]);
     refused(
         &dir.run(&["train-splats", "cave", "--profile", "real"]),
-        &["no scene stands there", "l4d import-scene"],
+        &["there is no scene", "l4d import-scene"],
     );
     dir.edit("data/captures/twins/capture.json", "\"width\": 128", "\"width\": 127");
     refused(&dir.run(&train(&["--out", "y"])), &["is 128x96, but the capture is 127x96", "l4d import-scene"]);

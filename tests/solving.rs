@@ -244,9 +244,9 @@ fn what_cannot_be_answered_is_refused() {
     refused(&dir.run(&["query", SCENE, "  ", "--profile", "tiny", "--data", "data"]), &["sentence is empty"]);
 
     std::fs::remove_dir_all(dir.path(format!("work/tiny/{SCENE}/splats"))).unwrap();
-    refused(&with(&[]), &["no splats stand there", "l4d train-splats ball --profile tiny"]);
+    refused(&with(&[]), &["there are no splats", "l4d train-splats ball --profile tiny"]);
     std::fs::remove_file(dir.path(format!("data/{SCENE}/scene.json"))).unwrap();
-    refused(&with(&[]), &["no scene stands there", "l4d build-scenes"]);
+    refused(&with(&[]), &["there is no scene", "l4d build-scenes"]);
 }
 
 #[test]

@@ -193,7 +193,7 @@ fn clips_of_something_else_are_never_mixed_in() {
     // Files of unknown origin are not taken for our own.
     dir.write("elsewhere/cam00/0000.png", b"a picture of somebody else");
     let run = with(&["--out", "elsewhere"]);
-    refused(&run, &["cam00/0000.png: file: stands there, and no manifest"]);
+    refused(&run, &["cam00/0000.png: file: no manifest says what this file is"]);
 }
 
 #[test]

@@ -46,7 +46,7 @@ pub(crate) fn votes_of_people(rounds: &Path, bench: &Benchmark) -> Result<Votes>
     Ok(votes)
 }
 
-/// The queries that rounds ask about; what cannot be read is reported by whoever gathers the benchmark.
+/// The queries that rounds ask about; what cannot be read is reported where the benchmark is read.
 fn queries(bench: &Benchmark) -> Result<Vec<QueryId>> {
     let mut ids = Vec::new();
     for scene in bench.manifest.scenes.iter().filter(|scene| bench.dir.queries(scene).exists()) {

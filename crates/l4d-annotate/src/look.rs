@@ -170,7 +170,7 @@ impl Look {
         }
         let kind = picker.protocol_type();
         if kind == ProtocolType::Kitty && !self.unicode {
-            // Its pictures stand behind characters that are not ASCII.
+            // Its pictures are behind characters that are not ASCII.
             return if protocol.is_some() { Err(AnnotateError::KittyNeedsUnicode) } else { Ok((self, None)) };
         }
         let font = picker.font_size();

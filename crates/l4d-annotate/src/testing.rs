@@ -164,7 +164,7 @@ impl Log for TestLog {
     }
 }
 
-/// A session whose clock stands still unless it is moved, and whose painter is there at once unless it is told to wait.
+/// A session whose clock stops unless it is moved, and whose painter answers at once unless it has to wait.
 pub(crate) struct Driver {
     pub(crate) model: Model,
     pub(crate) log: TestLog,

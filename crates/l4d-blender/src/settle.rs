@@ -100,7 +100,7 @@ fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<
     Ok(SettledPicture { image, file_sha256: sha256_hex(&bytes), digest: surfaces.digest(), observation })
 }
 
-/// Puts a document into the benchmark folder unless another one stands there.
+/// Puts a document into the benchmark folder unless another one is there.
 ///
 /// The committed benchmark is what published scores refer to, so a difference is a finding, not an overwrite.
 ///

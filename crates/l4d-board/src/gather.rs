@@ -48,7 +48,7 @@ pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), 
         let ScoredOn { profile, protocol, benchmark_version, .. } = &method.on;
         let message =
             format!("was scored on benchmark {benchmark_version} · protocol {protocol} · profile {profile}");
-        let hint = "it stands apart and is not ranked here; score it again, or choose its --profile";
+        let hint = "it is listed apart and not ranked here; score it again, or choose its --profile";
         report.warning(codes::OTHER_BOARD, &summary_path(scores, &method.name), "", message, hint);
     }
     let scenes: Vec<BoardScene> = exam.scenes.iter().map(|scene| board_scene(scene, &options)).collect();

@@ -61,7 +61,7 @@ pub(crate) fn page(board: &Board, figures: &[(String, &str)]) -> String {
         page.push_str(&format!("![{caption}]({path})\n\n"));
     }
     page.push_str(
-        "Every number stands in `leaderboard.csv`, `per_category.csv`, `per_scale.csv` and `per_scene.csv`; intervals of \
+        "Every number is in `leaderboard.csv`, `per_category.csv`, `per_scale.csv` and `per_scene.csv`; intervals of \
          every group in `groups.csv`, all pairs of methods in `comparisons.csv`, what methods report of themselves in \
          `reported.csv`; the paper's layout, for papers too, in `tables/`.\n",
     );
@@ -186,7 +186,7 @@ fn comparisons(board: &Board) -> String {
     text.push_str(&table.finish());
     if shown.len() < all.len() {
         text.push_str(&format!(
-            "Each method beside the next one; all {} pairs stand in `comparisons.csv`.\n\n",
+            "Each method beside the next one; all {} pairs are in `comparisons.csv`.\n\n",
             all.len()
         ));
     }

@@ -114,7 +114,7 @@ impl Capture {
             let poses = camera.world_from_camera.len();
             let problem = camera.problem().or_else(|| {
                 if !names.insert(&camera.name) {
-                    return Some("stands there twice".to_owned());
+                    return Some("occurs twice".to_owned());
                 }
                 let is_short = poses > 1 && poses <= last;
                 is_short.then(|| format!("has {poses} poses, but the last frame is {last}"))

@@ -89,7 +89,7 @@ impl DataError {
                     Some("make the path readable and writable for this user, or choose another".to_owned())
                 }
                 io::ErrorKind::NotADirectory => {
-                    Some("a file stands where a folder is needed: choose another path".to_owned())
+                    Some("this is a file, and a folder is needed: choose another path".to_owned())
                 }
                 io::ErrorKind::ReadOnlyFilesystem => Some("choose a path on a writable disk".to_owned()),
                 io::ErrorKind::NotFound => Some("check the path and the working folder".to_owned()),

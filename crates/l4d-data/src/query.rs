@@ -255,14 +255,10 @@ fn read(path: &Path, scene: &str, absent: bool) -> Result<Vec<Query>, DataError>
             return refuse(field, message, remedy);
         }
         if !ids.insert(query.id.clone()) {
-            return refuse(
-                "id",
-                format!("`{}` stands there twice", query.id),
-                "give each query its own number",
-            );
+            return refuse("id", format!("`{}` occurs twice", query.id), "give each query its own number");
         }
         if !texts.insert(query.text.clone()) {
-            return refuse("text", "the same sentence stands there twice".into(), "keep one of them");
+            return refuse("text", "the same sentence occurs twice".into(), "keep one of them");
         }
         queries.push(query);
     }

@@ -55,7 +55,7 @@ impl Rig {
         for camera in &rig.cameras {
             let problem = camera
                 .problem()
-                .or_else(|| (!names.insert(&camera.name)).then(|| "the name stands there twice".to_owned()));
+                .or_else(|| (!names.insert(&camera.name)).then(|| "the name occurs twice".to_owned()));
             if let Some(problem) = problem {
                 return Err(wrong(format!("camera {}", camera.name), problem));
             }

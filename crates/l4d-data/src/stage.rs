@@ -1,4 +1,4 @@
-//! What library stages share with whoever runs them: progress, shards, and why a stage stopped.
+//! What library stages share with their callers: progress, shards, and why a stage stopped.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -8,7 +8,7 @@ use crate::DataError;
 
 /// Hears how far a stage is. A binary draws bars; tests hear nothing.
 pub trait Progress: Sync {
-    /// A part of the stage begins: `total` steps, 0 where nobody knows how many.
+    /// A part of the stage begins: `total` steps, 0 if unknown.
     fn start(&self, what: &'static str, total: u64);
     /// Which item is worked on.
     fn item(&self, name: &dyn Display);

@@ -50,7 +50,7 @@ pub fn read_contents(path: &Path, key: Option<&str>) -> Result<Contents, DataErr
         other => Err(DataError::invalid(
             path,
             "name",
-            format!("ends with `.{other}`, but arrays stand in .npy, .npz, .pt or .pth files"),
+            format!("ends with `.{other}`, but arrays are in .npy, .npz, .pt or .pth files"),
             "name the file as its format is called",
         )),
     }

@@ -19,7 +19,7 @@ pub struct Page {
     columns: u32,
     /// Of one picture on the page, pixels.
     cell: (u32, u32),
-    /// Nearest and farthest depth that are told apart, metres.
+    /// Nearest and farthest depth that differ on the picture, metres.
     range_m: (f32, f32),
 }
 

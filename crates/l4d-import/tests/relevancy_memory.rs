@@ -1,5 +1,5 @@
 //! Relevancy takes room for one frame and the maps of one level, never for embeddings. Counts what its process
-//! allocates, so that it stands alone.
+//! allocates, so that it is a test program of its own.
 
 use l4d_import::results::relevancy::decoder::Layer;
 use l4d_import::results::relevancy::{Decoder, Folded, Latents, Rules, Smoothing, Texts, answer};

@@ -79,7 +79,7 @@ impl Capture {
         self.capture.frames.clone()
     }
 
-    /// Moments a second, or None where nobody knows.
+    /// Moments a second, or None if unknown.
     #[getter]
     fn frames_per_second(&self) -> Option<f64> {
         self.capture.frames_per_second

@@ -105,7 +105,7 @@ impl Clips {
         Ok(Camera::new(&self.find(view)?.camera, [self.width(), self.height()]))
     }
 
-    /// Canonical frames that stand there of a view, ascending. Times between frames are left out.
+    /// Canonical frames that are there of a view, ascending. Times between frames are left out.
     fn frames(&self, view: &str) -> Result<Vec<u32>> {
         let stems = self.find(view)?.pictures.keys();
         Ok(stems
@@ -113,7 +113,7 @@ impl Clips {
             .collect())
     }
 
-    /// Reads pictures of a view at canonical frames (all that stand there by default). Colours were stored with 8 bits.
+    /// Reads pictures of a view at canonical frames (all that are there by default). Colours were stored with 8 bits.
     /// Depth that was stored as PNG comes without alpha.
     #[pyo3(signature = (view, frames = None))]
     fn read(&self, py: Python<'_>, view: &str, frames: Option<Vec<u32>>) -> Result<PictureClip> {

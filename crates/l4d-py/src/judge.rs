@@ -67,7 +67,7 @@ impl Finding {
 
 /// Scores a results folder, or a folder of them: the document that `l4d score --json` prints, number for number.
 ///
-/// Percentages stand under `document["methods"]`; a method with an error finding is not among them, and
+/// Percentages are under `document["methods"]`; a method with an error finding is not among them, and
 /// `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
 /// `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
 /// each method are written below `scores`, or nowhere. A method with more than `max_megabytes` of masks is not read.

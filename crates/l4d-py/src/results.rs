@@ -24,10 +24,10 @@ use crate::query::{Query, query_id};
 
 /// Writes results of a method, which the last part of `path` names: `method.json` and `masks/<scene>/<nnn>.json`.
 ///
-/// A run that was killed is continued by the same call: `remaining()` leaves out what stands there whole. `ground_truth`
+/// A run that was killed is continued by the same call: `remaining()` leaves out what is there whole. `ground_truth`
 /// says that the method saw any (such results are shown and never ranked), `test_view` that it saw pictures of the
 /// held-out view, `depth` that it learned from rendered depth of the training views, itself or through a model (such results
-/// are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what stands there.
+/// are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what is there.
 #[pyclass(frozen, module = "l4d")]
 #[derive(Debug)]
 pub(crate) struct ResultsWriter {
@@ -89,7 +89,7 @@ impl ResultsWriter {
         self.dir.root().to_owned()
     }
 
-    /// Sentences whose answer does not stand there whole yet; `set` as in `Benchmark.queries`.
+    /// Sentences whose answer is not there whole yet; `set` as in `Benchmark.queries`.
     #[pyo3(signature = (scene = None, *, set = "queries"))]
     fn remaining(&self, py: Python<'_>, scene: Option<&str>, set: &str) -> Result<Vec<Query>> {
         let bench = self.bench.get();
@@ -113,7 +113,7 @@ impl ResultsWriter {
     ///
     /// `masks` is bool (T, H, W) in the order of `Benchmark.clip(scene)`, or a dict from each of these frames to bool (H, W)
     /// or None. None, and a mask without a pixel, say that what is asked for cannot be seen. Frames of a capture that
-    /// nobody annotated may be left out.
+    /// no one annotated may be left out.
     fn write(&self, py: Python<'_>, query: &Bound<'_, PyAny>, masks: &Bound<'_, PyAny>) -> Result<()> {
         let query = self.bench.get().query_of(&query_id(query)?)?;
         let asked = self.bench.get().asked(&query.id.scene)?;
@@ -174,13 +174,13 @@ fn claim(dir: &ResultsDir, card: &MethodCard, overwrite: bool) -> Result<()> {
                 &path,
                 format!("field `{field}`"),
                 "is another one: the folder holds results of another run",
-                "choose another folder, or replace what stands there with overwrite=True",
+                "choose another folder, or replace what is there with overwrite=True",
             )
             .into()),
         };
     }
     if dir.masks().exists() {
-        let remedy = "choose another folder, or replace what stands there with overwrite=True";
+        let remedy = "choose another folder, or replace what is there with overwrite=True";
         return Err(Failure::file(dir.root(), "holds masks, and no method.json says of what", remedy));
     }
     Ok(json::write(&path, card)?)

@@ -56,7 +56,7 @@ def test_results_of_captures_are_written_and_scored(desks: l4d.Benchmark, tmp_pa
     writer.write("desk/001", {frame: truth.mask("desk/001", frame) for frame in truth.frames})
     assert writer.remaining() == [] and l4d.check(writer.path, desks) == []
     assert l4d.score(writer.path, desks)["methods"][0]["tube_iou"] == 100.0
-    # A frame that nobody drew on may be answered, and nothing judges that.
+    # A frame that no one drew on may be answered, and nothing judges that.
     everywhere = np.zeros((3, 4, 6), bool)
     everywhere[1] = True
     everywhere[[0, 2]] = truth.masks("desk/001")

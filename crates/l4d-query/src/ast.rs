@@ -220,10 +220,10 @@ impl Predicate {
 
     fn well_formed(&self, depth: usize) -> Result<(), String> {
         if depth > MAX_DEPTH {
-            return Err(format!("is nested deeper than {MAX_DEPTH} levels: nobody can follow that"));
+            return Err(format!("is nested deeper than {MAX_DEPTH} levels: too many to follow"));
         }
         if self.0.len() > MAX_CLAUSES {
-            return Err(format!("has more than {MAX_CLAUSES} clauses: nobody can follow that"));
+            return Err(format!("has more than {MAX_CLAUSES} clauses: too many to follow"));
         }
         let Some((Clause::Category(_), rest)) = self.0.split_first() else {
             return Err("must start with a category clause".into());
@@ -317,7 +317,7 @@ impl Clause {
 
     fn well_formed(&self, depth: usize) -> Result<(), String> {
         if depth > MAX_DEPTH {
-            return Err(format!("is nested deeper than {MAX_DEPTH} levels: nobody can follow that"));
+            return Err(format!("is nested deeper than {MAX_DEPTH} levels: too many to follow"));
         }
         let is_plain_event = |clause: &Self| matches!(clause, Self::Does { .. } | Self::Undergoes { .. });
         match self {

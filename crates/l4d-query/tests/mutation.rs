@@ -201,7 +201,7 @@ fn other_predicates(world: &World<'_>, predicate: &Predicate) -> Vec<(&'static s
     others
 }
 
-/// The clause with another relation or superlative, wherever it stands in it.
+/// The clause with another relation or superlative, wherever it occurs in it.
 fn other_relations(clause: &Clause) -> Vec<Clause> {
     let inside = |inner: &Clause, wrap: fn(Box<Clause>) -> Clause| {
         other_relations(inner).into_iter().map(|other| wrap(Box::new(other))).collect()

@@ -150,7 +150,7 @@ pub(crate) fn summary(contents: &Contents, gathered: &Gathered) -> String {
         some => format!("{some} of them verified by people"),
     };
     format!(
-        "{}: a benchmark for 4D language grounding. Given a moving 3D scene and a sentence, which pixels, at which times, from a camera that nobody trained on? {} scenes and {} scored queries, {verified}.",
+        "{}: a benchmark for 4D language grounding. Given a moving 3D scene and a sentence, which pixels, at which times, from a camera that no one trained on? {} scenes and {} scored queries, {verified}.",
         contents.name,
         contents.scenes.len(),
         statuses.judged(),

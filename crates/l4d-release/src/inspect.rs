@@ -32,7 +32,7 @@ pub fn inspect(release: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Rep
         }
     };
     for file in there.iter().filter(|file| *file != SUMS && !listed.contains_key(*file)) {
-        let hint = "remove it: whoever checks the release cannot know where it comes from";
+        let hint = "remove it: a reader of the release cannot know where it comes from";
         report.error(codes::EXTRA, &release.join(file), "file", "is not listed in SHA256SUMS", hint);
     }
     for file in listed.keys().filter(|file| !there.contains(*file)) {

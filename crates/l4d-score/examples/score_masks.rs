@@ -3,7 +3,7 @@
 //!
 //!     score_masks PROFILE RESULTS SCORES [SCENE...]
 //!
-//! The benchmark stands in `benchmark`.
+//! The benchmark is in `benchmark`.
 
 use std::path::PathBuf;
 

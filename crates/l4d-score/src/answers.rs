@@ -122,7 +122,7 @@ impl Reader<'_> {
                 continue;
             };
             if std::mem::replace(&mut is_seen[position], true) {
-                report.error(codes::DUPLICATE, &path, place(), "stands there twice", "keep one of them");
+                report.error(codes::DUPLICATE, &path, place(), "occurs twice", "keep one of them");
                 continue;
             }
             let Some(counts) = counts else {

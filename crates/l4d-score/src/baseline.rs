@@ -213,7 +213,7 @@ fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError>
     }
     let is_same = read_bounded(path, bytes.len() as u64).is_ok_and(|found| found == bytes);
     if !is_same && !force {
-        let message = "stands there with other content, perhaps of another seed, profile or version";
+        let message = "is there with other content, perhaps of another seed, profile or version";
         return Err(DataError::invalid(
             path,
             "file",

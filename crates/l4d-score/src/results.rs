@@ -245,7 +245,7 @@ pub fn scan_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) -> B
             continue;
         }
         if !scene.queries.iter().any(|query| query.id.number.as_str() == number) {
-            let hint = "rename or remove it; the queries stand in the benchmark's folder `queries`";
+            let hint = "rename or remove it; the queries are in the benchmark's folder `queries`";
             let message = format!("is no query of scene {}", scene.name);
             report.error(codes::UNKNOWN_QUERY, &path, "name", message, hint);
             continue;
@@ -261,6 +261,6 @@ pub fn scan_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) -> B
 
 fn report_unknown(path: &Path, report: &mut Report) {
     let hint =
-        "masks stand in masks/<scene>/<nnn>.json or masks/<scene>/<nnn>/<frame>.png; move or remove the file";
+        "masks are in masks/<scene>/<nnn>.json or masks/<scene>/<nnn>/<frame>.png; move or remove the file";
     report.error(codes::UNKNOWN_ENTRY, path, "name", "has no meaning here", hint);
 }

@@ -199,7 +199,7 @@ fn edges_by_hand() {
         let one = left_out.iter().find(|one| one.what.contains(words));
         one.map(|one| (one.queries, one.frames))
     };
-    assert_eq!(told("langsplat", "nobody annotates"), Some((3, 9)));
+    assert_eq!(told("langsplat", "no one annotates"), Some((3, 9)));
     assert_eq!(told("langsplat", "false alarms"), Some((2, 2)));
     assert_eq!(told("langsplat", "count as empty"), Some((1, 1)));
     assert_eq!(told("gaussian-grouping", "skipped silently"), Some((1, 1)));

@@ -1,7 +1,7 @@
 //! Clips: what a model shows cameras over time, as files and in memory (paper, section 4: Vid_v and Depth_v).
 //!
 //! Owns which views are looked from, the folder that keeps what was drawn, and the order of the work: a picture that
-//! stands there whole is not drawn again, and the model is deformed once a time for all views of it. Refuses to know
+//! is there whole is not drawn again, and the model is deformed once a time for all views of it. Refuses to know
 //! who trained the model and what is asked about it.
 
 mod choose;
@@ -40,7 +40,7 @@ pub enum ClipsError {
     /// The model or the rasterizer.
     #[error("a clip cannot be drawn")]
     Draw(#[from] ClipError),
-    /// Nothing more is drawn, since a file could not be written; that error is told instead of this one.
+    /// Nothing more is drawn, since a file could not be written; that error is reported instead of this one.
     #[error("a file could not be written")]
     Stopped,
     /// A camera from which no picture can be drawn.

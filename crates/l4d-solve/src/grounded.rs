@@ -31,8 +31,8 @@ struct File {
     notes: Vec<String>,
 }
 
-/// Asks all views at once, those apart whose answer stands in `folder`. `clip_digests` are those of the clips, in
-/// their order; `heard` is told of each view that has answered.
+/// Asks all views at once, those apart whose answer is in `folder`. `clip_digests` are those of the clips, in
+/// their order; `heard` is called for each view that has answered.
 ///
 /// # Errors
 /// An answer that cannot be written. Whatever the grounder meets is an outcome.

@@ -1,4 +1,4 @@
-//! PanopticQuery (paper, section 4): a sentence in, a 4D grounding out, masks from cameras that nobody trained on.
+//! PanopticQuery (paper, section 4): a sentence in, a 4D grounding out, masks from cameras that no one trained on.
 //!
 //! This crate owns the stages between a trained model and an answer: clips, grounding of each view, multi-view
 //! semantic consensus, 4D lifting, masks. It refuses to know how a grounder finds anything, how splats are trained and

@@ -58,7 +58,7 @@ impl LiftSettings {
     }
 }
 
-/// Lifts evidence onto a model. `listener` is told before every step and may end it.
+/// Lifts evidence onto a model. `listener` is called before every step and may end it.
 ///
 /// # Errors
 /// No evidence or evidence that contradicts itself, settings outside their ranges, a model that cannot be drawn,

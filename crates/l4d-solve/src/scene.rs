@@ -85,7 +85,7 @@ pub struct SolveScene {
 }
 
 impl SolveScene {
-    /// Reads the model, chooses views, and draws what of their clips does not stand there. `drawn` hears of each
+    /// Reads the model, chooses views, and draws what of their clips is not there. `drawn` hears of each
     /// picture that is drawn.
     ///
     /// # Errors
@@ -206,7 +206,7 @@ fn read_rig(name: &Name, profile: Profile, places: &Places) -> Result<Rig, DataE
     let path = places.data.rig(profile);
     if !path.exists() {
         let remedy = format!("{}, or choose another --data", how_scenes_are_made(name, profile));
-        return Err(DataError::invalid(places.data.root(), "scene", "no scene stands there", remedy));
+        return Err(DataError::invalid(places.data.root(), "scene", "there is no scene", remedy));
     }
     let rig = Rig::read(&path)?;
     if profile.is_rendered() && rig.size() != [profile.width(), profile.height()] {
@@ -229,7 +229,7 @@ fn read_model(name: &Name, profile: Profile, places: &Places) -> Result<Source, 
     let path = places.splats();
     let train = format!("run `l4d train-splats {name} --profile {profile}` first");
     if !path.exists() {
-        return Err(DataError::invalid(&path, "model", "no splats stand there", train));
+        return Err(DataError::invalid(&path, "model", "there are no splats", train));
     }
     let source = Source::open(&path)?;
     let other = |what: &str, found: &dyn std::fmt::Display| {

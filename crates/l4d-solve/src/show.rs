@@ -68,8 +68,8 @@ impl Method<'_> {
         let model = &scene.source.model;
         let splats = model.at(time).map_err(|source| LiftError::Model { time, source })?;
         let layer = lifted.map(|lifted| lifted.layer_at(model, time)).transpose()?;
-        let nobody = vec![false; splats.len()];
-        let members = layer.as_ref().map_or(nobody.as_slice(), |layer| layer.members.as_slice());
+        let none = vec![false; splats.len()];
+        let members = layer.as_ref().map_or(none.as_slice(), |layer| layer.members.as_slice());
         let edited = |result: Result<Splats, _>| {
             result.map_err(|source| LiftError::Model { time, source: ModelError::Splat(source) })
         };

@@ -149,7 +149,7 @@ impl Method<'_> {
     }
 
     /// Answers a question. Everything but masks goes to `dir`: what each view says, what consensus makes of it, the
-    /// lifted answer. `heard` is told of each view that has answered.
+    /// lifted answer. `heard` is called for each view that has answered.
     ///
     /// # Errors
     /// What lifting meets, and what the disk refuses. Whatever a grounder meets is an outcome.
@@ -179,7 +179,7 @@ impl Method<'_> {
         Ok(Solved { groundings, consensus: agreed, lifted, account })
     }
 
-    /// The clips that [`Self::solve`] would ask the grounder about, since no final outcome of theirs stands in `dir`.
+    /// The clips that [`Self::solve`] would ask the grounder about, since no final outcome of theirs is in `dir`.
     pub fn unanswered<'s>(
         &self,
         scene: &'s SolveScene,

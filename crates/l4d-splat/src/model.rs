@@ -64,7 +64,7 @@ impl Model {
         Ok(own::read(folder)?.into())
     }
 
-    /// Writes the model alone into a folder, in place of the checkpoint that stands there.
+    /// Writes the model alone into a folder, in place of the checkpoint that is there.
     ///
     /// # Errors
     /// Values that no checkpoint holds, and what the disk refuses.

@@ -170,7 +170,7 @@ pub enum HalfPart {
     Harmonics,
     /// Everything but the centres, the field included.
     AllButCentres,
-    /// Everything. Centres ten metres from the origin then stand on a grid of 4 to 8 mm.
+    /// Everything. Centres ten metres from the origin then are on a grid of 4 to 8 mm.
     Everything,
 }
 

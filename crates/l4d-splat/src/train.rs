@@ -1,6 +1,6 @@
 //! How a model is learned from pictures, with depth or without.
 //!
-//! Static is told from dynamic by depth and colour alone ([`Motion`]). *Coarse*: static Gaussians learn the mean
+//! Static and dynamic are separated by depth and colour alone ([`Motion`]). *Coarse*: static Gaussians learn the mean
 //! pictures of the static cameras, without a field. *Fine*: Gaussians of what moves are added at one moment, the clip is
 //! learned from there to both ends, then everything learns; only what moves or changes colour goes through the
 //! deformation field. Refuses to know files, held-out views and instances.

@@ -90,7 +90,7 @@ pub(crate) struct OpenRoundArgs {
     /// The annotators are programs: the round never counts as verification by people
     #[arg(long)]
     pub(crate) simulated: bool,
-    /// Replace a round of this name in which nobody has voted
+    /// Replace a round of this name without votes
     #[arg(long)]
     pub(crate) force: bool,
 }

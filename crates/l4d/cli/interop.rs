@@ -46,7 +46,7 @@ pub(crate) struct ImportArgs {
     /// Write what could be read, though something could not
     #[arg(long)]
     pub(crate) partial: bool,
-    /// Replace results that stand under that name
+    /// Replace results that are under that name
     #[arg(long)]
     pub(crate) force: bool,
     /// Print JSON
@@ -228,7 +228,7 @@ pub(crate) struct ImportSceneArgs {
     /// Scale of the scene in tables of scores
     #[arg(long, value_enum)]
     pub(crate) scale: Option<ScaleArg>,
-    /// Only add masks to a capture that stands in --out
+    /// Only add masks to a capture that is in --out
     #[arg(long, requires = "masks")]
     pub(crate) masks_only: bool,
     /// The program that opens videos

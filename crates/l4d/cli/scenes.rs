@@ -140,7 +140,7 @@ pub(crate) struct DrawVariantArgs {
     /// Folder that receives the plans; default: data/<profile>-v<variant>
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// Replace another set that stands in --out
+    /// Replace another set that is in --out
     #[arg(long)]
     pub(crate) force: bool,
     /// Print JSON

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     out.findings(report, false)
 }
 
-/// The scenes asked for, or all that stand in the data folder, the benchmark's first.
+/// The scenes asked for, or all that are in the data folder, the benchmark's first.
 fn scenes_to_check(
     args: &BenchArgs,
     bench: &Benchmark,
@@ -60,7 +60,7 @@ fn scenes_to_check(
     }
     if scenes.is_empty() {
         return Err(refusal(
-            format!("no scene stands in {}", space.data().display()),
+            format!("no scene is in {}", space.data().display()),
             format!("run `l4d build-scenes --profile {}` first, or choose another --data", args.profile),
         ));
     }

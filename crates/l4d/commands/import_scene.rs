@@ -77,7 +77,7 @@ fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Re
     out.note("the capture has neither depth nor ids, and says so: what needs them refuses it");
     for gone in &capture.substituted {
         out.warn(format!(
-            "{} at {} {}: the picture at {} stands there",
+            "{} at {} {}: the picture at {} takes its place",
             gone.view, gone.frame, gone.why, gone.shows
         ));
     }

@@ -61,7 +61,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     }
     note_spent(&client.spent(), out);
     if outcomes.iter().any(|outcome| outcome.answer.is_some()) {
-        out.note(format!("proposals stand in {}; none of them is part of the benchmark", folder.display()));
+        out.note(format!("proposals are in {}; none of them is part of the benchmark", folder.display()));
     }
     match report.is_empty() {
         true => Ok(ExitStatus::Success),

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
     print(&outcomes, out)?;
     note_spent(&client.spent(), out);
     if outcomes.iter().any(|outcome| !outcome.scenarios.is_empty()) {
-        out.note(format!("scenarios stand in {}; people build scenes from them", args.out.display()));
+        out.note(format!("scenarios are in {}; people build scenes from them", args.out.display()));
     }
     match report.is_empty() {
         true => Ok(ExitStatus::Success),

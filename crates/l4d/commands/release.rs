@@ -1,4 +1,4 @@
-//! `l4d release`: a version of the benchmark, frozen as a folder that stands alone; or the check of such a folder.
+//! `l4d release`: a version of the benchmark, frozen as a self-contained folder; or the check of such a folder.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};

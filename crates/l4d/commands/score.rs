@@ -72,7 +72,7 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         out.findings(report, false)?;
     }
     if !summaries.is_empty() {
-        out.note(format!("counts and summaries stand in {}/<method>/", scores.display()));
+        out.note(format!("counts and summaries are in {}/<method>/", scores.display()));
     }
     Ok(status)
 }

@@ -62,7 +62,7 @@ fn draw_overview(args: &SheetArgs, space: &Workspace, out: &Printer) -> Result<P
         .collect::<Result<_>>()?;
     if scenes.is_empty() {
         return Err(refusal(
-            format!("no scene of the benchmark stands in {}", space.data().display()),
+            format!("no scene of the benchmark is in {}", space.data().display()),
             format!(
                 "run `l4d build-scenes --profile {}` first, or choose another --data",
                 args.bench.profile

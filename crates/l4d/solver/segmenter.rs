@@ -56,7 +56,7 @@ const OURS: [(&str, Needs); 5] = [
 const PACKAGE: &str = "crates/l4d-ground/workers";
 
 impl SegmenterEntry {
-    /// How it is started. `path` is the file that it stands in, `work` the folder for what can be remade.
+    /// How it is started. `path` is the file that it is in, `work` the folder for what can be remade.
     pub(super) fn launch(&self, path: &Path, work: &SharedWork, out: &Printer) -> Result<Launch> {
         match (&self.worker, &self.program) {
             (Some(worker), None) => self.launch_ours(worker, path, work, out),
@@ -79,7 +79,7 @@ impl SegmenterEntry {
             _ => Err(wrong(
                 path,
                 "worker",
-                "stands beside `program`, or neither is there".to_owned(),
+                "is beside `program`, or neither is there".to_owned(),
                 "name one of the project's workers with `worker`, or any other with `program`",
             )),
         }

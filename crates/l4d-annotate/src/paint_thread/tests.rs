@@ -122,7 +122,7 @@ fn an_export_is_a_large_picture_with_outlines() {
         other => panic!("{other:?}"),
     }
     let bytes = std::fs::read(fixture.exports().join(file_name)).unwrap();
-    // Width and height stand at fixed places of a PNG.
+    // Width and height are at fixed places of a PNG.
     let side = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!((side(16), side(20)), (1024, 768));
 }

@@ -270,7 +270,7 @@ fn a_click_on_an_object_chooses_it_and_beside_everything_none() {
     let (column, row) = cell_of(&driver, 5, 5);
     click(&mut driver, column, row);
     assert_eq!(driver.notice(), "There is no numbered object");
-    // The floor is a landmark, which nobody asks for.
+    // The floor is a landmark, which no query asks for.
     let (column, row) = cell_of(&driver, 100, 90);
     click(&mut driver, column, row);
     assert!(driver.model.draft.is_blank());

@@ -20,7 +20,7 @@ pub(super) fn marked() -> Style {
     Style::new().add_modifier(Modifier::REVERSED)
 }
 
-/// A number that stands for an object, on a patch of its colour; white when it is chosen, as is its outline.
+/// A number of an object, on a patch of its colour; white when it is chosen, as is its outline.
 pub(super) fn number([red, green, blue]: [u8; 3], chosen: bool, colours: Colours) -> Style {
     if colours == Colours::None {
         return if chosen { strong().add_modifier(Modifier::REVERSED) } else { strong() };

@@ -1,4 +1,4 @@
-// Small drawings in SVG. Each stands beside the numbers that it shows, so readers who do not see it lose nothing.
+// Small drawings in SVG. Each is beside the numbers that it shows, so readers who do not see it lose nothing.
 
 /** A bar from 0 to 100 with its interval. */
 function bar(cell, isRanked) {

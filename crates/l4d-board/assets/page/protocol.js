@@ -25,7 +25,7 @@ function leftOut(methods) {
   return [el("h2", {}, "What the source leaves out"), el("ul", { class: "plain" }, items)];
 }
 
-/** Columns of the measures of a protocol; the name of the protocol stands in every head. */
+/** Columns of the measures of a protocol; the name of the protocol is in every head. */
 function measureColumns(protocol, valueOf) {
   return protocol.measures.map((measure, at) => ({
     key: measure.key,

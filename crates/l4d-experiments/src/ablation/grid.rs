@@ -228,7 +228,7 @@ fn fewest_views(order: &Ablation<'_>) -> Result<(usize, Name)> {
         let path = order.space.scene(&scene.name).rig(exam.profile);
         if !path.exists() {
             return Err(StageError::new(
-                format!("{}: no scene stands there", path.display()),
+                format!("{}: there is no scene", path.display()),
                 format!("{}, or choose another --data", how_scenes_are_made(&scene.name, exam.profile)),
             ));
         }

@@ -1,5 +1,5 @@
 //! The table: rows are settings, columns are kinds of queries. Measured numbers have intervals and sizes; published
-//! ones stand below them and belong to another data set.
+//! ones are below them and belong to another data set.
 
 use std::collections::BTreeSet;
 

@@ -153,7 +153,7 @@ impl Header {
                 }
                 ["property", kind, name] => {
                     let element =
-                        elements.last_mut().ok_or_else(|| fault("stands before any element".to_owned()))?;
+                        elements.last_mut().ok_or_else(|| fault("precedes any element".to_owned()))?;
                     let scalar = Scalar::parse(kind)
                         .ok_or_else(|| fault(format!("has no such type as {}", quoted(kind))))?;
                     if element.properties.iter().any(|property| property.name == *name) {

@@ -71,7 +71,7 @@ fn headers_that_cannot_be_are_refused_with_their_line() {
             "vertex 2 2",
             "header, line 3: is `element vertex 2 2`, which is no line of a PLY header",
         ),
-        ("element vertex 2\n", "", "header, line 3: stands before any element"),
+        ("element vertex 2\n", "", "header, line 3: precedes any element"),
         ("float y", "float x", "header, line 5: repeats property `x`"),
         ("float y", "real y", "header, line 5: has no such type as `real`"),
         ("property float x", "property list uchar int x", "header, line 4: is a list property"),

@@ -41,7 +41,7 @@ fn no_beginning_of_a_text_of_numbers_panics() {
     }
 }
 
-/// The archive is whole, what stands in it is not.
+/// The archive is whole, what is in it is not.
 #[test]
 fn no_beginning_of_an_entry_passes_for_the_entry() {
     let whole = bytes("pth/types.pth");

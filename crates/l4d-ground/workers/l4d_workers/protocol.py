@@ -145,7 +145,7 @@ class Inbox:
                 break
             else:
                 self.orders.put(order)
-        # l4d is gone or done: nobody reads what is still worked on, and a network may not be interruptible.
+        # l4d is gone or done: no one reads what is still worked on, and a network may not be interruptible.
         os._exit(0)
 
 

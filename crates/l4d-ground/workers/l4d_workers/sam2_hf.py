@@ -1,5 +1,5 @@
 """SAM 2 for videos, as in transformers: boxes and points in some frames, followed through all frames in both
-directions. The model stands in a local folder (``facebook/sam2.1-hiera-large`` and its kin, saved by the user)."""
+directions. The model is in a local folder (``facebook/sam2.1-hiera-large`` and its kin, saved by the user)."""
 
 from __future__ import annotations
 

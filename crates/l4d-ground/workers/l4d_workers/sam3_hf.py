@@ -1,4 +1,4 @@
-"""SAM 3 for videos, as in transformers: a noun phrase, and masks of everything that it names. The model stands in a
+"""SAM 3 for videos, as in transformers: a noun phrase, and masks of everything that it names. The model is in a
 local folder (``facebook/sam3``, saved by the user; its weights have a licence of their own)."""
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ def decode(counts: str) -> list[int]:
 
 
 def test_run_lengths_are_those_of_coco():
-    # 3 wide, 2 high; columns (0,1), (1,1), (0,0): the same example stands in l4d-frames.
+    # 3 wide, 2 high; columns (0,1), (1,1), (0,0): the same example is in l4d-frames.
     assert rle.counts([1, 3, 2]) == "132"
     assert rle.counts([6]) == "6"
     assert rle.counts([0, 6]) == "06"

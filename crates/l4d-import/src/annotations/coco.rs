@@ -83,7 +83,7 @@ pub fn read(path: &Path, reading: Reading) -> Result<Annotations, DataError> {
             return Err(wrong(path, format!("image {}", image.id), message));
         }
         if places.insert(image.id, pictures.len()).is_some() {
-            return Err(wrong(path, format!("image {}", image.id), "the number stands there twice"));
+            return Err(wrong(path, format!("image {}", image.id), "the number occurs twice"));
         }
         pictures.push(AnnotatedPicture {
             file_name: image.file_name.clone(),

@@ -131,7 +131,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         });
     }
     if document.frames.iter().any(|entry| entry.depth_file_path.is_some()) {
-        plan.note("depth of the source is left out: nobody says what made it");
+        plan.note("depth of the source is left out: no one says what made it");
     }
     if plan.views.iter().any(|view| !view.distortion.is_none()) {
         plan.note("lenses are undone: pictures are what pinholes would have seen");

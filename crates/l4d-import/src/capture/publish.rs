@@ -16,7 +16,7 @@ use l4d_data::{Benchmark, Camera, DataError, Name, Profile, Scale, json};
 use l4d_masks::Rle;
 
 /// Heading of a manifest that is made here.
-const HEADING: &str = "Real scenes. Their pictures stand where they came from; queries and truth stand here.";
+const HEADING: &str = "Real scenes. Their pictures stay where they came from; queries and truth are here.";
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -91,7 +91,7 @@ fn claim(order: &Order<'_>) -> Result<(), DataError> {
     };
     let ours = [CAPTURE, MASKS, SPARSE, "frames"];
     if let Some(entry) = list_folder(order.out)?.into_iter().find(|entry| !ours.contains(&entry.as_str())) {
-        return refuse(format!("is not empty: `{}` stands there", inert(&entry)));
+        return refuse(format!("is not empty: `{}` is there", inert(&entry)));
     }
     let path = order.out.join(CAPTURE);
     if path.is_file() {

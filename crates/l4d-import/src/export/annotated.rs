@@ -22,7 +22,7 @@ pub(super) fn cameras(views: &SceneViews) -> Result<Vec<&Camera>, DataError> {
             "draw on pictures of training views, or show the truth with `--held-out pictures`",
         ),
         false => (
-            "nobody drew masks on these pictures",
+            "no one drew masks on these pictures",
             "bring them in with `l4d import-scene --masks ... --masks-format ...`",
         ),
     };

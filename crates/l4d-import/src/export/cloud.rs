@@ -81,7 +81,7 @@ pub(super) fn statement(file: &str, moment: &str, cloud: Option<&Cloud<'_>>) -> 
             ),
         },
         None => format!(
-            "{file}: no points, since nobody knows where surfaces are; triangulate some with the cameras of \
+            "{file}: no points, since surfaces are unknown; triangulate some with the cameras of \
              `--format colmap` (`colmap point_triangulator`) and give the model with `--points-from`"
         ),
     }

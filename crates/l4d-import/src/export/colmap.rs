@@ -56,7 +56,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         json::write(&order.out.join("held_out_camera.json"), &rig)?;
     }
     for camera in held_out {
-        manifest.note(format!("{} is in no model; its pose stands in held_out_camera.json", camera.name));
+        manifest.note(format!("{} is in no model; its pose is in held_out_camera.json", camera.name));
     }
     manifest.note("a folder a moment: train each by itself");
     statement.into_iter().for_each(|statement| manifest.note(statement));

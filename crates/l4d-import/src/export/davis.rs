@@ -73,7 +73,7 @@ impl Tally<'_> {
         if self.unannotated > 0 {
             let count = self.unannotated;
             notes.push(format!(
-                "{sequence}: {count} pictures without an annotation, since nobody drew on them"
+                "{sequence}: {count} pictures without an annotation, since no one drew on them"
             ));
         }
         if self.overlapping > 0 {

@@ -38,7 +38,7 @@ impl Folder {
                 return refuse("holds an export of other frames, other pictures or another split".to_owned());
             }
         } else if let Some(entry) = list_folder(order.out)?.first() {
-            return refuse(format!("is not empty: `{}` stands there", l4d_data::error::inert(entry)));
+            return refuse(format!("is not empty: `{}` is there", l4d_data::error::inert(entry)));
         }
         json::write(&path, &Manifest::new(order, views)?)?;
         Ok(Self { manifest: path })

@@ -64,7 +64,7 @@ fn neu3d_videos_go_through_ffmpeg() {
     assert!(error.to_string().contains("needs the program `no-such-ffmpeg`"), "{error}");
     assert!(error.hint().unwrap().contains("images/0000.png"));
 
-    // Stands in for ffmpeg: checks that it is asked about a video, and answers with two pictures.
+    // Takes the place of ffmpeg: checks that it is asked about a video, and answers with two pictures.
     for moment in 0..2 {
         bench.put(&format!("pictures/{moment:06}.png"), png(64, 48, moment));
     }
@@ -256,7 +256,7 @@ fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
     let capture = bench.read(Source::Colmap).unwrap();
     assert_eq!(capture.points, theirs.points.len());
     assert!(capture.inputs.contains_key("sparse/0/points3D.bin"));
-    // The capture stands in a folder of another name than its own.
+    // The capture is in a folder of another name than its own.
     let dir = CaptureDir::new(bench.out().parent().unwrap(), "out");
     let out = world.out("again");
     let order = Order { points: usize::MAX, ..Order::new(Origin::Captured(&dir), Format::Colmap, &out) };
@@ -352,5 +352,5 @@ fn a_folder_of_something_else_is_left_alone_and_ours_is_written_again() {
     assert!(error.to_string().contains("no cameras.bin"), "{error}");
     std::fs::write(bench.out().join("notes.txt"), "mine").unwrap();
     let error = bench.read(Source::Neu3d).unwrap_err();
-    assert!(error.to_string().contains("`notes.txt` stands there"), "{error}");
+    assert!(error.to_string().contains("`notes.txt` is there"), "{error}");
 }

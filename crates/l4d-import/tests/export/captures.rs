@@ -1,4 +1,4 @@
-//! What only captures have: moments that a view did not see, pictures that nobody drew on, points of a reconstruction.
+//! What only captures have: moments that a view did not see, pictures that no one drew on, points of a reconstruction.
 
 use std::path::Path;
 
@@ -229,7 +229,7 @@ fn captures_that_cannot_be_are_refused_with_the_field() {
             let pose = capture.cameras[0].world_from_camera[0];
             capture.cameras[0].world_from_camera = vec![pose; 4];
         }),
-        ("stands there twice", |capture| capture.cameras[0].name = name("cam01")),
+        ("occurs twice", |capture| capture.cameras[0].name = name("cam01")),
         ("must be ascending", |capture| capture.frames.reverse()),
         ("there is none to train on", |capture| {
             capture.cameras.iter_mut().for_each(|camera| camera.split = Split::Test);

@@ -94,7 +94,7 @@ fn assert_tracks(out: &Path) {
     let model = Model::read(&out.join("frame_0000/sparse/0")).unwrap();
     let mut observed = 0;
     for point in &model.points {
-        assert!(!point.track.is_empty(), "point {} is seen by nobody", point.id);
+        assert!(!point.track.is_empty(), "point {} is seen by no camera", point.id);
         for &(image, place) in &point.track {
             let image = model.images.iter().find(|other| other.id == image).unwrap();
             assert_eq!(image.observations[place as usize].point, Some(point.id));

@@ -125,7 +125,7 @@ impl<'a> Exam<'a> {
         reasons
     }
 
-    /// The objects that the numbers stand for, and what is wrong with the numbers.
+    /// The objects that the numbers mean, and what is wrong with the numbers.
     fn referents(&self, proposal: &Proposal) -> (Vec<Name>, Vec<Reason>) {
         let instances = &self.set.tracks.instances;
         let hint = "refer to an object by the number on its outline";

@@ -113,7 +113,7 @@ fn sentence(value: &Value) -> Result<String, Reason> {
 }
 
 fn numbers(value: &Value) -> Result<Vec<u32>, Reason> {
-    let wanted = "a list of numbers that stand on the pictures";
+    let wanted = "a list of numbers that are on the pictures";
     let items = match value {
         Value::Array(items) => items.as_slice(),
         Value::Number(_) | Value::String(_) => std::slice::from_ref(value),

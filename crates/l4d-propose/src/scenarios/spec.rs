@@ -43,7 +43,7 @@ pub struct Environment {
     pub place: String,
     /// Where the light comes from.
     pub light: String,
-    /// What things stand on.
+    /// What things rest on.
     pub ground: String,
 }
 

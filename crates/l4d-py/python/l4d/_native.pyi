@@ -318,7 +318,7 @@ class Capture:
         """Numbers of its moments, ascending."""
     @property
     def frames_per_second(self) -> Optional[float]:
-        """Moments a second, or None where nobody knows."""
+        """Moments a second, or None if unknown."""
     @property
     def is_metric(self) -> bool:
         """Whether a unit of its world is a metre."""
@@ -448,10 +448,10 @@ class Benchmark:
 class ResultsWriter:
     """Writes results of a method, which the last part of `path` names: `method.json` and `masks/<scene>/<nnn>.json`.
 
-    A run that was killed is continued by the same call: `remaining()` leaves out what stands there whole. `ground_truth`
+    A run that was killed is continued by the same call: `remaining()` leaves out what is there whole. `ground_truth`
     says that the method saw any (such results are shown and never ranked), `test_view` that it saw pictures of the
     held-out view, `depth` that it learned from rendered depth of the training views, itself or through a model (such results
-    are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what stands there.
+    are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what is there.
     """
     def __new__(
         cls,
@@ -473,7 +473,7 @@ class ResultsWriter:
     def path(self) -> Path:
         """The folder."""
     def remaining(self, scene: Optional[str] = None, *, set: _Set = "queries") -> list[Query]:
-        """Sentences whose answer does not stand there whole yet; `set` as in `Benchmark.queries`."""
+        """Sentences whose answer is not there whole yet; `set` as in `Benchmark.queries`."""
     def write(
         self, query: Union[Query, str], masks: Union[_Bools, Mapping[int, Optional[_Bools]]]
     ) -> None:
@@ -481,7 +481,7 @@ class ResultsWriter:
 
         `masks` is bool (T, H, W) in the order of `Benchmark.clip(scene)`, or a dict from each of these frames to bool (H, W)
         or None. None, and a mask without a pixel, say that what is asked for cannot be seen. Frames of a capture that
-        nobody annotated may be left out.
+        no one annotated may be left out.
         """
     def finish(self, seconds: float) -> None:
         """Writes into the card how many wall seconds the method took for all queries. A folder is whole without it."""
@@ -617,9 +617,9 @@ class Clips:
     def camera(self, view: str) -> Camera:
         """The camera of a view."""
     def frames(self, view: str) -> list[int]:
-        """Canonical frames that stand there of a view, ascending. Times between frames are left out."""
+        """Canonical frames that are there of a view, ascending. Times between frames are left out."""
     def read(self, view: str, frames: Optional[Sequence[int]] = None) -> PictureClip:
-        """Reads pictures of a view at canonical frames (all that stand there by default). Colours were stored with 8 bits.
+        """Reads pictures of a view at canonical frames (all that are there by default). Colours were stored with 8 bits.
         Depth that was stored as PNG comes without alpha.
         """
 
@@ -669,7 +669,7 @@ def score(
 ) -> _Scores:
     """Scores a results folder, or a folder of them: the document that `l4d score --json` prints, number for number.
 
-    Percentages stand under `document["methods"]`; a method with an error finding is not among them, and
+    Percentages are under `document["methods"]`; a method with an error finding is not among them, and
     `document["findings"]` says why. `set` is `"queries"` or `"composites"`; `scenes` are all by default; `missing` is
     `"error"`, `"zero"` or `"skip"`; mAcc counts frames whose IoU is above `hit_iou`. `counts.csv` and `summary.json` of
     each method are written below `scores`, or nowhere. A method with more than `max_megabytes` of masks is not read.

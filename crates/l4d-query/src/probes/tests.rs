@@ -57,7 +57,7 @@ fn each_shortcut_finds_what_it_looks_for() {
     assert_eq!(one(PUSHED, "busy at half-time"), 100.0);
     assert_eq!(one(POKED, "busy at half-time"), 0.0);
     assert_eq!(one(PUSHED, "reads one frame"), 100.0);
-    // Nobody is poked in the middle frame: no information is chance.
+    // Nothing is poked in the middle frame: no information is chance.
     assert_eq!(one(POKED, "reads one frame"), 33.3);
     let first = r#"{"first":{"undergoes":{"verb":"push","by":{"category":"hand"}}}}"#;
     let ends = r#"{"at_end":{"relation":{"kind":"beside","of":[{"name":"hand"}]}}}"#;

@@ -211,7 +211,7 @@ impl Exam<'_, '_> {
             let names: Vec<&str> = found.iter().map(|instance| instance.name.as_str()).collect();
             let message = match names.len() {
                 0 if self.kind == Kind::Absent => continue,
-                0 => format!("nobody is {party}"),
+                0 => format!("no one is {party}"),
                 1 => continue,
                 _ if wording::is_indefinite(&self.query.text) => continue,
                 _ => format!("{party} is not one but several: {}", names.join(", ")),
@@ -235,7 +235,7 @@ impl Exam<'_, '_> {
             self.add(
                 "L4D207",
                 message,
-                "single categories stand in <scene>.jsonl, pairs in <scene>.composite.jsonl",
+                "single categories are in <scene>.jsonl, pairs in <scene>.composite.jsonl",
             );
         }
     }
@@ -357,7 +357,7 @@ fn unknown_party(world: &World<'_>, party: &Party) -> Option<String> {
 fn unknown_word(world: &World<'_>, noun: &str, clause: &Clause, may_be_new: bool) -> Option<String> {
     match clause {
         Clause::Does { verb, .. } | Clause::Undergoes { verb, .. } => {
-            (!may_be_new && !world.has_verb(verb)).then(|| format!("nobody does `{verb}` in this scene"))
+            (!may_be_new && !world.has_verb(verb)).then(|| format!("no one does `{verb}` in this scene"))
         }
         Clause::Attribute { key, value } => {
             let known =

@@ -87,7 +87,7 @@ impl RealSet {
         };
         if !fits {
             let message = format!("{:?} is not what this file holds", query.categories);
-            let hint = "single categories stand in <scene>.jsonl, pairs in <scene>.composite.jsonl";
+            let hint = "single categories are in <scene>.jsonl, pairs in <scene>.composite.jsonl";
             found.push(("L4D207", message, hint));
         }
         for name in query.referents.iter().filter(|name| self.is_never_seen(query, name)) {

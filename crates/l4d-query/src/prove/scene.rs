@@ -139,13 +139,7 @@ pub(super) fn check_each_asks_something_else<'a>(
         let id = query.id.to_string();
         if !ids.insert(id.clone()) {
             let hint = "number composites from 501 and absent ones from 901";
-            report.error(
-                "L4D213",
-                path,
-                place.clone(),
-                "the id stands in another file of the scene, too",
-                hint,
-            );
+            report.error("L4D213", path, place.clone(), "the id is in another file of the scene, too", hint);
         }
         if let Some(other) = sentences.insert(words(&query.text).join(" "), id.clone()) {
             let message = format!("{other} has the same sentence");

@@ -28,7 +28,7 @@ pub(super) const RULES: Rules = Rules {
 };
 
 const NO_OBJECT: &str =
-    "belong to objects that the first frame does not show, so that nobody is told to follow them";
+    "belong to objects that the first frame does not show, so that no prompt asks to follow them";
 const ENDS: &str = "are first or last of their clip and dropped";
 const TOO_SHORT: &str = "belong to clips of one or two frames, of which nothing is left";
 

@@ -25,7 +25,7 @@ pub(super) const RULES: Rules = Rules {
     judge,
 };
 
-const NOT_SHOWN: &str = "do not show the object of a sentence about a time: nobody annotates them";
+const NOT_SHOWN: &str = "do not show the object of a sentence about a time: no one annotates them";
 
 fn judge(clip: &Clip<'_>) -> Judged {
     if clip.query.temporal == Temporal::Whole {

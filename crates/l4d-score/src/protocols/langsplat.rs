@@ -19,7 +19,7 @@ pub(super) const RULES: Rules = Rules {
 };
 
 /// Why frames are left out where only present targets are annotated.
-pub(super) const NOT_SHOWN: &str = "do not show what is asked for: nobody annotates them";
+pub(super) const NOT_SHOWN: &str = "do not show what is asked for: no one annotates them";
 /// The same frames, where a method says something.
 pub(super) const UNSEEN_ALARM: &str = "are false alarms among them, which go unnoticed";
 

@@ -13,7 +13,7 @@ const LINK: &str = "https://arxiv.org/abs/2604.05638";
 /// Protocol that the masks are made for.
 const PROTOCOL: &str = "l4d";
 
-/// A card that may stand in the folder.
+/// A card that may be in the folder.
 pub(super) struct Card(MethodCard);
 
 impl Card {

@@ -1,6 +1,6 @@
 //! The folder of clips: one file a picture, and a manifest that says of what they are.
 //!
-//! The manifest comes first and says how everything in the folder was drawn; a file that stands there under its final
+//! The manifest comes first and says how everything in the folder was drawn; a file that is there under its final
 //! name is whole, so that a run that was killed goes on where it stopped.
 
 use std::collections::BTreeMap;
@@ -164,12 +164,12 @@ pub enum Overwrite {
 pub struct ClipsFolder {
     root: PathBuf,
     manifest: Manifest,
-    /// Whether pictures that stand there were drawn as these are to be.
+    /// Whether pictures that are there were drawn as these are to be.
     is_continued: bool,
 }
 
 impl ClipsFolder {
-    /// Takes the folder for clips of this look: goes on with what stands there, or begins.
+    /// Takes the folder for clips of this look: goes on with what is there, or begins.
     ///
     /// # Errors
     /// Clips of another look, or files that no manifest speaks of, unless they may be replaced.
@@ -207,14 +207,14 @@ impl ClipsFolder {
         let folder =
             Self { root, manifest: Manifest { schema: SCHEMA.to_owned(), drawn: look, views }, is_continued };
         if overwrite == Overwrite::Never {
-            folder.refuse_strangers(plan)?;
+            folder.refuse_other_files(plan)?;
         }
         json::write(&path, &folder.manifest)?;
         Ok(folder)
     }
 
     /// Files under our names that no manifest speaks of were made by somebody else.
-    fn refuse_strangers(&self, plan: &Plan) -> Result<(), DataError> {
+    fn refuse_other_files(&self, plan: &Plan) -> Result<(), DataError> {
         if self.is_continued {
             return Ok(());
         }
@@ -226,7 +226,7 @@ impl ClipsFolder {
             Some(path) => Err(DataError::invalid(
                 &path,
                 "file",
-                "stands there, and no manifest says what it is",
+                "no manifest says what this file is",
                 "choose another --out, or replace such files with --overwrite",
             )),
             None => Ok(()),

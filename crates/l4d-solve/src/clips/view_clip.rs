@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::folder::ClipsFolder;
 use super::plan::{Plan, Shot};
 
-/// All views of a plan whose pictures stand in the folder, in the order of its cameras. Times between frames are left
+/// All views of a plan whose pictures are in the folder, in the order of its cameras. Times between frames are left
 /// out: a sentence is asked about frames.
 ///
 /// # Errors

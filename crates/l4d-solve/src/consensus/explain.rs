@@ -158,7 +158,7 @@ impl Decision {
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Off => "consensus is off, all that found something",
-            Self::Bypassed => "one view alone answered, and nobody can vote on it",
+            Self::Bypassed => "one view alone answered, and no other can vote on it",
             Self::Reliable => "enough others vote for them",
             Self::BestView => "no view is reliable, this is the best that has a vote",
             Self::NoneReliable => "no view is reliable, so there is no answer",

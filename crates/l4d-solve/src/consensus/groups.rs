@@ -78,8 +78,8 @@ impl Relations {
         best.map(|(_, pair)| pair)
     }
 
-    /// The verdict of each group; `groups` has the largest first. Views that stand alone neither outvote each other nor
-    /// tie: with nobody behind them they are for the votes to settle.
+    /// The verdict of each group; `groups` has the largest first. Views without company neither outvote each other nor
+    /// tie: they are for the votes to settle.
     pub(super) fn verdicts(&self, groups: &[Vec<usize>]) -> Vec<GroupVerdict> {
         let mut verdicts: Vec<GroupVerdict> = Vec::with_capacity(groups.len());
         for peers in groups.chunk_by(|a, b| a.len() == b.len()) {

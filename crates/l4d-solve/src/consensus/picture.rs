@@ -1,7 +1,7 @@
 //! Consensus as a picture: a row for each view, a column for each of some frames, what each view marks outlined.
 //!
-//! Nothing is told by colour alone: what goes on has a thick blue line, what does not a thin orange one, and words
-//! stand beside both.
+//! Nothing is shown by colour alone: what goes on has a thick blue line, what does not a thin orange one, and words
+//! are beside both.
 
 use glam::UVec2;
 use l4d_frames::closeup::Closeup;

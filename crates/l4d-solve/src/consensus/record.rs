@@ -12,7 +12,7 @@ use super::settings::{ConsensusSettings, Preset};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Consensus {
-    /// The preset whose rules and constants these are; none if they are nobody's.
+    /// The preset whose rules and constants these are; none if they are of no preset.
     pub preset: Option<Preset>,
     /// The rules and constants.
     pub settings: ConsensusSettings,
@@ -35,7 +35,7 @@ pub struct Consensus {
 pub enum Decision {
     /// There is no vote: all views that found something go on.
     Off,
-    /// One view alone answered: nobody can vote on it.
+    /// One view alone answered: no other can vote on it.
     Bypassed,
     /// The reliable views go on.
     Reliable,
@@ -109,7 +109,7 @@ pub struct MarkedFrame {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ViewVerdict {
-    /// It goes on: others agree, or nobody was to be asked.
+    /// It goes on: others agree, or there were no others.
     Reliable,
     /// It goes on for want of a better one.
     Best,

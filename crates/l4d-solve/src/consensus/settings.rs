@@ -91,7 +91,7 @@ pub enum Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Visibility {
-    /// To the letter: more than that share of the projected mask lies within m_j. Whoever marks something else
+    /// To the letter: more than that share of the projected mask lies within m_j. A view that marks something else
     /// "cannot see" it.
     SharedWithProposal,
     /// In spirit: at least that share of the projected pixels lands within the picture and is not hidden there,

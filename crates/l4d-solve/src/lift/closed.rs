@@ -3,7 +3,7 @@
 //! With geometry frozen a picture of labels is linear in them, m = A s with A the blend weights. A^T m over A^T 1 is
 //! the vote of the pixels that a Gaussian shows in; steps of SIRT, s += A^T (m - A s) / A^T 1, take out what a vote
 //! mixes in from whatever shows in the same pixels; a graph of Gaussians that stay together carries labels to where
-//! nobody looked. What is there for a part of the clip is found beforehand, from how votes change with time.
+//! no view looked. What is there for a part of the clip is found beforehand, from how votes change with time.
 
 mod graph;
 mod states;

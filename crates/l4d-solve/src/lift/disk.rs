@@ -60,7 +60,7 @@ enum Kind {
 }
 
 impl Lifted {
-    /// Writes the answer into a folder, in place of the one that stands there.
+    /// Writes the answer into a folder, in place of the one that is there.
     ///
     /// # Errors
     /// What the disk refuses.

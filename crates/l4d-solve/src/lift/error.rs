@@ -16,7 +16,7 @@ impl From<LiftError> for StageError {
     }
 }
 
-/// What stands in the way.
+/// Why lifting failed.
 #[derive(Debug, thiserror::Error)]
 pub enum LiftError {
     /// Nothing to learn from.
@@ -37,9 +37,9 @@ pub enum LiftError {
     Setting {
         /// Name of the field.
         field: &'static str,
-        /// What stands there.
+        /// What is there.
         value: f64,
-        /// What may stand there.
+        /// What may be there.
         remedy: &'static str,
     },
     /// A camera that cannot be drawn from.

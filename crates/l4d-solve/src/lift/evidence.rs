@@ -82,7 +82,7 @@ impl Evidence {
     /// # Errors
     /// No picture at all; a mask that does not have the size of its view.
     pub(super) fn instants(&self) -> Result<Vec<Instant<'_>>, LiftError> {
-        // Bits of times, which are never negative, stand in the order of the times.
+        // Bits of times, which are never negative, are in the order of the times.
         let mut by_time: BTreeMap<u32, Vec<Picture<'_>>> = BTreeMap::new();
         for view in &self.views {
             for seen in &view.frames {

@@ -1,4 +1,4 @@
-//! How far a lift is, told step by step, and how it is stopped between steps.
+//! How far a lift is, step by step, and how it is stopped between steps.
 
 use std::ops::ControlFlow;
 

@@ -63,7 +63,7 @@ impl<'a> Tree<'a> {
     }
 
     /// For each point its `count` nearest points, itself left out unless `with_itself`, nearest first: squared
-    /// distance and index. Equal distances stand in the order of their indices, but a point is its own first. Lists
+    /// distance and index. Equal distances are in the order of their indices, but a point is its own first. Lists
     /// are shorter where there are not so many points.
     pub(super) fn neighbours(&self, count: usize, with_itself: bool) -> Vec<Vec<(f32, u32)>> {
         let queries: Vec<u32> = (0..self.order.len() as u32).collect();

@@ -1,4 +1,4 @@
-//! Hard cases: nobody right, few right, hidden, small, late, twins, and what is no proposal at all.
+//! Hard cases: no one right, few right, hidden, small, late, twins, and what is no proposal at all.
 
 use std::collections::BTreeMap;
 
@@ -359,7 +359,7 @@ fn one_view_alone_goes_on() {
     for settings in presets() {
         let consensus = decide(&clips, &groundings, &settings);
         assert_eq!((consensus.decision, consensus.evidence), (Decision::Bypassed, vec![0]));
-        let nobody = decide(&[], &[], &settings);
-        assert_eq!((nobody.decision, nobody.evidence.len()), (Decision::NoAnswer, 0));
+        let none = decide(&[], &[], &settings);
+        assert_eq!((none.decision, none.evidence.len()), (Decision::NoAnswer, 0));
     }
 }

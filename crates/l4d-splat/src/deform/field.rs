@@ -211,7 +211,7 @@ impl DeformationField {
         Ok(all)
     }
 
-    /// All parameters, to be changed; lists stand in the order of [`FieldGradients::lists`].
+    /// All parameters, to be changed; lists are in the order of [`FieldGradients::lists`].
     pub fn parameters_mut(&mut self) -> Parameters<&mut [f32]> {
         Parameters {
             planes: self.grid.planes_mut().map(|plane| plane.texels.as_mut_slice()).collect(),
@@ -264,7 +264,7 @@ impl DeformationField {
 }
 
 impl FieldGradients {
-    /// All derivatives; lists stand in the order of [`DeformationField::parameters_mut`].
+    /// All derivatives; lists are in the order of [`DeformationField::parameters_mut`].
     pub fn lists(&self) -> Parameters<&[f32]> {
         Parameters {
             planes: self.grid.planes().map(|plane| plane.texels.as_slice()).collect(),

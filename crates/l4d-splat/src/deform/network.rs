@@ -131,7 +131,7 @@ impl Network {
         }
     }
 
-    /// From the features of a block, which stand in `block`, to the output of each head.
+    /// From the features of a block, which are in `block`, to the output of each head.
     pub(super) fn forward(&self, block: &mut Activations, outputs: SlicesMut<'_>) {
         let numbers = block.features.len() / self.trunk.inputs() * self.trunk.outputs();
         block.trunk.resize(numbers, 0.0);

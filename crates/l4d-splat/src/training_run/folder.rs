@@ -147,7 +147,7 @@ fn finished(path: &Path, origin: &Origin) -> Result<Value> {
     Ok(manifest)
 }
 
-/// Seconds of training that a checkpoint stands for.
+/// Seconds of training that a checkpoint contains.
 pub(super) fn seconds_of(checkpoint: &Checkpoint) -> f64 {
     checkpoint.training.values.get("train_seconds").and_then(Value::as_f64).unwrap_or_default()
 }

@@ -58,7 +58,7 @@ impl PictureSource {
         let path = dir.rig(*profile);
         if !path.exists() {
             return Err(StageError::new(
-                format!("{}: no scene stands there", dir.root().display()),
+                format!("{}: there is no scene", dir.root().display()),
                 format!("{}, or choose another --data", how_scenes_are_made(order.scene, order.profile)),
             ));
         }

@@ -119,7 +119,7 @@ fn a_file_that_changes_underneath_is_noticed() {
     fs::remove_file(&path).unwrap();
     assert!(record(&mut ballot, 2, choose("rex")).unwrap_err().to_string().contains("another program"));
     fs::write(&path, &copy).unwrap();
-    assert!(record(&mut ballot, 2, choose("rex")).is_err(), "a vote went into a file that nobody will read");
+    assert!(record(&mut ballot, 2, choose("rex")).is_err(), "a vote went into a file that no one will read");
     drop(ballot);
     let (mut ballot, _) = open(&dir).unwrap();
     fs::write(&path, [&copy[..], b"{}\n"].concat()).unwrap();

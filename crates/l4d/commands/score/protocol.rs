@@ -46,7 +46,7 @@ pub(super) fn run(
         out.findings(report, false)?;
     }
     if !judged.sheets.is_empty() {
-        out.note(format!("values of every query stand in {}/<method>/", scores.display()));
+        out.note(format!("values of every query are in {}/<method>/", scores.display()));
     }
     Ok(status)
 }

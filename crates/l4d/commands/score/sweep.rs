@@ -41,7 +41,7 @@ pub(super) fn run(
         out.findings(report, false)?;
     }
     if !sweeps.is_empty() {
-        out.note(format!("all thresholds stand in {}/<method>/sweep.csv", folder.display()));
+        out.note(format!("all thresholds are in {}/<method>/sweep.csv", folder.display()));
     }
     Ok(status)
 }

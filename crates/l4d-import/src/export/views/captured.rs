@@ -137,7 +137,7 @@ impl Recording {
         }
         for gone in self.capture.substituted.iter().filter(|gone| frames.contains(&gone.frame)) {
             notes.push(format!(
-                "{} at {} is damaged in the source: the picture at {} stands there",
+                "{} at {} is damaged in the source: the picture at {} takes its place",
                 gone.view, gone.frame, gone.shows
             ));
         }

@@ -59,7 +59,7 @@ impl<'a> Collector<'a> {
         self.pictures
     }
 
-    /// Where problems of single files go: many of one kind are told as a few and their number.
+    /// Where problems of single files go: many of one kind are reported as a few and their number.
     pub(super) fn findings(&mut self) -> &mut Report {
         &mut self.findings
     }

@@ -40,7 +40,7 @@ pub fn write(
     let dir = ResultsDir::new(results.join(identity.name.as_str()));
     if dir.masks().exists() || dir.soft().exists() {
         if !force {
-            let remedy = "give another --name, or replace what stands there with --force";
+            let remedy = "give another --name, or replace what is there with --force";
             return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
         }
         // Old answers must not mix with new ones.

@@ -317,7 +317,7 @@ impl<'a> Time<'a> {
     ) -> Result<(), DataError> {
         let Some((texts_path, texts)) = self.order.filter(|_| !self.gated.is_empty()) else { return Ok(()) };
         let Some(hit) = self.key.get(&frame).and_then(|key| self.hits.get(key)) else {
-            let message = format!("nothing stands there for frame {frame}");
+            let message = format!("nothing is there for frame {frame}");
             let hint = "render the level of time with the same list of cameras, or leave --time-texts out";
             report.error(codes::MISSING, texts_path, "latents of time", message, hint);
             return Ok(());

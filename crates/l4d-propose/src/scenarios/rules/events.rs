@@ -86,7 +86,7 @@ fn contradiction(event: &DraftEvent, before: &[DraftEvent]) -> Option<(String, &
     let rests = |event: &DraftEvent| RESTING.contains(&event.verb.as_str());
     before.iter().filter(meets).find_map(|other| {
         if other.verb == event.verb && other.object == event.object {
-            return Some(("stands there twice at the same time".to_owned(), "make one event of both"));
+            return Some(("occurs twice at the same time".to_owned(), "make one event of both"));
         }
         let at_odds = (moves(event) && rests(other)) || (rests(event) && moves(other));
         at_odds.then(|| {

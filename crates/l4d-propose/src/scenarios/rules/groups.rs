@@ -54,7 +54,7 @@ fn group_problem(group: &Group) -> Option<(String, &'static str)> {
     let members = &group.members;
     if !(2..=5).contains(&members.len()) {
         let message = format!("has {} members", members.len());
-        return Some((message, "groups have 2 to 5: what stands alone is a landmark or scenery"));
+        return Some((message, "groups have 2 to 5: a single thing is a landmark or scenery"));
     }
     let keys: BTreeSet<&String> = members.iter().flat_map(|member| member.features.keys()).collect();
     if !(1..=MOST_FEATURES).contains(&keys.len()) {

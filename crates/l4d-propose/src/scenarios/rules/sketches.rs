@@ -31,7 +31,7 @@ pub(super) fn problems(draft: &Draft) -> Vec<Reason> {
         let place = format!("query \"{}\"", excerpt(&sketch.text));
         let mut found: Vec<(String, &str)> = text_problem(sketch).into_iter().collect();
         if !sentences.insert(words(&sketch.text)) {
-            found.push(("stands there twice".to_owned(), "say something else"));
+            found.push(("occurs twice".to_owned(), "say something else"));
         }
         found.extend(referent_problem(draft, sketch));
         reasons

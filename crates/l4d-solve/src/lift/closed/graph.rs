@@ -56,7 +56,7 @@ impl Graph {
         if self.edges.is_empty() || strength == 0.0 {
             return labels.to_vec();
         }
-        // Where nobody is trusted the system has no unique solution; a trace of trust keeps labels where they are.
+        // Where no view is trusted the system has no unique solution; a trace of trust keeps labels where they are.
         let trust: Vec<f64> = trust.iter().map(|&trust| f64::from(trust).max(1e-6)).collect();
         let wide: Vec<f64> = labels.iter().map(|&label| f64::from(label)).collect();
         let scale: Vec<f64> = (0..labels.len())

@@ -47,7 +47,7 @@ pub(super) fn costs(
                 }
             }
             if count > 0 {
-                // The better half: something may stand before the point in the others.
+                // The better half: something may be in front of the point in the others.
                 found[..count].sort_unstable();
                 let better = count.div_ceil(2);
                 let sum: u16 = found[..better].iter().map(|&cost| u16::from(cost)).sum();
