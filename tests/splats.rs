@@ -221,7 +221,7 @@ fn scenes_that_cannot_be_learned_are_refused_with_the_place_and_a_remedy() {
     dir.write(frame, &bytes);
 
     dir.write("points3D.txt", "1 0.0 0.5 nan 10 20 30 0.1\n");
-    refused(&train(&dir, &["--init", "points3D.txt"]), &["points3D.txt", "line 1"]);
+    refused(&train(&dir, &["--init", "points3D.txt"]), &["points3D.txt", "point 1"]);
     assert!(!dir.path(SPLATS).exists());
 }
 

@@ -200,10 +200,17 @@ fn clips_of_something_else_are_never_mixed_in() {
 fn other_programs_models_are_drawn_from_any_cameras_at_any_times() {
     let dir = folder();
     let model = room().model().unwrap();
-    // Five Gaussians about the origin, which fill the picture as they move.
+    // Five Gaussians about the origin, metres wide: only from afar does the background show how they move.
     let theirs = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/l4d-splat/tests/fixtures/checkpoint/model");
     ply::write(&dir.path("bare.ply"), &model.gaussians).unwrap();
-    let cameras = json!({ "width": 128, "height": 96, "note": "from elsewhere", "cameras": &cameras()[..2] });
+    let mut cameras =
+        json!({ "width": 128, "height": 96, "note": "from elsewhere", "cameras": &cameras()[..2] });
+    for camera in cameras["cameras"].as_array_mut().unwrap() {
+        for entry in [3, 7, 11] {
+            let coordinate = &mut camera["world_from_camera"][0][entry];
+            *coordinate = json!(10.0 * coordinate.as_f64().unwrap());
+        }
+    }
     dir.write("cameras.json", cameras.to_string());
 
     let common = ["--cameras", "cameras.json", "--times", "0.25,0.5", "--size", "64x48"];
