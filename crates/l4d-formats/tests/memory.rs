@@ -1,5 +1,5 @@
 //! However a file is mutated: no panic, and memory in proportion to it. Its own program, since it counts what the whole
-//! process allocates. `L4D_SLOW=1` tries fifty times as many mutations.
+//! process allocates. `PROPTEST_CASES` (256 unless set) scales the number of mutations.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
 use std::fs;
@@ -95,7 +95,7 @@ fn mutated(original: &[u8], changes: &[Change]) -> Vec<u8> {
 
 /// Feeds mutations of `original` to `read`, which may need `factor` times their length and 256 KiB.
 fn storm(name: &str, original: &[u8], cases: u32, factor: usize, read: impl Fn(&[u8])) {
-    let cases = if std::env::var_os("L4D_SLOW").is_some() { 50 * cases } else { cases };
+    let cases = cases * Config::default().cases / 256;
     let mut runner = TestRunner::new(Config { cases, failure_persistence: None, ..Config::default() });
     let outcome = runner.run(&prop::collection::vec(change(), 0..5), |changes| {
         let bytes = mutated(original, &changes);
