@@ -104,7 +104,7 @@ impl Seen<'_> {
     /// IoU with what is visible, whether the sentence holds or not; none where neither has a pixel.
     pub fn visible_iou(&self) -> Option<f64> {
         let union = self.visible.as_ref().map_or(0, |mask| mask.area()) + self.answered - self.intersection;
-        (union > 0).then(|| self.intersection as f64 / union as f64)
+        l4d_masks::iou(self.intersection, union)
     }
 
     /// IoU with what is to be found; none where neither has a pixel.
