@@ -78,7 +78,6 @@ fn the_shipped_set_is_sound() {
     let composites = document["composites"].as_object().unwrap();
     assert_eq!(composites.len(), 5);
     assert!(composites.values().all(|count| count.as_u64().unwrap() >= 10), "{composites:?}");
-    assert_eq!(document["rules"].as_array().unwrap().len(), 15);
     for probe in document["probes"].as_array().unwrap() {
         let difference = probe["difference"].as_f64().unwrap();
         assert!(probe["bounded"] == false || difference <= 10.0, "{probe}");
@@ -92,7 +91,6 @@ fn the_shipped_dev_set_is_sound_and_owes_no_totals() {
     let document = dir.json(&["check-queries", "--bench", bench.to_str().unwrap()]);
     assert_eq!(document["findings"], json!([]));
     assert_eq!(document["scales"], json!({"outdoor": 2, "room": 2, "tabletop": 2}));
-    assert_eq!(document["rules"], json!([]));
     let queries = document["queries"].as_object().unwrap();
     assert!(queries.values().all(|count| count.as_u64().unwrap() >= 15), "{queries:?}");
 }
@@ -102,7 +100,7 @@ fn a_sound_scene_has_no_finding_and_says_so() {
     let dir = one_scene();
     assert_eq!(check(&dir)["findings"], json!([]));
     let run = dir.succeed(&["check-queries", "--profile", "tiny"]);
-    for part in ["objects", "composites", "scenes with twins", "nearest landmark", "(no bound)"] {
+    for part in ["objects", "composites", "nearest landmark", "(no bound)"] {
         assert!(run.stdout.contains(part), "{part} is missing in\n{}", run.stdout);
     }
 }

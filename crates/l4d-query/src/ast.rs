@@ -200,13 +200,9 @@ impl Predicate {
         Self(self.0.iter().filter(|clause| clause.category() != Some(category)).cloned().collect())
     }
 
-    /// The others that it mentions, at every depth, outermost first.
+    /// The others that it mentions, at every depth.
     pub fn parties(&self) -> Vec<&Party> {
-        let mut parties = Vec::new();
-        for clause in &self.0 {
-            clause.collect_parties(&mut parties);
-        }
-        parties
+        self.clauses().into_iter().flat_map(Clause::own_parties).collect()
     }
 
     /// All clauses at every depth, outermost first.
@@ -293,16 +289,6 @@ impl Clause {
             Self::Relation { of, .. } => of,
             _ => &[],
         }
-    }
-
-    fn collect_parties<'c>(&'c self, parties: &mut Vec<&'c Party>) {
-        for party in self.own_parties() {
-            parties.push(party);
-            if let Party::Such(predicate) = party {
-                predicate.0.iter().for_each(|clause| clause.collect_parties(parties));
-            }
-        }
-        self.inner().iter().for_each(|clause| clause.collect_parties(parties));
     }
 
     fn collect_clauses<'c>(&'c self, clauses: &mut Vec<&'c Clause>) {

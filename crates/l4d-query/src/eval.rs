@@ -135,17 +135,12 @@ fn leads(world: &World<'_>, clause: &Clause, instance: &TrackedInstance, sign: f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::tests::{event, moving, standing, tracks};
+    use crate::fixture::{cup, event, moving, standing, tracks};
     use l4d_data::Interval;
     use l4d_data::tracks::Tracks;
 
     fn names(answer: &Answer) -> Vec<&str> {
         answer.iter().map(Name::as_str).collect()
-    }
-
-    fn parse(clauses: &str) -> Predicate {
-        let text = format!(r#"[{{"category":"cup"}},{clauses}]"#);
-        Predicate::from_json(&serde_json::from_str(&text).unwrap()).unwrap()
     }
 
     /// Three cups: the left hand lifts a, then b; the right hand lifts c and waves; b rolls first.
@@ -173,19 +168,19 @@ mod tests {
     fn events_count_once_states_count_always() {
         let tracks = scene();
         let world = World::new(&tracks);
-        let whole = |clauses: &str| answer_whole(&world, &parse(clauses));
+        let whole = |clauses: &str| answer_whole(&world, &cup(clauses));
         let lifted = r#"{"undergoes":{"verb":"lift","by":{"name":"left"}}}"#;
         assert_eq!(names(&whole(lifted)), ["a", "b"]);
-        assert_eq!(names(&answer_at(&world, &parse(lifted), 30)), ["a"]);
-        assert!(answer_at(&world, &parse(lifted), 31).is_empty());
+        assert_eq!(names(&answer_at(&world, &cup(lifted), 30)), ["a"]);
+        assert!(answer_at(&world, &cup(lifted), 31).is_empty());
         let never = format!(r#"{{"not":{lifted}}}"#);
         assert_eq!(names(&whole(&never)), ["c"]);
-        assert_eq!(names(&answer_at(&world, &parse(&never), 31)), ["a", "b", "c"]);
+        assert_eq!(names(&answer_at(&world, &cup(&never), 31)), ["a", "b", "c"]);
         assert_eq!(names(&whole(r#"{"attribute":{"key":"colour","value":"grey"}}"#)), ["a", "b", "c"]);
         // c rises from the floor: it is not the highest all the time, but at the end.
         assert!(whole(r#"{"superlative":"highest"}"#).is_empty());
         assert_eq!(names(&whole(r#"{"at_end":{"superlative":"highest"}}"#)), ["c"]);
-        let from = answer_times(&world, &parse(r#"{"superlative":"highest"}"#));
+        let from = answer_times(&world, &cup(r#"{"superlative":"highest"}"#));
         assert_eq!(from.values().next().unwrap().intervals(), [Interval::new(3, 96).unwrap()]);
     }
 
@@ -193,7 +188,7 @@ mod tests {
     fn order_in_time() {
         let tracks = scene();
         let world = World::new(&tracks);
-        let whole = |clauses: &str| answer_whole(&world, &parse(clauses));
+        let whole = |clauses: &str| answer_whole(&world, &cup(clauses));
         assert_eq!(names(&whole(r#"{"first":{"does":{"verb":"roll"}}}"#)), ["b"]);
         assert_eq!(names(&whole(r#"{"last":{"does":{"verb":"roll"}}}"#)), ["c"]);
         let hand = r#"{"undergoes":{"verb":"lift","by":{"category":"hand"}}}"#;
@@ -210,7 +205,7 @@ mod tests {
         // The hand waves at 80, long after it has lifted.
         let waving =
             r#"{"undergoes":{"verb":"lift","by":{"such":[{"category":"hand"},{"does":{"verb":"wave"}}]}}}"#;
-        assert_eq!(names(&answer_whole(&world, &parse(waving))), ["c"]);
-        assert_eq!(names(&answer_at(&world, &parse(waving), 55)), ["c"]);
+        assert_eq!(names(&answer_whole(&world, &cup(waving))), ["c"]);
+        assert_eq!(names(&answer_at(&world, &cup(waving), 55)), ["c"]);
     }
 }

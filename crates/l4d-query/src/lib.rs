@@ -5,12 +5,13 @@
 
 pub mod ast;
 pub mod eval;
+#[cfg(test)]
+mod fixture;
 mod obb;
 pub mod probes;
 pub mod prove;
 pub mod reground;
 pub mod relations;
-pub mod rules;
 pub mod stats;
 pub mod summary;
 mod text;

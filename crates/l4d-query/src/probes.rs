@@ -15,9 +15,7 @@ use crate::world::World;
 
 mod picks;
 
-pub(crate) use picks::COLOURS;
-use picks::{Case, Pick};
-pub use picks::{SHORTCUTS, Shortcut};
+use picks::{Case, Pick, SHORTCUTS, Shortcut};
 
 /// A shortcut may be right this much more often than chance, percentage points.
 pub const BOUND_POINTS: f64 = 10.0;
@@ -51,7 +49,7 @@ impl Probe {
         self.bounded && self.difference > BOUND_POINTS
     }
 
-    fn of(shortcut: &picks::Shortcut, trials: &[Trial<'_>]) -> Self {
+    fn of(shortcut: &Shortcut, trials: &[Trial<'_>]) -> Self {
         let mean = |values: &mut dyn Iterator<Item = f64>| {
             let values: Vec<f64> = values.collect();
             if values.is_empty() { 0.0 } else { 100.0 * values.iter().sum::<f64>() / values.len() as f64 }
@@ -101,7 +99,7 @@ impl Trial<'_> {
     }
 
     /// Probability that the shortcut picks the referent; none where it cannot be tried.
-    fn score(&self, shortcut: &picks::Shortcut) -> Option<f64> {
+    fn score(&self, shortcut: &Shortcut) -> Option<f64> {
         let case = Case {
             world: self.world,
             truth: self.set.truth.as_ref(),

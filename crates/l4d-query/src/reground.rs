@@ -86,8 +86,7 @@ fn join<'a>(names: impl Iterator<Item = &'a Name>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::tests::{standing, tracks};
-    use l4d_data::query::text_digest;
+    use crate::fixture::{event, query, standing, tracks};
     use l4d_data::tracks::Tracks;
 
     fn draw(events: &str) -> Tracks {
@@ -99,35 +98,34 @@ mod tests {
         tracks(&instances, events, "")
     }
 
-    fn query(temporal: &str, frames: &str) -> Query {
-        let text =
-            if temporal == "while" { "The cup while a hand lifts it" } else { "The cup that a hand lifts" };
-        let predicate = r#"[{"category":"cup"},{"undergoes":{"verb":"lift","by":{"category":"hand"}}}]"#;
-        let value: serde_json::Value = serde_json::from_str(predicate).unwrap();
-        let digest = text_digest(text, Some(&value));
-        let line = format!(
-            r#"{{"id":"s/001","text":"{text}","categories":["interaction"],"referents":["cup_a"],"temporal":"{temporal}","frames":{frames},"predicate":{predicate},"text_digest":"{digest}","provenance":{{"source":"author"}},"status":"verified"}}"#
-        );
-        serde_json::from_str(&line).unwrap()
+    fn lifted() -> Query {
+        let clause = r#"{"undergoes":{"verb":"lift","by":{"category":"hand"}}}"#;
+        query("The cup that a hand lifts", &["cup_a"], clause)
+    }
+
+    fn while_lifted() -> Query {
+        let text = "The cup while a hand lifts it".to_owned();
+        let frames = vec![Interval::new(10, 30).unwrap()];
+        Query { text, temporal: Temporal::While, frames, ..lifted() }
     }
 
     fn absent() -> Query {
-        Query { referents: Vec::new(), ..query("whole", "[[0,96]]") }
+        Query { referents: Vec::new(), ..lifted() }
     }
 
-    fn lift(cup: &str, frames: &str) -> String {
-        format!(r#"{{"subject":"hand","verb":"lift","object":"{cup}","frames":{frames}}}"#)
+    fn lift(cup: &str, frames: [u32; 2]) -> String {
+        event("hand", "lift", Some(cup), frames)
     }
 
     #[test]
     fn another_draw_has_another_answer() {
-        let tracks = draw(&lift("cup_b", "[40,60]"));
+        let tracks = draw(&lift("cup_b", [40, 60]));
         let prover = Prover::new(&tracks, None, None);
-        let whole = reground(&prover, Kind::Single, &query("whole", "[[0,96]]")).unwrap();
+        let whole = reground(&prover, Kind::Single, &lifted()).unwrap();
         assert_eq!(whole.referents, [Name::new("cup_b").unwrap()]);
         assert_eq!(whole.frames, [Interval::WHOLE]);
         assert_eq!(whole.status, Status::Candidate);
-        let gated = reground(&prover, Kind::Single, &query("while", "[[10,30]]")).unwrap();
+        let gated = reground(&prover, Kind::Single, &while_lifted()).unwrap();
         assert_eq!(gated.referents, [Name::new("cup_b").unwrap()]);
         assert_eq!(gated.frames, [Interval::new(40, 60).unwrap()]);
         assert!(!stays_absent(&prover, &absent()));
@@ -135,20 +133,14 @@ mod tests {
 
     #[test]
     fn what_means_nothing_or_two_things_is_left_out() {
-        let both = draw(&format!("{},{}", lift("cup_a", "[0,20]"), lift("cup_b", "[40,60]")));
+        let both = draw(&format!("{},{}", lift("cup_a", [0, 20]), lift("cup_b", [40, 60])));
         let prover = Prover::new(&both, None, None);
-        assert_eq!(
-            reground(&prover, Kind::Single, &query("whole", "[[0,96]]")).unwrap_err(),
-            "means cup_a, cup_b"
-        );
-        let message = reground(&prover, Kind::Single, &query("while", "[[10,30]]")).unwrap_err();
+        assert_eq!(reground(&prover, Kind::Single, &lifted()).unwrap_err(), "means cup_a, cup_b");
+        let message = reground(&prover, Kind::Single, &while_lifted()).unwrap_err();
         assert!(message.contains("different times"), "{message}");
         let nothing = draw("");
         let prover = Prover::new(&nothing, None, None);
-        assert_eq!(
-            reground(&prover, Kind::Single, &query("whole", "[[0,96]]")).unwrap_err(),
-            "means nothing"
-        );
+        assert_eq!(reground(&prover, Kind::Single, &lifted()).unwrap_err(), "means nothing");
         assert!(stays_absent(&prover, &absent()));
     }
 }

@@ -29,8 +29,8 @@ pub fn related(
 ) -> Times {
     let is_other = |other: &&&TrackedInstance| other.name != subject.name;
     match kind {
-        Relation::ClosestTo => Times::when(|frame| is_closest(world, subject, others, frame)),
-        Relation::FarthestFrom => Times::when(|frame| is_farthest(world, subject, others, frame)),
+        Relation::ClosestTo => Times::when(|frame| beats_rivals(world, subject, others, true, frame)),
+        Relation::FarthestFrom => Times::when(|frame| beats_rivals(world, subject, others, false, frame)),
         Relation::Between => any_of(others.iter().filter(is_other).flat_map(|first| {
             let rest = second.iter().filter(is_other).filter(|other| other.name != first.name);
             rest.map(|other| Times::when(|frame| is_between(world, subject, first, other, frame)))
@@ -158,34 +158,24 @@ fn nearest_m(
     others.map(|other| world.distance_m(subject, other, frame)).min_by(f64::total_cmp)
 }
 
-/// Distances of those it is compared with: its category without itself and without the one that distances are taken to.
-fn rival_distances_m(
+/// Whether `subject` is closer to the nearest of `others`, or farther from it, than all it is compared with: its
+/// category without itself and without the one that distances are taken to.
+fn beats_rivals(
     world: &World<'_>,
     subject: &TrackedInstance,
     others: &[&TrackedInstance],
-    frame: u32,
-) -> Vec<f64> {
-    let rivals = rivals(world, subject).filter(|rival| !matches!(others, [only] if only.name == rival.name));
-    rivals.filter_map(|rival| nearest_m(world, rival, others, frame)).collect()
-}
-
-fn is_closest(world: &World<'_>, subject: &TrackedInstance, others: &[&TrackedInstance], frame: u32) -> bool {
-    let Some(own) = nearest_m(world, subject, others, frame) else { return false };
-    let margin = world.slack().at_least(DISTANCE_MARGIN);
-    let rivals = rival_distances_m(world, subject, others, frame);
-    rivals.iter().all(|&rival| rival >= own.max(NEAREST_M) * margin)
-}
-
-fn is_farthest(
-    world: &World<'_>,
-    subject: &TrackedInstance,
-    others: &[&TrackedInstance],
+    closer: bool,
     frame: u32,
 ) -> bool {
     let Some(own) = nearest_m(world, subject, others, frame) else { return false };
     let margin = world.slack().at_least(DISTANCE_MARGIN);
-    let rivals = rival_distances_m(world, subject, others, frame);
-    rivals.iter().all(|&rival| own >= rival.max(NEAREST_M) * margin)
+    let mut rivals =
+        rivals(world, subject).filter(|rival| !matches!(others, [only] if only.name == rival.name));
+    rivals.all(|rival| {
+        let Some(other) = nearest_m(world, rival, others, frame) else { return true };
+        let (near, far) = if closer { (own, other) } else { (other, own) };
+        far >= near.max(NEAREST_M) * margin
+    })
 }
 
 /// Whether `subject` is in the cone that opens from the centre of `other` to its front (`sign` 1) or back (-1).
@@ -223,7 +213,7 @@ fn front_angle_deg(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::tests::{pair, standing, tracks};
+    use crate::fixture::{pair, standing, tracks};
     use l4d_data::tracks::Tracks;
 
     /// Objects that stand in the relation to the named at frame 0.

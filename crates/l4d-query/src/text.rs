@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::Serialize as _;
+
 use crate::ast::{Clause, Party, Predicate, Relation, Superlative};
 
 /// Variables by depth.
@@ -25,33 +27,17 @@ impl fmt::Display for Party {
     }
 }
 
+/// The name in JSON.
 impl fmt::Display for Relation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::On => "on",
-            Self::In => "in",
-            Self::Under => "under",
-            Self::Beside => "beside",
-            Self::Touching => "touching",
-            Self::Between => "between",
-            Self::ClosestTo => "closest_to",
-            Self::FarthestFrom => "farthest_from",
-            Self::InFrontOf => "in_front_of",
-            Self::Behind => "behind",
-            Self::Facing => "facing",
-        })
+        self.serialize(formatter)
     }
 }
 
+/// The name in JSON.
 impl fmt::Display for Superlative {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Largest => "largest",
-            Self::Smallest => "smallest",
-            Self::Tallest => "tallest",
-            Self::Highest => "highest",
-            Self::Lowest => "lowest",
-        })
+        self.serialize(formatter)
     }
 }
 

@@ -4,7 +4,6 @@ use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_query::check_set;
 use l4d_query::probes::Probe;
-use l4d_query::rules::Rule;
 use serde_json::json;
 
 use crate::cli::annotation::CheckQueriesArgs;
@@ -38,26 +37,8 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
     out.data(format!("{:<14}{:>8}", "absent", summary.absent))?;
     out.data(format!("{:<14}{:>8}", "verified", summary.verified))?;
     out.data(format!("{:<14}{:>8}", "rejected", summary.rejected))?;
-    print_rules(&summary.rules, out)?;
     print_probes(&summary.probes, out)?;
     out.findings(report, false)
-}
-
-fn print_rules(rules: &[Rule], out: &Printer) -> Result<()> {
-    if rules.is_empty() {
-        return Ok(());
-    }
-    out.data("")?;
-    out.data(format!("{:<48}{:>6}  demanded", "the complete set", "found"))?;
-    for rule in rules {
-        let mark = match rule.rejected {
-            _ if rule.is_met() => String::new(),
-            0 => "  not yet".to_owned(),
-            rejected => format!("  {rejected} rejected"),
-        };
-        out.data(format!("  {:<46}{:>6}  {}{mark}", rule.name, rule.found, rule.demand()))?;
-    }
-    Ok(())
 }
 
 fn print_probes(probes: &[Probe], out: &Printer) -> Result<()> {

@@ -6,7 +6,7 @@ use l4d_data::truth::Truth;
 use l4d_data::{Role, Split};
 
 use crate::ast::{Clause, Party, Predicate};
-use crate::eval::{answer_at, answer_whole, members};
+use crate::eval::{answer_at, members};
 use crate::obb::Obb;
 use crate::prove::{path_length_m, words};
 use crate::verbs;
@@ -16,44 +16,6 @@ use crate::world::World;
 const TIE: f64 = 1e-3;
 /// The frame in the middle of the clip.
 const MIDDLE: u32 = l4d_data::timeline::LAST_FRAME / 2;
-/// Words that name a colour, as sentences and attributes use them.
-pub(crate) const COLOURS: [&str; 34] = [
-    "red",
-    "orange",
-    "yellow",
-    "green",
-    "blue",
-    "purple",
-    "violet",
-    "pink",
-    "brown",
-    "black",
-    "white",
-    "grey",
-    "gray",
-    "beige",
-    "cream",
-    "russet",
-    "silver",
-    "golden",
-    "gold",
-    "turquoise",
-    "teal",
-    "navy",
-    "maroon",
-    "ginger",
-    "tan",
-    "ochre",
-    "olive",
-    "mint",
-    "lilac",
-    "crimson",
-    "dark",
-    "light",
-    "coral",
-    "mustard",
-];
-
 /// What a shortcut sees of a query.
 pub(super) struct Case<'c, 'a> {
     pub(super) world: &'c World<'a>,
@@ -73,13 +35,13 @@ pub(super) enum Pick<'a> {
 }
 
 /// A way to answer without understanding.
-pub struct Shortcut {
+pub(super) struct Shortcut {
     /// What tables call it.
-    pub name: &'static str,
+    pub(super) name: &'static str,
     /// How it picks.
-    pub rule: &'static str,
+    pub(super) rule: &'static str,
     /// Whether it must stay near chance.
-    pub bounded: bool,
+    pub(super) bounded: bool,
     pub(super) pick: for<'c, 'a> fn(&Case<'c, 'a>) -> Pick<'a>,
 }
 
@@ -92,9 +54,7 @@ const fn shortcut(
 }
 
 /// All shortcuts, in table order.
-pub const SHORTCUTS: [Shortcut; 12] = [
-    shortcut("random look-alike", "any object of the noun's category", everyone),
-    shortcut("union of look-alikes", "all of them; counts as a random one of them", everyone),
+pub(super) const SHORTCUTS: [Shortcut; 9] = [
     shortcut("colour only", "the object whose colour the sentence mentions", colour),
     shortcut("most moving", "the longest path of the box centre while the query holds", most_moving),
     shortcut("least moving", "the shortest path of the box centre", least_moving),
@@ -107,24 +67,17 @@ pub const SHORTCUTS: [Shortcut; 12] = [
     shortcut("most pixels", "the most pixels in the held-out view", most_pixels),
     shortcut("most central", "nearest to the centre of the held-out picture", most_central),
     shortcut("busy at half-time", "takes part in an event in the middle frame", busy),
-    shortcut("without its clause", "an answer of the sentence without what discriminates", without_clause),
     Shortcut {
-        name: "reads one frame",
-        rule: "the predicate as far as the middle frame alone can show it",
         bounded: false,
-        pick: one_frame,
+        ..shortcut("reads one frame", "the predicate as far as the middle frame alone can show it", one_frame)
     },
 ];
-
-fn everyone<'a>(case: &Case<'_, 'a>) -> Pick<'a> {
-    Pick::Among(case.candidates.to_vec())
-}
 
 fn colour<'a>(case: &Case<'_, 'a>) -> Pick<'a> {
     let said: Vec<String> = words(case.text).iter().flat_map(|word| parts(word)).collect();
     let shows = |candidate: &&&TrackedInstance| {
         let values = candidate.attributes.values().flat_map(|value| parts(value));
-        values.filter(|part| COLOURS.contains(&part.as_str())).any(|part| said.contains(&part))
+        values.filter(|part| verbs::is_colour(part)).any(|part| said.contains(&part))
     };
     Pick::Among(case.candidates.iter().filter(shows).copied().collect())
 }
@@ -201,12 +154,6 @@ fn busy<'a>(case: &Case<'_, 'a>) -> Pick<'a> {
         })
     };
     Pick::Among(case.candidates.iter().filter(takes_part).copied().collect())
-}
-
-fn without_clause<'a>(case: &Case<'_, 'a>) -> Pick<'a> {
-    let noun = Predicate(case.predicate.0.iter().take(1).cloned().collect());
-    let left = answer_whole(case.world, &noun);
-    Pick::Among(case.candidates.iter().filter(|candidate| left.contains(&candidate.name)).copied().collect())
 }
 
 fn one_frame<'a>(case: &Case<'_, 'a>) -> Pick<'a> {

@@ -63,7 +63,7 @@ fn contact_problem(
     let distance = |frame: u32| world.pair(subject, object).map(|pair| *at_frame(&pair.distance_m, frame));
     let centimetres = |metres: f64| format!("{:.1} cm", metres * 100.0);
     let limit = centimetres(HOLD_M);
-    if verbs::HOLDING.contains(&event.verb.as_str()) {
+    if verbs::is_holding(&event.verb) {
         let inner = event.frames.first() + EDGE_FRAMES..=event.frames.last() - EDGE_FRAMES;
         let (frame, worst) = inner
             .map(|frame| (frame, distance(frame).unwrap_or(f64::INFINITY)))
@@ -72,7 +72,7 @@ fn contact_problem(
             ("L4D220", format!("they are {} apart at frame {frame}, more than {limit}", centimetres(worst)))
         });
     }
-    if verbs::MEETING.contains(&event.verb.as_str()) {
+    if verbs::is_meeting(&event.verb) {
         let frames = event.frames.first()..=event.frames.last();
         let nearest = frames.map(|frame| distance(frame).unwrap_or(f64::INFINITY)).min_by(f64::total_cmp)?;
         return (nearest > HOLD_M).then(|| {
@@ -89,7 +89,7 @@ fn motion_problem(
 ) -> Option<(&'static str, String)> {
     let verb = event.verb.as_str();
     let frames = event.frames.first()..=event.frames.last();
-    if verbs::MOVING.contains(&verb) && !is_on_treadmill(world, subject, event.frames.first()) {
+    if verbs::is_moving(verb) && !is_on_treadmill(world, subject, event.frames.first()) {
         let seconds = f64::from(event.frames.frame_count()) / world.tracks().fps;
         let speed = path_length_m(world, subject, frames.clone()) / seconds;
         let least = moves_mps(world.scale());
@@ -98,7 +98,7 @@ fn motion_problem(
             return Some(("L4D221", message));
         }
     }
-    if verbs::RESTING.contains(&verb) {
+    if verbs::is_state(verb) {
         let places: Vec<_> = frames.map(|frame| world.obb(subject, frame).centre.truncate()).collect();
         let mean = places.iter().sum::<glam::DVec2>() / places.len() as f64;
         let strays = places.iter().map(|place| place.distance(mean)).fold(0.0, f64::max);
@@ -147,7 +147,7 @@ pub(crate) fn path_length_m(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::tests::{event, moving, pair, standing, tracks};
+    use crate::fixture::{event, moving, pair, standing, tracks};
 
     fn codes(events: &[String], distances: &[f64]) -> Vec<String> {
         let path: Vec<[f64; 3]> = (0..97).map(|frame| [f64::from(frame.min(48)) / 48.0, 0.0, 0.0]).collect();

@@ -35,6 +35,11 @@ pub enum Kind {
     Absent,
 }
 
+impl Kind {
+    /// In the order of their files.
+    pub(super) const ALL: [Self; 3] = [Self::Single, Self::Composite, Self::Absent];
+}
+
 /// Proves the queries of one scene.
 #[derive(Debug)]
 pub struct Prover<'a> {

@@ -5,17 +5,18 @@ use std::path::PathBuf;
 
 use l4d_data::scene::Role;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Status, Temporal};
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale, Temporal};
 
 use super::query::{COMPOSITES, Kind};
-use super::scene::check_each_asks_something_else;
+use super::scene::{Asked, check_each_asks_something_else, not_rejected};
 use super::wording::form_problem;
-use crate::summary::Written;
 
 /// What the benchmark says of one real scene.
 pub(super) struct RealSet {
     truth: Truth,
-    queries: Vec<(Kind, PathBuf, Vec<Query>)>,
+    /// Queries, composites, absent sentences.
+    paths: [PathBuf; 3],
+    files: [Vec<Query>; 3],
 }
 
 impl RealSet {
@@ -24,11 +25,8 @@ impl RealSet {
         let read = || -> Result<Self, DataError> {
             Ok(Self {
                 truth: bench.truth(Profile::Real, scene)?,
-                queries: vec![
-                    (Kind::Single, bench.dir.queries(scene), bench.queries(scene)?),
-                    (Kind::Composite, bench.dir.composites(scene), bench.composites(scene)?),
-                    (Kind::Absent, bench.dir.absents(scene), bench.absents(scene)?),
-                ],
+                paths: [bench.dir.queries(scene), bench.dir.composites(scene), bench.dir.absents(scene)],
+                files: [bench.queries(scene)?, bench.composites(scene)?, bench.absents(scene)?],
             })
         };
         read().map_err(|error| report.data_error("L4D201", &error)).ok()
@@ -53,17 +51,13 @@ impl RealSet {
     }
 
     /// What is counted of the scene.
-    pub(super) fn written(&self) -> Written<'_> {
-        let [queries, composites, absents] = [0, 1, 2].map(|file| self.queries[file].2.as_slice());
-        let objects = self.truth.instances.iter().filter(|instance| instance.role == Role::Object).count();
-        Written { scale: self.truth.scale, objects, queries, composites, absents }
+    pub(super) fn counted(&self) -> (Scale, usize, [&[Query]; 3]) {
+        let objects = self.truth.instances.iter().filter(|instance| instance.role == Role::Object);
+        (self.truth.scale, objects.count(), self.files.each_ref().map(Vec::as_slice))
     }
 
-    fn all(&self) -> impl Iterator<Item = (Kind, &PathBuf, &Query)> {
-        let files = self.queries.iter();
-        let all =
-            files.flat_map(|(kind, path, queries)| queries.iter().map(move |query| (*kind, path, query)));
-        all.filter(|(_, _, query)| query.status != Status::Rejected)
+    fn all(&self) -> impl Iterator<Item = Asked<'_>> {
+        not_rejected(self.paths.each_ref(), self.counted().2)
     }
 
     fn problems(&self, kind: Kind, query: &Query) -> Vec<(&'static str, String, &'static str)> {

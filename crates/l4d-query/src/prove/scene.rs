@@ -5,13 +5,11 @@ use std::path::PathBuf;
 
 use l4d_data::tracks::{TrackedInstance, Tracks};
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Role, Status, json};
+use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Role, Scale, Status, json};
 
 use super::query::{Kind, Prover};
 use super::{Vocabulary, agree, words};
 use crate::ast::{Clause, Predicate};
-use crate::summary::Written;
-use crate::world::World;
 
 /// What the benchmark says of one scene.
 #[derive(Debug)]
@@ -66,30 +64,33 @@ impl SceneSet {
         scored.map(|query| (query, predicate_of(query)))
     }
 
-    /// What is counted of the scene.
-    pub(crate) fn written(&self) -> Written<'_> {
-        let is_object = |instance: &&TrackedInstance| instance.role == Role::Object;
-        Written {
-            scale: self.tracks.scale,
-            objects: self.tracks.instances.iter().filter(is_object).count(),
-            queries: &self.queries,
-            composites: &self.composites,
-            absents: &self.absents,
-        }
+    /// Possible referents.
+    pub(crate) fn objects(&self) -> impl Iterator<Item = &TrackedInstance> {
+        self.tracks.instances.iter().filter(|instance| instance.role == Role::Object)
     }
 
-    fn all(&self) -> impl Iterator<Item = (Kind, &PathBuf, &Query)> {
-        let [_, queries, composites, absents] = &self.paths;
-        let files = [
-            (Kind::Single, queries, &self.queries),
-            (Kind::Composite, composites, &self.composites),
-            (Kind::Absent, absents, &self.absents),
-        ];
-        let all = files
-            .into_iter()
-            .flat_map(|(kind, path, queries)| queries.iter().map(move |query| (kind, path, query)));
-        all.filter(|(_, _, query)| query.status != Status::Rejected)
+    /// What is counted of the scene.
+    pub(crate) fn counted(&self) -> (Scale, usize, [&[Query]; 3]) {
+        (self.tracks.scale, self.objects().count(), [&self.queries, &self.composites, &self.absents])
     }
+
+    fn all(&self) -> impl Iterator<Item = Asked<'_>> {
+        let [_, queries, composites, absents] = &self.paths;
+        not_rejected([queries, composites, absents], self.counted().2)
+    }
+}
+
+/// A query with what it is expected to be, and its file.
+pub(super) type Asked<'a> = (Kind, &'a PathBuf, &'a Query);
+
+/// The queries of one category, of two and of none that people have not rejected.
+pub(super) fn not_rejected<'a>(
+    paths: [&'a PathBuf; 3],
+    files: [&'a [Query]; 3],
+) -> impl Iterator<Item = Asked<'a>> {
+    let files = Kind::ALL.into_iter().zip(paths).zip(files);
+    let all = files.flat_map(|((kind, path), queries)| queries.iter().map(move |query| (kind, path, query)));
+    all.filter(|(_, _, query)| query.status != Status::Rejected)
 }
 
 pub(crate) fn predicate_of(query: &Query) -> Option<Predicate> {
@@ -108,11 +109,10 @@ pub fn check_scene(set: &SceneSet, vocabulary: Option<&Vocabulary>, report: &mut
 
 /// Each object of the scene is the referent of a query: what no query asks for is scenery.
 pub(super) fn check_each_is_asked(set: &SceneSet, report: &mut Report) {
-    let world = World::new(&set.tracks);
     let refers = |query: &&Query, name: &Name| query.referents.contains(name);
     let (rejected, asked): (Vec<&Query>, Vec<&Query>) =
         set.queries.iter().partition(|query| query.status == Status::Rejected);
-    for object in world.objects().filter(|object| !asked.iter().any(|query| refers(query, &object.name))) {
+    for object in set.objects().filter(|object| !asked.iter().any(|query| refers(query, &object.name))) {
         let place = format!("instance {}", object.name);
         if rejected.iter().any(|query| refers(query, &object.name)) {
             let message = "only queries that people rejected refer to this object";
@@ -126,10 +126,7 @@ pub(super) fn check_each_is_asked(set: &SceneSet, report: &mut Report) {
 }
 
 /// No predicate twice, no sentence twice, no event asked for once with and once without its second role.
-pub(super) fn check_each_asks_something_else<'a>(
-    all: impl Iterator<Item = (Kind, &'a PathBuf, &'a Query)>,
-    report: &mut Report,
-) {
+pub(super) fn check_each_asks_something_else<'a>(all: impl Iterator<Item = Asked<'a>>, report: &mut Report) {
     let mut predicates: BTreeMap<String, String> = BTreeMap::new();
     let mut sentences: BTreeMap<String, String> = BTreeMap::new();
     let mut events: BTreeMap<(String, Name), (String, Vec<Category>)> = BTreeMap::new();

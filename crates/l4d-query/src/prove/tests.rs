@@ -1,12 +1,10 @@
 use std::path::Path;
 
-use l4d_data::query::text_digest;
 use l4d_data::tracks::Tracks;
-use l4d_data::{Name, Query, Report, Severity, Status};
+use l4d_data::{Interval, Query, Report, Severity, Status, Temporal};
 
 use super::{Kind, Prover, SceneSet, check_each_is_asked, check_scene};
-use crate::ast::Predicate;
-use crate::world::tests::{event, moving, standing, tracks};
+use crate::fixture::{event, moving, query, set, standing, tracks};
 
 /// Three cups and a pen. The left hand lifts a, then b; the right one lifts c. The cups a and b are red, c is blue.
 /// The cup b drifts away from the box: 9.5 cm from it until frame 48, then 1 m.
@@ -34,22 +32,6 @@ fn scene() -> Tracks {
     tracks(&instances, &events.join(","), "")
 }
 
-fn query(text: &str, referents: &str, temporal: &str, frames: &str, clauses: &str) -> Query {
-    let value: serde_json::Value =
-        serde_json::from_str(&format!(r#"[{{"category":"cup"}},{clauses}]"#)).unwrap();
-    let categories = Predicate::from_json(&value).map(|predicate| predicate.categories()).unwrap();
-    let digest = text_digest(text, Some(&value));
-    let categories = serde_json::to_string(&categories).unwrap();
-    let line = format!(
-        r#"{{"id":"s/001","text":"{text}","categories":{categories},"referents":{referents},"temporal":"{temporal}","frames":{frames},"predicate":{value},"text_digest":"{digest}","provenance":{{"source":"author"}},"status":"candidate"}}"#
-    );
-    serde_json::from_str(&line).unwrap()
-}
-
-fn whole(text: &str, referents: &str, clauses: &str) -> Query {
-    query(text, referents, "whole", "[[0,96]]", clauses)
-}
-
 fn codes(kind: Kind, query: &Query) -> Vec<&'static str> {
     let tracks = scene();
     let mut report = Report::default();
@@ -65,19 +47,21 @@ const BY_LEFT: &str = r#"{"undergoes":{"verb":"lift","by":{"name":"left"}}}"#;
 #[test]
 fn single_queries() {
     let single = |query: Query| codes(Kind::Single, &query);
-    assert_eq!(single(whole("the blue cup", r#"["c"]"#, BLUE)), [""; 0]);
-    assert_eq!(single(whole("the red cup", r#"["a"]"#, RED)), ["L4D204"]);
-    assert_eq!(single(whole("the red cup", r#"["a","b"]"#, RED)), ["L4D202"]);
-    assert_eq!(single(query("the cup while shaken", r#"["a"]"#, "while", "[[10,30]]", SHAKES)), ["L4D206"]);
+    assert_eq!(single(query("the blue cup", &["c"], BLUE)), [""; 0]);
+    assert_eq!(single(query("the red cup", &["a"], RED)), ["L4D204"]);
+    assert_eq!(single(query("the red cup", &["a", "b"], RED)), ["L4D202"]);
+    let frames = vec![Interval::new(10, 30).unwrap()];
+    let shaken = Query { temporal: Temporal::While, frames, ..query("the cup while shaken", &["a"], SHAKES) };
+    assert_eq!(single(shaken), ["L4D206"]);
     let not_c = format!(r#"{SHAKES},{{"not":{BLUE}}}"#);
     // Two categories do not belong among the single ones, and a red cup that shakes is a composite.
-    assert_eq!(single(whole("the cup, not blue, that shakes", r#"["a"]"#, &not_c)), ["L4D207"]);
-    assert_eq!(codes(Kind::Composite, &whole("the cup, not blue, that shakes", r#"["a"]"#, &not_c)), [""; 0]);
+    assert_eq!(single(query("the cup, not blue, that shakes", &["a"], &not_c)), ["L4D207"]);
+    assert_eq!(codes(Kind::Composite, &query("the cup, not blue, that shakes", &["a"], &not_c)), [""; 0]);
 }
 
 #[test]
 fn both_halves_of_a_composite_are_ambiguous() {
-    let composite = |clauses: &str| codes(Kind::Composite, &whole("the cup", r#"["a"]"#, clauses));
+    let composite = |clauses: &str| codes(Kind::Composite, &query("the cup", &["a"], clauses));
     assert_eq!(composite(&format!("{RED},{SHAKES}")), [""; 0]);
     // "Lifted first" alone means a.
     let first = r#"{"first":{"undergoes":{"verb":"lift","by":{"category":"hand"}}}}"#;
@@ -89,11 +73,11 @@ fn both_halves_of_a_composite_are_ambiguous() {
 
 #[test]
 fn nothing_satisfies_an_absent_sentence() {
-    let absent = |clauses: &str| codes(Kind::Absent, &whole("the cup", "[]", clauses));
+    let absent = |clauses: &str| codes(Kind::Absent, &query("the cup", &[], clauses));
     assert_eq!(absent(r#"{"attribute":{"key":"colour","value":"green"}}"#), [""; 0]);
     assert_eq!(absent(r#"{"does":{"verb":"explode"}}"#), [""; 0]);
     assert_eq!(absent(BLUE), ["L4D217"]);
-    assert_eq!(codes(Kind::Absent, &whole("the cup", r#"["c"]"#, BLUE)), ["L4D202"]);
+    assert_eq!(codes(Kind::Absent, &query("the cup", &["c"], BLUE)), ["L4D202"]);
 }
 
 #[test]
@@ -101,7 +85,7 @@ fn descriptions_mean_one_unless_the_sentence_says_a() {
     let lifted_by = |text: &str, hand: &str| {
         let clause =
             format!(r#"{{"undergoes":{{"verb":"lift","by":{{"such":[{{"category":"hand"}}{hand}]}}}}}}"#);
-        codes(Kind::Single, &whole(text, r#"["c"]"#, &clause))
+        codes(Kind::Single, &query(text, &["c"], &clause))
     };
     assert_eq!(lifted_by("the cup that the waving hand lifts", r#",{"does":{"verb":"wave"}}"#), [""; 0]);
     assert_eq!(lifted_by("the cup that the shaking hand lifts", r#",{"does":{"verb":"shake"}}"#), ["L4D208"]);
@@ -116,8 +100,8 @@ fn no_answer_hangs_on_a_threshold() {
     let at =
         |wrap: &str| format!(r#"{{"{wrap}":{{"relation":{{"kind":"beside","of":[{{"name":"box"}}]}}}}}}"#);
     // Beside the box means 10 cm: a stands at 5 cm, b just within until frame 48.
-    assert_eq!(single(&whole("the cup beside the box at the end", r#"["a"]"#, &at("at_end"))), [""; 0]);
-    let start = whole("the cup beside the box at the start", r#"["a"]"#, &at("at_start"));
+    assert_eq!(single(&query("the cup beside the box at the end", &["a"], &at("at_end"))), [""; 0]);
+    let start = query("the cup beside the box at the start", &["a"], &at("at_start"));
     assert_eq!(single(&start), ["L4D204"]);
     let tracks = {
         // Just outside: nominal means a alone, 10 % looser means b as well.
@@ -134,15 +118,8 @@ fn no_answer_hangs_on_a_threshold() {
 
 #[test]
 fn a_scene_asks_for_everything_once() {
-    let mut set = SceneSet {
-        scene: Name::new("s").unwrap(),
-        tracks: scene(),
-        truth: None,
-        queries: vec![whole("the blue cup", r#"["c"]"#, BLUE)],
-        composites: vec![whole("The blue cup", r#"["c"]"#, BLUE)],
-        absents: Vec::new(),
-        paths: Default::default(),
-    };
+    let mut set = set(scene(), vec![query("the blue cup", &["c"], BLUE)]);
+    set.composites = vec![query("The blue cup", &["c"], BLUE)];
     let codes = |set: &SceneSet| -> Vec<&str> {
         let mut report = Report::default();
         check_scene(set, None, &mut report);

@@ -1,37 +1,21 @@
 //! What a sentence may say: its words must fit how it binds time, and places that depend on the viewer are out.
 
-use std::collections::BTreeSet;
-
 use l4d_data::Temporal;
 
 use crate::ast::{Clause, Predicate, Relation};
+use crate::verbs::is_among;
 
 /// Words that gate a sentence in time; each `while` sentence has at least one.
-const GATES: [&str; 10] =
-    ["while", "as", "when", "whenever", "during", "until", "before", "after", "once", "moment"];
+const GATES: &str = "while as when whenever during until before after once moment";
 /// Words that gate a sentence so plainly that no `whole` sentence may have them.
-const PLAIN_GATES: [&str; 4] = ["while", "when", "whenever", "during"];
+const PLAIN_GATES: &str = "while when whenever during";
 /// Words that depend on where the viewer is.
-const VIEWER: [&str; 6] = ["leftmost", "rightmost", "left-hand", "right-hand", "foreground", "background"];
+const VIEWER: &str = "leftmost rightmost left-hand right-hand foreground background";
 /// After these, "left" and "right" are sides; elsewhere somebody left, or was right.
-const BEFORE_SIDES: [&str; 8] = ["the", "to", "on", "far", "its", "his", "her", "their"];
+const BEFORE_SIDES: &str = "the to on far its his her their";
 /// Words that make a description one of several.
-const INDEFINITE: [&str; 14] = [
-    "a",
-    "an",
-    "any",
-    "some",
-    "one",
-    "another",
-    "other",
-    "no",
-    "someone",
-    "somebody",
-    "something",
-    "anyone",
-    "anybody",
-    "nobody",
-];
+const INDEFINITE: &str =
+    "a an any some one another other no someone somebody something anyone anybody nobody";
 
 /// Words of a sentence in lower case; hyphens and apostrophes inside a word belong to it.
 pub fn words(text: &str) -> Vec<String> {
@@ -43,17 +27,16 @@ pub fn words(text: &str) -> Vec<String> {
 
 /// Whether the sentence speaks of one of several.
 pub(crate) fn is_indefinite(text: &str) -> bool {
-    words(text).iter().any(|word| INDEFINITE.contains(&word.as_str()))
+    words(text).iter().any(|word| is_among(INDEFINITE, word))
 }
 
 /// Whether the sentence says when, as every `while` sentence does.
 pub fn says_when(text: &str) -> bool {
-    words(text).iter().any(|word| GATES.contains(&word.as_str()))
+    words(text).iter().any(|word| is_among(GATES, word))
 }
 
 /// What is wrong with how the sentence binds time.
 pub(crate) fn temporal_problem(text: &str, temporal: Temporal, predicate: &Predicate) -> Option<String> {
-    let words: BTreeSet<String> = words(text).into_iter().collect();
     match temporal {
         Temporal::While if !says_when(text) => {
             Some("temporal is `while`, but the sentence doesn't say when".to_owned())
@@ -61,7 +44,7 @@ pub(crate) fn temporal_problem(text: &str, temporal: Temporal, predicate: &Predi
         // "When the clip ends" names a moment of the clip, not the time of the query.
         Temporal::Whole if names_a_moment(predicate) => None,
         Temporal::Whole => {
-            let gate = PLAIN_GATES.iter().find(|gate| words.contains(**gate))?;
+            let gate = words(text).into_iter().find(|word| is_among(PLAIN_GATES, word))?;
             Some(format!("temporal is `whole`, but \"{gate}\" gates the sentence"))
         }
         Temporal::While => None,
@@ -77,11 +60,11 @@ pub fn form_problem(text: &str) -> Option<String> {
     let words = words(text);
     let is_side = |word: &str| matches!(word, "left" | "right");
     let side = words.windows(2).find_map(|pair| match [pair[0].as_str(), pair[1].as_str()] {
-        [before, side] if is_side(side) && BEFORE_SIDES.contains(&before) => Some(&pair[1]),
+        [before, side] if is_side(side) && is_among(BEFORE_SIDES, before) => Some(&pair[1]),
         [side, "of"] if is_side(side) => Some(&pair[0]),
         _ => None,
     });
-    if let Some(word) = side.or_else(|| words.iter().find(|word| VIEWER.contains(&word.as_str()))) {
+    if let Some(word) = side.or_else(|| words.iter().find(|word| is_among(VIEWER, word))) {
         return Some(format!("\"{word}\" depends on where the viewer is"));
     }
     text.ends_with('.').then(|| "ends with a full stop, but is a noun phrase".to_owned())

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use l4d_data::Interval;
 use l4d_data::timeline::{LAST_FRAME, MIN_INTERVAL};
-use l4d_query::verbs::{MOVING, RESTING};
+use l4d_query::verbs::{is_moving, is_state};
 
 use super::super::Draft;
 use super::super::spec::DraftEvent;
@@ -82,8 +82,8 @@ fn contradiction(event: &DraftEvent, before: &[DraftEvent]) -> Option<(String, &
             && other.frames.first() <= event.frames.last()
             && event.frames.first() <= other.frames.last()
     };
-    let moves = |event: &DraftEvent| MOVING.contains(&event.verb.as_str());
-    let rests = |event: &DraftEvent| RESTING.contains(&event.verb.as_str());
+    let moves = |event: &DraftEvent| is_moving(&event.verb);
+    let rests = |event: &DraftEvent| is_state(&event.verb);
     before.iter().filter(meets).find_map(|other| {
         if other.verb == event.verb && other.object == event.object {
             return Some(("occurs twice at the same time".to_owned(), "make one event of both"));
