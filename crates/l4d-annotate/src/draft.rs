@@ -12,16 +12,13 @@ use crate::scene::SceneInfo;
 pub(crate) enum DraftChoice {
     /// These; nothing said yet if there are none.
     Objects(BTreeSet<usize>),
-    /// Nothing in the scene.
     None,
     /// One cannot tell, because.
     Ambiguous(String),
 }
 
-/// An answer in the making.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Draft {
-    /// What.
     pub(crate) choice: DraftChoice,
     /// When; none is the whole clip.
     pub(crate) frames: Option<Interval>,
@@ -29,7 +26,6 @@ pub(crate) struct Draft {
     pub(crate) typed: String,
 }
 
-/// What became of a digit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Digit {
     /// It completed a number, which was put in or taken out.
@@ -52,7 +48,6 @@ impl Draft {
         matches!(&self.choice, DraftChoice::Objects(numbers) if numbers.is_empty()) && self.typed.is_empty()
     }
 
-    /// The chosen numbers, ascending.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> {
         let numbers = match &self.choice {
             DraftChoice::Objects(numbers) => Some(numbers.iter().copied()),
@@ -93,7 +88,6 @@ impl Draft {
         }
     }
 
-    /// When the answer holds.
     pub(crate) fn holds(&self, scene: &SceneInfo) -> Interval {
         self.frames.unwrap_or_else(|| scene.whole())
     }

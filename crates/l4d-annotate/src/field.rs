@@ -37,12 +37,10 @@ impl Field {
         text.split_at(cursor)
     }
 
-    /// Enters text.
     pub(crate) fn paste(&mut self, text: &str) {
         text.chars().for_each(|letter| self.edit(InputRequest::InsertChar(letter)));
     }
 
-    /// Obeys a key.
     pub(crate) fn edit(&mut self, edit: InputRequest) {
         let edit = match edit {
             InputRequest::InsertChar(letter) if letter.is_whitespace() => InputRequest::InsertChar(' '),

@@ -1,8 +1,6 @@
-//! Keys and mouse to messages, and the page that lists them.
+//! Keys to messages, and the page that lists them.
 
-use ratatui::crossterm::event::{
-    Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
-};
+use ratatui::crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::layout::Size;
 use tui_input::InputRequest;
 
@@ -66,14 +64,12 @@ pub const HELP: &[Group] = &[
             ("q", "quit; saved stays saved"),
         ],
     ),
-    ("Mouse", &[("click", "object, or frame below"), ("wheel", "zoom"), ("drag", "move the zoomed picture")]),
 ];
 
 /// What an event of the terminal means now.
 pub(crate) fn message(mode: &Mode, event: Event) -> Option<Message> {
     match event {
         Event::Key(key) if key.kind != KeyEventKind::Release => key_message(mode, key),
-        Event::Mouse(mouse) => mouse_message(mouse),
         Event::Paste(text) => Some(Message::Paste(text)),
         Event::Resize(width, height) => Some(Message::Resize(Size::new(width, height))),
         _ => None,
@@ -186,18 +182,6 @@ fn text_key(key: KeyEvent) -> Option<Message> {
     Some(Message::Edit(edit))
 }
 
-fn mouse_message(mouse: MouseEvent) -> Option<Message> {
-    let (column, row) = (mouse.column, mouse.row);
-    Some(match mouse.kind {
-        MouseEventKind::Down(MouseButton::Left) => Message::Press(column, row),
-        MouseEventKind::Drag(MouseButton::Left) => Message::Drag(column, row),
-        MouseEventKind::Up(MouseButton::Left) => Message::Release(column, row),
-        MouseEventKind::ScrollUp => Message::Wheel(column, row, 1),
-        MouseEventKind::ScrollDown => Message::Wheel(column, row, -1),
-        _ => return None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,7 +205,7 @@ mod tests {
             "Space" => KeyCode::Char(' '),
             letter => KeyCode::Char(letter.chars().next().unwrap()),
         };
-        let keys = HELP.iter().filter(|(title, _)| *title != "Mouse").flat_map(|(_, keys)| *keys);
+        let keys = HELP.iter().flat_map(|(_, keys)| *keys);
         for name in keys.flat_map(|(names, _)| names.split(' ')).filter(|name| *name != "..") {
             assert!(press(&Mode::Choose, code(name)).is_some(), "{name} does nothing");
         }
@@ -231,17 +215,6 @@ mod tests {
     fn explanations_fit_their_column() {
         for (keys, what) in HELP.iter().flat_map(|(_, keys)| *keys) {
             assert!(what.len() <= HELP_COLUMNS, "{keys}: {what}");
-        }
-    }
-
-    #[test]
-    fn the_guidelines_list_the_same_keys() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../annotation/GUIDELINES.md");
-        let guidelines = std::fs::read_to_string(path).unwrap();
-        for (keys, what) in HELP.iter().flat_map(|(_, keys)| *keys) {
-            let is_named = |row: &str| keys.split(' ').all(|key| key == ".." || row.contains(key));
-            let mut rows = guidelines.lines().filter(|line| line.ends_with(&format!("| {what} |")));
-            assert!(rows.any(is_named), "GUIDELINES.md lacks `{keys}` for `{what}`");
         }
     }
 

@@ -18,7 +18,6 @@ const TIMELINE_ROWS: u16 = 2;
 pub(crate) struct Screen {
     /// Round, annotator, progress.
     pub(crate) header: Rect,
-    /// The prompt.
     pub(crate) prompt: Rect,
     /// The picture, which may fill less of it.
     pub(crate) picture: Rect,
@@ -66,7 +65,6 @@ pub(crate) fn wrap(text: &str, columns: u16) -> Vec<String> {
     textwrap::wrap(&text, usize::from(columns.max(1))).into_iter().map(String::from).collect()
 }
 
-/// Columns that a text takes.
 pub(crate) fn width(text: &str) -> usize {
     Span::raw(text).width()
 }

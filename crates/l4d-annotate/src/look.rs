@@ -18,19 +18,7 @@ pub(crate) enum Colours {
     None,
     /// The 256 of xterm.
     Palette,
-    /// 24 bits.
     Full,
-}
-
-/// How pictures are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Medium {
-    /// Not at all.
-    Nothing,
-    /// As characters.
-    Characters,
-    /// As pixels, by a protocol of the terminal.
-    Pixels,
 }
 
 /// How pictures shall be shown, as given on the command line.
@@ -47,8 +35,6 @@ pub enum PictureMode {
     Kitty,
     /// The protocol of iTerm2.
     Iterm2,
-    /// No pictures.
-    None,
 }
 
 /// What the terminal can show.
@@ -56,12 +42,9 @@ pub enum PictureMode {
 pub(crate) struct Look {
     /// Whether more than ASCII is understood.
     pub(crate) unicode: bool,
-    /// Whether the letters include quarter blocks, and not half blocks alone.
-    pub(crate) quarters: bool,
-    /// Colours.
     pub(crate) colours: Colours,
-    /// Pictures.
-    pub(crate) medium: Medium,
+    /// Whether pictures are pixels, by a protocol of the terminal, and not characters.
+    pub(crate) pixels: bool,
     /// Pixels of a cell; only their ratio matters for characters.
     pub(crate) cell: FontSize,
 }
@@ -71,18 +54,13 @@ pub(crate) struct Look {
 pub(crate) struct Environment {
     /// `LC_ALL`, `LC_CTYPE` or `LANG`, whichever is set first.
     pub(crate) locale: String,
-    /// `TERM`.
     pub(crate) term: String,
-    /// `COLORTERM`.
     pub(crate) colorterm: String,
-    /// `NO_COLOR`.
     pub(crate) no_color: String,
-    /// `TMUX`.
     pub(crate) tmux: String,
 }
 
 impl Environment {
-    /// That of the process.
     pub(crate) fn of_process() -> Self {
         let var = |name: &str| std::env::var(name).unwrap_or_default();
         let locale = ["LC_ALL", "LC_CTYPE", "LANG"].map(var).into_iter().find(|value| !value.is_empty());
@@ -105,11 +83,10 @@ impl Environment {
         }
         let locale = self.locale.to_lowercase();
         Ok(Look {
-            unicode: locale.contains("utf-8") || locale.contains("utf8"),
             // The console of Linux has room for few letters.
-            quarters: self.term != "linux",
+            unicode: (locale.contains("utf-8") || locale.contains("utf8")) && self.term != "linux",
             colours: self.colours(),
-            medium: Medium::Characters,
+            pixels: false,
             cell: USUAL_CELL,
         })
     }
@@ -132,11 +109,6 @@ impl Environment {
 }
 
 impl Look {
-    /// Whether the terminal has to be asked what it can show.
-    pub(crate) fn must_ask(&self, mode: PictureMode) -> bool {
-        !matches!(mode, PictureMode::None | PictureMode::Halfblocks)
-    }
-
     /// Chooses how pictures are shown; the picker encodes pixels where pixels are shown.
     ///
     /// If `can_ask` the terminal is asked what it can do: it has to be in raw mode, and nothing else may read from it
@@ -150,10 +122,6 @@ impl Look {
         can_ask: bool,
     ) -> Result<(Self, Option<Picker>), AnnotateError> {
         let protocol = match mode {
-            PictureMode::None => {
-                self.medium = Medium::Nothing;
-                return Ok((self, None));
-            }
             PictureMode::Halfblocks => return Ok((self, None)),
             PictureMode::Auto => None,
             PictureMode::Sixel => Some(ProtocolType::Sixel),
@@ -180,13 +148,8 @@ impl Look {
         if kind == ProtocolType::Halfblocks {
             return Ok((self, None));
         }
-        self.medium = Medium::Pixels;
+        self.pixels = true;
         Ok((self, Some(picker)))
-    }
-
-    /// Whether there are pictures.
-    pub(crate) fn shows_pictures(&self) -> bool {
-        self.medium != Medium::Nothing
     }
 
     /// How many times as many cells wide as high a picture of so many pixels is.
@@ -214,29 +177,20 @@ mod tests {
     }
 
     #[test]
-    fn the_locale_decides_over_characters() {
-        for (locale, unicode) in
-            [("en_GB.UTF-8", true), ("C.utf8", true), ("C", false), ("", false), ("de_DE@euro", false)]
-        {
-            assert_eq!(environment("xterm", "", locale).look().unwrap().unicode, unicode, "{locale}");
-        }
-    }
-
-    #[test]
-    fn colours_follow_what_the_terminal_says() {
-        let colours = |term: &str, colorterm: &str| environment(term, colorterm, "C").look().unwrap().colours;
-        assert_eq!(colours("xterm-256color", "truecolor"), Colours::Full);
-        assert_eq!(colours("xterm-kitty", ""), Colours::Full);
-        assert_eq!(colours("xterm-256color", ""), Colours::Palette);
-        assert_eq!(colours("vt100", ""), Colours::None);
+    fn the_environment_decides_over_characters_and_colours() {
+        let seen = |term: &str, colorterm: &str, locale: &str| {
+            let look = environment(term, colorterm, locale).look().unwrap();
+            (look.unicode, look.colours)
+        };
+        assert_eq!(seen("xterm-256color", "truecolor", "en_GB.UTF-8"), (true, Colours::Full));
+        assert_eq!(seen("xterm-kitty", "", "C.utf8"), (true, Colours::Full));
+        assert_eq!(seen("xterm-256color", "", "de_DE@euro"), (false, Colours::Palette));
+        assert_eq!(seen("linux", "", "C.UTF-8"), (false, Colours::Palette));
+        assert_eq!(seen("vt100", "", ""), (false, Colours::None));
         let refused = Environment { no_color: "1".to_owned(), ..environment("xterm", "truecolor", "C") };
         assert_eq!(refused.look().unwrap().colours, Colours::None);
         let in_tmux = Environment { tmux: "socket".to_owned(), ..environment("screen-256color", "", "C") };
         assert_eq!(in_tmux.look().unwrap().colours, Colours::Full);
-    }
-
-    #[test]
-    fn a_dumb_terminal_is_refused() {
         for term in ["", "dumb"] {
             assert!(matches!(environment(term, "", "C").look(), Err(AnnotateError::DumbTerminal(_))));
         }
@@ -246,9 +200,11 @@ mod tests {
     fn pictures_keep_their_shape() {
         let look = environment("xterm", "", "C").look().unwrap();
         // 4:3 in cells twice as high as wide is 8:3.
-        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(51, 19)), Size::new(51, 19));
-        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(80, 19)), Size::new(51, 19));
-        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(32, 40)), Size::new(32, 12));
-        assert_eq!(look.fit(UVec2::new(256, 192), Size::new(1, 1)), Size::new(1, 1));
+        for (area, fitted) in
+            [([51, 19], [51, 19]), ([80, 19], [51, 19]), ([32, 40], [32, 12]), ([1, 1], [1, 1])]
+        {
+            let [area, fitted] = [area, fitted].map(|[width, height]| Size::new(width, height));
+            assert_eq!(look.fit(UVec2::new(256, 192), area), fitted);
+        }
     }
 }

@@ -23,11 +23,8 @@ const FRAME_TIME: Duration = Duration::from_nanos(1_000_000_000 / 24);
 /// An item with what the log says about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Question {
-    /// Its name in the round.
     pub(crate) id: ItemId,
-    /// What to look for.
     pub(crate) text: String,
-    /// Where to look.
     pub(crate) scene: Name,
     /// What was said.
     pub(crate) response: Response,
@@ -42,7 +39,6 @@ pub(crate) enum Mode {
     When,
     /// Typing why the prompt is ambiguous.
     Reason(Field),
-    /// Typing a remark.
     Comment(Field),
     /// The list of what is left.
     Summary {
@@ -58,37 +54,10 @@ pub(crate) enum Mode {
 /// What the last event led to, in one sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Notice {
-    /// For the person.
     pub(crate) text: String,
-    /// Something did not work.
     pub(crate) is_error: bool,
 }
 
-/// An event that was sent to the log and not confirmed yet.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Pending {
-    /// An answer.
-    Answer,
-    /// A skip.
-    Skip,
-    /// A remark.
-    Comment,
-    /// Taking the latest event back.
-    Undo,
-}
-
-/// The part of a click that lasts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum MouseDrag {
-    /// The button went down on the picture at this cell and did not move since.
-    Press(u16, u16),
-    /// The picture follows the pointer, last seen at this cell.
-    Pan(u16, u16),
-    /// The current frame follows the pointer.
-    Scrub,
-}
-
-/// State of the application.
 #[derive(Debug)]
 pub(crate) struct Model {
     pub(crate) title: String,
@@ -111,11 +80,9 @@ pub(crate) struct Model {
     pub(crate) outlines: bool,
     /// When the next frame is due.
     pub(crate) playing: Option<Duration>,
-    pub(crate) grip: Option<MouseDrag>,
     pub(crate) seen: ShownFrames,
     pub(crate) shown_at: Duration,
     pub(crate) notice: Option<Notice>,
-    pub(crate) pending: Option<Pending>,
     /// The item that an undo would change.
     pub(crate) undoable: Option<ItemId>,
     pub(crate) sealed: bool,
@@ -126,37 +93,26 @@ pub(crate) struct Model {
     pub(crate) picture_error: Option<String>,
 }
 
-/// What a session starts with.
-#[derive(Debug)]
-pub(crate) struct Start<'a> {
-    /// The round.
-    pub(crate) round: &'a Round,
-    /// Who answers.
-    pub(crate) annotator: Name,
-    /// In asking order.
-    pub(crate) questions: Vec<Question>,
-    /// Scenes of the questions.
-    pub(crate) scenes: Arc<Scenes>,
-    /// What the terminal can do.
-    pub(crate) look: Look,
-    /// Columns and rows.
-    pub(crate) size: Size,
-    /// The item that an undo would change.
-    pub(crate) undoable: Option<ItemId>,
-}
-
 impl Model {
     /// A session at the first open item, or at the summary if there is none.
-    pub(crate) fn new(start: Start<'_>) -> Self {
-        let open = start.questions.iter().position(|question| question.response.is_open());
+    pub(crate) fn new(
+        round: &Round,
+        annotator: Name,
+        questions: Vec<Question>,
+        undoable: Option<ItemId>,
+        scenes: Arc<Scenes>,
+        look: Look,
+        size: Size,
+    ) -> Self {
+        let open = questions.iter().position(|question| question.response.is_open());
         let mode = if open.is_some() { Mode::Choose } else { Mode::Summary { selected: 0, sealing: false } };
         let mut model = Self {
-            title: start.round.name.to_string(),
-            annotator: start.annotator,
-            questions: start.questions,
-            scenes: start.scenes,
-            look: start.look,
-            size: start.size,
+            title: round.name.to_string(),
+            annotator,
+            questions,
+            scenes,
+            look,
+            size,
             at: open.unwrap_or(0),
             mode,
             help: false,
@@ -167,12 +123,10 @@ impl Model {
             viewport: Viewport::WHOLE,
             outlines: true,
             playing: None,
-            grip: None,
             seen: ShownFrames::default(),
             shown_at: Duration::ZERO,
             notice: None,
-            pending: None,
-            undoable: start.undoable,
+            undoable,
             sealed: false,
             requested: None,
             picture: None,
@@ -183,12 +137,10 @@ impl Model {
         model
     }
 
-    /// The item on the screen.
     pub(crate) fn question(&self) -> &Question {
         &self.questions[self.at]
     }
 
-    /// The scene of the item on the screen.
     pub(crate) fn scene(&self) -> &SceneInfo {
         &self.scenes[&self.question().scene]
     }
@@ -268,7 +220,7 @@ impl Model {
     /// The picture that ought to be on the screen; none where there is no room or pictures are off.
     pub(crate) fn wanted(&self) -> Option<PictureRequest> {
         let area = self.screen()?.picture;
-        if self.help || !self.look.shows_pictures() || !self.shows_scene() {
+        if self.help || !self.shows_scene() {
             return None;
         }
         let scene = self.scene();
@@ -322,7 +274,6 @@ impl Model {
         (1..=count).filter_map(|step| frames.get(self.frame + step)).copied().collect()
     }
 
-    /// Box around objects in the picture on the screen.
     pub(crate) fn box_around(&self, ids: &BTreeSet<u32>) -> Option<PixelBox> {
         self.picture()?.source.box_around(ids)
     }

@@ -4,9 +4,9 @@
 //! pictures still pass.
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::mpsc::{self, Receiver, TryRecvError};
 use std::thread::JoinHandle;
 
 use crate::error::in_full;
@@ -14,37 +14,16 @@ use crate::message::Message;
 use crate::painter::Painter;
 use crate::picture::{ExportRequest, PictureRequest};
 
-/// What waits to be done.
-#[derive(Default)]
-struct Inbox {
-    request: Option<(PictureRequest, Vec<u32>)>,
-    exports: VecDeque<ExportRequest>,
-    stop: bool,
-}
-
-#[derive(Default)]
-struct Shared {
-    inbox: Mutex<Inbox>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Inbox> {
-        // The inbox is whole between any two statements that hold the lock.
-        self.inbox.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// A painter on a thread of its own.
-pub(crate) struct PaintThread {
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
-}
-
-/// One thing to do, taken out of the inbox.
 enum Task {
+    /// A picture, and frames that are likely to be asked for next.
     Paint(PictureRequest, Vec<u32>),
     Export(ExportRequest),
+}
+
+/// A painter on a thread of its own, which ends when this is dropped.
+pub(crate) struct PaintThread {
+    tasks: Option<mpsc::Sender<Task>>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl PaintThread {
@@ -54,32 +33,34 @@ impl PaintThread {
         send: impl Fn(Message) + Send + 'static,
         died: impl Fn() + Send + 'static,
     ) -> Self {
-        let shared = Arc::new(Shared::default());
-        let inbox = Arc::clone(&shared);
+        let (tasks, inbox) = mpsc::channel();
         let work = move || {
             let _alarm = Alarm(died);
-            Worker { painter, shared: &inbox, send: &send, gave_up: false }.run();
+            let (request, exports) = (None, VecDeque::new());
+            Worker { painter, inbox, request, exports, send: &send, gave_up: false }.run();
         };
-        Self { shared, thread: Some(std::thread::spawn(work)) }
+        Self { tasks: Some(tasks), thread: Some(std::thread::spawn(work)) }
     }
 
     /// Asks for a picture instead of the one that was asked for before.
     pub(crate) fn paint(&self, request: PictureRequest, ahead: Vec<u32>) {
-        self.shared.lock().request = Some((request, ahead));
-        self.shared.changed.notify_one();
+        self.ask(Task::Paint(request, ahead));
     }
 
     /// Asks for a file.
     pub(crate) fn export(&self, request: ExportRequest) {
-        self.shared.lock().exports.push_back(request);
-        self.shared.changed.notify_one();
+        self.ask(Task::Export(request));
+    }
+
+    fn ask(&self, task: Task) {
+        // A thread that died has raised the alarm.
+        self.tasks.as_ref().map(|tasks| tasks.send(task).ok());
     }
 }
 
 impl Drop for PaintThread {
     fn drop(&mut self) {
-        self.shared.lock().stop = true;
-        self.shared.changed.notify_one();
+        self.tasks = None;
         if let Some(thread) = self.thread.take() {
             thread.join().ok();
         }
@@ -99,7 +80,10 @@ impl<F: Fn()> Drop for Alarm<F> {
 
 struct Worker<'a> {
     painter: Painter,
-    shared: &'a Shared,
+    inbox: Receiver<Task>,
+    /// The latest request, and the exports, that were taken out of the inbox.
+    request: Option<(PictureRequest, Vec<u32>)>,
+    exports: VecDeque<ExportRequest>,
     send: &'a dyn Fn(Message),
     /// Whether the last request was voided.
     gave_up: bool,
@@ -107,31 +91,33 @@ struct Worker<'a> {
 
 impl Worker<'_> {
     fn run(mut self) {
-        while let Some(task) = self.next() {
-            match task {
-                Task::Paint(request, ahead) => {
-                    self.paint(&request);
-                    self.decode_ahead(&request, &ahead);
-                }
-                Task::Export(request) => (self.send)(Message::Exported(self.export(&request))),
+        while self.take_in() {
+            if let Some((request, ahead)) = self.request.take() {
+                self.paint(&request);
+                self.decode_ahead(&request, &ahead);
+            } else if let Some(request) = self.exports.pop_front() {
+                let outcome = self.export(&request);
+                (self.send)(Message::Exported(outcome));
+            } else if let Ok(task) = self.inbox.recv() {
+                self.sort(task);
             }
         }
     }
 
-    /// Waits for something to do; none when the thread ends.
-    fn next(&self) -> Option<Task> {
-        let mut inbox = self.shared.lock();
+    /// Empties the inbox; false when the thread has to end.
+    fn take_in(&mut self) -> bool {
         loop {
-            if inbox.stop {
-                return None;
+            match self.inbox.try_recv() {
+                Ok(task) => self.sort(task),
+                Err(error) => return error == TryRecvError::Empty,
             }
-            if let Some((request, ahead)) = inbox.request.take() {
-                return Some(Task::Paint(request, ahead));
-            }
-            if let Some(request) = inbox.exports.pop_front() {
-                return Some(Task::Export(request));
-            }
-            inbox = self.shared.changed.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn sort(&mut self, task: Task) {
+        match task {
+            Task::Paint(request, ahead) => self.request = Some((request, ahead)),
+            Task::Export(request) => self.exports.push_back(request),
         }
     }
 
@@ -164,9 +150,8 @@ impl Worker<'_> {
     }
 
     /// Whether something else is wanted by now.
-    fn is_void(&self) -> bool {
-        let inbox = self.shared.lock();
-        inbox.stop || inbox.request.is_some()
+    fn is_void(&mut self) -> bool {
+        !self.take_in() || self.request.is_some()
     }
 
     fn export(&mut self, request: &ExportRequest) -> Result<String, String> {
@@ -188,7 +173,6 @@ fn open(path: &Path) -> bool {
     } else {
         return false;
     };
-    let path: PathBuf = path.to_owned();
     let silent = Stdio::null;
     let child = Command::new(program).arg(path).stdin(silent()).stdout(silent()).stderr(silent()).spawn();
     let Ok(mut child) = child else { return false };

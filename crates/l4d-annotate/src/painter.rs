@@ -51,7 +51,6 @@ pub(crate) struct Shown {
     ids: Arc<Ids>,
 }
 
-/// A frame of a view of a scene.
 pub(crate) type FrameKey = (Name, Name, u32);
 
 /// Decodes, scales, outlines and encodes.
@@ -92,7 +91,6 @@ impl Painter {
         }
     }
 
-    /// A picture that was painted before.
     pub(crate) fn recall(&mut self, request: &PictureRequest) -> Option<Arc<Picture>> {
         self.pictures.get(request).map(Arc::clone)
     }

@@ -15,10 +15,10 @@ use signal_hook::iterator::Signals;
 
 use crate::error::AnnotateError;
 use crate::look::{Environment, PictureMode};
-use crate::model::{Model, Start};
+use crate::model::Model;
 use crate::painter::Painter;
 use crate::scene::Scenes;
-use crate::session::{BallotLog, Input, Sender, Session, paint_thread, questions};
+use crate::session::{Input, Sender, Session, paint_thread, questions};
 use crate::terminal::TerminalGuard;
 
 /// Where files are, and how pictures are shown.
@@ -59,7 +59,8 @@ pub fn annotate(
     let environment = Environment::of_process();
     let look = environment.look()?;
     let taken = TerminalGuard::take()?;
-    let can_ask = !look.must_ask(options.picture) || taken.answers(!environment.tmux.is_empty());
+    let asks = options.picture != PictureMode::Halfblocks;
+    let can_ask = asks && taken.answers(!environment.tmux.is_empty());
     let (look, picker) = look.with_pictures(options.picture, can_ask)?;
     if picker.as_ref().is_some_and(|picker| picker.protocol_type() == ProtocolType::Kitty) {
         taken.keeps_pictures();
@@ -70,18 +71,11 @@ pub fn annotate(
     listen(&send)?;
 
     let scenes = Arc::new(scenes);
-    let log = BallotLog(ballot);
-    let model = Model::new(Start {
-        round,
-        annotator: annotator.clone(),
-        questions: questions(round, &log),
-        scenes: Arc::clone(&scenes),
-        look,
-        size: terminal.size().map_err(AnnotateError::Terminal)?,
-        undoable: log.0.undoable().cloned(),
-    });
+    let (questions, undoable) = (questions(round, &ballot), ballot.undoable().cloned());
+    let size = terminal.size().map_err(AnnotateError::Terminal)?;
+    let model = Model::new(round, annotator.clone(), questions, undoable, Arc::clone(&scenes), look, size);
     let painter = Painter::new(&options.data, &options.exports, scenes, look, picker);
-    let mut session = Session::new(model, log, paint_thread(painter, &send));
+    let mut session = Session::new(model, ballot, paint_thread(painter, &send));
     session.serve(&mut terminal, &inputs)?;
     let (answered, skipped) = session.model.progress();
     Ok(Outcome { items: round.items.len(), answered, skipped, sealed: session.model.sealed })

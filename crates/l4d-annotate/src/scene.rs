@@ -171,7 +171,6 @@ fn chosen_views(cameras: &[Camera], count: usize) -> Vec<Name> {
     chosen.iter().map(|camera| camera.name.clone()).collect()
 }
 
-/// Ids and names of what queries may refer to.
 fn objects(scene: &Scene) -> Vec<(u32, Name)> {
     let objects = scene.instances.iter().filter(|instance| instance.role == Role::Object);
     objects.map(|instance| (instance.id, instance.name.clone())).collect()

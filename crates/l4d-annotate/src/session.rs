@@ -21,81 +21,41 @@ use crate::view;
 /// What comes from outside.
 #[derive(Debug)]
 pub(crate) enum Input {
-    /// A key, the mouse, a new size.
     Event(TerminalEvent),
-    /// News of the painter.
     Message(Message),
-    /// The system wants an end.
     Signal(&'static str),
-    /// The terminal is gone.
     Lost(io::Error),
-    /// The painter is gone.
     PainterDied,
 }
 
-/// Where events are kept: a ballot, or one that fails when a test wants it.
-pub(crate) trait Log {
-    /// Keeps an event; when this returns, it survives whatever happens to the process.
-    ///
-    /// # Errors
-    /// Why it is not kept.
-    fn record(
-        &mut self,
-        item: &ItemId,
-        event: Event,
-        seen: ShownFrames,
-        elapsed: Duration,
-    ) -> Result<Recorded, String>;
-
-    /// Ends the work.
-    ///
-    /// # Errors
-    /// Why it goes on.
-    fn seal(&mut self) -> Result<(), String>;
+/// Keeps an event; with `Ok` it survives whatever happens to the process.
+pub(crate) fn record(
+    ballot: &mut Ballot,
+    item: ItemId,
+    event: Event,
+    seen: ShownFrames,
+    elapsed: Duration,
+) -> Result<Recorded, String> {
+    ballot.record(&item, event.clone(), seen, elapsed).map_err(|error| in_full(&error))?;
+    let response = ballot.response(&item).unwrap_or_default();
+    Ok(Recorded { item, event, response, undoable: ballot.undoable().cloned() })
 }
 
-/// A ballot on disk.
-#[derive(Debug)]
-pub(crate) struct BallotLog(pub Ballot);
-
-impl Log for BallotLog {
-    fn record(
-        &mut self,
-        item: &ItemId,
-        event: Event,
-        seen: ShownFrames,
-        elapsed: Duration,
-    ) -> Result<Recorded, String> {
-        self.0.record(item, event, seen, elapsed).map_err(|error| in_full(&error))?;
-        Ok(Recorded {
-            item: item.clone(),
-            response: self.0.response(item).unwrap_or_default(),
-            undoable: self.0.undoable().cloned(),
-        })
-    }
-
-    fn seal(&mut self) -> Result<(), String> {
-        self.0.seal().map_err(|error| in_full(&error))
-    }
-}
-
-/// A running session.
-pub(crate) struct Session<L> {
-    /// What is known.
+pub(crate) struct Session {
     pub(crate) model: Model,
-    log: L,
+    ballot: Ballot,
     paint_thread: PaintThread,
     started: Instant,
     redraw: bool,
     over: bool,
 }
 
-impl<L: Log> Session<L> {
+impl Session {
     /// A session whose first picture is asked for already.
-    pub(crate) fn new(mut model: Model, log: L, paint_thread: PaintThread) -> Self {
+    pub(crate) fn new(mut model: Model, ballot: Ballot, paint_thread: PaintThread) -> Self {
         let effects = start(&mut model);
         let mut session =
-            Self { model, log, paint_thread, started: Instant::now(), redraw: false, over: false };
+            Self { model, ballot, paint_thread, started: Instant::now(), redraw: false, over: false };
         effects.into_iter().for_each(|effect| session.carry_out(effect));
         session
     }
@@ -191,11 +151,11 @@ impl<L: Log> Session<L> {
             Effect::Paint { request, ahead } => self.paint_thread.paint(request, ahead),
             Effect::Export(request) => self.paint_thread.export(request),
             Effect::Record { item, event, seen, elapsed } => {
-                let result = self.log.record(&item, event, seen, elapsed);
+                let result = record(&mut self.ballot, item, event, seen, elapsed);
                 self.tell(Message::Recorded(result));
             }
             Effect::Seal => {
-                let result = self.log.seal();
+                let result = self.ballot.seal().map_err(|error| in_full(&error));
                 self.tell(Message::Sealed(result));
             }
             Effect::Redraw => self.redraw = true,
@@ -205,20 +165,19 @@ impl<L: Log> Session<L> {
 }
 
 /// The questions of a ballot, in asking order.
-pub(crate) fn questions(round: &Round, log: &BallotLog) -> Vec<Question> {
+pub(crate) fn questions(round: &Round, ballot: &Ballot) -> Vec<Question> {
     let question = |id: &ItemId| {
         let item = round.item(id)?;
         Some(Question {
             id: id.clone(),
             text: item.text.clone(),
             scene: item.scene.clone(),
-            response: log.0.response(id).unwrap_or_default(),
+            response: ballot.response(id).unwrap_or_default(),
         })
     };
-    log.0.order().iter().filter_map(question).collect()
+    ballot.order().iter().filter_map(question).collect()
 }
 
-/// Sends inputs to the loop.
 pub(crate) type Sender = mpsc::Sender<Input>;
 
 /// A painter in a thread of its own that answers to a loop.

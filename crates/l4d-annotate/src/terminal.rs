@@ -6,9 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use ratatui::crossterm::cursor::{Hide, Show};
-use ratatui::crossterm::event::{
-    DisableBracketedPaste, DisableMouseCapture, EnableBracketedPaste, EnableMouseCapture,
-};
+use ratatui::crossterm::event::{DisableBracketedPaste, EnableBracketedPaste};
 use ratatui::crossterm::terminal::{
     EnterAlternateScreen, LeaveAlternateScreen, disable_raw_mode, enable_raw_mode,
 };
@@ -26,7 +24,7 @@ const ANSWER_TIME: Duration = Duration::from_millis(500);
 /// Makes kitty forget the pictures that it was given.
 const FORGET_PICTURES: &[u8] = b"\x1b_Ga=d,d=A,q=2\x1b\\";
 
-/// The terminal, taken: raw, on its second screen, with mouse. Dropping it gives it back.
+/// The terminal, taken: raw, on its second screen. Dropping it gives it back.
 #[derive(Debug)]
 pub struct TerminalGuard(());
 
@@ -93,7 +91,6 @@ fn next_byte(deadline: Instant) -> Option<u8> {
     (ready > 0 && rustix::io::read(&stdin, &mut byte).ok()? == 1).then_some(byte[0])
 }
 
-/// Gives the terminal back if it is taken.
 fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
         // No one is left to report to if this fails.
@@ -114,11 +111,11 @@ fn give_back_on_panic() {
 }
 
 fn enter(out: &mut impl io::Write) -> io::Result<()> {
-    execute!(out, EnterAlternateScreen, EnableMouseCapture, EnableBracketedPaste, Hide)
+    execute!(out, EnterAlternateScreen, EnableBracketedPaste, Hide)
 }
 
 fn leave(out: &mut impl io::Write) -> io::Result<()> {
-    queue!(out, DisableBracketedPaste, DisableMouseCapture)?;
+    queue!(out, DisableBracketedPaste)?;
     if KEEPS_PICTURES.load(Ordering::SeqCst) {
         out.write_all(FORGET_PICTURES)?;
     }
@@ -135,21 +132,11 @@ mod tests {
         enter(&mut on).unwrap();
         leave(&mut off).unwrap();
         let [on, off] = [on, off].map(|bytes| String::from_utf8(bytes).unwrap());
-        let modes = |text: &str, end: char| -> Vec<String> {
-            let codes = text.split("\x1b[?").skip(1);
-            let mut modes: Vec<String> = codes
-                .filter_map(|code| code.split_once(end))
-                .filter(|(n, _)| n.parse::<u32>().is_ok())
-                .map(|(n, _)| n.to_owned())
-                .collect();
-            modes.sort();
-            modes
-        };
-        // The cursor (25) is hidden on entering and shown on leaving; everything else the other way round.
-        let others =
-            |modes: Vec<String>| modes.into_iter().filter(|mode| mode != "25").collect::<Vec<String>>();
-        assert_eq!(others(modes(&on, 'h')), others(modes(&off, 'l')));
-        assert!(others(modes(&on, 'h')).contains(&"1049".to_owned()));
-        assert!(on.contains("\x1b[?25l") && off.contains("\x1b[?25h"));
+        // The cursor is hidden on entering; the second screen and bracketed paste are switched on.
+        for (mode, entering, leaving) in [(25, 'l', 'h'), (1049, 'h', 'l'), (2004, 'h', 'l')] {
+            assert!(on.contains(&format!("\x1b[?{mode}{entering}")), "{mode}");
+            assert!(off.contains(&format!("\x1b[?{mode}{leaving}")), "{mode}");
+        }
+        assert_eq!((on.matches("\x1b[?").count(), off.matches("\x1b[?").count()), (3, 3));
     }
 }

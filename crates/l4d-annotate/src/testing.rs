@@ -18,12 +18,12 @@ use ratatui::crossterm::event::{Event as TerminalEvent, KeyCode, KeyEvent, KeyMo
 use ratatui::layout::{Rect, Size};
 
 use crate::keys;
-use crate::look::{Colours, Environment, Look, Medium};
-use crate::message::{Effect, Message, Recorded};
-use crate::model::{Model, Question, Start};
+use crate::look::{Colours, Environment, Look};
+use crate::message::{Effect, Message};
+use crate::model::{Model, Question};
 use crate::painter::Painter;
 use crate::scene::{Scenes, load};
-use crate::session::{BallotLog, Log};
+use crate::session::record;
 use crate::update::{start, update};
 use crate::view;
 
@@ -50,8 +50,8 @@ impl Fixture {
         std::fs::create_dir_all(dir.root()).unwrap();
         std::fs::write(
             dir.settings(),
-            "schema = \"l4d/round/1\"\nname = \"r1\"\ntitle = \"A round\"\nprofile = \"tiny\"\nseed = 3\n\
-             annotators = [\"ada\", \"ben\"]\nrule = \"unanimous:2\"\nviews = 2\n",
+            "schema = \"l4d/round/1\"\nname = \"r1\"\nprofile = \"tiny\"\nseed = 3\n\
+             annotators = [\"ada\", \"ben\"]\nviews = 2\n",
         )
         .unwrap();
         let lines: Vec<String> = (1..)
@@ -93,23 +93,14 @@ impl Fixture {
         Painter::new(&self.data(), &self.exports(), Arc::clone(&self.scenes), look, None)
     }
 
-    /// The ballot of `ada`.
-    pub(crate) fn log(&self) -> TestLog {
-        let (ballot, _) = Ballot::open(&self.dir(), &self.round, &name("ada")).unwrap();
-        TestLog { ballot: BallotLog(ballot), events: Vec::new(), fails: false }
+    pub(crate) fn ballot(&self) -> Ballot {
+        let (ballot, notices) = Ballot::open(&self.dir(), &self.round, &name("ada")).unwrap();
+        assert!(notices.is_empty());
+        ballot
     }
 
     pub(crate) fn model(&self, look: Look, size: Size, questions: Vec<Question>) -> Model {
-        let scenes = Arc::clone(&self.scenes);
-        Model::new(Start {
-            round: &self.round,
-            annotator: name("ada"),
-            questions,
-            scenes,
-            look,
-            size,
-            undoable: None,
-        })
+        Model::new(&self.round, name("ada"), questions, None, Arc::clone(&self.scenes), look, size)
     }
 
     /// A session of 80x24 in colour.
@@ -119,55 +110,24 @@ impl Fixture {
 
     pub(crate) fn drive_with(&self, look: Look, size: Size) -> Driver {
         let model = self.model(look, size, self.questions());
-        Driver::new(model, self.log(), self.painter(look), Arc::clone(&self.folder))
+        Driver::new(model, self.ballot(), self.painter(look), Arc::clone(&self.folder))
     }
 }
 
 pub(crate) fn look(unicode: bool, colours: Colours) -> Look {
     let environment = Environment { term: "xterm".to_owned(), ..Environment::default() };
-    Look { unicode, colours, medium: Medium::Characters, ..environment.look().unwrap() }
+    Look { unicode, colours, ..environment.look().unwrap() }
 }
 
-/// A ballot that can be made to fail, with what it was given.
-pub(crate) struct TestLog {
-    ballot: BallotLog,
-    pub(crate) events: Vec<(ItemId, Event, ShownFrames, Duration)>,
-    pub(crate) fails: bool,
-}
-
-impl TestLog {
-    pub(crate) fn is_sealed(&self) -> bool {
-        self.ballot.0.is_sealed()
-    }
-
-    fn refuse(&self) -> Result<(), String> {
-        if self.fails { Err("no space left on device".to_owned()) } else { Ok(()) }
-    }
-}
-
-impl Log for TestLog {
-    fn record(
-        &mut self,
-        item: &ItemId,
-        event: Event,
-        seen: ShownFrames,
-        elapsed: Duration,
-    ) -> Result<Recorded, String> {
-        self.refuse()?;
-        self.events.push((item.clone(), event.clone(), seen.clone(), elapsed));
-        self.ballot.record(item, event, seen, elapsed)
-    }
-
-    fn seal(&mut self) -> Result<(), String> {
-        self.refuse()?;
-        self.ballot.seal()
-    }
-}
+const FULL: &str = "no space left on device";
 
 /// A session whose clock stops unless it is moved, and whose painter answers at once unless it has to wait.
 pub(crate) struct Driver {
     pub(crate) model: Model,
-    pub(crate) log: TestLog,
+    pub(crate) ballot: Ballot,
+    /// What was asked of the ballot and not refused.
+    pub(crate) events: Vec<(ItemId, Event, ShownFrames, Duration)>,
+    pub(crate) disk_is_full: bool,
     pub(crate) now: Duration,
     pub(crate) paints: bool,
     pub(crate) requests: Vec<crate::picture::PictureRequest>,
@@ -179,11 +139,13 @@ pub(crate) struct Driver {
 }
 
 impl Driver {
-    fn new(mut model: Model, log: TestLog, painter: Painter, folder: Arc<tempfile::TempDir>) -> Self {
+    fn new(mut model: Model, ballot: Ballot, painter: Painter, folder: Arc<tempfile::TempDir>) -> Self {
         let effects = start(&mut model);
         let mut driver = Self {
             model,
-            log,
+            ballot,
+            events: Vec::new(),
+            disk_is_full: false,
             now: Duration::ZERO,
             paints: true,
             requests: Vec::new(),
@@ -210,12 +172,17 @@ impl Driver {
                         self.paint();
                     }
                 }
+                Effect::Record { .. } if self.disk_is_full => {
+                    self.tell(Message::Recorded(Err(FULL.to_owned())))
+                }
                 Effect::Record { item, event, seen, elapsed } => {
-                    let result = self.log.record(&item, event, seen, elapsed);
+                    self.events.push((item.clone(), event.clone(), seen.clone(), elapsed));
+                    let result = record(&mut self.ballot, item, event, seen, elapsed);
                     self.tell(Message::Recorded(result));
                 }
+                Effect::Seal if self.disk_is_full => self.tell(Message::Sealed(Err(FULL.to_owned()))),
                 Effect::Seal => {
-                    let result = self.log.seal();
+                    let result = self.ballot.seal().map_err(|error| error.to_string());
                     self.tell(Message::Sealed(result));
                 }
                 Effect::Export(request) => self.exported.push(request),
@@ -254,7 +221,6 @@ impl Driver {
         }
     }
 
-    /// The screen.
     pub(crate) fn buffer(&self) -> Buffer {
         let area = Rect::new(0, 0, self.model.size.width, self.model.size.height);
         let mut buffer = Buffer::empty(area);

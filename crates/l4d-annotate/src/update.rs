@@ -2,7 +2,6 @@
 
 mod answer;
 mod looking;
-mod pointer;
 #[cfg(test)]
 mod tests;
 
@@ -11,7 +10,6 @@ use std::time::Duration;
 
 use tui_input::InputRequest;
 
-use crate::look::Medium;
 use crate::message::{Effect, Message};
 use crate::model::{Mode, Model};
 use crate::picture::Picture;
@@ -26,13 +24,12 @@ pub(crate) fn update(model: &mut Model, message: Message, now: Duration) -> Vec<
     apply(model, message, now, &mut effects);
     request_picture(model, &mut effects);
     // Characters that are drawn over pixels do not remove them.
-    if model.look.medium == Medium::Pixels && showed_picture != model.requested.is_some() {
+    if model.look.pixels && showed_picture != model.requested.is_some() {
         effects.push(Effect::Redraw);
     }
     effects
 }
 
-/// Asks for the first picture.
 pub(crate) fn start(model: &mut Model) -> Vec<Effect> {
     let mut effects = Vec::new();
     request_picture(model, &mut effects);
@@ -101,10 +98,6 @@ fn on_item(model: &mut Model, message: Message, now: Duration, effects: &mut Vec
         Message::Pan(right, down) => looking::pan(model, right, down),
         Message::Outlines => model.outlines = !model.outlines,
         Message::Export => looking::export(model, effects),
-        Message::Press(column, row) => pointer::press(model, column, row),
-        Message::Drag(column, row) => pointer::drag(model, column, row),
-        Message::Release(column, row) => pointer::release(model, column, row),
-        Message::Wheel(column, row, turns) => pointer::wheel(model, column, row, turns),
         Message::Summary => summarise(model),
         Message::Help => model.help = true,
         Message::Quit => leave(model, effects),
@@ -135,7 +128,6 @@ fn on_summary(model: &mut Model, message: &Message, now: Duration, effects: &mut
         Message::Help => model.help = true,
         _ if model.sealed => {}
         Message::StepLine(step) => *selected = step_line(*selected, *step, count),
-        Message::Wheel(_, _, turns) => *selected = step_line(*selected, -i64::from(*turns), count),
         Message::Accept => {
             let place = *selected;
             answer::open_unanswered(model, place, now);
@@ -212,7 +204,5 @@ fn is_deliberate(message: &Message) -> bool {
             | Message::Exported(_)
             | Message::Resize(_)
             | Message::Tick
-            | Message::Drag(..)
-            | Message::Release(..)
     )
 }

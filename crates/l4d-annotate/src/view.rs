@@ -17,7 +17,6 @@ use crate::look::Look;
 use crate::model::{Mode, Model};
 use theme::{dim, strong};
 
-/// Draws the whole screen.
 pub(crate) fn draw(model: &Model, area: Rect, buffer: &mut Buffer) {
     match model.screen() {
         None => too_small(area, buffer),

@@ -40,7 +40,6 @@ fn wish(picture: PictureArg) -> PictureMode {
         PictureArg::Sixel => PictureMode::Sixel,
         PictureArg::Kitty => PictureMode::Kitty,
         PictureArg::Iterm2 => PictureMode::Iterm2,
-        PictureArg::None => PictureMode::None,
     }
 }
 

@@ -1,4 +1,4 @@
-use std::sync::mpsc::{self, Receiver};
+use std::sync::Arc;
 use std::time::Duration;
 
 use l4d_data::layout::SceneDir;
@@ -111,34 +111,25 @@ fn a_torn_frame_is_reported_with_its_path_and_a_remedy() {
 }
 
 #[test]
-fn an_export_is_a_large_picture_with_outlines() {
+fn an_export_is_a_large_picture_with_outlines_or_says_why_there_is_none() {
     let fixture = Fixture::new();
     let (paint_thread, news) = open_thread(&fixture);
-    let file_name = "q0001-view1-frame0012.png".to_owned();
-    let (scene, view, chosen) = (name("yard"), name("cam01"), [3].into());
-    paint_thread.export(ExportRequest { scene, view, frame: 12, chosen, file_name: file_name.clone() });
-    match next(&news) {
-        Message::Exported(Ok(text)) => assert!(text.contains(&file_name), "{text}"),
-        other => panic!("{other:?}"),
-    }
-    let bytes = std::fs::read(fixture.exports().join(file_name)).unwrap();
+    let export = || {
+        let (scene, view, file_name) = (name("yard"), name("cam01"), "q0001.png".to_owned());
+        paint_thread.export(ExportRequest { scene, view, frame: 12, chosen: [3].into(), file_name });
+        match next(&news) {
+            Message::Exported(said) => said,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert!(export().unwrap().contains("q0001.png"));
+    let bytes = std::fs::read(fixture.exports().join("q0001.png")).unwrap();
     // Width and height are at fixed places of a PNG.
     let side = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!((side(16), side(20)), (1024, 768));
-}
-
-#[test]
-fn an_export_that_cannot_be_written_says_why() {
-    let fixture = Fixture::new();
+    std::fs::remove_dir_all(fixture.exports()).unwrap();
     std::fs::write(fixture.exports(), "a file, not a folder").unwrap();
-    let (paint_thread, news) = open_thread(&fixture);
-    let (scene, view) = (name("yard"), name("cam01"));
-    let file_name = "q0001.png".to_owned();
-    paint_thread.export(ExportRequest { scene, view, frame: 12, chosen: [].into(), file_name });
-    match next(&news) {
-        Message::Exported(Err(why)) => assert!(why.contains("exports"), "{why}"),
-        other => panic!("{other:?}"),
-    }
+    assert!(export().unwrap_err().contains("exports"));
 }
 
 #[test]

@@ -2,23 +2,22 @@ use std::io;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use l4d_votes::Ballot;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use ratatui::layout::Size;
 
 use super::*;
 use crate::look::Colours;
-use crate::testing::{Fixture, PROMPTS, TestLog, look, name};
+use crate::testing::{Fixture, PROMPTS, look, name};
 
 fn key(code: KeyCode) -> Input {
     Input::Event(TerminalEvent::Key(KeyEvent::new(code, KeyModifiers::NONE)))
 }
 
-fn session(fixture: &Fixture, send: &Sender) -> Session<TestLog> {
+fn session(fixture: &Fixture, send: &Sender) -> Session {
     let look = look(true, Colours::Full);
     let model = fixture.model(look, Size::new(80, 24), fixture.questions());
-    Session::new(model, fixture.log(), paint_thread(fixture.painter(look), send))
+    Session::new(model, fixture.ballot(), paint_thread(fixture.painter(look), send))
 }
 
 #[test]
@@ -37,7 +36,7 @@ fn a_session_ends_with_q_and_its_pictures_come_by_themselves() {
     };
     let paint_thread = PaintThread::open(fixture.painter(look), painted, || {});
     let model = fixture.model(look, Size::new(80, 24), fixture.questions());
-    let mut session = Session::new(model, fixture.log(), paint_thread);
+    let mut session = Session::new(model, fixture.ballot(), paint_thread);
     session.serve(&mut Terminal::new(TestBackend::new(80, 24)).unwrap(), &inputs).unwrap();
     assert_eq!(session.model.progress(), (2, 0));
     assert!(session.model.picture().is_some());
@@ -87,21 +86,17 @@ fn a_terminal_of_another_size_than_expected_is_drawn_in_its_own() {
 #[test]
 fn a_ballot_keeps_what_was_shown_as_saved() {
     let fixture = Fixture::new();
-    let dir = fixture.dir();
-    let (ballot, _) = Ballot::open(&dir, &fixture.round, &name("ada")).unwrap();
-    let mut log = BallotLog(ballot);
-    let asked = questions(&fixture.round, &log);
+    let mut ballot = fixture.ballot();
+    let asked = questions(&fixture.round, &ballot);
     assert_eq!(asked.len(), PROMPTS.len());
     let item = &asked[2].id;
     let answer = l4d_votes::Answer { choice: l4d_votes::Choice::None, frames: l4d_data::Interval::WHOLE };
+    let seen = ShownFrames::default();
     let recorded =
-        log.record(item, Event::Choose(answer), ShownFrames::default(), Duration::from_secs(1)).unwrap();
+        record(&mut ballot, item.clone(), Event::Choose(answer), seen, Duration::from_secs(1)).unwrap();
     assert!(recorded.response.answer.is_some() && recorded.undoable.as_ref() == Some(item));
-    assert!(log.seal().is_err(), "items are open");
-    drop(log);
-    let (ballot, notices) = Ballot::open(&dir, &fixture.round, &name("ada")).unwrap();
-    assert!(notices.is_empty());
-    assert_eq!(questions(&fixture.round, &BallotLog(ballot))[2].response, recorded.response);
+    drop(ballot);
+    assert_eq!(questions(&fixture.round, &fixture.ballot())[2].response, recorded.response);
 }
 
 /// The painter is stuck with the first picture until the session is over.
@@ -114,7 +109,7 @@ fn keys_do_not_wait_for_pictures() {
     let paint_thread =
         PaintThread::open(fixture.painter(look), move |_| blocked.recv().unwrap_or_default(), || {});
     let model = fixture.model(look, Size::new(80, 24), fixture.questions());
-    let mut session = Session::new(model, fixture.log(), paint_thread);
+    let mut session = Session::new(model, fixture.ballot(), paint_thread);
     for letter in "1\r\rn\rq".chars() {
         send.send(key(if letter == '\r' { KeyCode::Enter } else { KeyCode::Char(letter) })).unwrap();
     }

@@ -8,7 +8,7 @@ use l4d_votes::{Choice, Event, Response, ShownFrames};
 use crate::draft::{Digit, Draft, DraftChoice};
 use crate::field::Field;
 use crate::message::{Effect, Recorded};
-use crate::model::{Mode, Model, Pending};
+use crate::model::{Mode, Model};
 use crate::viewport::Viewport;
 
 pub(super) fn digit(model: &mut Model, digit: char) {
@@ -17,11 +17,6 @@ pub(super) fn digit(model: &mut Model, digit: char) {
     if model.draft.digit(digit, count) == Digit::Unknown {
         model.complain(format!("There is no such object: the numbers go from 1 to {count}"));
     }
-}
-
-pub(super) fn toggle(model: &mut Model, number: usize) {
-    model.mode = Mode::Choose;
-    model.draft.toggle(number);
 }
 
 pub(super) fn none(model: &mut Model) {
@@ -97,14 +92,14 @@ fn save(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
         model.say("This is the saved answer already");
         return go_on(model, now);
     }
-    record(model, Pending::Answer, Event::Choose(answer), now, effects);
+    record(model, Event::Choose(answer), now, effects);
 }
 
 pub(super) fn skip(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
     if model.question().response.skipped {
         return go_on(model, now);
     }
-    record(model, Pending::Skip, Event::Skip, now, effects);
+    record(model, Event::Skip, now, effects);
 }
 
 pub(super) fn finish_text(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) {
@@ -119,7 +114,7 @@ pub(super) fn finish_text(model: &mut Model, now: Duration, effects: &mut Vec<Ef
         }
         Mode::Comment(field) => {
             let text = field.text();
-            record(model, Pending::Comment, Event::Comment(text), now, effects);
+            record(model, Event::Comment { text }, now, effects);
         }
         _ => {}
     }
@@ -140,7 +135,7 @@ pub(super) fn undo(model: &mut Model, now: Duration, effects: &mut Vec<Effect>) 
             None => return model.say("There is nothing to take back"),
         }
     }
-    record(model, Pending::Undo, Event::Undo, now, effects);
+    record(model, Event::Undo, now, effects);
 }
 
 pub(super) fn step_item(model: &mut Model, step: i64, now: Duration) {
@@ -174,31 +169,28 @@ pub(super) fn ask_for_seal(model: &mut Model) {
 
 /// What the log said to an act. Only now does anything count as saved.
 pub(super) fn recorded(model: &mut Model, result: Result<Recorded, String>, now: Duration) {
-    let pending = model.pending.take();
-    let recorded = match result {
+    let Recorded { item: id, event, response, undoable } = match result {
         Ok(recorded) => recorded,
         Err(why) => return model.complain(format!("NOT SAVED: {why}")),
     };
-    let Some(place) = place_of(model, &recorded.item) else { return };
-    let before = std::mem::replace(&mut model.questions[place].response, recorded.response);
-    model.undoable = recorded.undoable;
-    let id = recorded.item;
-    match pending {
-        Some(Pending::Answer) => {
+    let Some(place) = place_of(model, &id) else { return };
+    let before = std::mem::replace(&mut model.questions[place].response, response);
+    model.undoable = undoable;
+    match event {
+        Event::Choose(_) => {
             model.say(format!("Saved {id}"));
             go_on(model, now);
         }
-        Some(Pending::Skip) => {
+        Event::Skip => {
             model.draft = Draft::default();
             model.say(format!("Skipped {id}; S lists what was skipped"));
             go_on(model, now);
         }
-        Some(Pending::Comment) => {
+        Event::Comment { .. } => {
             model.mode = Mode::Choose;
             model.say("Saved the comment");
         }
-        Some(Pending::Undo) => taken_back(model, &before),
-        None => {}
+        Event::Undo => taken_back(model, &before),
     }
 }
 
@@ -262,7 +254,6 @@ fn open(model: &mut Model, place: usize, now: Duration) {
         model.viewport = Viewport::WHOLE;
         model.outlines = true;
         model.playing = None;
-        model.grip = None;
         model.seen = ShownFrames::default();
         model.shown_at = now;
         match model.drafts.remove(&place) {
@@ -279,8 +270,7 @@ fn keep_draft(model: &mut Model) {
     }
 }
 
-fn record(model: &mut Model, pending: Pending, event: Event, now: Duration, effects: &mut Vec<Effect>) {
-    model.pending = Some(pending);
+fn record(model: &mut Model, event: Event, now: Duration, effects: &mut Vec<Effect>) {
     effects.push(Effect::Record {
         item: model.question().id.clone(),
         event,

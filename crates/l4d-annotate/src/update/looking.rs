@@ -52,7 +52,7 @@ fn played_frames(model: &Model) -> (usize, usize) {
 }
 
 pub(super) fn zoom(model: &mut Model, steps: i32) {
-    model.viewport = model.viewport.zoomed(steps, DVec2::splat(0.5));
+    model.viewport = model.viewport.zoomed(steps);
 }
 
 /// Zooms to the chosen objects, to all of them if none is chosen, and back.

@@ -2,12 +2,10 @@ use std::time::Duration;
 
 use l4d_data::Interval;
 use l4d_votes::{Answer, Choice, Event};
-use ratatui::crossterm::event::{
-    Event as TerminalEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
-};
+use ratatui::crossterm::event::Event as TerminalEvent;
 use ratatui::layout::Size;
 
-use crate::look::{Colours, Medium};
+use crate::look::Colours;
 use crate::message::Message;
 use crate::model::Mode;
 use crate::testing::{Driver, Fixture, look, name};
@@ -16,10 +14,10 @@ use crate::testing::{Driver, Fixture, look, name};
 fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
     let mut lines = String::new();
     for step in steps {
-        let before = driver.log.events.len();
+        let before = driver.events.len();
         match *step {
-            "disk full" => driver.log.fails = true,
-            "disk free" => driver.log.fails = false,
+            "disk full" => driver.disk_is_full = true,
+            "disk free" => driver.disk_is_full = false,
             keys => driver.keys(keys),
         }
         let model = &driver.model;
@@ -36,7 +34,8 @@ fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
         let draft = model.draft.answer(model.scene()).map_or("nothing".to_owned(), |answer| said(&answer));
         let (answered, skipped) = model.progress();
         let question = &model.question().id;
-        let flags = [(model.help, " HELP"), (driver.log.is_sealed(), " SEALED"), (driver.is_over, " OVER")];
+        let flags =
+            [(model.help, " HELP"), (driver.ballot.is_sealed(), " SEALED"), (driver.is_over, " OVER")];
         let flags: String = flags.into_iter().filter(|(is_set, _)| *is_set).map(|(_, word)| word).collect();
         lines.push_str(&format!(
             "{step}\n    {question} {mode}, draft {draft}, {answered} answered, {skipped} skipped{flags}\n"
@@ -44,9 +43,10 @@ fn transcript(driver: &mut Driver, steps: &[&str]) -> String {
         if !driver.notice().is_empty() {
             lines.push_str(&format!("    \"{}\"\n", driver.notice()));
         }
-        for (item, event, _, _) in &driver.log.events[before..] {
+        for (item, event, _, _) in &driver.events[before..] {
             let event = match event {
                 Event::Choose(answer) => format!("choose {}", said(answer)),
+                Event::Comment { text } => format!("comment {text:?}"),
                 other => format!("{other:?}").to_lowercase(),
             };
             lines.push_str(&format!("    log {item}: {event}\n"));
@@ -152,7 +152,7 @@ fn only_painted_pictures_count_as_seen() {
     driver.paint();
     driver.now = Duration::from_secs(5);
     driver.keys("n<Enter>");
-    let (_, _, seen, elapsed) = &driver.log.events[0];
+    let (_, _, seen, elapsed) = &driver.events[0];
     assert_eq!(seen.frames, [0, 24].into());
     assert_eq!(seen.views, [name("cam01"), name("cam02")].into());
     assert_eq!(*elapsed, Duration::from_secs(5));
@@ -241,81 +241,6 @@ fn zoom_goes_to_what_is_chosen_and_back() {
     assert!(driver.model.viewport.is_whole());
 }
 
-fn mouse(driver: &mut Driver, kind: MouseEventKind, column: u16, row: u16) {
-    let modifiers = KeyModifiers::NONE;
-    driver.event(TerminalEvent::Mouse(MouseEvent { kind, column, row, modifiers }));
-}
-
-fn click(driver: &mut Driver, column: u16, row: u16) {
-    mouse(driver, MouseEventKind::Down(MouseButton::Left), column, row);
-    mouse(driver, MouseEventKind::Up(MouseButton::Left), column, row);
-}
-
-/// The cell that shows a pixel of the whole picture.
-fn cell_of(driver: &Driver, x: i64, y: i64) -> (u16, u16) {
-    let screen = driver.model.screen().unwrap().picture;
-    let cells = driver.model.requested.as_ref().unwrap().cells;
-    let along = |pixel: i64, count: u16, extent: i64| (pixel * i64::from(count) / extent) as u16;
-    (screen.x + along(x, cells.width, 128), screen.y + along(y, cells.height, 96))
-}
-
-#[test]
-fn a_click_on_an_object_chooses_it_and_beside_everything_none() {
-    let mut driver = Fixture::new().drive();
-    let (column, row) = cell_of(&driver, 105, 48);
-    click(&mut driver, column, row);
-    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [driver.number("disc_c")]);
-    click(&mut driver, column, row);
-    assert!(driver.model.draft.is_blank());
-    let (column, row) = cell_of(&driver, 5, 5);
-    click(&mut driver, column, row);
-    assert_eq!(driver.notice(), "There is no numbered object");
-    // The floor is a landmark, which no query asks for.
-    let (column, row) = cell_of(&driver, 100, 90);
-    click(&mut driver, column, row);
-    assert!(driver.model.draft.is_blank());
-}
-
-#[test]
-fn a_click_just_beside_a_small_object_still_means_it() {
-    let mut driver = Fixture::new().drive();
-    // The ball's right edge is at column 20; a cell is 2.5 pixels wide.
-    let (column, row) = cell_of(&driver, 22, 75);
-    click(&mut driver, column, row);
-    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [driver.number("ball_d")]);
-}
-
-#[test]
-fn the_timeline_follows_the_pointer() {
-    let mut driver = Fixture::new().drive();
-    let bar = crate::layout::timeline_bar(driver.model.screen().unwrap().timeline);
-    click(&mut driver, bar.right() - 1, bar.y);
-    assert_eq!(driver.model.frame_number(), 96);
-    mouse(&mut driver, MouseEventKind::Down(MouseButton::Left), bar.x, bar.y);
-    assert_eq!(driver.model.frame_number(), 0);
-    mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), bar.x + bar.width / 2, 0);
-    assert_eq!(driver.model.frame_number(), 48);
-    mouse(&mut driver, MouseEventKind::Up(MouseButton::Left), 0, 0);
-    mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), bar.x, bar.y);
-    assert_eq!(driver.model.frame_number(), 48);
-}
-
-#[test]
-fn the_wheel_zooms_and_dragging_moves_without_choosing() {
-    let mut driver = Fixture::new().drive();
-    let (column, row) = cell_of(&driver, 105, 48);
-    for _ in 0..3 {
-        mouse(&mut driver, MouseEventKind::ScrollUp, column, row);
-    }
-    let before = driver.requests.last().unwrap().region;
-    mouse(&mut driver, MouseEventKind::Down(MouseButton::Left), column, row);
-    mouse(&mut driver, MouseEventKind::Drag(MouseButton::Left), column + 6, row);
-    mouse(&mut driver, MouseEventKind::Up(MouseButton::Left), column + 6, row);
-    let after = driver.requests.last().unwrap().region;
-    assert!(after.first_col < before.first_col && after.first_row == before.first_row);
-    assert!(driver.model.draft.is_blank());
-}
-
 #[test]
 fn a_screen_that_is_too_small_says_so_and_growing_heals_it() {
     let mut driver = Fixture::new().drive();
@@ -336,17 +261,6 @@ fn an_export_names_item_view_and_frame_only() {
     assert_eq!(driver.exported[0].file_name, "q0001-view2-frame0012.png");
     driver.tell(Message::Exported(Ok("Wrote here".to_owned())));
     assert_eq!(driver.notice(), "Wrote here");
-}
-
-#[test]
-fn without_pictures_everything_else_works() {
-    let fixture = Fixture::new();
-    let look = crate::look::Look { medium: Medium::Nothing, ..look(true, Colours::Full) };
-    let mut driver = fixture.drive_with(look, Size::new(80, 24));
-    assert!(driver.requests.is_empty() && driver.text().contains("Pictures are off"));
-    driver.keys("1<Right><Enter>[<Enter>");
-    let answer = driver.model.questions[0].response.answer.as_ref().unwrap();
-    assert_eq!(answer.frames.first(), 12);
 }
 
 #[test]

@@ -9,16 +9,12 @@ use ratatui_image::Image;
 
 use super::theme;
 use crate::layout::{width, wrap};
-use crate::look::Medium;
 use crate::model::Model;
 use crate::picture::{Art, ArtCell, Label, Picture};
 
 pub(super) fn draw(model: &Model, pane: Rect, buffer: &mut Buffer) {
     if let Some(why) = &model.picture_error {
         return text(&format!("This picture cannot be shown: {why}"), pane, buffer);
-    }
-    if model.look.medium == Medium::Nothing {
-        return text("Pictures are off. Press o to write this one to a file.", pane, buffer);
     }
     let Some(picture) = model.picture() else {
         return text("loading ...", pane, buffer);

@@ -2,7 +2,6 @@
 
 use ratatui::style::{Color, Modifier, Style};
 
-use crate::art::palette_index;
 use crate::look::Colours;
 
 /// What matters most.
@@ -39,5 +38,32 @@ pub(super) fn shown(colour: Color, colours: Colours) -> Color {
         (_, Colours::None) => Color::Reset,
         (Color::Rgb(red, green, blue), Colours::Palette) => Color::Indexed(palette_index([red, green, blue])),
         _ => colour,
+    }
+}
+
+/// The nearest of the 256 colours of xterm, without the first 16, which users change: a cube of six steps, and greys.
+fn palette_index(colour: [u8; 3]) -> u8 {
+    const STEPS: [u8; 6] = [0, 95, 135, 175, 215, 255];
+    let cube = (0..216).map(|index| {
+        (16 + index, [index / 36, index / 6 % 6, index % 6].map(|step| STEPS[usize::from(step)]))
+    });
+    let greys = (0..24).map(|index| (232 + index, [8 + 10 * index; 3]));
+    let distance = |other: [u8; 3]| {
+        (0..3).map(|channel| u32::from(colour[channel].abs_diff(other[channel])).pow(2)).sum::<u32>()
+    };
+    cube.chain(greys).min_by_key(|(_, other)| distance(*other)).map_or(16, |(index, _)| index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::palette_index;
+
+    #[test]
+    fn palette_indices_are_those_of_xterm() {
+        for (colour, index) in
+            [([0; 3], 16), ([255; 3], 231), ([128; 3], 244), ([255, 0, 0], 196), ([0, 95, 135], 24)]
+        {
+            assert_eq!(palette_index(colour), index);
+        }
     }
 }
