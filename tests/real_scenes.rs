@@ -251,8 +251,7 @@ fn a_capture_goes_out_in_the_layouts_of_others_without_its_held_out_view() {
 #[test]
 fn people_verify_prompts_on_the_pictures_of_a_capture() {
     let dir = authored();
-    let open =
-        ["open-round", "r1", "--annotators", "ada", "--rule", "unanimous:1", "--gold", "0", "--repeats", "0"];
+    let open = ["open-round", "r1", "--annotators", "ada", "--panel", "1", "--gold", "0", "--repeats", "0"];
     dir.succeed(&real(&open));
     let tmux = Tmux::new();
     let command =

@@ -8,8 +8,8 @@ use l4d_release::contents::Publication;
 use l4d_release::gather::Source;
 use l4d_release::votes::Round;
 use l4d_release::{Day, Votes};
-use l4d_votes::agreement::measure;
-use l4d_votes::verdict::Outcome;
+use l4d_votes::Outcome;
+use l4d_votes::measure;
 use l4d_votes::{Evidence, Judged};
 
 use crate::out::refusal;
@@ -62,7 +62,7 @@ fn facts(judged: &Judged) -> Round {
     let overall = measure(round, key, responses).overall;
     Round {
         name: round.name.to_string(),
-        rule: round.rule.to_string(),
+        rule: format!("unanimous:{}", round.annotators.len()),
         annotators: round.annotators.len(),
         prompts: verdicts.items.len(),
         valid: verdicts.count(Outcome::Valid),

@@ -27,52 +27,39 @@
 //!
 //! # Uncertainty
 //!
-//! Answers within a scene depend on each other, so intervals of raw, alpha, AC1 and the human ceiling are 95 %
-//! percentile intervals of a bootstrap that draws whole scenes ([`DRAWS`] draws, seeded by the round). Shares of
-//! items come with Wilson's interval, which takes items for independent and is therefore too narrow, if anything.
+//! Answers within a scene depend on each other, so all intervals are 95 % percentile intervals of a bootstrap that
+//! draws whole scenes, seeded by the round.
 
+mod bootstrap;
 mod coefficients;
-mod estimate;
+#[cfg(test)]
+mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::{Category, Name};
 use serde::Serialize;
 
-use self::coefficients::Parts;
-pub use self::coefficients::{Undefined, Unit, gwet_ac1, krippendorff_alpha, raw};
-use self::estimate::bootstrap;
-pub use self::estimate::{Estimate, Share, wilson};
+pub use self::bootstrap::Estimate;
+use self::bootstrap::{DRAWS, bootstrap};
+use self::coefficients::{NO_VOTES, ac1, alpha, raw};
 use crate::control::{self, Consistency};
 use crate::key::Key;
 use crate::responses::Responses;
 use crate::round::Round;
-use crate::verdict::{ItemVerdict, Mark, Verdicts, by_annotator, judge};
+use crate::verdict::{ItemVerdict, Mark, Verdicts, judge};
 use crate::vote::{Answer, Choice};
-
-/// Schema tag of `agreement.json`.
-pub const SCHEMA: &str = "l4d/agreement/1";
-/// Bootstrap draws.
-pub const DRAWS: usize = 1000;
 
 /// `agreement.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Agreement {
-    /// [`SCHEMA`].
     pub schema: &'static str,
-    /// The round.
     pub round: Name,
-    /// Whether the annotators are programs.
     pub simulated: bool,
-    /// Whether all ballots are sealed.
     pub is_final: bool,
-    /// Bootstrap draws behind each interval.
     pub draws: usize,
-    /// Their seed.
     pub seed: u64,
-    /// All queries of the round.
     pub overall: Group,
-    /// Queries of each category that occurs.
     pub categories: BTreeMap<Category, Group>,
     /// In the order of `round.toml`.
     pub annotators: Vec<Annotator>,
@@ -81,49 +68,36 @@ pub struct Agreement {
 /// Agreement on a group of queries.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Group {
-    /// Queries that were asked.
     pub items: usize,
     /// Queries that all annotators answered.
     pub complete: usize,
-    /// Answers that count.
     pub answers: usize,
-    /// Agreement on what was chosen.
     pub choice: Coefficients,
-    /// Agreement on whether it is right.
     pub right: Coefficients,
-    /// Of the complete queries: those to which all answers are the same choice.
-    pub unanimous: Share,
-    /// Of the complete queries: those to which all answers are right.
-    pub understood: Share,
+    /// Of the complete queries: the share to which all answers are the same choice.
+    pub unanimous: Estimate,
+    /// Of the complete queries: the share to which all answers are right.
+    pub understood: Estimate,
     /// Complete queries by the number of right answers, from 0 to all.
     pub histogram: Vec<usize>,
     /// The human ceiling: the share of single answers that are right.
     pub ceiling: Estimate,
 }
 
-/// Three coefficients over one coding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coefficients {
     /// Labels that chance draws from (q).
     pub labels: usize,
-    /// Mean over items of the share of agreeing pairs of answers.
     pub raw: Estimate,
-    /// Krippendorff's alpha for nominal data.
     pub alpha: Estimate,
-    /// Gwet's AC1.
     pub ac1: Estimate,
 }
 
-/// One annotator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Annotator {
-    /// Who.
     pub name: Name,
-    /// Whether the ballot is sealed.
     pub sealed: bool,
-    /// Queries answered.
     pub answered: usize,
-    /// Queries skipped.
     pub skipped: usize,
     /// Answers to queries that are right.
     pub right: usize,
@@ -145,9 +119,8 @@ pub fn measure(round: &Round, key: &Key, responses: &[Responses]) -> Agreement {
     };
     let occurring: BTreeSet<Category> =
         verdicts.items.iter().flat_map(|verdict| verdict.categories.iter().copied()).collect();
-    let given = by_annotator(round, responses).into_iter().enumerate();
     Agreement {
-        schema: SCHEMA,
+        schema: "l4d/agreement/1",
         round: round.name.clone(),
         simulated: round.simulated,
         is_final: verdicts.is_final,
@@ -155,8 +128,10 @@ pub fn measure(round: &Round, key: &Key, responses: &[Responses]) -> Agreement {
         seed: round.seed,
         overall: group(None),
         categories: occurring.into_iter().map(|category| (category, group(Some(category)))).collect(),
-        annotators: given
-            .map(|(place, (name, given))| annotator(key, &verdicts, place, name, given))
+        annotators: responses
+            .iter()
+            .enumerate()
+            .map(|(place, given)| annotator(key, &verdicts, place, given))
             .collect(),
     }
 }
@@ -167,20 +142,18 @@ fn answers(verdict: &ItemVerdict) -> Vec<(&Answer, bool)> {
     counted.filter_map(|vote| Some((vote.answer.as_ref()?, vote.mark == Mark::Right))).collect()
 }
 
-fn measure_group(round: &Round, verdicts: &[&ItemVerdict], name: &str) -> Group {
-    let scenes: BTreeSet<&Name> = verdicts.iter().map(|verdict| &verdict.query.scene).collect();
-    let scenes: BTreeMap<&Name, usize> =
-        scenes.into_iter().enumerate().map(|(i, scene)| (scene, i)).collect();
-    let draw = Draw { seed: round.seed, name, clusters: scenes.len() };
+/// The answers to a query that count, as codes of what was chosen, and 1 where that is right.
+struct Unit {
+    chosen: Vec<u32>,
+    right: Vec<u32>,
+}
 
+fn measure_group(round: &Round, verdicts: &[&ItemVerdict], name: &str) -> Group {
     let mut codes: BTreeMap<String, u32> = BTreeMap::new();
-    let mut chosen = Vec::new();
-    let mut right = Vec::new();
-    let mut correct = vec![[0.0; 2]; scenes.len()];
+    let mut scenes: BTreeMap<&Name, Vec<Unit>> = BTreeMap::new();
     for verdict in verdicts {
         let (scene, answers) = (&verdict.query.scene, answers(verdict));
-        let cluster = scenes[scene];
-        let label = |(answer, _): &(&Answer, bool)| {
+        let code = |(answer, _): &(&Answer, bool)| {
             let label = match &answer.choice {
                 Choice::Objects(_) => format!("{scene}/{}", answer.choice.label()),
                 Choice::None | Choice::Ambiguous { .. } => answer.choice.label(),
@@ -188,85 +161,69 @@ fn measure_group(round: &Round, verdicts: &[&ItemVerdict], name: &str) -> Group 
             let next = codes.len() as u32;
             *codes.entry(label).or_insert(next)
         };
-        chosen.push(Unit { cluster, labels: answers.iter().map(label).collect() });
-        right.push(Unit { cluster, labels: answers.iter().map(|(_, right)| u32::from(*right)).collect() });
-        correct[cluster][0] += answers.iter().filter(|(_, right)| *right).count() as f64;
-        correct[cluster][1] += answers.len() as f64;
+        let chosen = answers.iter().map(code).collect();
+        let right = answers.iter().map(|(_, right)| u32::from(*right)).collect();
+        scenes.entry(scene).or_default().push(Unit { chosen, right });
+    }
+    let scenes: Vec<Vec<Unit>> = scenes.into_values().collect();
+    let all = round.annotators.len();
+    let is_complete = |unit: &&Unit| unit.right.len() == all;
+    let mut histogram = vec![0; all + 1];
+    for unit in scenes.iter().flatten().filter(is_complete) {
+        histogram[unit.right.iter().sum::<u32>() as usize] += 1;
     }
 
-    let all = round.annotators.len();
-    let complete: Vec<usize> = (0..right.len()).filter(|&index| right[index].labels.len() == all).collect();
-    let is_same = |labels: &[u32]| labels.windows(2).all(|pair| pair[0] == pair[1]);
-    let mut histogram = vec![0; all + 1];
-    for &index in &complete {
-        histogram[right[index].labels.iter().filter(|&&label| label == 1).count()] += 1;
-    }
+    let estimates = bootstrap(scenes.len(), round.seed, name, |drawn| {
+        let units: Vec<&Unit> = drawn.iter().flat_map(|&scene| &scenes[scene]).collect();
+        let chosen: Vec<&[u32]> = units.iter().map(|unit| unit.chosen.as_slice()).collect();
+        let right: Vec<&[u32]> = units.iter().map(|unit| unit.right.as_slice()).collect();
+        let complete: Vec<&Unit> = units.into_iter().filter(is_complete).collect();
+        let is_same = |unit: &Unit| unit.chosen.iter().all(|code| *code == unit.chosen[0]);
+        let is_right = |unit: &Unit| unit.right.iter().all(|right| *right == 1);
+        [
+            raw(&chosen),
+            alpha(&chosen),
+            ac1(&chosen, codes.len()),
+            raw(&right),
+            alpha(&right),
+            ac1(&right, 2),
+            share(complete.iter().map(|unit| is_same(unit))),
+            share(complete.iter().map(|unit| is_right(unit))),
+            share(right.concat().into_iter().map(|right| right == 1)),
+        ]
+    });
+    let [choice_raw, choice_alpha, choice_ac1, raw, alpha, ac1, unanimous, understood, ceiling] = estimates;
     Group {
         items: verdicts.len(),
-        complete: complete.len(),
-        answers: right.iter().map(|unit| unit.labels.len()).sum(),
-        unanimous: Share::new(
-            complete.iter().filter(|&&index| is_same(&chosen[index].labels)).count(),
-            complete.len(),
-        ),
-        understood: Share::new(histogram[all], complete.len()),
+        complete: histogram.iter().sum(),
+        answers: scenes.iter().flatten().map(|unit| unit.right.len()).sum(),
+        choice: Coefficients { labels: codes.len(), raw: choice_raw, alpha: choice_alpha, ac1: choice_ac1 },
+        right: Coefficients { labels: 2, raw, alpha, ac1 },
+        unanimous,
+        understood,
         histogram,
-        choice: coefficients(&chosen, codes.len(), &draw),
-        right: coefficients(&right, 2, &draw),
-        ceiling: ceiling(&correct, &draw),
+        ceiling,
     }
 }
 
-/// Which draws of which scenes.
-struct Draw<'a> {
-    seed: u64,
-    name: &'a str,
-    clusters: usize,
-}
-
-fn coefficients(units: &[Unit], labels: usize, draw: &Draw<'_>) -> Coefficients {
-    let parts = Parts::new(units, draw.clusters);
-    let [raw, alpha, ac1] = bootstrap(draw.clusters, DRAWS, draw.seed, draw.name, {
-        let mut totals = parts.totals();
-        move |clusters| {
-            parts.sum(clusters, &mut totals);
-            [totals.raw(), totals.alpha(), totals.ac1(labels)]
-        }
-    });
-    Coefficients { labels, raw, alpha, ac1 }
-}
-
-/// `correct`: right answers and answers of each scene.
-fn ceiling(correct: &[[f64; 2]], draw: &Draw<'_>) -> Estimate {
-    let [share] = bootstrap(draw.clusters, DRAWS, draw.seed, draw.name, |clusters| {
-        let sum = |which: usize| clusters.iter().map(|&cluster| correct[cluster][which]).sum::<f64>();
-        let (right, all) = (sum(0), sum(1));
-        [if all > 0.0 { Ok(right / all) } else { Err(Undefined::NoVotes) }]
-    });
-    share
+fn share(holds: impl Iterator<Item = bool>) -> Result<f64, &'static str> {
+    let (part, all) =
+        holds.fold((0.0, 0.0), |(part, all), holds| (part + f64::from(u8::from(holds)), all + 1.0));
+    if all > 0.0 { Ok(part / all) } else { Err(NO_VOTES) }
 }
 
 /// The annotator of this place in `round.toml`.
-fn annotator(
-    key: &Key,
-    verdicts: &Verdicts,
-    place: usize,
-    name: &Name,
-    given: Option<&Responses>,
-) -> Annotator {
+fn annotator(key: &Key, verdicts: &Verdicts, place: usize, given: &Responses) -> Annotator {
     let count = |is_meant: fn(Mark) -> bool| {
         verdicts.items.iter().filter(|verdict| is_meant(verdict.votes[place].mark)).count()
     };
     Annotator {
-        name: name.clone(),
-        sealed: given.is_some_and(|given| given.sealed),
+        name: given.annotator.clone(),
+        sealed: given.sealed,
         answered: count(Mark::counts),
         skipped: count(|mark| mark == Mark::Skipped),
         right: count(|mark| mark == Mark::Right),
-        gold: given.map(|given| control::gold(key, given)).unwrap_or_default(),
-        repeats: given.map(|given| control::repeats(key, given)).unwrap_or_default(),
+        gold: control::gold(key, given),
+        repeats: control::repeats(key, given),
     }
 }
-
-#[cfg(test)]
-mod tests;

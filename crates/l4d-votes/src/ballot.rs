@@ -4,20 +4,18 @@
 //! which the caller has read. An event counts once it is on the disk; one that cannot be written is cut off again
 //! and refused. If even that fails, the ballot refuses everything until it is opened anew.
 
-use std::fmt;
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
+use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use l4d_data::digest::sha256_hex;
-use l4d_data::store::make_folder;
+use l4d_data::store::{make_folder, read_bounded};
 use l4d_data::{DataError, Finding, Name};
 
-use crate::codes;
 use crate::history::History;
 use crate::item::{Item, ItemId};
-use crate::line::{Act, digest_of, write_line};
-use crate::log_file::{LockedFile, LogFile};
+use crate::line::{Act, SealEvent, digest_of, write_line};
 use crate::replay::{Replay, replay};
 use crate::responses::MAX_BYTES;
 use crate::round::Round;
@@ -25,32 +23,18 @@ use crate::round_dir::RoundDir;
 use crate::vote::{Event, Response, ShownFrames};
 
 /// The open log of one annotator. No second process can open it meanwhile.
+#[derive(Debug)]
 pub struct Ballot {
     path: PathBuf,
     round: Round,
     annotator: Name,
     order: Vec<ItemId>,
     history: History,
-    file: Box<dyn LogFile>,
-    clock: fn() -> SystemTime,
+    file: File,
     length: u64,
     lines: u64,
     last: String,
     sealed: bool,
-    /// An event could neither be written nor cut off.
-    torn: bool,
-}
-
-impl fmt::Debug for Ballot {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { path, lines, sealed, .. } = self;
-        formatter
-            .debug_struct("Ballot")
-            .field("path", path)
-            .field("lines", lines)
-            .field("sealed", sealed)
-            .finish()
-    }
 }
 
 impl Ballot {
@@ -60,39 +44,10 @@ impl Ballot {
     /// # Errors
     /// The round does not name the annotator, another process has the log, or it was edited or cannot be read.
     pub fn open(dir: &RoundDir, round: &Round, annotator: &Name) -> Result<(Self, Vec<Finding>), DataError> {
-        Self::open_at(dir, round, annotator, SystemTime::now)
-    }
-
-    pub(crate) fn open_at(
-        dir: &RoundDir,
-        round: &Round,
-        annotator: &Name,
-        clock: fn() -> SystemTime,
-    ) -> Result<(Self, Vec<Finding>), DataError> {
         round.require_annotator(annotator)?;
         let path = dir.ballot(annotator);
         let file = open_locked(&path, annotator)?;
-        let length = file.metadata().map_err(|source| DataError::io(&path, "read", source))?.len();
-        if length > MAX_BYTES {
-            return Err(DataError::invalid(
-                &path,
-                "size",
-                format!("is larger than the {MAX_BYTES} bytes that a log may have"),
-                "move the file away and vote again",
-            ));
-        }
-        Self::resume(path.clone(), round, annotator, Box::new(LockedFile::new(file, path)), length, clock)
-    }
-
-    pub(crate) fn resume(
-        path: PathBuf,
-        round: &Round,
-        annotator: &Name,
-        mut file: Box<dyn LogFile>,
-        length: u64,
-        clock: fn() -> SystemTime,
-    ) -> Result<(Self, Vec<Finding>), DataError> {
-        let bytes = file.read(length).map_err(|source| DataError::io(&path, "read", source))?;
+        let bytes = read_bounded(&path, MAX_BYTES)?;
         let Replay { history, whole, lines, last, edited, sealed, mut report, last_at } =
             replay(&path, &bytes, round, annotator);
         if let Some((line, how)) = edited {
@@ -103,9 +58,9 @@ impl Ballot {
                 "restore the file from a copy, or move it away and vote again",
             ));
         }
-        if last_at.is_some_and(|last| clock() < last) {
+        if last_at.is_some_and(|last| SystemTime::now() < last) {
             report.warning(
-                codes::CLOCK_BACKWARDS,
+                "L4D515",
                 &path,
                 format!("line {lines}"),
                 "was written later than it is now, by the clock of this machine",
@@ -114,23 +69,11 @@ impl Ballot {
         }
         let length = whole as u64;
         if whole < bytes.len() {
-            file.cut(length).map_err(|source| DataError::io(&path, "cut off a torn line", source))?;
+            let cut = file.set_len(length).and_then(|()| file.sync_all());
+            cut.map_err(|source| DataError::io(&path, "cut off a torn line", source))?;
         }
-        let order = round.order(annotator);
-        let ballot = Self {
-            path,
-            round: round.clone(),
-            annotator: annotator.clone(),
-            order,
-            history,
-            file,
-            clock,
-            length,
-            lines,
-            last,
-            sealed,
-            torn: false,
-        };
+        let (order, round, annotator) = (round.order(annotator), round.clone(), annotator.clone());
+        let ballot = Self { path, round, annotator, order, history, file, length, lines, last, sealed };
         Ok((ballot, report.into_sorted()))
     }
 
@@ -168,7 +111,7 @@ impl Ballot {
             digest: digest.clone(),
             event: event.clone(),
             seen,
-            elapsed,
+            elapsed_ms: u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX),
         };
         let seq = self.append(act)?;
         self.history.apply(seq, item, &digest, event);
@@ -191,8 +134,7 @@ impl Ballot {
             let message = format!("{open} item{} not answered", if open == 1 { " is" } else { "s are" });
             return refuse("seal", message, "answer or skip every item first");
         }
-        let bytes =
-            self.file.read(self.length).map_err(|source| DataError::io(&self.path, "read", source))?;
+        let bytes = read_bounded(&self.path, MAX_BYTES)?;
         let again = replay(&self.path, &bytes, &self.round, &self.annotator);
         if again.last != self.last || again.lines != self.lines || again.edited.is_some() {
             return refuse(
@@ -201,7 +143,7 @@ impl Ballot {
                 "start again, and look at it",
             );
         }
-        self.append(Act::Seal { lines: self.lines, sha256: sha256_hex(&bytes) })?;
+        self.append(Act::Seal { event: SealEvent::Seal, lines: self.lines, sha256: sha256_hex(&bytes) })?;
         self.sealed = true;
         Ok(())
     }
@@ -234,32 +176,27 @@ impl Ballot {
         latest.max().map(|(_, id)| id)
     }
 
-    /// Puts a line on the disk and tells its number.
+    /// Puts a line on the disk; gives its number.
     fn append(&mut self, act: Act) -> Result<u64, DataError> {
-        if self.torn {
-            return Err(DataError::invalid(
-                &self.path,
-                "end of file",
-                "an earlier event could neither be written nor cut off again",
-                "make room on the disk and start again: what was acknowledged is safe",
-            ));
-        }
-        if !self.file.is_intact(self.length) {
+        if !self.is_intact() {
             return Err(DataError::invalid(
                 &self.path,
                 "file",
-                "was changed, replaced or removed by another program",
-                "look at the file, restore it from a copy if needed, and start again",
+                "is not as it was left: it was changed, replaced or removed, or an event could not be cut off again",
+                "look at the file and the space on its disk, restore the file from a copy if needed, and start again",
             ));
         }
         let seq = self.lines;
         let log = (&self.round.name, &self.annotator);
-        let bytes = write_line(log, seq, (self.clock)(), &self.last, &act);
+        let bytes = write_line(log, seq, SystemTime::now(), &self.last, act);
         if self.length + bytes.len() as u64 > MAX_BYTES {
             return Err(DataError::invalid(&self.path, "size", "is full", "vote in a further round"));
         }
-        if let Err(source) = self.file.append(self.length, &bytes) {
-            self.torn = self.file.cut(self.length).is_err();
+        let at_end = self.file.seek(SeekFrom::Start(self.length));
+        let written = at_end.and_then(|_| self.file.write_all(&bytes)).and_then(|()| self.file.sync_all());
+        if let Err(source) = written {
+            // Where even this fails, the file is no longer intact.
+            self.file.set_len(self.length).and_then(|()| self.file.sync_all()).ok();
             return Err(DataError::io(&self.path, "write the event, so it does not count", source));
         }
         self.length += bytes.len() as u64;
@@ -267,6 +204,33 @@ impl Ballot {
         self.last = digest_of(&bytes);
         Ok(seq)
     }
+
+    /// Whether the file is still the one that was opened and has the length that it was left with: a synced write into
+    /// a file that was replaced or removed meanwhile would be lost all the same.
+    fn is_intact(&self) -> bool {
+        match (self.file.metadata(), fs::metadata(&self.path)) {
+            (Ok(open), Ok(there)) => open.len() == self.length && is_same_file(&open, &there),
+            _ => false,
+        }
+    }
+}
+
+impl Drop for Ballot {
+    fn drop(&mut self) {
+        // A child that is just being started holds a copy of the handle, and with it the lock, for a moment longer.
+        self.file.unlock().ok();
+    }
+}
+
+#[cfg(unix)]
+fn is_same_file(a: &Metadata, b: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    (a.dev(), a.ino()) == (b.dev(), b.ino())
+}
+
+#[cfg(not(unix))]
+fn is_same_file(a: &Metadata, b: &Metadata) -> bool {
+    a.len() == b.len()
 }
 
 fn open_locked(path: &Path, annotator: &Name) -> Result<File, DataError> {

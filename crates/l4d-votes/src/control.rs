@@ -2,34 +2,29 @@
 //!
 //! They say how far to trust an annotator, and only that: no vote is dropped because of them.
 
-use l4d_data::{Name, Report};
+use l4d_data::Report;
 use serde::Serialize;
 
-use crate::codes;
 use crate::item::ItemId;
 use crate::key::{ItemSource, Key};
 use crate::responses::Responses;
 use crate::round::Round;
 
+/// Who is right on a smaller share of the control items is reported.
+const LEAST_GOLD: f64 = 0.75;
+
 /// How one annotator did on one kind of control items.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Consistency {
-    /// How many were asked.
     pub asked: usize,
     /// How many of them were answered (of repeats: both times).
     pub answered: usize,
     /// How many of those are right (of repeats: the same choice both times).
     pub kept: usize,
-    /// The others.
     pub missed: Vec<ItemId>,
 }
 
 impl Consistency {
-    /// The share of the answered ones; none without an answer.
-    pub fn share(&self) -> Option<f64> {
-        (self.answered > 0).then(|| self.kept as f64 / self.answered as f64)
-    }
-
     fn count(&mut self, item: &ItemId, is_kept: Option<bool>) {
         self.asked += 1;
         match is_kept {
@@ -68,19 +63,14 @@ pub fn repeats(key: &Key, given: &Responses) -> Consistency {
     consistency
 }
 
-/// Reports who is wrong on more sentences than the round allows.
-pub(crate) fn report_misses(
-    round: &Round,
-    key: &Key,
-    responses: &[(&Name, Option<&Responses>)],
-    report: &mut Report,
-) {
-    for (annotator, given) in responses {
-        let Some(gold) = given.map(|given| gold(key, given)) else { continue };
-        if gold.share().is_some_and(|share| share < round.gold.flag_below) {
+/// Reports who is right on too few sentences.
+pub(crate) fn report_misses(round: &Round, key: &Key, responses: &[Responses], report: &mut Report) {
+    for given in responses {
+        let gold = gold(key, given);
+        if (gold.kept as f64) < LEAST_GOLD * gold.answered as f64 {
             report.warning(
-                codes::GOLD_MISSED,
-                &round.dir().ballot(annotator),
+                "L4D522",
+                &round.dir().ballot(&given.annotator),
                 "control items",
                 format!("right on {} of {}: the votes count all the same", gold.kept, gold.answered),
                 "talk to the annotator before you trust the round",
@@ -105,18 +95,10 @@ mod tests {
     fn key() -> Key {
         let meaning = || meaning(&["a", "b"], Temporal::Whole, Interval::WHOLE);
         let vague = || ItemSource::Vague { category: "cat".to_owned(), meaning: meaning() };
-        let query = ItemSource::Query {
-            query: "room/001".parse().unwrap(),
-            categories: Vec::new(),
-            meaning: meaning(),
-        };
-        Key::new(
-            [vague(), vague(), query, ItemSource::Repeat { of: id(3) }]
-                .into_iter()
-                .zip(1..)
-                .map(|(b, n)| (id(n), b))
-                .collect(),
-        )
+        let query = "room/001".parse().unwrap();
+        let query = ItemSource::Query { query, categories: Vec::new(), meaning: meaning() };
+        let sources = [vague(), vague(), query, ItemSource::Repeat { of: id(3) }];
+        Key::new((1..).map(id).zip(sources).collect())
     }
 
     fn sheet(answers: &[(usize, Choice)]) -> Responses {
@@ -131,12 +113,25 @@ mod tests {
     }
 
     #[test]
-    fn gold_counts_what_was_answered() {
-        let half = gold(&key(), &sheet(&[(1, ambiguous("two")), (2, objects(&["a"]))]));
-        assert_eq!((half.asked, half.answered, half.kept, half.missed.as_slice()), (2, 2, 1, &[id(2)][..]));
-        assert_eq!(half.share(), Some(0.5));
-        let none = gold(&key(), &sheet(&[(3, Choice::None)]));
-        assert_eq!((none.asked, none.answered, none.share()), (2, 0, None));
+    fn gold_counts_what_was_answered_and_who_misses_too_much_is_reported() {
+        let round = round_of(&["ada"], items("room", &["The cat", "The dog", "The toy", "The cup"]));
+        let two = || ambiguous("two");
+        for (answers, counts, is_reported) in [
+            (vec![], (2, 0, 0), false),
+            (vec![(3, Choice::None)], (2, 0, 0), false),
+            (vec![(1, two()), (2, objects(&["a", "b"]))], (2, 2, 2), false),
+            (vec![(1, two()), (2, objects(&["a"]))], (2, 2, 1), true),
+        ] {
+            let sheet = sheet(&answers);
+            let gold = gold(&key(), &sheet);
+            assert_eq!((gold.asked, gold.answered, gold.kept), counts);
+            let mut report = Report::default();
+            report_misses(&round, &key(), &[sheet], &mut report);
+            let found: Vec<_> = report.into_sorted().into_iter().map(|one| (one.code, one.message)).collect();
+            let expected = ("L4D522", "right on 1 of 2: the votes count all the same".to_owned());
+            assert_eq!(found, if is_reported { vec![expected] } else { Vec::new() });
+        }
+        assert_eq!(gold(&key(), &sheet(&[(2, objects(&["a"]))])).missed, [id(2)]);
     }
 
     #[test]
@@ -148,20 +143,5 @@ mod tests {
         assert_eq!(said(Choice::None, ambiguous("two")), 0);
         let once = repeats(&key(), &sheet(&[(3, Choice::None)]));
         assert_eq!((once.asked, once.answered), (1, 0));
-    }
-
-    #[test]
-    fn who_misses_too_much_is_reported_and_still_counted() {
-        let round = round_of(&["ada"], items("room", &["The cat", "The dog", "The toy", "The cup"]));
-        let found = |answers: &[(usize, Choice)]| {
-            let (ada, sheet, mut report) = (name("ada"), sheet(answers), Report::default());
-            report_misses(&round, &key(), &[(&ada, Some(&sheet))], &mut report);
-            report.into_sorted()
-        };
-        assert_eq!(found(&[(1, ambiguous("two")), (2, objects(&["a", "b"]))]), []);
-        assert_eq!(found(&[]), []);
-        let missed = found(&[(1, ambiguous("two")), (2, Choice::None)]);
-        assert_eq!((missed[0].code, missed.len()), (codes::GOLD_MISSED, 1));
-        assert!(missed[0].message.contains("right on 1 of 2"), "{}", missed[0].message);
     }
 }

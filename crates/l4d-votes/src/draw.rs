@@ -16,7 +16,6 @@ use crate::round::{Round, RoundSettings};
 use crate::round_dir::RoundDir;
 use crate::scene::SceneNow;
 
-/// Something to ask.
 #[derive(Debug, Clone)]
 struct Prompt {
     scene: Name,

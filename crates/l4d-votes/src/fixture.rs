@@ -13,7 +13,6 @@ use crate::key::{ItemSource, Key, Meaning};
 use crate::responses::Responses;
 use crate::round::{Gold, Round, RoundSettings, SCHEMA};
 use crate::round_dir::RoundDir;
-use crate::rule::{FrameRule, Rule};
 use crate::vote::{Answer, Choice, Response};
 
 pub(crate) fn name(text: &str) -> Name {
@@ -35,12 +34,9 @@ pub(crate) fn settings(annotators: &[&str]) -> RoundSettings {
     RoundSettings {
         schema: SCHEMA.to_owned(),
         name: name("r1"),
-        title: "A test".to_owned(),
         profile: Profile::Tiny,
         seed: 7,
         annotators: annotators.iter().map(|annotator| name(annotator)).collect(),
-        rule: Rule { needed: annotators.len(), annotators: annotators.len() },
-        frames: FrameRule::Any,
         simulated: true,
         views: 3,
         repeats: 0,
@@ -48,7 +44,7 @@ pub(crate) fn settings(annotators: &[&str]) -> RoundSettings {
     }
 }
 
-/// The round `r1` of these annotators, unanimous.
+/// The round `r1` of these annotators.
 pub(crate) fn round_of(annotators: &[&str], items: Vec<Item>) -> Round {
     Round::new(&RoundDir::new("r1"), settings(annotators), items, "mend the test").unwrap()
 }
@@ -75,7 +71,7 @@ pub(crate) fn meaning(referents: &[&str], temporal: Temporal, frames: Interval) 
     Meaning { referents, temporal, frames: vec![frames], tracks: "0".repeat(64) }
 }
 
-/// The round `r1` that asks these queries, unanimous, with its key: scene, text and meaning; categories take turns.
+/// The round `r1` that asks these queries, with its key: scene, text and meaning; categories take turns.
 pub(crate) fn round_and_key(annotators: &[&str], queries: Vec<(String, String, Meaning)>) -> (Round, Key) {
     let (mut items, mut entries) = (Vec::new(), BTreeMap::new());
     let count = queries.len();

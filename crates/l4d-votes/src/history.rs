@@ -39,7 +39,7 @@ impl History {
     pub(crate) fn response(&self, item: &Item) -> Response {
         let stack = self.stack(item);
         let comment = |(_, event): &Numbered| match event {
-            Event::Comment(text) => Some(text.clone()),
+            Event::Comment { text } => Some(text.clone()),
             _ => None,
         };
         let comments = stack.iter().filter_map(comment).collect();
@@ -73,5 +73,5 @@ impl History {
 
 /// The newest choice or skip.
 fn decision(stack: &[Numbered]) -> Option<&Numbered> {
-    stack.iter().rev().find(|(_, event)| !matches!(event, Event::Comment(_)))
+    stack.iter().rev().find(|(_, event)| !matches!(event, Event::Comment { .. }))
 }

@@ -1,7 +1,6 @@
 //! A round with everything that follows from its files: the same for the verdict, its check, the next round and a
 //! release.
 
-mod evidence;
 pub mod files;
 pub mod statuses;
 mod table;
@@ -12,12 +11,13 @@ use std::path::Path;
 use l4d_data::store::list_folder;
 use l4d_data::{At as _, Benchmark, DataError, Finding, Name, StageError};
 
-pub use self::evidence::Evidence;
+use self::files::remembered;
+pub use self::statuses::Evidence;
 pub use self::table::{render, status_line};
-use crate::files::remembered;
 use crate::key::{Change, changes};
+use crate::responses::{Responses, read_responses};
 use crate::verdict::{Verdicts, judge, require_sealed};
-use crate::{ItemId, Key, Responses, Round, RoundDir, read_responses};
+use crate::{ItemId, Key, Round, RoundDir};
 
 /// A judged round.
 #[derive(Debug)]
@@ -84,7 +84,7 @@ impl Judged {
     /// # Errors
     /// A ballot that is not sealed.
     pub fn require_sealed(&self) -> Result<(), DataError> {
-        require_sealed(&self.dir, &self.round, &self.responses)
+        require_sealed(&self.round, &self.responses)
     }
 
     /// What reading and judging found, sorted.

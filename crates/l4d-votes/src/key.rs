@@ -14,7 +14,6 @@ use serde_json::json;
 use crate::item::{Item, ItemId};
 use crate::round::Round;
 use crate::round_dir::RoundDir;
-use crate::rule::FrameRule;
 use crate::scene::SceneNow;
 use crate::verdict::Mark;
 use crate::vote::{Answer, Choice};
@@ -47,17 +46,24 @@ impl Meaning {
         sha256_hex(json::canonical(&document).as_bytes())
     }
 
-    /// An answer to a query against this meaning. Any frames fit a sentence that names an identity.
-    pub fn mark(&self, answer: &Answer, rule: FrameRule) -> Mark {
+    /// An answer to a query against this meaning. A sentence that is bound to a time needs a frame in common; one that
+    /// names an identity takes any.
+    pub fn mark(&self, answer: &Answer) -> Mark {
         match &answer.choice {
             Choice::None => Mark::SaidNone,
             Choice::Ambiguous { .. } => Mark::SaidAmbiguous,
             Choice::Objects(objects) if *objects != self.referents => Mark::OtherObjects,
             Choice::Objects(_) if self.temporal == Temporal::Whole => Mark::Right,
-            Choice::Objects(_) if rule.accepts(answer.frames, &self.frames) => Mark::Right,
+            Choice::Objects(_) if self.frames.iter().any(|holds| overlap(*holds, answer.frames)) => {
+                Mark::Right
+            }
             Choice::Objects(_) => Mark::OtherFrames,
         }
     }
+}
+
+fn overlap(a: Interval, b: Interval) -> bool {
+    a.first() <= b.last() && b.first() <= a.last()
 }
 
 /// What an item was drawn from.

@@ -1,59 +1,38 @@
 //! One line of a log: its JSON, and what it means.
 
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
+use l4d_data::Name;
 use l4d_data::digest::sha256_hex;
-use l4d_data::{Interval, Name};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
 use crate::item::ItemId;
-use crate::vote::{Answer, Choice, Event, ShownFrames};
+use crate::vote::{Event, ShownFrames};
 
 /// The version that this crate writes and reads.
 pub(crate) const VERSION: u32 = 1;
 /// `prev` of the first line.
 pub(crate) const NO_LINE: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Verb {
-    Choose,
-    Undo,
-    Skip,
-    Comment,
-    Seal,
-}
-
-/// The JSON object as it is read; what is optional depends on `event`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A line; its fields are written in this order.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Line {
     v: u32,
-    #[serde(rename = "seq")]
-    _seq: u64,
+    /// Number of the line, from 0.
+    seq: u64,
     at: String,
     pub(crate) round: Name,
     pub(crate) annotator: Name,
-    item: Option<ItemId>,
-    order: Option<usize>,
-    digest: Option<String>,
-    event: Verb,
-    choice: Option<Choice>,
-    frames: Option<Interval>,
-    text: Option<String>,
-    lines: Option<u64>,
-    sha256: Option<String>,
-    seen: Option<ShownFrames>,
-    elapsed_ms: Option<u64>,
-    #[serde(rename = "client")]
-    _client: String,
-    #[serde(rename = "prev")]
-    _prev: String,
+    #[serde(flatten)]
+    pub(crate) act: Act,
+    client: String,
+    /// Digest of the line before.
+    prev: String,
 }
 
 /// What a line says.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
 pub(crate) enum Act {
     /// Something about an item.
     On {
@@ -61,12 +40,19 @@ pub(crate) enum Act {
         /// Position in the annotator's order, from 1.
         order: usize,
         digest: String,
+        #[serde(flatten)]
         event: Event,
         seen: ShownFrames,
-        elapsed: Duration,
+        elapsed_ms: u64,
     },
     /// The end: so many lines precede it, and the file up to it has this digest.
-    Seal { lines: u64, sha256: String },
+    Seal { event: SealEvent, lines: u64, sha256: String },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SealEvent {
+    Seal,
 }
 
 /// What links a line to the one before; read even from versions that this crate does not know.
@@ -77,83 +63,52 @@ pub(crate) struct Link {
     pub(crate) prev: String,
 }
 
-/// The line number `seq`, from 0, of a log, with its newline; `prev` is the digest of the one before.
+/// The line number `seq` of a log, with its newline; `prev` is the digest of the one before.
 pub(crate) fn write_line(
     (round, annotator): (&Name, &Name),
     seq: u64,
     at: SystemTime,
     prev: &str,
-    act: &Act,
+    act: Act,
 ) -> Vec<u8> {
-    let at = humantime::format_rfc3339_millis(at).to_string();
-    let mut line = json!({ "v": VERSION, "seq": seq, "at": at, "round": round, "annotator": annotator });
-    let mut add = |fields: Value| {
-        if let (Value::Object(line), Value::Object(fields)) = (&mut line, fields) {
-            line.extend(fields);
-        }
-    };
-    match act {
-        Act::Seal { lines, sha256 } => add(json!({ "event": Verb::Seal, "lines": lines, "sha256": sha256 })),
-        Act::On { item, order, digest, event, seen, elapsed } => {
-            add(json!({ "item": item, "order": order, "digest": digest }));
-            add(match event {
-                Event::Choose(Answer { choice, frames }) => {
-                    json!({ "event": Verb::Choose, "choice": choice, "frames": frames })
-                }
-                Event::Undo => json!({ "event": Verb::Undo }),
-                Event::Skip => json!({ "event": Verb::Skip }),
-                Event::Comment(text) => json!({ "event": Verb::Comment, "text": text }),
-            });
-            let elapsed_ms = u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX);
-            add(json!({ "seen": seen, "elapsed_ms": elapsed_ms }));
-        }
+    Line {
+        v: VERSION,
+        seq,
+        at: humantime::format_rfc3339_millis(at).to_string(),
+        round: round.clone(),
+        annotator: annotator.clone(),
+        act,
+        client: concat!("l4d ", env!("CARGO_PKG_VERSION")).to_owned(),
+        prev: prev.to_owned(),
     }
-    add(json!({ "client": concat!("l4d ", env!("CARGO_PKG_VERSION")), "prev": prev }));
-    format!("{line}\n").into_bytes()
+    .bytes()
 }
 
 impl Line {
+    /// Reads a line with its newline. It has to be what would be written: no field more, less or elsewhere.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let line: Self = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
-        if line.v == VERSION { Ok(line) } else { Err(format!("version {}", line.v)) }
+        if line.v != VERSION {
+            return Err(format!("version {}", line.v));
+        }
+        if line.bytes() != bytes {
+            return Err("the fields do not fit the event".to_owned());
+        }
+        let problem = match &line.act {
+            Act::On { event, .. } => event.problem(),
+            Act::Seal { .. } => None,
+        };
+        problem.map_or(Ok(line), |problem| Err(problem.to_owned()))
     }
 
     pub(crate) fn at(&self) -> Result<SystemTime, String> {
         humantime::parse_rfc3339(&self.at).map_err(|error| format!("field `at`: {error}"))
     }
 
-    /// What the line says; complains of fields that its event lacks or has no use for.
-    pub(crate) fn act(self) -> Result<Act, String> {
-        let Self {
-            item, order, digest, event, choice, frames, text, lines, sha256, seen, elapsed_ms, ..
-        } = self;
-        let event = match (event, choice, frames, text) {
-            (Verb::Seal, None, None, None) => {
-                return match (lines, sha256) {
-                    (Some(lines), Some(sha256)) if item.is_none() => Ok(Act::Seal { lines, sha256 }),
-                    _ => Err("a seal has `lines`, `sha256` and no item".to_owned()),
-                };
-            }
-            (Verb::Choose, Some(choice), Some(frames), None) => Event::Choose(Answer { choice, frames }),
-            (Verb::Comment, None, None, Some(text)) => Event::Comment(text),
-            (Verb::Undo, None, None, None) => Event::Undo,
-            (Verb::Skip, None, None, None) => Event::Skip,
-            _ => return Err("the fields do not fit the event".to_owned()),
-        };
-        if let Some(problem) = event.problem() {
-            return Err(problem.to_owned());
-        }
-        match (item, order, digest) {
-            (Some(item), Some(order), Some(digest)) if lines.is_none() && sha256.is_none() => Ok(Act::On {
-                item,
-                order,
-                digest,
-                event,
-                seen: seen.unwrap_or_default(),
-                elapsed: Duration::from_millis(elapsed_ms.unwrap_or_default()),
-            }),
-            _ => Err("an event has `item`, `order` and `digest`".to_owned()),
-        }
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = serde_json::to_vec(self).unwrap_or_default();
+        bytes.push(b'\n');
+        bytes
     }
 }
 
@@ -164,15 +119,20 @@ pub(crate) fn digest_of(line: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use l4d_data::Interval;
+
     use super::*;
     use crate::fixture::{interval, name, objects};
+    use crate::vote::{Answer, Choice};
 
     fn at() -> SystemTime {
         SystemTime::UNIX_EPOCH + Duration::from_millis(1_700_000_000_123)
     }
 
     fn line(act: Act) -> String {
-        String::from_utf8(write_line((&name("r1"), &name("ada")), 3, at(), NO_LINE, &act)).unwrap()
+        String::from_utf8(write_line((&name("r1"), &name("ada")), 3, at(), NO_LINE, act)).unwrap()
     }
 
     fn on(event: Event) -> Act {
@@ -182,47 +142,46 @@ mod tests {
             digest: "d".to_owned(),
             event,
             seen: ShownFrames { views: [name("cam00")].into(), frames: [0, 12].into() },
-            elapsed: Duration::from_millis(8300),
+            elapsed_ms: 8300,
         }
     }
 
-    #[test]
-    fn a_line_has_the_documented_form() {
-        let answer = Answer { choice: objects(&["b", "a"]), frames: Interval::WHOLE };
-        let text = line(on(Event::Choose(answer)));
-        let client = env!("CARGO_PKG_VERSION");
-        assert_eq!(
-            text,
-            format!(
-                r#"{{"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"choose","choice":{{"objects":["a","b"]}},"frames":[0,96],"seen":{{"views":["cam00"],"frames":[0,12]}},"elapsed_ms":8300,"client":"l4d {client}","prev":"{NO_LINE}"}}
-"#
-            )
-        );
+    fn choose(choice: Choice, frames: Interval) -> Act {
+        on(Event::Choose(Answer { choice, frames }))
     }
 
     #[test]
-    fn every_act_comes_back() {
-        let answer = |choice| Event::Choose(Answer { choice, frames: interval(3, 40) });
+    fn lines_have_the_documented_form_and_come_back() {
+        let reason = "two \"cats\" \\ sit \u{1F408}".to_owned();
         let acts = [
-            on(answer(objects(&["a"]))),
-            on(answer(Choice::None)),
-            on(answer(Choice::Ambiguous { reason: "two \"cats\" \\ sit \u{1F408}".to_owned() })),
+            choose(objects(&["b", "a"]), Interval::WHOLE),
+            choose(Choice::None, interval(3, 40)),
+            choose(Choice::Ambiguous { reason }, Interval::WHOLE),
             on(Event::Undo),
             on(Event::Skip),
-            on(Event::Comment("too dark".to_owned())),
-            Act::Seal { lines: 3, sha256: "s".to_owned() },
+            on(Event::Comment { text: "too dark".to_owned() }),
+            Act::Seal { event: SealEvent::Seal, lines: 3, sha256: "s".to_owned() },
         ];
-        for act in acts {
+        for act in &acts {
             let read = Line::parse(line(act.clone()).as_bytes()).unwrap();
-            assert_eq!(read.at().unwrap(), at());
-            assert_eq!(read.act().unwrap(), act);
+            assert_eq!((read.at().unwrap(), &read.act), (at(), act));
         }
+        let lines =
+            acts.map(line).concat().replace(env!("CARGO_PKG_VERSION"), "1.2.3").replace(NO_LINE, "00");
+        insta::assert_snapshot!(lines, @r#"
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"choose","choice":{"objects":["a","b"]},"frames":[0,96],"seen":{"views":["cam00"],"frames":[0,12]},"elapsed_ms":8300,"client":"l4d 1.2.3","prev":"00"}
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"choose","choice":"none","frames":[3,40],"seen":{"views":["cam00"],"frames":[0,12]},"elapsed_ms":8300,"client":"l4d 1.2.3","prev":"00"}
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"choose","choice":{"ambiguous":{"reason":"two \"cats\" \\ sit 🐈"}},"frames":[0,96],"seen":{"views":["cam00"],"frames":[0,12]},"elapsed_ms":8300,"client":"l4d 1.2.3","prev":"00"}
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"undo","seen":{"views":["cam00"],"frames":[0,12]},"elapsed_ms":8300,"client":"l4d 1.2.3","prev":"00"}
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"skip","seen":{"views":["cam00"],"frames":[0,12]},"elapsed_ms":8300,"client":"l4d 1.2.3","prev":"00"}
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","item":"q0007","order":2,"digest":"d","event":"comment","text":"too dark","seen":{"views":["cam00"],"frames":[0,12]},"elapsed_ms":8300,"client":"l4d 1.2.3","prev":"00"}
+        {"v":1,"seq":3,"at":"2023-11-14T22:13:20.123Z","round":"r1","annotator":"ada","event":"seal","lines":3,"sha256":"s","client":"l4d 1.2.3","prev":"00"}
+        "#);
     }
 
     #[test]
     fn lines_that_contradict_themselves_are_refused() {
-        let answer = Answer { choice: objects(&["a"]), frames: Interval::WHOLE };
-        let good = line(on(Event::Choose(answer)));
+        let good = line(choose(objects(&["a"]), Interval::WHOLE));
         for (from, to) in [
             (r#""event":"choose""#, r#""event":"skip""#),
             (r#""event":"choose""#, r#""event":"seal""#),
@@ -241,7 +200,7 @@ mod tests {
         ] {
             let bad = good.replace(from, to);
             assert_ne!(bad, good);
-            let said = Line::parse(bad.as_bytes()).and_then(Line::act);
+            let said = Line::parse(bad.as_bytes());
             assert!(said.is_err(), "{bad} was taken: {said:?}");
         }
     }

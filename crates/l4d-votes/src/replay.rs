@@ -5,17 +5,14 @@
 //! the next event, protects it.) A line that was not edited but is not about this round, annotator or
 //! any of its items is left out by itself. Whatever is left out stays in the file and is reported.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::SystemTime;
 
 use l4d_data::digest::RunningDigest;
 use l4d_data::error::inert;
-use l4d_data::{Name, Report, Severity};
+use l4d_data::{Name, Report};
 
-use crate::codes;
 use crate::history::History;
-use crate::item::ItemId;
 use crate::line::{Act, Line, Link, NO_LINE, VERSION, digest_of};
 use crate::round::Round;
 
@@ -44,23 +41,23 @@ pub(crate) fn replay(path: &Path, bytes: &[u8], round: &Round, annotator: &Name)
     let Chain { lines, last, edited } = Chain::follow(&bytes[..whole]);
 
     let mut reader = Reader {
+        path,
         round,
         annotator,
         before: RunningDigest::default(),
         history: History::default(),
         last_at: None,
         sealed: false,
-        problems: BTreeMap::new(),
+        report: Report::default(),
     };
     for (index, line) in lines.iter().enumerate() {
         reader.take(index, line);
         reader.before.add(line);
     }
-
-    let mut report = reader.report(path);
+    let Reader { history, last_at, sealed, mut report, .. } = reader;
     if let Some((line, how)) = &edited {
         report.error(
-            codes::EDITED,
+            "L4D511",
             path,
             format!("line {line}"),
             format!("is not what was written ({how}): nothing from this line on counts"),
@@ -70,14 +67,13 @@ pub(crate) fn replay(path: &Path, bytes: &[u8], round: &Round, annotator: &Name)
     if whole < bytes.len() {
         let before = bytes.iter().filter(|&&byte| byte == b'\n').count();
         report.warning(
-            codes::TORN_LINE,
+            "L4D510",
             path,
             format!("line {}", before + 1),
             format!("was not written to its end ({} bytes): the event was never taken", bytes.len() - whole),
             "nothing to do: it is cut off when the annotator goes on",
         );
     }
-    let Reader { history, last_at, sealed, .. } = reader;
     Replay { history, whole, lines: lines.len() as u64, last, last_at, edited, sealed, report }
 }
 
@@ -121,16 +117,8 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// A kind of problem, where it first shows and how often.
-struct Problem {
-    severity: Severity,
-    first_line: usize,
-    message: String,
-    hint: &'static str,
-    times: usize,
-}
-
 struct Reader<'a> {
+    path: &'a Path,
     round: &'a Round,
     annotator: &'a Name,
     /// Digest of the lines before the one at hand.
@@ -138,7 +126,7 @@ struct Reader<'a> {
     history: History,
     last_at: Option<SystemTime>,
     sealed: bool,
-    problems: BTreeMap<&'static str, Problem>,
+    report: Report,
 }
 
 impl Reader<'_> {
@@ -146,7 +134,7 @@ impl Reader<'_> {
         let number = index + 1;
         if self.sealed {
             let message = "follows the seal and does not count".to_owned();
-            self.error(codes::AFTER_SEAL, number, message, "let the annotator vote in a further round");
+            self.error("L4D517", number, message, "let the annotator vote in a further round");
             return;
         }
         let line = match Line::parse(bytes) {
@@ -155,48 +143,39 @@ impl Reader<'_> {
         };
         if line.round != self.round.name || line.annotator != *self.annotator {
             let message = format!("is by {} in round {} and does not count", line.annotator, line.round);
-            self.error(codes::FOREIGN_LINE, number, message, "put the log back where it was written");
+            self.error("L4D513", number, message, "put the log back where it was written");
             return;
         }
-        let at = line.at();
-        let (at, act) = match at.and_then(|at| Ok((at, line.act()?))) {
-            Ok(read) => read,
+        let at = match line.at() {
+            Ok(at) => at,
             Err(message) => return self.unreadable(number, bytes, message),
         };
         if self.last_at.is_some_and(|last| at < last) {
             let message = "was written before the line above it, by its clock; it counts".to_owned();
-            self.warning(
-                codes::CLOCK_BACKWARDS,
-                number,
-                message,
-                "check the clock of the annotator's machine",
-            );
+            self.warning("L4D515", number, message, "check the clock of the annotator's machine");
         }
         self.last_at = Some(at);
-        match act {
-            Act::Seal { lines, sha256 } => {
+        match line.act {
+            Act::Seal { lines, sha256, .. } => {
                 if lines == index as u64 && sha256 == self.before.hex() {
                     self.sealed = true;
                 } else {
                     let message = "is a seal that does not fit the lines above it".to_owned();
-                    self.error(codes::BROKEN_SEAL, number, message, "restore the file from a copy");
+                    self.error("L4D518", number, message, "restore the file from a copy");
                 }
             }
             Act::On { item, digest, event, .. } => {
                 if self.round.item(&item).is_none() {
-                    return self.unknown(number, &item);
+                    let message =
+                        format!("is about {item}, which the round does not ask, and does not count");
+                    return self.error("L4D514", number, message, "restore the items.jsonl of the round");
                 }
                 if !self.history.apply(index as u64, &item, &digest, event) {
                     let message = format!("takes back something about {item}, but nothing is left");
-                    self.warning(codes::IDLE_UNDO, number, message, "nothing to do");
+                    self.warning("L4D516", number, message, "nothing to do");
                 }
             }
         }
-    }
-
-    fn unknown(&mut self, number: usize, item: &ItemId) {
-        let message = format!("is about {item}, which the round does not ask, and does not count");
-        self.error(codes::UNKNOWN_ITEM, number, message, "restore the items.jsonl of the round");
     }
 
     fn unreadable(&mut self, number: usize, bytes: &[u8], message: String) {
@@ -206,49 +185,16 @@ impl Reader<'_> {
         } else {
             (format!("is of version {version}, this l4d reads {VERSION}"), "use the l4d that wrote it")
         };
-        self.error(
-            codes::UNREADABLE_LINE,
-            number,
-            format!("cannot be read and does not count: {}", inert(&message)),
-            hint,
-        );
+        let message = format!("cannot be read and does not count: {}", inert(&message));
+        self.error("L4D512", number, message, hint);
     }
 
-    fn error(&mut self, code: &'static str, line: usize, message: String, hint: &'static str) {
-        self.note(Severity::Error, code, line, message, hint);
+    fn error(&mut self, code: &'static str, line: usize, message: String, hint: &str) {
+        self.report.error(code, self.path, format!("line {line}"), message, hint);
     }
 
-    fn warning(&mut self, code: &'static str, line: usize, message: String, hint: &'static str) {
-        self.note(Severity::Warning, code, line, message, hint);
-    }
-
-    fn note(
-        &mut self,
-        severity: Severity,
-        code: &'static str,
-        first_line: usize,
-        message: String,
-        hint: &'static str,
-    ) {
-        let problem = self.problems.entry(code);
-        problem.or_insert(Problem { severity, first_line, message, hint, times: 0 }).times += 1;
-    }
-
-    fn report(&self, path: &Path) -> Report {
-        let mut report = Report::default();
-        for (code, problem) in &self.problems {
-            let Problem { severity, first_line, message, hint, times } = problem;
-            let place = format!("line {first_line}");
-            let message = match times - 1 {
-                0 => message.clone(),
-                more => format!("{message} (and {more} more line{})", if more == 1 { "" } else { "s" }),
-            };
-            match severity {
-                Severity::Error => report.error(code, path, place, message, *hint),
-                Severity::Warning => report.warning(code, path, place, message, *hint),
-            }
-        }
-        report
+    fn warning(&mut self, code: &'static str, line: usize, message: String, hint: &str) {
+        self.report.warning(code, self.path, format!("line {line}"), message, hint);
     }
 }
 

@@ -6,7 +6,6 @@ use std::path::Path;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::{DataError, Finding, Name, Report};
 
-use crate::codes;
 use crate::item::ItemId;
 use crate::replay::replay;
 use crate::round::Round;
@@ -19,7 +18,6 @@ pub(crate) const MAX_BYTES: u64 = 64 << 20;
 /// What one annotator says about all items.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Responses {
-    /// Whose.
     pub annotator: Name,
     /// Whether a seal ends it and fits it.
     pub sealed: bool,
@@ -28,11 +26,6 @@ pub struct Responses {
 }
 
 impl Responses {
-    /// What the annotator says about an item.
-    pub fn response(&self, item: &ItemId) -> Option<&Response> {
-        self.items.get(item)
-    }
-
     /// The answer to an item that counts.
     pub fn answer(&self, item: &ItemId) -> Option<&Answer> {
         self.items.get(item)?.answer.as_ref()
@@ -47,7 +40,7 @@ impl Responses {
         let stale = items.values().filter(|response| response.stale.is_some()).count();
         if stale > 0 {
             replay.report.warning(
-                codes::STALE_VOTES,
+                "L4D519",
                 path,
                 "answers",
                 format!("{stale} belong to an earlier wording or scene and do not count"),
@@ -72,13 +65,7 @@ pub fn read_responses(dir: &RoundDir, round: &Round) -> Result<(Vec<Responses>, 
         } else {
             let hint =
                 format!("let {annotator} vote: `l4d verify-prompts --round {} --as {annotator}`", round.name);
-            report.warning(
-                codes::NO_BALLOT,
-                &path,
-                "file",
-                "there is none: this annotator has not begun",
-                hint,
-            );
+            report.warning("L4D503", &path, "file", "there is none: this annotator has not begun", hint);
             Vec::new()
         };
         let (responses, findings) = Responses::from_bytes(&path, &bytes, round, annotator);
@@ -98,7 +85,7 @@ fn report_unknown_files(dir: &RoundDir, round: &Round, report: &mut Report) -> R
         let is_known = round.annotators.iter().any(|name| entry == format!("{name}.jsonl"));
         if !is_known {
             report.warning(
-                codes::STRANGER,
+                "L4D504",
                 &folder.join(&entry),
                 "file",
                 "is no log of an annotator that the round names, and does not count",
@@ -139,7 +126,7 @@ mod tests {
 
         let (all, findings) = read_responses(&dir, &round).unwrap();
         assert_eq!(all.iter().map(|one| one.annotator.as_str()).collect::<Vec<_>>(), ["ada", "ben"]);
-        let response = |index: usize| all[0].response(&round.items[index].id).unwrap().clone();
+        let response = |index: usize| all[0].items[&round.items[index].id].clone();
         assert_eq!(response(0), Response { answer: Some(answer.clone()), ..Response::default() });
         assert_eq!(response(1), Response { stale: Some(answer), ..Response::default() });
         assert!(all[1].items.is_empty() && !all[0].sealed);
@@ -150,10 +137,10 @@ mod tests {
             })
             .collect();
         let expected = [
-            (codes::STALE_VOTES, "ada.jsonl"),
-            (codes::TORN_LINE, "ada.jsonl"),
-            (codes::NO_BALLOT, "ben.jsonl"),
-            (codes::STRANGER, "eve.jsonl"),
+            ("L4D519", "ada.jsonl"),
+            ("L4D510", "ada.jsonl"),
+            ("L4D503", "ben.jsonl"),
+            ("L4D504", "eve.jsonl"),
         ];
         assert_eq!(found, expected.map(|(code, file)| format!("{code} {file}")));
         assert_eq!(fs::read(dir.ballot(&name("ada"))).unwrap(), torn);

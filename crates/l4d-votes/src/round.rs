@@ -12,50 +12,34 @@ use crate::item::{Item, ItemId};
 use crate::key::Key;
 use crate::order;
 use crate::round_dir::RoundDir;
-use crate::rule::{FrameRule, Rule};
 
 /// Schema tag of `round.toml`.
 pub const SCHEMA: &str = "l4d/round/1";
 
 /// Control items that are mixed in, unmarked.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gold {
     /// Sentences that nothing in the scene satisfies; right is "none".
     pub absent: usize,
     /// Prompts that only name the category of look-alikes; right is "ambiguous", or all of them.
     pub vague: usize,
-    /// An annotator with a smaller share of right answers on them is reported.
-    pub flag_below: f64,
-}
-
-impl Default for Gold {
-    fn default() -> Self {
-        Self { absent: 0, vague: 0, flag_below: 0.75 }
-    }
 }
 
 /// `round.toml`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundSettings {
     /// [`SCHEMA`].
     pub schema: String,
     /// Name of its folder.
     pub name: Name,
-    /// One line for people.
-    pub title: String,
     /// Which rendering is looked at.
     pub profile: Profile,
     /// Seed of ids, control items and orders.
     pub seed: u64,
-    /// Who votes.
+    /// Who votes; all of them have to be right.
     pub annotators: Vec<Name>,
-    /// How many have to be right.
-    pub rule: Rule,
-    /// How well the frames have to fit.
-    #[serde(default)]
-    pub frames: FrameRule,
     /// Whether the annotators are programs. Such a round never counts as verification by people.
     #[serde(default)]
     pub simulated: bool,
@@ -198,16 +182,13 @@ impl Round {
 }
 
 fn settings_problem(settings: &RoundSettings) -> Option<(&'static str, String, &'static str)> {
-    let RoundSettings { schema, annotators, rule, seed, views, title, gold, .. } = settings;
+    let RoundSettings { schema, annotators, views, .. } = settings;
     if schema != SCHEMA {
         return Some((
             "schema",
             format!("is `{}`, but this l4d reads `{SCHEMA}`", schema.escape_debug()),
             "use the l4d that opened the round",
         ));
-    }
-    if title.chars().any(char::is_control) || title.len() > 500 {
-        return Some(("title", "must be one line of at most 500 bytes".into(), "shorten it"));
     }
     // Logs are files, and some disks take `Ada` and `ada` for one.
     let distinct: BTreeSet<String> = annotators.iter().map(|name| name.to_ascii_lowercase()).collect();
@@ -218,21 +199,11 @@ fn settings_problem(settings: &RoundSettings) -> Option<(&'static str, String, &
             "give every annotator a name of their own",
         ));
     }
-    if annotators.len() != rule.annotators {
-        return Some((
-            "annotators",
-            format!("are {}, but the rule `{rule}` is about {}", annotators.len(), rule.annotators),
-            "name as many annotators as the rule counts",
-        ));
-    }
-    if *seed > i64::MAX as u64 {
-        return Some(("seed", "is 2^63 or more, which TOML does not know".into(), "choose a smaller one"));
+    if annotators.is_empty() {
+        return Some(("annotators", "names no one".into(), "name those who vote"));
     }
     if *views == 0 {
         return Some(("views", "is 0: annotators would see nothing".into(), "write 1 or more"));
-    }
-    if !(0.0..=1.0).contains(&gold.flag_below) {
-        return Some(("gold.flag_below", "is no share".into(), "write a number from 0 to 1"));
     }
     None
 }

@@ -1,6 +1,4 @@
-//! A whole round through its files: against a slow reference, against a second implementation of the statistics, and
-//! through `kill -9`.
+//! A whole round through its files: against a slow reference, and through `kill -9` and a full disk.
 
-mod coefficients;
 mod kill;
 mod reference;

@@ -1,12 +1,11 @@
 //! Which prompts people understood: the answers that count against what is meant.
 //!
-//! A prompt is valid if as many distinct annotators as the rule demands chose exactly the instances meant, at
-//! frames that fit by the rule of the round. Where it isn't, its verdict keeps every vote and says why:
+//! A prompt is valid if all annotators chose exactly the instances meant, at a frame at which it holds. Where it isn't, its verdict keeps every vote and says why:
 //!
 //! - `stale`: the query or its scene changed after the round was opened, so no one was asked what it says now; or
 //!   an annotator has only answered an earlier wording of the item;
 //! - `incomplete`: an annotator has not answered, or skipped;
-//! - `rejected`: all answered, too few were right.
+//! - `rejected`: all answered, not all were right.
 //!
 //! Control items get no verdict (see [`crate::control`]), and the second answer to a repeated prompt never counts.
 //! Nothing here writes a query's status: that is what `l4d verdict` does with these verdicts.
@@ -17,20 +16,18 @@ use std::fmt;
 use l4d_data::{Category, DataError, Finding, Name, QueryId, Report};
 use serde::{Deserialize, Serialize};
 
-use crate::codes;
 use crate::control;
 use crate::item::{Item, ItemId};
 use crate::key::{Change, ItemSource, Key, Meaning};
 use crate::responses::Responses;
 use crate::round::Round;
-use crate::round_dir::RoundDir;
 use crate::vote::{Answer, Choice, Response};
 
 /// What becomes of a prompt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
-    /// Enough annotators chose exactly what is meant.
+    /// All annotators chose exactly what is meant.
     Valid,
     /// They did not.
     Rejected,
@@ -69,33 +66,17 @@ pub enum Mark {
     Right,
     /// Other objects, too many or too few.
     OtherObjects,
-    /// Nothing.
     SaidNone,
-    /// Cannot tell.
     SaidAmbiguous,
     /// The objects meant, at other frames.
     OtherFrames,
-    /// Skipped.
     Skipped,
     /// Answered to an earlier wording or scene.
     Stale,
-    /// Not answered.
     Missing,
 }
 
 impl Mark {
-    /// All marks.
-    pub const ALL: [Self; 8] = [
-        Self::Right,
-        Self::OtherObjects,
-        Self::SaidNone,
-        Self::SaidAmbiguous,
-        Self::OtherFrames,
-        Self::Skipped,
-        Self::Stale,
-        Self::Missing,
-    ];
-
     /// Its letter in a vote pattern.
     pub fn letter(self) -> char {
         match self {
@@ -119,13 +100,10 @@ impl Mark {
 /// One annotator's vote on a prompt.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Vote {
-    /// Whose.
     pub annotator: Name,
-    /// Against what is meant.
     pub mark: Mark,
     /// What was answered, counted or stale.
     pub answer: Option<Answer>,
-    /// Remarks.
     pub comments: Vec<String>,
 }
 
@@ -146,7 +124,7 @@ pub struct ItemVerdict {
     pub outcome: Outcome,
     /// In the order of `round.toml`.
     pub votes: Vec<Vote>,
-    /// Why it is not unanimous, one sentence each.
+    /// Why it is not valid, one sentence each.
     pub reasons: Vec<String>,
 }
 
@@ -172,7 +150,6 @@ impl ItemVerdict {
 pub struct Verdicts {
     /// Whether all ballots are sealed; otherwise this is only a look.
     pub is_final: bool,
-    /// By item.
     pub items: Vec<ItemVerdict>,
     /// What was not counted, and why; who was wrong on the control items.
     pub findings: Vec<Finding>,
@@ -185,7 +162,7 @@ impl Verdicts {
     }
 }
 
-/// Judges every query of a round. `changes` are those since the round was opened ([`crate::key::changes`]); an item
+/// Judges every query of a round by the responses of its annotators, in their order. `changes` are those since the round was opened ([`crate::key::changes`]); an item
 /// that is missing there did not change.
 pub fn judge(
     round: &Round,
@@ -193,7 +170,6 @@ pub fn judge(
     responses: &[Responses],
     changes: &BTreeMap<ItemId, Change>,
 ) -> Verdicts {
-    let responses = by_annotator(round, responses);
     let mut report = Report::default();
     let mut items = Vec::new();
     for item in &round.items {
@@ -207,15 +183,14 @@ pub fn judge(
         };
         if let Some(change) = change {
             report.warning(
-                codes::STALE_ITEM,
+                "L4D521",
                 &round.dir().items(),
                 format!("item {}", item.id),
                 format!("{query} {change}: the votes on it do not count"),
                 "ask it again in a further round",
             );
         }
-        let votes: Vec<Vote> =
-            responses.iter().map(|(name, given)| vote(round, item, meaning, name, *given)).collect();
+        let votes = responses.iter().map(|given| vote(item, meaning, given)).collect();
         let mut verdict = ItemVerdict {
             item: item.id.clone(),
             query: query.clone(),
@@ -227,22 +202,22 @@ pub fn judge(
             reasons: change.map(|change| format!("the query {change}")).into_iter().collect(),
         };
         if change.is_none() {
-            verdict.outcome = outcome(round, &verdict);
+            verdict.outcome = outcome(&verdict);
         }
         verdict.reasons.extend(verdict.votes.iter().filter_map(reason));
         items.push(verdict);
     }
-    let unsealed = unsealed(&responses);
+    let unsealed = unsealed(responses);
     for annotator in &unsealed {
         report.warning(
-            codes::NOT_SEALED,
+            "L4D520",
             &round.dir().ballot(annotator),
             "seal",
             "the ballot is not sealed: this is a look, no verdict",
             "let the annotator finish and seal it",
         );
     }
-    control::report_misses(round, key, &responses, &mut report);
+    control::report_misses(round, key, responses, &mut report);
     Verdicts { is_final: unsealed.is_empty(), items, findings: report.into_sorted() }
 }
 
@@ -250,52 +225,42 @@ pub fn judge(
 ///
 /// # Errors
 /// A ballot is not sealed.
-pub fn require_sealed(dir: &RoundDir, round: &Round, responses: &[Responses]) -> Result<(), DataError> {
-    let unsealed = unsealed(&by_annotator(round, responses));
+pub fn require_sealed(round: &Round, responses: &[Responses]) -> Result<(), DataError> {
+    let unsealed = unsealed(responses);
     if unsealed.is_empty() {
         return Ok(());
     }
     let names: Vec<&str> = unsealed.iter().map(|name| name.as_str()).collect();
     Err(DataError::invalid(
-        &dir.votes(),
+        &round.dir().votes(),
         "seals",
         format!("not sealed yet: {}", names.join(", ")),
         "wait until all have sealed, or take a look that changes nothing with `--unsealed`",
     ))
 }
 
-/// The responses of each annotator of the round, once; others are left out.
-pub(crate) fn by_annotator<'a>(
-    round: &'a Round,
-    responses: &'a [Responses],
-) -> Vec<(&'a Name, Option<&'a Responses>)> {
-    let of = |annotator: &Name| responses.iter().find(|given| given.annotator == *annotator);
-    round.annotators.iter().map(|annotator| (annotator, of(annotator))).collect()
+fn unsealed(responses: &[Responses]) -> Vec<&Name> {
+    responses.iter().filter(|given| !given.sealed).map(|given| &given.annotator).collect()
 }
 
-fn unsealed<'a>(responses: &[(&'a Name, Option<&'a Responses>)]) -> Vec<&'a Name> {
-    let is_sealed = |given: &Option<&Responses>| given.is_some_and(|given| given.sealed);
-    responses.iter().filter(|(_, given)| !is_sealed(given)).map(|(name, _)| *name).collect()
-}
-
-fn vote(round: &Round, item: &Item, meaning: &Meaning, name: &Name, given: Option<&Responses>) -> Vote {
-    let response = given.and_then(|given| given.response(&item.id)).cloned().unwrap_or_default();
-    let Response { answer, skipped, stale, comments } = response;
+fn vote(item: &Item, meaning: &Meaning, given: &Responses) -> Vote {
+    let Response { answer, skipped, stale, comments } =
+        given.items.get(&item.id).cloned().unwrap_or_default();
     let mark = match (&answer, skipped, &stale) {
-        (Some(answer), _, _) => meaning.mark(answer, round.frames),
+        (Some(answer), _, _) => meaning.mark(answer),
         (None, true, _) => Mark::Skipped,
         (None, false, Some(_)) => Mark::Stale,
         (None, false, None) => Mark::Missing,
     };
-    Vote { annotator: name.clone(), mark, answer: answer.or(stale), comments }
+    Vote { annotator: given.annotator.clone(), mark, answer: answer.or(stale), comments }
 }
 
-fn outcome(round: &Round, verdict: &ItemVerdict) -> Outcome {
+fn outcome(verdict: &ItemVerdict) -> Outcome {
     if verdict.votes.iter().any(|vote| vote.mark == Mark::Stale) {
         Outcome::Stale
-    } else if verdict.counted() < round.rule.annotators {
+    } else if verdict.counted() < verdict.votes.len() {
         Outcome::Incomplete
-    } else if verdict.right() >= round.rule.needed {
+    } else if verdict.right() == verdict.counted() {
         Outcome::Valid
     } else {
         Outcome::Rejected

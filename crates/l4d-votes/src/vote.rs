@@ -47,7 +47,8 @@ pub struct Answer {
 }
 
 /// One event of an annotator on an item.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "event", rename_all = "lowercase")]
 pub enum Event {
     /// Answers the item; replaces an earlier answer or skip.
     Choose(Answer),
@@ -56,7 +57,10 @@ pub enum Event {
     /// Leaves the item without an answer; replaces an earlier answer.
     Skip,
     /// A remark; changes no answer.
-    Comment(String),
+    Comment {
+        /// One line.
+        text: String,
+    },
 }
 
 /// What was on the screen before the event.
@@ -105,7 +109,7 @@ impl Event {
             Self::Choose(Answer { choice: Choice::Ambiguous { reason }, .. }) if !is_remark(reason) => {
                 Some("a reason is one line of at most 2000 bytes")
             }
-            Self::Comment(text) if !is_remark(text) => Some("a comment is one line of at most 2000 bytes"),
+            Self::Comment { text } if !is_remark(text) => Some("a comment is one line of at most 2000 bytes"),
             _ => None,
         }
     }
@@ -117,9 +121,10 @@ mod tests {
 
     #[test]
     fn remarks_are_one_bounded_line() {
+        let problem = |text: &str| Event::Comment { text: text.to_owned() }.problem();
         for text in ["", "  ", "a\nb", "\u{1b}[2J", &"x".repeat(2001)] {
-            assert!(Event::Comment(text.to_owned()).problem().is_some(), "{text:?}");
+            assert!(problem(text).is_some(), "{text:?}");
         }
-        assert!(Event::Comment("x".repeat(2000)).problem().is_none());
+        assert!(problem(&"x".repeat(2000)).is_none());
     }
 }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use l4d_votes::{FrameRule, Rule};
 
 use super::BenchArgs;
 
@@ -48,12 +47,9 @@ pub(crate) struct OpenRoundArgs {
     /// Folder of all rounds
     #[arg(long, value_name = "DIR", default_value = "annotation/rounds")]
     pub(crate) rounds: PathBuf,
-    /// Who votes (comma-separated or repeated), as many as the rule counts
+    /// Who votes (comma-separated or repeated), as many as the panel has
     #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
     pub(crate) annotators: Vec<String>,
-    /// One line that says what the round is
-    #[arg(long)]
-    pub(crate) title: Option<String>,
     /// Which queries are asked about
     #[arg(long, value_enum, default_value = "candidate")]
     pub(crate) queries: AskedArg,
@@ -69,12 +65,9 @@ pub(crate) struct OpenRoundArgs {
     /// Queries of two categories as well
     #[arg(long)]
     pub(crate) composites: bool,
-    /// When a prompt counts as understood: unanimous:5, majority:3/5
-    #[arg(long, default_value = "unanimous:5")]
-    pub(crate) rule: Rule,
-    /// How well chosen frames must fit a prompt that is bound to a time: any, iou:0.5
-    #[arg(long, value_name = "RULE", default_value = "any")]
-    pub(crate) frames: FrameRule,
+    /// How many annotators there have to be: all of them must be right before a prompt counts as understood
+    #[arg(long, value_name = "COUNT", default_value_t = 5)]
+    pub(crate) panel: usize,
     /// How many views annotators may look at
     #[arg(long, value_name = "COUNT", default_value_t = 5)]
     pub(crate) views: usize,
@@ -108,8 +101,6 @@ pub(crate) enum PictureArg {
     Kitty,
     /// The protocol of iTerm2 and WezTerm
     Iterm2,
-    /// Not at all; `o` writes them to files
-    None,
 }
 
 #[derive(Debug, Args)]

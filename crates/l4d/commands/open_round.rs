@@ -9,9 +9,9 @@ use anyhow::Result;
 use l4d_data::digest::sha256_hex;
 use l4d_data::store::list_folder;
 use l4d_data::{Benchmark, Category, Name, Query, QueryId, Status};
-use l4d_votes::draw::draw_round;
+use l4d_votes::draw_round;
 use l4d_votes::key::ItemSource;
-use l4d_votes::round::{Gold, RoundSettings, SCHEMA};
+use l4d_votes::{Gold, RoundSettings, SCHEMA};
 use l4d_votes::{Key, Round, RoundDir};
 
 use crate::cli::annotation::{AskedArg, OpenRoundArgs};
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
             "edit what `refine.jsonl` of an earlier round lists, choose other --scenes, or --queries all";
         return Err(refusal("there is no query to ask about", hint));
     }
-    let settings = settings(args, name, &bench, only.len())?;
+    let settings = settings(args, name, only.len())?;
     let (round, key) = draw_round(settings, &bench.select(&args.bench.scenes)?, &only, &bench)?;
     clear(&dir)?;
     round.write(&dir, &key)?;
@@ -55,21 +55,22 @@ pub(crate) fn run(args: &OpenRoundArgs, out: &Printer) -> Result<ExitStatus> {
 }
 
 /// The settings of a round that asks so many queries.
-fn settings(args: &OpenRoundArgs, name: Name, bench: &Benchmark, queries: usize) -> Result<RoundSettings> {
+fn settings(args: &OpenRoundArgs, name: Name, queries: usize) -> Result<RoundSettings> {
     let annotators = args.annotators.iter().map(|name| Ok(Name::new(name.as_str())?));
     let annotators = annotators.collect::<Result<Vec<Name>>>()?;
+    if annotators.len() != args.panel {
+        let message = format!("--annotators names {}, but the panel has {}", annotators.len(), args.panel);
+        return Err(refusal(message, "name as many annotators as --panel says, which is 5 unless given"));
+    }
     // Half of the control items have no answer, half have too many.
     let control = share_of(queries, args.gold, "--gold")?;
-    let gold = Gold { absent: control.div_ceil(2), vague: control / 2, ..Gold::default() };
+    let gold = Gold { absent: control.div_ceil(2), vague: control / 2 };
     Ok(RoundSettings {
         schema: SCHEMA.to_owned(),
-        title: args.title.clone().unwrap_or_else(|| format!("{} {}", bench.manifest.name, name)),
         name,
         profile: args.bench.profile,
         seed: args.seed,
         annotators,
-        rule: args.rule,
-        frames: args.frames,
         simulated: args.simulated,
         views: args.views,
         repeats: share_of(queries, args.repeats, "--repeats")?,
@@ -158,7 +159,7 @@ fn clear(dir: &RoundDir) -> Result<()> {
     Ok(())
 }
 
-/// `28 items over 7 scenes: 24 queries (attribute 6, ...), 2 control items, 2 repeats; unanimous:5`.
+/// `28 items over 7 scenes: 24 queries (attribute 6, ...), control items 2, repeats 2; annotators 5`.
 fn summary(round: &Round, key: &Key) -> String {
     let mut categories: BTreeMap<String, usize> = BTreeMap::new();
     let (mut controls, mut repeats) = (0, 0);
@@ -176,10 +177,10 @@ fn summary(round: &Round, key: &Key) -> String {
     let scenes: BTreeSet<&Name> = round.items.iter().map(|item| &item.scene).collect();
     let categories: Vec<String> = categories.iter().map(|(name, count)| format!("{name} {count}")).collect();
     format!(
-        "{} items over {} scenes: {queries} queries ({}), control items {controls}, repeats {repeats}; {}",
+        "{} items over {} scenes: {queries} queries ({}), control items {controls}, repeats {repeats}; annotators {}",
         round.items.len(),
         scenes.len(),
         categories.join(", "),
-        round.rule
+        round.annotators.len()
     )
 }

@@ -4,8 +4,8 @@ mod rejected;
 
 use anyhow::Result;
 use l4d_data::{Benchmark, Finding, Severity};
-use l4d_votes::agreement::measure;
 use l4d_votes::judged::{Judged, files, render, status_line, statuses};
+use l4d_votes::measure;
 
 use crate::cli::annotation::VerdictArgs;
 use crate::out::{ExitStatus, Printer};

@@ -12,12 +12,7 @@ fn bench() -> Benchmark {
 
 /// Wanted beside the queries: two control items of each kind and four repeats.
 fn wanted() -> RoundSettings {
-    RoundSettings {
-        seed: 1,
-        repeats: 4,
-        gold: Gold { absent: 2, vague: 2, ..Gold::default() },
-        ..settings(&["ada", "ben"])
-    }
+    RoundSettings { seed: 1, repeats: 4, gold: Gold { absent: 2, vague: 2 }, ..settings(&["ada", "ben"]) }
 }
 
 /// All candidates of these scenes.
@@ -39,8 +34,18 @@ fn ids<const N: usize>(ids: [&str; N]) -> BTreeSet<QueryId> {
     ids.map(|id| id.parse().unwrap()).into()
 }
 
-fn count(key: &Key, is_meant: impl Fn(&ItemSource) -> bool) -> usize {
-    key.entries().values().filter(|source| is_meant(source)).count()
+/// Queries, absent and vague control items, repeats.
+fn kinds(key: &Key) -> [usize; 4] {
+    let mut kinds = [0; 4];
+    for source in key.entries().values() {
+        kinds[match source {
+            ItemSource::Query { .. } => 0,
+            ItemSource::Absent { .. } => 1,
+            ItemSource::Vague { .. } => 2,
+            ItemSource::Repeat { .. } => 3,
+        }] += 1;
+    }
+    kinds
 }
 
 #[test]
@@ -48,11 +53,19 @@ fn a_round_asks_every_candidate_and_what_was_wanted_beside() {
     let scenes = ["room_living_cats", "tabletop_tea"];
     let candidates = candidates(&bench(), &names(&scenes)).len();
     let (round, key) = draw(wanted(), &scenes);
-    assert_eq!(round.items.len(), candidates + 2 + 2 + 4);
-    assert_eq!(count(&key, |source| matches!(source, ItemSource::Query { .. })), candidates);
-    assert_eq!(count(&key, |source| matches!(source, ItemSource::Absent { .. })), 2);
-    assert_eq!(count(&key, |source| matches!(source, ItemSource::Vague { .. })), 2);
-    assert_eq!(count(&key, |source| matches!(source, ItemSource::Repeat { .. })), 4);
+    let expected = [candidates, 2, 2, 4];
+    assert_eq!((kinds(&key), round.items.len()), (expected, expected.iter().sum()));
+    for (id, source) in key.entries() {
+        if let ItemSource::Repeat { of } = source {
+            let (original, again) = (round.item(of).unwrap(), round.item(id).unwrap());
+            assert_eq!((&original.text, &original.digest), (&again.text, &again.digest));
+            assert!(of < id);
+        }
+    }
+    // There are no more repeats than queries.
+    let [queries, _, _, repeats] =
+        kinds(&draw(RoundSettings { repeats: 99, ..wanted() }, &["tabletop_tea"]).1);
+    assert_eq!(repeats, queries);
 }
 
 #[test]
@@ -69,38 +82,6 @@ fn a_round_comes_back_from_its_files_and_is_never_replaced() {
 }
 
 #[test]
-fn items_and_ids_give_nothing_away() {
-    let (round, key) = draw(wanted(), &["room_living_cats", "tabletop_tea", "room_gym"]);
-    let lines: Vec<String> = round.items.iter().map(|item| serde_json::to_string(item).unwrap()).collect();
-    for line in &lines {
-        let fields: Vec<String> =
-            serde_json::from_str::<serde_json::Map<_, _>>(line).unwrap().keys().cloned().collect();
-        assert_eq!(fields, ["item", "scene", "text", "digest"]);
-    }
-    // Neither controls nor repeats nor scenes stand together: the ids were dealt to a shuffled pile.
-    let kinds: Vec<bool> =
-        key.entries().values().map(|source| matches!(source, ItemSource::Query { .. })).collect();
-    assert!(!kinds.is_sorted() && !kinds.iter().rev().is_sorted(), "{kinds:?}");
-    let scenes: Vec<&Name> = round.items.iter().map(|item| &item.scene).collect();
-    let changes = scenes.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    assert!(changes > scenes.len() / 3, "{changes} changes among {} items", scenes.len());
-}
-
-#[test]
-fn a_repeat_has_the_words_and_the_digest_of_its_original_and_a_larger_id() {
-    let (round, key) = draw(RoundSettings { repeats: 99, ..wanted() }, &["tabletop_tea"]);
-    let queries = count(&key, |source| matches!(source, ItemSource::Query { .. }));
-    assert_eq!(count(&key, |source| matches!(source, ItemSource::Repeat { .. })), queries);
-    for (id, source) in key.entries() {
-        if let ItemSource::Repeat { of } = source {
-            let (original, again) = (round.item(of).unwrap(), round.item(id).unwrap());
-            assert_eq!((&original.text, &original.digest), (&again.text, &again.digest));
-            assert!(of < id);
-        }
-    }
-}
-
-#[test]
 fn a_seed_draws_the_same_round_and_another_seed_another() {
     let draw = |seed| draw(RoundSettings { seed, ..wanted() }, &["room_gym"]);
     assert_eq!(draw(5), draw(5));
@@ -111,24 +92,21 @@ fn a_seed_draws_the_same_round_and_another_seed_another() {
 fn exactly_the_listed_queries_are_asked_composites_too() {
     let only = ids(["room_living_cats/002", "room_living_cats/501"]);
     let (_, key) = draw_round(wanted(), &names(&["room_living_cats"]), &only, &bench()).unwrap();
-    let asked: BTreeSet<QueryId> = key
-        .entries()
-        .values()
-        .filter_map(
-            |source| if let ItemSource::Query { query, .. } = source { Some(query.clone()) } else { None },
-        )
-        .collect();
-    assert_eq!(asked, only);
+    let query = |source: &ItemSource| match source {
+        ItemSource::Query { query, .. } => Some(query.clone()),
+        _ => None,
+    };
+    assert_eq!(key.entries().values().filter_map(query).collect::<BTreeSet<QueryId>>(), only);
 }
 
 #[test]
 fn control_items_come_from_scenes_that_are_asked_about() {
-    let wide = RoundSettings { gold: Gold { absent: 99, vague: 99, ..Gold::default() }, ..wanted() };
+    let wide = RoundSettings { gold: Gold { absent: 99, vague: 99 }, ..wanted() };
     let scenes = names(&["room_gym", "tabletop_tea"]);
     let (round, key) = draw_round(wide, &scenes, &ids(["room_gym/001"]), &bench()).unwrap();
     assert!(round.items.iter().all(|item| item.scene.as_str() == "room_gym"));
     // Dumbbells and athletes.
-    assert_eq!(count(&key, |source| matches!(source, ItemSource::Vague { .. })), 2);
+    assert_eq!(kinds(&key)[2], 2);
 }
 
 #[test]
@@ -152,11 +130,8 @@ fn what_is_not_there_is_not_asked() {
     let other = error(wanted(), "room_gym", ids(["tabletop_tea/001"]));
     assert!(other.contains("no `tabletop_tea/001` in the chosen"), "{other}");
     assert!(error(wanted(), "room_gym", BTreeSet::new()).contains("nothing is left to ask"));
-    let alone = RoundSettings { annotators: vec![name("ada")], ..wanted() };
+    let alone = RoundSettings { annotators: Vec::new(), ..wanted() };
     assert!(error(alone, "room_gym", first()).contains("field `annotators`"));
-    assert!(
-        error(RoundSettings { seed: u64::MAX, ..wanted() }, "room_gym", first()).contains("field `seed`")
-    );
 }
 
 #[test]
@@ -173,7 +148,7 @@ fn a_control_item_never_has_the_words_of_a_query() {
     reword(bench.dir.queries(&scene), query, "The cat");
     let absent = bench.absents(&scene).unwrap().remove(0);
     reword(bench.dir.absents(&scene), absent, "The cat");
-    let gold = Gold { absent: 9, vague: 9, ..Gold::default() };
+    let gold = Gold { absent: 9, vague: 9 };
     let settings = RoundSettings { gold, repeats: 0, ..wanted() };
     let scenes = [scene];
     let (round, _) = draw_round(settings, &scenes, &candidates(&bench, &scenes), &bench).unwrap();

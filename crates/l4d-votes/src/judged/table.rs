@@ -1,17 +1,18 @@
 //! A verdict as aligned text, at most 100 columns wide but for what people wrote.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
 use l4d_data::{Category, Status};
 
 use super::Judged;
 use super::statuses::StatusChange;
-use crate::agreement::{Agreement, Annotator, Estimate, Group};
+use crate::agreement::{Agreement, Annotator, Coefficients, Group};
 use crate::control::Consistency;
 use crate::verdict::{ItemVerdict, Outcome};
 
 const NAME_WIDTH: usize = 14;
+const LEGEND: &str =
+    "a letter each: + right, x other objects, 0 none, ? ambiguous, t other frames, s skipped";
 
 /// Per category, per annotator, and what was rejected.
 pub fn render(judged: &Judged, agreement: &Agreement) -> String {
@@ -40,7 +41,7 @@ pub fn render(judged: &Judged, agreement: &Agreement) -> String {
     lines.push(String::new());
     lines.push(format!("{:NAME_WIDTH$}{:>22}{:>22}{:>22}", "agreement", "raw", "alpha", "AC1"));
     for (name, _, group) in &groups {
-        let [raw, alpha, ac1] = [&group.right.raw, &group.right.alpha, &group.right.ac1].map(short);
+        let Coefficients { raw, alpha, ac1, .. } = &group.right;
         lines.push(format!("{name:NAME_WIDTH$}{raw:>22}{alpha:>22}{ac1:>22}"));
     }
     lines.push(String::new());
@@ -64,25 +65,13 @@ fn heading(judged: &Judged) -> Vec<String> {
     if !verdicts.is_final {
         lines.push("Only a look: not everybody has sealed.".to_owned());
     }
-    lines.push(format!("Round {}: {} queries, {}", round.name, verdicts.items.len(), round.rule));
+    lines.push(format!(
+        "Round {}: {} queries, {} annotators",
+        round.name,
+        verdicts.items.len(),
+        round.annotators.len()
+    ));
     lines
-}
-
-/// `0.93 [0.80, 1.00]`: the number and its 95 % interval; `undefined` where there is none.
-fn short(estimate: &Estimate) -> String {
-    match (estimate.value, estimate.interval) {
-        (None, _) => "undefined".to_owned(),
-        (Some(value), None) => hundredths(value),
-        (Some(value), Some([low, high])) => {
-            format!("{} [{}, {}]", hundredths(value), hundredths(low), hundredths(high))
-        }
-    }
-}
-
-/// Two decimals, and no minus before a zero.
-fn hundredths(value: f64) -> String {
-    let text = format!("{value:.2}");
-    if text == "-0.00" { "0.00".to_owned() } else { text }
 }
 
 /// What the numbers are about.
@@ -133,7 +122,7 @@ fn rejected_lines(judged: &Judged) -> Vec<String> {
     let mut lines = Vec::new();
     for verdict in rejected {
         if lines.is_empty() {
-            lines.push(format!("\nrejected ({})", legend()));
+            lines.push(format!("\nrejected ({LEGEND})"));
         }
         lines.push(format!("  {} {} \"{}\"", verdict.query, verdict.pattern(), verdict.text));
         lines.extend(verdict.reasons.iter().map(|reason| format!("      {reason}")));
@@ -144,25 +133,16 @@ fn rejected_lines(judged: &Judged) -> Vec<String> {
     lines
 }
 
-fn legend() -> &'static str {
-    "a letter each: + right, x other objects, 0 none, ? ambiguous, t other frames, s skipped"
-}
-
 /// What became of the status of the queries.
 pub fn status_line(judged: &Judged, changes: &[StatusChange]) -> String {
     if judged.round.simulated {
         return "simulated round: no query has another status for it".to_owned();
     }
-    let mut text = String::from("status of the queries:");
-    for status in [Status::Verified, Status::Rejected, Status::Candidate] {
+    let became = [Status::Verified, Status::Rejected, Status::Candidate].map(|status| {
         let count = changes.iter().filter(|change| change.to == status).count();
-        if count > 0 {
-            write!(text, " {count} now {},", status.as_str()).expect("writing to a string does not fail");
-        }
-    }
-    if changes.is_empty() {
-        "status of the queries: as the votes say already".to_owned()
-    } else {
-        text.trim_end_matches(',').to_owned()
-    }
+        (count > 0).then(|| format!("{count} now {}", status.as_str()))
+    });
+    let became: Vec<String> = became.into_iter().flatten().collect();
+    let became = if became.is_empty() { "as the votes say already".to_owned() } else { became.join(", ") };
+    format!("status of the queries: {became}")
 }

@@ -21,7 +21,7 @@ fn kit() -> Kit {
     let folder = tempfile::tempdir().unwrap();
     let bench = copy_of_one_scene(&folder.path().join("bench"), SCENE);
     let dir = RoundDir::new(folder.path().join("r1"));
-    let gold = Gold { absent: 1, vague: 1, ..Gold::default() };
+    let gold = Gold { absent: 1, vague: 1 };
     let settings = RoundSettings { seed: 3, repeats: 2, gold, ..settings(&["ada"]) };
     let scene = name(SCENE);
     let all = [bench.queries(&scene).unwrap(), bench.composites(&scene).unwrap()].concat();
@@ -132,13 +132,19 @@ fn only_a_sentence_that_is_bound_to_a_time_asks_for_frames() {
     let mut meaning = meaning(&["a", "b"], Temporal::While, interval(0, 12));
     meaning.frames.push(interval(50, 80));
     let answer = |names: &[&str], frames| Answer { choice: objects(names), frames };
-    let mark = |meaning: &Meaning, answer| meaning.mark(&answer, FrameRule::Any);
-    assert_eq!(mark(&meaning, answer(&["b", "a"], interval(70, 96))), Mark::Right);
-    assert_eq!(mark(&meaning, answer(&["a", "b"], interval(13, 49))), Mark::OtherFrames);
-    assert_eq!(mark(&meaning, answer(&["a"], Interval::WHOLE)), Mark::OtherObjects);
-    assert_eq!(meaning.mark(&answer(&["a", "b"], Interval::WHOLE), FrameRule::Iou(0.5)), Mark::OtherFrames);
+    let mark = |meaning: &Meaning, names, frames| meaning.mark(&answer(names, frames));
+    for (frames, expected) in [
+        (interval(70, 96), Mark::Right),
+        (interval(12, 49), Mark::Right),
+        (interval(0, 96), Mark::Right),
+        (interval(13, 49), Mark::OtherFrames),
+        (interval(81, u32::MAX), Mark::OtherFrames),
+    ] {
+        assert_eq!(mark(&meaning, &["b", "a"], frames), expected);
+    }
+    assert_eq!(mark(&meaning, &["a"], Interval::WHOLE), Mark::OtherObjects);
     meaning.temporal = Temporal::Whole;
-    assert_eq!(mark(&meaning, answer(&["a", "b"], interval(13, 49))), Mark::Right);
+    assert_eq!(mark(&meaning, &["a", "b"], interval(13, 49)), Mark::Right);
 }
 
 #[test]

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 use l4d_data::{Benchmark, QueryId};
 use l4d_votes::key::Change;
-use l4d_votes::verdict::{ItemVerdict, Outcome};
 use l4d_votes::{Evidence, Judged};
+use l4d_votes::{ItemVerdict, Outcome};
 
 use crate::cli::annotation::OpenRoundArgs;
 use crate::out::{Printer, refusal};

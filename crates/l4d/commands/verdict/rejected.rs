@@ -10,7 +10,7 @@ use l4d_data::{Benchmark, Name, Workspace};
 use l4d_frames::overlay::marks;
 use l4d_frames::sheet::{Card, MOST_CARDS, Shot, cards, save};
 use l4d_votes::Judged;
-use l4d_votes::verdict::{ItemVerdict, Outcome};
+use l4d_votes::{ItemVerdict, Outcome};
 
 use crate::cli::annotation::VerdictArgs;
 use crate::out::Printer;
