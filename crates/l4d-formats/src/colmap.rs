@@ -2,14 +2,15 @@
 //!
 //! Quaternions are `camera_from_world`, axes are OpenCV's, and the centre of the first pixel is (0.5, 0.5).
 
-mod binary;
-mod text;
+mod fields;
 
 use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3};
 use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
+
+use self::fields::{Binary, Entry, Fields, Text};
 
 /// No file of a model is larger, bytes.
 const MAX_BYTES: u64 = 4 << 30;
@@ -26,55 +27,32 @@ pub struct Model {
     pub points: Vec<ModelPoint>,
 }
 
-/// A camera model: what its parameters mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A camera model: what its parameters mean. Numbers and names are COLMAP's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::EnumString, strum::FromRepr)]
+#[strum(serialize_all = "SCREAMING_SNAKE_CASE")]
+#[repr(i32)]
 pub enum CameraModel {
     /// `f, cx, cy`.
-    SimplePinhole,
+    SimplePinhole = 0,
     /// `fx, fy, cx, cy`.
-    Pinhole,
+    Pinhole = 1,
     /// `f, cx, cy, k`.
-    SimpleRadial,
+    SimpleRadial = 2,
     /// `f, cx, cy, k1, k2`.
-    Radial,
+    Radial = 3,
     /// `fx, fy, cx, cy, k1, k2, p1, p2`.
-    OpenCv,
+    #[strum(serialize = "OPENCV")]
+    OpenCv = 4,
 }
 
 impl CameraModel {
-    /// The models that are understood, with their names, numbers and counts of parameters.
-    const ALL: [(Self, &'static str, i32, usize); 5] = [
-        (Self::SimplePinhole, "SIMPLE_PINHOLE", 0, 3),
-        (Self::Pinhole, "PINHOLE", 1, 4),
-        (Self::SimpleRadial, "SIMPLE_RADIAL", 2, 4),
-        (Self::Radial, "RADIAL", 3, 5),
-        (Self::OpenCv, "OPENCV", 4, 8),
-    ];
-
-    fn entry(self) -> (Self, &'static str, i32, usize) {
-        // A model that is missing in the list would be a pinhole; the test below counts them.
-        Self::ALL.into_iter().find(|entry| entry.0 == self).unwrap_or(Self::ALL[1])
-    }
-
-    /// COLMAP's name.
-    pub fn name(self) -> &'static str {
-        self.entry().1
-    }
-
-    fn number(self) -> i32 {
-        self.entry().2
-    }
-
     fn parameter_count(self) -> usize {
-        self.entry().3
-    }
-
-    fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|entry| entry.1 == name).map(|entry| entry.0)
-    }
-
-    fn of_number(number: i32) -> Option<Self> {
-        Self::ALL.into_iter().find(|entry| entry.2 == number).map(|entry| entry.0)
+        match self {
+            Self::SimplePinhole => 3,
+            Self::Pinhole | Self::SimpleRadial => 4,
+            Self::Radial => 5,
+            Self::OpenCv => 8,
+        }
     }
 }
 
@@ -164,26 +142,15 @@ impl Model {
     /// # Errors
     /// Files that cannot be read, lens models other than the five, images of missing cameras, poses that are none.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
-        let is_binary = folder.join("cameras.bin").is_file();
-        let read = |stem: &str| {
-            let path = folder.join(if is_binary { format!("{stem}.bin") } else { format!("{stem}.txt") });
-            Ok::<_, DataError>((read_bounded(&path, MAX_BYTES)?, path))
+        let end = if folder.join("cameras.bin").is_file() { "bin" } else { "txt" };
+        let path = |stem: &str| folder.join(format!("{stem}.{end}"));
+        let images = path("images");
+        let model = Self {
+            cameras: read(&path("cameras"))?,
+            images: read(&images)?,
+            points: read_points(&path("points3D"))?,
         };
-        let (cameras, images, points) = (read("cameras")?, read("images")?, read("points3D")?);
-        let model = if is_binary {
-            Self {
-                cameras: binary::cameras(&cameras.1, &cameras.0)?,
-                images: binary::images(&images.1, &images.0)?,
-                points: binary::points(&points.1, &points.0)?,
-            }
-        } else {
-            Self {
-                cameras: text::cameras(&cameras.1, &cameras.0)?,
-                images: text::images(&images.1, &images.0)?,
-                points: text::points(&points.1, &points.0)?,
-            }
-        };
-        model.check(&images.1)?;
+        model.check(&images)?;
         Ok(model)
     }
 
@@ -192,9 +159,9 @@ impl Model {
     /// # Errors
     /// What the disk refuses.
     pub fn write(&self, folder: &Path) -> Result<(), DataError> {
-        write_atomic(&folder.join("cameras.bin"), &binary::encode_cameras(&self.cameras))?;
-        write_atomic(&folder.join("images.bin"), &binary::encode_images(&self.images))?;
-        write_atomic(&folder.join("points3D.bin"), &binary::encode_points(&self.points))
+        write_atomic(&folder.join("cameras.bin"), &encode_cameras(&self.cameras))?;
+        write_atomic(&folder.join("images.bin"), &encode_images(&self.images))?;
+        write_atomic(&folder.join("points3D.bin"), &encode_points(&self.points))
     }
 
     /// The intrinsics of that number.
@@ -224,9 +191,101 @@ impl Model {
 /// # Errors
 /// A file that cannot be read, or that is of another kind.
 pub fn read_points(path: &Path) -> Result<Vec<ModelPoint>, DataError> {
+    read(path)
+}
+
+/// Reads a file in the encoding that its name says.
+fn read<T: Entry>(path: &Path) -> Result<Vec<T>, DataError> {
     let bytes = read_bounded(path, MAX_BYTES)?;
-    let is_text = path.extension().is_some_and(|extension| extension == "txt");
-    if is_text { text::points(path, &bytes) } else { binary::points(path, &bytes) }
+    match path.extension().is_some_and(|extension| extension == "txt") {
+        true => Text::new(path, &bytes)?.entries(),
+        false => Binary::new(path, &bytes).entries(),
+    }
+}
+
+impl Entry for ModelCamera {
+    fn read(fields: &mut impl Fields) -> Result<Self, DataError> {
+        let id = fields.number("id")?;
+        let model = fields.model()?;
+        let (width, height) = (fields.number("width")?, fields.number("height")?);
+        let parameters =
+            (0..model.parameter_count()).map(|_| fields.number("parameters")).collect::<Result<_, _>>()?;
+        Ok(Self { id, model, width, height, parameters })
+    }
+}
+
+impl Entry for ModelImage {
+    fn read(fields: &mut impl Fields) -> Result<Self, DataError> {
+        let id = fields.number("id")?;
+        let (w, x) = (fields.number("qw")?, fields.number("qx")?);
+        let rotation = DQuat::from_xyzw(x, fields.number("qy")?, fields.number("qz")?, w);
+        let translation = DVec3::new(fields.number("tx")?, fields.number("ty")?, fields.number("tz")?);
+        let camera = fields.number("camera")?;
+        let name = fields.name()?;
+        let observations = fields.list(24, |fields| {
+            let position = [fields.number("x")?, fields.number("y")?];
+            // No point is -1, or all bits.
+            let point: i64 = fields.number("point")?;
+            Ok(Observation { position, point: u64::try_from(point).ok() })
+        })?;
+        Ok(Self { id, rotation, translation, camera, name, observations })
+    }
+}
+
+impl Entry for ModelPoint {
+    fn read(fields: &mut impl Fields) -> Result<Self, DataError> {
+        let id = fields.number("id")?;
+        let position = DVec3::new(fields.number("x")?, fields.number("y")?, fields.number("z")?);
+        let rgb = [fields.number("red")?, fields.number("green")?, fields.number("blue")?];
+        let error_px = fields.number("error")?;
+        let track = fields.list(8, |fields| Ok((fields.number("image")?, fields.number("place")?)))?;
+        Ok(Self { id, position, rgb, error_px, track })
+    }
+}
+
+fn encode_cameras(cameras: &[ModelCamera]) -> Vec<u8> {
+    let mut bytes = (cameras.len() as u64).to_le_bytes().to_vec();
+    for camera in cameras {
+        bytes.extend(camera.id.to_le_bytes());
+        bytes.extend((camera.model as i32).to_le_bytes());
+        bytes.extend(camera.width.to_le_bytes());
+        bytes.extend(camera.height.to_le_bytes());
+        bytes.extend(camera.parameters.iter().flat_map(|value| value.to_le_bytes()));
+    }
+    bytes
+}
+
+fn encode_images(images: &[ModelImage]) -> Vec<u8> {
+    let mut bytes = (images.len() as u64).to_le_bytes().to_vec();
+    for image in images {
+        bytes.extend(image.id.to_le_bytes());
+        let DQuat { x, y, z, w } = image.rotation;
+        bytes.extend([w, x, y, z].into_iter().chain(image.translation.to_array()).flat_map(f64::to_le_bytes));
+        bytes.extend(image.camera.to_le_bytes());
+        bytes.extend(image.name.as_bytes());
+        bytes.push(0);
+        bytes.extend((image.observations.len() as u64).to_le_bytes());
+        for observation in &image.observations {
+            bytes.extend(observation.position.into_iter().flat_map(f64::to_le_bytes));
+            bytes.extend(observation.point.unwrap_or(u64::MAX).to_le_bytes());
+        }
+    }
+    bytes
+}
+
+fn encode_points(points: &[ModelPoint]) -> Vec<u8> {
+    let mut bytes = (points.len() as u64).to_le_bytes().to_vec();
+    for point in points {
+        bytes.extend(point.id.to_le_bytes());
+        bytes.extend(point.position.to_array().into_iter().flat_map(f64::to_le_bytes));
+        bytes.extend(point.rgb);
+        bytes.extend(point.error_px.to_le_bytes());
+        bytes.extend((point.track.len() as u64).to_le_bytes());
+        bytes.extend(
+            point.track.iter().flat_map(|(image, place)| [image.to_le_bytes(), place.to_le_bytes()].concat()),
+        );
+    }
+    bytes
 }
 
 #[cfg(test)]
@@ -290,13 +349,10 @@ mod tests {
     }
 
     #[test]
-    fn every_camera_model_knows_itself() {
-        for (model, name, number, count) in CameraModel::ALL {
-            assert_eq!((model.name(), model.number(), model.parameter_count()), (name, number, count));
-            assert_eq!(
-                (CameraModel::of_name(name), CameraModel::of_number(number)),
-                (Some(model), Some(model))
-            );
+    fn camera_models_have_the_names_and_numbers_of_colmap() {
+        let names = ["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"];
+        for (number, name) in (0..).zip(names) {
+            assert_eq!(CameraModel::from_repr(number), Some(name.parse().unwrap()));
         }
     }
 

@@ -5,15 +5,15 @@
 
 pub mod arrays;
 pub mod colmap;
+mod element;
 pub mod fault;
 pub mod npy;
-pub mod npz;
 pub mod pickle;
 pub mod ply;
 pub mod python;
 pub mod tensor;
 pub mod tensor_file;
-mod zip;
+pub mod zip;
 
 pub use fault::Fault;
 pub use tensor::Tensor;

@@ -1,33 +1,30 @@
-//! `.pth` files: what `torch.save` makes of tensors, and of dicts, lists and tuples of them.
+//! `.pth` files: what `torch.save` makes of a tensor or a dict of tensors.
 //!
 //! Such a file is a zip of a pickle, a program for a small stack machine that can call anything in Python, and of one
 //! entry of raw numbers per storage. The machine here knows the 33 opcodes and the few globals that tensors need. It
 //! calls nothing: each allowed global has one meaning that is spelled out in this crate, and any other is refused by
 //! name, before anything that follows it is read.
 //!
-//! Memory stays in proportion to the file: storages are slices of it, a value that the pickle shares may be written
-//! out again only as far as the pickle is long, and tensors together hold no more numbers than the file has bytes.
+//! Memory stays in proportion to the file: storages are slices of it, values that the pickle shares stay shared, and
+//! tensors together hold no more numbers than the file has bytes.
 //! Existing readers (candle's, burn's) turn what they don't know into opaque values and allow tensors of any size that
 //! strides of zero can claim; the container is left to a crate.
 
-mod global;
+mod calls;
 mod machine;
 mod node;
-mod storage;
-mod tensors;
-mod value;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use l4d_data::DataError;
 use l4d_data::store::read_bounded;
 
+use self::node::{Id, Node};
+use crate::element::Problem;
 use crate::fault::{Fault, quoted};
-use crate::tensor::Tensor;
+use crate::tensor::{Tensor, element_count};
 use crate::zip::Archive;
-
-pub use value::Value;
 
 /// No such file is larger, bytes: a thousand times what a model of this project needs.
 const MAX_BYTES: u64 = 8 << 30;
@@ -40,35 +37,69 @@ const OLD_TORCH: &[u8] = b"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\
 const REMEDY: &str =
     "save the parameters alone, with torch 1.6 or newer: torch.save(model.state_dict(), path)";
 
-/// Reads whatever tensors and plain values a file holds.
-///
-/// # Errors
-/// As [`decode`], and a file that cannot be read.
-pub fn read(path: &Path) -> Result<Value, DataError> {
-    decode(&read_bounded(path, MAX_BYTES)?).map_err(|fault| fault.at(path))
+/// What a file holds. Numbers are `f32`, whatever their type in the file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Saved {
+    /// A tensor or parameter.
+    Tensor(Tensor),
+    /// A dict by names, the last of equals; of what is no tensor the Python type.
+    Dict(BTreeMap<String, Result<Tensor, &'static str>>),
 }
 
 /// Reads a state dict: finite tensors by name.
 ///
 /// # Errors
-/// As [`read`], and other values.
+/// As [`decode`], a file that cannot be read, other values, and numbers that are not finite.
 pub fn read_state_dict(path: &Path) -> Result<BTreeMap<String, Tensor>, DataError> {
-    read(path)?.into_state_dict().map_err(|fault| fault.at(path))
+    decode(&read_bounded(path, MAX_BYTES)?).and_then(Saved::into_state_dict).map_err(|fault| fault.at(path))
 }
 
 /// Reads a single finite tensor.
 ///
 /// # Errors
-/// As [`read`], and other values.
+/// As [`read_state_dict`].
 pub fn read_tensor(path: &Path) -> Result<Tensor, DataError> {
-    read(path)?.into_tensor().map_err(|fault| fault.at(path))
+    decode(&read_bounded(path, MAX_BYTES)?).and_then(Saved::into_tensor).map_err(|fault| fault.at(path))
+}
+
+impl Saved {
+    /// The finite tensors of a dict.
+    ///
+    /// # Errors
+    /// Other values, and numbers that are not finite.
+    pub fn into_state_dict(self) -> Result<BTreeMap<String, Tensor>, Fault> {
+        let Self::Dict(entries) = self else {
+            return Err(Fault::new("top level", "is a tensor, but a state dict is a dict", REMEDY));
+        };
+        let finite = |(name, value): (String, Result<Tensor, &str>)| {
+            let place = quoted(&name);
+            let tensor = value.map_err(|kind| {
+                Fault::new(&place, format!("is {kind}, but a state dict holds tensors"), REMEDY)
+            })?;
+            tensor.check_finite(&place)?;
+            Ok((name, tensor))
+        };
+        entries.into_iter().map(finite).collect()
+    }
+
+    /// The finite tensor that is the whole value.
+    ///
+    /// # Errors
+    /// A dict, and numbers that are not finite.
+    pub fn into_tensor(self) -> Result<Tensor, Fault> {
+        let Self::Tensor(tensor) = self else {
+            return Err(Fault::new("top level", "is a dict, but a tensor belongs here", REMEDY));
+        };
+        tensor.check_finite("tensor")?;
+        Ok(tensor)
+    }
 }
 
 /// The value in the bytes of a file.
 ///
 /// # Errors
-/// Anything but tensors and plain values, and a file that claims more than it holds.
-pub fn decode(bytes: &[u8]) -> Result<Value, Fault> {
+/// Anything but a tensor or a dict with names as keys, and a file that claims more than it holds.
+pub fn decode(bytes: &[u8]) -> Result<Saved, Fault> {
     if bytes.starts_with(OLD_TORCH) {
         return Err(Fault::new("first bytes", "are those of a torch older than 1.6", REMEDY));
     }
@@ -84,11 +115,10 @@ pub fn decode(bytes: &[u8]) -> Result<Value, Fault> {
         (Some(_), Some(_)) => return refuse("has more than one entry `data.pkl`"),
     };
     let program = archive.stored(&format!("{root}data.pkl"), true)?;
-    if program.len() > LONGEST_PICKLE {
-        let message = format!(
-            "has {} bytes, but the names and shapes of tensors fit into {LONGEST_PICKLE}",
-            program.len()
-        );
+    let length = program.len();
+    if length > LONGEST_PICKLE {
+        let message =
+            format!("has {length} bytes, but the names and shapes of tensors fit into {LONGEST_PICKLE}");
         return Err(Fault::new("entry `data.pkl`", message, REMEDY));
     }
     let order = format!("{root}byteorder");
@@ -96,57 +126,86 @@ pub fn decode(bytes: &[u8]) -> Result<Value, Fault> {
         let remedy = "save the file on a little-endian machine";
         return Err(Fault::new("entry `byteorder`", "is not `little`", remedy));
     }
-    value::expand(&machine::run(program)?, &archive, &root, bytes.len())
+    let (nodes, value) = machine::run(program)?;
+    // Strides of zero and names of the same tensor could make more of a file than it has bytes.
+    let numbers_left = bytes.len();
+    Tensors { nodes: &nodes, archive: &archive, root, numbers_left, sound: BTreeSet::new() }.saved(value)
 }
 
-impl Value {
-    /// The finite tensors of a dict with names as keys.
-    ///
-    /// # Errors
-    /// Other values, and numbers that are not finite.
-    pub fn into_state_dict(self) -> Result<BTreeMap<String, Tensor>, Fault> {
-        let Self::Dict(entries) = self else {
-            return Err(Fault::new(
-                "top level",
-                format!("is {}, but a state dict is a dict", self.kind()),
-                REMEDY,
-            ));
+/// Tensors of a file that has been described.
+struct Tensors<'a> {
+    nodes: &'a [Node],
+    archive: &'a Archive<'a>,
+    /// Folder of the storages in the archive.
+    root: String,
+    numbers_left: usize,
+    /// Storages whose checksum was seen to match.
+    sound: BTreeSet<&'a str>,
+}
+
+impl<'a> Tensors<'a> {
+    fn saved(&mut self, value: Id) -> Result<Saved, Fault> {
+        let top = |message: String| Fault::new("top level", message, REMEDY);
+        let pairs = match self.node(value) {
+            Node::Dict(pairs) => pairs,
+            Node::Tensor(..) => {
+                return self.tensor(value)?.map(Saved::Tensor).map_err(|kind| top(kind.into()));
+            }
+            other => {
+                return Err(top(format!(
+                    "is {}, but a tensor or a dict of tensors belongs here",
+                    other.kind()
+                )));
+            }
         };
-        let mut tensors = BTreeMap::new();
-        for (key, value) in entries {
-            let Self::Text(name) = key else {
-                return Err(Fault::new(
-                    "top level",
-                    format!("has {} for a key, but names are strings", key.kind()),
-                    REMEDY,
-                ));
-            };
-            let Self::Tensor(tensor) = value else {
-                return Err(Fault::new(
-                    quoted(&name),
-                    format!("is {}, but a state dict holds tensors", value.kind()),
-                    REMEDY,
-                ));
-            };
-            tensor.check_finite(&quoted(&name))?;
-            tensors.insert(name, tensor);
+        // Names are shared until each is known to come once.
+        let mut entries = BTreeMap::new();
+        for &(key, value) in pairs {
+            match self.node(key) {
+                Node::Text(name) => drop(entries.insert(&**name, value)),
+                key => return Err(top(format!("has {} for a key, but names are strings", key.kind()))),
+            }
         }
-        Ok(tensors)
+        let read = |(name, value): (&str, Id)| Ok((name.to_owned(), self.tensor(value)?));
+        entries.into_iter().map(read).collect::<Result<_, Fault>>().map(Saved::Dict)
     }
 
-    /// The finite tensor that is the whole value.
-    ///
-    /// # Errors
-    /// Other values, and numbers that are not finite.
-    pub fn into_tensor(self) -> Result<Tensor, Fault> {
-        let Self::Tensor(tensor) = self else {
-            return Err(Fault::new(
-                "top level",
-                format!("is {}, but a tensor belongs here", self.kind()),
-                REMEDY,
-            ));
+    fn node(&self, id: Id) -> &'a Node {
+        self.nodes.get(id as usize).unwrap_or(&Node::None)
+    }
+
+    /// A tensor, or the Python type of what is none.
+    fn tensor(&mut self, value: Id) -> Result<Result<Tensor, &'static str>, Fault> {
+        let Node::Tensor(storage, view) = self.node(value) else { return Ok(Err(self.node(value).kind())) };
+        let Node::Storage(storage) = self.node(*storage) else {
+            return Err(Fault::new("data.pkl", "has a tensor without a storage", REMEDY));
         };
-        tensor.check_finite("tensor")?;
-        Ok(tensor)
+        let fault =
+            |message: String| Fault::new(format!("storage {}", quoted(&storage.key)), message, REMEDY);
+        let left = element_count(&view.shape).and_then(|count| self.numbers_left.checked_sub(count));
+        self.numbers_left = left.ok_or_else(|| {
+            let message = "repeats itself into far more numbers than the file has room for";
+            Fault::new("data.pkl", message, REMEDY)
+        })?;
+        let name = format!("{}data/{}", self.root, storage.key);
+        let is_new = self.sound.insert(&storage.key);
+        let bytes = self.archive.stored(&name, is_new)?;
+        let (count, size) = (storage.count, storage.element.size());
+        if count.checked_mul(size) != Some(bytes.len()) {
+            let found = bytes.len();
+            return Err(fault(format!("has {found} bytes, but the pickle claims {count} numbers of {size}")));
+        }
+        let data = storage.element.read(bytes, view).map_err(|problem| {
+            fault(match problem {
+                Problem::OutOfBounds => format!(
+                    "has {count} numbers, but a tensor starts at {} with shape {:?} and strides {:?}",
+                    view.offset, view.shape, view.strides
+                ),
+                Problem::TooLarge(index) => {
+                    format!("has a number that no 32-bit float is like, at {index} of a tensor")
+                }
+            })
+        })?;
+        Ok(Ok(Tensor { shape: view.shape.clone(), data }))
     }
 }

@@ -1,39 +1,46 @@
-//! PLY: tables of named columns, ascii or binary.
-//!
-//! Columns are found by name, so that order, extra properties and number types may differ. The format is so small that
-//! parsing it here costs less than steering a general crate: those hand over rows or maps by name where columns are
-//! needed, and allocate as many rows as a header claims.
+//! PLY: tables of named columns, ascii or binary. `serde_ply` parses; this module holds what a header claims against the
+//! file before any row is read, and picks columns by name, so that order, extra properties and number types may differ.
 
-mod header;
-mod rows;
+use std::collections::BTreeSet;
+use std::fmt;
+use std::io::{Chain, Read as _};
 
-use crate::fault::Fault;
+use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_ply::{DeserializeError, PlyFormat, PlyReader};
+pub use serde_ply::{ElementDef, PropertyType, ScalarType};
 
-use header::Header;
-pub use header::{Element, Property, Scalar};
-use rows::Column;
+use crate::fault::{Fault, quoted};
+
+const REMEDY: &str =
+    "copy or export the file again: it was cut, or something was appended or converted on the way";
 
 /// A file whose size fits what its header claims.
-#[derive(Debug)]
 pub struct Ply<'a> {
-    header: Header,
-    bytes: &'a [u8],
+    /// Ends in a line feed, which the last line of an ascii file may lack.
+    reader: PlyReader<Chain<&'a [u8], &'a [u8]>>,
 }
 
 impl<'a> Ply<'a> {
     /// Parses the header in the bytes of a file.
     ///
     /// # Errors
-    /// Lists, lines that are none of a PLY header, and a body of another length.
+    /// Lists, names that come twice, lines that are none of a PLY header, and a body of another length.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
-        let header = Header::parse(bytes)?;
-        rows::check_size(&header, bytes)?;
-        Ok(Self { header, bytes })
+        let end = bytes.windows(11).position(|window| window == b"\nend_header");
+        let end =
+            end.ok_or_else(|| Fault::new("header", "has no line `end_header`: is this a PLY file?", REMEDY))?;
+        let body = bytes[end + 1..].splitn(2, |&byte| byte == b'\n').nth(1).unwrap_or_default();
+        let reader =
+            PlyReader::from_reader(bytes.chain(&b"\n"[..])).map_err(|error| broken("header", &error))?;
+        let file = Self { reader };
+        file.check_names()?;
+        file.check_size(body)?;
+        Ok(file)
     }
 
     /// The tables, in the order of the file.
-    pub fn elements(&self) -> &[Element] {
-        &self.header.elements
+    pub fn elements(&self) -> &[ElementDef] {
+        &self.reader.header().elem_defs
     }
 
     /// Passes each row of an element to `each`: the numbers of these columns, in their order. `double` is rounded.
@@ -41,46 +48,195 @@ impl<'a> Ply<'a> {
     /// # Errors
     /// Columns that are missing or neither `float` nor `double`, text that is no number, and what `each` refuses.
     pub fn rows(
-        &self,
-        element: &Element,
+        mut self,
+        element: &str,
         columns: &[String],
         remedy: &'static str,
         each: impl FnMut(usize, &[f32]) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
-        let columns: Vec<Column> =
-            columns.iter().map(|name| column(element, name, remedy)).collect::<Result<_, _>>()?;
-        rows::read(&self.header, self.bytes, &element.name, &columns, each)
+        let elements = self.elements();
+        let place = elements.iter().position(|other| other.name == element);
+        let place =
+            place.ok_or_else(|| Fault::new("header", format!("has no element `{element}`"), remedy))?;
+        let wanted = places(&elements[place], columns, remedy)?;
+        let row = vec![0.0; columns.len()];
+        let mut rows = Rows { wanted, row, each, refused: None };
+        for _ in 0..place {
+            let each: fn(usize, &[f32]) -> Result<(), Fault> = |_, _| Ok(());
+            let mut skipped = Rows { wanted: Vec::new(), row: Vec::new(), each, refused: None };
+            (&mut self.reader).next_value_seed(&mut skipped).map_err(|error| broken("rows", &error))?;
+        }
+        let read = (&mut self.reader).next_value_seed(&mut rows);
+        match rows.refused {
+            Some(fault) => Err(fault),
+            None => read.map_err(|error| broken(&format!("rows of {}", quoted(element)), &error)),
+        }
+    }
+
+    fn check_names(&self) -> Result<(), Fault> {
+        let mut known = BTreeSet::new();
+        for element in self.elements() {
+            if let Some(list) = element.properties.iter().find(|property| size(&property.property_type) == 0)
+            {
+                let message =
+                    format!("{} is a list, but points have none: this looks like a mesh", quoted(&list.name));
+                return Err(Fault::new("header", message, "give a PLY of points or Gaussians"));
+            }
+            let names = element.properties.iter().map(|property| Some(&property.name));
+            if let Some(name) =
+                std::iter::once(None).chain(names).find(|name| !known.insert((&element.name, *name)))
+            {
+                let message = format!("repeats {}", quoted(name.unwrap_or(&element.name)));
+                return Err(Fault::new("header", message, REMEDY));
+            }
+        }
+        Ok(())
+    }
+
+    /// Holds the claimed rows against the length of the file; only then may room be made for them.
+    fn check_size(&self, body: &[u8]) -> Result<(), Fault> {
+        let is_ascii = self.reader.header().format == PlyFormat::Ascii;
+        let (found, unit) = match is_ascii {
+            true => (body.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count(), "numbers"),
+            false => (body.len(), "bytes"),
+        };
+        let claimed = self.elements().iter().try_fold(0_usize, |total, element| {
+            let sizes = element
+                .properties
+                .iter()
+                .map(|property| if is_ascii { 1 } else { size(&property.property_type) });
+            // Rows of nothing would be read for ever.
+            total.checked_add(element.count.checked_mul(sizes.sum::<usize>().max(1))?)
+        });
+        if claimed == Some(found) {
+            return Ok(());
+        }
+        let rows = self
+            .elements()
+            .iter()
+            .map(|element| format!("{} rows of {}", element.count, quoted(&element.name)));
+        let rows = rows.collect::<Vec<_>>().join(" and ");
+        let needed =
+            claimed.map_or("more than any file holds".to_owned(), |claimed| format!("{claimed} {unit}"));
+        let message = format!("the header claims {rows}, which need {needed}, but {found} follow it");
+        Err(Fault::new("size", message, REMEDY))
     }
 }
 
-fn column(element: &Element, name: &str, remedy: &'static str) -> Result<Column, Fault> {
-    let fault = |message: String| Fault::new(format!("header, property `{name}`"), message, remedy);
-    let mut offset = 0;
-    for (word, property) in element.properties.iter().enumerate() {
-        let scalar = property.scalar;
-        if property.name == name {
-            return match scalar {
-                Scalar::F32 | Scalar::F64 => Ok(Column { name: name.to_owned(), offset, word, scalar }),
-                _ => Err(fault(format!(
-                    "is of type `{}`, but parameters are `float` or `double`",
-                    scalar.name()
-                ))),
-            };
-        }
-        offset += scalar.size();
+fn broken(place: &str, error: &DeserializeError) -> Fault {
+    Fault::new(place, quoted(&error.0.to_string()), REMEDY)
+}
+
+/// Bytes of one number in a binary body; 0 for lists.
+fn size(kind: &PropertyType) -> usize {
+    match kind {
+        PropertyType::List { .. } => 0,
+        PropertyType::Scalar(ScalarType::I8 | ScalarType::U8) => 1,
+        PropertyType::Scalar(ScalarType::I16 | ScalarType::U16) => 2,
+        PropertyType::Scalar(ScalarType::I32 | ScalarType::U32 | ScalarType::F32) => 4,
+        PropertyType::Scalar(ScalarType::F64) => 8,
     }
-    Err(fault("is missing".to_owned()))
+}
+
+/// For each property of an element its place among the columns, if it is one.
+fn places(
+    element: &ElementDef,
+    columns: &[String],
+    remedy: &'static str,
+) -> Result<Vec<Option<usize>>, Fault> {
+    for name in columns {
+        let message = match element.get_property(name).map(|property| &property.property_type) {
+            Some(PropertyType::Scalar(ScalarType::F32 | ScalarType::F64)) => continue,
+            Some(PropertyType::Scalar(other)) => {
+                format!("is of type `{other}`, but parameters are `float` or `double`")
+            }
+            _ => "is missing".to_owned(),
+        };
+        return Err(Fault::new(format!("header, property `{name}`"), message, remedy));
+    }
+    let properties = element.properties.iter();
+    Ok(properties.map(|property| columns.iter().position(|name| *name == property.name)).collect())
+}
+
+/// Takes the rows of an element as they come.
+struct Rows<E> {
+    /// For each property its place in `row`.
+    wanted: Vec<Option<usize>>,
+    row: Vec<f32>,
+    each: E,
+    refused: Option<Fault>,
+}
+
+impl<'de, E: FnMut(usize, &[f32]) -> Result<(), Fault>> DeserializeSeed<'de> for &mut Rows<E> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de, E: FnMut(usize, &[f32]) -> Result<(), Fault>> Visitor<'de> for &mut Rows<E> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("rows of numbers")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<(), A::Error> {
+        let mut index = 0;
+        while let Some(()) = rows.next_element_seed(Row { wanted: &self.wanted, row: &mut self.row })? {
+            if let Err(fault) = (self.each)(index, &self.row) {
+                self.refused = Some(fault);
+                return Ok(());
+            }
+            index += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Takes one row.
+struct Row<'a> {
+    wanted: &'a [Option<usize>],
+    row: &'a mut [f32],
+}
+
+impl<'de> DeserializeSeed<'de> for Row<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Row<'_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a row of numbers")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<(), A::Error> {
+        let mut wanted = self.wanted.iter();
+        while let Some(IgnoredAny) = fields.next_key()? {
+            match wanted.next() {
+                Some(&Some(place)) => self.row[place] = fields.next_value()?,
+                _ => drop(fields.next_value::<IgnoredAny>()?),
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The bytes of a little-endian file of vertices: `body` is its rows, whose columns are `properties`.
 pub fn encode<'a>(
     count: usize,
-    properties: impl IntoIterator<Item = (&'a str, Scalar)>,
+    properties: impl IntoIterator<Item = (&'a str, &'a str)>,
     body: &[u8],
 ) -> Vec<u8> {
     let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {count}\n");
-    for (name, scalar) in properties {
-        header.push_str(&format!("property {} {name}\n", scalar.name()));
+    for (name, kind) in properties {
+        header.push_str(&format!("property {kind} {name}\n"));
     }
     header.push_str("end_header\n");
     [header.as_bytes(), body].concat()

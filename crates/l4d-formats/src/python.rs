@@ -31,22 +31,15 @@ impl Literal {
     /// The value of a string key, if this is a dict.
     pub fn get(&self, key: &str) -> Option<&Literal> {
         let Self::Dict(entries) = self else { return None };
-        entries
-            .iter()
-            .find(|(known, _)| matches!(known, Self::Text(known) if known == key))
-            .map(|(_, value)| value)
+        let is_it = |known: &Self| matches!(known, Self::Text(known) if known == key);
+        entries.iter().find(|(known, _)| is_it(known)).map(|(_, value)| value)
     }
 }
 
 /// As in messages: floats and strings in Rust's notation.
 impl fmt::Display for Literal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let items = |f: &mut fmt::Formatter<'_>, items: &[Self]| {
-            items
-                .iter()
-                .enumerate()
-                .try_for_each(|(index, item)| write!(f, "{}{item}", if index > 0 { ", " } else { "" }))
-        };
+        let joined = |items: &[Self]| items.iter().map(Self::to_string).collect::<Vec<_>>().join(", ");
         match self {
             Self::None => f.write_str("None"),
             Self::Bool(true) => f.write_str("True"),
@@ -54,16 +47,8 @@ impl fmt::Display for Literal {
             Self::Int(value) => write!(f, "{value}"),
             Self::Float(value) => write!(f, "{value:?}"),
             Self::Text(text) => write!(f, "'{text}'"),
-            Self::List(list) => {
-                f.write_str("[")?;
-                items(f, list)?;
-                f.write_str("]")
-            }
-            Self::Tuple(tuple) => {
-                f.write_str("(")?;
-                items(f, tuple)?;
-                f.write_str(")")
-            }
+            Self::List(list) => write!(f, "[{}]", joined(list)),
+            Self::Tuple(tuple) => write!(f, "({})", joined(tuple)),
             Self::Dict(_) => f.write_str("{...}"),
         }
     }
@@ -97,10 +82,8 @@ pub fn namespace(text: &str) -> Result<Vec<(String, Literal)>, Fault> {
     let mut parser = Parser { text, at: 0, depth: 0 };
     parser.skip_blanks();
     if !parser.eat("Namespace(") {
-        return Err(fault(
-            parser.at,
-            format!("is {}, but the text starts with `Namespace(`", parser.sample()),
-        ));
+        let message = format!("is {}, but the text starts with `Namespace(`", parser.sample());
+        return Err(fault(parser.at, message));
     }
     let mut options: Vec<(String, Literal)> = Vec::new();
     parser.until(')', |parser| {
@@ -208,7 +191,7 @@ impl<'a> Parser<'a> {
         }
         let value = match self.rest().bytes().next() {
             Some(b'\'' | b'"') => self.string().map(Literal::Text),
-            Some(b'[') => self.list(),
+            Some(b'[') => self.items(']').map(|(items, _)| Literal::List(items)),
             Some(b'(') => self.tuple(),
             Some(b'{') => self.dict(),
             Some(b'+' | b'-' | b'.' | b'0'..=b'9') => self.number(),
@@ -218,18 +201,17 @@ impl<'a> Parser<'a> {
         value
     }
 
-    fn list(&mut self) -> Result<Literal, Fault> {
+    /// Values up to and with `close`, and whether a comma stood before it.
+    fn items(&mut self, close: char) -> Result<(Vec<Literal>, bool), Fault> {
         self.at += 1;
         let mut items = Vec::new();
-        self.until(']', |parser| parser.literal().map(|item| items.push(item)))?;
-        Ok(Literal::List(items))
+        let comma = self.until(close, |parser| parser.literal().map(|item| items.push(item)))?;
+        Ok((items, comma))
     }
 
     /// A tuple; brackets around one value without a comma are that value.
     fn tuple(&mut self) -> Result<Literal, Fault> {
-        self.at += 1;
-        let mut items = Vec::new();
-        let comma = self.until(')', |parser| parser.literal().map(|item| items.push(item)))?;
+        let (mut items, comma) = self.items(')')?;
         if items.len() == 1 && !comma {
             return Ok(items.remove(0));
         }
@@ -250,29 +232,21 @@ impl<'a> Parser<'a> {
 
     fn number(&mut self) -> Result<Literal, Fault> {
         let rest = self.rest();
-        let belongs = |(index, c): (usize, char)| {
-            let after_exponent = index > 0 && matches!(rest.as_bytes().get(index - 1), Some(b'e' | b'E'));
-            c.is_ascii_alphanumeric()
-                || c == '.'
-                || c == '_'
-                || ((c == '+' || c == '-') && (index == 0 || after_exponent))
-        };
-        let end = rest.char_indices().find(|&place| !belongs(place)).map_or(rest.len(), |(index, _)| index);
-        let word = &rest[..end];
+        let belongs = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '+' | '-');
+        let word = &rest[..rest.find(|c| !belongs(c)).unwrap_or(rest.len())];
         let digits = word.trim_start_matches(['+', '-']);
         // Rust would take words such as `infinity` too.
-        let value = if digits == "inf" || digits == "nan" {
-            word.parse().ok().map(Literal::Float)
-        } else if digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        let is_float = |byte| matches!(byte, b'0'..=b'9' | b'.' | b'e' | b'E' | b'+' | b'-');
+        let value = if digits.bytes().all(|byte| byte.is_ascii_digit()) {
             word.parse().ok().map(Literal::Int)
-        } else if digits.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'.' | b'e' | b'E' | b'+' | b'-')) {
+        } else if digits == "inf" || digits == "nan" || digits.bytes().all(is_float) {
             word.parse().ok().map(Literal::Float)
         } else {
             None
         };
-        let value = value
-            .ok_or_else(|| fault(self.at, format!("is {}, which is no number of 64 bits", quoted(word))))?;
-        self.at += end;
+        let message = || format!("is {}, which is no number of 64 bits", quoted(word));
+        let value = value.ok_or_else(|| fault(self.at, message()))?;
+        self.at += word.len();
         Ok(value)
     }
 
@@ -286,10 +260,8 @@ impl<'a> Parser<'a> {
             "nan" => Ok(Literal::Float(f64::NAN)),
             _ => {
                 self.at = start;
-                Err(fault(
-                    start,
-                    format!("is {}, which is no literal; nothing here is evaluated", self.sample()),
-                ))
+                let message = format!("is {}, which is no literal; nothing here is evaluated", self.sample());
+                Err(fault(start, message))
             }
         }
     }

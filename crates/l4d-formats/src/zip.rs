@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
 
 use flate2::read::DeflateDecoder;
+use rawzip::path::EntryPath;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveWriter};
 
 use crate::fault::{Fault, quoted};
@@ -133,11 +134,16 @@ fn leaves_its_folder(name: &str) -> bool {
         || name.split('/').any(|part| part == "..")
 }
 
-/// An archive of stored entries.
-pub(crate) fn encode(entries: &[(String, &[u8])]) -> Result<Vec<u8>, rawzip::Error> {
+/// An archive of stored entries, named as given.
+///
+/// # Errors
+/// More bytes than a zip holds.
+pub fn encode<'a>(
+    entries: impl IntoIterator<Item = (impl AsRef<str>, &'a [u8])>,
+) -> Result<Vec<u8>, rawzip::Error> {
     let mut zip = ZipArchiveWriter::new(Vec::new());
     for (name, bytes) in entries {
-        let (mut entry, config) = zip.new_file(name).start()?;
+        let (mut entry, config) = zip.new_file(EntryPath::verbatim(name.as_ref().as_bytes())).start()?;
         let mut writer = config.wrap(&mut entry);
         writer.write_all(bytes)?;
         let (_, descriptor) = writer.finish()?;

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use l4d_data::DataError;
 use l4d_formats::arrays;
-use l4d_import::results::relevancy::{Decoder, Folded, Latents, Rules, Smoothing, TextsFile, answer};
+use l4d_import::results::relevancy::{Decoder, Engine, Latents, Rules, Smoothing, TextsFile, answer};
 use std::io::Write as _;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rules = Rules { smoothing, threshold: 0.4, stretch_positive: false };
     let decoder = Decoder::read(Path::new(decoder))?;
     let texts = TextsFile::read(Path::new(texts))?.texts;
-    let engine = Folded::new(&decoder, &texts).ok_or("the decoder does not end in the width of the texts")?;
+    let engine = Engine::new(decoder, texts).ok_or("the decoder does not end in the width of the texts")?;
     let start = Instant::now();
     let mut masks = Vec::new();
     for frame in frames.split(|argument| argument == "--") {

@@ -13,20 +13,19 @@ mod nerfstudio;
 mod neu3d;
 mod plan;
 pub mod publish;
-mod video;
 mod write;
 
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
 
 pub use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::{DataError, Name};
+use strum::VariantNames as _;
 
 pub(crate) use self::plan::name_of;
 
 /// Who recorded, or what reconstructed the cameras.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "lowercase", parse_err_ty = String, parse_err_fn = unknown)]
 pub enum Source {
     /// Neural 3D Video: `poses_bounds.npy` and a video a camera.
     Neu3d,
@@ -40,39 +39,8 @@ pub enum Source {
     Nerfstudio,
 }
 
-impl Source {
-    /// All sources, in the order of the documentation.
-    pub const ALL: [Self; 5] =
-        [Self::Neu3d, Self::InterDigital, Self::HyperNerf, Self::Colmap, Self::Nerfstudio];
-
-    /// Name as written on the command line and in `capture.json`.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Neu3d => "neu3d",
-            Self::InterDigital => "interdigital",
-            Self::HyperNerf => "hypernerf",
-            Self::Colmap => "colmap",
-            Self::Nerfstudio => "nerfstudio",
-        }
-    }
-}
-
-impl fmt::Display for Source {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.as_str())
-    }
-}
-
-impl FromStr for Source {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let names = || Self::ALL.map(Self::as_str).join(", ");
-        Self::ALL
-            .into_iter()
-            .find(|source| source.as_str() == text)
-            .ok_or_else(|| format!("unknown source `{text}`: use one of {}", names()))
-    }
+fn unknown(text: &str) -> String {
+    format!("unknown source `{text}`: use one of {}", Source::VARIANTS.join(", "))
 }
 
 /// What is read from where.

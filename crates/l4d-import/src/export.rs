@@ -11,27 +11,20 @@ mod coco;
 mod colmap;
 mod davis;
 mod dynerf;
-mod folder;
-mod judged;
 mod manifest;
 mod nerfstudio;
 mod panoptic;
 mod views;
 
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
 
 use l4d_data::layout::{CaptureDir, SceneDir};
 use l4d_data::{Camera, DataError};
-use serde::Serialize;
+use strum::VariantNames as _;
 
-pub use self::folder::MANIFEST;
-pub use self::manifest::{Called, Exported, Manifest, SCHEMA};
+pub use self::manifest::{Called, Exported, MANIFEST, Manifest};
 
-use crate::annotations::Judged;
-
-use self::folder::Folder;
+use self::manifest::Folder;
 use self::views::SceneViews;
 
 /// Most points of a cloud by default: what 4DGaussians itself reduces Neu3D's clouds to.
@@ -40,13 +33,19 @@ pub const DEFAULT_POINTS: usize = 40_000;
 const CENTRE_TOLERANCE_PX: f64 = 1e-6;
 
 /// A layout of another tool.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, strum::Display, strum::EnumString, strum::EnumIter, strum::VariantNames,
+)]
+#[strum(serialize_all = "lowercase", parse_err_ty = String, parse_err_fn = unknown)]
 pub enum Format {
     /// 4DGaussians, its reader `PanopticSports`: keeps size, principal point and split.
+    #[strum(serialize = "4dgaussians")]
     FourDGaussians,
     /// 4DGaussians, its reader `dynerf`.
+    #[strum(serialize = "4dgaussians-dynerf")]
     Dynerf,
     /// 4D LangSplat: as `dynerf`, with exactly 300 frames.
+    #[strum(serialize = "4d-langsplat")]
     FourDLangSplat,
     /// LangSplat: a COLMAP model a frame.
     LangSplat,
@@ -58,54 +57,16 @@ pub enum Format {
     Coco,
     /// Instances as palette pictures.
     Davis,
-    /// The truth of the held-out camera for 4D LangSplat's evaluator.
-    FourDLangSplatAnnotations,
-    /// The truth of the held-out camera for LangSplat's evaluator.
-    LerfOvs,
+}
+
+fn unknown(text: &str) -> String {
+    format!("unknown format `{text}`: use one of {}", Format::VARIANTS.join(", "))
 }
 
 impl Format {
-    /// All formats, in the order of the documentation.
-    pub const ALL: [Self; 10] = [
-        Self::FourDGaussians,
-        Self::Dynerf,
-        Self::FourDLangSplat,
-        Self::LangSplat,
-        Self::Nerfstudio,
-        Self::Colmap,
-        Self::Coco,
-        Self::Davis,
-        Self::FourDLangSplatAnnotations,
-        Self::LerfOvs,
-    ];
-
-    /// Name as written on the command line and in manifests.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::FourDGaussians => "4dgaussians",
-            Self::Dynerf => "4dgaussians-dynerf",
-            Self::FourDLangSplat => "4d-langsplat",
-            Self::LangSplat => "langsplat",
-            Self::Nerfstudio => "nerfstudio",
-            Self::Colmap => "colmap",
-            Self::Coco => "coco",
-            Self::Davis => "davis",
-            Self::FourDLangSplatAnnotations => "4d-langsplat-annotations",
-            Self::LerfOvs => "lerf-ovs",
-        }
-    }
-
     /// Whether it holds points of surfaces.
     fn holds_points(self) -> bool {
-        match self {
-            Self::FourDGaussians
-            | Self::Dynerf
-            | Self::FourDLangSplat
-            | Self::LangSplat
-            | Self::Nerfstudio
-            | Self::Colmap => true,
-            Self::Coco | Self::Davis | Self::FourDLangSplatAnnotations | Self::LerfOvs => false,
-        }
+        !self.holds_masks()
     }
 
     /// Whether it holds depth, where the scene has some.
@@ -117,34 +78,11 @@ impl Format {
     fn holds_masks(self) -> bool {
         matches!(self, Self::Coco | Self::Davis)
     }
-
-    /// Whether it holds truth, so that an order has to bring some.
-    pub fn needs_truth(self) -> bool {
-        matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.as_str())
-    }
-}
-
-impl FromStr for Format {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let names = || Self::ALL.map(Self::as_str).join(", ");
-        Self::ALL
-            .into_iter()
-            .find(|format| format.as_str() == text)
-            .ok_or_else(|| format!("unknown format `{text}`: use one of {}", names()))
-    }
 }
 
 /// What an export may show of the held-out camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::Display)]
+#[strum(serialize_all = "lowercase")]
 pub enum HeldOut {
     /// Nothing, not even where it is.
     Nothing,
@@ -180,15 +118,13 @@ pub struct Order<'a> {
     pub points: usize,
     /// Folder of a COLMAP model in the world of the scene, whose points take the place of all others.
     pub points_from: Option<&'a Path>,
-    /// Queries and truth, for the formats that hold them.
-    pub judged: Option<&'a Judged<'a>>,
 }
 
 impl<'a> Order<'a> {
     /// All moments of a scene, the pose of the held-out camera, and as many points as usual.
     pub fn new(origin: Origin<'a>, format: Format, out: &'a Path) -> Self {
         let (held_out, points) = (HeldOut::Pose, DEFAULT_POINTS);
-        Self { origin, format, out, frames: &[], held_out, points, points_from: None, judged: None }
+        Self { origin, format, out, frames: &[], held_out, points, points_from: None }
     }
 }
 
@@ -205,7 +141,6 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
         Format::Nerfstudio => nerfstudio::write,
         Format::Coco => coco::write,
         Format::Davis => davis::write,
-        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
     };
     let job = Job { order, views: &views, tick };
     check(&job)?;
@@ -221,7 +156,6 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
         Format::Dynerf | Format::FourDLangSplat => dynerf::check(job),
         Format::LangSplat => colmap::check_centres(job),
         Format::Coco | Format::Davis => annotated::cameras(job.views).map(drop),
-        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::camera(job).map(drop),
         Format::FourDGaussians | Format::Nerfstudio | Format::Colmap => Ok(()),
     }
 }
@@ -232,7 +166,7 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
 /// A scene that is torn.
 pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
     let views = SceneViews::open(order)?;
-    Ok(((views.training().len() + views.held_out().len()) * views.frames().len()) as u64)
+    Ok(((views.training().len() + views.held_out().len()) * views.frames.len()) as u64)
 }
 
 /// All that a layout needs.
@@ -244,7 +178,7 @@ struct Job<'a> {
 
 /// Whether a principal point is the centre of the picture: many readers drop it.
 fn is_centred(views: &SceneViews, camera: &Camera) -> bool {
-    let [width, height] = views.size().map(f64::from);
+    let [width, height] = views.size.map(f64::from);
     (camera.cx - width / 2.0).abs() <= CENTRE_TOLERANCE_PX
         && (camera.cy - height / 2.0).abs() <= CENTRE_TOLERANCE_PX
 }

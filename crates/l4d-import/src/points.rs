@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use l4d_data::Camera;
 use l4d_formats::colmap::{CameraModel, Model, ModelCamera, ModelImage, ModelPoint, Observation};
-use l4d_formats::ply::{self, Scalar};
+use l4d_formats::ply;
 
 use crate::pose;
 
@@ -20,8 +20,8 @@ pub struct ColouredPoint {
 
 /// The bytes of a PLY file. Normals are zero: no reader uses them, and 3DGS readers fail without.
 pub fn encode_ply(points: &[ColouredPoint]) -> Vec<u8> {
-    let floats = ["x", "y", "z", "nx", "ny", "nz"].map(|name| (name, Scalar::F32));
-    let bytes = ["red", "green", "blue"].map(|name| (name, Scalar::U8));
+    let floats = ["x", "y", "z", "nx", "ny", "nz"].map(|name| (name, "float"));
+    let bytes = ["red", "green", "blue"].map(|name| (name, "uchar"));
     let mut body = Vec::with_capacity(points.len() * 27);
     for point in points {
         for value in point.position.to_array().into_iter().chain([0.0; 3]) {

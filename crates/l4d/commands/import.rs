@@ -66,7 +66,7 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
     preset.ignore.extend(files.ignore.iter().cloned());
     if (preset.codec == Codec::Latents) != preset.latents.is_some() {
         return Err(refusal(
-            format!("--codec {} does not fit the preset {}", preset.codec.as_str(), preset.name),
+            format!("--codec {} does not fit the preset {}", preset.codec, preset.name),
             "take langsplat or 4d-langsplat for latents, and generic for everything else",
         ));
     }

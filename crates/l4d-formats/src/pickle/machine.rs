@@ -6,12 +6,11 @@
 use std::collections::BTreeMap;
 
 use super::REMEDY;
-use super::global::Global;
-use super::node::{Id, Node, Pickle};
+use super::node::{Global, Id, Node};
 use crate::fault::{Fault, quoted};
 
-/// Runs a pickle to its end.
-pub(super) fn run(bytes: &[u8]) -> Result<Pickle, Fault> {
+/// Runs a pickle to its end: all nodes, and the number of the one that is the value.
+pub(super) fn run(bytes: &[u8]) -> Result<(Vec<Node>, Id), Fault> {
     let mut machine = Machine {
         bytes,
         at: 0,
@@ -23,7 +22,7 @@ pub(super) fn run(bytes: &[u8]) -> Result<Pickle, Fault> {
     };
     while machine.step()? {}
     let root = machine.pop()?;
-    Ok(Pickle { nodes: machine.nodes, root, length: bytes.len() })
+    Ok((machine.nodes, root))
 }
 
 pub(super) struct Machine<'a> {
@@ -48,14 +47,13 @@ impl<'a> Machine<'a> {
             0x80 => self.protocol()?,
             0x95 => self.array::<8>().map(|_length| ())?,
             b'N' => self.push(Node::None),
-            0x88 => self.push(Node::Bool(true)),
-            0x89 => self.push(Node::Bool(false)),
+            0x88 | 0x89 => self.push(Node::Bool),
             // BININT, BININT1, BININT2, LONG1, BINFLOAT
             b'J' => self.array().map(|word| self.push(Node::Int(i32::from_le_bytes(word).into())))?,
             b'K' => self.byte().map(|word| self.push(Node::Int(word.into())))?,
             b'M' => self.array().map(|word| self.push(Node::Int(u16::from_le_bytes(word).into())))?,
             0x8a => self.long()?,
-            b'G' => self.array().map(|word| self.push(Node::Float(f64::from_be_bytes(word))))?,
+            b'G' => self.array::<8>().map(|_number| self.push(Node::Float))?,
             // BINUNICODE, SHORT_BINUNICODE
             b'X' => self.word().and_then(|length| self.text(length as usize))?,
             0x8c => self.byte().and_then(|length| self.text(length.into()))?,
@@ -65,9 +63,9 @@ impl<'a> Machine<'a> {
             b't' => self.pop_marked().map(|items| self.push(Node::Tuple(items)))?,
             count @ 0x85..=0x87 => self.short_tuple(usize::from(count - 0x84))?,
             // EMPTY_LIST, APPEND, APPENDS
-            b']' => self.push(Node::List(Vec::new())),
-            b'a' => self.pop().and_then(|item| self.append(vec![item]))?,
-            b'e' => self.pop_marked().and_then(|items| self.append(items))?,
+            b']' => self.push(Node::List),
+            b'a' => self.pop().and_then(|_item| self.append())?,
+            b'e' => self.pop_marked().and_then(|_items| self.append())?,
             // EMPTY_DICT, SETITEM, SETITEMS
             b'}' => self.push(Node::Dict(Vec::new())),
             b's' => self.pop_many(2).and_then(|items| self.set_items(&items))?,
@@ -162,10 +160,8 @@ impl<'a> Machine<'a> {
 
     pub(super) fn pop(&mut self) -> Result<Id, Fault> {
         let floor = self.marks.last().copied().unwrap_or(0);
-        if self.stack.len() <= floor {
-            return Err(self.fault("takes from an empty stack"));
-        }
-        self.stack.pop().ok_or_else(|| self.fault("takes from an empty stack"))
+        let above = self.stack.pop().filter(|_| self.stack.len() >= floor);
+        above.ok_or_else(|| self.fault("takes from an empty stack"))
     }
 
     /// The last values, the oldest first.
@@ -220,13 +216,12 @@ impl<'a> Machine<'a> {
         self.pop_many(count).map(|items| self.push(Node::Tuple(items)))
     }
 
-    fn append(&mut self, mut items: Vec<Id>) -> Result<(), Fault> {
-        let top = self.top()?;
-        match self.nodes.get_mut(top as usize) {
-            Some(Node::List(list)) => list.append(&mut items),
-            _ => return Err(self.fault(format!("appends to {}", self.node(top).kind()))),
+    /// Nothing that tensors need is in a list: what goes in is dropped.
+    fn append(&mut self) -> Result<(), Fault> {
+        match self.node(self.top()?) {
+            Node::List => Ok(()),
+            other => Err(self.fault(format!("appends to {}", other.kind()))),
         }
-        Ok(())
     }
 
     fn set_items(&mut self, items: &[Id]) -> Result<(), Fault> {
@@ -249,11 +244,8 @@ impl<'a> Machine<'a> {
     }
 
     fn get(&mut self, slot: u32) -> Result<(), Fault> {
-        let id = self
-            .memo
-            .get(&slot)
-            .copied()
-            .ok_or_else(|| self.fault(format!("asks for memo {slot}, which was not put")))?;
+        let missing = || self.fault(format!("asks for memo {slot}, which was not put"));
+        let id = self.memo.get(&slot).copied().ok_or_else(missing)?;
         self.stack.push(id);
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! What a pickle describes: nodes that refer to each other by number.
 
-use super::global::{Element, Global};
+use crate::element::{Element, View};
 
 /// Number of a node.
 pub(super) type Id = u32;
@@ -9,16 +9,17 @@ pub(super) type Id = u32;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Node {
     None,
-    Bool(bool),
+    Bool,
     Int(i64),
-    Float(f64),
+    Float,
     Text(Box<str>),
     Tuple(Vec<Id>),
-    List(Vec<Id>),
+    List,
     Dict(Vec<(Id, Id)>),
     Global(Global),
     Storage(Box<Storage>),
-    Tensor(Box<View>),
+    /// A view of a storage, not yet checked against it.
+    Tensor(Id, Box<View>),
 }
 
 impl Node {
@@ -26,16 +27,16 @@ impl Node {
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::None => "None",
-            Self::Bool(_) => "a bool",
+            Self::Bool => "a bool",
             Self::Int(_) => "an int",
-            Self::Float(_) => "a float",
+            Self::Float => "a float",
             Self::Text(_) => "a string",
             Self::Tuple(_) => "a tuple",
-            Self::List(_) => "a list",
+            Self::List => "a list",
             Self::Dict(_) => "a dict",
             Self::Global(_) => "a class or function",
             Self::Storage(_) => "a storage",
-            Self::Tensor(_) => "a tensor",
+            Self::Tensor(..) => "a tensor",
         }
     }
 }
@@ -50,28 +51,37 @@ pub(super) struct Storage {
     pub(super) count: usize,
 }
 
-/// A tensor: a strided view of a storage, not yet checked against it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct View {
-    pub(super) storage: Id,
-    /// Number of the storage that comes first.
-    pub(super) offset: usize,
-    pub(super) shape: Vec<usize>,
-    /// Numbers of the storage from one to the next along each axis.
-    pub(super) strides: Vec<usize>,
+/// A Python name that a pickle of tensors may use, each with its one meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Global {
+    /// `collections.OrderedDict`: called without arguments, an empty dict.
+    OrderedDict,
+    /// `torch._utils._rebuild_tensor_v2`: a view of a storage.
+    RebuildTensor,
+    /// `torch._utils._rebuild_parameter`: the tensor that is its first argument.
+    RebuildParameter,
+    /// `torch.FloatStorage` and its like: the type of a storage, never called.
+    Storage(Element),
 }
 
-/// What a pickle describes.
-#[derive(Debug)]
-pub(super) struct Pickle {
-    pub(super) nodes: Vec<Node>,
-    pub(super) root: Id,
-    /// Bytes of the pickle.
-    pub(super) length: usize,
-}
-
-impl Pickle {
-    pub(super) fn node(&self, id: Id) -> &Node {
-        self.nodes.get(id as usize).unwrap_or(&Node::None)
+impl Global {
+    /// The meaning of a name; none is the refusal of everything else.
+    pub(super) fn find(module: &str, name: &str) -> Option<Self> {
+        Some(match (module, name) {
+            ("collections", "OrderedDict") => Self::OrderedDict,
+            ("torch._utils", "_rebuild_tensor_v2") => Self::RebuildTensor,
+            ("torch._utils", "_rebuild_parameter") => Self::RebuildParameter,
+            ("torch", "DoubleStorage") => Self::Storage(Element::F64),
+            ("torch", "FloatStorage") => Self::Storage(Element::F32),
+            ("torch", "HalfStorage") => Self::Storage(Element::F16),
+            ("torch", "BFloat16Storage") => Self::Storage(Element::Bf16),
+            ("torch", "LongStorage") => Self::Storage(Element::I64),
+            ("torch", "IntStorage") => Self::Storage(Element::I32),
+            ("torch", "ShortStorage") => Self::Storage(Element::I16),
+            ("torch", "CharStorage") => Self::Storage(Element::I8),
+            ("torch", "ByteStorage") => Self::Storage(Element::U8),
+            ("torch", "BoolStorage") => Self::Storage(Element::Bool),
+            _ => return None,
+        })
     }
 }

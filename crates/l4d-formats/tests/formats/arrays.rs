@@ -1,6 +1,10 @@
 //! Arrays and archives that mean harm.
 
+use std::io::Write as _;
+
+use flate2::write::DeflateEncoder;
 use l4d_formats::{arrays, npy};
+use rawzip::{CompressionMethod, ZipArchiveWriter};
 
 use super::fixture;
 use super::poison::zip;
@@ -60,29 +64,17 @@ fn archives_that_leave_their_folder_or_repeat_themselves_are_refused() {
 
 /// A zip of one deflated entry: `inflated` zeros, whatever its directory claims.
 fn bomb(inflated: usize, claimed: u32) -> Vec<u8> {
-    let mut encoder = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::best());
-    std::io::Write::write_all(&mut encoder, &vec![0; inflated]).unwrap();
-    let data = encoder.finish().unwrap();
-    let name = b"a.npy";
-    let mut sizes = Vec::new();
-    sizes.extend(0_u32.to_le_bytes());
-    sizes.extend((data.len() as u32).to_le_bytes());
-    sizes.extend(claimed.to_le_bytes());
-    let mut file = b"PK\x03\x04\x14\x00\x00\x00\x08\x00\x00\x00\x00\x00".to_vec();
-    file.extend(&sizes);
-    file.extend([5, 0, 0, 0]);
-    file.extend(name);
-    file.extend(&data);
-    let directory = file.len() as u32;
-    file.extend(b"PK\x01\x02\x14\x00\x14\x00\x00\x00\x08\x00\x00\x00\x00\x00");
-    file.extend(&sizes);
-    file.extend([5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
-    file.extend(name);
-    let length = file.len() as u32 - directory;
-    file.extend(b"PK\x05\x06\x00\x00\x00\x00\x01\x00\x01\x00");
-    file.extend(length.to_le_bytes());
-    file.extend(directory.to_le_bytes());
-    file.extend([0, 0]);
+    let mut archive = ZipArchiveWriter::new(Vec::new());
+    let file = archive.new_file("a.npy").compression_method(CompressionMethod::DEFLATE);
+    let (mut entry, config) = file.start().unwrap();
+    let mut writer = config.wrap(DeflateEncoder::new(&mut entry, flate2::Compression::best()));
+    writer.write_all(&vec![0; inflated]).unwrap();
+    let (encoder, descriptor) = writer.finish().unwrap();
+    encoder.finish().unwrap();
+    entry.finish(descriptor).unwrap();
+    let mut file = archive.finish().unwrap();
+    let directory = file.windows(4).position(|window| window == b"PK\x01\x02").unwrap();
+    file[directory + 24..directory + 28].copy_from_slice(&claimed.to_le_bytes());
     file
 }
 

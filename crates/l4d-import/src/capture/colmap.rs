@@ -43,14 +43,10 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
             pictures: BTreeMap::from([(0, inside(&inputs[1], &order.input.join("images"), &image.name)?)]),
         });
     }
-    if plan.views.iter().any(|view| !view.distortion.is_none()) {
-        plan.note("lenses are undone: pictures are what pinholes would have seen");
-    }
     plan.note("one moment: a model knows no time");
     plan.note("units and directions of the world are those of the reconstruction; up is unknown");
     plan.points = model.points.iter().map(|point| plan_point(point, &names)).collect();
-    plan.hold_out(order, &[])?;
-    Ok(plan)
+    plan.finish(order, &[])
 }
 
 /// `sparse/0`, `sparse`, or the folder itself.

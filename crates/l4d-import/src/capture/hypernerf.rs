@@ -126,11 +126,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         plan.note("the source holds out moments of its camera, not a camera: nothing is held out here");
     }
     plan.note("scene.json's scale and centre are left out: units are those of the cameras");
-    if plan.views.iter().any(|view| !view.distortion.is_none()) {
-        plan.note("lenses are undone: pictures are what pinholes would have seen");
-    }
-    plan.hold_out(order, &[])?;
-    Ok(plan)
+    plan.finish(order, &[])
 }
 
 /// A view with a pose for each number up to its last moment; moments that it did not see repeat the pose before.

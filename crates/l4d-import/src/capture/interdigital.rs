@@ -52,8 +52,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     if let Some([first, last]) = default.filter(|_| order.moments.is_none()) {
         plan.note(format!("moments {first} to {last}, as in the literature"));
     }
-    plan.hold_out(order, &[HELD_OUT])?;
-    Ok(plan)
+    plan.finish(order, &[HELD_OUT])
 }
 
 fn rows(path: &Path) -> Result<Vec<Row>, DataError> {

@@ -17,7 +17,7 @@ use l4d_masks::{Mask, Rle, ids};
 use super::plan::name_of;
 use crate::annotations::coco::{self, Reading};
 use crate::annotations::fill::Rule;
-use crate::annotations::four_d_langsplat::{self, Counting};
+use crate::annotations::four_d_langsplat;
 use crate::annotations::{AnnotatedObject, AnnotatedPicture, Annotations};
 
 const REMEDY: &str =
@@ -66,12 +66,8 @@ pub fn read(capture: &Capture, path: &Path, format: MaskFormat) -> Result<MaskSe
         let name = name_of(path, &label)?;
         if instances.iter().any(|other: &MaskedInstance| other.name == name) {
             let message = format!("`{}` and another label would both be called {name}", inert(&label));
-            return Err(DataError::invalid(
-                path,
-                "labels",
-                message,
-                "give labels that differ in letters and digits",
-            ));
+            let remedy = "give labels that differ in letters and digits";
+            return Err(DataError::invalid(path, "labels", message, remedy));
         }
         instances.push(MaskedInstance { id, name, masks: masks_of(&placed, &label), label });
     }
@@ -134,14 +130,11 @@ fn document(
 
 /// Annotations of the held-out view, by the numbers of their pictures.
 fn dataset(capture: &Capture, folder: &Path, notes: &mut Vec<String>) -> Result<Vec<Placed>, DataError> {
-    let counting = if capture.source == "hypernerf" { Counting::FromOne } else { Counting::FromZero };
-    let dataset = four_d_langsplat::read(folder, counting)?;
-    notes.extend(dataset.annotations.notes);
-    if !dataset.intervals.is_empty() {
-        notes.push("intervals of video_annotations.json are times of sentences, not masks: write them into the queries".to_owned());
-    }
+    let first = u32::from(capture.source == "hypernerf");
+    let (annotations, moments) = four_d_langsplat::read(folder, first)?;
+    notes.extend(annotations.notes);
     let view = only_view(capture, folder, "the data set")?;
-    let placed = dataset.annotations.pictures.into_iter().zip(dataset.moments);
+    let placed = annotations.pictures.into_iter().zip(moments);
     let placed = placed.map(|(picture, frame)| checked(capture, folder, view.clone(), frame, picture));
     no_doubles(folder, placed.collect::<Result<_, _>>()?)
 }

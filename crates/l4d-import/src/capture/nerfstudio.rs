@@ -6,6 +6,7 @@ use glam::{DMat3, DMat4};
 use l4d_data::error::inert;
 use l4d_data::{DataError, json};
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::Order;
 use super::lens::Distortion;
@@ -16,28 +17,12 @@ use crate::pose;
 struct Transforms {
     #[serde(default)]
     camera_model: Option<String>,
-    #[serde(flatten)]
-    lens: Lens,
     frames: Vec<Entry>,
     #[serde(default)]
     test_filenames: Vec<String>,
-    #[serde(default)]
-    camera_angle_x: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-struct Lens {
-    fl_x: Option<f64>,
-    fl_y: Option<f64>,
-    cx: Option<f64>,
-    cy: Option<f64>,
-    w: Option<f64>,
-    h: Option<f64>,
-    k1: Option<f64>,
-    k2: Option<f64>,
-    k3: Option<f64>,
-    p1: Option<f64>,
-    p2: Option<f64>,
+    /// Size, intrinsics and distortion, unless a picture states its own.
+    #[serde(flatten)]
+    lens: BTreeMap<String, Value>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -49,33 +34,7 @@ struct Entry {
     #[serde(default)]
     depth_file_path: Option<String>,
     #[serde(flatten)]
-    lens: Lens,
-}
-
-impl Lens {
-    /// What a picture says itself, or else what the document says.
-    fn or(self, other: Self) -> Self {
-        Self {
-            fl_x: self.fl_x.or(other.fl_x),
-            fl_y: self.fl_y.or(other.fl_y),
-            cx: self.cx.or(other.cx),
-            cy: self.cy.or(other.cy),
-            w: self.w.or(other.w),
-            h: self.h.or(other.h),
-            k1: self.k1.or(other.k1),
-            k2: self.k2.or(other.k2),
-            k3: self.k3.or(other.k3),
-            p1: self.p1.or(other.p1),
-            p2: self.p2.or(other.p2),
-        }
-    }
-
-    fn distortion(self) -> Distortion {
-        Distortion {
-            radial: [self.k1, self.k2, self.k3].map(Option::unwrap_or_default),
-            tangential: [self.p1, self.p2].map(Option::unwrap_or_default),
-        }
-    }
+    lens: BTreeMap<String, Value>,
 }
 
 pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
@@ -95,26 +54,26 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let mut held_out = Vec::new();
     for (index, entry) in document.frames.iter().enumerate() {
         let place = format!("field `frames[{index}]`");
-        let lens = entry.lens.or(document.lens);
-        let missing = || {
-            wrong(
-                &place,
-                "has neither its own size and focal length nor the document's".to_owned(),
-                "write w, h, fl_x, fl_y, cx, cy",
-            )
+        let lens = |field: &str| {
+            [&entry.lens, &document.lens].into_iter().find_map(|lens| lens.get(field).and_then(Value::as_f64))
         };
-        let (width, height) = lens.w.zip(lens.h).ok_or_else(missing)?;
-        let from_angle = document.camera_angle_x.map(|angle| width / 2.0 / (angle / 2.0).tan());
-        let fx = lens.fl_x.or(from_angle).ok_or_else(missing)?;
-        let intrinsics =
-            [fx, lens.fl_y.unwrap_or(fx), lens.cx.unwrap_or(width / 2.0), lens.cy.unwrap_or(height / 2.0)];
+        let missing = || {
+            let message = "has neither its own size and focal length nor the document's".to_owned();
+            wrong(&place, message, "write w, h, fl_x, fl_y, cx, cy")
+        };
+        let (width, height) = lens("w").zip(lens("h")).ok_or_else(missing)?;
+        let from_angle = lens("camera_angle_x").map(|angle| width / 2.0 / (angle / 2.0).tan());
+        let fx = lens("fl_x").or(from_angle).ok_or_else(missing)?;
+        let (cx, cy) = (lens("cx").unwrap_or(width / 2.0), lens("cy").unwrap_or(height / 2.0));
+        let intrinsics = [fx, lens("fl_y").unwrap_or(fx), cx, cy];
+        let distortion = Distortion {
+            radial: ["k1", "k2", "k3"].map(|field| lens(field).unwrap_or_default()),
+            tangential: ["p1", "p2"].map(|field| lens(field).unwrap_or_default()),
+        };
         let size = [width as u32, height as u32];
         if *plan.stated_size.get_or_insert(size) != size {
-            return Err(wrong(
-                &place,
-                "has another picture size".to_owned(),
-                "bring all pictures to one size",
-            ));
+            let message = "has another picture size".to_owned();
+            return Err(wrong(&place, message, "bring all pictures to one size"));
         }
         let stem = entry.file_path.trim_start_matches("./");
         let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
@@ -126,20 +85,16 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
             entry.time.map_or(0, |time| moments.iter().position(|other| *other == time).unwrap_or(0));
         plan.views.push(View {
             camera: camera(name, intrinsics, pose_of(entry)),
-            distortion: lens.distortion(),
+            distortion,
             pictures: BTreeMap::from([(moment as u32, inside(&path, order.input, &entry.file_path)?)]),
         });
     }
     if document.frames.iter().any(|entry| entry.depth_file_path.is_some()) {
         plan.note("depth of the source is left out: no one says what made it");
     }
-    if plan.views.iter().any(|view| !view.distortion.is_none()) {
-        plan.note("lenses are undone: pictures are what pinholes would have seen");
-    }
     plan.note("units of the world are those of the reconstruction; up is +Z, as nerfstudio has it");
     let held_out: Vec<&str> = held_out.iter().map(String::as_str).collect();
-    plan.hold_out(order, &held_out)?;
-    Ok(plan)
+    plan.finish(order, &held_out)
 }
 
 /// Times that occur, ascending; a moment is a place among them.

@@ -1,17 +1,21 @@
 //! Neural 3D Video: `poses_bounds.npy` and `camNN.mp4`, or pictures in `camNN/images/`.
 //!
-//! Rows of the poses follow the sorted names of the videos that exist. Axes are LLFF's: down, right, backward.
+//! Videos become pictures through ffmpeg: l4d decodes none itself. Rows of the poses follow the sorted names of the videos that exist. Axes are LLFF's: down, right, backward.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use glam::{DMat3, DMat4, DVec3};
 use l4d_data::DataError;
-use l4d_data::store::{list_folder, read_bounded};
-use l4d_formats::npy::Array;
+use l4d_data::error::inert;
+use l4d_data::store::{list_folder, make_folder, read_bounded};
+use l4d_formats::Tensor;
+use l4d_formats::npy::{self, Contents};
 
+use super::Order;
 use super::plan::{Plan, View, camera, is_wanted, name_of};
-use super::{Order, video};
 use crate::pose;
 
 /// Held out in the literature: the camera in the middle.
@@ -21,7 +25,8 @@ const MAX_BYTES: u64 = 64 << 20;
 
 pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let path = order.input.join("poses_bounds.npy");
-    let poses: Array<f64> = Array::decode(&path, &read_bounded(&path, MAX_BYTES)?)?;
+    let poses = npy::decode(&read_bounded(&path, MAX_BYTES)?).and_then(Contents::into_numbers);
+    let poses: Tensor<f64> = poses.map_err(|fault| fault.at(&path))?;
     let cameras = camera_names(order.input)?;
     if poses.shape != [cameras.len(), 17] {
         let message =
@@ -47,8 +52,7 @@ pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
         "the principal point is the centre and both focal lengths are equal: the file holds nothing else",
     );
     plan.note("units and directions of the world are those of the reconstruction; up is unknown");
-    plan.hold_out(order, &[HELD_OUT])?;
-    Ok(plan)
+    plan.finish(order, &[HELD_OUT])
 }
 
 /// Names of videos or folders of pictures, sorted.
@@ -71,7 +75,7 @@ fn pictures(order: &Order<'_>, name: &str, scratch: &Path) -> Result<BTreeMap<u3
     let paths = if folder.is_dir() {
         list_folder(&folder)?.into_iter().map(|name| folder.join(name)).collect()
     } else {
-        video::extract(order.ffmpeg, &order.input.join(format!("{name}.mp4")), &scratch.join(name))?
+        extract(order.ffmpeg, &order.input.join(format!("{name}.mp4")), &scratch.join(name))?
     };
     Ok((0..).zip(paths).filter(|(moment, _)| is_wanted(order, None, *moment)).collect())
 }
@@ -83,12 +87,8 @@ fn stated_size(path: &Path, row: &[f64]) -> Result<[u32; 2], DataError> {
         (Some(width), Some(height)) => Ok([width, height]),
         _ => {
             let message = format!("states pictures of {}x{}", row[9], row[4]);
-            Err(DataError::invalid(
-                path,
-                "column 4",
-                message,
-                "write height, width, focal length into columns 4, 9, 14",
-            ))
+            let remedy = "write height, width, focal length into columns 4, 9, 14";
+            Err(DataError::invalid(path, "column 4", message, remedy))
         }
     }
 }
@@ -102,4 +102,37 @@ fn pose_of(row: &[f64]) -> [f64; 16] {
     let column = |index: usize| DVec3::new(row[index], row[5 + index], row[10 + index]);
     let rotation = pose::nearest_rotation(DMat3::from_cols(column(1), column(0), -column(2)));
     pose::rows(DMat4::from_mat3_translation(rotation, column(3)))
+}
+
+/// Extracts the pictures of a video into a folder; gives them in order.
+fn extract(ffmpeg: &Path, video: &Path, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
+    make_folder(folder)?;
+    let output = Command::new(ffmpeg)
+        .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-i"])
+        .arg(video)
+        .args(["-vsync", "passthrough", "-start_number", "0"])
+        .arg(folder.join("%06d.png"))
+        .stdin(Stdio::null())
+        .output();
+    let refuse = |message: String, remedy: &str| Err(DataError::invalid(video, "video", message, remedy));
+    match output {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return refuse(
+                format!("needs the program `{}`, which is not there", ffmpeg.display()),
+                "install ffmpeg, or put the pictures into <camera>/images/0000.png, 0001.png, ...",
+            );
+        }
+        Err(error) => return Err(DataError::io(ffmpeg, "run", error)),
+        Ok(output) if !output.status.success() => {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.lines().last().unwrap_or("it says nothing");
+            return refuse(format!("ffmpeg failed: {}", inert(last)), "check that the video plays");
+        }
+        Ok(_) => {}
+    }
+    let pictures: Vec<PathBuf> = list_folder(folder)?.into_iter().map(|name| folder.join(name)).collect();
+    if pictures.is_empty() {
+        return refuse("holds no picture".to_owned(), "check that the video plays");
+    }
+    Ok(pictures)
 }

@@ -60,8 +60,11 @@ impl Plan {
         self.notes.push(note.into());
     }
 
-    /// Holds out the views that the order names, or those of `default`.
-    pub(super) fn hold_out(&mut self, order: &Order<'_>, default: &[&str]) -> Result<(), DataError> {
+    /// Says whether lenses are undone, and holds out the views that the order names, or those of `default`.
+    pub(super) fn finish(mut self, order: &Order<'_>, default: &[&str]) -> Result<Self, DataError> {
+        if self.views.iter().any(|view| !view.distortion.is_none()) {
+            self.note("lenses are undone: pictures are what pinholes would have seen");
+        }
         let wanted: Vec<&str> = match order.held_out {
             [] => default.to_vec(),
             names => names.iter().map(String::as_str).collect(),
@@ -75,7 +78,7 @@ impl Plan {
             };
             view.camera.split = Split::Test;
         }
-        Ok(())
+        Ok(self)
     }
 }
 
@@ -89,12 +92,8 @@ pub(crate) fn name_of(path: &Path, text: &str) -> Result<Name, DataError> {
     let allowed = |character: char| character.is_ascii_alphanumeric() || matches!(character, '_' | '-' | '.');
     let spelled: String = text.chars().map(|c| if allowed(c) { c } else { '_' }).collect();
     Name::new(spelled.trim_start_matches(['.', '-'])).map_err(|error| {
-        DataError::invalid(
-            path,
-            "name of a view",
-            inert(&error.to_string()),
-            "rename the picture and its entry",
-        )
+        let remedy = "rename the picture and its entry";
+        DataError::invalid(path, "name of a view", inert(&error.to_string()), remedy)
     })
 }
 
@@ -104,12 +103,8 @@ pub(super) fn inside(file: &Path, folder: &Path, relative: &str) -> Result<PathB
     let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if !stays || relative.is_empty() {
         let message = format!("`{}` leaves the folder", inert(relative));
-        return Err(DataError::invalid(
-            file,
-            "path of a picture",
-            message,
-            "write paths relative to the folder",
-        ));
+        let remedy = "write paths relative to the folder";
+        return Err(DataError::invalid(file, "path of a picture", message, remedy));
     }
     Ok(folder.join(path))
 }

@@ -29,12 +29,8 @@ pub(super) fn write(
     plan.views.sort_by(|a, b| a.camera.name.cmp(&b.camera.name));
     if let Some(pair) = plan.views.windows(2).find(|pair| pair[0].camera.name == pair[1].camera.name) {
         let message = format!("two views would be called {}", pair[0].camera.name);
-        return Err(DataError::invalid(
-            order.input,
-            "views",
-            message,
-            "give pictures names that differ in letters and digits",
-        ));
+        let remedy = "give pictures names that differ in letters and digits";
+        return Err(DataError::invalid(order.input, "views", message, remedy));
     }
     let frames: BTreeSet<u32> = plan.views.iter().flat_map(|view| view.pictures.keys().copied()).collect();
     let size = size_of(order, &plan)?;
@@ -96,7 +92,7 @@ fn claim(order: &Order<'_>) -> Result<(), DataError> {
     let path = order.out.join(CAPTURE);
     if path.is_file() {
         let earlier = Capture::read(order.out)?;
-        if (&earlier.name, earlier.source.as_str()) != (order.name, order.source.as_str()) {
+        if (&earlier.name, earlier.source.as_str()) != (order.name, order.source.to_string().as_str()) {
             return refuse(format!("holds {} of {}", earlier.name, inert(&earlier.source)));
         }
         std::fs::remove_file(&path).map_err(|source| DataError::io(&path, "remove", source))?;
@@ -142,12 +138,9 @@ fn size_of(order: &Order<'_>, plan: &Plan) -> Result<[u32; 2], DataError> {
         photo::size(&bytes).ok()
     });
     found.map(|(width, height)| [width, height]).ok_or_else(|| {
-        DataError::invalid(
-            order.input,
-            "pictures",
-            "none of them is there and whole",
-            "check the folder and `--moments`",
-        )
+        let message = "none of them is there and whole";
+        let remedy = "check the folder and `--moments`";
+        DataError::invalid(order.input, "pictures", message, remedy)
     })
 }
 
@@ -195,12 +188,8 @@ fn write_view(
     if let Some((_, why)) = waiting.first() {
         let message = format!("no picture is whole: {why}");
         let place = format!("view {}", view.camera.name);
-        return Err(DataError::invalid(
-            order.input,
-            place,
-            message,
-            "restore the pictures from the data set",
-        ));
+        let remedy = "restore the pictures from the data set";
+        return Err(DataError::invalid(order.input, place, message, remedy));
     }
     substituted.sort_by_key(|substitution| substitution.frame);
     Ok(substituted)

@@ -9,8 +9,7 @@ use super::views::SceneViews;
 pub(super) fn cameras(views: &SceneViews) -> Result<Vec<&Camera>, DataError> {
     let held_out = views.held_out();
     let shown = held_out.iter().copied().filter(|_| views.shows_held_out_pictures());
-    let is_annotated =
-        |camera: &Camera| views.frames().iter().any(|&frame| views.is_annotated(camera, frame));
+    let is_annotated = |camera: &Camera| views.frames.iter().any(|&frame| views.is_annotated(camera, frame));
     let cameras: Vec<&Camera> =
         views.training().into_iter().chain(shown).filter(|camera| is_annotated(camera)).collect();
     if !cameras.is_empty() {

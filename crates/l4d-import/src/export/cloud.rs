@@ -9,8 +9,7 @@ mod reconstruction;
 use glam::DVec2;
 use l4d_data::Camera;
 
-use self::depth::Moment;
-pub(super) use self::depth::View;
+pub(super) use self::depth::{Moment, View};
 pub(super) use self::reconstruction::Reconstruction;
 use crate::points::ColouredPoint;
 
@@ -20,11 +19,7 @@ pub(super) const FIRST: &str = "the first moment";
 pub(super) const EACH: &str = "each moment";
 
 /// Points at a moment.
-pub(super) struct Cloud<'a> {
-    known: Known<'a>,
-}
-
-enum Known<'a> {
+pub(super) enum Cloud<'a> {
     /// From what training cameras saw.
     Depth(Moment<'a>),
     /// From a reconstruction, with the training cameras that are present.
@@ -40,19 +35,11 @@ pub(super) struct CloudPoint {
 }
 
 impl<'a> Cloud<'a> {
-    pub(super) fn seen(views: Vec<View<'a>>, frame: u32) -> Self {
-        Self { known: Known::Depth(Moment::new(views, frame)) }
-    }
-
-    pub(super) fn reconstructed(points: &'a Reconstruction, present: Vec<&'a Camera>, frame: u32) -> Self {
-        Self { known: Known::Reconstruction(points, present, frame) }
-    }
-
     /// At most about `budget` points; all if there are fewer.
     pub(super) fn points(&self, budget: usize) -> Vec<CloudPoint> {
-        match &self.known {
-            Known::Depth(moment) => moment.points(budget),
-            Known::Reconstruction(points, _, _) => points.points(budget),
+        match self {
+            Self::Depth(moment) => moment.points(budget),
+            Self::Reconstruction(points, _, _) => points.points(budget),
         }
     }
 
@@ -63,18 +50,18 @@ impl<'a> Cloud<'a> {
 
     /// Where the pictures of training cameras show a point.
     pub(super) fn sightings(&self, point: &CloudPoint) -> Vec<(&'a Camera, DVec2)> {
-        match &self.known {
-            Known::Depth(moment) => moment.sightings(point),
-            Known::Reconstruction(points, present, frame) => points.sightings(point, present, *frame),
+        match self {
+            Self::Depth(moment) => moment.sightings(point),
+            Self::Reconstruction(points, present, frame) => points.sightings(point, present, *frame),
         }
     }
 }
 
 /// Says of which moment, and from where, the points in a file are, or that there are none.
 pub(super) fn statement(file: &str, moment: &str, cloud: Option<&Cloud<'_>>) -> String {
-    match cloud.map(|cloud| &cloud.known) {
-        Some(Known::Depth(_)) => format!("{file}: points come from rendered depth at {moment}"),
-        Some(Known::Reconstruction(points, _, _)) => match points.left_out() {
+    match cloud {
+        Some(Cloud::Depth(_)) => format!("{file}: points come from rendered depth at {moment}"),
+        Some(Cloud::Reconstruction(points, _, _)) => match points.left_out() {
             0 => format!("{file}: points are those of the reconstruction"),
             count => format!(
                 "{file}: points are those of the reconstruction, but for {count} that fewer than two training views saw"

@@ -22,12 +22,12 @@ struct Category {
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, views, .. } = job;
-    let categories = categories(views.instances());
+    let categories = categories(&views.instances);
     let cameras = annotated::cameras(views)?;
     for camera in &cameras {
         manifest.cameras.push(Called::camera(camera, format!("images/{}", camera.name)));
     }
-    for instance in views.instances() {
+    for instance in &views.instances {
         let called = instance.id.to_string();
         manifest.instances.push(Called { name: instance.name.clone(), held_out: false, called });
     }
@@ -65,13 +65,13 @@ fn category_of(instance: &Instance, categories: &[Category]) -> usize {
 fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Result<Value, DataError> {
     let views = job.views;
     let pictures: Vec<(&Camera, u32)> =
-        cameras.iter().flat_map(|camera| views.frames().iter().map(move |&frame| (*camera, frame))).collect();
+        cameras.iter().flat_map(|camera| views.frames.iter().map(move |&frame| (*camera, frame))).collect();
     // A picture that no one looked at is no picture without things: it is left out.
     let masks: Vec<Option<Vec<(&Instance, Mask)>>> = pictures
         .par_iter()
         .map(|(camera, frame)| write_and_read(job, camera, *frame))
         .collect::<Result<_, _>>()?;
-    let [width, height] = views.size();
+    let [width, height] = views.size;
     let annotated = pictures.into_iter().zip(masks).filter_map(|(picture, masks)| Some((picture, masks?)));
     let (mut images, mut annotations) = (Vec::new(), Vec::new());
     for (index, ((camera, frame), masks)) in annotated.enumerate() {
@@ -97,7 +97,7 @@ fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Resu
         }
     }
     Ok(json!({
-        "info": { "description": format!("{} ({})", views.name(), views.profile()), "version": "1" },
+        "info": { "description": format!("{} ({})", views.name, views.profile), "version": "1" },
         "images": images,
         "annotations": annotations,
         "categories": categories,

@@ -22,7 +22,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         manifest.cameras.push(Called::camera(camera, picture_name(&camera.name)));
     }
     let mut statement = None;
-    for &frame in views.frames() {
+    for &frame in &views.frames {
         let folder = moment_folder(order.out, frame);
         let cameras = views.present(&views.training(), frame);
         let held_out = match views.shows_held_out_pictures() {
@@ -40,7 +40,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         views.write_png(&pictures, *tick)?;
 
         let cloud = views.cloud(frame)?;
-        let mut model = model_of_pinholes(&cameras, frame, views.size());
+        let mut model = model_of_pinholes(&cameras, frame, views.size);
         for point in cloud.iter().flat_map(|cloud| cloud.points(order.points)) {
             // Positions are where the point projects, so that there is no error to speak of.
             let sightings = cloud.as_ref().map(|cloud| cloud.sightings(&point)).unwrap_or_default();
@@ -51,7 +51,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     }
     let held_out = views.held_out();
     if !held_out.is_empty() {
-        let [width, height] = views.size();
+        let [width, height] = views.size;
         let rig = json!({ "width": width, "height": height, "cameras": held_out });
         json::write(&order.out.join("held_out_camera.json"), &rig)?;
     }

@@ -19,7 +19,7 @@ const MOST_OBJECTS: usize = 254;
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, views, .. } = job;
     let objects: Vec<&Instance> =
-        views.instances().iter().filter(|instance| instance.role == Role::Object).collect();
+        views.instances.iter().filter(|instance| instance.role == Role::Object).collect();
     if objects.len() > MOST_OBJECTS {
         return Err(limit(views, "instances", format!("{} objects do not fit a palette", objects.len())));
     }
@@ -29,7 +29,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     }
     let cameras = annotated::cameras(views)?;
     for camera in &cameras {
-        let sequence = format!("{}_{}", views.name(), camera.name);
+        let sequence = format!("{}_{}", views.name, camera.name);
         let tally = write_sequence(job, camera, &sequence, &objects)?;
         tally.notes(&sequence).into_iter().for_each(|note| manifest.note(note));
         manifest.cameras.push(Called::camera(camera, sequence));
@@ -38,7 +38,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let lines: String = cameras
             .iter()
             .filter(|camera| camera.split == split)
-            .map(|camera| format!("{}_{}\n", views.name(), camera.name))
+            .map(|camera| format!("{}_{}\n", views.name, camera.name))
             .collect();
         write_atomic(&order.out.join("ImageSets/2017").join(format!("{list}.txt")), lines.as_bytes())?;
     }
@@ -99,7 +99,7 @@ fn write_sequence<'a>(
     sequence: &str,
     objects: &[&'a Instance],
 ) -> Result<Tally<'a>, DataError> {
-    let moments = job.views.frames().iter().copied().enumerate();
+    let moments = job.views.frames.iter().copied().enumerate();
     let moments: Vec<(usize, u32)> = moments.filter(|(_, frame)| job.views.saw(camera, *frame)).collect();
     let write = |&(moment, frame): &(usize, u32)| {
         let path = job.order.out.join("JPEGImages/480p").join(sequence).join(format!("{moment:05}.jpg"));
@@ -128,7 +128,7 @@ fn write_numbers(
     masks: &[(&Instance, Mask)],
     objects: &[&Instance],
 ) -> Result<Numbered, DataError> {
-    let [width, height] = job.views.size();
+    let [width, height] = job.views.size;
     let mut numbers = vec![0; width as usize * height as usize];
     let mut numbered = Numbered { seen: BTreeSet::new(), is_overlapping: false };
     for (number, object) in (1..).zip(objects) {

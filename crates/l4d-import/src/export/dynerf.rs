@@ -29,7 +29,7 @@ const MOMENTS: usize = 300;
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, views, tick } = job;
     let cameras = cameras(job);
-    let frames = views.frames();
+    let frames = &views.frames;
     let is_padded = order.format == Format::FourDLangSplat;
     let mut pictures = Vec::new();
     for (number, camera) in cameras.iter().enumerate() {
@@ -95,12 +95,12 @@ fn cameras<'a>(job: &Job<'a>) -> Vec<&'a Camera> {
 
 pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
     let (views, cameras) = (job.views, cameras(job));
-    let [width, height] = views.size();
+    let [width, height] = views.size;
     let refuse = |field: &str, message: String| Err(limit(views, field, message));
     if width * 3 != height * 4 {
         return refuse("width", format!("{width}x{height} is not 4:3, and readers would bend the pictures"));
     }
-    if views.frames().len() > MOMENTS {
+    if views.frames.len() > MOMENTS {
         return refuse("stride", format!("there are more than {MOMENTS} moments, and readers drop the rest"));
     }
     for camera in &cameras {
@@ -111,7 +111,7 @@ pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
         if camera.fx != camera.fy || camera.fx != cameras[0].fx {
             return refuse("fx", format!("{name} has another focal length, and readers know one"));
         }
-        if let Some(frame) = views.frames().iter().find(|frame| !views.saw(camera, **frame)) {
+        if let Some(frame) = views.frames.iter().find(|frame| !views.saw(camera, **frame)) {
             return refuse("unseen", format!("{name} did not see {frame}, and readers want all moments"));
         }
         if camera.world_from_camera.len() > 1 {
@@ -124,7 +124,7 @@ pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
 /// 3x5 numbers `[down | right | back | centre | height, width, focal length]` row by row, then near and far.
 fn row(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 17] {
     let world_from_camera = camera.world_from_camera(0);
-    let focal = camera.fx * STATED_WIDTH / f64::from(job.views.size()[0]);
+    let focal = camera.fx * STATED_WIDTH / f64::from(job.views.size[0]);
     let hwf = [STATED_HEIGHT, STATED_WIDTH, focal];
     let DMat4 { x_axis: right, y_axis: down, z_axis: forward, w_axis: centre } = world_from_camera;
     let [near, far] = bounds(job, camera, points);
@@ -145,7 +145,7 @@ fn row(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 17] {
 
 /// The depths between which all but a thousandth of the visible points lie, as LLFF has it, metres.
 fn bounds(job: &Job<'_>, camera: &Camera, points: &[ColouredPoint]) -> [f64; 2] {
-    let size = job.views.size().map(f64::from);
+    let size = job.views.size.map(f64::from);
     let mut depths: Vec<f64> = points
         .iter()
         .map(|point| camera.project(0, point.position))

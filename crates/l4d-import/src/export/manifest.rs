@@ -1,17 +1,21 @@
-//! `l4d-export.json`: what an export was made from, how it calls things, and what it leaves out.
+//! `l4d-export.json`: what an export was made from, how it calls things, what it leaves out, and whether it is whole.
+//!
+//! A folder without a manifest of ours is never written into unless it is empty. The manifest is written first, marked
+//! as unfinished, and once more at the end, so that an export that was killed can be run again in place.
 
 use std::path::PathBuf;
 
 use l4d_data::digest::sha256_file;
 use l4d_data::results::Track;
-use l4d_data::{Camera, DataError, Name, Profile, Split};
+use l4d_data::store::{list_folder, make_folder};
+use l4d_data::{Camera, DataError, Name, Profile, Split, json};
 use serde::{Deserialize, Serialize};
 
+use super::Order;
 use super::views::SceneViews;
-use super::{HeldOut, Order};
 
 /// Schema tag of the manifest.
-pub const SCHEMA: &str = "l4d/export/1";
+const SCHEMA: &str = "l4d/export/1";
 
 /// An export that is whole.
 #[derive(Debug, Clone)]
@@ -26,7 +30,7 @@ pub struct Exported {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// [`SCHEMA`].
+    /// `l4d/export/1`.
     pub schema: String,
     /// False while it is being written.
     pub complete: bool,
@@ -78,28 +82,21 @@ impl Called {
 
 impl Manifest {
     pub(super) fn new(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
-        let held_out = match order.held_out {
-            HeldOut::Nothing => "nothing",
-            HeldOut::Pose => "pose",
-            HeldOut::Pictures => "pictures",
-        };
-        // Evaluators ask about all moments, whichever were chosen for pictures.
-        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| judged.truth().clip());
-        let masks = views.masks_path().filter(|_| order.format.holds_masks());
+        let masks = views.masks_path.as_ref().filter(|_| order.format.holds_masks());
         Ok(Self {
             schema: SCHEMA.to_owned(),
             complete: false,
-            scene: views.name().clone(),
-            profile: views.profile(),
+            scene: views.name.clone(),
+            profile: views.profile,
             format: order.format.to_string(),
-            held_out: held_out.to_owned(),
+            held_out: order.held_out.to_string(),
             depth: shows_depth(order, views),
-            scene_sha256: sha256_file(&views.path())?,
-            masks_sha256: masks.map(|path| sha256_file(&path)).transpose()?,
-            frames: truth.unwrap_or_else(|| views.frames().to_vec()),
+            scene_sha256: sha256_file(&views.path)?,
+            masks_sha256: masks.map(|path| sha256_file(path)).transpose()?,
+            frames: views.frames.clone(),
             cameras: Vec::new(),
             instances: Vec::new(),
-            notes: views.notes(),
+            notes: views.notes.clone(),
         })
     }
 
@@ -153,4 +150,43 @@ impl Manifest {
 fn shows_depth(order: &Order<'_>, views: &SceneViews) -> bool {
     let has_points_of_depth = order.format.holds_points() && order.points_from.is_none();
     views.has_depth() && (order.format.holds_depth() || has_points_of_depth)
+}
+
+/// Name of the manifest.
+pub const MANIFEST: &str = "l4d-export.json";
+
+pub(super) struct Folder {
+    manifest: PathBuf,
+}
+
+impl Folder {
+    /// Takes possession of the folder of an order.
+    pub(super) fn claim(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
+        make_folder(order.out)?;
+        let path = order.out.join(MANIFEST);
+        let refuse = |message: String| {
+            let remedy = "choose an empty folder, or remove this one";
+            Err(DataError::invalid(order.out, "folder", message, remedy))
+        };
+        if path.is_file() {
+            let earlier: Manifest = json::read(&path)?;
+            if (&earlier.scene, earlier.format.as_str()) != (&views.name, order.format.to_string().as_str()) {
+                return refuse(format!("holds {} as {}", earlier.scene, earlier.format));
+            }
+            if earlier.differs_from(&Manifest::new(order, views)?) {
+                return refuse("holds an export of other frames, other pictures or another split".to_owned());
+            }
+        } else if let Some(entry) = list_folder(order.out)?.first() {
+            return refuse(format!("is not empty: `{}` is there", l4d_data::error::inert(entry)));
+        }
+        json::write(&path, &Manifest::new(order, views)?)?;
+        Ok(Self { manifest: path })
+    }
+
+    /// Says that the export is whole.
+    pub(super) fn settle(self, mut manifest: Manifest) -> Result<Exported, DataError> {
+        manifest.complete = true;
+        json::write(&self.manifest, &manifest)?;
+        Ok(Exported { manifest, path: self.manifest })
+    }
 }

@@ -27,7 +27,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     }
     let has_depth = views.has_depth();
     let mut statement = None;
-    for &frame in views.frames() {
+    for &frame in &views.frames {
         let folder = moment_folder(order.out, frame);
         let present = views.present(&shown, frame);
         let picture = |camera| PictureFile {
@@ -45,7 +45,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
         let names = |cameras: &[&Camera]| {
             views.present(cameras, frame).into_iter().map(picture_path).collect::<Vec<String>>()
         };
-        let [width, height] = views.size();
+        let [width, height] = views.size;
         let mut transforms = json!({ "camera_model": "OPENCV", "w": width, "h": height });
         if cloud.is_some() {
             transforms["ply_file_path"] = json!(POINTS);

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError, json};
-use l4d_formats::{npy, npz};
+use l4d_formats::{arrays, npy};
 use serde_json::json;
 
 use super::Job;
@@ -31,7 +31,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let mut pictures = Vec::new();
     for (number, camera) in numbered.iter().enumerate() {
         manifest.cameras.push(Called::camera(camera, format!("ims/{number}")));
-        let moments = views.frames().iter().enumerate();
+        let moments = views.frames.iter().enumerate();
         for (moment, &frame) in moments.filter(|(_, frame)| views.saw(camera, **frame)) {
             let path = order.out.join("ims").join(picture(number, moment));
             pictures.push(PictureFile { camera, frame, path, depth: None });
@@ -42,11 +42,11 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let meta = |cameras: &[&Camera]| {
         let number_of =
             |camera: &Camera| numbered.iter().position(|other| other.name == camera.name).unwrap_or(0);
-        let [w, h] = views.size();
+        let [w, h] = views.size;
         // Lists over moments of lists over cameras: 3x3 intrinsics, 4x4 `camera_from_world`, picture below `ims/`,
         // number of the camera.
         let (mut k, mut w2c, mut files, mut ids) = (vec![], vec![], vec![], vec![]);
-        for (moment, &frame) in views.frames().iter().enumerate() {
+        for (moment, &frame) in views.frames.iter().enumerate() {
             let present = views.present(cameras, frame);
             let numbers: Vec<usize> = present.iter().map(|camera| number_of(camera)).collect();
             let pose = |camera: &&Camera| pose::nested_rows(camera.camera_from_world(frame));
@@ -59,7 +59,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     };
     json::write_compact(&order.out.join("train_meta.json"), &meta(&training))?;
     json::write_compact(&order.out.join("test_meta.json"), &meta(&test))?;
-    let cloud = views.cloud(views.frames()[0])?;
+    let cloud = views.cloud(views.frames[0])?;
     if let Some(cloud) = &cloud {
         write_points(&order.out.join(POINTS), &cloud.surfaces(order.points))?;
     }
@@ -83,5 +83,5 @@ fn write_points(path: &Path, points: &[ColouredPoint]) -> Result<(), DataError> 
         values.extend(point.rgb.map(|value| f64::from(value) / 255.0));
     }
     let array = npy::encode_f64(&[points.len(), 6], &values);
-    write_atomic(path, &npz::encode(path, &[("data", array)])?)
+    write_atomic(path, &arrays::encode_npz(path, &[("data", array)])?)
 }

@@ -26,8 +26,23 @@ const PLACEHOLDER: Rgb<u8> = Rgb([128; 3]);
 
 /// A scene and what may be seen of it.
 pub(super) struct SceneViews {
+    pub(super) name: Name,
+    /// What the scene is rendered in, or that it is not.
+    pub(super) profile: Profile,
+    /// The file that describes the scene.
+    pub(super) path: PathBuf,
+    /// The file that holds what people drew, where that is what masks come from.
+    pub(super) masks_path: Option<PathBuf>,
+    /// Columns and rows, pixels.
+    pub(super) size: [u32; 2],
+    /// Instances that have masks, sorted by number.
+    pub(super) instances: Vec<Instance>,
+    /// Numbers of the moments that are exported, ascending.
+    pub(super) frames: Vec<u32>,
+    /// What has to be known of where the scene comes from, a sentence each.
+    pub(super) notes: Vec<String>,
+    cameras: Vec<Camera>,
     material: Material,
-    frames: Vec<u32>,
     shown: HeldOut,
     reconstruction: Option<Reconstruction>,
 }
@@ -49,108 +64,47 @@ pub(super) struct PictureFile<'a> {
 
 impl SceneViews {
     pub(super) fn open(order: &Order<'_>) -> Result<Self, DataError> {
-        let material = match order.origin {
-            Origin::Rendered(dir) => Material::Rendered(Rendering::open(dir)?),
-            Origin::Captured(dir) => Material::Captured(Recording::open(dir)?),
+        let mut views = match order.origin {
+            Origin::Rendered(dir) => Rendering::open(dir, order.held_out)?,
+            Origin::Captured(dir) => Recording::open(dir, order.held_out)?,
         };
-        let mut views =
-            Self { material, frames: order.frames.to_vec(), shown: order.held_out, reconstruction: None };
-        let clip = views.clip();
-        if let Some(frame) = order.frames.iter().find(|frame| !clip.contains(frame)) {
-            let message = match views.profile() {
+        // What was opened has all moments.
+        if let Some(frame) = order.frames.iter().find(|frame| !views.frames.contains(frame)) {
+            let message = match views.profile {
                 Profile::Real => format!("frame {frame} was not recorded"),
                 profile => format!("frame {frame} is not rendered in profile {profile}"),
             };
-            let listed = clip.iter().take(3).map(u32::to_string).collect::<Vec<_>>().join(", ");
-            let last = clip.last().copied().unwrap_or_default();
+            let listed = views.frames.iter().take(3).map(u32::to_string).collect::<Vec<_>>().join(", ");
+            let last = views.frames.last().copied().unwrap_or_default();
             return Err(views.wrong("frames", message, &format!("choose from {listed}, ..., {last}")));
         }
-        if views.frames.is_empty() {
-            views.frames = clip;
+        if !order.frames.is_empty() {
+            views.frames.retain(|frame| order.frames.contains(frame));
         }
-        views.frames.sort_unstable();
-        views.frames.dedup();
+        if let Material::Captured(recording) = &views.material {
+            views.notes = recording.notes(&views.frames);
+        }
         if views.training().is_empty() {
             let remedy = "leave a view out of the held-out ones";
             return Err(views.wrong("field `cameras`", "there is none to train on".to_owned(), remedy));
         }
         views.reconstruction = match (order.points_from, &views.material) {
-            (Some(folder), _) => Some(Reconstruction::given(folder, views.cameras(), &views.frames)?),
+            (Some(folder), _) => Some(Reconstruction::given(folder, &views.cameras, &views.frames)?),
             (None, Material::Captured(recording)) => recording.reconstruction()?,
             (None, Material::Rendered(_)) => None,
         };
         Ok(views)
     }
 
-    /// The scene.
-    pub(super) fn name(&self) -> &Name {
-        match &self.material {
-            Material::Rendered(rendering) => &rendering.scene().name,
-            Material::Captured(recording) => &recording.capture().name,
-        }
-    }
-
-    /// What the scene is rendered in, or that it is not.
-    pub(super) fn profile(&self) -> Profile {
-        match &self.material {
-            Material::Rendered(rendering) => rendering.scene().profile,
-            Material::Captured(_) => Profile::Real,
-        }
-    }
-
-    /// The file that describes the scene.
-    pub(super) fn path(&self) -> PathBuf {
-        match &self.material {
-            Material::Rendered(rendering) => rendering.path(),
-            Material::Captured(recording) => recording.path(),
-        }
-    }
-
-    /// The file that holds what people drew, where that is what masks come from.
-    pub(super) fn masks_path(&self) -> Option<PathBuf> {
-        match &self.material {
-            Material::Rendered(_) => None,
-            Material::Captured(recording) => recording.masks_path(),
-        }
-    }
-
-    /// Columns and rows, pixels.
-    pub(super) fn size(&self) -> [u32; 2] {
-        match &self.material {
-            Material::Rendered(rendering) => [rendering.scene().width, rendering.scene().height],
-            Material::Captured(recording) => [recording.capture().width, recording.capture().height],
-        }
-    }
-
-    fn cameras(&self) -> &[Camera] {
-        match &self.material {
-            Material::Rendered(rendering) => &rendering.scene().cameras,
-            Material::Captured(recording) => &recording.capture().cameras,
-        }
-    }
-
-    /// Numbers of all moments of the scene, ascending.
-    fn clip(&self) -> Vec<u32> {
-        match &self.material {
-            Material::Rendered(rendering) => rendering.scene().profile.frames().collect(),
-            Material::Captured(recording) => recording.capture().frames.clone(),
-        }
-    }
-
-    /// Numbers of the moments that are exported, ascending.
-    pub(super) fn frames(&self) -> &[u32] {
-        &self.frames
-    }
-
     /// Cameras that methods may train on.
     pub(super) fn training(&self) -> Vec<&Camera> {
-        self.cameras().iter().filter(|camera| camera.split == Split::Train).collect()
+        self.cameras.iter().filter(|camera| camera.split == Split::Train).collect()
     }
 
     /// The held-out cameras, unless not even their poses may be shown.
     pub(super) fn held_out(&self) -> Vec<&Camera> {
         let is_shown = |camera: &&Camera| camera.split == Split::Test && self.shown != HeldOut::Nothing;
-        self.cameras().iter().filter(is_shown).collect()
+        self.cameras.iter().filter(is_shown).collect()
     }
 
     /// The cameras of a test split that may not be empty: the held-out ones, or else a training camera once more.
@@ -159,11 +113,6 @@ impl SceneViews {
             held_out if held_out.is_empty() => self.training().into_iter().take(1).collect(),
             held_out => held_out,
         }
-    }
-
-    /// A camera of the scene, held out or not: for truth, which is a matter of the held-out one.
-    pub(super) fn camera(&self, name: &Name) -> Option<&Camera> {
-        self.cameras().iter().find(|camera| camera.name == *name)
     }
 
     /// Whether the true pictures of the held-out cameras may be shown.
@@ -175,7 +124,7 @@ impl SceneViews {
     pub(super) fn saw(&self, camera: &Camera, frame: u32) -> bool {
         match &self.material {
             Material::Rendered(_) => true,
-            Material::Captured(recording) => recording.capture().saw(&camera.name, frame),
+            Material::Captured(recording) => recording.capture.saw(&camera.name, frame),
         }
     }
 
@@ -187,14 +136,6 @@ impl SceneViews {
     /// Whether there is depth.
     pub(super) fn has_depth(&self) -> bool {
         matches!(self.material, Material::Rendered(_))
-    }
-
-    /// Instances that have masks, sorted by number.
-    pub(super) fn instances(&self) -> &[Instance] {
-        match &self.material {
-            Material::Rendered(rendering) => &rendering.scene().instances,
-            Material::Captured(recording) => recording.instances(),
-        }
     }
 
     /// Whether someone looked at what a picture shows.
@@ -213,8 +154,8 @@ impl SceneViews {
     ) -> Result<Option<Vec<(&Instance, Mask)>>, DataError> {
         self.admit(camera, frame)?;
         match &self.material {
-            Material::Rendered(rendering) => rendering.masks(camera, frame).map(Some),
-            Material::Captured(recording) => recording.masks(camera, frame),
+            Material::Rendered(rendering) => rendering.masks(&self.instances, camera, frame).map(Some),
+            Material::Captured(recording) => recording.masks(&self.instances, camera, frame),
         }
     }
 
@@ -223,7 +164,7 @@ impl SceneViews {
         let training = self.training();
         match (&self.reconstruction, &self.material) {
             (Some(points), _) => {
-                Ok(Some(Cloud::reconstructed(points, self.present(&training, frame), frame)))
+                Ok(Some(Cloud::Reconstruction(points, self.present(&training, frame), frame)))
             }
             (None, Material::Rendered(rendering)) => rendering.cloud(&training, frame).map(Some),
             (None, Material::Captured(_)) => Ok(None),
@@ -256,7 +197,7 @@ impl SceneViews {
 
     fn write_picture(&self, picture: &PictureFile<'_>) -> Result<(), DataError> {
         let PictureFile { camera, frame, path, depth } = picture;
-        let [width, height] = self.size();
+        let [width, height] = self.size;
         if self.admit(camera, *frame).is_err() {
             write_png(path, &self.placeholder())?;
             return match depth {
@@ -277,21 +218,13 @@ impl SceneViews {
         }
     }
 
-    /// What has to be known of where the scene comes from, a sentence each.
-    pub(super) fn notes(&self) -> Vec<String> {
-        match &self.material {
-            Material::Rendered(_) => Vec::new(),
-            Material::Captured(recording) => recording.notes(&self.frames),
-        }
-    }
-
     /// A problem of the file that describes the scene.
     pub(super) fn wrong(&self, place: &str, message: String, remedy: &str) -> DataError {
-        DataError::invalid(&self.path(), place, message, remedy)
+        DataError::invalid(&self.path, place, message, remedy)
     }
 
     fn placeholder(&self) -> RgbImage {
-        let [width, height] = self.size();
+        let [width, height] = self.size;
         RgbImage::from_pixel(width, height, PLACEHOLDER)
     }
 

@@ -14,13 +14,10 @@ const MAX_BYTES: u64 = 64 << 20;
 const MOST: usize = 10_000;
 
 /// Claimed numbers by name.
-pub type Claims = BTreeMap<String, f64>;
+pub(super) type Claims = BTreeMap<String, f64>;
 
 /// Reads the claims of a log. What is no number (`nan`) is no claim.
-///
-/// # Errors
-/// A file that cannot be read.
-pub fn read(path: &Path) -> Result<Claims, DataError> {
+pub(super) fn read(path: &Path) -> Result<Claims, DataError> {
     let bytes = read_bounded(path, MAX_BYTES)?;
     let text = String::from_utf8_lossy(&bytes);
     Ok(log(&text).into_iter().take(MOST).collect())
@@ -66,15 +63,7 @@ fn after(line: &str, mark: &str) -> Option<f64> {
     let end = rest
         .find(|character: char| !matches!(character, '0'..='9' | '.' | '-' | '+' | 'e'))
         .unwrap_or(rest.len());
-    number(rest[..end].trim_end_matches('.'))
-}
-
-/// A number as Python or torch prints it: `0.5`, `tensor(0.1235)`, `tensor(0.1235, device='cuda:0')`.
-fn number(cell: &str) -> Option<f64> {
-    let cell = cell.trim();
-    let inner = cell.strip_prefix("tensor(").and_then(|rest| rest.strip_suffix(')')).unwrap_or(cell);
-    let value = inner.split(',').next().unwrap_or(inner).trim();
-    value.parse::<f64>().ok().filter(|value| value.is_finite())
+    rest[..end].trim_end_matches('.').parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 #[cfg(test)]

@@ -17,8 +17,9 @@ use super::codes;
 use super::inside::Inside;
 
 /// Kinds of files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, strum::Display)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Codec {
     /// PNG of any kind: a mask, a map of ids, a palette.
     Picture,
@@ -28,18 +29,6 @@ pub enum Codec {
     Latents,
     /// JSON of COCO run lengths, alone or by sentence and frame, as MeViS has them.
     CocoRle,
-}
-
-impl Codec {
-    /// Name as written in presets.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Picture => "picture",
-            Self::Array => "array",
-            Self::Latents => "latents",
-            Self::CocoRle => "coco-rle",
-        }
-    }
 }
 
 /// Ids that mean a sentence: by sentence or number of the query.
@@ -94,9 +83,19 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// A problem at a field, entry or pixel.
+    pub(crate) fn new(
+        code: &'static str,
+        place: impl Into<String>,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> Self {
+        Self { code, place: place.into(), message: message.into(), hint: hint.into() }
+    }
+
     /// A problem with a file that cannot be read.
     pub(crate) fn unreadable(place: impl Into<String>, message: impl Into<String>, hint: &str) -> Self {
-        Self { code: codes::UNREADABLE, place: place.into(), message: message.into(), hint: hint.to_owned() }
+        Self::new(codes::UNREADABLE, place, message, hint)
     }
 
     /// Adds the problem to a report.
@@ -128,11 +127,10 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Vec<Piece>, Problem> {
         Codec::Picture => maps::read_picture(path, reading),
         Codec::Array => maps::read_array(path, reading),
         Codec::CocoRle => records::read(path),
-        Codec::Latents => Err(Problem::unreadable(
-            "file",
-            "holds latents, which are read together with their other levels",
-            "",
-        )),
+        Codec::Latents => {
+            let message = "holds latents, which are read together with their other levels";
+            Err(Problem::unreadable("file", message, ""))
+        }
     }
 }
 

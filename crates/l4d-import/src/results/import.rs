@@ -6,11 +6,8 @@
 
 mod answers;
 mod card;
-mod files;
+mod frames;
 mod latents;
-mod notes;
-mod order;
-mod pictures;
 mod soft;
 
 use std::collections::BTreeMap;
@@ -28,11 +25,11 @@ use super::shift::{Answers, Summits, check_cover, check_frames};
 use super::template::{Captures, Hit, Template};
 
 pub use card::{Identity, write};
-pub use order::{Images, Order};
+pub use frames::{Images, Order};
 pub use soft::SoftStage;
 
 use answers::Collector;
-use pictures::Pictures;
+use frames::Pictures;
 
 /// What is imported, and what the user says about it.
 #[derive(Debug)]
@@ -48,7 +45,7 @@ pub struct Request<'a> {
     /// Where they are.
     pub root: PathBuf,
     /// Fields of the template that the user fixed.
-    pub choices: Captures,
+    pub choices: BTreeMap<String, String>,
     /// How files are read; its codec is that of the preset.
     pub reading: Reading,
     /// Which frame a position is.
@@ -147,11 +144,11 @@ pub fn import(
     }
     if hits.is_empty() {
         let message = format!("holds no file at `{template}`");
-        let hint = "give the folder that the template starts from, another --template, or let --probe look for known layouts";
+        let hint = "give the folder that the template starts from, or another --template";
         report.error(codes::NOTHING_FOUND, &request.root, "folder", message, hint);
         return Ok(Imported::default());
     }
-    let mut imported = Imported { assumptions: notes::assumptions(request), ..Imported::default() };
+    let mut imported = Imported { assumptions: card::assumptions(request), ..Imported::default() };
     read_claims(request, &mut imported, report)?;
     for (scene, hits) in by_scene(request, &template, hits, report) {
         progress(scene.as_str());
@@ -165,7 +162,7 @@ pub fn import(
         imported.sizes.insert(scene.clone(), pictures.size);
         let mut collector = Collector::new(request, &prompts, &pictures);
         match &request.preset.latents {
-            None => files::read(request, &hits, &mut collector)?,
+            None => answers::read(request, &hits, &mut collector)?,
             Some(preset) => {
                 latents::read(
                     request,
@@ -178,9 +175,7 @@ pub fn import(
             }
         }
         let (found, summits) = collector.finish(report);
-        imported
-            .inputs
-            .insert(format!("{scene}: {} files", hits.len()), notes::digest(&request.root, &hits)?);
+        imported.inputs.insert(format!("{scene}: {} files", hits.len()), card::digest(&request.root, &hits)?);
         check_cover(&request.root, pictures.size, &found, report);
         check_fit(request, &queries, &found, report)?;
         report_missing(request, &queries, &pictures, &found, report);
@@ -191,9 +186,8 @@ pub fn import(
 }
 
 fn parse(template: &str, root: &Path) -> Result<Template, DataError> {
-    Template::parse(template).map_err(|error| {
-        DataError::invalid(root, "template", error.to_string(), "see docs/import/presets.md")
-    })
+    Template::parse(template)
+        .map_err(|error| DataError::invalid(root, "template", error, "see docs/import/presets.md"))
 }
 
 fn is_ignored(path: &Path, beginnings: &[String]) -> bool {

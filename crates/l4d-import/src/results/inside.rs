@@ -7,6 +7,8 @@ use std::str::FromStr;
 use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 
+use super::codec::Problem;
+use super::codes;
 use super::relevancy::{self, Rules, Smoothing, over_range};
 
 /// The rule, as presets and the command line write it.
@@ -31,18 +33,10 @@ pub enum Inside {
     FourDLangSplat(f32),
 }
 
-/// A text that is no rule.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is no rule: use mask, nonzero, above <n>, index <n>, selected, relative <t>, langsplat <t> or 4d-langsplat <t>, with t from 0 to below 1"
-)]
-pub struct InsideError(String);
-
 impl FromStr for Inside {
-    type Err = InsideError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, InsideError> {
-        let error = || InsideError(l4d_data::error::inert(text));
+    fn from_str(text: &str) -> Result<Self, String> {
         let (word, number) = text.split_once(' ').unwrap_or((text, ""));
         let number = number.trim();
         let share = || number.parse().ok().filter(|share| (0.0..1.0).contains(share));
@@ -57,14 +51,20 @@ impl FromStr for Inside {
             ("4d-langsplat", false) => share().map(Self::FourDLangSplat),
             _ => None,
         };
-        rule.ok_or_else(error)
+        rule.ok_or_else(|| {
+            format!(
+                "`{}` is no rule: use mask, nonzero, above <n>, index <n>, selected, relative <t>, langsplat <t> or \
+                 4d-langsplat <t>, with t from 0 to below 1",
+                l4d_data::error::inert(text)
+            )
+        })
     }
 }
 
 impl TryFrom<String> for Inside {
-    type Error = InsideError;
+    type Error = String;
 
-    fn try_from(text: String) -> Result<Self, InsideError> {
+    fn try_from(text: String) -> Result<Self, String> {
         text.parse()
     }
 }
@@ -90,36 +90,13 @@ impl fmt::Display for Inside {
     }
 }
 
-/// A mask, and the peak by which levels compete.
+/// A mask, and what it was cut from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cut {
     /// The mask.
     pub mask: Mask,
-    /// The highest number, after smoothing where the rule smooths.
-    pub peak: f32,
     /// The numbers over their own range, where the rule cuts them there.
     pub soft: Option<Vec<u8>>,
-}
-
-/// Why numbers are no mask.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CutError {
-    /// Neither one value nor two, or none of the two is 0.
-    #[error("has the values {0}, but a mask has 0 and one other")]
-    Ambiguous(String),
-    /// A number that is not finite.
-    #[error("pixel ({col}, {row}) is {value}")]
-    NotFinite {
-        /// Column.
-        col: usize,
-        /// Row.
-        row: usize,
-        /// What is there.
-        value: f32,
-    },
-    /// A range of zero under a rule that needs one.
-    #[error("is {0} everywhere, so that nothing can stand out")]
-    Constant(f32),
 }
 
 impl Inside {
@@ -143,10 +120,12 @@ impl Inside {
         width: u32,
         height: u32,
         selected: &BTreeSet<u32>,
-    ) -> Result<Cut, CutError> {
+    ) -> Result<Cut, Problem> {
+        let problem = |code, message: String, hint| Err(Problem::new(code, "numbers", message, hint));
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             let (row, col) = (index / width as usize, index % width as usize);
-            return Err(CutError::NotFinite { col, row, value: values[index] });
+            let hint = "find out where the method divides by zero; numbers that are none are no answer";
+            return problem(codes::NOT_FINITE, format!("pixel ({col}, {row}) is {}", values[index]), hint);
         }
         let peak = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let floor = values.iter().copied().fold(f32::INFINITY, f32::min);
@@ -159,8 +138,10 @@ impl Inside {
         let mask = match *self {
             Self::Mask => {
                 if let Some(stray) = values.iter().find(|&&value| value != 0.0 && value != peak) {
-                    let found = format!("0, {stray} and {peak}");
-                    return Err(CutError::Ambiguous(found));
+                    let message =
+                        format!("has the values 0, {stray} and {peak}, but a mask has 0 and one other");
+                    let hint = "say what is inside: --inside nonzero, \"above 127\" or \"index 3\"";
+                    return problem(codes::AMBIGUOUS_MASK, message, hint);
                 }
                 by(&|value| value != 0.0)
             }
@@ -169,7 +150,9 @@ impl Inside {
             Self::Index(id) => by(&|value| is_id(value, id)),
             Self::Selected => by(&|value| selected.iter().any(|&id| is_id(value, id))),
             Self::Relative(_) | Self::LangSplat(_) | Self::FourDLangSplat(_) if peak == floor => {
-                return Err(CutError::Constant(peak));
+                let message = format!("is {peak} everywhere, so that nothing can stand out");
+                let hint = "the map is blank: check that the checkpoint was loaded and that the decoder belongs to the latents";
+                return problem(codes::CONSTANT, message, hint);
             }
             Self::Relative(share) => {
                 by(&|value| (value - floor) / ((peak - floor) + 1e-9) * 2.0 - 1.0 > share)
@@ -182,21 +165,21 @@ impl Inside {
             }
         };
         let soft = self.has_range().then(|| over_range(values, floor, peak));
-        Ok(Cut { mask, peak, soft })
+        Ok(Cut { mask, soft })
     }
 }
 
 fn smoothed(values: &[f32], width: u32, height: u32, smoothing: Smoothing, threshold: f32) -> Cut {
     let rules = Rules { smoothing, threshold, stretch_positive: false };
     let found = relevancy::of_map(values.to_vec(), width, height, &rules);
-    Cut { mask: found.mask, peak: found.peak, soft: Some(found.soft) }
+    Cut { mask: found.mask, soft: Some(found.soft) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn cut(rule: &str, values: &[f32]) -> Result<Vec<bool>, CutError> {
+    fn cut(rule: &str, values: &[f32]) -> Result<Vec<bool>, Problem> {
         let selected = BTreeSet::from([3, 5]);
         let rule: Inside = rule.parse().unwrap();
         rule.cut(values, values.len() as u32, 1, &selected).map(|cut| cut.mask.to_bools())
@@ -216,10 +199,14 @@ mod tests {
 
     #[test]
     fn numbers_that_a_rule_cannot_read_are_refused() {
-        assert!(matches!(cut("mask", &[0.0, 128.0, 255.0]), Err(CutError::Ambiguous(_))));
-        assert!(matches!(cut("mask", &[7.0, 255.0]), Err(CutError::Ambiguous(_))));
-        assert!(matches!(cut("relative 0.4", &[0.5, 0.5]), Err(CutError::Constant(_))));
-        assert!(matches!(cut("nonzero", &[0.0, f32::NAN]), Err(CutError::NotFinite { col: 1, .. })));
+        for (rule, values, code) in [
+            ("mask", &[0.0, 128.0, 255.0][..], codes::AMBIGUOUS_MASK),
+            ("mask", &[7.0, 255.0], codes::AMBIGUOUS_MASK),
+            ("relative 0.4", &[0.5, 0.5], codes::CONSTANT),
+            ("nonzero", &[0.0, f32::NAN], codes::NOT_FINITE),
+        ] {
+            assert_eq!(cut(rule, values).unwrap_err().code, code, "{rule}");
+        }
     }
 
     #[test]

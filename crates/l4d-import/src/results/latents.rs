@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::Report;
 
-use l4d_formats::arrays;
-use l4d_formats::npy::Array;
+use l4d_formats::{Tensor, arrays};
 
 use super::codes;
 use super::relevancy::Latents;
@@ -15,15 +14,15 @@ const LONGEST: f32 = 1.05;
 
 /// One level of one frame.
 #[derive(Debug)]
-pub struct Level {
+pub(super) struct Level {
     /// Where it came from.
-    pub path: PathBuf,
-    array: Array,
+    pub(super) path: PathBuf,
+    array: Tensor,
 }
 
 impl Level {
     /// Reads a level; what is no picture of latents is reported.
-    pub fn read(path: &Path, report: &mut Report) -> Option<Self> {
+    pub(super) fn read(path: &Path, report: &mut Report) -> Option<Self> {
         let array = match arrays::read(path, None) {
             Ok(array) => array,
             Err(error) => {
@@ -54,13 +53,13 @@ impl Level {
     }
 
     /// The numbers as the engine takes them.
-    pub fn latents(&self) -> Latents<'_> {
+    pub(super) fn latents(&self) -> Latents<'_> {
         let [height, width, channels] = [self.array.shape[0], self.array.shape[1], self.array.shape[2]];
         Latents { width: width as u32, height: height as u32, channels, data: &self.array.data }
     }
 
     /// Width and height, pixels.
-    pub fn size(&self) -> (u32, u32) {
+    pub(super) fn size(&self) -> (u32, u32) {
         let latents = self.latents();
         (latents.width, latents.height)
     }
@@ -69,7 +68,7 @@ impl Level {
     ///
     /// LangSplat renders colours and latents into the same folder under the same names. A latent is a mean of unit
     /// vectors, so its length is at most 1, and negative numbers are usual.
-    pub fn looks_like_colours(&self) -> bool {
+    pub(super) fn looks_like_colours(&self) -> bool {
         let latents = self.latents();
         if latents.channels != 3 || latents.data.iter().any(|&value| value < 0.0) {
             return false;
@@ -82,14 +81,14 @@ impl Level {
     }
 
     /// The one value that all numbers have.
-    pub fn constant(&self) -> Option<f32> {
+    pub(super) fn constant(&self) -> Option<f32> {
         let first = *self.array.data.first()?;
         self.array.data.iter().all(|&value| value == first).then_some(first)
     }
 }
 
 /// Reports what makes the levels of a frame no answer: colours, copies, blanks, sizes. True if they are sound.
-pub fn check(levels: &[(u64, Level)], channels: usize, report: &mut Report) -> bool {
+pub(super) fn check(levels: &[(u64, Level)], channels: usize, report: &mut Report) -> bool {
     let before = report.len();
     for (number, level) in levels {
         let latents = level.latents();
@@ -142,7 +141,7 @@ mod tests {
     fn level(number: u64, shape: [usize; 3], value: impl Fn(usize) -> f32) -> (u64, Level) {
         let data: Vec<f32> = (0..shape.iter().product()).map(value).collect();
         let path = PathBuf::from(format!("level{number}.npy"));
-        (number, Level { path, array: Array { shape: shape.to_vec(), data } })
+        (number, Level { path, array: Tensor { shape: shape.to_vec(), data } })
     }
 
     fn found(levels: &[(u64, Level)], channels: usize) -> Vec<&'static str> {

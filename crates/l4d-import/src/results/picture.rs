@@ -8,40 +8,41 @@ use std::io::Cursor;
 use l4d_masks::Mask;
 use png::{BitDepth, ColorType, Decoder, Limits};
 
+use super::codec::Problem;
+use super::codes;
+
 /// Numbers of a picture, row by row.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
+pub(super) struct Picture {
     /// Pixels in a row.
-    pub width: u32,
+    pub(super) width: u32,
     /// Rows.
-    pub height: u32,
+    pub(super) height: u32,
     /// One number a pixel.
-    pub values: Vec<f32>,
+    pub(super) values: Vec<f32>,
     /// Whether the numbers are indices of a palette.
-    pub is_palette: bool,
+    pub(super) is_palette: bool,
 }
 
-/// Why bytes are no picture of numbers.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum PictureError {
-    /// Not a PNG, damaged, or too large.
-    #[error("is no whole PNG: {0}")]
-    Damaged(String),
-    /// Colours, or alpha that is not opaque everywhere.
-    #[error("{0}")]
-    Ambiguous(String),
+/// A picture that does not say what is inside.
+pub(super) fn ambiguous(message: String) -> Problem {
+    let hint = "write grey PNG of 0 and 255, or say which index is meant: --inside \"index 3\"";
+    Problem::new(codes::AMBIGUOUS_MASK, "picture", message, hint)
 }
 
 /// Decodes a PNG.
-pub fn decode(bytes: &[u8]) -> Result<Picture, PictureError> {
-    let damaged = |error: png::DecodingError| PictureError::Damaged(error.to_string());
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Problem> {
+    let broken = |why: String| {
+        Problem::unreadable("picture", format!("is no whole PNG: {why}"), "write the picture again")
+    };
+    let damaged = |error: png::DecodingError| broken(error.to_string());
     let decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: 64 << 20 });
     let mut reader = decoder.read_info().map_err(damaged)?;
     let info = reader.info();
     let (width, height) = info.size();
     let too_large = || {
         let most = Mask::MAX_SIDE;
-        PictureError::Damaged(format!("is {width}x{height}, but each side must have 1 to {most} pixels"))
+        broken(format!("is {width}x{height}, but each side must have 1 to {most} pixels"))
     };
     if !Mask::is_sane_size(width, height) {
         return Err(too_large());
@@ -76,7 +77,7 @@ fn value(
     at: impl Fn(usize) -> u16,
     col: usize,
     row: usize,
-) -> Result<u16, PictureError> {
+) -> Result<u16, Problem> {
     let opaque = if depth == BitDepth::Sixteen { u16::MAX } else { 255 };
     let is_clear = match colour {
         ColorType::GrayscaleAlpha => at(1) != opaque,
@@ -85,11 +86,11 @@ fn value(
     };
     if is_clear {
         let message = "has pixels that are not opaque, and alpha is no mask";
-        return Err(PictureError::Ambiguous(message.to_owned()));
+        return Err(ambiguous(message.to_owned()));
     }
     if matches!(colour, ColorType::Rgb | ColorType::Rgba) && (at(0) != at(1) || at(1) != at(2)) {
         let (red, green, blue) = (at(0), at(1), at(2));
-        return Err(PictureError::Ambiguous(format!(
+        return Err(ambiguous(format!(
             "has colours (pixel {col}, {row} is {red}, {green}, {blue}), so nothing says what is inside"
         )));
     }
@@ -148,9 +149,9 @@ mod tests {
     fn what_says_nothing_of_inside_is_refused() {
         use BitDepth::Eight;
         let refused = |colour, pixels: &[u8]| decode(&png(colour, Eight, 1, pixels)).unwrap_err();
-        assert!(refused(ColorType::Rgb, &[1, 2, 3]).to_string().contains("(pixel 0, 0 is 1, 2, 3)"));
-        assert!(refused(ColorType::Rgba, &[1, 1, 1, 0]).to_string().contains("alpha is no mask"));
-        assert!(matches!(decode(b"no picture"), Err(PictureError::Damaged(_))));
+        assert!(refused(ColorType::Rgb, &[1, 2, 3]).message.contains("(pixel 0, 0 is 1, 2, 3)"));
+        assert!(refused(ColorType::Rgba, &[1, 1, 1, 0]).message.contains("alpha is no mask"));
+        assert_eq!(decode(b"no picture").unwrap_err().code, codes::UNREADABLE);
         let mut huge = png(ColorType::Grayscale, Eight, 1, &[0]);
         huge[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
         assert!(decode(&huge).is_err());

@@ -23,8 +23,6 @@ const MAX_BYTES: u64 = 1 << 20;
 pub struct Preset {
     /// What `l4d import` calls it.
     pub name: String,
-    /// One line for people.
-    pub title: String,
     /// Paper or code.
     #[serde(default)]
     pub link: String,
@@ -92,7 +90,7 @@ macro_rules! built_in {
     };
 }
 
-/// Name and text of the built-in presets, in the order in which probing tries them.
+/// Name and text of the built-in presets.
 const BUILT_IN: &[(&str, &str)] = built_in![
     "langsplat",
     "langsplat-per-frame",
@@ -109,14 +107,6 @@ const BUILT_IN: &[(&str, &str)] = built_in![
 ];
 
 impl Preset {
-    /// All built-in presets.
-    ///
-    /// # Errors
-    /// Never, unless this build carries a broken file; a test reads them all.
-    pub fn built_in() -> Result<Vec<Self>, DataError> {
-        BUILT_IN.iter().map(|(name, text)| Self::parse(Path::new(name), text)).collect()
-    }
-
     /// A built-in preset by its name, or the one in a file.
     ///
     /// # Errors
@@ -146,13 +136,11 @@ impl Preset {
             of_latents.map(|latents| [&latents.decoder, &latents.time_template, &latents.time_decoder]);
         let more = more.into_iter().flatten().flatten();
         for template in templates.into_iter().flatten().chain(more) {
-            Template::parse(template).map_err(|error| invalid("template", error.to_string()))?;
+            Template::parse(template).map_err(|error| invalid("template", error))?;
         }
         if (preset.codec == Codec::Latents) != preset.latents.is_some() {
-            return Err(invalid(
-                "table `latents`",
-                "belongs to the codec `latents`, and to no other".to_owned(),
-            ));
+            let message = "belongs to the codec `latents`, and to no other";
+            return Err(invalid("table `latents`", message.to_owned()));
         }
         Ok(preset)
     }
@@ -164,12 +152,10 @@ mod tests {
 
     #[test]
     fn every_built_in_preset_reads_and_is_called_what_its_file_is_called() {
-        let presets = Preset::built_in().unwrap();
-        assert_eq!(presets.len(), BUILT_IN.len());
-        for (preset, (name, _)) in presets.iter().zip(BUILT_IN) {
+        for (name, _) in BUILT_IN {
+            let preset = Preset::find(name).unwrap();
             assert_eq!(preset.name, *name);
-            assert!(!preset.title.is_empty() && !preset.notes.is_empty(), "{name} says nothing of itself");
-            assert_eq!(&Preset::find(name).unwrap(), preset);
+            assert!(!preset.notes.is_empty(), "{name} says nothing of itself");
         }
         let error = Preset::find("nothing").unwrap_err();
         assert!(error.hint().unwrap().contains("langsplat"));
@@ -177,7 +163,7 @@ mod tests {
 
     #[test]
     fn what_is_no_preset_says_why() {
-        let base = "name = 'x'\ntitle = 'x'\ntemplate = '{text}.png'\ncodec = 'picture'\n";
+        let base = "name = 'x'\ntemplate = '{text}.png'\ncodec = 'picture'\n";
         assert!(Preset::parse(Path::new("x"), base).is_ok());
         for (more, reason) in [
             ("inside = 'above'", "no rule"),

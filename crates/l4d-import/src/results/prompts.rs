@@ -7,14 +7,14 @@ use unicode_normalization::UnicodeNormalization as _;
 
 /// The queries of a scene by every name that files may call them.
 #[derive(Debug)]
-pub struct Prompts<'a> {
+pub(super) struct Prompts<'a> {
     queries: &'a [Query],
     by_text: BTreeMap<String, Vec<usize>>,
 }
 
 /// Why a name means no query.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum NoQuery {
+pub(super) enum NoQuery {
     /// No query of the scene is like it; the nearest one, for a hint.
     Unknown {
         /// The sentence that differs least.
@@ -26,7 +26,7 @@ pub enum NoQuery {
 
 impl<'a> Prompts<'a> {
     /// The names of these queries.
-    pub fn new(queries: &'a [Query]) -> Self {
+    pub(super) fn new(queries: &'a [Query]) -> Self {
         let mut by_text: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (index, query) in queries.iter().enumerate() {
             by_text.entry(spelling(&query.text)).or_default().push(index);
@@ -35,13 +35,13 @@ impl<'a> Prompts<'a> {
     }
 
     /// The query that a number means: `003`, or `<scene>/003`.
-    pub fn by_number(&self, name: &str) -> Option<&'a Query> {
+    pub(super) fn by_number(&self, name: &str) -> Option<&'a Query> {
         let number = name.rsplit('/').next().unwrap_or(name);
         self.queries.iter().find(|query| query.id.number.as_str() == number)
     }
 
     /// The query whose sentence this is, whatever its case, blanks and Unicode form.
-    pub fn by_text(&self, name: &str) -> Result<&'a Query, NoQuery> {
+    pub(super) fn by_text(&self, name: &str) -> Result<&'a Query, NoQuery> {
         let spelling = spelling(name);
         match self.by_text.get(&spelling).map(Vec::as_slice) {
             Some([index]) => Ok(&self.queries[*index]),
@@ -49,7 +49,7 @@ impl<'a> Prompts<'a> {
                 several.iter().map(|&index| self.queries[index].id.to_string()).collect(),
             )),
             None => {
-                let far = |text: &str| distance(&spelling, text);
+                let far = |text: &str| strsim::levenshtein(start(&spelling), start(text));
                 let nearest = self.by_text.iter().min_by_key(|(text, _)| far(text));
                 Err(NoQuery::Unknown { nearest: nearest.map(|(_, all)| self.queries[all[0]].text.clone()) })
             }
@@ -57,37 +57,22 @@ impl<'a> Prompts<'a> {
     }
 
     /// A number first, then a sentence.
-    pub fn find(&self, name: &str) -> Result<&'a Query, NoQuery> {
+    pub(super) fn find(&self, name: &str) -> Result<&'a Query, NoQuery> {
         self.by_number(name).map_or_else(|| self.by_text(name), Ok)
     }
+}
 
-    /// The queries.
-    pub fn queries(&self) -> &'a [Query] {
-        self.queries
-    }
+/// Enough of a name to tell how near it is to another; a file may make it as long as it likes.
+fn start(text: &str) -> &str {
+    text.char_indices().nth(200).map_or(text, |(end, _)| &text[..end])
 }
 
 /// What two names of one sentence have in common: Unicode NFC, lower case, one blank between words. Underscores are
 /// blanks, since many programs write them for blanks in file names.
-pub fn spelling(text: &str) -> String {
+pub(super) fn spelling(text: &str) -> String {
     let composed: String =
         text.nfc().flat_map(char::to_lowercase).map(|c| if c == '_' { ' ' } else { c }).collect();
     composed.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// Edits from one text to the other, of their first 200 characters.
-fn distance(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().take(200).collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (index, character) in from.chars().take(200).enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], index + 1);
-        for (at, other) in to.iter().enumerate() {
-            let replaced = diagonal + usize::from(character != *other);
-            diagonal = row[at + 1];
-            row[at + 1] = replaced.min(row[at] + 1).min(diagonal + 1);
-        }
-    }
-    row[to.len()]
 }
 
 #[cfg(test)]

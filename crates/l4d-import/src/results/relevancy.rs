@@ -5,9 +5,8 @@
 //! one with the highest peak answers.
 
 pub mod decoder;
-pub mod folded;
+mod engine;
 pub mod gate;
-mod gram;
 mod smooth;
 pub mod texts;
 
@@ -15,7 +14,7 @@ use l4d_masks::Mask;
 use serde::{Deserialize, Serialize};
 
 pub use decoder::Decoder;
-pub use folded::Folded;
+pub use engine::Engine;
 pub use texts::{Texts, TextsFile};
 
 /// How sharp the comparison with the phrases is.
@@ -103,7 +102,7 @@ pub struct Chosen {
 }
 
 /// The answer of a frame to each sentence: the level with the highest peak, the first of equals.
-pub fn answer(engine: &Folded, levels: &[Latents<'_>], rules: &Rules) -> Vec<Chosen> {
+pub fn answer(engine: &Engine, levels: &[Latents<'_>], rules: &Rules) -> Vec<Chosen> {
     let lowest = || levels.iter().flat_map(|level| level.data).copied().fold(f32::INFINITY, f32::min);
     if rules.stretch_positive && lowest() > 0.0 {
         let stretched: Vec<Vec<f32>> =
@@ -114,7 +113,7 @@ pub fn answer(engine: &Folded, levels: &[Latents<'_>], rules: &Rules) -> Vec<Cho
     best(engine, levels.iter().copied(), rules)
 }
 
-fn best<'a>(engine: &Folded, levels: impl Iterator<Item = Latents<'a>>, rules: &Rules) -> Vec<Chosen> {
+fn best<'a>(engine: &Engine, levels: impl Iterator<Item = Latents<'a>>, rules: &Rules) -> Vec<Chosen> {
     let mut chosen: Vec<Chosen> = Vec::new();
     for (level, latents) in levels.enumerate() {
         let found = engine.level(latents, rules).into_iter();

@@ -13,10 +13,10 @@ use l4d_masks::{Mask, Rle, target};
 use super::codes;
 
 /// Masks by frame; none where the method says that nothing is there.
-pub type Answers = BTreeMap<u32, Option<Rle>>;
+pub(super) type Answers = BTreeMap<u32, Option<Rle>>;
 
 /// Where relevancy is highest by query and frame: shares of width and height.
-pub type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
+pub(super) type Summits = BTreeMap<(QueryId, u32), [f64; 2]>;
 
 /// A shift that raises the mean IoU by this factor is reported.
 const TELLING: f64 = 1.1;
@@ -26,7 +26,7 @@ const FEW: u64 = 6;
 const HARDLY: f64 = 0.01;
 
 /// Reports that masks fit the frame before or after better, or hardly touch the truth.
-pub fn check_frames(truth: &Truth, at: &Path, asked: &[(&Query, &Answers)], report: &mut Report) {
+pub(super) fn check_frames(truth: &Truth, at: &Path, asked: &[(&Query, &Answers)], report: &mut Report) {
     let Some((now, _)) = mean_iou(truth, asked, 0) else { return };
     for (shift, side) in [(-1, "earlier"), (1, "later")] {
         let is_telling = |(iou, pairs): &(f64, u64)| *pairs >= FEW && *iou > TELLING * now && *iou > HARDLY;
@@ -67,7 +67,12 @@ fn mean_iou(truth: &Truth, asked: &[(&Query, &Answers)], shift: isize) -> Option
 }
 
 /// Reports masks that cover nearly everything: any of them is a hit for mAcc.
-pub fn check_cover(at: &Path, size: (u32, u32), answers: &BTreeMap<QueryId, Answers>, report: &mut Report) {
+pub(super) fn check_cover(
+    at: &Path,
+    size: (u32, u32),
+    answers: &BTreeMap<QueryId, Answers>,
+    report: &mut Report,
+) {
     let pixels = u64::from(size.0) * u64::from(size.1);
     let covers = |mask: &&Rle| mask.area() * 20 > pixels * 19;
     for (query, answers) in answers {

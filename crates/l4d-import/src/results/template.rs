@@ -20,7 +20,7 @@ use l4d_data::{DataError, Report};
 use super::codes;
 
 /// What the fields of a template were found to be, numbers without padding and offset.
-pub type Captures = BTreeMap<String, String>;
+pub(super) type Captures = BTreeMap<String, String>;
 
 /// Files that a template may find.
 const MOST_FILES: usize = 1 << 21;
@@ -31,7 +31,7 @@ const NUMBERS: [&str; 4] = ["frame", "position", "level", "image"];
 
 /// A path with fields.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Template {
+pub(super) struct Template {
     source: String,
     names: Vec<Vec<Piece>>,
 }
@@ -45,46 +45,34 @@ enum Piece {
 
 /// A file that a template found.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Hit {
+pub(super) struct Hit {
     /// Where it is.
-    pub path: PathBuf,
+    pub(super) path: PathBuf,
     /// What its path says.
-    pub captures: Captures,
+    pub(super) captures: Captures,
 }
 
 impl Hit {
     /// A field that is a number.
-    pub fn number(&self, field: &str) -> Option<u64> {
+    pub(super) fn number(&self, field: &str) -> Option<u64> {
         self.captures.get(field)?.parse().ok()
     }
 
     /// A field.
-    pub fn text(&self, field: &str) -> Option<&str> {
+    pub(super) fn text(&self, field: &str) -> Option<&str> {
         self.captures.get(field).map(String::as_str)
     }
 }
 
-/// Why a text is no template.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("template `{template}`: {message}")]
-pub struct TemplateError {
-    template: String,
-    message: String,
-}
-
 impl Template {
     /// Reads a template.
-    ///
-    /// # Errors
-    /// Braces that do not close, formats that are none, and paths that leave the folder.
-    pub fn parse(text: &str) -> Result<Self, TemplateError> {
-        let fault = |message: String| TemplateError { template: l4d_data::error::inert(text), message };
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        let fault = |message: String| format!("template `{}`: {message}", l4d_data::error::inert(text));
         let mut names = Vec::new();
         for name in text.split('/') {
             if matches!(name, "" | "." | "..") {
-                return Err(fault(
-                    "must be a path below the given folder, without `.`, `..` or a slash too many".into(),
-                ));
+                let message = "must be a path below the given folder, without `.`, `..` or a slash too many";
+                return Err(fault(message.to_owned()));
             }
             let pieces = pieces(name).map_err(fault)?;
             let is_field = |piece: &&Piece| !matches!(piece, Piece::Literal(_));
@@ -101,7 +89,7 @@ impl Template {
     }
 
     /// Names of the fields, in the order of the path, each once.
-    pub fn fields(&self) -> Vec<&str> {
+    pub(super) fn fields(&self) -> Vec<&str> {
         let mut fields = Vec::new();
         for piece in self.names.iter().flatten() {
             if let Piece::Text(field) | Piece::Number { field, .. } = piece
@@ -114,7 +102,7 @@ impl Template {
     }
 
     /// The path with all fields filled in; none where one is not known.
-    pub fn fill(&self, root: &Path, captures: &Captures) -> Option<PathBuf> {
+    pub(super) fn fill(&self, root: &Path, captures: &Captures) -> Option<PathBuf> {
         let mut path = root.to_owned();
         for name in &self.names {
             let parts: Option<Vec<String>> = name.iter().map(|piece| piece.filled(captures)).collect();
@@ -124,10 +112,12 @@ impl Template {
     }
 
     /// All files below `root` that fit, sorted by path. `bound` says what fields have to be.
-    ///
-    /// # Errors
-    /// A root that cannot be listed, and more files than any method leaves.
-    pub fn find(&self, root: &Path, bound: &Captures, report: &mut Report) -> Result<Vec<Hit>, DataError> {
+    pub(super) fn find(
+        &self,
+        root: &Path,
+        bound: &Captures,
+        report: &mut Report,
+    ) -> Result<Vec<Hit>, DataError> {
         list_folder(root)?;
         let mut hits = Vec::new();
         self.walk(root, 0, bound, &mut hits, report)?;
@@ -163,12 +153,8 @@ impl Template {
             } else if metadata.is_file() && is_last {
                 if hits.len() == MOST_FILES {
                     let message = format!("holds more than {MOST_FILES} files that fit `{self}`");
-                    return Err(DataError::invalid(
-                        folder,
-                        "folder",
-                        message,
-                        "give the folder of one method",
-                    ));
+                    let remedy = "give the folder of one method";
+                    return Err(DataError::invalid(folder, "folder", message, remedy));
                 }
                 hits.push(Hit { path, captures: found });
             }
@@ -355,7 +341,7 @@ mod tests {
             ("{a}{b}", "nothing between"),
             ("{a}-{b}-{c}-{d}-{e}", "more than 4"),
         ] {
-            let error = Template::parse(text).unwrap_err().to_string();
+            let error = Template::parse(text).unwrap_err();
             assert!(error.contains(reason), "{text}: {error}");
         }
     }

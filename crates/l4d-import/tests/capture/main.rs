@@ -87,6 +87,16 @@ pub(crate) fn pose(number: usize) -> DMat4 {
     DMat4::from_mat3_translation(rotation, DVec3::new(number - 2.0, 0.4 * number, 1.0 / 3.0))
 }
 
+/// A row of LLFF: down, right, backward, centre, (height, width, focal length).
+pub(crate) fn llff_row(pose: DMat4, focal: f64) -> Vec<f64> {
+    let columns = [pose.y_axis, pose.x_axis, -pose.z_axis, pose.w_axis];
+    let hwf = [96.0, 128.0, focal];
+    let mut row: Vec<f64> =
+        (0..3).flat_map(|axis| columns.map(|column| column[axis]).into_iter().chain([hwf[axis]])).collect();
+    row.extend([0.5, 20.0]);
+    row
+}
+
 /// Checks that a camera sees points before `world_from_camera` where a pinhole with these intrinsics sees them.
 pub(crate) fn assert_rays(camera: &Camera, frame: u32, world_from_camera: DMat4, [fx, fy, cx, cy]: [f64; 4]) {
     for at in [[0.0, 0.0], [63.0, 1.0], [20.0, 47.0], [64.0, 48.0]] {

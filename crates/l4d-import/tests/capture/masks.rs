@@ -6,22 +6,14 @@ use l4d_import::capture::{Capture, Source};
 use l4d_masks::{Mask, ids};
 use serde_json::json;
 
-use crate::{Bench, png, pose};
+use crate::{Bench, llff_row, png, pose};
 
 /// Two cameras, three moments, 64x48; the first is held out.
 fn captured() -> (Bench, Capture) {
     let bench = Bench::new();
-    let mut rows = Vec::new();
-    for number in 0..2 {
-        let pose = pose(number);
-        for axis in 0..3 {
-            let hwf = [48.0, 64.0, 70.0][axis];
-            rows.extend([pose.y_axis[axis], pose.x_axis[axis], -pose.z_axis[axis], pose.w_axis[axis], hwf]);
-        }
-        rows.extend([0.5, 20.0]);
-        for moment in 0..3 {
-            bench.put(&format!("cam{number:02}/images/{moment:04}.png"), png(64, 48, moment));
-        }
+    let rows: Vec<f64> = (0..2).flat_map(|number| llff_row(pose(number), 140.0)).collect();
+    for (number, moment) in (0..2).flat_map(|number| (0..3).map(move |moment| (number, moment))) {
+        bench.put(&format!("cam{number:02}/images/{moment:04}.png"), png(64, 48, moment));
     }
     bench.put("poses_bounds.npy", npy::encode_f64(&[2, 17], &rows));
     let capture = bench.read(Source::Neu3d).unwrap();
@@ -86,6 +78,12 @@ fn palettes_and_coco_and_4d_langsplat_give_the_same_pixels() {
     bench.put("data/annotations/train/_annotations.coco.json", coco(&[("0002_png.rf.0af3.jpg", "plate")]));
     let theirs = set(&bench, &capture, MaskFormat::FourDLangSplat, "data").unwrap();
     assert_eq!(mask_at(&theirs, &theirs.instances[0], "cam00", 2).unwrap(), expected);
+    // HyperNeRF counts from one.
+    let hypernerf = Capture { source: "hypernerf".to_owned(), ..capture.clone() };
+    bench.put("data/annotations/video_annotations.json", r#"{"plate": {"the plate that falls": [[3, 6]]}}"#);
+    let theirs = set(&bench, &hypernerf, MaskFormat::FourDLangSplat, "data").unwrap();
+    assert_eq!(mask_at(&theirs, &theirs.instances[0], "cam00", 1).unwrap(), expected);
+    assert!(theirs.notes[0].contains("times of sentences"), "{:?}", theirs.notes);
     bench.put("coco.json", coco(&[("cam01/0000.png", "plate")]));
     let theirs = set(&bench, &capture, MaskFormat::Coco, "coco.json").unwrap();
     // By centres the border at the far side is outside.

@@ -12,17 +12,7 @@ use l4d_import::export::{Format, Order, Origin, export};
 use serde_json::json;
 
 use crate::support::{TEST_VIEW, World};
-use crate::{Bench, assert_rays, held_out, painted, png, pose};
-
-/// A row of LLFF: down, right, backward, centre, (height, width, focal length).
-fn llff_row(pose: DMat4, focal: f64) -> Vec<f64> {
-    let columns = [pose.y_axis, pose.x_axis, -pose.z_axis, pose.w_axis];
-    let hwf = [96.0, 128.0, focal];
-    let mut row: Vec<f64> =
-        (0..3).flat_map(|axis| columns.map(|column| column[axis]).into_iter().chain([hwf[axis]])).collect();
-    row.extend([0.5, 20.0]);
-    row
-}
+use crate::{Bench, assert_rays, held_out, llff_row, painted, png, pose};
 
 fn neu3d() -> Bench {
     let bench = Bench::new();

@@ -4,10 +4,8 @@ use std::path::Path;
 
 use glam::DVec3;
 use l4d_data::capture::{CAPTURE, Capture};
-use l4d_data::{DataError, Name, Profile, Split, json as files_of_json};
+use l4d_data::{DataError, Name, Split, json as files_of_json};
 use l4d_formats::colmap::Model;
-use l4d_import::annotations::Judged;
-use l4d_import::annotations::four_d_langsplat::{self, Counting};
 use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
 use l4d_masks::{Mask, ids};
 
@@ -38,7 +36,7 @@ fn a_moment_that_a_view_did_not_see_is_left_out_of_it_alone() {
     let world = recorded(|capture| drop(capture.unseen.insert(name("cam04"), vec![24])));
     std::fs::remove_file(world.capture_dir().picture("cam04", 24)).unwrap();
     let of = |format: Format| {
-        let out = world.out(format.as_str());
+        let out = world.out(&format.to_string());
         exported_as(Kind::Captured, &world, format, HeldOut::Pose, &out);
         out
     };
@@ -189,36 +187,6 @@ fn masks_of_the_held_out_view_alone_are_the_truth_and_no_training_data() {
     std::fs::remove_file(world.capture_dir().root().join("masks.json")).unwrap();
     let error = try_captured(&world, Format::Davis, HeldOut::Pose, &world.out("no")).unwrap_err();
     assert!(error.hint().unwrap().contains("l4d import-scene --masks"), "{error}");
-}
-
-#[test]
-fn evaluators_count_the_moments_that_nobody_drew_on() {
-    let world = recorded(|_| {});
-    let mut truth = world.truth.clone();
-    truth.profile = Profile::Real;
-    (truth.frames, truth.unannotated) =
-        world.frames().into_iter().partition(|frame| [12, 48].contains(frame));
-    for instance in &mut truth.instances {
-        instance.masks.retain(|key, _| ["0012", "0048"].contains(&key.as_str()));
-    }
-    let queries = world.queries();
-    let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
-    let (capture, out) = (world.capture_dir(), world.out("annotations"));
-    let order = Order {
-        judged: Some(&judged),
-        ..Order::new(Origin::Captured(&capture), Format::FourDLangSplatAnnotations, &out)
-    };
-    let manifest = export(order, &|| {}).unwrap().manifest;
-    assert_eq!(manifest.frames, world.frames(), "a moment is a place in the clip");
-    let dataset = four_d_langsplat::read(&out, Counting::FromZero).unwrap();
-    assert_eq!(dataset.moments, [1, 4]);
-    let counts = truth.instance("ball_red").unwrap().masks["0048"].clone();
-    assert_eq!(
-        dataset.annotations.pictures[1].union_of("the ball that rolls"),
-        Mask::from_rle(&counts, 128, 96)
-    );
-    // Frames 36 to 72 are the moments 3 to 6, drawn on or not.
-    assert_eq!(dataset.intervals["ball late"]["the ball while it rises"], [[3, 6]]);
 }
 
 #[test]

@@ -2,28 +2,12 @@
 
 use std::path::Path;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use l4d_formats::colmap::Model;
 use l4d_import::export::{Format, HeldOut};
 
 use crate::support::{TEST_VIEW, World};
 use crate::{Kind, RAY_TOLERANCE_PX, exported, exported_as, png, probes, shown, try_export};
-
-/// The rotation of a quaternion, written out as the readers do.
-fn rotation([w, x, y, z]: [f64; 4]) -> DMat3 {
-    DMat3::from_cols_array(&[
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y - w * z),
-        2.0 * (x * z + w * y),
-        2.0 * (x * y + w * z),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - w * x),
-        2.0 * (x * z - w * y),
-        2.0 * (y * z + w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    ])
-    .transpose()
-}
 
 #[test]
 fn models_have_the_rays_of_the_scene_and_points_that_project_where_they_are_seen() {
@@ -44,9 +28,8 @@ fn models_have_the_rays_of_the_scene_and_points_that_project_where_they_are_seen
                 let intrinsics = model.camera(image.camera).unwrap();
                 assert_eq!((intrinsics.width, intrinsics.height), (128, 96));
                 let [fx, fy, cx, cy] = intrinsics.pinhole();
-                let turn = rotation([image.rotation.w, image.rotation.x, image.rotation.y, image.rotation.z]);
                 let seen = |point: DVec3| {
-                    let local = turn * point + image.translation;
+                    let local = image.rotation * point + image.translation;
                     DVec2::new(fx * local.x / local.z + cx, fy * local.y / local.z + cy)
                 };
                 for (point, at) in probes(camera, frame) {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
-use l4d_formats::npy::Array;
+use l4d_formats::Tensor;
+use l4d_formats::npy::{self, Contents};
 use l4d_import::export::{Format, HeldOut};
 
 use crate::support::{TEST_VIEW, World};
@@ -16,28 +17,12 @@ fn rasterized(projection: DMat4, view: DMat4, point: DVec3, size: [f64; 2]) -> D
     DVec2::new(((ndc.x + 1.0) * size[0] - 1.0) / 2.0, ((ndc.y + 1.0) * size[1] - 1.0) / 2.0)
 }
 
-/// A projection with a centred principal point from two fields of view, as all 3DGS readers build it.
-fn centred_projection(fov_x: f64, fov_y: f64) -> DMat4 {
+/// What 3DGS readers build of intrinsics: how much they enlarge, and where they put the axis.
+fn projection(scale: [f64; 2], shift: [f64; 2]) -> DMat4 {
     let (near, far) = (0.01, 100.0);
-    DMat4::from_cols_array(&[
-        1.0 / (fov_x / 2.0).tan(),
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        1.0 / (fov_y / 2.0).tan(),
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        far / (far - near),
-        -(far * near) / (far - near),
-        0.0,
-        0.0,
-        1.0,
-        0.0,
-    ])
-    .transpose()
+    let depth = [0.0, 0.0, far / (far - near), -(far * near) / (far - near)];
+    let rows = [[scale[0], 0.0, shift[0], 0.0], [0.0, scale[1], shift[1], 0.0], depth, [0.0, 0.0, 1.0, 0.0]];
+    DMat4::from_cols_array_2d(&rows).transpose()
 }
 
 #[test]
@@ -71,26 +56,8 @@ fn assert_panoptic_sports(world: &World, out: &Path) {
                 let k = &meta["k"][moment][index];
                 let value = |row: usize, column: usize| k[row][column].as_f64().unwrap();
                 let (fx, fy, cx, cy) = (value(0, 0), value(1, 1), value(0, 2), value(1, 2));
-                let (near, far) = (0.01, 100.0);
-                let projection = DMat4::from_cols_array(&[
-                    2.0 * fx / w,
-                    0.0,
-                    -(w - 2.0 * cx) / w,
-                    0.0,
-                    0.0,
-                    2.0 * fy / h,
-                    -(h - 2.0 * cy) / h,
-                    0.0,
-                    0.0,
-                    0.0,
-                    far / (far - near),
-                    -(far * near) / (far - near),
-                    0.0,
-                    0.0,
-                    1.0,
-                    0.0,
-                ])
-                .transpose();
+                let shift = [-(w - 2.0 * cx) / w, -(h - 2.0 * cy) / h];
+                let projection = projection([2.0 * fx / w, 2.0 * fy / h], shift);
                 let view = matrix(&meta["w2c"][moment][index]);
                 for (point, at) in probes(camera, frame) {
                     let seen = rasterized(projection, view, point, [w, h]) + 0.5;
@@ -144,8 +111,8 @@ fn dynerf_reads_the_same_rays_at_its_own_size() {
     {
         let out = world.out(&format!("{format}-{kind:?}"));
         exported_as(kind, &world, format, HeldOut::Pose, &out);
-        let poses: Array<f64> =
-            Array::decode(Path::new("p"), &std::fs::read(out.join("poses_bounds.npy")).unwrap()).unwrap();
+        let bytes = std::fs::read(out.join("poses_bounds.npy")).unwrap();
+        let poses: Tensor<f64> = npy::decode(&bytes).and_then(Contents::into_numbers).unwrap();
         assert_eq!(poses.shape, [5, 17]);
         let rows: Vec<&[f64]> = poses.data.chunks(17).collect();
         let videos = std::fs::read_dir(&out).unwrap().filter(|entry| {
@@ -158,8 +125,8 @@ fn dynerf_reads_the_same_rays_at_its_own_size() {
         for (number, camera) in cameras.iter().enumerate() {
             let (view, focal) = neu3d_camera(rows[number], rows[0]);
             let size = [1352.0, 1014.0];
-            let fov = size.map(|side| 2.0 * (side / 2.0 / focal).atan());
-            let projection = centred_projection(fov[0], fov[1]);
+            let half_angles = size.map(|side| (side / 2.0 / focal).atan());
+            let projection = projection(half_angles.map(|angle| 1.0 / angle.tan()), [0.0; 2]);
             for (point, at) in probes(camera, 0) {
                 // Pictures are enlarged to the reader's size.
                 let seen = (rasterized(projection, view, point, size) + 0.5) * (128.0 / 1352.0);

@@ -11,7 +11,6 @@ use l4d_data::{Benchmark, Name, Profile, Report, json};
 use l4d_import::results::codec::{Reading, Selections};
 use l4d_import::results::import::{Encoders, Imported, Order, Request, import};
 use l4d_import::results::preset::Preset;
-use l4d_import::results::template::Captures;
 use l4d_masks::Mask;
 
 /// The one scene.
@@ -91,7 +90,7 @@ pub(crate) fn request<'a>(bench: &'a Benchmark, preset: &str, root: &Path) -> Re
         resize: preset.resize,
         preset,
         root: root.to_owned(),
-        choices: Captures::new(),
+        choices: BTreeMap::new(),
         order: Order::Clip,
         images: None,
         encoders: Encoders::default(),
@@ -154,18 +153,12 @@ pub(crate) fn codes(report: Report) -> Vec<&'static str> {
 
 /// A `.npy` of numbers.
 pub(crate) fn npy(shape: &[usize], data: &[f32]) -> Vec<u8> {
-    let shape: String = shape.iter().map(|side| format!("{side}, ")).collect();
-    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}\n");
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    file.extend((header.len() as u16).to_le_bytes());
-    file.extend(header.as_bytes());
-    data.iter().for_each(|value| file.extend(value.to_le_bytes()));
-    file
+    l4d_formats::npy::encode_f64(shape, &data.iter().copied().map(f64::from).collect::<Vec<f64>>())
 }
 
 /// A `.npz` of the bytes of `.npy` files.
 pub(crate) fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
-    l4d_formats::npz::encode("made up".as_ref(), arrays).unwrap()
+    l4d_formats::arrays::encode_npz("made up".as_ref(), arrays).unwrap()
 }
 
 /// A state dict as torch saves it.
@@ -187,22 +180,12 @@ pub(crate) fn pth(tensors: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
         pickle.extend(b"tQK\0");
         pickle.extend([ints(shape), ints(&strides)].concat());
         pickle.extend(b"\x89ccollections\nOrderedDict\n)RtR");
-        entries.push((
-            format!("x/data/{key}"),
-            data.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>(),
-        ));
+        let bytes: Vec<u8> = data.iter().flat_map(|value| value.to_le_bytes()).collect();
+        entries.push((format!("x/data/{key}"), bytes));
     }
     pickle.extend(b"u.");
     entries.push(("x/data.pkl".to_owned(), pickle));
-    let mut writer = rawzip::ZipArchiveWriter::new(Vec::new());
-    for (name, bytes) in entries {
-        let (mut entry, config) = writer.new_file(&name).start().unwrap();
-        let mut data = config.wrap(&mut entry);
-        std::io::Write::write_all(&mut data, &bytes).unwrap();
-        let (_, descriptor) = data.finish().unwrap();
-        entry.finish(descriptor).unwrap();
-    }
-    writer.finish().unwrap()
+    l4d_formats::zip::encode(entries.iter().map(|(name, bytes)| (name, bytes.as_slice()))).unwrap()
 }
 
 /// A `.npy` of texts.

@@ -19,8 +19,8 @@ fn masks(bench: &Bench, mask: impl Fn(usize, usize) -> Mask) {
     }
 }
 
-/// Levels of every frame, an autoencoder of 3 to `out` numbers, and sentences of `width`.
-fn latents(bench: &Bench, value: impl Fn(u64, usize) -> f32, channels: usize, out: usize) {
+/// Levels of every frame, and an autoencoder of 3 to 8 numbers.
+fn latents(bench: &Bench, value: impl Fn(u64, usize) -> f32, channels: usize) {
     for position in 0..clip().len() {
         for level in 1..=3 {
             let data: Vec<f32> = (0..96 * 128 * channels).map(|index| value(level, index)).collect();
@@ -30,8 +30,8 @@ fn latents(bench: &Bench, value: impl Fn(u64, usize) -> f32, channels: usize, ou
             );
         }
     }
-    let weight: Vec<f32> = (0..3 * out).map(|index| ((index * 7 % 11) as f32 - 5.0) / 5.0).collect();
-    let bytes = pth(&[("decoder.0.weight", &[out, 3], weight), ("decoder.0.bias", &[out], vec![0.1; out])]);
+    let weight: Vec<f32> = (0..24).map(|index| ((index * 7 % 11) as f32 - 5.0) / 5.0).collect();
+    let bytes = pth(&[("decoder.0.weight", &[8, 3], weight), ("decoder.0.bias", &[8], vec![0.1; 8])]);
     bench.write(&format!("{SCENE}/ae_ckpt/best_ckpt.pth"), bytes);
 }
 
@@ -60,47 +60,34 @@ fn of_latents(bench: &Bench, width: usize) -> Vec<&'static str> {
 }
 
 #[test]
-fn colours_in_the_place_of_latents() {
-    let bench = Bench::new();
-    latents(&bench, |level, index| 0.75 + 0.2 * wave(level, index), 3, 8);
-    assert!(of_latents(&bench, 8).contains(&"L4D550"));
-}
-
-#[test]
-fn three_levels_that_are_one() {
-    let bench = Bench::new();
-    latents(&bench, |_, index| wave(1, index), 3, 8);
-    assert!(of_latents(&bench, 8).contains(&"L4D551"));
-}
-
-#[test]
-fn blank_renders() {
-    let bench = Bench::new();
-    latents(&bench, |_, _| 0.0, 3, 8);
-    assert!(of_latents(&bench, 8).contains(&"L4D552"));
-}
-
-#[test]
-fn numbers_that_are_none() {
-    let bench = Bench::new();
-    latents(&bench, |level, index| if index == 77 { f32::NAN } else { wave(level, index) }, 3, 8);
-    assert!(of_latents(&bench, 8).contains(&"L4D553"));
-}
-
-#[test]
-fn three_channels_where_512_are_meant_and_the_other_way_round() {
-    let bench = Bench::new();
-    latents(&bench, wave, 12, 8);
-    assert!(of_latents(&bench, 8).contains(&"L4D554"), "channels");
-    let bench = Bench::new();
-    latents(&bench, wave, 3, 8);
-    assert!(of_latents(&bench, 16).contains(&"L4D554"), "sentences");
+fn latents_that_are_something_else() {
+    type Value = fn(u64, usize) -> f32;
+    let sound: Value = wave;
+    let cases: [(&str, Value, usize, usize, &str); 6] = [
+        ("colours", |level, index| 0.75 + 0.2 * wave(level, index), 3, 8, "L4D550"),
+        ("three levels that are one", |_, index| wave(1, index), 3, 8, "L4D551"),
+        ("blank renders", |_, _| 0.0, 3, 8, "L4D552"),
+        (
+            "no numbers",
+            |level, index| if index == 77 { f32::NAN } else { wave(level, index) },
+            3,
+            8,
+            "L4D553",
+        ),
+        ("channels", sound, 12, 8, "L4D554"),
+        ("sentences", sound, 3, 16, "L4D554"),
+    ];
+    for (case, value, channels, width, code) in cases {
+        let bench = Bench::new();
+        latents(&bench, value, channels);
+        assert!(of_latents(&bench, width).contains(&code), "{case}");
+    }
 }
 
 #[test]
 fn latents_without_sentences_or_decoder() {
     let bench = Bench::new();
-    latents(&bench, wave, 3, 8);
+    latents(&bench, wave, 3);
     assert!(codes(bench.import("langsplat", |_| ()).1).contains(&"L4D555"));
     std::fs::remove_file(bench.path("method").join(format!("{SCENE}/ae_ckpt/best_ckpt.pth"))).unwrap();
     assert!(of_latents(&bench, 8).contains(&"L4D554"));
@@ -109,7 +96,7 @@ fn latents_without_sentences_or_decoder() {
 #[test]
 fn fewer_pictures_than_frames() {
     let bench = Bench::new();
-    latents(&bench, wave, 3, 8);
+    latents(&bench, wave, 3);
     for level in 1..=3 {
         let file = format!("{SCENE}_{level}/train/ours_None/renders_npy/00008.npy");
         std::fs::remove_file(bench.path("method").join(file)).unwrap();
@@ -123,7 +110,7 @@ fn fewer_pictures_than_frames() {
 #[test]
 fn latents_of_another_size_are_named_once_a_frame() {
     let bench = Bench::new();
-    latents(&bench, wave, 3, 8);
+    latents(&bench, wave, 3);
     for (level, position) in
         (1..=3).flat_map(|level| (0..clip().len()).map(move |position| (level, position)))
     {
@@ -140,14 +127,14 @@ fn latents_of_another_size_are_named_once_a_frame() {
 #[test]
 fn renders_of_training_cameras() {
     let bench = Bench::new();
-    latents(&bench, wave, 3, 8);
+    latents(&bench, wave, 3);
     assert!(of_latents(&bench, 8).contains(&"L4D580"));
 }
 
 #[test]
 fn two_runs_in_one_folder() {
     let bench = Bench::new();
-    latents(&bench, wave, 3, 8);
+    latents(&bench, wave, 3);
     bench.write(&format!("{SCENE}_1/train/ours_7000/renders_npy/00000.npy"), npy(&[1, 1, 3], &[0.0; 3]));
     assert_eq!(of_latents(&bench, 8), ["L4D543"]);
 }

@@ -9,7 +9,7 @@ use l4d_data::store::{read_bounded, write_atomic};
 
 use l4d_formats::Fault;
 use l4d_formats::fault::quoted;
-use l4d_formats::ply::{self, Element, Ply, Scalar};
+use l4d_formats::ply::{self, ElementDef, Ply, PropertyType, ScalarType};
 use l4d_formats::tensor::REMEDY_NOT_FINITE;
 
 use crate::checkpoint::{MAX_BYTES, check_gaussians};
@@ -56,7 +56,8 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let degree = degree_of(vertex)?;
     let names = parameter_names(degree);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
-    file.rows(vertex, &names, REMEDY_FOREIGN, |index, row| {
+    let notes = notes_of(&file, vertex, &names);
+    file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
         if let Some((value, name)) = row.iter().zip(&names).find(|(value, _)| !value.is_finite()) {
             return Err(Fault::new(
                 format!("Gaussian {index}, property `{name}`"),
@@ -67,7 +68,7 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
         push(&mut gaussians, row);
         Ok(())
     })?;
-    Ok(Decoded { gaussians, notes: notes_of(&file, vertex, &names) })
+    Ok(Decoded { gaussians, notes })
 }
 
 /// Gaussians as the bytes of a PLY file: binary little endian, normals zero, the properties in the order of 3DGS.
@@ -91,7 +92,7 @@ pub fn encode(gaussians: &Gaussians) -> Result<Vec<u8>, Fault> {
         gaussians.log_scales[index].into_iter().for_each(&mut put);
         gaussians.rotations[index].into_iter().for_each(&mut put);
     }
-    let properties = names.iter().map(|name| (name.as_str(), Scalar::F32));
+    let properties = names.iter().map(|name| (name.as_str(), "float"));
     Ok(ply::encode(gaussians.len(), properties, &body))
 }
 
@@ -117,7 +118,7 @@ fn written_names(degree: ShDegree) -> Vec<String> {
 /// Every 3DGS file has them, and they are always zero.
 const NORMALS: [&str; 3] = ["nx", "ny", "nz"];
 
-fn degree_of(vertex: &Element) -> Result<ShDegree, Fault> {
+fn degree_of(vertex: &ElementDef) -> Result<ShDegree, Fault> {
     let rest = vertex.properties.iter().filter(|property| property.name.starts_with("f_rest_")).count();
     (0..=ShDegree::MAX.get())
         .filter_map(ShDegree::new)
@@ -131,7 +132,7 @@ fn degree_of(vertex: &Element) -> Result<ShDegree, Fault> {
         })
 }
 
-fn notes_of(file: &Ply<'_>, vertex: &Element, names: &[String]) -> Vec<String> {
+fn notes_of(file: &Ply<'_>, vertex: &ElementDef, names: &[String]) -> Vec<String> {
     let listed = |what: &str, names: Vec<&str>| {
         let shown: Vec<String> = names.iter().take(8).map(|name| quoted(name)).collect();
         let more = if names.len() > shown.len() { " and more" } else { "" };
@@ -139,7 +140,8 @@ fn notes_of(file: &Ply<'_>, vertex: &Element, names: &[String]) -> Vec<String> {
     };
     let is_parameter = |name: &str| names.iter().any(|known| known == name);
     let is_double = |name: &&str| {
-        vertex.properties.iter().any(|property| property.name == *name && property.scalar == Scalar::F64)
+        let property = vertex.get_property(name).map(|property| &property.property_type);
+        matches!(property, Some(PropertyType::Scalar(ScalarType::F64)))
     };
     let properties = vertex.properties.iter().map(|property| property.name.as_str());
     let extra = properties.filter(|name| !NORMALS.contains(name) && !is_parameter(name)).collect();

@@ -112,7 +112,11 @@ fn properties_that_are_no_gaussians_are_named() {
     let file = ply::encode(&expected(1, 2)).unwrap();
     for (from, to, why) in [
         ("vertex", "point", "header: has no element `vertex`, in which Gaussians are stored"),
-        ("float opacity", "int opacity", "header, property `opacity`: is of type `int`, but parameters are"),
+        (
+            "float opacity",
+            "int opacity",
+            "header, property `opacity`: is of type `int32`, but parameters are",
+        ),
         ("float opacity", "float alpha", "header, property `opacity`: is missing"),
         ("f_rest_8", "f_rest_9", "header, property `f_rest_8`: is missing"),
         ("f_rest_8", "confidence", "header, properties `f_rest_*`: are 8, but degrees 0 to 3"),

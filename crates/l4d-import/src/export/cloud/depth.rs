@@ -14,7 +14,7 @@ use crate::points::ColouredPoint;
 const DEPTH_TOLERANCE: f64 = 0.01;
 
 /// What the training cameras saw at a moment.
-pub(super) struct Moment<'a> {
+pub(in crate::export) struct Moment<'a> {
     views: Vec<View<'a>>,
     frame: u32,
 }
@@ -27,7 +27,7 @@ pub(in crate::export) struct View<'a> {
 }
 
 impl<'a> Moment<'a> {
-    pub(super) fn new(views: Vec<View<'a>>, frame: u32) -> Self {
+    pub(in crate::export) fn new(views: Vec<View<'a>>, frame: u32) -> Self {
         Self { views, frame }
     }
 

@@ -53,12 +53,9 @@ impl Reconstruction {
         for point in &model.points {
             if !point.position.is_finite() {
                 let place = format!("point {}", point.id);
-                return Err(DataError::invalid(
-                    folder,
-                    place,
-                    "lies nowhere",
-                    "triangulate the points again",
-                ));
+                let message = "lies nowhere";
+                let remedy = "triangulate the points again";
+                return Err(DataError::invalid(folder, place, message, remedy));
             }
             let mut images: Vec<u32> = point.track.iter().map(|(image, _)| *image).collect();
             images.sort_unstable();

@@ -1,18 +1,19 @@
 //! Scenes that others recorded: pictures and cameras, masks where people drew them, points where the source had some.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use l4d_data::capture::{CAPTURE, Capture, MASKS, MaskSet, MaskedInstance};
 use l4d_data::layout::CaptureDir;
 use l4d_data::scene::{Instance, Role};
 use l4d_data::store::read_bounded;
 use l4d_data::truth::frame_key;
-use l4d_data::{Camera, DataError};
+use l4d_data::{Camera, DataError, Profile};
 use l4d_frames::drawn::RgbImage;
 use l4d_frames::photo;
 use l4d_masks::Mask;
 
+use super::{Material, SceneViews};
+use crate::export::HeldOut;
 use crate::export::cloud::Reconstruction;
 
 /// No picture of a capture is larger, bytes.
@@ -21,15 +22,23 @@ const REMEDY: &str = "run `l4d import-scene` again";
 
 pub(super) struct Recording {
     dir: CaptureDir,
-    capture: Capture,
+    pub(super) capture: Capture,
     masks: Option<MaskSet>,
-    instances: Vec<Instance>,
 }
 
 impl Recording {
-    pub(super) fn open(dir: &CaptureDir) -> Result<Self, DataError> {
+    pub(super) fn open(dir: &CaptureDir, shown: HeldOut) -> Result<SceneViews, DataError> {
         let capture = Capture::read(dir.root())?;
-        let masks = dir.root().join(MASKS).is_file().then(|| MaskSet::read(dir.root())).transpose()?;
+        let masks_path = Some(dir.root().join(MASKS)).filter(|path| path.is_file());
+        let masks = masks_path.as_ref().map(|_| MaskSet::read(dir.root())).transpose()?;
+        let size = [capture.width, capture.height];
+        if let (Some(path), Some(masks)) = (&masks_path, &masks)
+            && (&masks.scene, [masks.width, masks.height]) != (&capture.name, size)
+        {
+            let message = format!("{} of {}x{} is another scene", masks.scene, masks.width, masks.height);
+            let remedy = "draw on this capture's pictures";
+            return Err(DataError::invalid(path, "field `scene`", message, remedy));
+        }
         let instance = |drawn: &MaskedInstance| Instance {
             id: drawn.id,
             name: drawn.name.clone(),
@@ -38,41 +47,20 @@ impl Recording {
             attributes: BTreeMap::new(),
             front: None,
         };
-        let instances = masks.iter().flat_map(|set| &set.instances).map(instance).collect();
-        let recording = Self { dir: dir.clone(), capture, masks, instances };
-        recording.check_masks()?;
-        Ok(recording)
-    }
-
-    fn check_masks(&self) -> Result<(), DataError> {
-        let Some(masks) = &self.masks else { return Ok(()) };
-        let (capture, path) = (&self.capture, self.dir.root().join(MASKS));
-        if masks.scene != capture.name || (masks.width, masks.height) != (capture.width, capture.height) {
-            let message = format!("{} of {}x{} is another scene", masks.scene, masks.width, masks.height);
-            return Err(DataError::invalid(
-                &path,
-                "field `scene`",
-                message,
-                "draw on this capture's pictures",
-            ));
-        }
-        Ok(())
-    }
-
-    pub(super) fn capture(&self) -> &Capture {
-        &self.capture
-    }
-
-    pub(super) fn path(&self) -> PathBuf {
-        self.dir.root().join(CAPTURE)
-    }
-
-    pub(super) fn masks_path(&self) -> Option<PathBuf> {
-        self.masks.as_ref().map(|_| self.dir.root().join(MASKS))
-    }
-
-    pub(super) fn instances(&self) -> &[Instance] {
-        &self.instances
+        Ok(SceneViews {
+            name: capture.name.clone(),
+            profile: Profile::Real,
+            path: dir.root().join(CAPTURE),
+            masks_path,
+            size,
+            instances: masks.iter().flat_map(|set| &set.instances).map(instance).collect(),
+            frames: capture.frames.clone(),
+            notes: Vec::new(),
+            cameras: capture.cameras.clone(),
+            material: Material::Captured(Self { dir: dir.clone(), capture, masks }),
+            shown,
+            reconstruction: None,
+        })
     }
 
     /// The picture as it lies on disk: a PNG of display colours.
@@ -104,16 +92,18 @@ impl Recording {
         self.masks.iter().flat_map(|set| &set.instances).any(was_looked_at)
     }
 
-    pub(super) fn masks(
+    /// What people drew of the instances on a picture; none if no one looked at it.
+    pub(super) fn masks<'i>(
         &self,
+        instances: &'i [Instance],
         camera: &Camera,
         frame: u32,
-    ) -> Result<Option<Vec<(&Instance, Mask)>>, DataError> {
+    ) -> Result<Option<Vec<(&'i Instance, Mask)>>, DataError> {
         let Some(set) = self.masks.as_ref().filter(|_| self.is_annotated(camera, frame)) else {
             return Ok(None);
         };
         let mut masks = Vec::new();
-        for (drawn, instance) in set.instances.iter().zip(&self.instances) {
+        for (drawn, instance) in set.instances.iter().zip(instances) {
             let Some(mask) = drawn.mask(&camera.name, frame) else { continue };
             masks.push((instance, Mask::from_rle(mask, set.width, set.height)));
         }

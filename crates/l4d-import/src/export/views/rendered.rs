@@ -1,7 +1,5 @@
 //! Scenes that were rendered here: everything about them is known.
 
-use std::path::PathBuf;
-
 use glam::UVec2;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Instance, Scene};
@@ -12,33 +10,40 @@ use l4d_frames::{Display, Frame};
 use l4d_masks::Mask;
 use rayon::prelude::*;
 
-use crate::export::cloud::{Cloud, View};
+use super::{Material, SceneViews};
+use crate::export::HeldOut;
+use crate::export::cloud::{Cloud, Moment, View};
 
 pub(super) struct Rendering {
     dir: SceneDir,
-    scene: Scene,
+    size: UVec2,
     display: Display,
 }
 
 impl Rendering {
-    pub(super) fn open(dir: &SceneDir) -> Result<Self, DataError> {
+    pub(super) fn open(dir: &SceneDir, shown: HeldOut) -> Result<SceneViews, DataError> {
         let scene = Scene::read(&dir.scene())?;
-        let display = Display::new(scene.exposure);
-        Ok(Self { dir: dir.clone(), scene, display })
-    }
-
-    pub(super) fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    pub(super) fn path(&self) -> PathBuf {
-        self.dir.scene()
+        let size = [scene.width, scene.height];
+        let rendering = Self { dir: dir.clone(), size: size.into(), display: Display::new(scene.exposure) };
+        Ok(SceneViews {
+            name: scene.name,
+            profile: scene.profile,
+            path: dir.scene(),
+            masks_path: None,
+            size,
+            instances: scene.instances,
+            frames: scene.profile.frames().collect(),
+            notes: Vec::new(),
+            cameras: scene.cameras,
+            material: Material::Rendered(rendering),
+            shown,
+            reconstruction: None,
+        })
     }
 
     /// Colour, depth and ids.
     pub(super) fn frame(&self, camera: &Camera, frame: u32) -> Result<Frame, DataError> {
-        let size = UVec2::new(self.scene.width, self.scene.height);
-        Ok(read_frame(&self.dir.frame(&camera.name, frame), size)?)
+        Ok(read_frame(&self.dir.frame(&camera.name, frame), self.size)?)
     }
 
     /// Display colours of a frame.
@@ -50,14 +55,20 @@ impl Rendering {
         Ok(self.shown(&self.frame(camera, frame)?))
     }
 
-    pub(super) fn masks(&self, camera: &Camera, frame: u32) -> Result<Vec<(&Instance, Mask)>, DataError> {
+    /// What a picture shows of some instances, leaving out those that it does not show.
+    pub(super) fn masks<'i>(
+        &self,
+        instances: &'i [Instance],
+        camera: &Camera,
+        frame: u32,
+    ) -> Result<Vec<(&'i Instance, Mask)>, DataError> {
         let surfaces = self.frame(camera, frame)?.surfaces;
         let visible: Vec<u32> = surfaces.visible().into_iter().map(|(id, _)| id).collect();
         let mask = |instance: &Instance| {
             let inside = |column, row| surfaces.id[surfaces.index(column, row)] == instance.id;
             Mask::from_fn(surfaces.width, surfaces.height, inside)
         };
-        let instances = self.scene.instances.iter().filter(|instance| visible.contains(&instance.id));
+        let instances = instances.iter().filter(|instance| visible.contains(&instance.id));
         Ok(instances.map(|instance| (instance, mask(instance))).collect())
     }
 
@@ -66,6 +77,6 @@ impl Rendering {
             let seen = self.frame(camera, frame)?;
             Ok(View::new(camera, self.shown(&seen), seen.surfaces))
         });
-        Ok(Cloud::seen(views.collect::<Result<_, DataError>>()?, frame))
+        Ok(Cloud::Depth(Moment::new(views.collect::<Result<_, DataError>>()?, frame)))
     }
 }

@@ -6,9 +6,8 @@ use std::path::Path;
 use l4d_data::store::read_bounded;
 use l4d_formats::arrays;
 
-use super::super::codes;
-use super::super::inside::{Cut, CutError, Inside};
-use super::super::picture::{self, PictureError};
+use super::super::inside::{Cut, Inside};
+use super::super::picture;
 use super::{Piece, Problem, Reading, sane};
 
 /// No picture of a mask is larger: an uncompressed one of 4K in 16 bits fits.
@@ -26,23 +25,15 @@ pub(super) fn read_picture(path: &Path, reading: &Reading) -> Result<Vec<Piece>,
             return Err(Problem::unreadable("file", "is a video, which is no exact mask", hint));
         }
         other => {
-            return Err(Problem::unreadable(
-                "name",
-                format!("ends with `.{other}`, but pictures are PNG"),
-                "write PNG",
-            ));
+            let message = format!("ends with `.{other}`, but pictures are PNG");
+            return Err(Problem::unreadable("name", message, "write PNG"));
         }
     }
     let bytes = read_bounded(path, MAX_PICTURE_BYTES)?;
-    let picture = picture::decode(&bytes).map_err(|error| match error {
-        PictureError::Ambiguous(message) => ambiguous(message),
-        PictureError::Damaged(_) => {
-            Problem::unreadable("picture", error.to_string(), "write the picture again")
-        }
-    })?;
+    let picture = picture::decode(&bytes)?;
     if picture.is_palette && !matches!(reading.inside, Inside::Index(_) | Inside::Selected | Inside::Nonzero)
     {
-        return Err(ambiguous(
+        return Err(picture::ambiguous(
             "is a palette picture, whose indices are names of things and no truth values".to_owned(),
         ));
     }
@@ -69,48 +60,15 @@ fn rows_and_columns(shape: &[usize]) -> Option<(usize, usize)> {
     }
 }
 
-fn cut_all(values: &[f32], size: (u32, u32), reading: &Reading) -> Result<Vec<Piece>, Problem> {
-    let piece = |(name, cut): (Option<String>, Cut)| Piece {
-        name,
-        place: None,
-        mask: Some(cut.mask),
-        soft: cut.soft,
+fn cut_all(values: &[f32], (width, height): (u32, u32), reading: &Reading) -> Result<Vec<Piece>, Problem> {
+    let cut = |name: Option<String>, selected: &BTreeSet<u32>| {
+        let Cut { mask, soft, .. } = reading.inside.cut(values, width, height, selected)?;
+        Ok(Piece { name, place: None, mask: Some(mask), soft })
     };
-    Ok(cuts(values, size, reading)?.into_iter().map(piece).collect())
-}
-
-fn cuts(
-    values: &[f32],
-    (width, height): (u32, u32),
-    reading: &Reading,
-) -> Result<Vec<(Option<String>, Cut)>, Problem> {
-    let cut = |selected: &BTreeSet<u32>| reading.inside.cut(values, width, height, selected).map_err(problem);
     if reading.inside != Inside::Selected {
-        return Ok(vec![(None, cut(&BTreeSet::new())?)]);
+        return Ok(vec![cut(None, &BTreeSet::new())?]);
     }
-    reading.selections.iter().map(|(name, ids)| Ok((Some(name.clone()), cut(ids)?))).collect()
-}
-
-fn problem(error: CutError) -> Problem {
-    let (code, hint) = match error {
-        CutError::Ambiguous(_) => {
-            (codes::AMBIGUOUS_MASK, "say what is inside: --inside nonzero, \"above 127\" or \"index 3\"")
-        }
-        CutError::NotFinite { .. } => (
-            codes::NOT_FINITE,
-            "find out where the method divides by zero; numbers that are none are no answer",
-        ),
-        CutError::Constant(_) => (
-            codes::CONSTANT,
-            "the map is blank: check that the checkpoint was loaded and that the decoder belongs to the latents",
-        ),
-    };
-    Problem { code, place: "numbers".to_owned(), message: error.to_string(), hint: hint.to_owned() }
-}
-
-fn ambiguous(message: String) -> Problem {
-    let hint = "write grey PNG of 0 and 255, or say which index is meant: --inside \"index 3\"";
-    Problem { code: codes::AMBIGUOUS_MASK, place: "picture".to_owned(), message, hint: hint.to_owned() }
+    reading.selections.iter().map(|(name, ids)| cut(Some(name.clone()), ids)).collect()
 }
 
 #[cfg(test)]

@@ -2,106 +2,89 @@
 
 use std::path::Path;
 
+use l4d_data::error::inert;
 use l4d_data::json;
 use l4d_data::store::read_bounded;
 use l4d_masks::Mask;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::{Piece, Place, Problem, sane};
 use crate::annotations::coco::plain_runs;
 
 /// No file of run lengths is larger.
 const MAX_BYTES: u64 = 256 << 20;
-/// Lists within lists: sentence, frame.
-const DEEPEST: usize = 3;
 /// What to do about run lengths that are none.
 const REMEDY: &str =
     "write what pycocotools' mask.encode gives: {\"size\": [height, width], \"counts\": \"...\"}, or null";
 
 pub(super) fn read(path: &Path) -> Result<Vec<Piece>, Problem> {
     let value: Value = json::parse(path, None, &read_bounded(path, MAX_BYTES)?)?;
+    all(&value)
+}
+
+/// All answers of a file: of one sentence, or by sentence.
+fn all(value: &Value) -> Result<Vec<Piece>, Problem> {
     let mut pieces = Vec::new();
-    walk(&value, &Trail::default(), &mut pieces)?;
+    match value {
+        Value::Object(sentences) if !sentences.contains_key("counts") => {
+            for (name, value) in sentences {
+                of_sentence(value, Some(name), &mut pieces)?;
+            }
+        }
+        value => of_sentence(value, None, &mut pieces)?,
+    }
     Ok(pieces)
 }
 
-/// Where in the file a value is, and what that says.
-#[derive(Debug, Clone, Default)]
-struct Trail {
-    shown: String,
-    depth: usize,
-    name: Option<String>,
-    place: Option<Place>,
-}
-
-impl Trail {
-    fn below(&self, key: &str) -> Self {
-        Self {
-            shown: format!("{}[{}]", self.shown, l4d_data::error::inert(key)),
-            depth: self.depth + 1,
-            ..self.clone()
-        }
-    }
-}
-
-fn walk(value: &Value, trail: &Trail, pieces: &mut Vec<Piece>) -> Result<(), Problem> {
-    let fault = |message: &str| Problem::unreadable(format!("entry {}", trail.shown), message, REMEDY);
-    if trail.depth > DEEPEST {
-        return Err(fault("is nested deeper than sentence and frame"));
-    }
-    match value {
-        Value::Null => {
-            pieces.push(Piece { name: trail.name.clone(), place: trail.place, mask: None, soft: None });
-        }
-        Value::Array(items) => {
-            if trail.place.is_some() {
-                return Err(fault("is a list within a frame"));
-            }
-            for (index, item) in items.iter().enumerate() {
-                let below = trail.below(&index.to_string());
-                walk(item, &Trail { place: Some(Place::Position(index)), ..below }, pieces)?;
-            }
-        }
-        Value::Object(fields) if fields.contains_key("counts") => {
-            let mask = mask(fields, trail)?;
-            pieces.push(Piece { name: trail.name.clone(), place: trail.place, mask: Some(mask), soft: None });
-        }
-        Value::Object(fields) => {
-            for (key, item) in fields {
-                let below = trail.below(key);
-                // Outermost keys are sentences; keys of digits below a sentence are frames.
-                let frame = key.parse().ok().filter(|_| trail.depth > 0 && trail.place.is_none());
-                let below = match (frame, &trail.name) {
-                    (Some(frame), _) => Trail { place: Some(Place::Frame(frame)), ..below },
-                    (None, None) => Trail { name: Some(key.clone()), ..below },
-                    (None, Some(_)) => return Err(fault("has a key that is neither sentence nor frame")),
-                };
-                walk(item, &below, pieces)?;
-            }
-        }
-        _ => return Err(fault("is no run lengths")),
-    }
-    Ok(())
-}
-
-fn mask(fields: &Map<String, Value>, trail: &Trail) -> Result<Mask, Problem> {
-    let fault = |message: String| Problem::unreadable(format!("entry {}", trail.shown), message, REMEDY);
-    let side = |index: usize| fields.get("size").and_then(|size| size.get(index)).and_then(Value::as_u64);
-    let (Some(height), Some(width)) = (side(0), side(1)) else {
-        return Err(fault("has no `size` of [height, width]".to_owned()));
+/// The answers to one sentence: one, a list by position, or by frame.
+fn of_sentence(value: &Value, name: Option<&str>, pieces: &mut Vec<Piece>) -> Result<(), Problem> {
+    let sentence = name.map(|name| format!("[{}]", inert(name))).unwrap_or_default();
+    let mut add = |value: &Value, place: Option<Place>, key: String| {
+        let mask = mask(value)
+            .map_err(|message| Problem::unreadable(format!("entry {sentence}{key}"), message, REMEDY))?;
+        pieces.push(Piece { name: name.map(str::to_owned), place, mask, soft: None });
+        Ok(())
     };
-    let (width, height) = sane(width, height, "field `size`")?;
-    match &fields["counts"] {
-        Value::String(counts) => {
-            Mask::decode(counts, width, height).map_err(|error| fault(error.to_string()))
+    match value {
+        Value::Array(items) => items
+            .iter()
+            .enumerate()
+            .try_for_each(|(index, item)| add(item, Some(Place::Position(index)), format!("[{index}]"))),
+        Value::Object(frames) if !frames.contains_key("counts") => {
+            frames.iter().try_for_each(|(key, item)| {
+                let place = key.parse().ok().map(Place::Frame).ok_or_else(|| {
+                    let message = "has a key that is neither sentence nor frame";
+                    Problem::unreadable(format!("entry {sentence}[{}]", inert(key)), message, REMEDY)
+                })?;
+                add(item, Some(place), format!("[{key}]"))
+            })
         }
-        Value::Array(runs) => {
-            let runs: Option<Vec<u64>> = runs.iter().map(Value::as_u64).collect();
-            let runs = runs.ok_or_else(|| fault("has a run that is no length".to_owned()))?;
-            plain_runs(&runs, width, height).map_err(fault)
-        }
-        _ => Err(fault("has `counts` that are neither a text nor a list".to_owned())),
+        value => add(value, None, String::new()),
     }
+}
+
+/// A mask; none where the file says that nothing is there.
+fn mask(value: &Value) -> Result<Option<Mask>, String> {
+    let fields = match value {
+        Value::Null => return Ok(None),
+        Value::Object(fields) => fields,
+        Value::Array(_) => return Err("is a list within a frame".to_owned()),
+        _ => return Err("is no run lengths".to_owned()),
+    };
+    let side = |index: usize| fields.get("size").and_then(|size| size.get(index)).and_then(Value::as_u64);
+    let (height, width) = side(0).zip(side(1)).ok_or("has no `size` of [height, width]")?;
+    let (width, height) = sane(width, height, "size").map_err(|problem| problem.message)?;
+    let mask = match fields.get("counts") {
+        Some(Value::String(counts)) => {
+            Mask::decode(counts, width, height).map_err(|error| error.to_string())?
+        }
+        Some(Value::Array(runs)) => {
+            let runs: Option<Vec<u64>> = runs.iter().map(Value::as_u64).collect();
+            plain_runs(&runs.ok_or("has a run that is no length")?, width, height)?
+        }
+        _ => return Err("has `counts` that are neither a text nor a list".to_owned()),
+    };
+    Ok(Some(mask))
 }
 
 #[cfg(test)]
@@ -114,12 +97,8 @@ mod tests {
     type Listed = (Option<String>, Option<Place>, Option<u64>);
 
     fn pieces(value: &Value) -> Result<Vec<Listed>, Problem> {
-        let mut pieces = Vec::new();
-        walk(value, &Trail::default(), &mut pieces)?;
-        Ok(pieces
-            .into_iter()
-            .map(|piece| (piece.name, piece.place, piece.mask.map(|mask| mask.area())))
-            .collect())
+        let listed = |piece: Piece| (piece.name, piece.place, piece.mask.map(|mask| mask.area()));
+        Ok(all(value)?.into_iter().map(listed).collect())
     }
 
     #[test]
@@ -144,7 +123,7 @@ mod tests {
             (json!({"size": [3, 2], "counts": [-1, 7]}), "no length"),
             (json!({"size": [3, 99999999], "counts": [0]}), "each side"),
             (json!({"counts": "024"}), "no `size`"),
-            (json!([[[1]]]), "list within a frame"),
+            (json!([[1]]), "list within a frame"),
             (json!({"a": {"b": null}}), "neither sentence nor frame"),
             (json!("x"), "no run lengths"),
         ] {

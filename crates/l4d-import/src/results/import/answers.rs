@@ -3,21 +3,26 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use l4d_data::error::inert;
 use l4d_data::{DataError, Query, QueryId, Report, Severity};
 use l4d_masks::{Mask, Rle};
+use rayon::prelude::*;
 
-use super::super::codec::{Piece, Place};
+use super::super::codec::{self, Piece, Place, Problem};
 use super::super::codes;
 use super::super::prompts::{NoQuery, Prompts};
 use super::super::relevancy::Found;
 use super::super::shift::{Answers, Summits};
 use super::super::template::Hit;
 use super::Request;
-use super::pictures::Pictures;
+use super::frames::Pictures;
 use super::soft;
 
 /// Findings of one code that a scene lists one by one.
 const LISTED: usize = 12;
+
+/// Files that are decoded before their answers are collected.
+const BATCH: usize = 256;
 
 /// An answer with its place, ready to be collected.
 #[derive(Debug)]
@@ -28,6 +33,35 @@ pub(super) struct Answer {
     mask: Option<Rle>,
     /// Relevancy as PNG, where it is kept.
     soft: Option<Vec<u8>>,
+}
+
+/// Reads files that hold masks or maps: decoded side by side, collected in the order of their paths.
+pub(super) fn read(
+    request: &Request<'_>,
+    hits: &[Hit],
+    collector: &mut Collector<'_>,
+) -> Result<(), DataError> {
+    for batch in hits.chunks(BATCH) {
+        let decode = |hit: &Hit| -> (Vec<Answer>, Report) {
+            let mut report = Report::default();
+            let pieces = codec::read(&hit.path, &request.reading);
+            let pieces = pieces.map_err(|problem| problem.report(&hit.path, &mut report)).unwrap_or_default();
+            let placed = pieces.into_iter().map(|piece| collector.place(hit, piece));
+            let placed = placed.filter_map(|answer| {
+                answer.unwrap_or_else(|problem| {
+                    problem.report(&hit.path, &mut report);
+                    None
+                })
+            });
+            (placed.collect(), report)
+        };
+        let decoded: Vec<(Vec<Answer>, Report)> = batch.par_iter().map(decode).collect();
+        for (hit, (answers, report)) in batch.iter().zip(decoded) {
+            collector.findings().extend(report);
+            answers.into_iter().try_for_each(|answer| collector.take(&hit.path, answer))?;
+        }
+    }
+    Ok(())
 }
 
 /// Collects the answers of a scene.
@@ -65,164 +99,117 @@ impl<'a> Collector<'a> {
     }
 
     /// The query that a file or one of its pieces answers.
-    pub(super) fn query(&self, hit: &Hit, name: Option<&str>, report: &mut Report) -> Option<&'a Query> {
-        let found = match (hit.text("query"), hit.text("text"), name) {
-            (Some(number), _, _) => self.prompts.by_number(number).ok_or(NoQuery::Unknown { nearest: None }),
-            (None, Some(text), _) => self.prompts.by_text(text),
-            (None, None, Some(name)) => self.prompts.find(name),
+    fn query(&self, hit: &Hit, name: Option<&str>) -> Result<&'a Query, Problem> {
+        let unknown = |place: &str, message: String, hint: String| {
+            Problem::new(codes::UNKNOWN_PROMPT, place, message, hint)
+        };
+        let (shown, found) = match (hit.text("query"), hit.text("text"), name) {
+            (Some(number), _, _) => {
+                (number, self.prompts.by_number(number).ok_or(NoQuery::Unknown { nearest: None }))
+            }
+            (None, Some(text), _) => (text, self.prompts.by_text(text)),
+            (None, None, Some(name)) => (name, self.prompts.find(name)),
             (None, None, None) => {
-                let hint = "write {text} or {query} into the template";
-                report.error(
-                    codes::UNKNOWN_PROMPT,
-                    &hit.path,
-                    "path",
-                    "does not say which sentence it answers",
-                    hint,
-                );
-                return None;
+                let message = "does not say which sentence it answers".to_owned();
+                return Err(unknown("path", message, "write {text} or {query} into the template".to_owned()));
             }
         };
-        let shown =
-            l4d_data::error::inert(hit.text("query").or(hit.text("text")).or(name).unwrap_or_default());
-        match found {
-            Ok(query) => Some(query),
-            Err(NoQuery::Unknown { nearest }) => {
+        let shown = inert(shown);
+        found.map_err(|problem| match problem {
+            NoQuery::Unknown { nearest } => {
                 let hint = match nearest {
                     Some(nearest) => format!(
                         "the nearest sentence is `{nearest}`; rename the file, or leave it out with --ignore"
                     ),
                     None => "use the numbers of the benchmark's queries".to_owned(),
                 };
-                report.error(
-                    codes::UNKNOWN_PROMPT,
-                    &hit.path,
-                    "name",
-                    format!("`{shown}` is no query of the scene"),
-                    hint,
-                );
-                None
+                unknown("name", format!("`{shown}` is no query of the scene"), hint)
             }
-            Err(NoQuery::Several(ids)) => {
+            NoQuery::Several(ids) => {
                 let message = format!("`{shown}` may mean each of {}", ids.join(", "));
                 let hint = "name files by the numbers of queries: {query} instead of {text}";
-                report.error(codes::COLLISION, &hit.path, "name", message, hint);
-                None
+                Problem::new(codes::COLLISION, "name", message, hint)
             }
-        }
+        })
     }
 
-    /// The frame that a file or one of its pieces answers for; none where it is not asked for, or reported.
-    pub(super) fn frame(&self, hit: &Hit, place: Option<Place>, report: &mut Report) -> Option<u32> {
+    /// The frame that a file or one of its pieces answers for; none where it is not asked for.
+    pub(super) fn frame(&self, hit: &Hit, place: Option<Place>) -> Result<Option<u32>, Problem> {
+        let wrong =
+            |message: String, hint: &'static str| Problem::new(codes::FRAME_RULE, "path", message, hint);
         let position = |position: u64| usize::try_from(position).ok().map(Place::Position);
         let of_path = match (hit.number("frame"), hit.number("position"), hit.number("image")) {
             (Some(frame), _, _) => u32::try_from(frame).ok().map(Place::Frame),
             (None, Some(number), _) => position(number),
             (None, None, Some(image)) => {
-                let Some(images) = &self.request.images else {
-                    let hint = "give --images <_annotations.coco.json>";
-                    report.error(
-                        codes::FRAME_RULE,
-                        &hit.path,
-                        "path",
-                        "is named by the id of an image, not by a frame",
-                        hint,
-                    );
-                    return None;
-                };
-                let Some(position) = images.position(image) else {
+                let images = self.request.images.as_ref().ok_or_else(|| {
+                    let message = "is named by the id of an image, not by a frame";
+                    wrong(message.to_owned(), "give --images <_annotations.coco.json>")
+                })?;
+                let position = images.position(image).ok_or_else(|| {
                     let message = format!("is named by the image {image}, which --images does not list");
-                    report.error(
-                        codes::FRAME_RULE,
-                        &hit.path,
-                        "path",
-                        message,
-                        "give the annotations that the run used",
-                    );
-                    return None;
-                };
+                    wrong(message, "give the annotations that the run used")
+                })?;
                 Some(Place::Position(position))
             }
             (None, None, None) => None,
         };
-        let Some(place) = of_path.or(place) else {
-            let hint = "write {frame} or {position} into the template";
-            report.error(
-                codes::FRAME_RULE,
-                &hit.path,
-                "path",
-                "does not say which frame it answers for",
-                hint,
-            );
-            return None;
-        };
-        let wrong = |message: String, report: &mut Report| {
-            let hint = "check how files are numbered: {frame} is a number of the benchmark, {position} counts pictures from 0; --frames lists them";
-            report.error(codes::FRAME_RULE, &hit.path, "path", message, hint);
-            None
-        };
+        let place = of_path.or(place).ok_or_else(|| {
+            let message = "does not say which frame it answers for";
+            wrong(message.to_owned(), "write {frame} or {position} into the template")
+        })?;
+        let hint = "check how files are numbered: {frame} is a number of the benchmark, {position} counts pictures from 0; --frames lists them";
         let frame = match place {
             Place::Frame(frame) if self.pictures.clip.contains(&frame) => Some(frame),
-            Place::Frame(frame) => wrong(format!("{frame} is {}", self.pictures.frames_in_words()), report),
-            Place::Position(position) => match self.request.order.frame(position, &self.pictures.clip) {
-                Ok(frame) => frame,
-                Err(count) => wrong(format!("is picture {position}, but there are {count} (from 0)"), report),
-            },
+            Place::Frame(frame) => {
+                return Err(wrong(format!("{frame} is {}", self.pictures.frames_in_words()), hint));
+            }
+            Place::Position(position) => {
+                let frame = self.request.order.frame(position, &self.pictures.clip);
+                frame.map_err(|count| {
+                    wrong(format!("is picture {position}, but there are {count} (from 0)"), hint)
+                })?
+            }
         };
-        frame.filter(|frame| self.pictures.is_asked(*frame))
+        Ok(frame.filter(|frame| self.pictures.is_asked(*frame)))
     }
 
     /// A piece with its query and frame, at the size of the profile.
-    pub(super) fn place(&self, hit: &Hit, piece: Piece, report: &mut Report) -> Option<Answer> {
-        let query = self.query(hit, piece.name.as_deref(), report)?;
-        let frame = self.frame(hit, piece.place, report)?;
-        match piece.mask {
-            None => Some(Answer { query: query.id.clone(), frame, mask: None, soft: None }),
-            Some(mask) => self.answer(&hit.path, query, frame, mask, piece.soft.as_deref(), report),
-        }
+    fn place(&self, hit: &Hit, piece: Piece) -> Result<Option<Answer>, Problem> {
+        let query = self.query(hit, piece.name.as_deref())?;
+        let Some(frame) = self.frame(hit, piece.place)? else { return Ok(None) };
+        let answer = match piece.mask {
+            None => Answer { query: query.id.clone(), frame, mask: None, soft: None },
+            Some(mask) => self.answer(query, frame, mask, piece.soft.as_deref())?,
+        };
+        Ok(Some(answer))
     }
 
     /// A mask, and the relevancy that it was cut from where that is kept, at the size of the profile.
-    fn answer(
-        &self,
-        path: &Path,
-        query: &Query,
-        frame: u32,
-        mask: Mask,
-        soft: Option<&[u8]>,
-        report: &mut Report,
-    ) -> Option<Answer> {
-        let size = mask.size();
-        let mask = self.sized(path, mask, report)?.to_rle();
+    fn answer(&self, query: &Query, frame: u32, mask: Mask, soft: Option<&[u8]>) -> Result<Answer, Problem> {
+        let (size, wanted) = (mask.size(), self.pictures.size);
+        self.fits(size)?;
+        let mask = if size == wanted { mask } else { mask.resized_nearest(wanted.0, wanted.1) };
         let kept = soft.filter(|_| self.request.soft.is_some());
-        let soft = kept.map(|soft| soft::picture(soft, size, self.pictures.size));
-        Some(Answer { query: query.id.clone(), frame, mask: Some(mask), soft })
+        let soft = kept.map(|soft| soft::picture(soft, size, wanted));
+        Ok(Answer { query: query.id.clone(), frame, mask: Some(mask.to_rle()), soft })
     }
 
-    fn sized(&self, path: &Path, mask: Mask, report: &mut Report) -> Option<Mask> {
-        let wanted = self.pictures.size;
-        match self.fits(path, mask.size(), report) {
-            true if mask.size() == wanted => Some(mask),
-            true => Some(mask.resized_nearest(wanted.0, wanted.1)),
-            false => None,
-        }
-    }
-
-    /// Whether pictures of a size can answer, as they are or resized; reported where not.
-    pub(super) fn fits(&self, path: &Path, (width, height): (u32, u32), report: &mut Report) -> bool {
+    /// Refuses a size of pictures that can answer neither as they are nor resized.
+    pub(super) fn fits(&self, (width, height): (u32, u32)) -> Result<(), Problem> {
         let wanted = self.pictures.size;
         let ratio = f64::from(width) * f64::from(wanted.1) / (f64::from(height) * f64::from(wanted.0));
-        if (width, height) == wanted || (self.request.resize && (ratio - 1.0).abs() <= 0.01) {
-            return true;
+        let is_similar = (ratio - 1.0).abs() <= 0.01;
+        if (width, height) == wanted || (self.request.resize && is_similar) {
+            return Ok(());
         }
-        let message =
-            format!("is {width}x{height}, but {} is {}x{}", self.pictures.owner(), wanted.0, wanted.1);
-        let hint = if (ratio - 1.0).abs() <= 0.01 {
-            "render at that size, or pass --resize (nearest)"
-        } else {
-            "render at that size: other proportions show another picture"
+        let owner = self.pictures.owner();
+        let message = format!("is {width}x{height}, but {owner} is {}x{}", wanted.0, wanted.1);
+        let hint = match is_similar {
+            true => "render at that size, or pass --resize (nearest)",
+            false => "render at that size: other proportions show another picture",
         };
-        report.error(codes::WRONG_SIZE, path, "size", message, hint);
-        false
+        Err(Problem::new(codes::WRONG_SIZE, "size", message, hint))
     }
 
     /// Takes an answer, unless there is one already.
@@ -252,10 +239,13 @@ impl<'a> Collector<'a> {
         frame: u32,
         found: Found,
     ) -> Result<(), DataError> {
-        let mut report = Report::default();
-        let answer = self.answer(path, query, frame, found.mask, Some(&found.soft), &mut report);
-        self.findings.extend(report);
-        answer.map_or(Ok(()), |answer| self.take(path, answer))
+        match self.answer(query, frame, found.mask, Some(&found.soft)) {
+            Ok(answer) => self.take(path, answer),
+            Err(problem) => {
+                problem.report(path, &mut self.findings);
+                Ok(())
+            }
+        }
     }
 
     /// Takes where the relevancy of a query is highest in a frame.
@@ -292,13 +282,8 @@ impl<'a> Collector<'a> {
         }
         for (code, count) in counts.into_iter().filter(|(_, count)| *count > LISTED) {
             let message = format!("{} more files have the same problem", count - LISTED);
-            report.error(
-                code,
-                &self.request.root,
-                "folder",
-                message,
-                "mend the first, and most of the others follow",
-            );
+            let hint = "correct the first, and most of the others follow";
+            report.error(code, &self.request.root, "folder", message, hint);
         }
         (self.answers, self.summits)
     }

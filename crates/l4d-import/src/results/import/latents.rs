@@ -14,7 +14,7 @@ use super::super::latents::{Level, check};
 use super::super::preset::LatentsPreset;
 use super::super::prompts::spelling;
 use super::super::relevancy::gate::{gate, similarities};
-use super::super::relevancy::{Chosen, Decoder, Folded, Latents, TextsFile, answer};
+use super::super::relevancy::{Chosen, Decoder, Engine, Latents, Texts, TextsFile, answer};
 use super::super::template::{Captures, Hit, Template};
 use super::Request;
 use super::answers::Collector;
@@ -46,19 +46,14 @@ pub(super) fn read(
     let asked = matched(queries, texts);
     report_unembedded(queries, &asked, texts_path, collector.findings());
     let chosen: Vec<usize> = asked.iter().map(|(_, index)| *index).collect();
+    let chosen = texts.texts.select(&chosen);
     let mut engines =
         Engines::new(request.encoders.decoder.as_ref(), preset.decoder.as_ref(), &request.root)?;
     let mut time = Time::open(request, preset, &asked, hits, &collector.pictures().clip, inputs)?;
     let frames = by_frame(preset, hits, collector);
     for (frame, levels) in frames {
         let mut report = Report::default();
-        let captures = &levels[0].captures;
-        let engine = engines.get(
-            captures,
-            &|decoder| Folded::new(decoder, &texts.texts.select(&chosen)).ok_or(texts.texts.width()),
-            inputs,
-            &mut report,
-        )?;
+        let engine = engines.get(&levels[0].captures, &chosen, inputs, &mut report)?;
         if let Some(engine) = engine {
             let read: Option<Vec<(u64, Level)>> = levels
                 .iter()
@@ -68,12 +63,15 @@ pub(super) fn read(
                 .collect();
             let sound = read.filter(|levels| {
                 let Latents { width, height, .. } = levels[0].1.latents();
-                check(levels, engine.channels, &mut report)
-                    && collector.fits(&levels[0].1.path, (width, height), &mut report)
+                check(levels, engine.channels(), &mut report)
+                    && collector
+                        .fits((width, height))
+                        .map_err(|problem| problem.report(&levels[0].1.path, &mut report))
+                        .is_ok()
             });
             if let Some(levels) = sound {
                 let latents: Vec<Latents<'_>> = levels.iter().map(|(_, level)| level.latents()).collect();
-                let answers = answer(&engine.folded, &latents, &preset.rules);
+                let answers = answer(engine, &latents, &preset.rules);
                 let path = &levels[0].1.path;
                 for ((query, _), chosen) in asked.iter().zip(&answers) {
                     report_blank(query, chosen, &levels, &mut report);
@@ -138,7 +136,8 @@ fn by_frame<'h>(
     for hit in hits {
         let level = hit.number("level").unwrap_or_default();
         let Some(rank) = preset.levels.iter().position(|&known| known == level) else { continue };
-        let Some(frame) = collector.frame(hit, None, &mut report) else { continue };
+        let frame = collector.frame(hit, None).map_err(|problem| problem.report(&hit.path, &mut report));
+        let Ok(Some(frame)) = frame else { continue };
         if let Some(other) = frames.entry(frame).or_default().insert(rank, hit) {
             let message = format!("is level {level} of frame {frame}, as {} is", other.path.display());
             let hint = "give the folder of one run, or say which is meant with --set";
@@ -167,16 +166,10 @@ fn by_frame<'h>(
     whole
 }
 
-/// A decoder with texts folded into it.
-struct Ready {
-    folded: Folded,
-    channels: usize,
-}
-
 /// Decoders by path: one for all frames, or one a frame.
 struct Engines {
     template: Option<(Template, PathBuf)>,
-    current: Option<(PathBuf, Option<Ready>)>,
+    current: Option<(PathBuf, Option<Engine>)>,
 }
 
 impl Engines {
@@ -199,27 +192,27 @@ impl Engines {
     fn get(
         &mut self,
         captures: &Captures,
-        fold: &dyn Fn(&Decoder) -> Result<Folded, usize>,
+        texts: &Texts,
         inputs: &mut Inputs,
         report: &mut Report,
-    ) -> Result<Option<&Ready>, DataError> {
+    ) -> Result<Option<&Engine>, DataError> {
         let path = self.template.as_ref().and_then(|(template, base)| template.fill(base, captures));
         let path = path.unwrap_or_default();
         let is_new = self.current.as_ref().is_none_or(|(known, _)| *known != path);
         if is_new {
-            let ready = open(&path, fold, inputs, report)?;
-            self.current = Some((path, ready));
+            let engine = open(&path, texts, inputs, report)?;
+            self.current = Some((path, engine));
         }
-        Ok(self.current.as_ref().and_then(|(_, ready)| ready.as_ref()))
+        Ok(self.current.as_ref().and_then(|(_, engine)| engine.as_ref()))
     }
 }
 
 fn open(
     path: &Path,
-    fold: &dyn Fn(&Decoder) -> Result<Folded, usize>,
+    texts: &Texts,
     inputs: &mut Inputs,
     report: &mut Report,
-) -> Result<Option<Ready>, DataError> {
+) -> Result<Option<Engine>, DataError> {
     if !path.is_file() {
         let message = "is not there: latents mean nothing without the decoder of their autoencoder";
         let hint = "give --decoder <best_ckpt.pth>; training leaves it in autoencoder/ckpt/<scene>/, the evaluation looks in <scene>/ae_ckpt/";
@@ -234,27 +227,25 @@ fn open(
         }
     };
     inputs.insert(format!("decoder {}", path.display()), sha256_file(path)?);
-    match fold(&decoder) {
-        Ok(folded) => Ok(Some(Ready { folded, channels: decoder.inputs() })),
-        Err(width) => {
-            let message = format!("decodes {}, but the sentences have {width} numbers", decoder.widths());
-            let hint = "export the embeddings with the model that the autoencoder was trained for: CLIP has 512, E5 4096";
-            report.error(codes::WIDTHS, path, "widths", message, hint);
-            Ok(None)
-        }
+    let widths = decoder.widths();
+    let engine = Engine::new(decoder, texts.clone());
+    if engine.is_none() {
+        let message = format!("decodes {widths}, but the sentences have {} numbers", texts.width());
+        let hint = "export the embeddings with the model that the autoencoder was trained for: CLIP has 512, E5 4096";
+        report.error(codes::WIDTHS, path, "widths", message, hint);
     }
+    Ok(engine)
 }
 
 /// The gate of 4D LangSplat: what is known of time, frame by frame.
 struct Time<'a> {
     engines: Engines,
-    /// Hits of the latents of time by position in the path, as of the other levels.
-    hits: BTreeMap<String, Hit>,
-    order: Option<&'a (PathBuf, TextsFile)>,
+    /// Latents of time by frame.
+    hits: BTreeMap<u32, Hit>,
+    texts: Option<&'a (PathBuf, TextsFile)>,
     /// Place in `asked` and number of the sentence among the embeddings.
     gated: Vec<(usize, usize)>,
     similarities: BTreeMap<usize, BTreeMap<u32, f64>>,
-    key: BTreeMap<u32, String>,
 }
 
 impl<'a> Time<'a> {
@@ -266,21 +257,16 @@ impl<'a> Time<'a> {
         clip: &[u32],
         inputs: &mut Inputs,
     ) -> Result<Self, DataError> {
-        let order = request.encoders.time_texts.as_ref();
-        let engines = Engines::new(
-            request.encoders.time_decoder.as_ref(),
-            preset.time_decoder.as_ref(),
-            &request.root,
-        )?;
+        let texts = request.encoders.time_texts.as_ref();
+        let (given, preset_decoder) = (request.encoders.time_decoder.as_ref(), preset.time_decoder.as_ref());
         let mut time = Self {
-            engines,
+            engines: Engines::new(given, preset_decoder, &request.root)?,
             hits: BTreeMap::new(),
-            order,
+            texts,
             gated: Vec::new(),
             similarities: BTreeMap::new(),
-            key: BTreeMap::new(),
         };
-        let (Some((path, texts)), Some(template)) = (order, &preset.time_template) else { return Ok(time) };
+        let (Some((path, texts)), Some(template)) = (texts, &preset.time_template) else { return Ok(time) };
         inputs.insert("text embeddings of time".to_owned(), sha256_file(path)?);
         let queries: Vec<Query> = asked.iter().map(|(query, _)| (*query).clone()).collect();
         for (query, index) in
@@ -294,14 +280,10 @@ impl<'a> Time<'a> {
         bound.extend(scene.map(|scene| ("scene".to_owned(), scene)));
         let found =
             super::parse(template, &request.root)?.find(&request.root, &bound, &mut Report::default())?;
-        time.hits =
-            found.into_iter().filter_map(|hit| Some((hit.text("position")?.to_owned(), hit))).collect();
-        for hit in time.hits.values() {
+        for hit in found {
             let position = hit.number("position").and_then(|position| usize::try_from(position).ok());
             let frame = position.and_then(|position| request.order.frame(position, clip).ok().flatten());
-            if let (Some(frame), Some(key)) = (frame, hit.text("position")) {
-                time.key.insert(frame, key.to_owned());
-            }
+            time.hits.extend(frame.map(|frame| (frame, hit)));
         }
         Ok(time)
     }
@@ -315,23 +297,23 @@ impl<'a> Time<'a> {
         inputs: &mut Inputs,
         report: &mut Report,
     ) -> Result<(), DataError> {
-        let Some((texts_path, texts)) = self.order.filter(|_| !self.gated.is_empty()) else { return Ok(()) };
-        let Some(hit) = self.key.get(&frame).and_then(|key| self.hits.get(key)) else {
+        let Some((texts_path, texts)) = self.texts.filter(|_| !self.gated.is_empty()) else { return Ok(()) };
+        let Some(hit) = self.hits.get(&frame) else {
             let message = format!("nothing is there for frame {frame}");
             let hint = "render the level of time with the same list of cameras, or leave --time-texts out";
             report.error(codes::MISSING, texts_path, "latents of time", message, hint);
             return Ok(());
         };
         let wanted: Vec<usize> = self.gated.iter().map(|(_, index)| *index).collect();
-        let fold =
-            |decoder: &Decoder| Folded::new(decoder, &texts.texts.select(&wanted)).ok_or(texts.texts.width());
-        let Some(engine) = self.engines.get(&hit.captures, &fold, inputs, report)? else { return Ok(()) };
+        let wanted = texts.texts.select(&wanted);
+        let Some(engine) = self.engines.get(&hit.captures, &wanted, inputs, report)? else { return Ok(()) };
         let Some(level) = Level::read(&hit.path, report) else { return Ok(()) };
         let latents = level.latents();
-        if latents.channels != engine.channels {
+        if latents.channels != engine.channels() {
             let message = format!(
                 "has {} channels, but the decoder of time takes {}",
-                latents.channels, engine.channels
+                latents.channels,
+                engine.channels()
             );
             let hint = "give the autoencoder of the video features (video_best_ckpt.pth)";
             report.error(codes::WIDTHS, &hit.path, "shape", message, hint);
@@ -341,16 +323,11 @@ impl<'a> Time<'a> {
             let mask = &answers[place].found.unsmoothed;
             if mask.size() != level.size() {
                 let message = format!("is {:?}, but the other levels are {:?}", level.size(), mask.size());
-                report.error(
-                    codes::WRONG_SIZE,
-                    &hit.path,
-                    "shape",
-                    message,
-                    "render all levels at the same size",
-                );
+                let hint = "render all levels at the same size";
+                report.error(codes::WRONG_SIZE, &hit.path, "shape", message, hint);
                 return Ok(());
             }
-            let Some(values) = similarities(&engine.folded, latents, mask) else {
+            let Some(values) = similarities(engine, latents, mask) else {
                 let message = format!("query {} has no pixel to look at in frame {frame}", asked[place].0.id);
                 let hint = "its map is blank; the original stops here";
                 report.warning(codes::CONSTANT, &hit.path, "mask", message, hint);
@@ -365,7 +342,7 @@ impl<'a> Time<'a> {
     fn close(self, asked: &[(&Query, usize)], collector: &mut Collector<'_>) -> Result<(), DataError> {
         for (place, similarities) in self.similarities {
             let values: Vec<f64> = similarities.values().copied().collect();
-            let open = gate(&values, true).open;
+            let open = gate(&values);
             let shut = similarities.keys().zip(open).filter(|(_, is_open)| !is_open).map(|(&frame, _)| frame);
             collector.empty(&asked[place].0.id, shut)?;
         }

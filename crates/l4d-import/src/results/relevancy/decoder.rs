@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::DataError;
-use l4d_formats::{Tensor, arrays, pickle};
+use l4d_formats::fault::quoted;
+use l4d_formats::{Fault, Tensor, arrays, pickle};
 
 /// Numbers of a layer's output: E5 has 4096.
 const WIDEST: usize = 1 << 14;
@@ -53,7 +54,7 @@ impl Decoder {
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let tensors =
             if arrays::extension(path) == "npz" { from_npz(path)? } else { pickle::read_state_dict(path)? };
-        Self::from_tensors(path, &tensors)
+        Self::from_tensors(&tensors).map_err(|fault| fault.at(path))
     }
 
     /// The layers.
@@ -78,70 +79,55 @@ impl Decoder {
         all.join(" -> ")
     }
 
-    fn from_tensors(path: &Path, tensors: &BTreeMap<String, Tensor>) -> Result<Self, DataError> {
+    fn from_tensors(tensors: &BTreeMap<String, Tensor>) -> Result<Self, Fault> {
         let mut numbers: Vec<usize> = tensors.keys().filter_map(|name| layer_number(name)).collect();
         numbers.sort_unstable();
         numbers.dedup();
         if numbers.is_empty() || numbers.len() > DEEPEST {
-            let known: Vec<&str> = tensors.keys().take(6).map(String::as_str).collect();
-            return Err(DataError::invalid(
-                path,
-                "state dict",
-                format!(
-                    "has {} layers called `decoder.<n>.weight` (it has {})",
-                    numbers.len(),
-                    l4d_data::error::inert(&known.join(", "))
-                ),
-                "give the autoencoder's best_ckpt.pth, not the checkpoint of the Gaussians",
-            ));
+            let known = tensors.keys().take(6).map(String::as_str).collect::<Vec<_>>().join(", ");
+            let (count, known) = (numbers.len(), quoted(&known));
+            let message = format!("has {count} layers called `decoder.<n>.weight` (it has {known})");
+            let remedy = "give the autoencoder's best_ckpt.pth, not the checkpoint of the Gaussians";
+            return Err(Fault::new("state dict", message, remedy));
         }
-        let mut layers: Vec<Layer> = Vec::new();
-        for number in numbers {
-            let layer = layer(path, tensors, number)?;
-            if let Some(before) = layers.last().filter(|before| before.outputs != layer.inputs) {
-                return Err(DataError::invalid(
-                    path,
-                    format!("parameter `decoder.{number}.weight`"),
-                    format!("takes {} numbers, but the layer before gives {}", layer.inputs, before.outputs),
-                    "give the whole state dict of one autoencoder",
-                ));
+        let layers: Vec<Layer> =
+            numbers.iter().map(|&number| layer(tensors, number)).collect::<Result<_, _>>()?;
+        for (pair, number) in layers.windows(2).zip(&numbers[1..]) {
+            let (given, taken) = (pair[0].outputs, pair[1].inputs);
+            if given != taken {
+                let message = format!("takes {taken} numbers, but the layer before gives {given}");
+                return Err(fault(&format!("decoder.{number}.weight"), message));
             }
-            layers.push(layer);
         }
         Ok(Self { layers })
     }
 }
 
-fn layer(path: &Path, tensors: &BTreeMap<String, Tensor>, number: usize) -> Result<Layer, DataError> {
+fn fault(parameter: &str, message: String) -> Fault {
     let remedy = "give the whole state dict of one autoencoder: linear layers, as the originals build them";
-    let find = |what: &str| {
-        let name = format!("decoder.{number}.{what}");
-        let found = tensors.iter().find(|(key, _)| **key == name || key.ends_with(&format!(".{name}")));
-        let fault =
-            |message: String| DataError::invalid(path, format!("parameter `{name}`"), message, remedy);
-        found.map(|(_, tensor)| tensor).ok_or_else(|| fault("is missing".to_owned()))
+    Fault::new(format!("parameter `{parameter}`"), message, remedy)
+}
+
+fn layer(tensors: &BTreeMap<String, Tensor>, number: usize) -> Result<Layer, Fault> {
+    let (weight_name, bias_name) = (format!("decoder.{number}.weight"), format!("decoder.{number}.bias"));
+    let find = |name: &str| {
+        let is_it =
+            |key: &str| key.strip_suffix(name).is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
+        let found = tensors.iter().find(|(key, _)| is_it(key));
+        found.map(|(_, tensor)| tensor).ok_or_else(|| fault(name, "is missing".to_owned()))
     };
-    let (weight, bias) = (find("weight")?, find("bias")?);
-    let fault = |what: &str, message: String| {
-        DataError::invalid(path, format!("parameter `decoder.{number}.{what}`"), message, remedy)
-    };
+    let (weight, bias) = (find(&weight_name)?, find(&bias_name)?);
     let [outputs, inputs] = weight.shape[..] else {
-        return Err(fault(
-            "weight",
-            format!("has the shape {:?}, but a linear layer has two axes", weight.shape),
-        ));
+        let message = format!("has the shape {:?}, but a linear layer has two axes", weight.shape);
+        return Err(fault(&weight_name, message));
     };
     if !(1..=WIDEST).contains(&outputs) || !(1..=WIDEST).contains(&inputs) {
-        return Err(fault(
-            "weight",
-            format!("is {outputs} x {inputs}, but a layer has 1 to {WIDEST} numbers"),
-        ));
+        let message = format!("is {outputs} x {inputs}, but a layer has 1 to {WIDEST} numbers");
+        return Err(fault(&weight_name, message));
     }
     if bias.shape != [outputs] {
-        return Err(fault(
-            "bias",
-            format!("has the shape {:?}, but the weight needs [{outputs}]", bias.shape),
-        ));
+        let message = format!("has the shape {:?}, but the weight needs [{outputs}]", bias.shape);
+        return Err(fault(&bias_name, message));
     }
     Ok(Layer { inputs, outputs, weight: weight.data.clone(), bias: bias.data.clone() })
 }
@@ -155,13 +141,9 @@ fn layer_number(name: &str) -> Option<usize> {
 fn from_npz(path: &Path) -> Result<BTreeMap<String, Tensor>, DataError> {
     let mut tensors = BTreeMap::new();
     for name in arrays::names(path)?.into_iter().filter(|name| name.contains("decoder.")) {
-        let array = arrays::read(path, Some(&name))?;
-        if let Some((index, value)) = array.bad_value() {
-            let message = format!("is {value}, but parameters are finite");
-            let remedy = "take an earlier checkpoint";
-            return Err(DataError::invalid(path, format!("{name}, number {index}"), message, remedy));
-        }
-        tensors.insert(name, Tensor { shape: array.shape, data: array.data });
+        let tensor = arrays::read(path, Some(&name))?;
+        tensor.check_finite(&name).map_err(|fault| fault.at(path))?;
+        tensors.insert(name, tensor);
     }
     Ok(tensors)
 }
@@ -187,15 +169,14 @@ mod tests {
             ("decoder.0.weight", &[4, 3]),
             ("decoder.0.bias", &[4]),
         ]);
-        let decoder = Decoder::from_tensors(Path::new("x"), &found).unwrap();
+        let decoder = Decoder::from_tensors(&found).unwrap();
         assert_eq!(decoder.widths(), "3 -> 4 -> 5 -> 9");
     }
 
     #[test]
     fn what_makes_no_decoder_is_named() {
-        let refused = |shapes: &[(&str, &[usize])]| {
-            Decoder::from_tensors(Path::new("x.pth"), &tensors(shapes)).unwrap_err().to_string()
-        };
+        let refused =
+            |shapes: &[(&str, &[usize])]| Decoder::from_tensors(&tensors(shapes)).unwrap_err().to_string();
         let gaussians = refused(&[("_xyz", &[2, 3])]);
         assert!(gaussians.contains("_xyz"), "{gaussians}");
         assert!(refused(&[("decoder.0.weight", &[4, 3])]).contains("`decoder.0.bias`: is missing"));

@@ -1,39 +1,25 @@
 //! When something happens: 4D LangSplat's decision which frames of a clip answer a sentence about a time.
 //!
 //! A frame's similarity is the mean cosine between the decoded features of time and the sentence, over the pixels of
-//! the unsmoothed mask. Frames at or above the mean of all answer. That mean is taken of the frames themselves, so at
+//! the unsmoothed mask. Frames that are at or above the mean of all once they are smoothed answer. That mean is taken of the frames themselves, so at
 //! least one frame always answers: "this never happens" cannot be said.
 
 use l4d_masks::Mask;
 
-use super::{Folded, Latents};
+use super::{Engine, Latents};
 
 /// Weights of a frame's neighbours and of itself.
 const WEIGHTS: [f64; 3] = [0.1, 0.8, 0.1];
 
-/// What the gate says of the frames of a clip.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Gate {
-    /// Similarity of each frame after smoothing.
-    pub smoothed: Vec<f64>,
-    /// The mean of all frames before it.
-    pub threshold: f64,
-    /// Whether each frame answers.
-    pub open: Vec<bool>,
-}
-
-/// Opens the gate for frames by their similarities, in the order of time. `smooth` is what the published script asks for.
-pub fn gate(similarities: &[f64], smooth: bool) -> Gate {
+/// Whether each frame answers, by similarities in the order of time.
+pub fn gate(similarities: &[f64]) -> Vec<bool> {
     let threshold = similarities.iter().sum::<f64>() / similarities.len().max(1) as f64;
-    let smoothed: Vec<f64> = (0..similarities.len())
-        .map(|frame| match similarities.get(frame.wrapping_sub(1)..frame + 2) {
-            Some(near) if smooth => near.iter().zip(WEIGHTS).map(|(value, weight)| value * weight).sum(),
-            // The first and the last frame lack a neighbour and stay as they are.
-            _ => similarities[frame],
-        })
-        .collect();
-    let open = smoothed.iter().map(|&value| value >= threshold).collect();
-    Gate { smoothed, threshold, open }
+    let smoothed = |frame: usize| match similarities.get(frame.wrapping_sub(1)..frame + 2) {
+        Some(near) => near.iter().zip(WEIGHTS).map(|(value, weight)| value * weight).sum(),
+        // The first and the last frame lack a neighbour and stay as they are.
+        None => similarities[frame],
+    };
+    (0..similarities.len()).map(|frame| smoothed(frame) >= threshold).collect()
 }
 
 /// Mean cosine over the pixels of a mask with each sentence of an engine of time; none where there is no pixel.
@@ -42,7 +28,7 @@ pub fn gate(similarities: &[f64], smooth: bool) -> Gate {
 ///
 /// # Panics
 /// If mask and latents have different sizes.
-pub fn similarities(engine: &Folded, latents: Latents<'_>, mask: &Mask) -> Option<Vec<f64>> {
+pub fn similarities(engine: &Engine, latents: Latents<'_>, mask: &Mask) -> Option<Vec<f64>> {
     assert_eq!(mask.size(), (latents.width, latents.height), "mask and latents");
     let width = latents.width as usize;
     let pixel = |(col, row): (u32, u32)| {
@@ -62,18 +48,11 @@ mod tests {
     #[test]
     fn frames_at_or_above_the_mean_answer() {
         // Mean 0.4; the third frame falls below it by its neighbours, the first has only one and stays.
-        let gate = gate(&[0.4, 0.2, 0.41, 0.2, 0.79], true);
-        assert_eq!(gate.threshold, 0.4);
-        let expected = [0.4, 0.241, 0.368, 0.28, 0.79];
-        assert!(gate.smoothed.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{gate:?}");
-        assert_eq!(gate.open, [true, false, false, false, true]);
-    }
-
-    #[test]
-    fn equal_frames_all_answer_and_one_frame_answers() {
-        assert_eq!(gate(&[0.5, 0.5, 0.5], true).open, [true; 3]);
-        assert_eq!(gate(&[-0.2], true).open, [true]);
-        assert_eq!(gate(&[0.1, 0.3], false).open, [false, true]);
-        assert!(gate(&[], true).open.is_empty());
+        assert_eq!(gate(&[0.4, 0.2, 0.41, 0.2, 0.79]), [true, false, false, false, true]);
+        // Lifted to 0.41 by its neighbours.
+        assert_eq!(gate(&[0.5, 0.39, 0.48, 0.23, 0.4]), [true, true, true, false, true]);
+        assert_eq!(gate(&[0.5, 0.5, 0.5]), [true; 3]);
+        assert_eq!(gate(&[-0.2]), [true]);
+        assert!(gate(&[]).is_empty());
     }
 }

@@ -16,20 +16,22 @@ const REMEDY: &str = "make it with docs/import/export_text_embeddings.py";
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texts {
     width: usize,
-    sentences: Vec<f32>,
-    phrases: Vec<f32>,
+    /// How many of the vectors are sentences; they come first, then the phrases.
+    sentences: usize,
+    vectors: Vec<f32>,
 }
 
 impl Texts {
     /// Vectors of sentences, and of the phrases that they are compared with; none if they do not fill the width.
     /// Each is brought to length 1.
-    pub fn new(width: usize, mut sentences: Vec<f32>, mut phrases: Vec<f32>) -> Option<Self> {
+    pub fn new(width: usize, mut sentences: Vec<f32>, phrases: Vec<f32>) -> Option<Self> {
         if width == 0 || !sentences.len().is_multiple_of(width) || !phrases.len().is_multiple_of(width) {
             return None;
         }
+        let count = sentences.len() / width;
+        sentences.extend(phrases);
         sentences.chunks_exact_mut(width).for_each(to_unit_length);
-        phrases.chunks_exact_mut(width).for_each(to_unit_length);
-        Some(Self { width, sentences, phrases })
+        Some(Self { width, sentences: count, vectors: sentences })
     }
 
     /// Numbers a vector.
@@ -37,14 +39,24 @@ impl Texts {
         self.width
     }
 
+    /// How many vectors there are.
+    pub(super) fn len(&self) -> usize {
+        self.vectors.len() / self.width
+    }
+
+    /// All vectors, one after the other, sentences first.
+    pub(super) fn vectors(&self) -> &[f32] {
+        &self.vectors
+    }
+
     /// The vectors of the sentences.
     pub fn sentences(&self) -> impl ExactSizeIterator<Item = &[f32]> {
-        self.sentences.chunks_exact(self.width)
+        self.vectors[..self.sentences * self.width].chunks_exact(self.width)
     }
 
     /// The vectors of the phrases.
     pub fn phrases(&self) -> impl ExactSizeIterator<Item = &[f32]> {
-        self.phrases.chunks_exact(self.width)
+        self.vectors[self.sentences * self.width..].chunks_exact(self.width)
     }
 
     /// The same phrases with some of the sentences, in the order of `chosen`.
@@ -52,12 +64,10 @@ impl Texts {
     /// # Panics
     /// If there is no such sentence.
     pub fn select(&self, chosen: &[usize]) -> Self {
-        let vector = |&index: &usize| self.sentences[index * self.width..][..self.width].iter().copied();
-        Self {
-            width: self.width,
-            sentences: chosen.iter().flat_map(vector).collect(),
-            phrases: self.phrases.clone(),
-        }
+        let vector = |&index: &usize| &self.vectors[index * self.width..][..self.width];
+        let phrases = &self.vectors[self.sentences * self.width..];
+        let vectors = chosen.iter().map(vector).chain([phrases]).collect::<Vec<_>>().concat();
+        Self { width: self.width, sentences: chosen.len(), vectors }
     }
 }
 
@@ -68,50 +78,38 @@ pub struct TextsFile {
     pub queries: Vec<String>,
     /// Their vectors.
     pub texts: Texts,
-    /// The model that made them, as the file says.
-    pub model: String,
 }
 
 impl TextsFile {
-    /// Reads `queries`, `positives`, `negatives` and `model`. A file for the gate of time has no `negatives`.
+    /// Reads `queries`, `positives` and `negatives`. A file for the gate of time has no `negatives`.
     ///
     /// # Errors
     /// A file that cannot be read, or whose arrays do not belong together.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let names = arrays::names(path)?;
+        let has = |name: &str| names.iter().any(|known| known == name);
         let fault = |place: &str, message: String| {
             DataError::invalid(path, format!("array `{place}`"), message, REMEDY)
         };
-        let Contents::Text(queries) = arrays::read_contents(path, Some("queries"))? else {
-            return Err(fault("queries", "holds no text".to_owned()));
+        let text = |name: &str| match arrays::read_contents(path, Some(name))? {
+            Contents::Text(texts) => Ok(texts),
+            Contents::Numbers(_) => Err(fault(name, "holds no text".to_owned())),
         };
+        let queries = text("queries")?;
         let (width, positives) = vectors(path, "positives")?;
-        let negatives = if names.iter().any(|name| name == "negatives") {
-            let (other, negatives) = vectors(path, "negatives")?;
-            if other != width {
-                return Err(fault(
-                    "negatives",
-                    format!("has vectors of {other} numbers, `positives` of {width}"),
-                ));
-            }
-            negatives
-        } else {
-            Vec::new()
-        };
+        let (other, negatives) =
+            if has("negatives") { vectors(path, "negatives")? } else { (width, Vec::new()) };
+        if other != width {
+            let message = format!("has vectors of {other} numbers, `positives` of {width}");
+            return Err(fault("negatives", message));
+        }
         if queries.len() * width != positives.len() || queries.is_empty() || queries.len() > MOST {
             let message = format!("has {} sentences for {} vectors", queries.len(), positives.len() / width);
             return Err(fault("queries", message));
         }
-        let model = match names.iter().any(|name| name == "model") {
-            true => match arrays::read_contents(path, Some("model"))? {
-                Contents::Text(texts) => texts.into_iter().next().unwrap_or_default(),
-                Contents::Numbers(_) => return Err(fault("model", "holds no text".to_owned())),
-            },
-            false => String::new(),
-        };
         let texts = Texts::new(width, positives, negatives);
         let texts = texts.ok_or_else(|| fault("positives", "does not fill its width".to_owned()))?;
-        Ok(Self { queries, texts, model })
+        Ok(Self { queries, texts })
     }
 }
 

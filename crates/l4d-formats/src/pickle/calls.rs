@@ -1,8 +1,8 @@
 //! The calls that a pickle of tensors makes, each in its one meaning.
 
-use super::global::Global;
 use super::machine::Machine;
-use super::node::{Id, Node, Storage, View};
+use super::node::{Global, Id, Node, Storage};
+use crate::element::View;
 use crate::fault::Fault;
 use crate::tensor::element_count;
 
@@ -46,19 +46,18 @@ impl Machine<'_> {
         match *self.node(callable) {
             Node::Global(Global::OrderedDict) if arguments.is_empty() => self.push(Node::Dict(Vec::new())),
             Node::Global(Global::RebuildTensor) => {
-                let view = self.describe_view(&arguments)?;
-                self.push(Node::Tensor(Box::new(view)));
+                let (storage, view) = self.describe_view(&arguments)?;
+                self.push(Node::Tensor(storage, Box::new(view)));
             }
             Node::Global(Global::RebuildParameter) => match arguments.as_slice() {
-                &[tensor, _requires_grad, _hooks] if matches!(self.node(tensor), Node::Tensor(_)) => {
+                &[tensor, _requires_grad, _hooks] if matches!(self.node(tensor), Node::Tensor(..)) => {
                     self.stack.push(tensor);
                 }
                 _ => return Err(self.fault("makes a parameter of something other than a tensor")),
             },
             Node::Global(_) => {
-                return Err(
-                    self.fault("calls a class in a way that tensors do not need; nothing was executed")
-                );
+                let message = "calls a class in a way that tensors do not need; nothing was executed";
+                return Err(self.fault(message));
             }
             ref other => return Err(self.fault(format!("calls {}; nothing was executed", other.kind()))),
         }
@@ -66,26 +65,25 @@ impl Machine<'_> {
     }
 
     /// `_rebuild_tensor_v2(storage, offset, shape, strides, requires_grad, hooks[, metadata])`
-    fn describe_view(&self, arguments: &[Id]) -> Result<View, Fault> {
-        let (&[storage, offset, shape, strides, ..], 6 | 7) = (arguments, arguments.len()) else {
-            return Err(
-                self.fault(format!("makes a tensor of {} arguments instead of 6 or 7", arguments.len()))
-            );
+    fn describe_view(&self, arguments: &[Id]) -> Result<(Id, View), Fault> {
+        let count = arguments.len();
+        let (&[storage, offset, shape, strides, ..], 6 | 7) = (arguments, count) else {
+            return Err(self.fault(format!("makes a tensor of {count} arguments instead of 6 or 7")));
         };
         if !matches!(self.node(storage), Node::Storage(_)) {
             return Err(self.fault(format!("makes a tensor of {}", self.node(storage).kind())));
         }
+        let none = |what: &str| self.fault(format!("has {what} of counts"));
         let offset = self.size(offset).ok_or_else(|| self.fault("has an offset that is no count"))?;
-        let shape = self.sizes(shape).ok_or_else(|| self.fault("has a shape that is no tuple of counts"))?;
-        let strides =
-            self.sizes(strides).ok_or_else(|| self.fault("has strides that are no tuple of counts"))?;
-        if shape.len() != strides.len() || shape.len() > MOST_AXES {
+        let shape = self.sizes(shape).ok_or_else(|| none("a shape that is no tuple"))?;
+        let strides = self.sizes(strides).ok_or_else(|| none("strides that are no tuple"))?;
+        if shape.len() != strides.len() {
             return Err(self.fault(format!("has {} axes and {} strides", shape.len(), strides.len())));
         }
         if element_count(&shape).is_none() {
             return Err(self.fault(format!("has the shape {shape:?}, which fits into no machine")));
         }
-        Ok(View { storage, offset, shape, strides })
+        Ok((storage, View { offset, shape, strides }))
     }
 
     fn size(&self, id: Id) -> Option<usize> {
