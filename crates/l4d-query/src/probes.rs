@@ -6,10 +6,10 @@
 
 use std::collections::BTreeMap;
 
+use l4d_data::timeline::FRAME_COUNT;
 use l4d_data::{Category, Query, Temporal};
 use serde::Serialize;
 
-use crate::ast::Predicate;
 use crate::prove::SceneSet;
 use crate::world::World;
 
@@ -49,7 +49,7 @@ impl Probe {
         self.bounded && self.difference > BOUND_POINTS
     }
 
-    fn of(shortcut: &Shortcut, trials: &[Trial<'_>]) -> Self {
+    fn of(shortcut: &Shortcut, trials: &[Trial<'_, '_>]) -> Self {
         let mean = |values: &mut dyn Iterator<Item = f64>| {
             let values: Vec<f64> = values.collect();
             if values.is_empty() { 0.0 } else { 100.0 * values.iter().sum::<f64>() / values.len() as f64 }
@@ -84,47 +84,32 @@ impl Probe {
 const BOUNDED: [Category; 3] = [Category::Action, Category::Spatial, Category::Interaction];
 
 /// One query that shortcuts are tried on.
-struct Trial<'a> {
-    world: &'a World<'a>,
-    set: &'a SceneSet,
-    query: &'a Query,
-    predicate: Predicate,
+struct Trial<'c, 'a> {
+    query: &'c Query,
     category: Category,
-    candidates: Vec<&'a l4d_data::tracks::TrackedInstance>,
+    case: Case<'c, 'a>,
 }
 
-impl Trial<'_> {
+impl Trial<'_, '_> {
     fn chance(&self) -> f64 {
-        1.0 / self.candidates.len() as f64
+        1.0 / self.case.candidates.len() as f64
     }
 
     /// Probability that the shortcut picks the referent; none where it cannot be tried.
     fn score(&self, shortcut: &Shortcut) -> Option<f64> {
-        let case = Case {
-            world: self.world,
-            truth: self.set.truth.as_ref(),
-            text: &self.query.text,
-            predicate: &self.predicate,
-            candidates: &self.candidates,
-            frames: self.frames(),
-        };
-        let picked = match (shortcut.pick)(&case) {
-            Pick::Among(picked) if picked.is_empty() => self.candidates.clone(),
+        let picked = match (shortcut.pick)(&self.case) {
+            Pick::Among(picked) if picked.is_empty() => self.case.candidates.clone(),
             Pick::Among(picked) => picked,
             Pick::Impossible => return None,
         };
         let is_right = picked.iter().any(|candidate| self.query.referents.contains(&candidate.name));
         Some(if is_right { 1.0 / picked.len() as f64 } else { 0.0 })
     }
+}
 
-    fn frames(&self) -> Vec<u32> {
-        let intervals = match self.query.temporal {
-            Temporal::Whole => &[l4d_data::Interval::WHOLE],
-            Temporal::While => self.query.frames.as_slice(),
-        };
-        let frames = intervals.iter().flat_map(|interval| interval.first()..=interval.last());
-        frames.filter(|&frame| frame <= l4d_data::timeline::LAST_FRAME).collect()
-    }
+/// The frames in which a query holds.
+fn frames(query: &Query) -> Vec<u32> {
+    (0..FRAME_COUNT).filter(|&frame| query.temporal == Temporal::Whole || query.holds_at(frame)).collect()
 }
 
 /// Tries every shortcut on every query that asks for an action, a place or an interaction.
@@ -137,7 +122,9 @@ pub fn measure(sets: &[SceneSet]) -> Vec<Probe> {
             let candidates: Vec<_> =
                 world.objects().filter(|object| object.category == predicate.noun()).collect();
             if BOUNDED.contains(category) && !candidates.is_empty() {
-                trials.push(Trial { world, set, query, predicate, category: *category, candidates });
+                let (truth, text, frames) = (set.truth.as_ref(), query.text.as_str(), frames(query));
+                let case = Case { world, truth, text, predicate, candidates, frames };
+                trials.push(Trial { query, category: *category, case });
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::ast::{Relation, Superlative};
 use crate::obb::Obb;
 use crate::thresholds::{
     BETWEEN_MARGIN, BETWEEN_OFFSET, CONE_DEG, DISTANCE_MARGIN, FACING_DEG, HEIGHT_MARGIN, ON_HEIGHT_SHARE,
-    UNDER_HEIGHT_SHARE, VOLUME_MARGIN, before_m, beside_m, higher_m,
+    Slack, UNDER_HEIGHT_SHARE, VOLUME_MARGIN, before_m, beside_m, higher_m,
 };
 use crate::times::{Times, any_of};
 use crate::world::World;
@@ -29,11 +29,11 @@ pub fn related(
 ) -> Times {
     let is_other = |other: &&&TrackedInstance| other.name != subject.name;
     match kind {
-        Relation::ClosestTo => Times::when(|frame| beats_rivals(world, subject, others, true, frame)),
-        Relation::FarthestFrom => Times::when(|frame| beats_rivals(world, subject, others, false, frame)),
+        Relation::ClosestTo => when(world, |now| now.beats_rivals(subject, others, true)),
+        Relation::FarthestFrom => when(world, |now| now.beats_rivals(subject, others, false)),
         Relation::Between => any_of(others.iter().filter(is_other).flat_map(|first| {
             let rest = second.iter().filter(is_other).filter(|other| other.name != first.name);
-            rest.map(|other| Times::when(|frame| is_between(world, subject, first, other, frame)))
+            rest.map(|other| when(world, |now| now.is_between(subject, first, other)))
         })),
         _ => any_of(others.iter().filter(is_other).map(|other| related_to(world, subject, kind, other))),
     }
@@ -47,13 +47,9 @@ fn related_to(
 ) -> Times {
     match kind {
         Relation::Touching => world.contact(subject, other),
-        Relation::On => {
-            world.contact(subject, other) & Times::when(|frame| rises_from(world, subject, other, frame))
-        }
-        Relation::In => {
-            world.contact(subject, other) & Times::when(|frame| is_inside(world, subject, other, frame))
-        }
-        Relation::Under => Times::when(|frame| is_under(world, subject, other, frame)),
+        Relation::On => world.contact(subject, other) & when(world, |now| now.rises_from(subject, other)),
+        Relation::In => world.contact(subject, other) & when(world, |now| now.is_inside(subject, other)),
+        Relation::Under => when(world, |now| now.is_under(subject, other)),
         Relation::Beside => {
             let opposite = world.with_slack(world.slack().opposite());
             let elsewhere = [Relation::On, Relation::In];
@@ -61,9 +57,9 @@ fn related_to(
             let reach = world.slack().at_most(beside_m(world.scale()));
             elsewhere.complement() & Times::when(|frame| world.distance_m(subject, other, frame) <= reach)
         }
-        Relation::InFrontOf => Times::when(|frame| is_before(world, subject, other, 1.0, frame)),
-        Relation::Behind => Times::when(|frame| is_before(world, subject, other, -1.0, frame)),
-        Relation::Facing => Times::when(|frame| is_facing(world, subject, other, frame)),
+        Relation::InFrontOf => when(world, |now| now.is_before(subject, other, 1.0)),
+        Relation::Behind => when(world, |now| now.is_before(subject, other, -1.0)),
+        Relation::Facing => when(world, |now| now.is_facing(subject, other)),
         Relation::Between | Relation::ClosestTo | Relation::FarthestFrom => Times::NEVER,
     }
 }
@@ -104,110 +100,95 @@ fn rivals<'a>(
     world.objects().filter(move |rival| rival.category == category && rival.name != name)
 }
 
-fn rises_from(world: &World<'_>, subject: &TrackedInstance, other: &TrackedInstance, frame: u32) -> bool {
-    let (above, below) = (world.obb(subject, frame), world.obb(other, frame));
-    let slack = world.slack();
-    below.shades(above.centre.truncate(), slack.at_most(1.0))
-        && above.centre.z >= below.bottom() + slack.at_least(ON_HEIGHT_SHARE) * below.height()
-        && above.rounded().0 > below.bottom()
-}
-
-fn is_inside(world: &World<'_>, subject: &TrackedInstance, other: &TrackedInstance, frame: u32) -> bool {
-    let (inner, outer) = (world.obb(subject, frame), world.obb(other, frame));
-    outer.contains(inner.centre, world.slack().at_most(1.0)) && inner.rounded().0 > outer.bottom()
-}
-
-fn is_under(world: &World<'_>, subject: &TrackedInstance, other: &TrackedInstance, frame: u32) -> bool {
-    let (below, above) = (world.obb(subject, frame), world.obb(other, frame));
-    let slack = world.slack();
-    let (bottom, top) = below.rounded();
-    above.shades(below.centre.truncate(), slack.at_most(1.0))
-        && top <= above.top()
-        && bottom <= above.bottom() + slack.at_most(UNDER_HEIGHT_SHARE) * above.height()
-        && below.centre.z < above.centre.z
-}
-
-fn is_between(
-    world: &World<'_>,
-    subject: &TrackedInstance,
-    a: &TrackedInstance,
-    b: &TrackedInstance,
+/// A world at a frame.
+struct Moment<'w, 'a> {
+    world: &'w World<'a>,
+    slack: Slack,
     frame: u32,
-) -> bool {
-    let plan = |instance: &TrackedInstance| world.obb(instance, frame).centre.truncate();
-    let (start, end, point) = (plan(a), plan(b), plan(subject));
-    let along = end - start;
-    let length = along.length();
-    if length < NEAREST_M {
-        return false;
+}
+
+fn when(world: &World<'_>, test: impl Fn(Moment<'_, '_>) -> bool) -> Times {
+    Times::when(|frame| test(Moment { world, slack: world.slack(), frame }))
+}
+
+impl Moment<'_, '_> {
+    fn obb(&self, instance: &TrackedInstance) -> &Obb {
+        self.world.obb(instance, self.frame)
     }
-    let share = (point - start).dot(along) / (length * length);
-    let offset = (point - start - along * share).length();
-    let margin = world.slack().at_least(BETWEEN_MARGIN);
-    share.min(1.0 - share) >= margin && offset <= world.slack().at_most(BETWEEN_OFFSET) * length
-}
 
-/// Distance to the nearest of `others` that is not `subject`.
-fn nearest_m(
-    world: &World<'_>,
-    subject: &TrackedInstance,
-    others: &[&TrackedInstance],
-    frame: u32,
-) -> Option<f64> {
-    let others = others.iter().filter(|other| other.name != subject.name);
-    others.map(|other| world.distance_m(subject, other, frame)).min_by(f64::total_cmp)
-}
+    fn rises_from(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+        let (above, below) = (self.obb(subject), self.obb(other));
+        below.shades(above.centre.truncate(), self.slack.at_most(1.0))
+            && above.centre.z >= below.bottom() + self.slack.at_least(ON_HEIGHT_SHARE) * below.height()
+            && above.rounded().0 > below.bottom()
+    }
 
-/// Whether `subject` is closer to the nearest of `others`, or farther from it, than all it is compared with: its
-/// category without itself and without the one that distances are taken to.
-fn beats_rivals(
-    world: &World<'_>,
-    subject: &TrackedInstance,
-    others: &[&TrackedInstance],
-    closer: bool,
-    frame: u32,
-) -> bool {
-    let Some(own) = nearest_m(world, subject, others, frame) else { return false };
-    let margin = world.slack().at_least(DISTANCE_MARGIN);
-    let mut rivals =
-        rivals(world, subject).filter(|rival| !matches!(others, [only] if only.name == rival.name));
-    rivals.all(|rival| {
-        let Some(other) = nearest_m(world, rival, others, frame) else { return true };
-        let (near, far) = if closer { (own, other) } else { (other, own) };
-        far >= near.max(NEAREST_M) * margin
-    })
-}
+    fn is_inside(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+        let (inner, outer) = (self.obb(subject), self.obb(other));
+        outer.contains(inner.centre, self.slack.at_most(1.0)) && inner.rounded().0 > outer.bottom()
+    }
 
-/// Whether `subject` is in the cone that opens from the centre of `other` to its front (`sign` 1) or back (-1).
-fn is_before(
-    world: &World<'_>,
-    subject: &TrackedInstance,
-    other: &TrackedInstance,
-    sign: f64,
-    frame: u32,
-) -> bool {
-    let slack = world.slack();
-    front_angle_deg(world, other, subject, sign, frame).is_some_and(|angle| angle <= slack.at_most(CONE_DEG))
-        && world.distance_m(subject, other, frame) <= slack.at_most(before_m(world.scale()))
-}
+    fn is_under(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+        let (below, above) = (self.obb(subject), self.obb(other));
+        let (bottom, top) = below.rounded();
+        above.shades(below.centre.truncate(), self.slack.at_most(1.0))
+            && top <= above.top()
+            && bottom <= above.bottom() + self.slack.at_most(UNDER_HEIGHT_SHARE) * above.height()
+            && below.centre.z < above.centre.z
+    }
 
-fn is_facing(world: &World<'_>, subject: &TrackedInstance, other: &TrackedInstance, frame: u32) -> bool {
-    let angle = front_angle_deg(world, subject, other, 1.0, frame);
-    angle.is_some_and(|angle| angle <= world.slack().at_most(FACING_DEG))
-}
+    fn is_between(&self, subject: &TrackedInstance, a: &TrackedInstance, b: &TrackedInstance) -> bool {
+        let [start, end, point] = [a, b, subject].map(|instance| self.obb(instance).centre.truncate());
+        let along = end - start;
+        let length = along.length();
+        if length < NEAREST_M {
+            return false;
+        }
+        let share = (point - start).dot(along) / (length * length);
+        let offset = (point - start - along * share).length();
+        share.min(1.0 - share) >= self.slack.at_least(BETWEEN_MARGIN)
+            && offset <= self.slack.at_most(BETWEEN_OFFSET) * length
+    }
 
-/// Angle in plan between the front of `viewer` (times `sign`) and the direction to the centre of `target`, degrees.
-fn front_angle_deg(
-    world: &World<'_>,
-    viewer: &TrackedInstance,
-    target: &TrackedInstance,
-    sign: f64,
-    frame: u32,
-) -> Option<f64> {
-    let here = world.obb(viewer, frame);
-    let front = here.plan_direction(viewer.front.as_deref()?)? * sign;
-    let towards = (world.obb(target, frame).centre - here.centre).truncate().try_normalize()?;
-    Some(front.dot(towards).clamp(-1.0, 1.0).acos().to_degrees())
+    /// Distance to the nearest of `others` that is not `subject`.
+    fn nearest_m(&self, subject: &TrackedInstance, others: &[&TrackedInstance]) -> Option<f64> {
+        let others = others.iter().filter(|other| other.name != subject.name);
+        others.map(|other| self.world.distance_m(subject, other, self.frame)).min_by(f64::total_cmp)
+    }
+
+    /// Whether `subject` is closer to the nearest of `others`, or farther from it, than all it is compared with: its
+    /// category without itself and without the one that distances are taken to.
+    fn beats_rivals(&self, subject: &TrackedInstance, others: &[&TrackedInstance], closer: bool) -> bool {
+        let Some(own) = self.nearest_m(subject, others) else { return false };
+        let margin = self.slack.at_least(DISTANCE_MARGIN);
+        let is_rival = |rival: &&TrackedInstance| !matches!(others, [only] if only.name == rival.name);
+        rivals(self.world, subject).filter(is_rival).all(|rival| {
+            let Some(other) = self.nearest_m(rival, others) else { return true };
+            let (near, far) = if closer { (own, other) } else { (other, own) };
+            far >= near.max(NEAREST_M) * margin
+        })
+    }
+
+    /// Whether `subject` is in the cone that opens from the centre of `other` to its front (`sign` 1) or back (-1).
+    fn is_before(&self, subject: &TrackedInstance, other: &TrackedInstance, sign: f64) -> bool {
+        let angle = self.front_angle_deg(other, subject, sign);
+        angle.is_some_and(|angle| angle <= self.slack.at_most(CONE_DEG))
+            && self.world.distance_m(subject, other, self.frame)
+                <= self.slack.at_most(before_m(self.world.scale()))
+    }
+
+    fn is_facing(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
+        let angle = self.front_angle_deg(subject, other, 1.0);
+        angle.is_some_and(|angle| angle <= self.slack.at_most(FACING_DEG))
+    }
+
+    /// Angle in plan between the front of `viewer` (times `sign`) and the direction to the centre of `target`, degrees.
+    fn front_angle_deg(&self, viewer: &TrackedInstance, target: &TrackedInstance, sign: f64) -> Option<f64> {
+        let here = self.obb(viewer);
+        let front = here.plan_direction(viewer.front.as_deref()?)? * sign;
+        let towards = (self.obb(target).centre - here.centre).truncate().try_normalize()?;
+        Some(front.dot(towards).clamp(-1.0, 1.0).acos().to_degrees())
+    }
 }
 
 #[cfg(test)]

@@ -21,8 +21,8 @@ pub(super) struct Case<'c, 'a> {
     pub(super) world: &'c World<'a>,
     pub(super) truth: Option<&'c Truth>,
     pub(super) text: &'c str,
-    pub(super) predicate: &'c Predicate,
-    pub(super) candidates: &'c [&'a TrackedInstance],
+    pub(super) predicate: Predicate,
+    pub(super) candidates: Vec<&'a TrackedInstance>,
     pub(super) frames: Vec<u32>,
 }
 

@@ -1,5 +1,6 @@
 //! Declared events against geometry that doesn't know of them: what is held is near, what moves moves, what rests rests.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use l4d_data::tracks::{TrackedInstance, at_frame};
@@ -39,11 +40,8 @@ pub(super) fn check(world: &World<'_>, path: &Path, report: &mut Report) {
     for event in world.events() {
         let Some(subject) = world.instance(&event.subject) else { continue };
         let object = event.object.as_ref().and_then(|name| world.instance(name));
-        let problems = [
-            contact_problem(world, event, subject, object),
-            motion_problem(world, event, subject),
-            idle_problem(world, event, subject, object),
-        ];
+        let declared = Declared { world, event, subject, object };
+        let problems = [declared.contact_problem(), declared.motion_problem(), declared.idle_problem()];
         for (code, message) in problems.into_iter().flatten() {
             let (first, last) = (event.frames.first(), event.frames.last());
             let whom = event.object.as_ref().map_or_else(String::new, |name| format!(" {name}"));
@@ -53,80 +51,78 @@ pub(super) fn check(world: &World<'_>, path: &Path, report: &mut Report) {
     }
 }
 
-fn contact_problem(
-    world: &World<'_>,
-    event: &Event,
-    subject: &TrackedInstance,
-    object: Option<&TrackedInstance>,
-) -> Option<(&'static str, String)> {
-    let object = object?;
-    let distance = |frame: u32| world.pair(subject, object).map(|pair| *at_frame(&pair.distance_m, frame));
-    let centimetres = |metres: f64| format!("{:.1} cm", metres * 100.0);
-    let limit = centimetres(HOLD_M);
-    if verbs::is_holding(&event.verb) {
-        let inner = event.frames.first() + EDGE_FRAMES..=event.frames.last() - EDGE_FRAMES;
-        let (frame, worst) = inner
-            .map(|frame| (frame, distance(frame).unwrap_or(f64::INFINITY)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
-        return (worst > HOLD_M).then(|| {
-            ("L4D220", format!("they are {} apart at frame {frame}, more than {limit}", centimetres(worst)))
-        });
-    }
-    if verbs::is_meeting(&event.verb) {
-        let frames = event.frames.first()..=event.frames.last();
-        let nearest = frames.map(|frame| distance(frame).unwrap_or(f64::INFINITY)).min_by(f64::total_cmp)?;
-        return (nearest > HOLD_M).then(|| {
-            ("L4D220", format!("they never meet: at best {} apart, more than {limit}", centimetres(nearest)))
-        });
-    }
-    None
+/// An event with who takes part.
+struct Declared<'d, 'a> {
+    world: &'d World<'a>,
+    event: &'a Event,
+    subject: &'a TrackedInstance,
+    object: Option<&'a TrackedInstance>,
 }
 
-fn motion_problem(
-    world: &World<'_>,
-    event: &Event,
-    subject: &TrackedInstance,
-) -> Option<(&'static str, String)> {
-    let verb = event.verb.as_str();
-    let frames = event.frames.first()..=event.frames.last();
-    if verbs::is_moving(verb) && !is_on_treadmill(world, subject, event.frames.first()) {
-        let seconds = f64::from(event.frames.frame_count()) / world.tracks().fps;
-        let speed = path_length_m(world, subject, frames.clone()) / seconds;
-        let least = moves_mps(world.scale());
-        if speed < least {
-            let message = format!("its box moves at {speed:.3} m/s, less than {least} m/s");
-            return Some(("L4D221", message));
-        }
-    }
-    if verbs::is_state(verb) {
-        let places: Vec<_> = frames.map(|frame| world.obb(subject, frame).centre.truncate()).collect();
-        let mean = places.iter().sum::<glam::DVec2>() / places.len() as f64;
-        let strays = places.iter().map(|place| place.distance(mean)).fold(0.0, f64::max);
-        let most = stays_m(world.scale());
-        if strays > most {
-            return Some(("L4D222", format!("its box strays {strays:.2} m, more than {most} m")));
-        }
-    }
-    None
-}
+/// A code, and what is wrong.
+type Problem = Option<(&'static str, String)>;
 
-/// Something that is declared and of which nothing can be seen: neither side changes at all.
-fn idle_problem(
-    world: &World<'_>,
-    event: &Event,
-    subject: &TrackedInstance,
-    object: Option<&TrackedInstance>,
-) -> Option<(&'static str, String)> {
-    if verbs::is_quiet(&event.verb) {
-        return None;
+impl Declared<'_, '_> {
+    fn frames(&self) -> RangeInclusive<u32> {
+        self.event.frames.first()..=self.event.frames.last()
     }
-    let stirs = |instance: &TrackedInstance| {
-        let start = world.obb(instance, event.frames.first());
-        let frames = event.frames.first()..=event.frames.last();
-        frames.into_iter().any(|frame| world.obb(instance, frame).differs(start, STIRS_M))
-    };
-    let idle = !stirs(subject) && !object.is_some_and(stirs);
-    idle.then(|| ("L4D223", "nothing of it moves in that time".to_owned()))
+
+    fn contact_problem(&self) -> Problem {
+        let pair = self.world.pair(self.subject, self.object?);
+        let distance = |frame: u32| pair.map_or(f64::INFINITY, |pair| *at_frame(&pair.distance_m, frame));
+        let centimetres = |metres: f64| format!("{:.1} cm", metres * 100.0);
+        let limit = centimetres(HOLD_M);
+        if verbs::is_holding(&self.event.verb) {
+            let inner = self.event.frames.first() + EDGE_FRAMES..=self.event.frames.last() - EDGE_FRAMES;
+            let distances = inner.map(|frame| (frame, distance(frame)));
+            let (frame, worst) = distances.max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let message =
+                format!("they are {} apart at frame {frame}, more than {limit}", centimetres(worst));
+            return (worst > HOLD_M).then_some(("L4D220", message));
+        }
+        if verbs::is_meeting(&self.event.verb) {
+            let nearest = self.frames().map(distance).min_by(f64::total_cmp)?;
+            let message =
+                format!("they never meet: at best {} apart, more than {limit}", centimetres(nearest));
+            return (nearest > HOLD_M).then_some(("L4D220", message));
+        }
+        None
+    }
+
+    fn motion_problem(&self) -> Problem {
+        let Self { world, event, subject, .. } = self;
+        if verbs::is_moving(&event.verb) && !is_on_treadmill(world, subject, event.frames.first()) {
+            let seconds = f64::from(event.frames.frame_count()) / world.tracks().fps;
+            let speed = path_length_m(world, subject, self.frames()) / seconds;
+            let least = moves_mps(world.scale());
+            if speed < least {
+                let message = format!("its box moves at {speed:.3} m/s, less than {least} m/s");
+                return Some(("L4D221", message));
+            }
+        }
+        if verbs::is_state(&event.verb) {
+            let places: Vec<_> =
+                self.frames().map(|frame| world.obb(subject, frame).centre.truncate()).collect();
+            let mean = places.iter().sum::<glam::DVec2>() / places.len() as f64;
+            let strays = places.iter().map(|place| place.distance(mean)).fold(0.0, f64::max);
+            let most = stays_m(world.scale());
+            if strays > most {
+                return Some(("L4D222", format!("its box strays {strays:.2} m, more than {most} m")));
+            }
+        }
+        None
+    }
+
+    /// Something that is declared and of which nothing can be seen: neither side changes at all.
+    fn idle_problem(&self) -> Problem {
+        let stirs = |instance: &TrackedInstance| {
+            let start = self.world.obb(instance, self.event.frames.first());
+            self.frames().any(|frame| self.world.obb(instance, frame).differs(start, STIRS_M))
+        };
+        let is_idle =
+            !verbs::is_quiet(&self.event.verb) && !stirs(self.subject) && !self.object.is_some_and(stirs);
+        is_idle.then(|| ("L4D223", "nothing of it moves in that time".to_owned()))
+    }
 }
 
 fn is_on_treadmill(world: &World<'_>, subject: &TrackedInstance, frame: u32) -> bool {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::timeline::{Interval, LAST_FRAME, MIN_INTERVAL};
+use l4d_data::timeline::{Interval, MIN_INTERVAL};
 use l4d_data::tracks::Tracks;
 use l4d_data::truth::{Truth, frame_key};
 use l4d_data::{Category, Name, Query, Report, Role, Temporal};
@@ -132,22 +132,14 @@ impl Exam<'_, '_> {
     }
 
     fn frames_fit(&mut self) -> bool {
-        let frames = &self.query.frames;
-        let is_whole = *frames == [Interval::WHOLE];
-        let message = match self.query.temporal {
-            Temporal::Whole if !is_whole => {
-                Some(format!("temporal is `whole`, but frames are not [[0, {LAST_FRAME}]]"))
-            }
-            Temporal::While if frames.iter().any(|interval| interval.last() > LAST_FRAME) => {
-                Some(format!("frames go beyond {LAST_FRAME}"))
-            }
-            Temporal::While if frames.iter().any(|interval| interval.frame_count() < MIN_INTERVAL) => {
-                Some(format!("an interval is shorter than {MIN_INTERVAL} frames, so a profile could miss it"))
-            }
-            _ => None,
-        };
-        let fits = message.is_none();
-        if let Some(message) = message {
+        let is_short = |interval: &Interval| interval.frame_count() < MIN_INTERVAL;
+        let problem = frames_problem(self.query, Interval::WHOLE).or_else(|| {
+            let message =
+                format!("an interval is shorter than {MIN_INTERVAL} frames, so a profile could miss it");
+            self.query.frames.iter().any(is_short).then_some(message)
+        });
+        let fits = problem.is_none();
+        if let Some(message) = problem {
             self.add("L4D206", message, "write the interval in which the predicate holds");
         }
         fits
@@ -155,15 +147,9 @@ impl Exam<'_, '_> {
 
     fn check_visibility(&mut self) {
         let Some(truth) = self.prover.truth else { return };
-        for name in &self.query.referents {
-            let is_seen = truth.instance(name).is_some_and(|instance| {
-                let shown = |frame: u32| instance.masks.contains_key(&frame_key(frame));
-                truth.frames.iter().any(|&frame| self.query.holds_at(frame) && shown(frame))
-            });
-            if !is_seen {
-                let message = format!("`{name}` is never visible in the held-out view while the query holds");
-                self.add("L4D210", message, "move the cameras or the object, or drop the query");
-            }
+        for name in self.query.referents.iter().filter(|name| is_never_seen(truth, self.query, name)) {
+            let message = format!("`{name}` is never visible in the held-out view while the query holds");
+            self.add("L4D210", message, "move the cameras or the object, or drop the query");
         }
     }
 
@@ -234,14 +220,8 @@ impl Exam<'_, '_> {
                 format!("categories are {:?}, but the predicate gives {follows:?}", self.query.categories);
             return self.add("L4D207", message, "the category is that of the discriminating clauses");
         }
-        let is_pair = COMPOSITES.iter().any(|(_, pair)| follows == pair);
-        if (self.kind == Kind::Single && follows.len() != 1) || (self.kind == Kind::Composite && !is_pair) {
-            let message = format!("{follows:?} is not what this file holds");
-            self.add(
-                "L4D207",
-                message,
-                "single categories are in <scene>.jsonl, pairs in <scene>.composite.jsonl",
-            );
+        if let Some((message, hint)) = category_problem(self.kind, &follows) {
+            self.add("L4D207", message, hint);
         }
     }
 
@@ -340,6 +320,40 @@ impl Exam<'_, '_> {
             }
         }
     }
+}
+
+/// What is wrong with the frames of a query in a clip.
+pub(super) fn frames_problem(query: &Query, clip: Interval) -> Option<String> {
+    let [first, last] = [clip.first(), clip.last()];
+    match query.temporal {
+        Temporal::Whole if query.frames != [clip] => {
+            Some(format!("temporal is `whole`, but frames are not [[{first}, {last}]]"))
+        }
+        Temporal::While if query.frames.iter().any(|part| part.first() < first || part.last() > last) => {
+            Some(format!("frames go beyond the clip, [{first}, {last}]"))
+        }
+        _ => None,
+    }
+}
+
+/// Whether the held-out view shows an instance in no frame in which the query holds.
+pub(super) fn is_never_seen(truth: &Truth, query: &Query, name: &Name) -> bool {
+    let shows = |frame: u32| {
+        truth.instance(name).is_some_and(|instance| instance.masks.contains_key(&frame_key(frame)))
+    };
+    !truth.frames.iter().any(|&frame| query.holds_at(frame) && shows(frame))
+}
+
+/// Why these categories are not what the file of this kind holds, and what to do.
+pub(super) fn category_problem(kind: Kind, categories: &[Category]) -> Option<(String, &'static str)> {
+    let is_pair = COMPOSITES.iter().any(|(_, pair)| categories == pair);
+    let fits = match kind {
+        Kind::Single => categories.len() == 1,
+        Kind::Composite => is_pair,
+        Kind::Absent => categories.len() == 1 || is_pair,
+    };
+    let hint = "single categories are in <scene>.jsonl, pairs in <scene>.composite.jsonl";
+    (!fits).then(|| (format!("{categories:?} is not what this file holds"), hint))
 }
 
 fn unknown_party(world: &World<'_>, party: &Party) -> Option<String> {

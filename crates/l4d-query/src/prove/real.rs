@@ -4,10 +4,10 @@
 use std::path::PathBuf;
 
 use l4d_data::scene::Role;
-use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale, Temporal};
+use l4d_data::truth::Truth;
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale};
 
-use super::query::{COMPOSITES, Kind};
+use super::query::{Kind, category_problem, frames_problem, is_never_seen};
 use super::scene::{Asked, check_each_asks_something_else, not_rejected};
 use super::wording::form_problem;
 
@@ -73,18 +73,12 @@ impl RealSet {
         found.extend(self.frames_problem(query).map(|message| {
             ("L4D206", message, "write the frames of the capture in which the sentence holds")
         }));
-        let is_pair = COMPOSITES.iter().any(|(_, pair)| query.categories == pair);
-        let fits = match kind {
-            Kind::Single => query.categories.len() == 1,
-            Kind::Composite => is_pair,
-            Kind::Absent => query.categories.len() == 1 || is_pair,
-        };
-        if !fits {
-            let message = format!("{:?} is not what this file holds", query.categories);
-            let hint = "single categories are in <scene>.jsonl, pairs in <scene>.composite.jsonl";
-            found.push(("L4D207", message, hint));
-        }
-        for name in query.referents.iter().filter(|name| self.is_never_seen(query, name)) {
+        found.extend(
+            category_problem(kind, &query.categories).map(|(message, hint)| ("L4D207", message, hint)),
+        );
+        let is_known = |name: &&Name| self.truth.instance(name).is_some();
+        let known = query.referents.iter().filter(is_known);
+        for name in known.filter(|name| is_never_seen(&self.truth, query, name)) {
             let message = format!("`{name}` is drawn in no frame in which the query holds");
             found.push(("L4D210", message, "draw it, correct the frames, or drop the query"));
         }
@@ -97,27 +91,9 @@ impl RealSet {
     }
 
     fn frames_problem(&self, query: &Query) -> Option<String> {
-        let whole = self.truth.whole();
-        let [first, last] = [whole.first(), whole.last()];
-        match query.temporal {
-            Temporal::Whole if query.frames != [whole] => {
-                Some(format!("temporal is `whole`, but frames are not [[{first}, {last}]]"))
-            }
-            Temporal::While if query.frames.iter().any(|part| part.first() < first || part.last() > last) => {
-                Some(format!("frames go beyond the clip, [{first}, {last}]"))
-            }
-            Temporal::While if !self.truth.frames.iter().any(|frame| query.holds_at(*frame)) => {
-                Some("it holds in no frame on which somebody drew".to_owned())
-            }
-            _ => None,
-        }
-    }
-
-    /// Whether an object that the scene has is drawn in no frame of the query.
-    fn is_never_seen(&self, query: &Query, name: &Name) -> bool {
-        let Some(instance) = self.truth.instance(name) else { return false };
-        let mut held = self.truth.frames.iter().filter(|frame| query.holds_at(**frame));
-        !held.any(|frame| instance.masks.contains_key(&frame_key(*frame)))
+        let is_drawn = self.truth.frames.iter().any(|frame| query.holds_at(*frame));
+        let undrawn = (!is_drawn).then(|| "it holds in no frame on which somebody drew".to_owned());
+        frames_problem(query, self.truth.whole()).or(undrawn)
     }
 
     fn has_look_alike(&self, name: &Name) -> bool {
