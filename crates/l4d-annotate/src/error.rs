@@ -16,9 +16,6 @@ pub enum AnnotateError {
     /// The terminal cannot place text.
     #[error("the terminal says that it is `{0}`, which cannot place text on the screen")]
     DumbTerminal(String),
-    /// The kitty protocol hangs on characters beyond ASCII.
-    #[error("the pictures of the kitty protocol need a UTF-8 locale")]
-    KittyNeedsUnicode,
     /// The terminal broke.
     #[error("the terminal cannot be used")]
     Terminal(#[source] io::Error),
@@ -40,9 +37,6 @@ impl AnnotateError {
             }
             Self::DumbTerminal(_) => {
                 Some("set TERM to what the terminal is, for example xterm-256color".to_owned())
-            }
-            Self::KittyNeedsUnicode => {
-                Some("set LANG to a UTF-8 locale such as C.UTF-8, or choose --picture halfblocks".to_owned())
             }
             Self::Terminal(_) | Self::Signal(_) | Self::PainterDied => {
                 Some("run the command again: it goes on where it stopped".to_owned())

@@ -31,5 +31,4 @@ mod view;
 mod viewport;
 
 pub use error::AnnotateError;
-pub use look::PictureMode;
 pub use run::{Options, Outcome, annotate};

@@ -21,22 +21,6 @@ pub(crate) enum Colours {
     Full,
 }
 
-/// How pictures shall be shown, as given on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PictureMode {
-    /// What the terminal can do best.
-    #[default]
-    Auto,
-    /// Block characters.
-    Halfblocks,
-    /// Sixel graphics.
-    Sixel,
-    /// The protocol of kitty.
-    Kitty,
-    /// The protocol of iTerm2.
-    Iterm2,
-}
-
 /// What the terminal can show.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Look {
@@ -109,47 +93,20 @@ impl Environment {
 }
 
 impl Look {
-    /// Chooses how pictures are shown; the picker encodes pixels where pixels are shown.
-    ///
-    /// If `can_ask` the terminal is asked what it can do: it has to be in raw mode, and nothing else may read from it
-    /// meanwhile.
-    ///
-    /// # Errors
-    /// The protocol of kitty is chosen and the locale is not UTF-8.
-    pub(crate) fn with_pictures(
-        mut self,
-        mode: PictureMode,
-        can_ask: bool,
-    ) -> Result<(Self, Option<Picker>), AnnotateError> {
-        let protocol = match mode {
-            PictureMode::Halfblocks => return Ok((self, None)),
-            PictureMode::Auto => None,
-            PictureMode::Sixel => Some(ProtocolType::Sixel),
-            PictureMode::Kitty => Some(ProtocolType::Kitty),
-            PictureMode::Iterm2 => Some(ProtocolType::Iterm2),
-        };
+    /// Asks the terminal what it can do; gives what encodes pixels, where pixels are shown. The terminal has to be in
+    /// raw mode, and nothing else may read from it meanwhile.
+    pub(crate) fn ask(mut self) -> (Self, Option<Picker>) {
         // Compressing takes the painter a moment; not compressing takes a slow line many.
         let questions = QueryStdioOptions { kitty_compression: true, ..QueryStdioOptions::default() };
-        let asked = if can_ask { Picker::from_query_stdio_with_options(questions).ok() } else { None };
-        // A terminal that does not answer shows characters, unless something else was asked for.
-        let mut picker = asked.unwrap_or_else(Picker::halfblocks);
-        if let Some(protocol) = protocol {
-            picker.set_protocol_type(protocol);
-        }
-        let kind = picker.protocol_type();
-        if kind == ProtocolType::Kitty && !self.unicode {
-            // Its pictures are behind characters that are not ASCII.
-            return if protocol.is_some() { Err(AnnotateError::KittyNeedsUnicode) } else { Ok((self, None)) };
-        }
+        let Ok(picker) = Picker::from_query_stdio_with_options(questions) else { return (self, None) };
         let font = picker.font_size();
         if font.width > 0 && font.height > 0 {
             self.cell = font;
         }
-        if kind == ProtocolType::Halfblocks {
-            return Ok((self, None));
-        }
-        self.pixels = true;
-        Ok((self, Some(picker)))
+        let kind = picker.protocol_type();
+        // Kitty's pictures are behind characters that are not ASCII.
+        self.pixels = kind != ProtocolType::Halfblocks && (kind != ProtocolType::Kitty || self.unicode);
+        (self, self.pixels.then_some(picker))
     }
 
     /// How many times as many cells wide as high a picture of so many pixels is.

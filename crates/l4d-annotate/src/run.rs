@@ -14,7 +14,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::iterator::Signals;
 
 use crate::error::AnnotateError;
-use crate::look::{Environment, PictureMode};
+use crate::look::Environment;
 use crate::model::Model;
 use crate::painter::Painter;
 use crate::scene::Scenes;
@@ -28,8 +28,8 @@ pub struct Options {
     pub data: PathBuf,
     /// Folder that receives pictures which the person opens.
     pub exports: PathBuf,
-    /// How pictures are shown.
-    pub picture: PictureMode,
+    /// Whether pictures are characters even where the terminal could show pixels.
+    pub characters: bool,
 }
 
 /// How far the work is when the person leaves.
@@ -59,9 +59,8 @@ pub fn annotate(
     let environment = Environment::of_process();
     let look = environment.look()?;
     let taken = TerminalGuard::take()?;
-    let asks = options.picture != PictureMode::Halfblocks;
-    let can_ask = asks && taken.answers(!environment.tmux.is_empty());
-    let (look, picker) = look.with_pictures(options.picture, can_ask)?;
+    let can_ask = !options.characters && taken.answers(!environment.tmux.is_empty());
+    let (look, picker) = if can_ask { look.ask() } else { (look, None) };
     if picker.as_ref().is_some_and(|picker| picker.protocol_type() == ProtocolType::Kitty) {
         taken.keeps_pictures();
     }

@@ -91,16 +91,10 @@ pub(crate) struct OpenRoundArgs {
 /// How pictures are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PictureArg {
-    /// What the terminal can do best
+    /// What the terminal can do best: pixels of sixel, kitty or iTerm2, or characters
     Auto,
-    /// Block characters, in every terminal
+    /// Characters, in every terminal
     Halfblocks,
-    /// Sixel graphics (foot, mlterm, xterm -ti vt340, Windows Terminal)
-    Sixel,
-    /// The protocol of kitty and Ghostty
-    Kitty,
-    /// The protocol of iTerm2 and WezTerm
-    Iterm2,
 }
 
 #[derive(Debug, Args)]

@@ -1,7 +1,7 @@
 //! `l4d verify-prompts`: an annotator reads prompts and finds what they mean, in a terminal.
 
 use anyhow::Result;
-use l4d_annotate::{AnnotateError, Options, Outcome, PictureMode, annotate, scene};
+use l4d_annotate::{AnnotateError, Options, Outcome, annotate, scene};
 use l4d_data::{Draw, Name, Workspace};
 use l4d_votes::{Ballot, Round, RoundDir};
 
@@ -27,20 +27,10 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
         return Ok(ExitStatus::Success);
     }
     let exports = space.shared().overlays(&name, &annotator);
-    let options = Options { data, exports, picture: wish(args.picture) };
+    let options = Options { data, exports, characters: args.picture == PictureArg::Halfblocks };
     let outcome = annotate(&round, ballot, &annotator, scenes, &options).map_err(explained)?;
     out.note(farewell(outcome));
     Ok(ExitStatus::Success)
-}
-
-fn wish(picture: PictureArg) -> PictureMode {
-    match picture {
-        PictureArg::Auto => PictureMode::Auto,
-        PictureArg::Halfblocks => PictureMode::Halfblocks,
-        PictureArg::Sixel => PictureMode::Sixel,
-        PictureArg::Kitty => PictureMode::Kitty,
-        PictureArg::Iterm2 => PictureMode::Iterm2,
-    }
 }
 
 fn explained(error: AnnotateError) -> anyhow::Error {
