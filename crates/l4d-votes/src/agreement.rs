@@ -1,31 +1,14 @@
 //! How much people agreed before anything was thrown out; after filtering, agreement is 1 by construction.
 //!
-//! # What counts
+//! An answer to an item as it is in `items.jsonl` counts, sealed or not, whatever its verdict. An edit of the benchmark
+//! after the vote makes the *verdict* stale, but not what people said: leaving such items out would leave out the
+//! rejected ones, which are the ones that get edited. Control items and the second answer to a repeated prompt do not
+//! enter. Items with two categories count in both, and once overall.
 //!
-//! Every answer that was given to an item as it is in `items.jsonl`, sealed or not, whatever its verdict. An
-//! edit of the benchmark after the vote makes the *verdict* stale, but not what people said: leaving such items
-//! out would leave out the rejected ones, which are the ones that get edited. Control items and the second answer
-//! to a repeated prompt do not enter. Items with two categories count in both, and once overall.
-//!
-//! # Two codings of one answer
-//!
-//! Identification has no label that means the same for all items, and chance correction needs some. So both
-//! readings are reported, under their names:
-//!
-//! - `choice`: the label is what was chosen ([`Choice::label`](crate::Choice::label), behind the name of its scene
-//!   unless it is "none" or "ambiguous"). Its *raw* agreement is how often two people gave the same answer, right
-//!   or wrong, and needs no ground truth: quote that one. Its alpha and AC1 let chance draw from the labels of the
-//!   whole set, most of which are impossible for any one item; so chance comes out near 0 and both near the raw
-//!   figure. They are there for completeness, not to be quoted as corrected for chance.
-//! - `right`: the label is whether the answer is right (objects, and frames by the rule of the round), so q = 2.
-//!   All items share these two labels, so alpha and AC1 mean what their authors say. Two different wrong answers
-//!   agree in it. Answers are lopsided (mostly right), where alpha falls to 0 however well people agree: quote
-//!   AC1, with alpha and raw beside it.
-//!
-//! Neither coding contains the frames except through "right". q of AC1 is 2 for `right` and the number of distinct
-//! labels that occur for `choice`.
-//!
-//! # Uncertainty
+//! Identification has no label that means the same for all items, and chance correction needs some. So two readings are
+//! reported (`docs/annotation.md` says which to quote). `choice`: the label is what was chosen, behind the name of its
+//! scene unless it is "none" or "ambiguous"; chance draws from the labels of the whole set, so alpha and AC1 are near
+//! the raw figure. `right`: the label is whether the answer is right, so q = 2.
 //!
 //! Answers within a scene depend on each other, so all intervals are 95 % percentile intervals of a bootstrap that
 //! draws whole scenes, seeded by the round.

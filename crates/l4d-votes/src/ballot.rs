@@ -262,4 +262,6 @@ fn open_locked(path: &Path, annotator: &Name) -> Result<File, DataError> {
 }
 
 #[cfg(test)]
+mod kill;
+#[cfg(test)]
 mod tests;

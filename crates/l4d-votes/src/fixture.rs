@@ -71,6 +71,25 @@ pub(crate) fn meaning(referents: &[&str], temporal: Temporal, frames: Interval) 
     Meaning { referents, temporal, frames: vec![frames], tracks: "0".repeat(64) }
 }
 
+/// What an annotator says to a query that means `tabby` while frames 40 to 60: `+` right, `x` and `X` other objects, `0`
+/// none, `?` ambiguous, `t` other frames, `s` skipped, `~` an answer to an earlier wording, `.` nothing.
+pub(crate) fn response(letter: char) -> Response {
+    let choice = match letter {
+        '+' | 't' | '~' => objects(&["tabby"]),
+        'x' => objects(&["ginger"]),
+        'X' => objects(&["ginger", "tabby"]),
+        '0' => Choice::None,
+        '?' => Choice::Ambiguous { reason: "two sit".to_owned() },
+        letter => return Response { skipped: letter == 's', ..Response::default() },
+    };
+    let frames = if letter == 't' { interval(61, 96) } else { Interval::WHOLE };
+    let answer = Some(Answer { choice, frames });
+    match letter {
+        '~' => Response { stale: answer, ..Response::default() },
+        _ => Response { answer, ..Response::default() },
+    }
+}
+
 /// The round `r1` that asks these queries, with its key: scene, text and meaning; categories take turns.
 pub(crate) fn round_and_key(annotators: &[&str], queries: Vec<(String, String, Meaning)>) -> (Round, Key) {
     let (mut items, mut entries) = (Vec::new(), BTreeMap::new());
@@ -112,7 +131,7 @@ pub(crate) fn poll_in(
     (round, key, given)
 }
 
-/// A folder in memory where there is one: some tests sync thousands of times.
+/// A folder in memory where there is one: some tests sync often.
 pub(crate) fn folder() -> (tempfile::TempDir, RoundDir) {
     let memory = Path::new("/dev/shm");
     let made = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
@@ -127,12 +146,6 @@ pub(crate) fn save(dir: &RoundDir, round: &Round, key: &Key) {
     fs::write(dir.settings(), toml::to_string(&round.settings).unwrap()).unwrap();
     json::write_lines(&dir.items(), &round.items).unwrap();
     key.write(dir).unwrap();
-}
-
-pub(crate) fn open(dir: &RoundDir) -> (Round, Key) {
-    let round = Round::open(dir).unwrap();
-    let key = Key::read(dir, &round).unwrap();
-    (round, key)
 }
 
 /// One scene of the repository's benchmark in a folder of its own, to be edited.

@@ -24,8 +24,6 @@ mod responses;
 mod round;
 mod round_dir;
 mod scene;
-#[cfg(test)]
-mod tests;
 mod verdict;
 mod vote;
 

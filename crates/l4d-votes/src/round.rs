@@ -120,21 +120,13 @@ impl Round {
         Ok(Self { settings, items, dir: dir.clone() })
     }
 
-    /// Writes `key.jsonl`, `items.jsonl` and `round.toml` into a folder without a round.
+    /// Writes `key.jsonl`, `items.jsonl` and `round.toml`. Votes are bound to these: the caller has made sure that there
+    /// are none.
     ///
     /// # Errors
-    /// There is a round already, or a file cannot be written.
+    /// A file cannot be written.
     pub fn write(&self, dir: &RoundDir, key: &Key) -> Result<(), DataError> {
         let path = dir.settings();
-        let has_votes = dir.votes().exists() && !list_folder(&dir.votes())?.is_empty();
-        if path.exists() || has_votes {
-            return Err(DataError::invalid(
-                dir.root(),
-                "folder",
-                "there is such a round already: votes are bound to it",
-                "give the new round another name",
-            ));
-        }
         let settings = toml::to_string(&self.settings).map_err(|error| DataError::Format {
             path: path.clone(),
             location: "settings".to_owned(),

@@ -11,7 +11,6 @@
 //! Nothing here writes a query's status: that is what `l4d verdict` does with these verdicts.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use l4d_data::{Category, DataError, Finding, Name, QueryId, Report};
 use serde::{Deserialize, Serialize};
@@ -49,12 +48,6 @@ impl Outcome {
             Self::Incomplete => "incomplete",
             Self::Stale => "stale",
         }
-    }
-}
-
-impl fmt::Display for Outcome {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.as_str())
     }
 }
 

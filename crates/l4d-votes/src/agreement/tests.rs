@@ -10,31 +10,15 @@ use serde_json::{Value, json};
 
 use super::coefficients::{NO_PAIRS, NO_VARIATION, Undefined};
 use super::*;
-use crate::fixture::{meaning, objects, poll, poll_in, whole};
+use crate::fixture::{meaning, objects, poll, poll_in, response, whole};
 use crate::vote::Response;
 
 const FIVE: [&str; 5] = ["ada", "ben", "cho", "dee", "eve"];
 
-/// One letter per answer: `+` right, `x` and `y` other objects, `0` none, `?` ambiguous, `s` skipped, `.` missing.
-fn answers(letters: &str) -> Vec<Response> {
-    let response = |letter: char| {
-        let choice = match letter {
-            '+' => objects(&["tabby"]),
-            'x' => objects(&["ginger"]),
-            'y' => objects(&["ginger", "tabby"]),
-            '0' => Choice::None,
-            '?' => Choice::Ambiguous { reason: format!("{letters} of them") },
-            's' => return Response { skipped: true, ..Response::default() },
-            _ => return Response::default(),
-        };
-        Response { answer: Some(whole(choice)), ..Response::default() }
-    };
-    letters.chars().map(response).collect()
-}
-
 fn with_seed(seed: u64, queries: &[&str]) -> Agreement {
     let tabby = || meaning(&["tabby"], Temporal::Whole, Interval::WHOLE);
-    let queries: Vec<_> = queries.iter().map(|letters| (tabby(), answers(letters))).collect();
+    let queries: Vec<_> =
+        queries.iter().map(|letters| (tabby(), letters.chars().map(response).collect())).collect();
     let (mut round, key, given) = poll(&FIVE, &queries);
     round.settings.seed = seed;
     measure(&round, &key, &given)
@@ -75,7 +59,7 @@ fn a_hundred_items_ninety_unanimous_and_ten_at_four_to_one() {
 /// Two items, five answers each. Item 1: + + + x y, 3 of 10 pairs agree; item 2: all say none, 10 of 10.
 #[test]
 fn choice_asks_what_was_said_and_right_whether_it_is_right() {
-    let overall = measured(&["+++xy", "00000"]).overall;
+    let overall = measured(&["+++xX", "00000"]).overall;
     is(&overall.choice.raw, (0.3 + 1.0) / 2.0);
     // Right: item 1 has 3 against 2, 4 of 10 pairs agree; item 2 is wrong five times.
     is(&overall.right.raw, (0.4 + 1.0) / 2.0);

@@ -23,7 +23,7 @@ fn round() -> (tempfile::TempDir, RoundDir, Round) {
 /// A process that votes until it is killed or refused; `command` starts it.
 fn voter(mut command: Command, dir: &RoundDir) -> (Child, impl Iterator<Item = String>) {
     let mut child = command
-        .args(["--exact", "--ignored", "--nocapture", "tests::kill::an_annotator_votes_until_killed"])
+        .args(["--exact", "--ignored", "--nocapture", "ballot::kill::an_annotator_votes_until_killed"])
         .env(ROUND_FOLDER, dir.root())
         .stdout(Stdio::piped())
         .spawn()

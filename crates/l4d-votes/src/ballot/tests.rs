@@ -33,13 +33,34 @@ fn bytes(dir: &RoundDir) -> Vec<u8> {
 #[test]
 fn two_windows_of_one_annotator_refuse_each_other() {
     let (_folder, dir) = folder();
-    let first = open(&dir).unwrap();
+    let (mut first, _) = open(&dir).unwrap();
+    record(&mut first, 2, choose("tabby")).unwrap();
     let error = open(&dir).unwrap_err();
     assert!(error.to_string().contains("another window"), "{error}");
     assert!(error.hint().is_some());
     assert!(Ballot::open(&dir, &round(), &name("ben")).is_ok());
     drop(first);
-    assert!(open(&dir).is_ok());
+    let (again, notices) = open(&dir).unwrap();
+    assert_eq!((chosen(&again, 2).as_deref(), again.open_count(), notices), (Some("tabby"), 2, Vec::new()));
+    assert_eq!(again.undoable(), Some(&id(2)));
+}
+
+#[test]
+fn a_torn_line_is_cut_off_and_said() {
+    let (_folder, dir) = folder();
+    let (mut ballot, _) = open(&dir).unwrap();
+    record(&mut ballot, 1, choose("tabby")).unwrap();
+    drop(ballot);
+    let whole = bytes(&dir);
+    for torn in [1, whole.len() / 2, whole.len() - 1] {
+        fs::write(dir.ballot(&name("ada")), [&whole, &whole[..torn]].concat()).unwrap();
+        let (mut ballot, notices) = open(&dir).unwrap();
+        assert_eq!(notices.iter().map(|notice| notice.code).collect::<Vec<_>>(), ["L4D510"]);
+        assert_eq!(bytes(&dir), whole);
+        record(&mut ballot, 2, choose("rex")).unwrap();
+        drop(ballot);
+        assert_eq!(open(&dir).unwrap().1, []);
+    }
 }
 
 #[test]

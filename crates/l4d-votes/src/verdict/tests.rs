@@ -1,7 +1,7 @@
 use l4d_data::{Interval, Temporal};
 
 use super::*;
-use crate::fixture::{interval, meaning, objects, poll, whole};
+use crate::fixture::{interval, meaning, poll, response};
 
 /// The verdict on one query that means `tabby` while frames 40 to 60, if these are the answers.
 fn one(answers: Vec<Response>) -> ItemVerdict {
@@ -9,23 +9,6 @@ fn one(answers: Vec<Response>) -> ItemVerdict {
     let tabby = meaning(&["tabby"], Temporal::While, interval(40, 60));
     let (round, key, given) = poll(&names[..answers.len()], &[(tabby, answers)]);
     judge(&round, &key, &given, &BTreeMap::new()).items.remove(0)
-}
-
-/// What an annotator says so that this is its letter in the pattern; `X` is one object too many.
-fn response(letter: char) -> Response {
-    let said = |choice| Response { answer: Some(whole(choice)), ..Response::default() };
-    let late = Answer { frames: interval(61, 96), choice: objects(&["tabby"]) };
-    match letter {
-        '+' => said(objects(&["tabby"])),
-        'x' => said(objects(&["ginger"])),
-        'X' => said(objects(&["ginger", "tabby"])),
-        '0' => said(Choice::None),
-        '?' => said(Choice::Ambiguous { reason: "two sit".into() }),
-        't' => Response { answer: Some(late), ..Response::default() },
-        's' => Response { skipped: true, ..Response::default() },
-        '~' => Response { stale: response('+').answer, ..Response::default() },
-        _ => Response::default(),
-    }
 }
 
 #[test]
