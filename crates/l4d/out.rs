@@ -9,8 +9,6 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use l4d_data::{DataError, Progress, Report, StageError};
 use l4d_endpoint::EndpointError;
-use l4d_solve::clips::ClipsError;
-use l4d_solve::solve::SolveError;
 use serde::Serialize;
 use serde_json::json;
 
@@ -189,8 +187,6 @@ pub(crate) fn hint_of(error: &anyhow::Error) -> Option<String> {
         let refusal = cause.downcast_ref::<StageError>().and_then(|error| error.hint().map(str::to_owned));
         let data = || cause.downcast_ref::<DataError>().and_then(DataError::hint);
         let endpoint = || cause.downcast_ref::<EndpointError>().map(EndpointError::hint);
-        let clips = || cause.downcast_ref::<ClipsError>().and_then(ClipsError::hint);
-        let solve = || cause.downcast_ref::<SolveError>().and_then(SolveError::hint);
-        refusal.or_else(data).or_else(endpoint).or_else(clips).or_else(solve)
+        refusal.or_else(data).or_else(endpoint)
     })
 }

@@ -34,9 +34,7 @@ impl MethodArgs {
             lift: self.lift.map(|lift| match lift {
                 LiftArg::Closed => LiftChoice::Closed,
                 LiftArg::Vote => LiftChoice::Vote,
-                LiftArg::Sirt => LiftChoice::Sirt,
                 LiftArg::Field => LiftChoice::Field,
-                LiftArg::Distil => LiftChoice::Distil,
             }),
         }
     }

@@ -23,7 +23,7 @@ use serde_json::Value;
 use self::calibrate::{noises_as_given, noises_as_in_paper};
 use self::gain::{Gain, gains, losing_scenes};
 pub use self::grid::Grid;
-use self::grid::{Noise, correlations, runs};
+use self::grid::{correlations, runs};
 use self::markdown::Page;
 use self::measure::{Measured, measure};
 pub use self::table::{Cell, Column, Metric, Source};
@@ -107,7 +107,7 @@ pub fn ablate(order: &Ablation<'_>, progress: &dyn Progress) -> Result<Ablated> 
     let columns = columns(published, &rows);
     let cells = cells(order.grid, &rows, &columns, published, order.seed);
     let gains = gains(&runs.pairs, &rows, &columns, published, order.seed);
-    let differences: Vec<Cell> = gains.iter().map(Gain::cell).collect();
+    let differences: Vec<Cell> = gains.iter().flat_map(Gain::cells).collect();
     let about = about(order, &noises);
     let page = Page {
         title: order.grid.title(),
@@ -128,25 +128,24 @@ pub fn ablate(order: &Ablation<'_>, progress: &dyn Progress) -> Result<Ablated> 
     Ok(Ablated { about, left_out: runs.left_out, columns, cells, differences, text, paths })
 }
 
-/// What errs how in the rows of the oracle.
+/// What errs how in the rows of the oracle, for each correlation.
 fn noises(
     order: &Ablation<'_>,
     published: Option<&Published>,
     progress: &dyn Progress,
-) -> Result<Vec<Noise>> {
+) -> Result<Vec<NoisePreset>> {
     let correlations = correlations(order)?;
     if correlations.is_empty() {
         return Ok(Vec::new());
     }
     let given = order.oracle.clone().flatten();
-    if given.is_none() && !order.calibrate {
-        return Err(StageError::new(
-            "an oracle without errors has nothing to agree on",
-            "say how it errs with --noise, or let --calibrate find out",
-        ));
-    }
-    let preset = given.unwrap_or_else(NoisePreset::none);
     if !order.calibrate {
+        let preset = given.ok_or_else(|| {
+            StageError::new(
+                "an oracle without errors has nothing to agree on",
+                "say how it errs with --noise, or let --calibrate find out",
+            )
+        })?;
         return noises_as_given(&preset, &correlations, order.folder);
     }
     let published = published.ok_or_else(|| {
@@ -156,11 +155,11 @@ fn noises(
             "copy the file from the release",
         )
     })?;
-    noises_as_in_paper(order, &preset, &correlations, published, progress)
+    noises_as_in_paper(order, &given.unwrap_or_else(NoisePreset::none), &correlations, published, progress)
 }
 
 /// What was run, a sentence each.
-fn about(order: &Ablation<'_>, noises: &[Noise]) -> Vec<String> {
+fn about(order: &Ablation<'_>, noises: &[NoisePreset]) -> Vec<String> {
     let exam = order.exam;
     let queries: usize = exam.scenes.iter().map(|scene| scene.queries.len()).sum();
     let mut about = vec![format!(

@@ -6,9 +6,9 @@ use l4d_data::stage::peak_memory_bytes;
 use serde::{Deserialize, Serialize};
 
 /// A stage, in the order of the work.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Stage {
+pub(crate) enum Stage {
     /// Drawing and reading of clips.
     Clips,
     /// The grounder, all views.
@@ -21,39 +21,25 @@ pub enum Stage {
     Masks,
 }
 
-impl Stage {
-    /// As files write it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Clips => "clips",
-            Self::Grounding => "grounding",
-            Self::Consensus => "consensus",
-            Self::Lifting => "lifting",
-            Self::Masks => "masks",
-        }
-    }
-}
-
 /// One stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Entry {
-    /// Which.
-    pub stage: Stage,
+pub(crate) struct Entry {
+    pub(crate) stage: Stage,
     /// Wall time.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
     /// The most memory of the process since it began; null where the system does not tell.
-    pub peak_memory_bytes: Option<u64>,
+    pub(crate) peak_memory_bytes: Option<u64>,
 }
 
 /// The stages of one answer.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Account(pub Vec<Entry>);
+pub(crate) struct Account(pub(crate) Vec<Entry>);
 
 impl Account {
     /// Does the work of a stage, and notes what it took.
-    pub fn of<T>(&mut self, stage: Stage, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn of<T>(&mut self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let begin = Instant::now();
         let result = work();
         let seconds = begin.elapsed().as_secs_f64();
@@ -61,30 +47,14 @@ impl Account {
         result
     }
 
-    /// All of it.
-    pub fn seconds(&self) -> f64 {
+    /// Seconds of all of it.
+    pub(crate) fn seconds(&self) -> f64 {
         self.0.iter().map(|entry| entry.seconds).sum()
-    }
-
-    /// Seconds of one stage.
-    pub fn seconds_of(&self, stage: Stage) -> f64 {
-        self.0.iter().filter(|entry| entry.stage == stage).map(|entry| entry.seconds).sum()
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stages_are_told_apart_and_add_up() {
-        let mut account = Account::default();
-        let three = account.of(Stage::Grounding, || 3);
-        account.of(Stage::Lifting, || std::thread::sleep(std::time::Duration::from_millis(20)));
-        assert_eq!(three, 3);
-        assert!(account.seconds_of(Stage::Lifting) >= 0.02);
-        assert_eq!(account.seconds_of(Stage::Masks), 0.0);
-        let sum = account.seconds_of(Stage::Grounding) + account.seconds_of(Stage::Lifting);
-        assert!((account.seconds() - sum).abs() < 1e-9);
-    }
+/// A variant without fields, as files write it.
+pub(crate) fn word(variant: impl Serialize) -> String {
+    let value = serde_json::to_value(variant).unwrap_or_default();
+    value.as_str().unwrap_or_default().to_owned()
 }

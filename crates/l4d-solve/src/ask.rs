@@ -1,12 +1,9 @@
 //! The stage `query`: one sentence about one scene, from the clips to masks and pictures.
 
 mod answer;
-mod camera_views;
 mod known;
-mod overlay;
-mod wanted;
+mod views;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::digest::sha256_hex;
@@ -16,25 +13,19 @@ use l4d_data::{Interval, Name, Progress, Rig, StageError, Timeline, Workspace};
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_ground::{Question, Unread};
-use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
 use serde_json::{Value, json};
 
 pub use self::answer::{Answer, Status};
-pub use self::camera_views::CameraView;
-use self::camera_views::{camera_views, pixels, write_masks};
 use self::known::Known;
-use self::overlay::Overlay;
-use crate::account::{Account, Stage};
-use crate::clips::{Plan, Shot};
-use crate::consensus::{Proposal, picture};
+use self::views::{CameraView, camera_views, pixels, wanted, write_masks};
+use crate::account::{Account, Stage, word};
 use crate::grounders::Grounders;
 use crate::method::MethodChoice;
 use crate::scene::{Places, SolveScene};
+use crate::show::Shown;
 use crate::solve::{Method, Solved};
 
-/// Frames of a view that the picture of consensus shows.
-const CONSENSUS_COLUMNS: usize = 6;
 /// The answer at some moments.
 const SHEET: &str = "sheet.png";
 
@@ -154,7 +145,7 @@ fn answer(
     progress.finish();
     let grounder = order.grounders.of_scene(&scene, &places.data, &known.queries)?;
     let method = Method { grounder: grounder.as_ref(), rasterizer: order.rasterizer, settings: &settings };
-    let plan = wanted::plan(order, question.range, &scene, places)?;
+    let plan = wanted(order, question.range, &scene, places)?;
     let folder = folder(order, &places.work, &method.made_from(&scene, &question));
     let dir = AnswerDir::new(&folder);
     progress.start("grounding", scene.clips.len() as u64);
@@ -163,57 +154,28 @@ fn answer(
 
     let unread = |unread: &Unread| Answer::unread(unread, &question.text, known, grounder.as_ref());
     let missing = Answer::missing(&solved, unread);
-    let mut masks = BTreeMap::new();
-    let mut moving = None;
-    if missing.as_ref().is_none_or(Answer::has_masks) {
-        let shown = Shown { method: &method, scene: &scene, plan: &plan, folder: &folder };
-        let path;
-        (masks, path) = shown.draw(&question, &mut solved, progress)?;
-        moving = Some(path);
-    }
-    solved.account.0.splice(0..0, account.0);
-    method.record(&scene, &question, &solved, &dir)?;
-    let views = if moving.is_some() { camera_views(&plan, &masks) } else { Vec::new() };
-    let answer = missing.unwrap_or_else(|| Answer::seen(&views, &solved, &folder.join(SHEET)));
-    let pixels = pixels(&plan, &masks);
-    Ok(Asked { question, answer, led: Some(Led { scene, solved, views, pixels, folder, moving }) })
-}
-
-/// An answer on its way to the disk.
-struct Shown<'a> {
-    method: &'a Method<'a>,
-    scene: &'a SolveScene,
-    plan: &'a Plan,
-    folder: &'a Path,
-}
-
-impl Shown<'_> {
-    /// Masks, sheet, consensus, moving picture. Takes the answer out of `solved`: it may be large.
-    fn draw(
-        &self,
-        question: &Question,
-        solved: &mut Solved,
-        progress: &dyn Progress,
-    ) -> Result<(BTreeMap<Shot, Mask>, PathBuf), StageError> {
-        let Self { method, scene, plan, folder } = *self;
-        let lifted = solved.lifted.take();
-        let masks = solved.account.of(Stage::Masks, || method.masks(scene, lifted.as_ref(), plan))?;
-        write_masks(folder, plan, &masks)?;
-        let pairs = scene.clips.iter().zip(&solved.groundings);
-        let proposals: Vec<Proposal<'_>> =
-            pairs.map(|(clip, grounding)| Proposal { clip, grounding }).collect();
-        let page = picture(&proposals, &solved.consensus, CONSENSUS_COLUMNS);
-        write_atomic(&folder.join("consensus.png"), &encode_colour(&page))?;
-        let sheet = overlay::sheet(method, scene, lifted.as_ref(), plan, &masks, &question.text)?;
-        write_atomic(&folder.join(SHEET), &encode_colour(&sheet))?;
-        let drawn = Overlay { method, scene, plan, masks: &masks };
+    let is_shown = missing.as_ref().is_none_or(Answer::has_masks);
+    // Taken out of what is kept: it may be large.
+    let lifted = solved.lifted.take().filter(|_| is_shown);
+    let (mut masks, mut moving) = (Default::default(), None);
+    if is_shown {
+        masks = solved.account.of(Stage::Masks, || scene.masks(order.rasterizer, lifted.as_ref(), &plan))?;
+        write_masks(&folder, &plan, &masks)?;
+        let (rasterizer, answer) = (order.rasterizer, lifted.as_ref());
+        let shown = Shown { rasterizer, scene: &scene, answer, plan: &plan, masks: &masks };
+        write_atomic(&folder.join(SHEET), &encode_colour(&shown.sheet(&question.text)?))?;
         let times = plan.instants.first().zip(plan.instants.last());
         let share = times.map_or(0.0, |(first, last)| f64::from(last.time - first.time));
         let pace = Pace::over(plan.instants.len(), share * scene.timeline.duration_s());
-        let moving =
-            moving_picture::write(folder, "overlay", pace, |widest_px| drawn.pages(widest_px), progress)?;
-        Ok((masks, moving))
+        let lay_out = |widest_px| Ok(shown.pages(widest_px));
+        moving = Some(moving_picture::write(&folder, "overlay", pace, lay_out, progress)?);
     }
+    solved.account.0.splice(0..0, account.0);
+    method.record(&scene, &question, &solved, &dir)?;
+    let views = if is_shown { camera_views(&plan, &masks) } else { Vec::new() };
+    let answer = missing.unwrap_or_else(|| Answer::seen(&views, &solved, &folder.join(SHEET)));
+    let pixels = pixels(&plan, &masks);
+    Ok(Asked { question, answer, led: Some(Led { scene, solved, views, pixels, folder, moving }) })
 }
 
 /// The frames that are asked about; none for the whole clip.
@@ -297,7 +259,7 @@ impl Led {
         }
         lines.push("\nseconds".to_owned());
         for entry in &solved.account.0 {
-            lines.push(format!("  {:<10} {:>7.2}", entry.stage.word(), entry.seconds));
+            lines.push(format!("  {:<10} {:>7.2}", word(entry.stage), entry.seconds));
         }
         lines
     }

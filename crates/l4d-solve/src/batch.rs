@@ -4,14 +4,18 @@ mod card;
 mod ledger;
 mod pick;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use l4d_data::layout::{AnswerDir, ResultsDir, WorkDir};
 use l4d_data::parallel::in_parallel;
-use l4d_data::{At as _, Benchmark, Name, Progress, Query, StageError, Workspace};
-use l4d_endpoint::Plan;
+use l4d_data::results::MaskFile;
+use l4d_data::truth::frame_key;
+use l4d_data::{At as _, Benchmark, Name, Progress, Query, StageError, Workspace, json};
+use l4d_endpoint::Plan as Requests;
 use l4d_ground::Question;
 use l4d_ground::vlm::Vlm;
+use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
 use serde_json::Value;
 
@@ -19,8 +23,8 @@ use self::card::Card;
 pub use self::ledger::Ledger;
 pub use self::pick::{Picked, pick};
 use crate::account::{Account, Stage};
+use crate::clips::{Plan, Shot};
 use crate::grounders::Grounders;
-use crate::results::{mask_file, write_masks};
 use crate::scene::{ClipSettings, Places, SolveScene};
 use crate::solve::{Method, Record, SolveSettings};
 
@@ -81,11 +85,11 @@ impl Batch<'_> {
     ///
     /// # Errors
     /// A scene that cannot be opened, a question that cannot be estimated.
-    pub fn plan(&self, picked: &Picked, vlm: &Vlm) -> Result<Plan, StageError> {
+    pub fn plan(&self, picked: &Picked, vlm: &Vlm) -> Result<Requests, StageError> {
         let places = self.places(&picked.name);
         let scene = self.open(&picked.name, &places)?;
         let method = Method { grounder: vlm, rasterizer: self.rasterizer, settings: &self.settings };
-        let mut total = Plan::default();
+        let mut total = Requests::default();
         for query in &picked.queries {
             let (question, dir) = (Question::from(query), self.answer_dir(&places.work, query));
             if self.finished(query, &dir, &method.made_from(&scene, &question)).is_none() {
@@ -127,9 +131,10 @@ impl Batch<'_> {
             self.refuse_other(&dir, &made_from)?;
             let mut solved = method.solve(&scene, &question, &dir, &|| {})?;
             let (lifted, account) = (solved.lifted.take(), &mut solved.account);
-            let masks = account.of(Stage::Masks, || method.masks(&scene, lifted.as_ref(), &judged))?;
-            write_masks(&self.results_dir(), &query.id, &mask_file(&judged, &masks))?;
-            Ok(method.record(&scene, &question, &solved, &dir)?)
+            let masks =
+                account.of(Stage::Masks, || scene.masks(self.rasterizer, lifted.as_ref(), &judged))?;
+            json::write_compact(&self.results_dir().mask_file(&query.id), &mask_file(&judged, &masks))?;
+            method.record(&scene, &question, &solved, &dir)
         };
         let records = in_parallel(&picked.queries, self.jobs, |query| {
             let record = one(query).at(&query.id);
@@ -146,7 +151,7 @@ impl Batch<'_> {
 
     fn open(&self, name: &Name, places: &Places) -> Result<SolveScene, StageError> {
         let draws = (self.rasterizer, self.adapter.clone());
-        Ok(SolveScene::open(name, self.space.profile(), places, &self.clips, draws, &|| {})?)
+        SolveScene::open(name, self.space.profile(), places, &self.clips, draws, &|| {})
     }
 
     /// The record of a query whose answer and masks are there.
@@ -172,5 +177,34 @@ impl Batch<'_> {
             )),
             _ => Ok(()),
         }
+    }
+}
+
+/// What the judge reads of a query: masks of the held-out view. Frames without a pixel of the answer say absent.
+fn mask_file(plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> MaskFile {
+    let [width, height] = plan.size;
+    let frames = plan.instants.iter().enumerate().filter_map(|(instant, at)| {
+        let mask = masks.get(&Shot { view: 0, instant }).filter(|mask| !mask.is_empty());
+        Some((frame_key(at.frame?), mask.map(Mask::to_rle)))
+    });
+    MaskFile { size: [height, width], frames: frames.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_data::Timeline;
+
+    use super::*;
+    use crate::testing::camera;
+
+    #[test]
+    fn frames_without_a_pixel_say_absent() {
+        let plan = Plan::of_frames(vec![camera("test", 0.0)], [4, 2], [0, 48], Timeline::CANONICAL);
+        let mask = |columns: u32| Mask::from_fn(4, 2, |column, _| column < columns);
+        let masks = plan.shots().zip([mask(0), mask(1)]).collect();
+        let file = mask_file(&plan, &masks);
+        assert_eq!(file.size, [2, 4]);
+        assert_eq!(file.frames["0000"], None);
+        assert_eq!(file.frames["0048"].as_ref().unwrap().counts(), "026");
     }
 }

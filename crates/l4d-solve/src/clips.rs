@@ -4,71 +4,30 @@
 //! is there whole is not drawn again, and the model is deformed once a time for all views of it. Refuses to know
 //! who trained the model and what is asked about it.
 
-mod choose;
 mod folder;
 mod order;
 mod plan;
-mod preview;
-mod view_clip;
 mod writers;
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use half::f16;
-use l4d_data::{DataError, StageError};
-use l4d_frames::drawn::DepthMap;
-use l4d_splat::clip::{ClipError, Moment, draw};
+use l4d_data::{At as _, DataError, StageError, Timeline};
+use l4d_frames::drawn::{DepthMap, RgbImage};
+use l4d_frames::moving_picture::Pages;
+use l4d_frames::preview::{Cell, Page};
+use l4d_ground::{ClipFrame, ViewClip};
+use l4d_splat::clip::{Moment, draw};
 use l4d_splat::model::Model;
 use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer};
-use l4d_splat::view::ViewError;
+use rayon::prelude::*;
 
-pub use self::choose::spread_views;
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
 pub use self::order::{Order, Wanted};
 pub use self::plan::{Instant, Plan, Shot};
-pub use self::preview::Preview;
-pub use self::view_clip::read_views;
+pub(crate) use self::plan::{instants_at, spread_views};
 use self::writers::writing;
-
-/// Why there are no clips.
-#[derive(Debug, thiserror::Error)]
-pub enum ClipsError {
-    /// A file.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// The model or the rasterizer.
-    #[error("a clip cannot be drawn")]
-    Draw(#[from] ClipError),
-    /// Nothing more is drawn, since a file could not be written; that error is reported instead of this one.
-    #[error("a file could not be written")]
-    Stopped,
-    /// A camera from which no picture can be drawn.
-    #[error("camera {camera}")]
-    View {
-        /// Its name.
-        camera: String,
-        /// What is wrong.
-        source: ViewError,
-    },
-}
-
-impl From<ClipsError> for StageError {
-    fn from(error: ClipsError) -> Self {
-        let hint = error.hint();
-        Self::of(&error, hint)
-    }
-}
-
-impl ClipsError {
-    /// What the user can do, where more can be said than the message does.
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            Self::Data(error) => error.hint(),
-            Self::Draw(_) | Self::Stopped | Self::View { .. } => None,
-        }
-    }
-}
 
 /// Draws what of a plan the folder lacks, and writes the manifest. `drawn` hears of each picture; gives how many
 /// pictures stood there before.
@@ -81,12 +40,19 @@ pub fn complete(
     model: &Model,
     rasterizer: &dyn Rasterizer,
     drawn: &(dyn Fn() + Sync),
-) -> Result<usize, ClipsError> {
+) -> Result<usize, StageError> {
     let finished = folder.finished(plan);
     let there = finished.len();
-    let moments = left_to_draw(plan, |shot| finished.contains_key(&shot))?;
-    let settings = RasterSettings { background: folder.look().background, ..RasterSettings::default() };
-    let kind = folder.look().depth.kind;
+    // By time: the model is deformed once for all views of it.
+    let moment = |instant: usize| -> Result<Moment<Shot>, StageError> {
+        let shots = (0..plan.cameras.len()).map(|view| Shot { view, instant });
+        let left = shots.filter(|shot| !finished.contains_key(shot));
+        let views = left.map(|shot| Ok((shot, plan.view(shot)?))).collect::<Result<_, StageError>>()?;
+        Ok(Moment { time: plan.instants[instant].time, views })
+    };
+    let moments = (0..plan.instants.len()).map(moment).collect::<Result<Vec<_>, _>>()?;
+    let look = folder.look();
+    let settings = RasterSettings { background: look.background, ..RasterSettings::default() };
     let entries = Mutex::new(finished);
     let written = |shot, entry| {
         if let Ok(mut entries) = entries.lock() {
@@ -96,27 +62,17 @@ pub fn complete(
     };
     writing(written, |hand_over| {
         draw(model, rasterizer, &settings, &moments, |shot: &Shot, drawing| {
-            hand_over(folder.sheet(plan, *shot, &drawing.colour, &depth_of(kind, &drawing))?)
+            hand_over(folder.sheet(plan, *shot, &drawing.colour, &depth_of(look.depth.kind, &drawing))?)
         })
+        .at("a clip cannot be drawn")
     })?;
     let entries: BTreeMap<_, _> = entries.into_inner().unwrap_or_default();
     folder.settle(plan, entries)?;
     Ok(there)
 }
 
-/// The pictures that are not there yet, by time: the model is deformed once for all views of a time.
-fn left_to_draw(plan: &Plan, is_finished: impl Fn(Shot) -> bool) -> Result<Vec<Moment<Shot>>, ClipsError> {
-    let moment = |(instant, at): (usize, &Instant)| -> Result<Moment<Shot>, ClipsError> {
-        let shots = (0..plan.cameras.len()).map(|view| Shot { view, instant });
-        let left = shots.filter(|shot| !is_finished(*shot));
-        let views = left.map(|shot| Ok((shot, plan.view(shot)?))).collect::<Result<_, ClipsError>>()?;
-        Ok(Moment { time: at.time, views })
-    };
-    plan.instants.iter().enumerate().map(moment).collect()
-}
-
 /// What a drawing says of depth.
-pub fn depth_of(kind: DepthKind, drawing: &Drawing) -> DepthMap {
+fn depth_of(kind: DepthKind, drawing: &Drawing) -> DepthMap {
     let half = |values: &[f32]| values.iter().map(|&value| f16::from_f32(value)).collect();
     let empty = DepthMap::empty(drawing.width, drawing.height);
     let (near_m, median_m, far_m) = match &drawing.quantiles {
@@ -130,4 +86,62 @@ pub fn depth_of(kind: DepthKind, drawing: &Drawing) -> DepthMap {
     };
     let (width, height) = (drawing.width, drawing.height);
     DepthMap { width, height, depth_m, alpha: half(&drawing.alpha), near_m, far_m }
+}
+
+/// What a grounder is shown: all views of a plan whose pictures are in the folder, in the order of its cameras. Times
+/// between frames are left out: a sentence is asked about frames.
+pub(crate) fn read_views(
+    folder: &ClipsFolder,
+    plan: &Plan,
+    timeline: Timeline,
+) -> Result<Vec<ViewClip>, DataError> {
+    let frames: Vec<(usize, u32)> =
+        plan.instants.iter().enumerate().filter_map(|(at, instant)| Some((at, instant.frame?))).collect();
+    let read = |view: usize| {
+        let frame = |&(instant, frame): &(usize, u32)| {
+            let (colour, depth) = folder.read(plan, Shot { view, instant })?;
+            Ok(ClipFrame { frame, colour, depth })
+        };
+        let frames = frames.par_iter().map(frame).collect::<Result<_, DataError>>()?;
+        let [width, height] = plan.size;
+        Ok(ViewClip { camera: plan.drawn_camera(view), width, height, timeline, frames })
+    };
+    (0..plan.cameras.len()).map(read).collect()
+}
+
+/// Pages of a moving picture: all views of a clip side by side, colour above depth.
+pub struct Preview<'a> {
+    folder: &'a ClipsFolder,
+    plan: &'a Plan,
+    page: Page,
+}
+
+impl<'a> Preview<'a> {
+    /// Pages of about this width, with greys for the depths of the first moment.
+    ///
+    /// # Errors
+    /// A picture that cannot be read.
+    pub fn new(folder: &'a ClipsFolder, plan: &'a Plan, widest_px: u32) -> Result<Self, DataError> {
+        let names = plan.cameras.iter().map(|camera| camera.name.to_string()).collect();
+        let depths: Vec<f32> = cells(folder, plan, 0)?.into_iter().flat_map(|cell| cell.depth_m).collect();
+        Ok(Self { folder, plan, page: Page::new(names, plan.size.into(), widest_px, depths) })
+    }
+}
+
+impl Pages for Preview<'_> {
+    fn size_px(&self) -> (u32, u32) {
+        self.page.size_px()
+    }
+
+    fn page(&self, index: usize) -> Result<RgbImage, StageError> {
+        Ok(self.page.draw(&cells(self.folder, self.plan, index)?))
+    }
+}
+
+fn cells(folder: &ClipsFolder, plan: &Plan, instant: usize) -> Result<Vec<Cell>, DataError> {
+    let cell = |view: usize| {
+        let (colour, depth) = folder.read(plan, Shot { view, instant })?;
+        Ok(Cell { colour, depth_m: depth.depth_m })
+    };
+    (0..plan.cameras.len()).map(cell).collect()
 }

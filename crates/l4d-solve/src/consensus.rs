@@ -11,24 +11,20 @@ mod decide;
 mod explain;
 mod groups;
 mod judge;
-mod picture;
 mod record;
-pub mod reproject;
+mod reproject;
 pub mod settings;
+#[cfg(test)]
+mod tests;
 mod view_geometry;
 
 pub use candidate::Proposal;
-pub use picture::picture;
-pub use record::{
-    Consensus, Decision, FrameCounts, FrameRecord, FrameVerdict, MarkedFrame, PairRecord, PairVerdict,
-    Reason, ViewGroup, ViewRecord, ViewVerdict,
-};
+pub use record::{Consensus, Decision, ViewRecord, ViewVerdict};
 pub use settings::{ConsensusSettings, Preset};
-pub use view_geometry::ViewGeometry;
 
 /// Decides which proposals go on. The same proposals give the same record, however many threads work.
 ///
-/// Outcomes that are no answers, and clips that contradict themselves, take no part; the record names them.
+/// Outcomes that are no answers take no part; the record names them.
 pub fn consensus(proposals: &[Proposal<'_>], settings: &ConsensusSettings) -> Consensus {
     let parts: Vec<_> = proposals.iter().map(Proposal::part).collect();
     let pairs = if settings.is_on { judge::judge_all(proposals, &parts, settings) } else { Vec::new() };

@@ -36,7 +36,7 @@ struct File {
 ///
 /// # Errors
 /// An answer that cannot be written. Whatever the grounder meets is an outcome.
-pub fn ground_all(
+pub(crate) fn ground_all(
     grounder: &dyn Grounder,
     question: &Question,
     clips: &[ViewClip],
@@ -50,7 +50,7 @@ pub fn ground_all(
         let grounding = match read(&path, &asked, clip) {
             Some(grounding) => grounding,
             None => {
-                let grounding = grounder.ground(clip, question);
+                let grounding = fitting(grounder.ground(clip, question), clip);
                 write(&path, asked, clip, &grounding)?;
                 grounding
             }
@@ -66,6 +66,19 @@ pub fn ground_all(
     })
 }
 
+/// What a grounder said; an error where a mask is not of the size of the clip.
+fn fitting(grounding: Grounding, clip: &ViewClip) -> Grounding {
+    let size = (clip.width, clip.height);
+    match grounding.masks.iter().find(|(_, mask)| mask.size() != size) {
+        Some((frame, mask)) => {
+            let message =
+                format!("frame {frame}: a mask of {:?} pixels, and the clip has {size:?}", mask.size());
+            Grounding::without_answer(Outcome::Error(message))
+        }
+        None => grounding,
+    }
+}
+
 /// What the views said, in the order of their names.
 ///
 /// # Errors
@@ -78,7 +91,7 @@ pub fn outcomes(folder: &Path) -> Result<Vec<Outcome>, DataError> {
 }
 
 /// The clips that [`ground_all`] would ask about.
-pub fn unanswered<'a>(
+pub(crate) fn unanswered<'a>(
     grounder: &dyn Grounder,
     question: &Question,
     clips: &'a [ViewClip],
@@ -144,10 +157,12 @@ fn write(path: &Path, asked: String, clip: &ViewClip, grounding: &Grounding) -> 
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use super::*;
-    use l4d_data::{Camera, Name, Split, Timeline};
+    use l4d_data::{Name, Timeline};
     use l4d_frames::drawn::{DepthMap, RgbImage};
     use l4d_ground::{ClipFrame, Reason, Unread, Word};
+
+    use super::*;
+    use crate::testing::camera;
 
     /// Says always the same, and counts how often it is asked.
     struct Stubborn {
@@ -172,17 +187,9 @@ mod tests {
     }
 
     fn clip(view: &str) -> ViewClip {
-        let name = Name::new(view).unwrap();
-        let (fx, fy, cx, cy, world_from_camera) = (4.0, 4.0, 2.0, 1.5, Vec::new());
-        let camera = Camera { name, split: Split::Train, fx, fy, cx, cy, world_from_camera };
         let frame = |frame| ClipFrame { frame, colour: RgbImage::new(4, 3), depth: DepthMap::empty(4, 3) };
-        ViewClip {
-            camera,
-            width: 4,
-            height: 3,
-            timeline: Timeline::CANONICAL,
-            frames: [0, 12].map(frame).to_vec(),
-        }
+        let frames = [0, 12].map(frame).to_vec();
+        ViewClip { camera: camera(view, 0.0), width: 4, height: 3, timeline: Timeline::CANONICAL, frames }
     }
 
     /// What two runs say, one after the other, and how often they ask.
@@ -217,5 +224,15 @@ mod tests {
         {
             assert_eq!(ask_twice(outcome.clone()).1, 4, "{outcome:?}");
         }
+    }
+
+    #[test]
+    fn a_mask_of_another_size_is_an_error() {
+        let masks = BTreeMap::from([(0, Mask::full(2, 2))]);
+        let grounding = fitting(
+            Grounding { masks, ..Grounding::of_masks(&clip("cam00"), BTreeMap::new(), Vec::new()) },
+            &clip("cam00"),
+        );
+        assert!(matches!(grounding.outcome, Outcome::Error(why) if why.contains("(2, 2)")));
     }
 }

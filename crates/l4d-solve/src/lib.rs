@@ -4,7 +4,7 @@
 //! semantic consensus, 4D lifting, masks. It refuses to know how a grounder finds anything, how splats are trained and
 //! drawn, and how masks are judged.
 
-pub mod account;
+mod account;
 pub mod ask;
 pub mod batch;
 pub mod clips;
@@ -13,7 +13,8 @@ pub mod grounded;
 pub mod grounders;
 pub mod lift;
 pub mod method;
-pub mod results;
 pub mod scene;
-pub mod show;
+mod show;
 pub mod solve;
+#[cfg(test)]
+mod testing;

@@ -4,34 +4,26 @@
 //! masks from any camera at any time, edited scenes, a folder on disk. Refuses to know how masks were found, which
 //! views were trusted, and where cameras and models come from.
 
+mod answer;
 mod canvas;
 mod closed;
-mod digest;
-mod disk;
-pub mod edit;
+pub(crate) mod edit;
 mod error;
 mod evidence;
-pub mod field;
+mod field;
 mod labels;
-mod layer;
-mod lifted;
-mod model_states;
-mod progress;
+#[cfg(test)]
+mod tests;
 mod tree;
 
-pub use canvas::Canvas;
+pub use answer::{Answer, Layer};
+pub use canvas::{Canvas, ModelStates};
 pub use closed::ClosedSettings;
-pub use digest::ModelDigest;
 pub use error::LiftError;
 pub use evidence::{Evidence, EvidenceFrame, EvidenceView};
-pub use field::{DistilSettings, Field, FieldSettings, Normalisation, ReadOut};
-pub use labels::{Cut, Labels};
-pub use layer::{Layer, masks};
-pub use lifted::{Answer, Lifted};
-pub use model_states::ModelStates;
-pub use progress::{Listener, Phase, Progress};
+pub use field::{FieldSettings, Network};
+pub use labels::Labels;
 
-use progress::Reporter;
 use serde::{Deserialize, Serialize};
 
 /// Which lift, and how.
@@ -42,45 +34,23 @@ pub enum LiftSettings {
     Closed(ClosedSettings),
     /// The identity field of the paper.
     Field(FieldSettings),
-    /// Labels from sums, learned by a field.
-    Distil(DistilSettings),
 }
 
-impl LiftSettings {
-    /// The field, as the paper has it.
-    pub fn paper() -> Self {
-        Self::Field(FieldSettings::paper())
-    }
-
-    /// The default for users.
-    pub fn robust() -> Self {
-        Self::Closed(ClosedSettings::robust())
-    }
-}
-
-/// Lifts evidence onto a model. `listener` is called before every step and may end it.
+/// Lifts evidence onto a model. None without a picture that could be lifted.
 ///
 /// # Errors
-/// No evidence or evidence that contradicts itself, settings outside their ranges, a model that cannot be drawn,
-/// [`LiftError::Cancelled`].
+/// Evidence that contradicts itself, settings outside their ranges, a model that cannot be drawn.
 pub fn lift(
     canvas: &Canvas<'_>,
     evidence: &Evidence,
     settings: &LiftSettings,
-    listener: &mut Listener<'_>,
-) -> Result<Lifted, LiftError> {
-    let mut report = Reporter::new(listener);
+) -> Result<Option<Answer>, LiftError> {
+    if evidence.views.iter().all(|view| view.frames.is_empty()) {
+        return Ok(None);
+    }
     let answer = match settings {
-        LiftSettings::Closed(settings) => {
-            Answer::Labels(closed::labels(canvas, evidence, settings, &mut report)?)
-        }
-        LiftSettings::Field(settings) => {
-            Answer::Field(Box::new(field::learn(canvas, evidence, settings, &mut report)?))
-        }
-        LiftSettings::Distil(settings) => {
-            let labels = closed::labels(canvas, evidence, &settings.labels, &mut report)?;
-            Answer::Field(Box::new(field::distil(canvas, &labels, settings, &mut report)?))
-        }
+        LiftSettings::Closed(settings) => Answer::Labels(closed::labels(canvas, evidence, settings)?),
+        LiftSettings::Field(settings) => Answer::Field(Box::new(field::learn(canvas, evidence, settings)?)),
     };
-    Ok(Lifted { model: ModelDigest::of(canvas.model), answer })
+    Ok(Some(answer))
 }

@@ -4,7 +4,7 @@ use l4d_data::Interval;
 
 use crate::consensus::Preset;
 use crate::consensus::settings::Undecided;
-use crate::lift::{ClosedSettings, DistilSettings, FieldSettings, LiftSettings};
+use crate::lift::{ClosedSettings, FieldSettings, LiftSettings};
 use crate::scene::ClipSettings;
 use crate::solve::SolveSettings;
 
@@ -18,12 +18,8 @@ pub enum LiftChoice {
     Closed,
     /// Sums of blend weights and a threshold.
     Vote,
-    /// SIRT without graph.
-    Sirt,
     /// The identity field of the paper.
     Field,
-    /// The closed form, learned by an identity field.
-    Distil,
 }
 
 impl LiftChoice {
@@ -31,9 +27,7 @@ impl LiftChoice {
         match self {
             Self::Closed => "closed",
             Self::Vote => "vote",
-            Self::Sirt => "sirt",
             Self::Field => "field",
-            Self::Distil => "distil",
         }
     }
 
@@ -41,9 +35,7 @@ impl LiftChoice {
         match self {
             Self::Closed => LiftSettings::Closed(ClosedSettings::robust()),
             Self::Vote => LiftSettings::Closed(ClosedSettings::vote()),
-            Self::Sirt => LiftSettings::Closed(ClosedSettings::sirt()),
             Self::Field => LiftSettings::Field(FieldSettings::paper()),
-            Self::Distil => LiftSettings::Distil(DistilSettings::usual()),
         }
     }
 }
@@ -155,12 +147,12 @@ mod tests {
             clip_size: Some([64, 48]),
             clip_every: Some(2),
             consensus: false,
-            lift: Some(LiftChoice::Sirt),
+            lift: Some(LiftChoice::Vote),
             ..usual
         };
         assert_eq!(
             other.default_name("oracle", true, QuerySet::Absents),
-            "panopticquery-oracle-noise-paper-v4-64x48-every-2-no-mvsc-sirt-absents"
+            "panopticquery-oracle-noise-paper-v4-64x48-every-2-no-mvsc-vote-absents"
         );
         assert!(!other.solve_settings().consensus.is_on);
     }

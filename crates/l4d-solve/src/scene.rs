@@ -9,7 +9,7 @@ use l4d_data::capture::{Capture, MASKS, MaskSet};
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::{SceneDir, WorkDir};
 use l4d_data::workspace::how_scenes_are_made;
-use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, Split, Timeline, json};
+use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, Split, StageError, Timeline, json};
 use l4d_ground::ViewClip;
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::raster::{RasterSettings, Rasterizer};
@@ -17,8 +17,7 @@ use l4d_splat::source::Source;
 use serde_json::{Value, json};
 
 use crate::clips::{
-    self, ClipsError, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite, Plan, read_views,
-    spread_views,
+    self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Overwrite, Plan, read_views, spread_views,
 };
 use crate::lift::{Canvas, ModelStates};
 
@@ -72,8 +71,6 @@ pub struct SolveScene {
     pub clips: Vec<ViewClip>,
     /// SHA-256 of what decides each of `clips`.
     pub clip_digests: Vec<String>,
-    /// Where the pictures of the clips stand: `<view>/<frame:04>.png`.
-    pub clips_root: PathBuf,
     /// What clips are of: cameras, frames, size.
     pub plan: Plan,
     /// When frames were.
@@ -97,7 +94,7 @@ impl SolveScene {
         settings: &ClipSettings,
         (rasterizer, adapter): (&dyn Rasterizer, Option<Value>),
         drawn: &(dyn Fn() + Sync),
-    ) -> Result<Self, ClipsError> {
+    ) -> Result<Self, StageError> {
         let rig = read_rig(name, profile, places)?;
         let source = read_model(name, profile, places)?;
         let training = rig.training();
@@ -144,7 +141,6 @@ impl SolveScene {
             profile,
             clips: read_views(&folder, &plan, timeline)?,
             clip_digests: (0..plan.cameras.len()).map(clip_digest).collect(),
-            clips_root: folder.root().to_owned(),
             raster: RasterSettings { background, ..RasterSettings::default() },
             states: ModelStates::at(plan.instants.iter().map(|instant| instant.time)),
             plan,

@@ -3,11 +3,10 @@
 //! Owns the order of the stages and what of each is kept on disk. Refuses to know how any of them works.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::layout::AnswerDir;
-use l4d_data::{DataError, StageError, json};
+use l4d_data::{StageError, json};
 use l4d_ground::{Grounder, Grounding, Question, ViewClip};
 use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
@@ -16,12 +15,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::account::{Account, Stage};
-use crate::clips::{ClipsError, DepthKind, Plan, Shot};
+use crate::clips::{DepthKind, Plan, Shot};
 use crate::consensus::{Consensus, ConsensusSettings, Decision, Preset, Proposal, consensus};
 use crate::grounded::{ground_all, unanswered};
-use crate::lift::{
-    Canvas, ClosedSettings, Evidence, EvidenceView, FieldSettings, LiftError, LiftSettings, Lifted, lift,
-};
+use crate::lift::{Answer, ClosedSettings, Evidence, FieldSettings, LiftError, LiftSettings, lift};
 use crate::scene::{ClipSettings, SolveScene};
 
 const SCHEMA: &str = "l4d/answer/1";
@@ -47,38 +44,6 @@ pub struct Method<'a> {
     pub settings: &'a SolveSettings,
 }
 
-/// Why there is no answer.
-#[derive(Debug, thiserror::Error)]
-pub enum SolveError {
-    /// A file.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// Lifting.
-    #[error("lifting")]
-    Lift(#[from] LiftError),
-    /// A camera that masks were wanted from.
-    #[error(transparent)]
-    Clips(#[from] ClipsError),
-}
-
-impl From<SolveError> for StageError {
-    fn from(error: SolveError) -> Self {
-        let hint = error.hint();
-        Self::of(&error, hint)
-    }
-}
-
-impl SolveError {
-    /// What the user can do, where more can be said than the message does.
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            Self::Data(error) | Self::Lift(LiftError::Data(error)) => error.hint(),
-            Self::Clips(error) => error.hint(),
-            Self::Lift(_) => None,
-        }
-    }
-}
-
 /// An answer, with all that led to it.
 #[derive(Debug)]
 pub struct Solved {
@@ -87,9 +52,9 @@ pub struct Solved {
     /// Which of them are believed.
     pub consensus: Consensus,
     /// The answer as a part of the scene; none where there is no evidence.
-    pub lifted: Option<Lifted>,
+    pub lifted: Option<Answer>,
     /// What it took so far.
-    pub account: Account,
+    pub(crate) account: Account,
 }
 
 /// `manifest.json` of an answer.
@@ -110,7 +75,7 @@ pub struct Record {
     /// Whether asking again would change nothing; if not, the next run asks the views again that did not answer.
     pub is_complete: bool,
     /// What its stages took.
-    pub account: Account,
+    pub(crate) account: Account,
 }
 
 impl Preset {
@@ -159,22 +124,22 @@ impl Method<'_> {
         question: &Question,
         dir: &AnswerDir,
         heard: &(dyn Fn() + Sync),
-    ) -> Result<Solved, SolveError> {
+    ) -> Result<Solved, StageError> {
         let mut account = Account::default();
         let groundings = account.of(Stage::Grounding, || {
             let (clips, digests) = (&scene.clips, &scene.clip_digests);
             ground_all(self.grounder, question, clips, digests, &dir.grounded(), heard)
         })?;
         let agreed = account.of(Stage::Consensus, || {
-            let pairs = scene.clips.iter().zip(&groundings);
-            let proposals: Vec<Proposal<'_>> =
-                pairs.map(|(clip, grounding)| Proposal { clip, grounding }).collect();
-            consensus(&proposals, &self.settings.consensus)
+            consensus(&Proposal::of(&scene.clips, &groundings), &self.settings.consensus)
         });
         json::write(&dir.consensus(), &agreed)?;
-        let lifted = account.of(Stage::Lifting, || self.lift(scene, &groundings, &agreed))?;
+        let lifted = account.of(Stage::Lifting, || -> Result<_, StageError> {
+            let evidence = Evidence::of(&scene.clips, &groundings, &agreed.evidence)?;
+            Ok(lift(&scene.canvas(self.rasterizer), &evidence, &self.settings.lift)?)
+        })?;
         if let Some(lifted) = &lifted {
-            lifted.write(&dir.lift())?;
+            lifted.write(&dir.lift(), &scene.source.model)?;
         }
         Ok(Solved { groundings, consensus: agreed, lifted, account })
     }
@@ -189,62 +154,6 @@ impl Method<'_> {
         unanswered(self.grounder, question, &scene.clips, &scene.clip_digests, &dir.grounded())
     }
 
-    fn lift(
-        &self,
-        scene: &SolveScene,
-        groundings: &[Grounding],
-        agreed: &Consensus,
-    ) -> Result<Option<Lifted>, LiftError> {
-        let believed =
-            agreed.evidence.iter().filter_map(|&view| Some((scene.clips.get(view)?, groundings.get(view)?)));
-        let views = believed
-            .map(|(clip, grounding)| EvidenceView::of_clip(clip, &grounding.masks))
-            .collect::<Result<Vec<_>, _>>()?;
-        if views.is_empty() {
-            return Ok(None);
-        }
-        let listener = &mut |_| ControlFlow::Continue(());
-        lift(&self.canvas(scene), &Evidence { views }, &self.settings.lift, listener).map(Some)
-    }
-
-    fn canvas<'s>(&'s self, scene: &'s SolveScene) -> Canvas<'s> {
-        scene.canvas(self.rasterizer)
-    }
-
-    /// The pixels of an answer in every picture of a plan; all empty where nothing was lifted. The model is deformed
-    /// once a time, for all cameras.
-    ///
-    /// # Errors
-    /// A camera or a time that cannot be drawn.
-    pub fn masks(
-        &self,
-        scene: &SolveScene,
-        lifted: Option<&Lifted>,
-        plan: &Plan,
-    ) -> Result<BTreeMap<Shot, Mask>, SolveError> {
-        let [width, height] = plan.size;
-        let Some(lifted) = lifted else {
-            return Ok(plan.shots().map(|shot| (shot, Mask::empty(width, height))).collect());
-        };
-        let canvas = self.canvas(scene);
-        let at = |instant: usize| -> Result<Vec<(Shot, Mask)>, SolveError> {
-            let time = plan.instants[instant].time;
-            let layer = lifted.layer_at(canvas.model, time)?;
-            let splats = canvas.shapes_at(time)?;
-            let of_view = |view: usize| {
-                let shot = Shot { view, instant };
-                let from = plan.view(shot)?;
-                let projected =
-                    canvas.rasterizer.prepare(&splats, &from, canvas.raster).map_err(LiftError::from)?;
-                Ok((shot, layer.mask(projected.as_ref(), &from)?))
-            };
-            (0..plan.cameras.len()).map(of_view).collect()
-        };
-        let by_time: Vec<Vec<_>> =
-            (0..plan.instants.len()).into_par_iter().map(at).collect::<Result<_, _>>()?;
-        Ok(by_time.into_iter().flatten().collect())
-    }
-
     /// Notes beside an answer what it was made from and what it took: the last file of it.
     ///
     /// # Errors
@@ -255,7 +164,7 @@ impl Method<'_> {
         question: &Question,
         solved: &Solved,
         dir: &AnswerDir,
-    ) -> Result<Record, DataError> {
+    ) -> Result<Record, StageError> {
         let named = scene.clips.iter().zip(&solved.groundings);
         let record = Record {
             schema: SCHEMA.to_owned(),
@@ -271,6 +180,41 @@ impl Method<'_> {
         };
         json::write(&dir.manifest(), &record)?;
         Ok(record)
+    }
+}
+
+impl SolveScene {
+    /// The pixels of an answer in every picture of a plan; all empty where nothing was lifted. The model is deformed
+    /// once a time, for all cameras.
+    ///
+    /// # Errors
+    /// A camera or a time that cannot be drawn.
+    pub fn masks(
+        &self,
+        rasterizer: &dyn Rasterizer,
+        lifted: Option<&Answer>,
+        plan: &Plan,
+    ) -> Result<BTreeMap<Shot, Mask>, StageError> {
+        let [width, height] = plan.size;
+        let Some(lifted) = lifted else {
+            return Ok(plan.shots().map(|shot| (shot, Mask::empty(width, height))).collect());
+        };
+        let canvas = self.canvas(rasterizer);
+        let at = |instant: usize| -> Result<Vec<(Shot, Mask)>, StageError> {
+            let time = plan.instants[instant].time;
+            let layer = lifted.layer_at(canvas.model, time)?;
+            let splats = canvas.shapes_at(time)?;
+            let of_view = |view: usize| {
+                let shot = Shot { view, instant };
+                let from = plan.view(shot)?;
+                let projected = rasterizer.prepare(&splats, &from, canvas.raster).map_err(LiftError::from)?;
+                Ok((shot, layer.mask(projected.as_ref(), &from)?))
+            };
+            (0..plan.cameras.len()).map(of_view).collect()
+        };
+        let by_time: Vec<Vec<_>> =
+            (0..plan.instants.len()).into_par_iter().map(at).collect::<Result<_, _>>()?;
+        Ok(by_time.into_iter().flatten().collect())
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Owns the order of that work. Refuses to know where cameras come from and what becomes of the drawings.
 
+use l4d_data::StageError;
 use rayon::prelude::*;
 
 use crate::model::{Model, ModelError};
@@ -36,6 +37,12 @@ pub enum ClipError {
         /// What is wrong.
         source: RasterError,
     },
+}
+
+impl From<ClipError> for StageError {
+    fn from(error: ClipError) -> Self {
+        Self::of(&error, None)
+    }
 }
 
 /// Draws all views of all moments, moment after moment, and hands each drawing to `deliver`, which several threads

@@ -49,12 +49,8 @@ pub(crate) enum LiftArg {
     Closed,
     /// Sums of blend weights and a threshold
     Vote,
-    /// SIRT without graph
-    Sirt,
     /// The identity field of the paper
     Field,
-    /// The closed form, learned by an identity field
-    Distil,
 }
 
 /// A method of the reference solver.

@@ -17,7 +17,7 @@ pub(crate) fn publish_lift(
     _: &Printer,
 ) -> Result<Vec<PathBuf>> {
     let point = |row: &lift::Row| TradePoint {
-        series: row.series.clone(),
+        series: row.series.to_owned(),
         label: row.setting.clone(),
         cost: row.lift_seconds.max(1e-3),
         gain: row.miou,

@@ -7,7 +7,6 @@
 mod search;
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use l4d_data::digest::sha256_hex;
@@ -17,18 +16,18 @@ use l4d_data::{At as _, Category, DataError, Name, Progress, Query, json};
 use l4d_frames::drawn::DepthMap;
 use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, TrainingIds};
 use l4d_ground::{Grounder as _, Grounding, Outcome, Question};
-use l4d_masks::{Mask, Rle};
-use l4d_solve::lift::{Evidence, EvidenceView, lift};
+use l4d_masks::Mask;
+use l4d_solve::lift::{Evidence, lift};
 use l4d_solve::method::MethodChoice;
 use l4d_solve::scene::SolveScene;
-use l4d_solve::solve::{Method, SolveSettings};
+use l4d_solve::solve::SolveSettings;
 use l4d_splat::raster::Rasterizer;
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use self::search::{HALVINGS, Search};
 use super::Ablation;
-use super::grid::{Noise, WITHOUT};
+use super::grid::WITHOUT;
 use crate::csv_file::csv_of;
 use crate::judged_scene::JudgedScene;
 use crate::{Result, plain};
@@ -53,12 +52,12 @@ pub(super) fn noises_as_given(
     preset: &NoisePreset,
     correlations: &[f64],
     folder: &Path,
-) -> Result<Vec<Noise>> {
+) -> Result<Vec<NoisePreset>> {
     let one = |&correlation: &f64| {
-        let path = noise_path(folder, correlation);
         let preset = with_correlation(preset, correlation);
-        write_atomic(&path, toml::to_string(&preset).map_err(plain)?.as_bytes())?;
-        Ok(Noise { correlation, preset })
+        let text = toml::to_string(&preset).map_err(plain)?;
+        write_atomic(&noise_path(folder, correlation), text.as_bytes())?;
+        Ok(preset)
     };
     correlations.iter().map(one).collect()
 }
@@ -71,7 +70,7 @@ pub(super) fn noises_as_in_paper(
     correlations: &[f64],
     published: &Published,
     progress: &dyn Progress,
-) -> Result<Vec<Noise>> {
+) -> Result<Vec<NoisePreset>> {
     let Ablation { exam, folder, .. } = order;
     let method = MethodChoice { consensus: false, ..order.method.clone() };
     let (settings, clips) = (method.solve_settings(), method.clip_settings(None));
@@ -84,12 +83,7 @@ pub(super) fn noises_as_in_paper(
     let targets = targets(published);
     let made_from = made_from(&subjects, preset, &settings, correlations, &targets, &exam.truth_digest);
     let paths: Vec<PathBuf> = correlations.iter().map(|&rho| noise_path(folder, rho)).collect();
-    let read = || -> Result<Vec<Noise>> {
-        let noise = |(&correlation, path): (&f64, &PathBuf)| {
-            Ok(Noise { correlation, preset: NoisePreset::read(path)? })
-        };
-        correlations.iter().zip(&paths).map(noise).collect()
-    };
+    let read = || paths.iter().map(|path| Ok(NoisePreset::read(path)?)).collect();
     if paths.iter().all(|path| was_made_from(path, &made_from)) {
         progress.note(&format_args!("the noise in {} was found before", folder.join("noise").display()));
         return read();
@@ -104,9 +98,11 @@ pub(super) fn noises_as_in_paper(
         progress.item(&format_args!("rho {correlation}"));
         let mut searches: BTreeMap<Category, Search> =
             targets.iter().map(|(&category, &target)| (category, Search::new(target))).collect();
+        let swapping =
+            |swap_probability| NoisePreset { swap_probability, ..with_correlation(preset, correlation) };
         for _ in 0..=HALVINGS {
-            let swaps = searches.iter().map(|(&category, search)| (category, search.next)).collect();
-            let tried = NoisePreset { swap_probability: swaps, ..with_correlation(preset, correlation) };
+            let tried =
+                swapping(searches.iter().map(|(&category, search)| (category, search.next)).collect());
             let reached = trials.miou_by_category(&subjects, &tried)?;
             for (category, search) in &mut searches {
                 if let Some(&miou) = reached.get(category).filter(|_| !search.is_settled()) {
@@ -121,13 +117,9 @@ pub(super) fn noises_as_in_paper(
                 }
             }
         }
-        let swaps =
-            searches.iter().filter_map(|(&category, search)| Some((category, search.best()?))).collect();
-        let found = NoisePreset { swap_probability: swaps, ..with_correlation(preset, correlation) };
-        write_atomic(
-            path,
-            format!("{HEADING}{made_from}\n{}", toml::to_string(&found).map_err(plain)?).as_bytes(),
-        )?;
+        let found = searches.iter().filter_map(|(&category, search)| Some((category, search.closest()?.0)));
+        let found = toml::to_string(&swapping(found.collect())).map_err(plain)?;
+        write_atomic(path, format!("{HEADING}{made_from}\n{found}").as_bytes())?;
         progress.note(&format_args!("rho {correlation}: {}", said(&searches)));
     }
     progress.finish();
@@ -285,21 +277,12 @@ impl Trials<'_> {
         if let Some(&miou) = self.known.get(&key) {
             return Ok(miou);
         }
-        let views =
-            clips.iter().zip(&groundings).filter(|(_, grounding)| grounding.outcome == Outcome::Found);
-        let views = views
-            .map(|(clip, grounding)| EvidenceView::of_clip(clip, &grounding.masks))
-            .collect::<Result<Vec<_>, _>>()?;
+        let found = |view: &usize| groundings[*view].outcome == Outcome::Found;
+        let believed: Vec<usize> = (0..clips.len()).filter(found).collect();
         let scene = &subject.judged.scene;
-        let rasterizer = self.rasterizer;
-        let canvas = scene.canvas(rasterizer);
-        let lifted = if views.is_empty() {
-            None
-        } else {
-            Some(lift(&canvas, &Evidence { views }, &self.settings.lift, &mut |_| ControlFlow::Continue(()))?)
-        };
-        let method = Method { grounder: oracle, rasterizer, settings: self.settings };
-        let masks = method.masks(scene, lifted.as_ref(), &subject.judged.plan)?;
+        let evidence = Evidence::of(clips, &groundings, &believed)?;
+        let lifted = lift(&scene.canvas(self.rasterizer), &evidence, &self.settings.lift)?;
+        let masks = scene.masks(self.rasterizer, lifted.as_ref(), &subject.judged.plan)?;
         let miou = subject.judged.tally(query, &masks)?.ratios().miou;
         self.known.insert(key, miou);
         Ok(miou)
@@ -308,8 +291,7 @@ impl Trials<'_> {
 
 fn digest(query: &Query, groundings: &[Grounding]) -> String {
     let view = |grounding: &Grounding| {
-        let masks: Vec<Rle> = grounding.masks.values().map(Mask::to_rle).collect();
-        json!([grounding.outcome, masks])
+        json!([grounding.outcome, grounding.masks.values().map(Mask::to_rle).collect::<Vec<_>>()])
     };
     let views: Vec<Value> = groundings.iter().map(view).collect();
     sha256_hex(json::canonical(&json!([query.id, views])).as_bytes())
@@ -329,7 +311,7 @@ mod tests {
             [0.0, 0.6].map(|rho| NoisePreset::read(&noise_path(folder.path(), rho)).unwrap()).to_vec();
         assert_eq!(read[0], with_correlation(&preset, 0.0));
         assert_eq!((read[1].seed, read[1].noise.flicker, read[1].noise.swap.correlation), (3, 0.2, 0.6));
-        assert_eq!(noises[1].preset, read[1]);
+        assert_eq!(noises, read);
         assert!(!was_made_from(&noise_path(folder.path(), 0.0), "abc"));
     }
 }

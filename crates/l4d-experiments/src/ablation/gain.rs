@@ -3,28 +3,25 @@
 use std::collections::BTreeMap;
 
 use l4d_data::Name;
-use l4d_data::published::Published;
+use l4d_data::published::{self, Published};
 use l4d_score::Estimate;
+use l4d_score::cluster;
 use l4d_score::metrics::QueryTally;
 
 use super::grid::{Pair, WITH, WITHOUT};
 use super::measure::Measured;
 use super::table::{Cell, Column, Metric};
 
-/// A difference of one kind of queries.
+/// Differences of one kind of queries: with consensus less without, percentage points.
 #[derive(Debug, Clone)]
 pub(super) struct Gain {
-    /// The row with consensus.
-    pub(super) row: &'static str,
-    /// Of the errors of the views, where they are made up.
-    pub(super) correlation: Option<f64>,
+    pub(super) pair: Pair,
     pub(super) column: String,
-    pub(super) metric: Metric,
-    /// With consensus less without, percentage points.
-    pub(super) found: Estimate,
-    /// The same of the paper, from its two rows.
+    /// In the order of [`Metric::ALL`].
+    pub(super) found: [Option<Estimate>; 4],
+    /// mIoU of the paper, from its two rows.
     pub(super) published: Option<f64>,
-    pub(super) used_truth: bool,
+    used_truth: bool,
 }
 
 /// A scene in which consensus loses.
@@ -38,26 +35,17 @@ pub(super) struct LosingScene {
 }
 
 impl Gain {
-    /// What the interval says.
-    pub(super) fn verdict(&self) -> &'static str {
-        if self.found.is_above_zero() {
-            "gains"
-        } else if self.found.is_below_zero() {
-            "loses"
-        } else {
-            "not told apart"
-        }
+    pub(super) fn of(&self, metric: Metric) -> Option<&Estimate> {
+        let found = std::iter::zip(Metric::ALL, &self.found).find(|(known, _)| *known == metric);
+        found.and_then(|(_, found)| found.as_ref())
     }
 
-    pub(super) fn cell(&self) -> Cell {
-        let rho = self.correlation.map(|rho| format!(", rho {rho}")).unwrap_or_default();
-        Cell::measured(
-            &format!("{} - {WITHOUT}{rho}", self.row),
-            &self.column,
-            self.metric,
-            &self.found,
-            self.used_truth,
-        )
+    pub(super) fn cells(&self) -> impl Iterator<Item = Cell> {
+        let rho = self.pair.correlation.map(|rho| format!(", rho {rho}")).unwrap_or_default();
+        let setting = format!("{} - {WITHOUT}{rho}", self.pair.row);
+        std::iter::zip(Metric::ALL, &self.found).filter_map(move |(metric, found)| {
+            Some(Cell::measured(&setting, &self.column, metric, found.as_ref()?, self.used_truth))
+        })
     }
 }
 
@@ -70,25 +58,23 @@ pub(super) fn gains(
     seed: u64,
 ) -> Vec<Gain> {
     let mut gains = Vec::new();
-    for (pair, without, with) in both(pairs, rows) {
+    for pair in pairs {
+        let [before, after] = [&rows[pair.without], &rows[pair.with]];
         for column in columns {
-            for metric in Metric::ALL {
-                let of = |row: &'_ Measured| -> Vec<QueryTally> {
-                    row.tallies.iter().filter(|tally| column.has(tally)).cloned().collect()
-                };
-                let (before, after) = (of(without), of(with));
-                let found = Estimate::of_gain(&before, &after, |ratios| metric.of(ratios), seed);
-                let printed = |setting| published?.value(setting, &column.name, metric.published()?);
-                gains.extend(found.map(|found| Gain {
-                    row: pair.row,
-                    correlation: pair.correlation,
-                    column: column.name.clone(),
-                    metric,
-                    found,
-                    published: printed(pair.row).zip(printed(WITHOUT)).map(|(with, without)| with - without),
-                    used_truth: with.uses_truth,
-                }));
-            }
+            let of = |row: &Measured| -> Vec<QueryTally> {
+                row.tallies.iter().filter(|tally| column.has(tally)).cloned().collect()
+            };
+            let (without, with) = (of(before), of(after));
+            let gain = |metric: Metric| Estimate::of_gain(&without, &with, |ratios| metric.of(ratios), seed);
+            let printed = |setting| published?.value(setting, &column.name, published::Metric::Miou);
+            let gain = Gain {
+                pair: *pair,
+                column: column.name.clone(),
+                found: Metric::ALL.map(gain),
+                published: printed(pair.row).zip(printed(WITHOUT)).map(|(with, without)| with - without),
+                used_truth: after.uses_truth,
+            };
+            gains.extend(gain.found.iter().any(Option::is_some).then_some(gain));
         }
     }
     gains
@@ -97,37 +83,21 @@ pub(super) fn gains(
 /// The scenes that lose with consensus as users get it, worst first.
 pub(super) fn losing_scenes(pairs: &[Pair], rows: &[Measured]) -> Vec<LosingScene> {
     let mut losing = Vec::new();
-    for (pair, without, with) in both(pairs, rows).filter(|(pair, ..)| pair.row == WITH) {
-        let mut scenes: BTreeMap<&Name, (f64, usize)> = BTreeMap::new();
-        let before: BTreeMap<_, _> =
-            without.tallies.iter().map(|tally| (&tally.facts.id, tally.ratios().miou)).collect();
-        for tally in &with.tallies {
-            let known = before.get(&tally.facts.id).copied().flatten().zip(tally.ratios().miou);
-            if let Some((before, after)) = known {
-                let (sum, queries) = scenes.entry(&tally.facts.id.scene).or_default();
-                *sum += 100.0 * (after - before);
-                *queries += 1;
-            }
+    for pair in pairs.iter().filter(|pair| pair.row == WITH) {
+        let (without, with) = (&rows[pair.without].tallies, &rows[pair.with].tallies);
+        let mut scenes: BTreeMap<&Name, Vec<f64>> = BTreeMap::new();
+        for (scene, points) in cluster::gains(without, with, |ratios| ratios.miou) {
+            scenes.entry(scene).or_default().push(points);
         }
-        let mut of_pair: Vec<LosingScene> = scenes
-            .into_iter()
-            .map(|(scene, (sum, queries))| LosingScene {
-                correlation: pair.correlation,
-                scene: scene.clone(),
-                points: sum / queries as f64,
-                queries,
-            })
-            .filter(|scene| scene.points < 0.0)
-            .collect();
+        let scenes = scenes.into_iter().map(|(scene, points)| LosingScene {
+            correlation: pair.correlation,
+            scene: scene.clone(),
+            points: points.iter().sum::<f64>() / points.len() as f64,
+            queries: points.len(),
+        });
+        let mut of_pair: Vec<LosingScene> = scenes.filter(|scene| scene.points < 0.0).collect();
         of_pair.sort_by(|a, b| a.points.total_cmp(&b.points));
         losing.extend(of_pair);
     }
     losing
-}
-
-fn both<'a>(
-    pairs: &'a [Pair],
-    rows: &'a [Measured],
-) -> impl Iterator<Item = (&'a Pair, &'a Measured, &'a Measured)> {
-    pairs.iter().filter_map(|pair| Some((pair, rows.get(pair.without)?, rows.get(pair.with)?)))
 }

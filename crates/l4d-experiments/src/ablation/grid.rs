@@ -68,13 +68,6 @@ pub(super) struct Runs {
     pub(super) left_out: Vec<String>,
 }
 
-/// Errors with a made-up correlation between views.
-#[derive(Debug, Clone)]
-pub(super) struct Noise {
-    pub(super) correlation: f64,
-    pub(super) preset: NoisePreset,
-}
-
 impl Grid {
     /// File of numbers of the paper, and stem of ours.
     pub fn table(self) -> &'static str {
@@ -135,7 +128,7 @@ pub(super) fn correlations(order: &Ablation<'_>) -> Result<Vec<f64>> {
 }
 
 /// The runs of a grid. `noises` are those of the oracle, one per correlation.
-pub(super) fn runs(order: &Ablation<'_>, noises: &[Noise]) -> Result<Runs> {
+pub(super) fn runs(order: &Ablation<'_>, noises: &[NoisePreset]) -> Result<Runs> {
     if !order.grounder_files.is_empty() && order.grid != Grid::Vlm {
         return Err(StageError::new(
             "--grounder-files are rows of the grid vlm",
@@ -158,38 +151,36 @@ fn variant(name: &str, setting: &str, method: MethodChoice) -> Result<Variant> {
     Ok(Variant { name, setting: setting.to_owned(), method, noise: None, grounder_file: None })
 }
 
-fn mvsc(order: &Ablation<'_>, noises: &[Noise]) -> Result<Runs> {
+fn mvsc(order: &Ablation<'_>, noises: &[NoisePreset]) -> Result<Runs> {
     if !order.method.consensus {
         return Err(StageError::new("--no-consensus is one of the rows of the grid mvsc", "leave it out"));
     }
-    let has_fallback = order.method.solve_settings().consensus.undecided == Undecided::AllCandidates;
-    let mut runs = Runs::default();
-    let mut pair = |correlation: Option<f64>, noise: Option<&NoisePreset>| -> Result<()> {
-        let suffix = correlation.map(|rho| format!("-rho-{rho}")).unwrap_or_default();
-        let row = correlation.map(|rho| format!(", rho {rho}")).unwrap_or_default();
-        let mut add = |name: &str, setting: &str, method: MethodChoice| -> Result<()> {
-            let variant = variant(&format!("{name}{suffix}"), &format!("{setting}{row}"), method)?;
-            runs.variants.push(Variant { noise: noise.cloned(), ..variant });
-            Ok(())
-        };
-        let with = order.method.clone();
-        add("without-mvsc", WITHOUT, MethodChoice { consensus: false, ..with.clone() })?;
-        add("with-mvsc", WITH, with.clone())?;
-        if has_fallback {
-            add("with-mvsc-abstaining", ABSTAINING, MethodChoice { abstain: true, ..with })?;
-        }
-        let first = runs.variants.len() - if has_fallback { 3 } else { 2 };
-        runs.pairs.push(Pair { without: first, with: first + 1, row: WITH, correlation });
-        if has_fallback {
-            runs.pairs.push(Pair { without: first, with: first + 2, row: ABSTAINING, correlation });
-        }
-        Ok(())
-    };
-    if noises.is_empty() {
-        pair(None, None)?;
+    let with = &order.method;
+    let mut rows = vec![
+        ("without-mvsc", WITHOUT, MethodChoice { consensus: false, ..with.clone() }),
+        ("with-mvsc", WITH, with.clone()),
+    ];
+    if with.solve_settings().consensus.undecided == Undecided::AllCandidates {
+        let abstaining = MethodChoice { abstain: true, ..with.clone() };
+        rows.push(("with-mvsc-abstaining", ABSTAINING, abstaining));
     }
-    for Noise { correlation, preset } in noises {
-        pair(Some(*correlation), Some(preset))?;
+    // Once where no errors are made up.
+    let noises = if noises.is_empty() { vec![None] } else { noises.iter().map(Some).collect() };
+    let mut runs = Runs::default();
+    for noise in noises {
+        let correlation = noise.map(|noise| noise.noise.swap.correlation);
+        let without = runs.variants.len();
+        for (place, (name, row, method)) in rows.iter().enumerate() {
+            let (name, setting) = match correlation {
+                Some(rho) => (format!("{name}-rho-{rho}"), format!("{row}, rho {rho}")),
+                None => ((*name).to_owned(), (*row).to_owned()),
+            };
+            let variant = variant(&name, &setting, method.clone())?;
+            runs.variants.push(Variant { noise: noise.cloned(), ..variant });
+            if place > 0 {
+                runs.pairs.push(Pair { without, with: without + place, row, correlation });
+            }
+        }
     }
     Ok(runs)
 }

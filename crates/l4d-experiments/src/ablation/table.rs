@@ -14,7 +14,7 @@ use super::measure::Measured;
 use crate::csv_file::rounded;
 
 /// The column of all queries together, which the paper does not have.
-pub(super) const ALL: &str = "all";
+const ALL: &str = "all";
 
 /// What is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -53,13 +53,13 @@ impl Metric {
             Self::Select => "select",
         }
     }
+}
 
-    /// What the paper calls it, where it has it.
-    pub(super) fn published(self) -> Option<published::Metric> {
-        match self {
-            Self::Macc => Some(published::Metric::Macc),
-            Self::Miou => Some(published::Metric::Miou),
-            Self::TubeIou | Self::Select => None,
+impl From<published::Metric> for Metric {
+    fn from(metric: published::Metric) -> Self {
+        match metric {
+            published::Metric::Macc => Self::Macc,
+            published::Metric::Miou => Self::Miou,
         }
     }
 }
@@ -194,10 +194,7 @@ pub(super) fn cells(
     cells.extend(figures.iter().map(|figure| Cell {
         setting: figure.setting.clone(),
         column: figure.column.clone(),
-        metric: match figure.metric {
-            published::Metric::Macc => Metric::Macc,
-            published::Metric::Miou => Metric::Miou,
-        },
+        metric: figure.metric.into(),
         value: figure.value,
         low: None,
         high: None,

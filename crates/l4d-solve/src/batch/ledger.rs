@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use l4d_data::{Name, Progress, Query};
 use serde_json::{Value, json};
 
-use crate::account::{Account, Entry, Stage};
+use crate::account::{Account, Entry, Stage, word};
 use crate::solve::Record;
 
 /// In the order of the work.
@@ -28,7 +28,7 @@ impl Ledger {
 
     pub(super) fn add(&mut self, query: &Query, record: Record) {
         self.queries += 1;
-        *self.decisions.entry(record.decision.word().to_owned()).or_default() += 1;
+        *self.decisions.entry(word(record.decision)).or_default() += 1;
         for outcome in record.outcomes.into_values() {
             *self.outcomes.entry(outcome).or_default() += 1;
         }
@@ -48,11 +48,10 @@ impl Ledger {
         let mut lines =
             vec![format!("{:<12} {:>9} {:>12} {:>12}", "stage", "seconds", "s per query", "peak MB")];
         for stage in STAGES {
-            let word = stage.word();
             let (seconds, peak) = self.of_stage(stage);
             let each = seconds / self.queries.max(1) as f64;
             let peak = peak.map_or_else(|| "-".to_owned(), |bytes| format!("{:.0}", bytes as f64 * 1e-6));
-            lines.push(format!("{word:<12} {seconds:>9.1} {each:>12.3} {peak:>12}"));
+            lines.push(format!("{:<12} {seconds:>9.1} {each:>12.3} {peak:>12}", word(stage)));
         }
         lines.join("\n")
     }
@@ -73,7 +72,7 @@ impl Ledger {
     pub fn document(&self, name: &Name) -> Value {
         let stage = |stage: &Stage| {
             let (seconds, peak_memory_bytes) = self.of_stage(*stage);
-            (stage.word().to_owned(), json!({ "seconds": seconds, "peak_memory_bytes": peak_memory_bytes }))
+            (word(stage), json!({ "seconds": seconds, "peak_memory_bytes": peak_memory_bytes }))
         };
         json!({
             "method": name,

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::plan::{Instant, Plan, Shot};
+use super::plan::{Plan, Shot};
 use super::writers::Sheet;
 
 const SCHEMA: &str = "l4d/clips/1";
@@ -148,6 +148,12 @@ pub(super) struct FrameEntry {
     depth: String,
 }
 
+impl FrameEntry {
+    fn of(plan: &Plan, shot: Shot, [colour, depth]: &[Vec<u8>; 2]) -> Self {
+        Self { time: plan.of(shot).1.time, colour: sha256_hex(colour), depth: sha256_hex(depth) }
+    }
+}
+
 /// What becomes of clips that stand where others are to go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overwrite {
@@ -215,14 +221,8 @@ impl ClipsFolder {
 
     /// Files under our names that no manifest speaks of were made by somebody else.
     fn refuse_other_files(&self, plan: &Plan) -> Result<(), DataError> {
-        if self.is_continued {
-            return Ok(());
-        }
-        let files = plan.shots().flat_map(|shot| {
-            let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
-            [self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant)]
-        });
-        match files.into_iter().find(|path| path.exists()) {
+        let mut files = plan.shots().flat_map(|shot| self.files(plan, shot));
+        match files.find(|path| path.exists()).filter(|_| !self.is_continued) {
             Some(path) => Err(DataError::invalid(
                 &path,
                 "file",
@@ -234,12 +234,12 @@ impl ClipsFolder {
     }
 
     /// How everything in it is drawn.
-    pub fn look(&self) -> &Look {
+    pub(super) fn look(&self) -> &Look {
         &self.manifest.drawn
     }
 
     /// SHA-256 over everything that decides how the pictures of a view look.
-    pub fn view_digest(&self, plan: &Plan, view: usize) -> String {
+    pub(crate) fn view_digest(&self, plan: &Plan, view: usize) -> String {
         let keys: Vec<&str> = plan.instants.iter().map(|instant| instant.key.as_str()).collect();
         let decides = serde_json::json!([self.manifest.drawn, plan.drawn_camera(view), keys]);
         sha256_hex(json::canonical(&decides).as_bytes())
@@ -255,18 +255,15 @@ impl ClipsFolder {
         &self.root
     }
 
-    /// `<view>/<instant>.png`
-    fn colour_path(&self, view: &str, instant: &Instant) -> PathBuf {
-        self.root.join(view).join(format!("{}.png", instant.key))
-    }
-
-    /// `<view>/<instant>.exr` or `<view>/<instant>.depth.png`
-    fn depth_path(&self, view: &str, instant: &Instant) -> PathBuf {
-        let ending = match self.manifest.drawn.depth.format {
+    /// `<view>/<instant>.png`, and `<view>/<instant>.exr` or `<view>/<instant>.depth.png`.
+    fn files(&self, plan: &Plan, shot: Shot) -> [PathBuf; 2] {
+        let (camera, instant) = plan.of(shot);
+        let depth = match self.manifest.drawn.depth.format {
             DepthFormat::Exr => "exr",
             DepthFormat::Png => "depth.png",
         };
-        self.root.join(view).join(format!("{}.{ending}", instant.key))
+        let folder = self.root.join(camera.name.as_str());
+        ["png", depth].map(|ending| folder.join(format!("{}.{ending}", instant.key)))
     }
 
     /// The pictures that are whole already.
@@ -275,36 +272,37 @@ impl ClipsFolder {
             return BTreeMap::new();
         }
         let shots: Vec<Shot> = plan.shots().collect();
-        let entry = |shot: &Shot| Some((*shot, self.read_entry(plan, *shot)?));
+        let entry = |&shot: &Shot| {
+            let files = self.read_files(plan, shot).ok()?;
+            self.decode(plan, shot, &files).ok()?;
+            Some((shot, FrameEntry::of(plan, shot, &files)))
+        };
         shots.par_iter().filter_map(entry).collect()
     }
 
-    fn read_entry(&self, plan: &Plan, shot: Shot) -> Option<FrameEntry> {
-        let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
-        let (colour_path, depth_path) =
-            (self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant));
-        let colour = read_bounded(&colour_path, MAX_BYTES).ok()?;
-        let depth = read_bounded(&depth_path, MAX_BYTES).ok()?;
-        let [width, height] = plan.size;
-        decode_colour(&colour, width, height).ok()?;
-        self.decode_depth(&depth_path, &depth, plan.size).ok()?;
-        Some(FrameEntry { time: instant.time, colour: sha256_hex(&colour), depth: sha256_hex(&depth) })
+    fn read_files(&self, plan: &Plan, shot: Shot) -> Result<[Vec<u8>; 2], DataError> {
+        let [colour, depth] = self.files(plan, shot);
+        Ok([read_bounded(&colour, MAX_BYTES)?, read_bounded(&depth, MAX_BYTES)?])
     }
 
-    fn decode_depth(
+    fn decode(
         &self,
-        path: &Path,
-        bytes: &[u8],
-        [width, height]: [u32; 2],
-    ) -> Result<DepthMap, DataError> {
-        match self.manifest.drawn.depth.format {
-            DepthFormat::Exr => decode_depth(path, bytes, UVec2::new(width, height)),
+        plan: &Plan,
+        shot: Shot,
+        files: &[Vec<u8>; 2],
+    ) -> Result<(RgbImage, DepthMap), DataError> {
+        let [colour_path, depth_path] = self.files(plan, shot);
+        let ([colour, depth], [width, height]) = (files, plan.size);
+        let colour = decode_colour(colour, width, height).map_err(|error| unreadable(&colour_path, error))?;
+        let depth = match self.manifest.drawn.depth.format {
+            DepthFormat::Exr => decode_depth(&depth_path, depth, UVec2::new(width, height))?,
             DepthFormat::Png => {
                 let depth_m =
-                    decode_depth_png(bytes, width, height).map_err(|error| unreadable(path, error))?;
-                Ok(DepthMap { depth_m, ..DepthMap::empty(width, height) })
+                    decode_depth_png(depth, width, height).map_err(|error| unreadable(&depth_path, error))?;
+                DepthMap { depth_m, ..DepthMap::empty(width, height) }
             }
-        }
+        };
+        Ok((colour, depth))
     }
 
     /// The files of a picture: depth first, so that a picture whose colour is there is whole.
@@ -315,38 +313,28 @@ impl ClipsFolder {
         colour: &[[f32; 3]],
         depth: &DepthMap,
     ) -> Result<Sheet, DataError> {
-        let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
-        let (colour_path, depth_path) =
-            (self.colour_path(&camera.name, instant), self.depth_path(&camera.name, instant));
+        let [colour_path, depth_path] = self.files(plan, shot);
         let colour = encode_colour(&picture_of(depth.width, depth.height, colour));
         let depth = match self.manifest.drawn.depth.format {
             DepthFormat::Exr => encode_depth(&depth_path, depth)?,
             DepthFormat::Png => depth.png(),
         };
-        let entry = FrameEntry { time: instant.time, colour: sha256_hex(&colour), depth: sha256_hex(&depth) };
+        let files = [colour, depth];
+        let entry = FrameEntry::of(plan, shot, &files);
+        let [colour, depth] = files;
         Ok(Sheet { shot, entry, files: [(depth_path, depth), (colour_path, colour)] })
     }
 
     /// Reads a picture back. Depth that was stored as PNG comes without alpha, near and far.
-    ///
-    /// # Errors
-    /// A picture that is not there, or not as it was written.
-    pub fn read(&self, plan: &Plan, shot: Shot) -> Result<(RgbImage, DepthMap), DataError> {
-        let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
-        let path = self.colour_path(&camera.name, instant);
-        let [width, height] = plan.size;
-        let colour = decode_colour(&read_bounded(&path, MAX_BYTES)?, width, height)
-            .map_err(|error| unreadable(&path, error))?;
-        let path = self.depth_path(&camera.name, instant);
-        let depth = self.decode_depth(&path, &read_bounded(&path, MAX_BYTES)?, plan.size)?;
-        Ok((colour, depth))
+    pub(super) fn read(&self, plan: &Plan, shot: Shot) -> Result<(RgbImage, DepthMap), DataError> {
+        self.decode(plan, shot, &self.read_files(plan, shot)?)
     }
 
-    /// Writes the manifest with the digests of all pictures; gives its path.
+    /// Writes the manifest with the digests of all pictures.
     pub(super) fn settle(&self, plan: &Plan, entries: BTreeMap<Shot, FrameEntry>) -> Result<(), DataError> {
         let mut manifest = self.manifest.clone();
         for (shot, entry) in entries {
-            let (camera, instant) = (&plan.cameras[shot.view], &plan.instants[shot.instant]);
+            let (camera, instant) = plan.of(shot);
             if let Some(view) = manifest.views.get_mut(&camera.name) {
                 view.pictures.insert(instant.key.clone(), entry);
             }

@@ -1,4 +1,4 @@
-//! What is to be drawn: which model, from where, when, how large, and where it goes.
+//! What `render-splats` draws: which model, from where, when, how large, and where it goes.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use l4d_data::{Camera, DataError, Name, Rig, Split, StageError, Timeline, Worksp
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::source::Source;
 
-use super::{Instant, Plan};
+use super::{Instant, Plan, instants_at};
 
 /// What a user asks for; everything that is left out has its default.
 #[derive(Debug)]
@@ -83,26 +83,14 @@ impl Order {
             None => (rig.size(), rig.size()),
         };
         let timeline = clip.timeline();
-        let plan = Plan {
-            camera_size,
-            size,
-            instants: instants(wanted, &sampling.moments(&clip.clip(space.profile())), timeline)?,
-            cameras: chosen(rig.cameras, wanted.views)?,
+        let cameras = chosen(rig.cameras, wanted.views)?;
+        let instants = match wanted.times {
+            [] => instants(wanted.frames, &sampling.moments(&clip.clip(space.profile())), timeline)?,
+            times => instants_at(times, &cameras)?,
         };
-        refuse_unknown_poses(&plan)?;
+        let plan = Plan { cameras, camera_size, size, instants };
         plan.shots().try_for_each(|shot| plan.view(shot).map(drop))?;
         Ok(Self { model, source, out: place(wanted.out, WorkDir::clips)?, plan, timeline })
-    }
-}
-
-fn refuse_unknown_poses(plan: &Plan) -> Result<(), StageError> {
-    let is_between = plan.instants.iter().any(|instant| instant.frame.is_none());
-    match plan.cameras.iter().find(|camera| is_between && camera.world_from_camera.len() > 1) {
-        Some(camera) => Err(StageError::new(
-            format!("camera {} moves, and is known at canonical frames alone", camera.name),
-            "choose --frames instead of --times",
-        )),
-        None => Ok(()),
     }
 }
 
@@ -116,39 +104,27 @@ fn chosen(cameras: Vec<Camera>, views: &[String]) -> Result<Vec<Camera>, StageEr
         ));
     }
     let any_training = cameras.iter().any(|camera| camera.split == Split::Train);
-    let is_meant = |camera: &Camera| {
-        if views.is_empty() {
-            camera.split == Split::Train || !any_training
-        } else {
-            views.iter().any(|view| view.as_str() == camera.name.as_str())
-        }
+    let is_meant = |camera: &Camera| match views {
+        [] => camera.split == Split::Train || !any_training,
+        views => views.iter().any(|view| view.as_str() == camera.name.as_str()),
     };
     Ok(cameras.into_iter().filter(is_meant).collect())
 }
 
-/// `clip` is what is drawn where nothing else is asked for.
-fn instants(wanted: &Wanted<'_>, clip: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
+/// Moments at these frames, else at those of the clip, ascending.
+fn instants(frames: &[u32], clip: &[u32], timeline: Timeline) -> Result<Vec<Instant>, StageError> {
     let whole = timeline.whole();
-    if let Some(frame) = wanted.frames.iter().find(|frame| !whole.contains(**frame)) {
+    if let Some(frame) = frames.iter().find(|frame| !whole.contains(**frame)) {
         return Err(StageError::new(
             format!("frame {frame} is beyond the clip"),
             format!("frames are {} to {}", whole.first(), whole.last()),
         ));
     }
-    if let Some(time) = wanted.times.iter().find(|time| !(0.0..=1.0).contains(*time)) {
-        return Err(StageError::new(format!("time {time} is outside the clip"), "times are 0 to 1"));
-    }
-    let mut instants: Vec<Instant> = if !wanted.times.is_empty() {
-        wanted.times.iter().copied().map(Instant::at_time).collect()
-    } else if !wanted.frames.is_empty() {
-        wanted.frames.iter().map(|&frame| Instant::at_frame(frame, timeline)).collect()
-    } else {
-        clip.iter().map(|&frame| Instant::at_frame(frame, timeline)).collect()
-    };
-    if instants.is_empty() {
+    let mut frames = if frames.is_empty() { clip.to_vec() } else { frames.to_vec() };
+    if frames.is_empty() {
         return Err(StageError::new("nothing says when", "name a scene, --frames or --times"));
     }
-    instants.sort_by(|a, b| a.time.total_cmp(&b.time));
-    instants.dedup_by(|a, b| a.key == b.key);
-    Ok(instants)
+    frames.sort_unstable();
+    frames.dedup();
+    Ok(frames.into_iter().map(|frame| Instant::at_frame(frame, timeline)).collect())
 }

@@ -6,10 +6,9 @@ use std::sync::Mutex;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
-use l4d_data::DataError;
 use l4d_data::store::write_atomic;
+use l4d_data::{DataError, StageError};
 
-use super::ClipsError;
 use super::folder::FrameEntry;
 use super::plan::Shot;
 
@@ -30,8 +29,8 @@ pub(super) struct Sheet {
 /// file that cannot be written ends it.
 pub(super) fn writing(
     written: impl Fn(Shot, FrameEntry) + Sync,
-    work: impl FnOnce(&(dyn Fn(Sheet) -> Result<(), ClipsError> + Sync)) -> Result<(), ClipsError>,
-) -> Result<(), ClipsError> {
+    work: impl FnOnce(&(dyn Fn(Sheet) -> Result<(), StageError> + Sync)) -> Result<(), StageError>,
+) -> Result<(), StageError> {
     let (sender, receiver) = sync_channel::<Sheet>(WAITING);
     let receiver = Mutex::new(receiver);
     let failure: Mutex<Option<DataError>> = Mutex::new(None);
@@ -52,11 +51,11 @@ pub(super) fn writing(
                 }
             });
         }
-        let hand_over = |sheet: Sheet| {
-            if has_failed() {
-                return Err(ClipsError::Stopped);
-            }
-            sender.send(sheet).map_err(|_closed| ClipsError::Stopped)
+        // The error of the file is reported instead of this one.
+        let stopped = || StageError::new("a file could not be written", "see to the disk");
+        let hand_over = |sheet: Sheet| match has_failed() {
+            true => Err(stopped()),
+            false => sender.send(sheet).map_err(|_closed| stopped()),
         };
         let result = work(&hand_over);
         drop(sender);

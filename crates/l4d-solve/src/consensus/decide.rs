@@ -12,8 +12,8 @@ pub(super) fn decide(
     pairs: Vec<PairRecord>,
     settings: &ConsensusSettings,
 ) -> Consensus {
-    let found: Vec<usize> = views_with(parts, |part| *part == Part::Found);
-    let answers = views_with(parts, |part| matches!(part, Part::Found | Part::Absent)).len();
+    let found: Vec<usize> = (0..parts.len()).filter(|&view| parts[view] == Part::Found).collect();
+    let answers = parts.iter().filter(|part| matches!(part, Part::Found | Part::Absent)).count();
     let relations = Relations::of(&pairs);
     let groups = relations.groups(&found);
     let verdicts = relations.verdicts(&groups);
@@ -24,11 +24,11 @@ pub(super) fn decide(
 
     let mut views: Vec<ViewRecord> = std::iter::zip(proposals, parts)
         .enumerate()
-        .map(|(view, (proposal, part))| view_record(view, proposal, part, &pairs, settings))
+        .map(|(view, (proposal, part))| view_record(view, proposal, *part, &pairs, settings))
         .collect();
     let is_vote = settings.is_on && answers > 1;
     for (view, record) in views.iter_mut().enumerate() {
-        if parts.get(view) == Some(&Part::Found) {
+        if parts[view] == Part::Found {
             record.standing =
                 if is_vote { standing(record, verdict_of(view), settings) } else { ViewVerdict::Reliable };
         }
@@ -70,7 +70,7 @@ pub(super) fn decide(
         _ => {
             let goes_on =
                 |record: &ViewRecord| matches!(record.standing, ViewVerdict::Reliable | ViewVerdict::Best);
-            (0..views.len()).filter(|&view| views.get(view).is_some_and(goes_on)).collect()
+            (0..views.len()).filter(|&view| goes_on(&views[view])).collect()
         }
     };
     Consensus {
@@ -84,28 +84,20 @@ pub(super) fn decide(
     }
 }
 
-fn views_with(parts: &[Part], test: impl Fn(&Part) -> bool) -> Vec<usize> {
-    parts.iter().enumerate().filter(|(_, part)| test(part)).map(|(view, _)| view).collect()
-}
-
 fn view_record(
     view: usize,
     proposal: &Proposal<'_>,
-    part: &Part,
+    part: Part,
     pairs: &[PairRecord],
     settings: &ConsensusSettings,
 ) -> ViewRecord {
-    let (standing, problem) = match part {
+    let standing = match part {
         // Not the last word on what was found: that takes the votes.
-        Part::Found => (ViewVerdict::NoJudge, None),
-        Part::Absent => (ViewVerdict::Absent, None),
-        Part::NoAnswer => (ViewVerdict::NoAnswer, None),
-        Part::Unusable(problem) => (ViewVerdict::Unusable, Some(problem.clone())),
+        Part::Found => ViewVerdict::NoJudge,
+        Part::Absent => ViewVerdict::Absent,
+        Part::NoAnswer => ViewVerdict::NoAnswer,
     };
-    let frames = match part {
-        Part::Found | Part::Absent => proposal.marked(),
-        Part::NoAnswer | Part::Unusable(_) => Vec::new(),
-    };
+    let frames = if part == Part::NoAnswer { Vec::new() } else { proposal.marked() };
     let about = || pairs.iter().filter(|pair| pair.of == view);
     let is_judge = |pair: &&PairRecord| match settings.judges {
         Judges::AllOthers => true,
@@ -114,11 +106,10 @@ fn view_record(
     ViewRecord {
         view: proposal.clip.camera.name.clone(),
         outcome: proposal.grounding.outcome.word().to_owned(),
-        marked_frames: frames.iter().filter(|marked| marked.pixels > 0).count() as u32,
+        marked_frames: frames.iter().filter(|&&(_, pixels)| pixels > 0).count() as u32,
         votes: about().filter(|pair| pair.verdict == PairVerdict::Vote).count() as u32,
         judges: about().filter(is_judge).count() as u32,
         standing,
-        problem,
         frames,
     }
 }

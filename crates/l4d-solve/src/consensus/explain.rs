@@ -1,16 +1,19 @@
 //! Consensus as text for people: who goes on and why, who votes for whom, and every frame.
 
-use super::record::{Consensus, Decision, FrameRecord, FrameVerdict, PairVerdict, ViewRecord, ViewVerdict};
+use std::collections::BTreeSet;
+use std::iter::once;
+
+use super::record::{Consensus, Decision, FrameVerdict, PairVerdict, ViewRecord, ViewVerdict};
 use super::settings::GroupRule;
 
 impl Consensus {
     /// Everything below, one after the other.
-    pub fn explain(&self) -> String {
+    pub(crate) fn explain(&self) -> String {
         [self.summary(), self.vote_table(), self.frame_table()].join("\n")
     }
 
     /// What goes on and why: a line for each view, and the groups.
-    pub fn summary(&self) -> String {
+    pub(crate) fn summary(&self) -> String {
         let preset = self.preset.map_or("settings of your own", |preset| preset.word());
         let mut text = format!(
             "consensus ({preset}): {} of {} views go on: {}\n{}\n\n",
@@ -37,12 +40,8 @@ impl Consensus {
     }
 
     /// Who votes for whom: a row for each proposal, a column for each judge.
-    pub fn vote_table(&self) -> String {
-        let mut rows = vec![
-            std::iter::once("votes for".to_owned())
-                .chain((0..self.views.len()).map(|judge| self.name(judge)))
-                .collect::<Vec<_>>(),
-        ];
+    fn vote_table(&self) -> String {
+        let mut rows = vec![self.heading("votes for")];
         rows.extend((0..self.views.len()).map(|of| {
             let cell = |judge: usize| match self.pair(of, judge) {
                 None => "-".to_owned(),
@@ -55,50 +54,37 @@ impl Consensus {
                     format!("{word} {}/{}", pair.agreeing, pair.counted)
                 }
             };
-            std::iter::once(self.name(of)).chain((0..self.views.len()).map(cell)).collect()
+            once(self.name(of)).chain((0..self.views.len()).map(cell)).collect()
         }));
         format!("{}each cell: the judge's verdict, frames that agree / that count\n", table(&rows))
     }
 
     /// Every frame: a row for each, a column for each view.
-    pub fn frame_table(&self) -> String {
-        let mut frames: Vec<u32> =
-            self.views.iter().flat_map(|view| view.frames.iter().map(|marked| marked.frame)).collect();
-        frames.sort_unstable();
-        frames.dedup();
-        let mut rows = vec![
-            std::iter::once("frame".to_owned())
-                .chain((0..self.views.len()).map(|view| self.name(view)))
-                .collect::<Vec<_>>(),
-        ];
-        for frame in frames {
-            let cells =
-                self.views.iter().enumerate().map(|(place, view)| self.frame_cell(place, view, frame));
-            rows.push(std::iter::once(frame.to_string()).chain(cells).collect());
-        }
+    fn frame_table(&self) -> String {
+        let frames: BTreeSet<u32> =
+            self.views.iter().flat_map(|view| &view.frames).map(|&(frame, _)| frame).collect();
+        let mut rows = vec![self.heading("frame")];
+        rows.extend(frames.into_iter().map(|frame| {
+            let cells = (0..self.views.len()).map(|view| self.frame_cell(view, frame));
+            once(frame.to_string()).chain(cells).collect()
+        }));
         format!(
             "{}each cell: pixels marked, judges that agree + disagree, frames without a word (.) not counted\n",
             table(&rows)
         )
     }
 
-    /// How many judges agree, disagree, and say nothing about a view's proposal at a frame.
-    pub fn tally(&self, of: usize, frame: u32) -> [u32; 3] {
+    fn heading(&self, first: &str) -> Vec<String> {
+        once(first.to_owned()).chain((0..self.views.len()).map(|view| self.name(view))).collect()
+    }
+
+    /// How many judges agree and disagree with a view's proposal at a frame.
+    fn tally(&self, of: usize, frame: u32) -> [usize; 2] {
         let about = self.pairs.iter().filter(|pair| pair.of == of);
-        let at = |frames: &[FrameRecord]| {
-            let place = frames.binary_search_by_key(&frame, |record| record.frame).ok()?;
-            frames.get(place).map(|record| record.verdict)
-        };
-        let mut tally = [0; 3];
-        for verdict in about.filter_map(|pair| at(&pair.frames)) {
-            let [agree, disagree, neutral] = &mut tally;
-            *match verdict {
-                FrameVerdict::Agrees => agree,
-                FrameVerdict::Disagrees => disagree,
-                FrameVerdict::Neutral => neutral,
-            } += 1;
-        }
-        tally
+        let records = about.flat_map(|pair| &pair.frames).filter(|record| record.frame == frame);
+        let verdicts: Vec<FrameVerdict> = records.map(|record| record.verdict).collect();
+        [FrameVerdict::Agrees, FrameVerdict::Disagrees]
+            .map(|wanted| verdicts.iter().filter(|&&verdict| verdict == wanted).count())
     }
 
     fn rules(&self) -> String {
@@ -127,35 +113,31 @@ impl Consensus {
             view.score().map_or("-".to_owned(), |score| format!("{score:.2}")),
             self.group_of(place).map_or("-".to_owned(), group_letter),
             goes_on.to_owned(),
-            match &view.problem {
-                Some(problem) => format!("{}: {problem}", view.standing.sentence()),
-                None => view.standing.sentence().to_owned(),
-            },
+            view.standing.sentence().to_owned(),
         ]
     }
 
-    fn frame_cell(&self, place: usize, view: &ViewRecord, frame: u32) -> String {
-        match view.frames.iter().find(|marked| marked.frame == frame) {
-            None => "-".to_owned(),
-            Some(marked) if marked.pixels == 0 => match self.tally(place, frame) {
-                [0, 0, _] => ".".to_owned(),
-                [agree, disagree, _] => format!(". +{agree} -{disagree}"),
-            },
-            Some(marked) => match self.tally(place, frame) {
-                [0, 0, _] => format!("{} .", marked.pixels),
-                [agree, disagree, _] => format!("{} +{agree} -{disagree}", marked.pixels),
-            },
+    fn frame_cell(&self, view: usize, frame: u32) -> String {
+        let pixels = match self.views[view].frames.iter().find(|marked| marked.0 == frame) {
+            None => return "-".to_owned(),
+            Some((_, 0)) => String::new(),
+            Some((_, pixels)) => format!("{pixels} "),
+        };
+        match self.tally(view, frame) {
+            [0, 0] => format!("{pixels}."),
+            [agree, disagree] if pixels.is_empty() => format!(". +{agree} -{disagree}"),
+            [agree, disagree] => format!("{pixels}+{agree} -{disagree}"),
         }
     }
 
     fn name(&self, view: usize) -> String {
-        self.views.get(view).map(|record| record.view.to_string()).unwrap_or_default()
+        self.views[view].view.to_string()
     }
 }
 
 impl Decision {
     /// For people.
-    pub fn sentence(self) -> &'static str {
+    fn sentence(self) -> &'static str {
         match self {
             Self::Off => "consensus is off, all that found something",
             Self::Bypassed => "one view alone answered, and no other can vote on it",
@@ -174,14 +156,12 @@ impl Decision {
 }
 
 impl ViewVerdict {
-    /// For people.
-    pub fn sentence(self) -> &'static str {
+    fn sentence(self) -> &'static str {
         match self {
             Self::Reliable => "reliable",
             Self::Best => "not reliable, but the best",
             Self::Absent => "says that it is not there",
             Self::NoAnswer => "did not answer",
-            Self::Unusable => "unusable",
             Self::NoJudge => "no other view could see it",
             Self::FewVotes => "too few votes",
             Self::LowScore => "too small a share of votes",
@@ -192,7 +172,7 @@ impl ViewVerdict {
 }
 
 /// A, B, ... Z, then by number.
-pub(super) fn group_letter(group: usize) -> String {
+fn group_letter(group: usize) -> String {
     match u8::try_from(group) {
         Ok(place @ 0..26) => char::from(b'A' + place).to_string(),
         _ => (group + 1).to_string(),

@@ -105,64 +105,40 @@ impl Relations {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
-    fn relations(agree: &[(usize, usize)], contradict: &[(usize, usize)]) -> Relations {
-        let all = agree.iter().map(|&pair| (pair, 1)).chain(contradict.iter().map(|&pair| (pair, -1)));
-        Relations(all.collect())
-    }
-
-    fn within(views: &[usize]) -> Vec<(usize, usize)> {
-        let pairs = views.iter().flat_map(|&a| views.iter().map(move |&b| (a, b)));
-        pairs.filter(|(a, b)| a < b).collect()
-    }
-
     fn between(ours: &[usize], theirs: &[usize]) -> Vec<(usize, usize)> {
-        ours.iter().flat_map(|&a| theirs.iter().map(move |&b| (a.min(b), a.max(b)))).collect()
+        let pairs = ours.iter().flat_map(|&a| theirs.iter().map(move |&b| (a.min(b), a.max(b))));
+        pairs.filter(|(a, b)| a != b).collect()
+    }
+
+    /// Groups and their verdicts, of views of which these agree with each other, and these sides contradict each other.
+    fn judged(agree: &[&[usize]], contradict: &[[&[usize]; 2]]) -> Vec<(Vec<usize>, GroupVerdict)> {
+        let agree = agree.iter().flat_map(|views| between(views, views)).map(|pair| (pair, 1));
+        let contradict = contradict.iter().flat_map(|[a, b]| between(a, b)).map(|pair| (pair, -1));
+        let relations = Relations(agree.chain(contradict).collect());
+        let views: BTreeSet<usize> = relations.0.keys().flat_map(|&(a, b)| [a, b]).collect();
+        let groups = relations.groups(&views.into_iter().collect::<Vec<_>>());
+        let verdicts = relations.verdicts(&groups);
+        groups.into_iter().zip(verdicts).collect()
     }
 
     #[test]
-    fn a_view_that_agrees_with_two_groups_does_not_make_them_one() {
-        // 0, 1, 2 against 4, 5; view 3 agrees with all of them.
-        let agree = [within(&[0, 1, 2, 3]), within(&[4, 5]), between(&[3], &[4, 5])].concat();
-        let relations = relations(&agree, &between(&[0, 1, 2], &[4, 5]));
-        let groups = relations.groups(&[0, 1, 2, 3, 4, 5]);
-        assert_eq!(groups, [vec![0, 1, 2, 3], vec![4, 5]]);
-        // 6 contradictions, 2 agreements between them.
-        assert!(relations.contradict(&groups[0], &groups[1]));
-        assert_eq!(relations.verdicts(&groups), [GroupVerdict::Remains, GroupVerdict::Outvoted]);
-    }
-
-    #[test]
-    fn groups_of_one_size_tie_and_unrelated_ones_remain() {
-        let agree = [within(&[0, 1]), within(&[2, 3]), within(&[4, 5])].concat();
-        let relations = relations(&agree, &between(&[0, 1], &[2, 3]));
-        let groups = relations.groups(&[0, 1, 2, 3, 4, 5]);
-        assert_eq!(groups, [vec![0, 1], vec![2, 3], vec![4, 5]]);
-        assert_eq!(
-            relations.verdicts(&groups),
-            [GroupVerdict::Tied, GroupVerdict::Tied, GroupVerdict::Remains]
-        );
-    }
-
-    #[test]
-    fn an_outvoted_group_outvotes_and_ties_with_none() {
-        // 0, 1, 2 outvote 3, 4, which would tie with 5, 6.
-        let agree = [within(&[0, 1, 2]), within(&[3, 4]), within(&[5, 6])].concat();
-        let against = [between(&[0, 1, 2], &[3, 4]), between(&[3, 4], &[5, 6])].concat();
-        let relations = relations(&agree, &against);
-        let groups = relations.groups(&[0, 1, 2, 3, 4, 5, 6]);
-        assert_eq!(
-            relations.verdicts(&groups),
-            [GroupVerdict::Remains, GroupVerdict::Outvoted, GroupVerdict::Remains]
-        );
-    }
-
-    #[test]
-    fn single_views_are_left_to_the_votes() {
-        let relations = relations(&[], &between(&[0], &[1, 2]));
-        let groups = relations.groups(&[0, 1, 2]);
-        assert_eq!(groups.len(), 3);
-        assert_eq!(relations.verdicts(&groups), [GroupVerdict::Remains; 3]);
+    fn larger_groups_outvote_and_equal_ones_tie() {
+        use GroupVerdict::{Outvoted, Remains, Tied};
+        // View 3 agrees with 0, 1, 2 and with 4, 5, which contradict them: that does not make them one.
+        let both = judged(&[&[0, 1, 2, 3], &[4, 5], &[3, 4], &[3, 5]], &[[&[0, 1, 2], &[4, 5]]]);
+        assert_eq!(both, [(vec![0, 1, 2, 3], Remains), (vec![4, 5], Outvoted)]);
+        // Unrelated groups remain.
+        let tied = judged(&[&[0, 1], &[2, 3], &[4, 5]], &[[&[0, 1], &[2, 3]]]);
+        assert_eq!(tied, [(vec![0, 1], Tied), (vec![2, 3], Tied), (vec![4, 5], Remains)]);
+        // An outvoted group outvotes and ties with none.
+        let chain = judged(&[&[0, 1, 2], &[3, 4], &[5, 6]], &[[&[0, 1, 2], &[3, 4]], [&[3, 4], &[5, 6]]]);
+        assert_eq!(chain, [(vec![0, 1, 2], Remains), (vec![3, 4], Outvoted), (vec![5, 6], Remains)]);
+        // Single views are left to the votes.
+        let single = judged(&[], &[[&[0], &[1, 2]]]);
+        assert_eq!(single, [0, 1, 2].map(|view| (vec![view], Remains)));
     }
 }

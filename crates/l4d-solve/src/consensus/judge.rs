@@ -1,8 +1,9 @@
 //! View-pair voting (paper, section 4): what each view says about each other's proposal, frame by frame.
 
-use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 use l4d_masks::Mask;
+use rayon::prelude::*;
 
 use super::candidate::{Part, Proposal};
 use super::record::{FrameCounts, FrameRecord, FrameVerdict, PairRecord, PairVerdict, Reason, share};
@@ -16,32 +17,21 @@ pub(super) fn judge_all(
     parts: &[Part],
     settings: &ConsensusSettings,
 ) -> Vec<PairRecord> {
-    let with =
-        |wanted: fn(&Part) -> bool| (0..parts.len()).filter(move |&view| parts.get(view).is_some_and(wanted));
-    let pairs: Vec<(usize, usize)> = with(|part| *part == Part::Found)
-        .flat_map(|of| {
-            with(|part| matches!(part, Part::Found | Part::Absent))
-                .filter(move |&judge| judge != of)
-                .map(move |judge| (of, judge))
-        })
-        .collect();
-    // Measured by pair, so that a frame can look up what was counted the other way round.
-    let measured: Vec<Vec<(u32, FrameCounts)>> = pairs
-        .par_iter()
-        .map(|&(of, judge)| match (proposals.get(of), proposals.get(judge)) {
-            (Some(of), Some(judge)) => measure(of, judge, settings),
-            _ => Vec::new(),
-        })
-        .collect();
-    let back_of = |of: usize, judge: usize| {
-        let place = pairs.binary_search(&(judge, of)).ok();
-        place.and_then(|place| measured.get(place)).map_or(&[][..], Vec::as_slice)
+    let views = 0..proposals.len();
+    let all = views.clone().flat_map(|of| views.clone().map(move |judge| (of, judge)));
+    let is_pair = |&(of, judge): &(usize, usize)| {
+        of != judge && parts[of] == Part::Found && matches!(parts[judge], Part::Found | Part::Absent)
     };
-    let judged = pairs.iter().zip(&measured).map(|(&(of, judge), forth)| {
-        let back = back_of(of, judge);
-        let frames = forth.iter().map(|&(frame, counts)| {
-            let place = back.binary_search_by_key(&frame, |&(frame, _)| frame).ok();
-            let back = place.and_then(|place| back.get(place)).map(|(_, counts)| counts);
+    let pairs: Vec<(usize, usize)> = all.filter(is_pair).collect();
+    // Measured by pair, so that a frame can look up what was counted the other way round.
+    let measured: BTreeMap<(usize, usize), BTreeMap<u32, FrameCounts>> = pairs
+        .par_iter()
+        .map(|&(of, judge)| ((of, judge), measure(&proposals[of], &proposals[judge], settings)))
+        .collect();
+    let judged = measured.iter().map(|(&(of, judge), forth)| {
+        let back = measured.get(&(judge, of));
+        let frames = forth.iter().map(|(&frame, &counts)| {
+            let back = back.and_then(|back| back.get(&frame));
             let (verdict, reason) = judge_frame(&counts, back, settings);
             FrameRecord { frame, counts, verdict, reason }
         });
@@ -50,7 +40,8 @@ pub(super) fn judge_all(
     judged.collect()
 }
 
-fn measure(of: &Proposal, judge: &Proposal, settings: &ConsensusSettings) -> Vec<(u32, FrameCounts)> {
+/// Every frame that both clips have.
+fn measure(of: &Proposal, judge: &Proposal, settings: &ConsensusSettings) -> BTreeMap<u32, FrameCounts> {
     let frames = of.clip.frame_numbers().filter(|&frame| judge.clip.at(frame).is_some());
     frames.map(|frame| (frame, measure_frame(of, judge, frame, settings))).collect()
 }

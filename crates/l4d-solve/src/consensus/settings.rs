@@ -62,8 +62,6 @@ pub struct ConsensusSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReprojectionSettings {
-    /// Which way.
-    pub method: Method,
     /// A pixel that is filled less than this has no depth. `paper` 0: its depth is taken as it is. `robust` 0.5, where
     /// the median depth begins to exist.
     pub min_alpha: f64,
@@ -74,17 +72,6 @@ pub struct ReprojectionSettings {
     pub with_spread: bool,
     /// What the spreads add at most, as a share of the depth: beyond, a pixel shows several things. 0.05.
     pub most_spread: f64,
-}
-
-/// How a mask gets from one view to another without holes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// Each marked pixel covers the square that it projects to.
-    Footprint,
-    /// Each pixel of the other view asks whether the point that it shows is marked. Better on rendered and on drawn
-    /// depth (docs/panopticquery.md).
-    InverseWarp,
 }
 
 /// The paper: "Visibility is confirmed if the projected mask shares over 60 % pixel overlap with m_j".
@@ -149,14 +136,6 @@ pub enum Undecided {
     AllCandidates,
 }
 
-/// A setting that decides nothing sensible.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("field `{field}` of the consensus settings is {value}: a share is 0 to 1")]
-pub struct SettingsError {
-    field: &'static str,
-    value: f64,
-}
-
 impl Preset {
     /// Its rules and constants.
     pub fn settings(self) -> ConsensusSettings {
@@ -183,7 +162,6 @@ impl ConsensusSettings {
         Self {
             is_on: true,
             reprojection: ReprojectionSettings {
-                method: Method::InverseWarp,
                 min_alpha: 0.0,
                 tolerance: 0.05,
                 with_spread: false,
@@ -231,26 +209,6 @@ impl ConsensusSettings {
     pub fn preset(&self) -> Option<Preset> {
         [Preset::Paper, Preset::Robust, Preset::Off].into_iter().find(|preset| preset.settings() == *self)
     }
-
-    /// Whether every share is one.
-    ///
-    /// # Errors
-    /// The first share outside 0 to 1.
-    pub fn check(&self) -> Result<(), SettingsError> {
-        let shares = [
-            ("visibility_share", self.visibility_share),
-            ("delta", self.delta),
-            ("epsilon", self.epsilon),
-            ("tau", self.tau),
-            ("reprojection.min_alpha", self.reprojection.min_alpha),
-            ("reprojection.tolerance", self.reprojection.tolerance),
-            ("reprojection.most_spread", self.reprojection.most_spread),
-        ];
-        match shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
-            Some((field, value)) => Err(SettingsError { field, value }),
-            None => Ok(()),
-        }
-    }
 }
 
 impl Default for ConsensusSettings {
@@ -267,7 +225,6 @@ mod tests {
     fn presets_are_told_by_their_rules_and_mixtures_are_none_of_them() {
         for preset in [Preset::Paper, Preset::Robust, Preset::Off] {
             assert_eq!(preset.settings().preset(), Some(preset));
-            assert_eq!(preset.settings().check(), Ok(()));
         }
         let mixed = ConsensusSettings { judges: Judges::CouldSee, ..ConsensusSettings::paper() };
         assert_eq!(mixed.preset(), None);
@@ -277,13 +234,5 @@ mod tests {
     fn the_paper_s_constants_are_the_paper_s() {
         let paper = ConsensusSettings::paper();
         assert_eq!([paper.delta, paper.epsilon, paper.tau, paper.visibility_share], [0.3, 0.5, 0.3, 0.6]);
-    }
-
-    #[test]
-    fn shares_that_are_none_are_named() {
-        for value in [f64::NAN, -0.1, 1.5, f64::INFINITY] {
-            let error = ConsensusSettings { tau: value, ..Default::default() }.check().unwrap_err();
-            assert!(error.to_string().contains("`tau`"), "{error}");
-        }
     }
 }

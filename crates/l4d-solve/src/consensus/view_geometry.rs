@@ -11,7 +11,7 @@ use super::settings::ReprojectionSettings;
 
 /// A view at a frame.
 #[derive(Debug, Clone, Copy)]
-pub struct ViewGeometry<'a> {
+pub(super) struct ViewGeometry<'a> {
     depth: &'a DepthMap,
     /// None where it does not matter.
     min_alpha: Option<f16>,
@@ -38,7 +38,7 @@ pub(super) struct Warp {
 
 impl<'a> ViewGeometry<'a> {
     /// What `clip` shows at a canonical frame; none if it has no such frame, or its camera no pose there.
-    pub fn of_clip(clip: &'a ViewClip, frame: u32, settings: &ReprojectionSettings) -> Option<Self> {
+    pub(super) fn of_clip(clip: &'a ViewClip, frame: u32, settings: &ReprojectionSettings) -> Option<Self> {
         let camera = &clip.camera;
         let has_pose =
             camera.world_from_camera.len() == 1 || (frame as usize) < camera.world_from_camera.len();
@@ -83,10 +83,6 @@ impl<'a> ViewGeometry<'a> {
             .map(|list| list.get(surface.index).map_or(f64::NAN, |depth_m| f64::from(*depth_m)));
         let half = (far - near) / 2.0;
         if half.is_finite() { half.max(0.0) } else { 0.0 }
-    }
-
-    pub(super) fn focal(&self) -> DVec2 {
-        DVec2::new(self.pixels_from_camera.x_axis.x, self.pixels_from_camera.y_axis.y)
     }
 
     /// The way from this view's pixels to those of another.

@@ -1,16 +1,17 @@
-//! What an answer is lifted onto: a model, and how it is drawn.
+//! What answers are lifted onto: a model, how it is drawn, and what all answers in a scene share of that work.
 //!
 //! Owns the states of the model without colours, which no lift looks at. Refuses to know what an answer is.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use l4d_splat::gaussians::ShDegree;
 use l4d_splat::raster::{RasterSettings, Rasterizer};
 use l4d_splat::splats::{SplatParts, Splats};
+use l4d_splat::view::View;
 use l4d_splat::{Model, model::ModelError};
 
 use super::error::LiftError;
-use super::model_states::ModelStates;
 
 /// A model and what draws it.
 #[derive(Clone, Copy)]
@@ -40,21 +41,116 @@ impl Canvas<'_> {
     /// # Errors
     /// As [`Self::at`].
     pub fn shapes_at(&self, time: f32) -> Result<Arc<Splats>, LiftError> {
+        let work_out = || {
+            let parts = self.at(time)?.into_parts();
+            let sh = vec![[0.0; 3]; parts.means.len()];
+            Splats::new(SplatParts { sh_degree: ShDegree::ZERO, sh, ..parts })
+                .map_err(|source| LiftError::Model { time, source: ModelError::Splat(source) })
+        };
         match self.states {
-            Some(states) => states.get(time, || self.work_out_shapes(time)),
-            None => self.work_out_shapes(time).map(Arc::new),
+            Some(states) => states.get(time, work_out),
+            None => work_out().map(Arc::new),
         }
-    }
-
-    fn work_out_shapes(&self, time: f32) -> Result<Splats, LiftError> {
-        let parts = self.at(time)?.into_parts();
-        let sh = vec![[0.0; 3]; parts.means.len()];
-        Splats::new(SplatParts { sh_degree: ShDegree::ZERO, sh, ..parts })
-            .map_err(|source| LiftError::Model { time, source: ModelError::Splat(source) })
     }
 }
 
 /// Whether a time lies in the clip.
 pub(super) fn check_time(time: f32) -> Result<(), LiftError> {
     if (0.0..=1.0).contains(&time) { Ok(()) } else { Err(LiftError::Time { time }) }
+}
+
+/// What is kept of one time.
+#[derive(Debug, Default)]
+struct Moment {
+    state: OnceLock<Arc<Splats>>,
+    /// For each Gaussian the sum of its blend weights over all pixels of a view.
+    seen: Mutex<Vec<(View, Arc<[f32]>)>>,
+}
+
+/// States of one model without colours, and how much each view sees of each Gaussian then, worked out once. Only the
+/// times that were named are kept, so that memory is bounded by the clip.
+#[derive(Debug, Default)]
+pub struct ModelStates {
+    /// By the bits of the time.
+    kept: BTreeMap<u32, Moment>,
+}
+
+impl ModelStates {
+    /// Keeps the states at these times, each from when it is first asked for.
+    pub fn at(times: impl IntoIterator<Item = f32>) -> Self {
+        Self { kept: times.into_iter().map(|time| (time.to_bits(), Moment::default())).collect() }
+    }
+
+    /// The state at a time: the one that is kept, or what `work_out` gives.
+    ///
+    /// No lock is held meanwhile: work on the thread pool may come back here on the same thread. Two who ask at once
+    /// may both work it out, with the same result.
+    fn get(
+        &self,
+        time: f32,
+        work_out: impl FnOnce() -> Result<Splats, LiftError>,
+    ) -> Result<Arc<Splats>, LiftError> {
+        let Some(Moment { state, .. }) = self.kept.get(&time.to_bits()) else {
+            return work_out().map(Arc::new);
+        };
+        match state.get() {
+            Some(state) => Ok(Arc::clone(state)),
+            None => {
+                let new = Arc::new(work_out()?);
+                Ok(Arc::clone(state.get_or_init(|| new)))
+            }
+        }
+    }
+
+    /// How much a view sees of each Gaussian at a time, if that is known.
+    pub(super) fn seen(&self, time: f32, view: &View) -> Option<Arc<[f32]>> {
+        let seen = self.kept.get(&time.to_bits())?.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.iter().find(|(from, _)| from == view).map(|(_, seen)| Arc::clone(seen))
+    }
+
+    /// Keeps how much a view sees of each Gaussian at a time.
+    pub(super) fn keep_seen(&self, time: f32, view: &View, sums: &Arc<[f32]>) {
+        if let Some(Moment { seen, .. }) = self.kept.get(&time.to_bits()) {
+            let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+            if seen.iter().all(|(from, _)| from != view) {
+                seen.push((*view, Arc::clone(sums)));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_is_worked_out_once_at_times_of_the_clip_and_again_where_that_failed() {
+        let states = ModelStates::at([0.0, 0.5]);
+        assert!(states.get(0.5, || Err(LiftError::Time { time: 2.0 })).is_err());
+        let count = std::cell::Cell::new(0);
+        let ask = |time: f32| {
+            let work_out = || {
+                count.set(count.get() + 1);
+                Ok(Splats::default())
+            };
+            states.get(time, work_out).unwrap()
+        };
+        assert!(Arc::ptr_eq(&ask(0.5), &ask(0.5)));
+        assert_eq!(count.get(), 1);
+        assert!(!Arc::ptr_eq(&ask(0.25), &ask(0.25)));
+    }
+
+    #[test]
+    fn what_a_view_sees_is_kept_at_times_of_the_clip() {
+        let states = ModelStates::at([0.5]);
+        let pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        let view = |focal| View::new([8, 6], [focal, focal], [4.0, 3.0], pose).unwrap();
+        for (time, focal, value) in [(0.5, 5.0, 1.0), (0.5, 6.0, 2.0), (0.5, 5.0, 3.0), (0.25, 5.0, 4.0)] {
+            states.keep_seen(time, &view(focal), &Arc::from([value]));
+        }
+        assert_eq!(states.seen(0.5, &view(5.0)).as_deref(), Some([1.0].as_slice()));
+        assert_eq!(states.seen(0.5, &view(6.0)).as_deref(), Some([2.0].as_slice()));
+        assert_eq!(states.seen(0.5, &view(7.0)), None);
+        assert_eq!(states.seen(0.25, &view(5.0)), None);
+    }
 }

@@ -17,10 +17,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::canvas::Canvas;
-use super::error::LiftError;
+use super::error::{LiftError, check_ranges};
 use super::evidence::{Evidence, Instant};
-use super::labels::{Cut, Labels};
-use super::progress::{Phase, Reporter};
+use super::labels::Labels;
 use graph::Graph;
 use tally::Votes;
 
@@ -45,8 +44,6 @@ pub struct ClosedSettings {
     pub change_price: f64,
     /// Clip times of which the pictures choose the threshold, at most.
     pub threshold_times: u32,
-    /// How labels become masks.
-    pub cut: Cut,
 }
 
 impl ClosedSettings {
@@ -59,7 +56,6 @@ impl ClosedSettings {
             neighbours: 8,
             change_price: 0.1,
             threshold_times: 6,
-            cut: Cut::Gaussians,
         }
     }
 
@@ -68,28 +64,15 @@ impl ClosedSettings {
         Self { steps: 0, smoothness: 0.0, ..Self::robust() }
     }
 
-    /// Three steps of SIRT over all pictures, no graph.
-    pub fn sirt() -> Self {
-        Self { steps: 3, step_times: u32::MAX, smoothness: 0.0, ..Self::robust() }
-    }
-
-    /// Refuses what cannot be.
-    ///
-    /// # Errors
-    /// The first setting outside its range.
-    pub fn check(&self) -> Result<(), LiftError> {
-        let ranges = [
+    fn check(&self) -> Result<(), LiftError> {
+        check_ranges([
             ("steps", f64::from(self.steps), 0.0..=100.0, "0 to 100 steps"),
             ("step_times", f64::from(self.step_times), 1.0..=f64::MAX, "at least 1"),
             ("smoothness", f64::from(self.smoothness), 0.0..=1e6, "0 to 1e6"),
             ("neighbours", f64::from(self.neighbours), 1.0..=64.0, "1 to 64 neighbours"),
             ("change_price", self.change_price, 0.0..=1e6, "0 to 1e6"),
             ("threshold_times", f64::from(self.threshold_times), 1.0..=f64::MAX, "at least 1"),
-        ];
-        match ranges.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
-            Some((field, value, _, remedy)) => Err(LiftError::Setting { field, value, remedy }),
-            None => Ok(()),
-        }
+        ])
     }
 }
 
@@ -98,14 +81,11 @@ pub(super) fn labels(
     canvas: &Canvas<'_>,
     evidence: &Evidence,
     settings: &ClosedSettings,
-    report: &mut Reporter<'_>,
 ) -> Result<Labels, LiftError> {
     settings.check()?;
     let instants = evidence.instants()?;
-    report.expect(instants.len());
     let (mut votes, mut shapes) = (Vec::new(), Vec::new());
     for instant in &instants {
-        report.step(Phase::Votes)?;
         let splats = canvas.shapes_at(instant.time)?;
         votes.push(tally::votes(canvas, &splats, instant)?);
         shapes.push(splats);
@@ -113,31 +93,29 @@ pub(super) fn labels(
     let state_of = states::states(&votes, settings.change_price);
     let step_times = step_times(&votes, &state_of, settings.step_times);
     let threshold_times = threshold_times(&instants, settings.threshold_times);
-    report.expect(settings.steps as usize * step_times.len() + threshold_times.len());
     let mut solution = Solution::new(&votes, &state_of);
     let graph = (settings.smoothness > 0.0).then(|| graph_of(&shapes, settings));
     solution.smooth(graph.as_ref(), settings.smoothness);
     for _ in 0..settings.steps {
-        let mut pulls = Pulls::new(&solution);
+        let (mut rests, mut seen) = (solution.zeros(), solution.zeros());
         for &time in &step_times {
-            report.step(Phase::Steps)?;
+            let state = state_of[time] as usize;
             let rest = tally::residual(canvas, &shapes[time], &instants[time], solution.at(time))?;
-            pulls.add(state_of[time] as usize, &rest, &votes[time].seen);
+            add(&mut rests[state], &rest);
+            add(&mut seen[state], &votes[time].seen);
         }
-        solution.pull(&pulls);
+        solution.pull(&rests, &seen);
         solution.smooth(graph.as_ref(), settings.smoothness);
     }
     let mut fit = threshold::Fit::default();
     for &time in &threshold_times {
-        report.step(Phase::Threshold)?;
-        fit.add(canvas, &shapes[time], &instants[time], solution.at(time), settings.cut)?;
+        fit.add(canvas, &shapes[time], &instants[time], solution.at(time))?;
     }
     Ok(Labels {
         times: instants.iter().map(|instant| instant.time).collect(),
         states: solution.states,
         state_of,
         threshold: fit.best(),
-        cut: settings.cut,
     })
 }
 
@@ -215,10 +193,15 @@ impl<'a> Solution<'a> {
         &self.states[self.state_of[time] as usize]
     }
 
-    fn pull(&mut self, pulls: &Pulls) {
-        for (state, labels) in self.states.iter_mut().enumerate() {
-            let pulls = pulls.rest[state].iter().zip(&pulls.seen[state]);
-            for (label, (&rest, &seen)) in labels.iter_mut().zip(pulls) {
+    /// A zero for each state and Gaussian.
+    fn zeros(&self) -> Vec<Vec<f32>> {
+        self.states.iter().map(|labels| vec![0.0; labels.len()]).collect()
+    }
+
+    /// One step of SIRT: adds what the masks hold beyond the blend of the labels, by how much was seen.
+    fn pull(&mut self, rests: &[Vec<f32>], seen: &[Vec<f32>]) {
+        for ((labels, rests), seen) in self.states.iter_mut().zip(rests).zip(seen) {
+            for ((label, rest), &seen) in labels.iter_mut().zip(rests).zip(seen) {
                 if seen > UNSEEN {
                     *label = (*label + rest / seen).clamp(0.0, 1.0);
                 }
@@ -239,24 +222,6 @@ impl<'a> Solution<'a> {
             let trust: Vec<f32> = seen.iter().map(|&seen| seen / median).collect();
             *labels = graph.smooth(labels, &trust, strength);
         }
-    }
-}
-
-/// What one step of SIRT wants, state by state.
-struct Pulls {
-    rest: Vec<Vec<f32>>,
-    seen: Vec<Vec<f32>>,
-}
-
-impl Pulls {
-    fn new(solution: &Solution<'_>) -> Self {
-        let zeros: Vec<Vec<f32>> = solution.states.iter().map(|labels| vec![0.0; labels.len()]).collect();
-        Self { rest: zeros.clone(), seen: zeros }
-    }
-
-    fn add(&mut self, state: usize, rest: &[f32], seen: &[f32]) {
-        add(&mut self.rest[state], rest);
-        add(&mut self.seen[state], seen);
     }
 }
 

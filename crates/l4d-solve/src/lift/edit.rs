@@ -7,11 +7,8 @@ use l4d_splat::splats::{SplatError, SplatParts, Splats};
 /// The constant spherical harmonic.
 const CONSTANT: f32 = 0.282_094_8;
 
-/// The scene with the answer in another colour: `share` of it, 0 to 1, over its own. Colours are display colours.
-///
-/// # Errors
-/// A colour that is not finite.
-pub fn highlight(
+/// The scene with the answer in another colour: `share` of it, 0 to 1, over its own. Colours are display colours, and finite.
+pub(crate) fn highlight(
     splats: &Splats,
     members: &[bool],
     colour: [f32; 3],
@@ -32,18 +29,12 @@ pub fn highlight(
 }
 
 /// The answer alone.
-///
-/// # Errors
-/// None for splats that can be drawn.
-pub fn extract(splats: &Splats, members: &[bool]) -> Result<Splats, SplatError> {
+pub(crate) fn extract(splats: &Splats, members: &[bool]) -> Result<Splats, SplatError> {
     keep(splats, |index| members.get(index).copied().unwrap_or(false))
 }
 
 /// The scene without the answer.
-///
-/// # Errors
-/// None for splats that can be drawn.
-pub fn remove(splats: &Splats, members: &[bool]) -> Result<Splats, SplatError> {
+pub(crate) fn remove(splats: &Splats, members: &[bool]) -> Result<Splats, SplatError> {
     keep(splats, |index| !members.get(index).copied().unwrap_or(false))
 }
 

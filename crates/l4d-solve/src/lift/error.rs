@@ -1,6 +1,8 @@
 //! Why evidence was not lifted, or an answer not drawn.
 
-use l4d_data::{DataError, StageError};
+use std::ops::RangeInclusive;
+
+use l4d_data::StageError;
 use l4d_splat::model::ModelError;
 use l4d_splat::optimise::OptimiseError;
 use l4d_splat::raster::RasterError;
@@ -8,20 +10,13 @@ use l4d_splat::view::ViewError;
 
 impl From<LiftError> for StageError {
     fn from(error: LiftError) -> Self {
-        let hint = match &error {
-            LiftError::Data(error) => error.hint(),
-            _ => None,
-        };
-        Self::of(&error, hint)
+        Self::of(&error, None)
     }
 }
 
 /// Why lifting failed.
 #[derive(Debug, thiserror::Error)]
 pub enum LiftError {
-    /// Nothing to learn from.
-    #[error("there is no evidence: no view has a frame with a mask; let at least one view through")]
-    NoEvidence,
     /// A mask that does not belong to its picture.
     #[error("view `{view}`, frame {frame}: {message}")]
     Evidence {
@@ -69,31 +64,20 @@ pub enum LiftError {
         /// What is wrong.
         source: OptimiseError,
     },
-    /// The answer belongs to other Gaussians.
-    #[error(
-        "the answer was lifted onto another model (of {answered} Gaussians, digest {wanted}; this one has {found} and \
-         {digest}): lift it again, or give the model that it belongs to"
-    )]
-    OtherModel {
-        /// Gaussians of the model that was lifted onto.
-        answered: usize,
-        /// Its digest.
-        wanted: String,
-        /// Gaussians of the model at hand.
-        found: usize,
-        /// Its digest.
-        digest: String,
-    },
     /// A time outside the clip.
     #[error("time {time} lies outside the clip: times go from 0 to 1")]
     Time {
         /// What was asked for.
         time: f32,
     },
-    /// What the disk holds or refuses.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// Somebody wanted it to end.
-    #[error("cancelled")]
-    Cancelled,
+}
+
+/// Refuses the first of these settings (name, value, range, range in words) that is outside its range.
+pub(super) fn check_ranges<const N: usize>(
+    settings: [(&'static str, f64, RangeInclusive<f64>, &'static str); N],
+) -> Result<(), LiftError> {
+    match settings.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
+        Some((field, value, _, remedy)) => Err(LiftError::Setting { field, value, remedy }),
+        None => Ok(()),
+    }
 }

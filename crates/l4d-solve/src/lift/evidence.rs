@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use l4d_ground::ViewClip;
+use l4d_ground::{Grounding, ViewClip};
 use l4d_masks::Mask;
 use l4d_splat::view::View;
 
@@ -39,18 +39,25 @@ pub struct EvidenceFrame {
     pub mask: Mask,
 }
 
-impl EvidenceView {
-    /// The masks of a clip, by frame. Frames of the clip without a mask say nothing.
+impl Evidence {
+    /// What these views say, those that are believed alone. Frames of a clip without a mask say nothing.
     ///
     /// # Errors
-    /// A camera without a pose at a frame, a mask of another size, a mask for a frame that the clip lacks.
-    pub fn of_clip(clip: &ViewClip, masks: &BTreeMap<u32, Mask>) -> Result<Self, LiftError> {
+    /// A camera without a pose at a frame, a mask for a frame that the clip lacks.
+    pub fn of(clips: &[ViewClip], groundings: &[Grounding], believed: &[usize]) -> Result<Self, LiftError> {
+        let view = |&view: &usize| EvidenceView::of_clip(&clips[view], &groundings[view].masks);
+        Ok(Self { views: believed.iter().map(view).collect::<Result<_, _>>()? })
+    }
+}
+
+impl EvidenceView {
+    fn of_clip(clip: &ViewClip, masks: &BTreeMap<u32, Mask>) -> Result<Self, LiftError> {
         let name = clip.camera.name.to_string();
         let size = [clip.width, clip.height];
         let frames = masks.iter().map(|(&frame, mask)| {
-            let fault = |message| LiftError::Evidence { view: name.clone(), frame, message };
             if clip.at(frame).is_none() {
-                return Err(fault("there is a mask, but the clip has no such frame".to_owned()));
+                let message = "there is a mask, but the clip has no such frame".to_owned();
+                return Err(LiftError::Evidence { view: name.clone(), frame, message });
             }
             let view = View::of_camera(&clip.camera, frame, size, size)
                 .map_err(|source| LiftError::View { view: name.clone(), source })?;
@@ -80,7 +87,7 @@ impl Evidence {
     /// The pictures by time, ascending.
     ///
     /// # Errors
-    /// No picture at all; a mask that does not have the size of its view.
+    /// A mask that does not have the size of its view.
     pub(super) fn instants(&self) -> Result<Vec<Instant<'_>>, LiftError> {
         // Bits of times, which are never negative, are in the order of the times.
         let mut by_time: BTreeMap<u32, Vec<Picture<'_>>> = BTreeMap::new();
@@ -97,9 +104,6 @@ impl Evidence {
                 let picture = Picture { view: &seen.view, mask: &seen.mask };
                 by_time.entry(seen.time.to_bits()).or_default().push(picture);
             }
-        }
-        if by_time.is_empty() {
-            return Err(LiftError::NoEvidence);
         }
         let instant = |(bits, pictures)| Instant { time: f32::from_bits(bits), pictures };
         Ok(by_time.into_iter().map(instant).collect())

@@ -7,81 +7,72 @@
 //! The same numbers are reached by a shorter way than they are written down (docs/panopticquery.md lists the
 //! savings): a convolution commutes with a blend and two classes need one number, the difference of their logits, so
 //! that one channel is drawn and not 32; the last layer and the convolution are one vector; phi is evaluated once an
-//! iteration, for the Gaussians that the picture or the neighbourhoods need; neighbours are found once a time. `literal` in
-//! the tests writes the objective down as the paper does, and both learn alike.
+//! iteration, for the Gaussians that the picture or the neighbourhoods need; neighbours are found once a time. The tests
+//! write the objective down as the paper does.
 
-mod active;
 mod encoding;
-mod init;
 mod learn;
-#[cfg(test)]
-mod literal;
 mod network;
 mod objective;
-mod settings;
 #[cfg(test)]
 mod tests;
 
-use l4d_splat::tensor::Tensor;
-use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
-use super::layer::Layer;
-use encoding::Places;
-use network::{Collapsed, Scratch};
+use super::error::{LiftError, check_ranges};
 
-pub(super) use learn::{distil, learn};
+pub(super) use learn::learn;
 pub use network::Network;
-pub use settings::{DistilSettings, FieldSettings, Normalisation, ReadOut};
 
-/// Gaussians evaluated together: enough for the matrix products to run at full speed.
-pub(super) const BLOCK_ROWS: usize = 256;
-
-/// A trained field and how it is read out.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Field {
-    /// The parameters.
-    pub network: Network,
-    /// How its features become masks.
-    pub read_out: ReadOut,
+/// The faithful field. Defaults are those of the paper's implementation details and SA4D's network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldSettings {
+    /// Steps of Adam.
+    pub iterations: u32,
+    /// Rate of Adam, for the network and the decoder.
+    pub learning_rate: f64,
+    /// Weight of the cross-entropy (lambda of L_2d).
+    pub lambda_2d: f64,
+    /// Weight of the divergence (lambda of L_3d).
+    pub lambda_3d: f64,
+    /// Gaussians of which the neighbours are compared in each step (m).
+    pub sampled: u32,
+    /// Neighbours of each, itself among them as in SA4D's code (k).
+    pub neighbours: u32,
+    /// Width of the three hidden layers.
+    pub width: u32,
+    /// Numbers of an identity feature.
+    pub features: u32,
+    /// Seed of the parameters, the order of pictures and the samples.
+    pub seed: u64,
 }
 
-impl Field {
-    /// Difference of the two classes' logits of Gaussians with these canonical centres (metres) at a time from 0 to
-    /// 1, without the convolution's bias: above minus [`Self::bias`] a Gaussian belongs to the answer.
-    pub fn logits(&self, means: &[[f32; 3]], time: f32) -> Vec<f32> {
-        let places = Places::new(means);
-        let collapsed = Collapsed::new(&self.network, time);
-        let mut logits = vec![0.0; means.len()];
-        let rows: Vec<u32> = (0..means.len() as u32).collect();
-        rows.par_chunks(BLOCK_ROWS).zip(logits.par_chunks_mut(BLOCK_ROWS)).for_each_init(
-            Scratch::default,
-            |scratch, (rows, logits)| {
-                collapsed.logits(&self.network, &places, rows, scratch, logits);
-            },
-        );
-        logits
-    }
-
-    /// What the convolution adds to the difference of the logits, in every pixel and for every Gaussian.
-    pub fn bias(&self) -> f32 {
-        self.network.bias()
-    }
-
-    pub(super) fn layer(&self, means: &[[f32; 3]], time: f32) -> Layer {
-        let (logits, bias) = (self.logits(means, time), self.bias());
-        let members: Vec<bool> = logits.iter().map(|logit| logit + bias > 0.0).collect();
-        match self.read_out {
-            // softmax(conv(E)) is largest for the answer where the blend of the logits is above minus the bias.
-            ReadOut::Decode2d => Layer { values: logits, cut: -bias, members },
-            ReadOut::Hard3d => {
-                let values = members.iter().map(|&member| f32::from(u8::from(member))).collect();
-                Layer { values, cut: super::labels::HALF, members }
-            }
+impl FieldSettings {
+    /// As the paper.
+    pub fn paper() -> Self {
+        Self {
+            iterations: 2000,
+            learning_rate: 5e-4,
+            lambda_2d: 1.0,
+            lambda_3d: 2.0,
+            sampled: 1000,
+            neighbours: 5,
+            width: 256,
+            features: 32,
+            seed: 0,
         }
     }
 
-    /// The parameters by name.
-    pub(super) fn tensors(&self) -> Vec<(&'static str, Tensor)> {
-        self.network.tensors()
+    fn check(&self) -> Result<(), LiftError> {
+        check_ranges([
+            ("iterations", f64::from(self.iterations), 0.0..=1e7, "0 to 1e7 steps"),
+            ("learning_rate", self.learning_rate, 1e-12..=1e3, "1e-12 to 1e3"),
+            ("lambda_2d", self.lambda_2d, 0.0..=1e6, "0 to 1e6"),
+            ("lambda_3d", self.lambda_3d, 0.0..=1e6, "0 to 1e6"),
+            ("neighbours", f64::from(self.neighbours), 1.0..=64.0, "1 to 64 neighbours"),
+            ("width", f64::from(self.width), 1.0..=4096.0, "1 to 4096"),
+            ("features", f64::from(self.features), 1.0..=4096.0, "1 to 4096"),
+        ])
     }
 }

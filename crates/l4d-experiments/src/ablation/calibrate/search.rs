@@ -43,10 +43,6 @@ impl Search {
         let off = |&(_, miou): &(f64, f64)| (miou - self.target).abs();
         self.tried.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)))
     }
-
-    pub(super) fn best(&self) -> Option<f64> {
-        self.closest().map(|(swap, _)| swap)
-    }
 }
 
 #[cfg(test)]
@@ -76,7 +72,7 @@ mod tests {
     #[test]
     fn what_is_too_bad_without_errors_gets_none() {
         let search = searched(60.0, |swap| 50.0 - swap);
-        assert_eq!(search.best(), Some(0.0));
+        assert_eq!(search.closest().unwrap().0, 0.0);
         assert!(search.tried.iter().all(|&(swap, _)| swap == 0.0));
     }
 
@@ -84,8 +80,8 @@ mod tests {
     fn what_never_gets_that_bad_comes_as_near_as_it_can() {
         let search = searched(10.0, |_| 80.0);
         // All are equally far off: the first, without errors, says the least.
-        assert_eq!(search.best(), Some(0.0));
+        assert_eq!(search.closest().unwrap().0, 0.0);
         let falling = searched(10.0, |swap| 80.0 - swap);
-        assert!(falling.best().unwrap() > 0.98);
+        assert!(falling.closest().unwrap().0 > 0.98);
     }
 }

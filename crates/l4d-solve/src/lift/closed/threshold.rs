@@ -3,17 +3,16 @@
 //! Blend weights spill over silhouettes and through half-transparent Gaussians, so that one half is the wrong level
 //! for sums of votes. Owns the choice of level; refuses to know how the numbers came about.
 
-use l4d_masks::Mask;
+use l4d_splat::splats::Splats;
 use rayon::prelude::*;
 
 use crate::lift::canvas::Canvas;
 use crate::lift::error::LiftError;
 use crate::lift::evidence::{Instant, Picture, numbers};
-use crate::lift::labels::{Cut, HALF};
-use l4d_splat::splats::Splats;
+use crate::lift::labels::HALF;
 
 /// Levels that are tried.
-pub(super) const LEVELS: [f32; 13] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+const LEVELS: [f32; 13] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 
 /// How well each level fits, summed over pictures.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,27 +29,15 @@ impl Fit {
         splats: &Splats,
         instant: &Instant<'_>,
         labels: &[f32],
-        cut: Cut,
     ) -> Result<(), LiftError> {
+        let hard: Vec<f32> =
+            labels.iter().flat_map(|&label| LEVELS.map(|level| f32::from(u8::from(label > level)))).collect();
         let shown = instant.pictures.par_iter().filter(|picture| !picture.mask.is_empty());
         let overlaps: Vec<[f64; LEVELS.len()]> = shown
             .map(|picture| {
                 let projected = canvas.rasterizer.prepare(splats, picture.view, canvas.raster)?;
-                match cut {
-                    Cut::Gaussians => {
-                        let hard: Vec<f32> = labels
-                            .iter()
-                            .flat_map(|&label| LEVELS.map(|level| f32::from(u8::from(label > level))))
-                            .collect();
-                        let blend = projected.splat_features(&hard, LEVELS.len())?;
-                        let rows = blend.as_chunks::<{ LEVELS.len() }>().0;
-                        Ok(overlaps(picture, rows.iter().map(|row| row.map(|value| value > HALF))))
-                    }
-                    Cut::Pixels => {
-                        let blend = projected.splat_features(labels, 1)?;
-                        Ok(overlaps(picture, blend.iter().map(|&value| LEVELS.map(|level| value > level))))
-                    }
-                }
+                let blend = projected.splat_features(&hard, LEVELS.len())?;
+                Ok(overlaps(picture, blend.as_chunks().0))
             })
             .collect::<Result<_, LiftError>>()?;
         for picture in overlaps {
@@ -75,19 +62,17 @@ impl Fit {
     }
 }
 
-fn overlaps(
-    picture: &Picture<'_>,
-    pixels: impl Iterator<Item = [bool; LEVELS.len()]>,
-) -> [f64; LEVELS.len()] {
+/// Intersection over union at each level. `pixels` holds what each pixel shows at each level.
+fn overlaps(picture: &Picture<'_>, pixels: &[[f32; LEVELS.len()]]) -> [f64; LEVELS.len()] {
     let mut shared = [0_u32; LEVELS.len()];
     let mut drawn = [0_u32; LEVELS.len()];
-    for (pixel, inside) in pixels.zip(numbers(picture.mask)) {
-        for (level, is_drawn) in pixel.into_iter().enumerate() {
-            drawn[level] += u32::from(is_drawn);
-            shared[level] += u32::from(is_drawn && inside > 0.0);
+    for (pixel, inside) in pixels.iter().zip(numbers(picture.mask)) {
+        for (level, &value) in pixel.iter().enumerate() {
+            drawn[level] += u32::from(value > HALF);
+            shared[level] += u32::from(value > HALF && inside > 0.0);
         }
     }
-    let area = Mask::area(picture.mask) as f64;
+    let area = picture.mask.area() as f64;
     std::array::from_fn(|level| {
         f64::from(shared[level]) / (area + f64::from(drawn[level]) - f64::from(shared[level])).max(1.0)
     })

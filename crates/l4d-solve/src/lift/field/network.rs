@@ -4,13 +4,23 @@
 //! with u and c made of the last layer and the convolution ([`Collapsed`]). Parameters and what Adam knows of them stay
 //! those of the layers as the paper has them, so that learning takes the same way.
 
+use std::array::from_fn;
+
+use l4d_splat::deform::matmul;
 use l4d_splat::tensor::Tensor;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::encoding::{self, PLACE, Places, TIME};
-use l4d_splat::deform::matmul;
+use crate::lift::answer::Layer;
 
-/// Names of the parameters, in the order of [`Network::lists`].
-pub(super) const NAMES: [&str; 11] = [
+/// Gaussians evaluated together: enough for the matrix products to run at full speed.
+pub(super) const BLOCK_ROWS: usize = 256;
+
+/// Names of the parameters. The first layer's weights are in two parts, of the encoded place and of the encoded time;
+/// rows of the decoder: not the answer, the answer.
+const NAMES: [&str; 11] = [
     "phi.0.weight_place",
     "phi.0.weight_time",
     "phi.0.bias",
@@ -24,112 +34,52 @@ pub(super) const NAMES: [&str; 11] = [
     "decoder.bias",
 ];
 
-/// All parameters, or their gradient; matrices are \[outputs\]\[inputs\].
+/// All parameters, or their gradient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     pub(super) width: usize,
     pub(super) features: usize,
-    /// The part of the first layer that reads the encoded place: \[width\]\[63\].
-    pub(super) from_place: Vec<f32>,
-    /// The part of the first layer that reads the encoded time: \[width\]\[9\].
-    pub(super) from_time: Vec<f32>,
-    pub(super) first_bias: Vec<f32>,
-    /// The second and third layer: \[width\]\[width\] and a bias.
-    pub(super) hidden: [(Vec<f32>, Vec<f32>); 2],
-    /// \[features\]\[width\].
-    pub(super) last: Vec<f32>,
-    pub(super) last_bias: Vec<f32>,
-    /// \[2\]\[features\]: not the answer, the answer.
-    pub(super) decoder: Vec<f32>,
-    pub(super) decoder_bias: Vec<f32>,
+    /// In the order of the names; matrices are \[outputs\]\[inputs\].
+    pub(super) lists: [Vec<f32>; NAMES.len()],
 }
 
 impl Network {
     pub(super) fn zeros(width: usize, features: usize) -> Self {
-        let hidden = || (vec![0.0; width * width], vec![0.0; width]);
-        Self {
-            width,
-            features,
-            from_place: vec![0.0; width * PLACE],
-            from_time: vec![0.0; width * TIME],
-            first_bias: vec![0.0; width],
-            hidden: [hidden(), hidden()],
-            last: vec![0.0; features * width],
-            last_bias: vec![0.0; features],
-            decoder: vec![0.0; 2 * features],
-            decoder_bias: vec![0.0; 2],
+        let lists = shapes(width, features).map(|shape| vec![0.0; shape.iter().product()]);
+        Self { width, features, lists }
+    }
+
+    /// A network that has learned nothing; the same seed gives the same numbers. Weights of phi are uniform by Xavier's
+    /// rule (SA4D), all else begins as PyTorch's layers do, uniform within one over the root of the inputs.
+    pub(super) fn untrained(width: usize, features: usize, seed: u64) -> Self {
+        let xavier = |inputs: usize, outputs: usize| (6.0 / (inputs + outputs) as f32).sqrt();
+        let one_over_root = |inputs: usize| 1.0 / (inputs as f32).sqrt();
+        let inputs = PLACE + TIME;
+        let bounds = [
+            xavier(inputs, width),
+            xavier(inputs, width),
+            one_over_root(inputs),
+            xavier(width, width),
+            one_over_root(width),
+            xavier(width, width),
+            one_over_root(width),
+            xavier(width, features),
+            one_over_root(width),
+            one_over_root(features),
+            one_over_root(features),
+        ];
+        let mut network = Self::zeros(width, features);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for (list, bound) in network.lists.iter_mut().zip(bounds) {
+            list.fill_with(|| random.random_range(-bound..bound));
         }
+        network
     }
 
-    /// Every parameter once, in the order of [`NAMES`].
-    pub(super) fn lists(&self) -> [&[f32]; 11] {
-        let [second, third] = &self.hidden;
-        [
-            &self.from_place,
-            &self.from_time,
-            &self.first_bias,
-            &second.0,
-            &second.1,
-            &third.0,
-            &third.1,
-            &self.last,
-            &self.last_bias,
-            &self.decoder,
-            &self.decoder_bias,
-        ]
-    }
-
-    pub(super) fn lists_mut(&mut self) -> [&mut Vec<f32>; 11] {
-        let [second, third] = &mut self.hidden;
-        [
-            &mut self.from_place,
-            &mut self.from_time,
-            &mut self.first_bias,
-            &mut second.0,
-            &mut second.1,
-            &mut third.0,
-            &mut third.1,
-            &mut self.last,
-            &mut self.last_bias,
-            &mut self.decoder,
-            &mut self.decoder_bias,
-        ]
-    }
-
-    fn shapes(width: usize, features: usize) -> [Vec<usize>; 11] {
-        [
-            vec![width, PLACE],
-            vec![width, TIME],
-            vec![width],
-            vec![width, width],
-            vec![width],
-            vec![width, width],
-            vec![width],
-            vec![features, width],
-            vec![features],
-            vec![2, features],
-            vec![2],
-        ]
-    }
-
-    pub(super) fn tensors(&self) -> Vec<(&'static str, Tensor)> {
-        let shapes = Self::shapes(self.width, self.features);
-        let lists = self.lists().into_iter().zip(shapes);
-        NAMES.into_iter().zip(lists.map(|(list, shape)| Tensor { shape, data: list.to_vec() })).collect()
-    }
-
-    /// A network of tensors by name; the name of the one that is missing or has another shape otherwise.
-    pub(in crate::lift) fn from_tensors(
-        width: usize,
-        features: usize,
-        mut tensor: impl FnMut(&str, &[usize]) -> Option<Vec<f32>>,
-    ) -> Result<Self, &'static str> {
-        let mut network = Self { width, features, ..Self::zeros(0, 0) };
-        let shapes = Self::shapes(width, features);
-        for ((list, name), shape) in network.lists_mut().into_iter().zip(NAMES).zip(shapes) {
-            *list = tensor(name, &shape).ok_or(name)?;
-        }
-        Ok(network)
+    /// The parameters by name.
+    pub(in crate::lift) fn tensors(&self) -> [(&'static str, Tensor); NAMES.len()] {
+        let shapes = shapes(self.width, self.features);
+        from_fn(|at| (NAMES[at], Tensor { shape: shapes[at].clone(), data: self.lists[at].clone() }))
     }
 
     /// Width of the hidden layers, and numbers of a feature.
@@ -137,28 +87,53 @@ impl Network {
         (self.width, self.features)
     }
 
-    /// Difference of the convolution's biases.
-    pub(super) fn bias(&self) -> f32 {
-        self.decoder_bias[1] - self.decoder_bias[0]
+    /// What a field says of Gaussians with these canonical centres (metres) at a time from 0 to 1: the difference of the two
+    /// classes' logits without the convolution's bias. softmax(conv(E)) is largest for the answer where the blend of
+    /// these is above minus the bias.
+    pub(in crate::lift) fn layer(&self, means: &[[f32; 3]], time: f32) -> Layer {
+        let places = Places::new(means);
+        let collapsed = Collapsed::new(self, time);
+        let mut values = vec![0.0; means.len()];
+        let rows: Vec<u32> = (0..means.len() as u32).collect();
+        rows.par_chunks(BLOCK_ROWS)
+            .zip(values.par_chunks_mut(BLOCK_ROWS))
+            .for_each_init(Scratch::default, |scratch, (rows, values)| {
+                collapsed.logits(self, &places, rows, scratch, values)
+            });
+        let bias = self.bias();
+        let members = values.iter().map(|logit| logit + bias > 0.0).collect();
+        Layer { values, cut: -bias, members }
     }
 
-    /// Difference of the convolution's rows.
-    fn contrast(&self) -> Vec<f32> {
-        let (not, is) = self.decoder.split_at(self.features);
-        is.iter().zip(not).map(|(is, not)| is - not).collect()
+    /// Difference of the convolution's biases.
+    pub(super) fn bias(&self) -> f32 {
+        let [.., bias] = &self.lists;
+        bias[1] - bias[0]
     }
 
     pub(super) fn clear(&mut self) {
-        self.lists_mut().into_iter().for_each(|list| list.fill(0.0));
+        self.lists.iter_mut().for_each(|list| list.fill(0.0));
     }
 
     pub(super) fn add(&mut self, other: &Self) {
-        for (sums, values) in self.lists_mut().into_iter().zip(other.lists()) {
-            for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += value;
-            }
-        }
+        self.lists.iter_mut().zip(&other.lists).for_each(|(sums, values)| add(sums, values));
     }
+}
+
+fn shapes(width: usize, features: usize) -> [Vec<usize>; NAMES.len()] {
+    [
+        vec![width, PLACE],
+        vec![width, TIME],
+        vec![width],
+        vec![width, width],
+        vec![width],
+        vec![width, width],
+        vec![width],
+        vec![features, width],
+        vec![features],
+        vec![2, features],
+        vec![2],
+    ]
 }
 
 /// What is the same for all Gaussians of a step.
@@ -170,6 +145,7 @@ pub(super) struct Collapsed {
     /// Last layer and convolution as one: z = `row` h + `offset`.
     row: Vec<f32>,
     offset: f32,
+    /// Difference of the convolution's rows.
     contrast: Vec<f32>,
 }
 
@@ -184,17 +160,19 @@ pub(super) struct Scratch {
 
 impl Collapsed {
     pub(super) fn new(network: &Network, time: f32) -> Self {
+        let [_, from_time, first_bias, .., last, last_bias, decoder, _] = &network.lists;
         let time = encoding::time(time);
-        let read = network.from_time.chunks_exact(TIME);
-        let bias = network.first_bias.iter().zip(read).map(|(bias, weights)| bias + dot(weights, &time));
-        let contrast = network.contrast();
+        let read = from_time.chunks_exact(TIME);
+        let bias = first_bias.iter().zip(read).map(|(bias, weights)| bias + dot(weights, &time)).collect();
+        let (not, is) = decoder.split_at(network.features);
+        let contrast: Vec<f32> = is.iter().zip(not).map(|(is, not)| is - not).collect();
         let mut row = vec![0.0; network.width];
-        for (weights, &share) in network.last.chunks_exact(network.width).zip(&contrast) {
+        for (weights, &share) in last.chunks_exact(network.width).zip(&contrast) {
             for (sum, weight) in row.iter_mut().zip(weights) {
                 *sum += share * weight;
             }
         }
-        Self { bias: bias.collect(), time, row, offset: dot(&network.last_bias, &contrast), contrast }
+        Self { bias, time, row, offset: dot(last_bias, &contrast), contrast }
     }
 
     /// z of some Gaussians; their hidden layers stay in `scratch` for [`Self::backward`].
@@ -213,12 +191,13 @@ impl Collapsed {
         for layer in [&mut *first, &mut *second, &mut *third] {
             layer.resize(rows.len() * width, 0.0);
         }
-        matmul::forward(encoded, &network.from_place, first, width);
+        let [from_place, _, _, to_second, second_bias, to_third, third_bias, ..] = &network.lists;
+        matmul::forward(encoded, from_place, first, width);
         rectify(first, &self.bias);
-        matmul::forward(first, &network.hidden[0].0, second, width);
-        rectify(second, &network.hidden[0].1);
-        matmul::forward(second, &network.hidden[1].0, third, width);
-        rectify(third, &network.hidden[1].1);
+        matmul::forward(first, to_second, second, width);
+        rectify(second, second_bias);
+        matmul::forward(second, to_third, third, width);
+        rectify(third, third_bias);
         for (logit, hidden) in logits.iter_mut().zip(third.chunks_exact(width)) {
             *logit = dot(hidden, &self.row) + self.offset;
         }
@@ -248,11 +227,14 @@ impl Collapsed {
             }
             sums.slope += slope;
         }
-        for (layer, input) in [(1, &*second), (0, &*first)] {
-            let (weight, bias) = &mut gradient.hidden[layer];
-            matmul::backward_weight(later, input, weight, width);
-            add_rows(bias, later);
-            matmul::backward_input(later, &network.hidden[layer].0, earlier, width, false);
+        let [_, _, _, to_second, _, to_third, ..] = &network.lists;
+        let [to_place, _, first_bias, by_second, second_bias, by_third, third_bias, ..] = &mut gradient.lists;
+        let hidden =
+            [(to_third, by_third, third_bias, &*second), (to_second, by_second, second_bias, &*first)];
+        for (weight, by_weight, by_bias, input) in hidden {
+            matmul::backward_weight(later, input, by_weight, width);
+            add_rows(by_bias, later);
+            matmul::backward_input(later, weight, earlier, width, false);
             for (value, &input) in earlier.iter_mut().zip(input) {
                 if input <= 0.0 {
                     *value = 0.0;
@@ -260,31 +242,33 @@ impl Collapsed {
             }
             std::mem::swap(later, earlier);
         }
-        matmul::backward_weight(later, places, &mut gradient.from_place, width);
-        add_rows(&mut gradient.first_bias, later);
+        matmul::backward_weight(later, places, to_place, width);
+        add_rows(first_bias, later);
     }
 
     /// Ends the gradient: what was collected for the last layer and the convolution, whose bias has the derivative
     /// `bias`, and the part of the first layer that reads the time, which all Gaussians share.
     pub(super) fn finish(&self, network: &Network, sums: &Ends, bias: f32, gradient: &mut Network) {
         let width = network.width;
-        for (weights, slope) in gradient.from_time.chunks_exact_mut(TIME).zip(&gradient.first_bias) {
+        let [.., last, last_bias, _, _] = &network.lists;
+        let [_, by_time, by_first_bias, .., by_last, by_last_bias, by_decoder, by_decoder_bias] =
+            &mut gradient.lists;
+        for (weights, slope) in by_time.chunks_exact_mut(TIME).zip(by_first_bias) {
             for (weight, time) in weights.iter_mut().zip(&self.time) {
-                *weight = slope * time;
+                *weight = *slope * time;
             }
         }
-        let features =
-            network.last.chunks_exact(width).zip(gradient.last.chunks_exact_mut(width)).zip(&self.contrast);
+        let features = last.chunks_exact(width).zip(by_last.chunks_exact_mut(width)).zip(&self.contrast);
         for (feature, ((weights, slopes), &contrast)) in features.enumerate() {
             for (slope, hidden) in slopes.iter_mut().zip(&sums.hidden) {
                 *slope = contrast * hidden;
             }
-            gradient.last_bias[feature] = contrast * sums.slope;
-            let decoder = dot(weights, &sums.hidden) + network.last_bias[feature] * sums.slope;
-            gradient.decoder[feature] = -decoder;
-            gradient.decoder[network.features + feature] = decoder;
+            by_last_bias[feature] = contrast * sums.slope;
+            let decoder = dot(weights, &sums.hidden) + last_bias[feature] * sums.slope;
+            by_decoder[feature] = -decoder;
+            by_decoder[network.features + feature] = decoder;
         }
-        gradient.decoder_bias.copy_from_slice(&[-bias, bias]);
+        by_decoder_bias.copy_from_slice(&[-bias, bias]);
     }
 }
 
@@ -308,9 +292,7 @@ impl Ends {
     }
 
     pub(super) fn add(&mut self, other: &Self) {
-        for (sum, value) in self.hidden.iter_mut().zip(&other.hidden) {
-            *sum += value;
-        }
+        add(&mut self.hidden, &other.hidden);
         self.slope += other.slope;
     }
 }
@@ -339,9 +321,11 @@ fn rectify(layer: &mut [f32], bias: &[f32]) {
 }
 
 fn add_rows(sums: &mut [f32], rows: &[f32]) {
-    for row in rows.chunks_exact(sums.len()) {
-        for (sum, value) in sums.iter_mut().zip(row) {
-            *sum += value;
-        }
+    rows.chunks_exact(sums.len()).for_each(|row| add(sums, row));
+}
+
+fn add(sums: &mut [f32], values: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += value;
     }
 }

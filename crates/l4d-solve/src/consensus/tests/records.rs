@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 use l4d_ground::{Grounding, Outcome, ViewClip};
-use l4d_masks::Mask;
-use l4d_solve::consensus::{Consensus, ConsensusSettings, picture};
 
-use crate::world::{Shape, Thing, World, arc};
-use crate::{decide, proposals};
+use super::decide;
+use super::world::{Shape, Thing, World, arc};
+use crate::consensus::{Consensus, ConsensusSettings};
 
 /// Two balls that change places, on a floor; eight views.
 fn two_balls() -> World {
@@ -76,7 +75,6 @@ fn people_can_read_why() {
     let clips = world.clips();
     let consensus = decide(&clips, &mixed(&world, &clips), &ConsensusSettings::robust());
     let text = consensus.explain();
-    println!("{text}");
     for part in [
         "consensus (robust): 5 of 8 views go on: enough others vote for them",
         "cam05  found",
@@ -84,35 +82,9 @@ fn people_can_read_why() {
         "says that it is not there",
         "refused",
         "group A, 5 views: cam00 cam01 cam02 cam03 cam04",
+        "vote 9/9",
+        "\n48     ",
     ] {
         assert!(text.contains(part), "{part} is missing in\n{text}");
     }
-    assert!(consensus.frame_table().lines().count() >= 10);
-    assert!(consensus.vote_table().contains("vote 9/9"));
-}
-
-#[test]
-fn the_picture_shows_every_view_and_outlines_what_it_marks() {
-    let world = two_balls();
-    let clips = world.clips();
-    let groundings = mixed(&world, &clips);
-    let consensus = decide(&clips, &groundings, &ConsensusSettings::robust());
-    let page = picture(&proposals(&clips, &groundings), &consensus, 5);
-    if let Ok(path) = std::env::var("L4D_PICTURE") {
-        std::fs::write(path, l4d_frames::drawn::encode_colour(&page)).unwrap();
-    }
-    let count = |colour: [u8; 3]| page.pixels().filter(|pixel| pixel.0 == colour).count();
-    // Five views of five frames in thick blue, one in thin orange.
-    let (goes_on, dropped) = (count([86, 180, 233]), count([230, 159, 0]));
-    assert!(goes_on > 5 * dropped && dropped > 100, "{goes_on} and {dropped}");
-    // Hostile clips are left blank.
-    let mut broken = clips.clone();
-    broken[0].frames[3].depth.depth_m.clear();
-    broken[1].width = 0;
-    let mut odd = groundings.clone();
-    odd[2].masks.insert(0, Mask::full(3, 3));
-    let consensus = decide(&broken, &odd, &ConsensusSettings::robust());
-    let page = picture(&proposals(&broken, &odd), &consensus, 500);
-    assert!(page.width() > 0);
-    assert!(consensus.explain().contains("a mask of 3x3 for 128x96 pixels"));
 }

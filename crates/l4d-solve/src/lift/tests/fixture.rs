@@ -1,13 +1,15 @@
 //! A room of 400 Gaussians, of which the moving ones of the first ball are meant, and what cameras see of them.
 
-use std::ops::ControlFlow;
-
 use l4d_masks::Mask;
-use l4d_solve::lift::{Canvas, Evidence, EvidenceFrame, EvidenceView, LiftError, LiftSettings, Lifted, lift};
 use l4d_splat::Model;
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
+
+use crate::lift::{
+    Answer, Canvas, ClosedSettings, Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftError,
+    LiftSettings, lift,
+};
 
 pub(crate) const FRAMES: [u32; 5] = [0, 24, 48, 72, 96];
 pub(crate) const SIZE: [u32; 2] = [64, 48];
@@ -31,15 +33,11 @@ impl Scene {
         Canvas { model: &self.model, rasterizer: &self.cpu, raster: &self.raster, states: None }
     }
 
-    /// Whether a Gaussian belongs to the ball that is meant.
-    pub(crate) fn is_meant(index: usize) -> bool {
-        index >= 300 && index.is_multiple_of(3)
-    }
-
     /// The pixels of the ball.
     pub(crate) fn truth(&self, view: &View, frame: u32) -> Mask {
         let splats = self.model.at(frame as f32 / 96.0).unwrap();
-        let labels: Vec<f32> = (0..400).map(|index| f32::from(u8::from(Self::is_meant(index)))).collect();
+        let is_meant = |index: usize| index >= 300 && index.is_multiple_of(3);
+        let labels: Vec<f32> = (0..400).map(|index| f32::from(u8::from(is_meant(index)))).collect();
         let blend =
             self.cpu.prepare(&splats, view, &self.raster).unwrap().splat_features(&labels, 1).unwrap();
         Mask::from_fn(SIZE[0], SIZE[1], |column, row| blend[(row * SIZE[0] + column) as usize] > 0.5)
@@ -57,22 +55,23 @@ impl Scene {
         Evidence { views: self.views.iter().take(views).enumerate().map(frames).collect() }
     }
 
-    pub(crate) fn lift(&self, evidence: &Evidence, settings: &LiftSettings) -> Result<Lifted, LiftError> {
-        lift(&self.canvas(), evidence, settings, &mut |_| ControlFlow::Continue(()))
+    /// Lifts evidence that has pictures.
+    pub(crate) fn lift(&self, evidence: &Evidence, settings: &LiftSettings) -> Result<Answer, LiftError> {
+        Ok(lift(&self.canvas(), evidence, settings)?.unwrap())
     }
 
     /// The answer in the held-out view.
-    pub(crate) fn held_out(&self, lifted: &Lifted, frame: u32) -> Mask {
+    pub(crate) fn held_out(&self, lifted: &Answer, frame: u32) -> Mask {
         lifted.mask(&self.canvas(), &self.views[8], frame as f32 / 96.0).unwrap()
     }
 
     /// Mean intersection over union in the held-out view, over frames in which the ball shows.
-    pub(crate) fn score(&self, lifted: &Lifted) -> f64 {
+    pub(crate) fn score(&self, lifted: &Answer) -> f64 {
         let overlaps: Vec<f64> = FRAMES
             .iter()
             .filter_map(|&frame| {
                 let (found, truth) = (self.held_out(lifted, frame), self.truth(&self.views[8], frame));
-                (!truth.is_empty()).then(|| found.and_count(&truth) as f64 / found.or_count(&truth) as f64)
+                if truth.is_empty() { None } else { found.iou(&truth) }
             })
             .collect();
         assert!(overlaps.len() >= 3, "the ball hides from the held-out view");
@@ -86,4 +85,23 @@ pub(crate) fn as_it_is(_: usize, _: u32, mask: Mask) -> Mask {
 
 pub(crate) fn empty() -> Mask {
     Mask::empty(SIZE[0], SIZE[1])
+}
+
+pub(crate) fn closed() -> LiftSettings {
+    LiftSettings::Closed(ClosedSettings::robust())
+}
+
+pub(crate) fn vote() -> LiftSettings {
+    LiftSettings::Closed(ClosedSettings::vote())
+}
+
+/// Three steps over all pictures, no graph.
+pub(crate) fn sirt() -> LiftSettings {
+    let robust = ClosedSettings::robust();
+    LiftSettings::Closed(ClosedSettings { steps: 3, step_times: u32::MAX, smoothness: 0.0, ..robust })
+}
+
+/// A small field that hardly learns.
+pub(crate) fn field(iterations: u32) -> LiftSettings {
+    LiftSettings::Field(FieldSettings { iterations, width: 16, sampled: 50, ..FieldSettings::paper() })
 }

@@ -2,12 +2,12 @@
 
 use half::f16;
 use l4d_ground::{Grounding, Outcome};
-use l4d_solve::consensus::{
-    Consensus, ConsensusSettings, Decision, FrameVerdict, PairVerdict, Preset, Reason, ViewVerdict,
-};
 
-use crate::decide;
-use crate::world::Wall;
+use super::world::Wall;
+use super::{decide, has_conflict};
+use crate::consensus::record::{FrameVerdict, PairVerdict, Reason};
+use crate::consensus::settings::Undecided;
+use crate::consensus::{Consensus, ConsensusSettings, Decision, Preset, ViewVerdict};
 
 fn of_wall(wall: &Wall, settings: ConsensusSettings) -> Consensus {
     decide(&wall.clips, &wall.groundings, &settings)
@@ -210,6 +210,8 @@ fn one_answer_is_not_voted_on() {
     for preset in [Preset::Paper, Preset::Robust] {
         let consensus = of_wall(&wall, preset.settings());
         assert_eq!((consensus.decision, consensus.evidence), (Decision::Bypassed, vec![1]));
+        let none = decide(&[], &[], &preset.settings());
+        assert_eq!((none.decision, none.evidence.len()), (Decision::NoAnswer, 0));
     }
 }
 
@@ -222,12 +224,16 @@ fn groups_are_shown_by_both_presets_and_decide_in_one() {
     // 4 : 4, each view with 3 of 7 votes.
     let paper = of_wall(&groups(4, 4), ConsensusSettings::paper());
     assert_eq!(paper.evidence.len(), 8, "both are reliable, and contradict each other");
-    assert!(paper.has_conflict());
+    assert!(has_conflict(&paper));
     let robust = of_wall(&groups(4, 4), ConsensusSettings::robust());
     assert_eq!((robust.decision, robust.evidence.len()), (Decision::TiedAll, 8));
     assert_eq!(robust.groups[0].views, [0, 1, 2, 3]);
     assert_eq!((&robust.groups[0].against[..], &robust.groups[1].against[..]), (&[1][..], &[0][..]));
     assert!(robust.views.iter().all(|view| view.standing == ViewVerdict::Tied));
+    let abstaining = ConsensusSettings { undecided: Undecided::Abstain, ..ConsensusSettings::robust() };
+    let tied = of_wall(&groups(4, 4), abstaining);
+    assert_eq!((tied.decision, tied.evidence.len()), (Decision::Tied, 0));
+    assert_eq!((tied.views, tied.pairs), (robust.views, robust.pairs), "the votes are the same");
     // 6 : 5: 5 of 10 votes and 4 of 10, both above tau.
     let paper = of_wall(&groups(6, 5), ConsensusSettings::paper());
     assert_eq!(paper.evidence.len(), 11);
@@ -237,7 +243,7 @@ fn groups_are_shown_by_both_presets_and_decide_in_one() {
     // 5 : 3: 2 of 7 votes are too few in either.
     let paper = of_wall(&groups(5, 3), ConsensusSettings::paper());
     assert_eq!(paper.evidence, [0, 1, 2, 3, 4]);
-    assert!(paper.has_conflict());
+    assert!(has_conflict(&paper));
     assert_eq!(of_wall(&groups(5, 3), ConsensusSettings::robust()).evidence, [0, 1, 2, 3, 4]);
 }
 
