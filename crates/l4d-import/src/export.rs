@@ -166,7 +166,7 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
 /// A scene that is torn.
 pub fn picture_count(order: &Order<'_>) -> Result<u64, DataError> {
     let views = SceneViews::open(order)?;
-    Ok(((views.training().len() + views.held_out().len()) * views.frames.len()) as u64)
+    Ok((views.shown().len() * views.frames.len()) as u64)
 }
 
 /// All that a layout needs.

@@ -11,6 +11,7 @@ use super::lens::Distortion;
 use crate::points::ColouredPoint;
 
 /// A capture to be written.
+#[derive(Default)]
 pub(super) struct Plan {
     /// Width and height of the pictures that the intrinsics are for; those of the pictures if none is stated.
     pub(super) stated_size: Option<[u32; 2]>,
@@ -44,16 +45,7 @@ pub(super) struct View {
 
 impl Plan {
     pub(super) fn new(inputs: Vec<PathBuf>) -> Self {
-        Self {
-            stated_size: None,
-            views: Vec::new(),
-            points: Vec::new(),
-            frames_per_second: None,
-            is_metric: false,
-            inputs,
-            notes: Vec::new(),
-            scratch: None,
-        }
+        Self { inputs, ..Self::default() }
     }
 
     pub(super) fn note(&mut self, note: impl Into<String>) {

@@ -6,23 +6,24 @@ use l4d_data::scene::Instance;
 use l4d_data::{Camera, DataError, Role, Split};
 use l4d_masks::mask::{Mask, PixelBox};
 use rayon::prelude::*;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::manifest::{Called, Manifest};
 use super::views::{PictureFile, SceneViews};
 use super::{Job, annotated};
 
-#[derive(Debug, Clone, Serialize)]
-struct Category {
-    id: usize,
-    name: String,
-    supercategory: &'static str,
+/// A common noun, of objects or of landmarks.
+type Noun<'a> = (Role, &'a str);
+
+fn noun_of(instance: &Instance) -> Noun<'_> {
+    (instance.role, &instance.category)
 }
 
 pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, DataError> {
     let Job { order, views, .. } = job;
-    let categories = categories(&views.instances);
+    // Objects before landmarks.
+    let nouns: BTreeSet<Noun<'_>> = views.instances.iter().map(noun_of).collect();
+    let nouns: Vec<Noun<'_>> = nouns.into_iter().collect();
     let cameras = annotated::cameras(views)?;
     for camera in &cameras {
         manifest.cameras.push(Called::camera(camera, format!("images/{}", camera.name)));
@@ -34,7 +35,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     for (split, name) in [(Split::Train, "train"), (Split::Test, "test")] {
         let cameras: Vec<&Camera> = cameras.iter().copied().filter(|camera| camera.split == split).collect();
         if !cameras.is_empty() {
-            let document = document(job, &cameras, &categories)?;
+            let document = document(job, &cameras, &nouns)?;
             l4d_data::json::write_compact(&order.out.join(format!("instances_{name}.json")), &document)?;
         }
     }
@@ -43,26 +44,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     Ok(manifest)
 }
 
-/// Common nouns, objects before landmarks.
-fn categories(instances: &[Instance]) -> Vec<Category> {
-    let nouns: BTreeSet<(Role, &str)> =
-        instances.iter().map(|instance| (instance.role, instance.category.as_str())).collect();
-    let category = |(index, (role, noun)): (usize, (Role, &str))| Category {
-        id: index + 1,
-        name: noun.to_owned(),
-        supercategory: if role == Role::Object { "object" } else { "landmark" },
-    };
-    nouns.into_iter().enumerate().map(category).collect()
-}
-
-fn category_of(instance: &Instance, categories: &[Category]) -> usize {
-    let supercategory = if instance.role == Role::Object { "object" } else { "landmark" };
-    let matches =
-        |category: &&Category| category.name == instance.category && category.supercategory == supercategory;
-    categories.iter().find(matches).map_or(0, |category| category.id)
-}
-
-fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Result<Value, DataError> {
+fn document(job: &Job<'_>, cameras: &[&Camera], nouns: &[Noun<'_>]) -> Result<Value, DataError> {
     let views = job.views;
     let pictures: Vec<(&Camera, u32)> =
         cameras.iter().flat_map(|camera| views.frames.iter().map(move |&frame| (*camera, frame))).collect();
@@ -83,10 +65,11 @@ fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Resu
             let Some(PixelBox { first_col, first_row, last_col, last_row }) = mask.bounding_box() else {
                 continue;
             };
+            let category = nouns.iter().position(|noun| *noun == noun_of(instance));
             annotations.push(json!({
                 "id": annotations.len() + 1,
                 "image_id": index + 1,
-                "category_id": category_of(instance, categories),
+                "category_id": category.map_or(0, |index| index + 1),
                 "segmentation": { "size": [height, width], "counts": mask.to_rle() },
                 "area": mask.area(),
                 "bbox": [first_col, first_row, last_col - first_col + 1, last_row - first_row + 1],
@@ -96,11 +79,15 @@ fn document(job: &Job<'_>, cameras: &[&Camera], categories: &[Category]) -> Resu
             }));
         }
     }
+    let category = |(index, (role, noun)): (usize, &Noun<'_>)| {
+        let supercategory = if *role == Role::Object { "object" } else { "landmark" };
+        json!({ "id": index + 1, "name": noun, "supercategory": supercategory })
+    };
     Ok(json!({
         "info": { "description": format!("{} ({})", views.name, views.profile), "version": "1" },
         "images": images,
         "annotations": annotations,
-        "categories": categories,
+        "categories": nouns.iter().enumerate().map(category).collect::<Vec<_>>(),
     }))
 }
 

@@ -30,8 +30,9 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let cameras = annotated::cameras(views)?;
     for camera in &cameras {
         let sequence = format!("{}_{}", views.name, camera.name);
-        let tally = write_sequence(job, camera, &sequence, &objects)?;
-        tally.notes(&sequence).into_iter().for_each(|note| manifest.note(note));
+        for note in write_sequence(job, camera, &sequence, &objects)? {
+            manifest.note(format!("{sequence}: {note}"));
+        }
         manifest.cameras.push(Called::camera(camera, sequence));
     }
     for (split, list) in [(Split::Train, "train"), (Split::Test, "val")] {
@@ -51,54 +52,19 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     Ok(manifest)
 }
 
-/// What DAVIS cannot say of a sequence.
-struct Tally<'a> {
-    /// Objects that appear after the first annotated picture.
-    late: Vec<&'a Instance>,
-    /// Pictures that no one drew on.
-    unannotated: usize,
-    /// Pictures of which two objects share pixels.
-    overlapping: usize,
-}
-
-impl Tally<'_> {
-    fn notes(&self, sequence: &str) -> Vec<String> {
-        let mut notes = Vec::new();
-        if !self.late.is_empty() {
-            let names = self.late.iter().map(|object| object.name.as_str()).collect::<Vec<_>>().join(", ");
-            notes.push(format!(
-                "{sequence}: not visible at the first moment, so that DAVIS' evaluator does not count them: {names}"
-            ));
-        }
-        if self.unannotated > 0 {
-            let count = self.unannotated;
-            notes.push(format!(
-                "{sequence}: {count} pictures without an annotation, since no one drew on them"
-            ));
-        }
-        if self.overlapping > 0 {
-            let count = self.overlapping;
-            notes.push(format!(
-                "{sequence}: in {count} pictures objects share pixels, which the one with the lowest number keeps"
-            ));
-        }
-        notes
-    }
-}
-
 /// A picture and its numbers.
 struct Numbered {
     seen: BTreeSet<u8>,
     is_overlapping: bool,
 }
 
-/// Writes the pictures of a camera that saw something, and what was drawn on them.
-fn write_sequence<'a>(
+/// Writes the pictures of a camera that saw something, and what was drawn on them; gives what DAVIS cannot say of it.
+fn write_sequence(
     job: &Job<'_>,
     camera: &Camera,
     sequence: &str,
-    objects: &[&'a Instance],
-) -> Result<Tally<'a>, DataError> {
+    objects: &[&Instance],
+) -> Result<Vec<String>, DataError> {
     let moments = job.views.frames.iter().copied().enumerate();
     let moments: Vec<(usize, u32)> = moments.filter(|(_, frame)| job.views.saw(camera, *frame)).collect();
     let write = |&(moment, frame): &(usize, u32)| {
@@ -114,11 +80,25 @@ fn write_sequence<'a>(
     let annotated: Vec<&Numbered> = pictures.iter().flatten().collect();
     let first = annotated.first().map(|picture| picture.seen.clone()).unwrap_or_default();
     let ever: BTreeSet<u8> = annotated.iter().flat_map(|picture| picture.seen.iter().copied()).collect();
-    Ok(Tally {
-        late: ever.difference(&first).map(|number| objects[usize::from(*number) - 1]).collect(),
-        unannotated: pictures.len() - annotated.len(),
-        overlapping: annotated.iter().filter(|picture| picture.is_overlapping).count(),
-    })
+    let late = ever.difference(&first).map(|number| objects[usize::from(*number) - 1].name.as_str());
+    let late = late.collect::<Vec<_>>().join(", ");
+    let unannotated = pictures.len() - annotated.len();
+    let overlapping = annotated.iter().filter(|picture| picture.is_overlapping).count();
+    let mut notes = Vec::new();
+    if !late.is_empty() {
+        notes.push(format!(
+            "not visible at the first moment, so that DAVIS' evaluator does not count them: {late}"
+        ));
+    }
+    if unannotated > 0 {
+        notes.push(format!("{unannotated} pictures without an annotation, since no one drew on them"));
+    }
+    if overlapping > 0 {
+        notes.push(format!(
+            "in {overlapping} pictures objects share pixels, which the one with the lowest number keeps"
+        ));
+    }
+    Ok(notes)
 }
 
 /// Writes a palette picture with the numbers of objects, from 1.

@@ -20,8 +20,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let Job { order, views, tick } = job;
     let training = views.training();
     let test = views.test_split();
-    let mut shown: Vec<&Camera> = training.clone();
-    shown.extend(views.held_out());
+    let shown = views.shown();
     for camera in &shown {
         manifest.cameras.push(Called::camera(camera, picture_path(camera)));
     }

@@ -24,8 +24,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     let Job { order, views, tick } = job;
     let training = views.training();
     let test = views.test_split();
-    let mut numbered: Vec<&Camera> = training.clone();
-    numbered.extend(views.held_out());
+    let numbered = views.shown();
 
     let picture = |number: usize, moment: usize| format!("{number}/{moment:06}.png");
     let mut pictures = Vec::new();

@@ -43,7 +43,7 @@ pub(super) struct SceneViews {
     pub(super) notes: Vec<String>,
     cameras: Vec<Camera>,
     material: Material,
-    shown: HeldOut,
+    shows: HeldOut,
     reconstruction: Option<Reconstruction>,
 }
 
@@ -103,8 +103,13 @@ impl SceneViews {
 
     /// The held-out cameras, unless not even their poses may be shown.
     pub(super) fn held_out(&self) -> Vec<&Camera> {
-        let is_shown = |camera: &&Camera| camera.split == Split::Test && self.shown != HeldOut::Nothing;
+        let is_shown = |camera: &&Camera| camera.split == Split::Test && self.shows != HeldOut::Nothing;
         self.cameras.iter().filter(is_shown).collect()
+    }
+
+    /// Training cameras, then the held-out ones that [`Self::held_out`] gives.
+    pub(super) fn shown(&self) -> Vec<&Camera> {
+        self.training().into_iter().chain(self.held_out()).collect()
     }
 
     /// The cameras of a test split that may not be empty: the held-out ones, or else a training camera once more.
@@ -117,7 +122,7 @@ impl SceneViews {
 
     /// Whether the true pictures of the held-out cameras may be shown.
     pub(super) fn shows_held_out_pictures(&self) -> bool {
-        self.shown == HeldOut::Pictures
+        self.shows == HeldOut::Pictures
     }
 
     /// Whether a camera saw a moment: in captures not all of them do.

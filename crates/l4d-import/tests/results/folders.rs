@@ -27,15 +27,14 @@ fn mask_of(imported: &Imported, query: usize, frame: u32) -> Option<Mask> {
     Some(Mask::from_rle(mask, 128, 96))
 }
 
+fn identity(depth: bool) -> Identity {
+    Identity { name: Name::new("theirs").unwrap(), version: "1".to_owned(), test_view: false, depth }
+}
+
 fn score(bench: &Bench, imported: &Imported) -> Summary {
     let benchmark = bench.open();
     let request = request(&benchmark, "langsplat-masks", &bench.path("method"));
-    let identity = Identity {
-        name: Name::new("theirs").unwrap(),
-        version: "1".to_owned(),
-        test_view: false,
-        depth: true,
-    };
+    let identity = identity(true);
     let results = bench.path("results");
     write(&results, &identity, &request, imported, true).unwrap();
     let mut report = Report::default();
@@ -197,12 +196,7 @@ fn latents_of_langsplat_become_the_masks_of_its_rules() {
 
 /// Imports with relevancy and writes results; gives those of the method.
 fn with_soft(bench: &Bench, preset: &str, change: impl FnOnce(&mut Request<'_>)) -> ResultsDir {
-    let identity = Identity {
-        name: Name::new("theirs").unwrap(),
-        version: "1".to_owned(),
-        test_view: false,
-        depth: false,
-    };
+    let identity = identity(false);
     let benchmark = bench.open();
     let mut request = request(&benchmark, preset, &bench.path("method"));
     request.encoders.texts = Some(texts(bench));

@@ -27,7 +27,7 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    pub(super) fn open(dir: &CaptureDir, shown: HeldOut) -> Result<SceneViews, DataError> {
+    pub(super) fn open(dir: &CaptureDir, shows: HeldOut) -> Result<SceneViews, DataError> {
         let capture = Capture::read(dir.root())?;
         let masks_path = Some(dir.root().join(MASKS)).filter(|path| path.is_file());
         let masks = masks_path.as_ref().map(|_| MaskSet::read(dir.root())).transpose()?;
@@ -58,7 +58,7 @@ impl Recording {
             notes: Vec::new(),
             cameras: capture.cameras.clone(),
             material: Material::Captured(Self { dir: dir.clone(), capture, masks }),
-            shown,
+            shows,
             reconstruction: None,
         })
     }

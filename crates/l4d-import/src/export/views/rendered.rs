@@ -21,7 +21,7 @@ pub(super) struct Rendering {
 }
 
 impl Rendering {
-    pub(super) fn open(dir: &SceneDir, shown: HeldOut) -> Result<SceneViews, DataError> {
+    pub(super) fn open(dir: &SceneDir, shows: HeldOut) -> Result<SceneViews, DataError> {
         let scene = Scene::read(&dir.scene())?;
         let size = [scene.width, scene.height];
         let rendering = Self { dir: dir.clone(), size: size.into(), display: Display::new(scene.exposure) };
@@ -36,7 +36,7 @@ impl Rendering {
             notes: Vec::new(),
             cameras: scene.cameras,
             material: Material::Rendered(rendering),
-            shown,
+            shows,
             reconstruction: None,
         })
     }

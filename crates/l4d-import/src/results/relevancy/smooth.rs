@@ -92,40 +92,28 @@ fn mirrored(index: i64, last: i64) -> usize {
 
 /// The majority of 7 x 7 pixels; ties are outside. LangSplat lets the last row and column not vote.
 fn majority(mask: &Mask, smoothing: Smoothing) -> Mask {
-    const REACH: usize = 3;
-    let (width, height) = (mask.width() as usize, mask.height() as usize);
-    let withheld = usize::from(smoothing == Smoothing::Box30);
-    let span = |centre: usize, voting: usize| {
-        let end = (centre + REACH + 1).min(voting);
+    const REACH: u32 = 3;
+    let (width, height) = mask.size();
+    let withheld = u32::from(smoothing == Smoothing::Box30);
+    // Pixels of the mask above and to the left of each corner of a pixel.
+    let corner = |col: u32, row: u32| row as usize * (width as usize + 1) + col as usize;
+    let mut before = vec![0_u32; corner(0, height + 1)];
+    for row in 0..height {
+        let mut of_row = 0;
+        for col in 0..width {
+            of_row += u32::from(mask.get(col, row));
+            before[corner(col + 1, row + 1)] = before[corner(col + 1, row)] + of_row;
+        }
+    }
+    let span = |centre: u32, side: u32| {
+        let end = (centre + REACH + 1).min(side - withheld);
         (centre.saturating_sub(REACH).min(end), end)
     };
-    let mut votes = vec![0_u16; width];
-    let mut before = vec![0_u32; width + 1];
-    let mut counted = (0, 0);
-    let mut rows = vec![0_u8; width * height];
-    for (col, row) in mask.pixels() {
-        rows[row as usize * width + col as usize] = 1;
-    }
-    let mut kept = vec![false; width * height];
-    for row in 0..height {
-        let (first, end) = span(row, height - withheld);
-        for other in counted.1..end {
-            votes.iter_mut().zip(&rows[other * width..]).for_each(|(votes, &vote)| *votes += u16::from(vote));
-        }
-        for other in counted.0..first {
-            votes.iter_mut().zip(&rows[other * width..]).for_each(|(votes, &vote)| *votes -= u16::from(vote));
-        }
-        counted = (first, end);
-        let mut sum = 0;
-        for (total, &votes) in before[1..].iter_mut().zip(&votes) {
-            sum += u32::from(votes);
-            *total = sum;
-        }
-        for (col, kept) in kept[row * width..][..width].iter_mut().enumerate() {
-            let (left, right) = span(col, width - withheld);
-            let all = (right - left) * (end - first);
-            *kept = 2 * (before[right] - before[left]) as usize > all;
-        }
-    }
-    Mask::from_fn(width as u32, height as u32, |col, row| kept[row as usize * width + col as usize])
+    Mask::from_fn(width, height, |col, row| {
+        let ((left, right), (top, bottom)) = (span(col, width), span(row, height));
+        let inside = before[corner(right, bottom)] + before[corner(left, top)]
+            - before[corner(left, bottom)]
+            - before[corner(right, top)];
+        2 * inside > (right - left) * (bottom - top)
+    })
 }
