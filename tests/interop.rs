@@ -105,6 +105,7 @@ fn export_refuses_with_exit_code_2_and_a_hint() {
     refused("blender", &[], "4dgaussians-dynerf");
     refused("colmap", &["--frames", "13"], "frame 13 is not rendered");
     refused("colmap", &["--held-out", "pictures"], "cam01");
+    refused("lerf-ovs", &[], "truth/tiny/wall.json");
 }
 
 #[test]

@@ -232,6 +232,18 @@ fn a_capture_goes_out_in_the_layouts_of_others_without_its_held_out_view() {
     let run = export("coco", &[]);
     assert!(run.code == 2 && run.stderr.contains("they are the truth"), "{}", run.stderr);
     assert_eq!(export("coco", &["--held-out", "pictures"]).code, 0);
+    let run = export("4d-langsplat-annotations", &[]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let written: Value =
+        serde_json::from_str(&dir.read("4d-langsplat-annotations/annotations/train/_annotations.coco.json"))
+            .unwrap();
+    let names: Vec<&str> = written["images"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|image| image["file_name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["0000_png.rf.l4d.jpg", "0002_png.rf.l4d.jpg"]);
     let run = export("colmap", &["--frames", "9"]);
     assert!(run.code == 2 && run.stderr.contains("frame 9 was not recorded"), "{}", run.stderr);
 }

@@ -1,6 +1,5 @@
 //! However a file is mutated: no panic, and memory in proportion to it. Its own program, since it counts what the whole
 //! process allocates. `PROPTEST_CASES` (256 unless set) scales the number of mutations.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
 use std::fs;
 use std::path::PathBuf;

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rules = Rules { smoothing, threshold: 0.4, stretch_positive: false };
     let decoder = Decoder::read(Path::new(decoder))?;
     let texts = TextsFile::read(Path::new(texts))?.texts;
-    let engine = Engine::new(decoder, texts).ok_or("the decoder does not end in the width of the texts")?;
+    let engine = Engine::new(&decoder, &texts).ok_or("the decoder does not end in the width of the texts")?;
     let start = Instant::now();
     let mut masks = Vec::new();
     for frame in frames.split(|argument| argument == "--") {

@@ -1,13 +1,18 @@
-//! What people drew on pictures with other tools.
+//! What people drew on pictures with other tools, and the truth of l4d for the evaluators of others.
 //!
-//! Owns the files of COCO and 4D LangSplat, and how polygons become pixels there. Does not know which scene a picture
-//! belongs to.
+//! Owns the files of COCO, 4D LangSplat and LERF-OVS, and how polygons become pixels there. Does not know which scene a
+//! picture belongs to.
 
 pub mod coco;
 pub mod fill;
 pub mod four_d_langsplat;
+pub(crate) mod lerf_ovs;
+mod outline;
+mod prompts;
 
 use l4d_masks::Mask;
+
+pub use prompts::Judged;
 
 /// A picture with what was drawn on it.
 #[derive(Debug, Clone, PartialEq)]

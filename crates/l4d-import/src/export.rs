@@ -11,6 +11,7 @@ mod coco;
 mod colmap;
 mod davis;
 mod dynerf;
+mod judged;
 mod manifest;
 mod nerfstudio;
 mod panoptic;
@@ -23,6 +24,8 @@ use l4d_data::{Camera, DataError};
 use strum::VariantNames as _;
 
 pub use self::manifest::{Called, Exported, MANIFEST, Manifest};
+
+use crate::annotations::Judged;
 
 use self::manifest::Folder;
 use self::views::SceneViews;
@@ -57,6 +60,12 @@ pub enum Format {
     Coco,
     /// Instances as palette pictures.
     Davis,
+    /// The truth of the held-out camera for 4D LangSplat's evaluator.
+    #[strum(serialize = "4d-langsplat-annotations")]
+    FourDLangSplatAnnotations,
+    /// The truth of the held-out camera for LangSplat's evaluator.
+    #[strum(serialize = "lerf-ovs")]
+    LerfOvs,
 }
 
 fn unknown(text: &str) -> String {
@@ -66,12 +75,17 @@ fn unknown(text: &str) -> String {
 impl Format {
     /// Whether it holds points of surfaces.
     fn holds_points(self) -> bool {
-        !self.holds_masks()
+        !self.holds_masks() && !self.needs_truth()
     }
 
     /// Whether it holds depth, where the scene has some.
     fn holds_depth(self) -> bool {
         self == Self::Nerfstudio
+    }
+
+    /// Whether it holds truth, so that an order has to bring some.
+    pub fn needs_truth(self) -> bool {
+        matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
     }
 
     /// Whether it shows which pixels are whose.
@@ -118,13 +132,15 @@ pub struct Order<'a> {
     pub points: usize,
     /// Folder of a COLMAP model in the world of the scene, whose points take the place of all others.
     pub points_from: Option<&'a Path>,
+    /// Queries and truth, for the formats that hold them.
+    pub judged: Option<&'a Judged<'a>>,
 }
 
 impl<'a> Order<'a> {
     /// All moments of a scene, the pose of the held-out camera, and as many points as usual.
     pub fn new(origin: Origin<'a>, format: Format, out: &'a Path) -> Self {
         let (held_out, points) = (HeldOut::Pose, DEFAULT_POINTS);
-        Self { origin, format, out, frames: &[], held_out, points, points_from: None }
+        Self { origin, format, out, frames: &[], held_out, points, points_from: None, judged: None }
     }
 }
 
@@ -141,6 +157,7 @@ pub fn export(order: Order<'_>, tick: &(dyn Fn() + Sync)) -> Result<Exported, Da
         Format::Nerfstudio => nerfstudio::write,
         Format::Coco => coco::write,
         Format::Davis => davis::write,
+        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::write,
     };
     let job = Job { order, views: &views, tick };
     check(&job)?;
@@ -156,6 +173,7 @@ fn check(job: &Job<'_>) -> Result<(), DataError> {
         Format::Dynerf | Format::FourDLangSplat => dynerf::check(job),
         Format::LangSplat => colmap::check_centres(job),
         Format::Coco | Format::Davis => annotated::cameras(job.views).map(drop),
+        Format::FourDLangSplatAnnotations | Format::LerfOvs => judged::camera(job).map(drop),
         Format::FourDGaussians | Format::Nerfstudio | Format::Colmap => Ok(()),
     }
 }

@@ -142,8 +142,8 @@ pub(crate) enum HeldOutArg {
 pub(crate) struct ExportArgs {
     /// Scene to export
     pub(crate) scene: String,
-    /// Layout: 4dgaussians, 4dgaussians-dynerf, 4d-langsplat, langsplat, nerfstudio, colmap, coco, davis
-    /// (docs/export)
+    /// Layout: 4dgaussians, 4dgaussians-dynerf, 4d-langsplat, langsplat, nerfstudio, colmap, coco, davis; with truth for
+    /// evaluators: 4d-langsplat-annotations, lerf-ovs (docs/export)
     #[arg(long)]
     pub(crate) format: Format,
     /// Folder that receives it: empty, missing, or an earlier export of the same kind
@@ -155,7 +155,7 @@ pub(crate) struct ExportArgs {
     /// Folder of the scenes; default: data/<profile>, or data/captures
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// Folder of the benchmark, which says which draw is meant
+    /// Folder of the benchmark: which draw is meant, and truth for the formats that hold it
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
     /// What is shown of the held-out camera

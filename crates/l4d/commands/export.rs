@@ -2,7 +2,11 @@
 
 use anyhow::Result;
 use l4d_data::Progress as _;
+use l4d_data::layout::BenchDir;
+use l4d_data::query::{Query, read_queries};
+use l4d_data::truth::Truth;
 use l4d_data::{Benchmark, Name, Workspace};
+use l4d_import::annotations::Judged;
 use l4d_import::export::{HeldOut, Order, Origin, export, picture_count};
 
 use crate::cli::interop::{ExportArgs, HeldOutArg};
@@ -16,6 +20,12 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         true => Origin::Rendered(&rendering),
         false => Origin::Captured(&capture),
     };
+    let answers = if args.format.needs_truth() { Some(answers(args, &name)?) } else { None };
+    let bench = BenchDir::new(&args.bench);
+    let judged = answers
+        .as_ref()
+        .map(|(truth, queries)| Judged::new(&bench.truth(args.profile, &name), truth, queries))
+        .transpose()?;
     let order = Order {
         origin,
         format: args.format,
@@ -24,6 +34,7 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         held_out: args.held_out.into(),
         points: args.points,
         points_from: args.points_from.as_deref(),
+        judged: judged.as_ref(),
     };
     out.start("exporting", picture_count(&order)?);
     let exported = export(order, &|| out.advance(1))?;
@@ -39,6 +50,11 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
 fn space(args: &ExportArgs) -> Workspace {
     let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
     Workspace::new(args.profile, draw).with_data(args.data.as_deref())
+}
+
+fn answers(args: &ExportArgs, name: &Name) -> Result<(Truth, Vec<Query>)> {
+    let bench = BenchDir::new(&args.bench);
+    Ok((Truth::read(&bench.truth(args.profile, name))?, read_queries(&bench.queries(name), name)?))
 }
 
 impl From<HeldOutArg> for HeldOut {

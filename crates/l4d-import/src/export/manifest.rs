@@ -82,6 +82,8 @@ impl Called {
 
 impl Manifest {
     pub(super) fn new(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
+        // Evaluators ask about all moments, whichever were chosen for pictures.
+        let truth = order.judged.filter(|_| order.format.needs_truth()).map(|judged| judged.truth().clip());
         let masks = views.masks_path.as_ref().filter(|_| order.format.holds_masks());
         Ok(Self {
             schema: SCHEMA.to_owned(),
@@ -93,7 +95,7 @@ impl Manifest {
             depth: shows_depth(order, views),
             scene_sha256: sha256_file(&views.path)?,
             masks_sha256: masks.map(|path| sha256_file(path)).transpose()?,
-            frames: views.frames.clone(),
+            frames: truth.unwrap_or_else(|| views.frames.clone()),
             cameras: Vec::new(),
             instances: Vec::new(),
             notes: views.notes.clone(),

@@ -50,7 +50,7 @@ pub(super) struct SceneViews {
 /// Where pictures come from.
 enum Material {
     Rendered(Rendering),
-    Captured(Recording),
+    Captured(Box<Recording>),
 }
 
 /// One picture to be written.
@@ -118,6 +118,11 @@ impl SceneViews {
             held_out if held_out.is_empty() => self.training().into_iter().take(1).collect(),
             held_out => held_out,
         }
+    }
+
+    /// A camera of the scene, held out or not: for truth, which is a matter of the held-out one.
+    pub(super) fn camera(&self, name: &Name) -> Option<&Camera> {
+        self.cameras.iter().find(|camera| camera.name == *name)
     }
 
     /// Whether the true pictures of the held-out cameras may be shown.

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 use l4d_data::capture::{CAPTURE, Capture};
-use l4d_data::{DataError, Name, Split, json as files_of_json};
+use l4d_data::{DataError, Name, Profile, Split, json as files_of_json};
 use l4d_formats::colmap::Model;
+use l4d_import::annotations::{Judged, four_d_langsplat};
 use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
 use l4d_masks::{Mask, ids};
 
@@ -187,6 +188,34 @@ fn masks_of_the_held_out_view_alone_are_the_truth_and_no_training_data() {
     std::fs::remove_file(world.capture_dir().root().join("masks.json")).unwrap();
     let error = try_captured(&world, Format::Davis, HeldOut::Pose, &world.out("no")).unwrap_err();
     assert!(error.hint().unwrap().contains("l4d import-scene --masks"), "{error}");
+}
+
+#[test]
+fn evaluators_count_the_moments_that_nobody_drew_on() {
+    let world = recorded(|_| {});
+    let mut truth = world.truth.clone();
+    truth.profile = Profile::Real;
+    (truth.frames, truth.unannotated) =
+        world.frames().into_iter().partition(|frame| [12, 48].contains(frame));
+    for instance in &mut truth.instances {
+        instance.masks.retain(|key, _| ["0012", "0048"].contains(&key.as_str()));
+    }
+    let queries = world.queries();
+    let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
+    let (capture, out) = (world.capture_dir(), world.out("annotations"));
+    let order = Order {
+        judged: Some(&judged),
+        ..Order::new(Origin::Captured(&capture), Format::FourDLangSplatAnnotations, &out)
+    };
+    let manifest = export(order, &|| {}).unwrap().manifest;
+    assert_eq!(manifest.frames, world.frames(), "a moment is a place in the clip");
+    let (annotations, moments) = four_d_langsplat::read(&out, 0).unwrap();
+    assert_eq!(moments, [1, 4]);
+    let counts = truth.instance("ball_red").unwrap().masks["0048"].clone();
+    assert_eq!(annotations.pictures[1].union_of("the ball that rolls"), Mask::from_rle(&counts, 128, 96));
+    // Frames 36 to 72 are the moments 3 to 6, drawn on or not.
+    let intervals = json(&out.join("annotations/video_annotations.json"));
+    assert_eq!(intervals, serde_json::json!({"ball late": {"the ball while it rises": [[3, 6]]}}));
 }
 
 #[test]

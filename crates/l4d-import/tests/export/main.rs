@@ -9,6 +9,7 @@ mod support;
 mod annotations;
 mod captures;
 mod colmap;
+mod evaluators;
 mod folder;
 mod four_d_gaussians;
 mod leaks;
@@ -18,8 +19,9 @@ mod public_readers;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use l4d_data::Camera;
+use l4d_data::{Camera, Profile};
 use l4d_frames::drawn::{RgbImage, decode_colour};
+use l4d_import::annotations::Judged;
 use l4d_import::export::{Exported, Format, HeldOut, Order, Origin, export};
 
 use support::World;
@@ -75,11 +77,17 @@ pub(crate) fn export_frames(
     frames: &[u32],
 ) -> Result<Exported, l4d_data::DataError> {
     let (scene, capture) = (world.dir(), world.capture_dir());
+    let (mut truth, queries) = (world.truth.clone(), world.queries());
     let origin = match kind {
         Kind::Rendered => Origin::Rendered(&scene),
-        Kind::Captured => Origin::Captured(&capture),
+        Kind::Captured => {
+            truth.profile = Profile::Real;
+            Origin::Captured(&capture)
+        }
     };
-    let order = Order { frames, held_out, points: 2000, ..Order::new(origin, format, out) };
+    let judged = Judged::new(Path::new("truth.json"), &truth, &queries).unwrap();
+    let judged = format.needs_truth().then_some(&judged);
+    let order = Order { frames, held_out, points: 2000, judged, ..Order::new(origin, format, out) };
     export(order, &|| {})
 }
 

@@ -1,4 +1,4 @@
-//! Exports in the hands of pycolmap, pycocotools, Pillow, plyfile and NumPy.
+//! Exports in the hands of pycolmap, pycocotools, OpenCV, Pillow, plyfile and NumPy.
 
 use std::process::Command;
 
@@ -14,7 +14,13 @@ fn public_readers_see_what_we_wrote() {
     let python =
         std::env::var("L4D_READERS_PYTHON").expect("set L4D_READERS_PYTHON to a Python with the readers");
     let world = World::new();
-    for format in [Format::Colmap, Format::Davis, Format::FourDGaussians, Format::Dynerf] {
+    for format in [
+        Format::Colmap,
+        Format::Davis,
+        Format::FourDGaussians,
+        Format::Dynerf,
+        Format::FourDLangSplatAnnotations,
+    ] {
         exported(&world, format, HeldOut::Pose, &world.out(&format.to_string()));
     }
     exported(&world, Format::Coco, HeldOut::Pictures, &world.out("coco"));

@@ -3,14 +3,15 @@
     python readers.py FOLDER
 
 FOLDER holds the exports `colmap`, `coco`, `davis`, `4dgaussians`, `4dgaussians-dynerf`,
-those of a capture in `captured`, and `probes.json`: points of the world and where each view sees them.
-Needs numpy, pillow, plyfile, pycocotools and pycolmap.
+`4d-langsplat-annotations`, those of a capture in `captured`, and `probes.json`: points of the world and where each view sees them.
+Needs numpy, pillow, opencv-python-headless, plyfile, pycocotools and pycolmap.
 """
 
 import json
 import pathlib
 import sys
 
+import cv2
 import numpy as np
 import pycolmap
 from PIL import Image
@@ -66,6 +67,30 @@ def check_masks(root: pathlib.Path) -> int:
     return seen
 
 
+def check_prompts(root: pathlib.Path) -> int:
+    """OpenCV fills what the evaluator of 4D LangSplat would, and that is what COCO's tools decode."""
+    truth = COCO(root / "coco" / "instances_test.json")
+    document = json.loads((root / "4d-langsplat-annotations/annotations/train/_annotations.coco.json").read_text())
+    names = {category["id"]: category["name"] for category in document["categories"]}
+    meant = {"the ball that rolls": [1], "ball late": [7], "the two balls": [1, 7]}
+    seen = 0
+    for image in document["images"]:
+        frame = 12 * int(image["file_name"].split("_")[0])
+        for prompt, instances in meant.items():
+            filled = np.zeros((image["height"], image["width"]), np.uint8)
+            for annotation in document["annotations"]:
+                if annotation["image_id"] == image["id"] and names[annotation["category_id"]] == prompt:
+                    corners = np.array(annotation["segmentation"][0]).reshape(-1, 2).astype(np.int32)
+                    cv2.fillPoly(filled, [corners], 1)
+            expected = np.zeros_like(filled)
+            for annotation in truth.anns.values():
+                if truth.imgs[annotation["image_id"]]["frame"] == frame and annotation["instance_id"] in instances:
+                    expected |= truth.annToMask(annotation)
+            assert (filled == expected).all(), (prompt, frame)
+            seen += int(expected.sum())
+    return seen
+
+
 def check_arrays(root: pathlib.Path) -> int:
     points = np.load(root / "4dgaussians" / "init_pt_cld.npz")["data"]
     assert points.shape[1] == 6 and np.isfinite(points).all()
@@ -84,4 +109,4 @@ if __name__ == "__main__":
     without = pycolmap.Reconstruction(folder / "captured/without/frame_0048/sparse/0")
     assert (len(without.images), len(without.points3D)) == (4, 0)
     seen = [check_colmap(folder, expected), check_colmap(folder / "captured", expected)]
-    print(*seen, check_masks(folder), check_arrays(folder))
+    print(*seen, check_masks(folder), check_prompts(folder), check_arrays(folder))

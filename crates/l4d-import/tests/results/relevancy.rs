@@ -40,7 +40,7 @@ fn the_originals_find_the_same() {
     assert_eq!(decoder.widths(), "3 -> 16 -> 32 -> 64 -> 48");
     let width = decoder.outputs();
     let texts = Texts::new(width, array("positives").data, array("negatives").data).unwrap();
-    let engine = Engine::new(decoder, texts).unwrap();
+    let engine = Engine::new(&decoder, &texts).unwrap();
     let levels = array("levels");
     let [_, height, width, channels] = levels.shape[..] else { panic!("{:?}", levels.shape) };
     let pictures: Vec<Latents<'_>> = levels
@@ -112,7 +112,7 @@ proptest! {
         let texts = Texts::new(out, noise(out * sentences, seed + 1), noise(out * phrases, seed + 2)).unwrap();
         let data = noise((width * height) as usize * channels, seed + 3);
         let latents = Latents { width, height, channels, data: &data };
-        let engine = Engine::new(decoder.clone(), texts.clone()).unwrap();
+        let engine = Engine::new(&decoder, &texts).unwrap();
         let plain = Plain::new(decoder, texts);
         for (fast, slow) in engine.cosines(latents).iter().flatten().zip(plain.cosines(latents).iter().flatten()) {
             prop_assert!((fast - slow).abs() < 2e-4, "{} and {}", fast, slow);
@@ -138,7 +138,7 @@ proptest! {
 fn frames_without_a_negative_number_are_stretched_where_the_rules_say_so() {
     let decoder = decoder(&[3, 8, 12], 5);
     let texts = Texts::new(12, noise(12, 1), noise(24, 2)).unwrap();
-    let engine = Engine::new(decoder, texts).unwrap();
+    let engine = Engine::new(&decoder, &texts).unwrap();
     let positive: Vec<f32> = noise(20 * 20 * 3, 9).iter().map(|value| 0.5 + 0.49 * value).collect();
     let stretched: Vec<f32> = positive.iter().map(|value| value * 2.0 - 1.0).collect();
     let picture = |data| Latents { width: 20, height: 20, channels: 3, data };
@@ -153,7 +153,7 @@ fn frames_without_a_negative_number_are_stretched_where_the_rules_say_so() {
 fn the_first_of_equal_levels_answers() {
     let decoder = decoder(&[3, 8, 12], 5);
     let texts = Texts::new(12, noise(12, 1), noise(24, 2)).unwrap();
-    let engine = Engine::new(decoder, texts).unwrap();
+    let engine = Engine::new(&decoder, &texts).unwrap();
     let data = noise(10 * 10 * 3, 4);
     let level = Latents { width: 10, height: 10, channels: 3, data: &data };
     assert_eq!(answer(&engine, &[level, level], &rules(Smoothing::Box30))[0].level, 0);
@@ -166,7 +166,7 @@ fn the_gate_averages_cosines_of_the_mask_s_pixels() {
     let data = noise(9 * 7 * 6, 4);
     let latents = Latents { width: 9, height: 7, channels: 6, data: &data };
     let mask = Mask::from_fn(9, 7, |col, row| (col + row) % 3 == 0);
-    let engine = Engine::new(decoder.clone(), texts.clone()).unwrap();
+    let engine = Engine::new(&decoder, &texts).unwrap();
     let found = gate::similarities(&engine, latents, &mask).unwrap();
     let all = Plain::new(decoder, texts).cosines(latents);
     for (found, picture) in found.iter().zip(all) {

@@ -8,12 +8,14 @@ use glam::{DMat3, DMat4, DVec2, DVec3};
 use half::f16;
 use l4d_data::capture::{CAPTURE, Capture, Depth, MaskSet, MaskedInstance};
 use l4d_data::layout::{CaptureDir, SceneDir};
+use l4d_data::query::{Provenance, text_digest};
 use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
 use l4d_data::store::write_atomic;
-use l4d_data::truth::frame_key;
-use l4d_data::{Camera, Name, Profile, Split, json};
+use l4d_data::truth::{Truth, frame_key};
+use l4d_data::{Camera, Category, Interval, Name, Profile, Query, Split, Status, Temporal, json};
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::exr::write_frame;
+use l4d_frames::truth::truth_of_scene;
 use l4d_frames::{Display, Frame, Surfaces};
 use l4d_import::points::{ColouredPoint, add_point, model_of_pinholes};
 use l4d_masks::Mask;
@@ -27,6 +29,7 @@ pub(crate) const TEST_VIEW: &str = "cam02";
 pub(crate) struct World {
     folder: tempfile::TempDir,
     pub(crate) scene: Scene,
+    pub(crate) truth: Truth,
 }
 
 impl World {
@@ -34,7 +37,7 @@ impl World {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         copy_folder(PRISTINE.folder.path(), folder.path());
-        Self { folder, scene: PRISTINE.scene.clone() }
+        Self { folder, scene: PRISTINE.scene.clone(), truth: PRISTINE.truth.clone() }
     }
 
     pub(crate) fn dir(&self) -> SceneDir {
@@ -144,6 +147,27 @@ impl World {
         self.scene.profile.frames().collect()
     }
 
+    /// Queries of the scene: one that holds throughout, one that is gated, one with two referents.
+    pub(crate) fn queries(&self) -> Vec<Query> {
+        let query = |number: &str, text: &str, referents: &[&str], frames: [u32; 2], temporal| Query {
+            id: format!("closed_form/{number}").parse().unwrap(),
+            text: text.to_owned(),
+            categories: vec![Category::Action],
+            referents: referents.iter().map(|name| Name::new(*name).unwrap()).collect(),
+            temporal,
+            frames: vec![Interval::new(frames[0], frames[1]).unwrap()],
+            predicate: None,
+            text_digest: text_digest(text, None),
+            provenance: Provenance { source: "author".to_owned(), note: String::new() },
+            status: Status::Candidate,
+        };
+        vec![
+            query("001", "the ball that rolls", &["ball_red"], [0, 96], Temporal::Whole),
+            query("002", "the ball while it rises", &["ball_late"], [30, 80], Temporal::While),
+            query("003", "the two balls", &["ball_red", "ball_late"], [0, 96], Temporal::Whole),
+        ]
+    }
+
     /// What a camera sees, as it was rendered.
     pub(crate) fn frame(&self, view: &str, frame: u32) -> Frame {
         let size = glam::UVec2::new(self.scene.width, self.scene.height);
@@ -161,7 +185,8 @@ impl World {
             }
         }
         json::write(&dir.scene(), &scene).unwrap();
-        let world = Self { folder, scene };
+        let truth = truth_of_scene(&dir, &scene).unwrap().unwrap();
+        let world = Self { folder, scene, truth };
         world.record();
         world
     }

@@ -57,7 +57,7 @@ impl Recording {
             frames: capture.frames.clone(),
             notes: Vec::new(),
             cameras: capture.cameras.clone(),
-            material: Material::Captured(Self { dir: dir.clone(), capture, masks }),
+            material: Material::Captured(Box::new(Self { dir: dir.clone(), capture, masks })),
             shows,
             reconstruction: None,
         })

@@ -49,7 +49,10 @@ impl Order {
         }
     }
 
-    /// The frame of a picture: `Ok(None)` if it is not asked for, the number of pictures if there is no such one.
+    /// The frame of a picture; none if it is not asked for.
+    ///
+    /// # Errors
+    /// The number of pictures, if there is no such one.
     pub fn frame(&self, position: usize, clip: &[u32]) -> Result<Option<u32>, usize> {
         match self {
             Self::Clip => clip.get(position).map(|&frame| Some(frame)).ok_or(clip.len()),

@@ -227,10 +227,10 @@ fn open(
         }
     };
     inputs.insert(format!("decoder {}", path.display()), sha256_file(path)?);
-    let widths = decoder.widths();
-    let engine = Engine::new(decoder, texts.clone());
+    let engine = Engine::new(&decoder, texts);
     if engine.is_none() {
-        let message = format!("decodes {widths}, but the sentences have {} numbers", texts.width());
+        let (widths, width) = (decoder.widths(), texts.width());
+        let message = format!("decodes {widths}, but the sentences have {width} numbers");
         let hint = "export the embeddings with the model that the autoencoder was trained for: CLIP has 512, E5 4096";
         report.error(codes::WIDTHS, path, "widths", message, hint);
     }

@@ -1,0 +1,65 @@
+//! The truth of a scene as prompts with masks: what evaluators of others ask for.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use l4d_data::truth::Truth;
+use l4d_data::{DataError, Query, Temporal};
+use l4d_masks::Mask;
+use l4d_masks::target;
+
+/// Queries of a scene and the truth that they are judged by.
+#[derive(Debug, Clone)]
+pub struct Judged<'a> {
+    truth: &'a Truth,
+    prompts: Vec<Prompt<'a>>,
+}
+
+/// A query with the pixels of what it means, in the held-out view.
+#[derive(Debug, Clone)]
+pub(super) struct Prompt<'a> {
+    pub(super) query: &'a Query,
+    /// Pixels of all referents, by canonical frame; frames in which none is visible are absent.
+    pub(super) masks: BTreeMap<u32, Mask>,
+}
+
+impl<'a> Judged<'a> {
+    /// Decodes what the queries mean; `path` is that of the truth, for errors.
+    ///
+    /// # Errors
+    /// Referents that the truth does not have, and damaged masks.
+    pub fn new(path: &Path, truth: &'a Truth, queries: &'a [Query]) -> Result<Self, DataError> {
+        let prompt = |query| Ok(Prompt { query, masks: masks_of(path, truth, query)? });
+        Ok(Self { truth, prompts: queries.iter().map(prompt).collect::<Result<_, DataError>>()? })
+    }
+
+    pub(crate) fn truth(&self) -> &Truth {
+        self.truth
+    }
+
+    pub(super) fn prompts(&self) -> &[Prompt<'a>] {
+        &self.prompts
+    }
+}
+
+impl Prompt<'_> {
+    /// Whether the sentence counts at some times only.
+    pub(super) fn is_gated(&self) -> bool {
+        self.query.temporal == Temporal::While
+    }
+
+    /// What is meant, in words of the names of instances: the object that a gated sentence is about.
+    pub(super) fn base(&self) -> String {
+        let names: Vec<String> = self.query.referents.iter().map(|name| name.replace('_', " ")).collect();
+        names.join(" and ")
+    }
+}
+
+fn masks_of(path: &Path, truth: &Truth, query: &Query) -> Result<BTreeMap<u32, Mask>, DataError> {
+    if let Some(name) = query.referents.iter().find(|name| truth.instance(name).is_none()) {
+        let remedy = "give the truth and the queries of one benchmark";
+        return Err(DataError::invalid(path, format!("instance {name}"), "is not in the truth", remedy));
+    }
+    let mask = |&frame: &u32| Some((frame, target::union(truth, &query.referents, frame)?));
+    Ok(truth.frames.iter().filter_map(mask).collect())
+}
