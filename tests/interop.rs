@@ -1,14 +1,10 @@
 //! `l4d export` and `l4d import-scene`, run as users run them. What the files hold is tested in `l4d-import`.
 
-use std::collections::BTreeMap;
-
-use half::f16;
-use l4d_data::scene::{Generator, SCHEMA, Scale, Scene};
-use l4d_data::{Camera, Name, Profile, Split, json};
+use glam::{DMat4, DVec3};
+use l4d_data::{Camera, Split};
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
-use l4d_frames::exr::write_frame;
-use l4d_frames::{Frame, Surfaces};
 use l4d_masks::ids;
+use l4d_testing::{SIZE, flat, name, scene, write_scene};
 use serde_json::json;
 
 use crate::support::Dir;
@@ -16,60 +12,18 @@ use crate::support::Dir;
 /// A folder with the scene `wall` in profile tiny: three cameras before a wall, the second is held out.
 fn folder() -> Dir {
     let dir = Dir::new();
-    let camera = |number: usize| Camera {
-        name: Name::new(format!("cam{number:02}")).unwrap(),
-        split: if number == 1 { Split::Test } else { Split::Train },
-        fx: 140.0,
-        fy: 140.0,
-        cx: 64.0,
-        cy: 48.0,
-        world_from_camera: vec![[
-            1.0,
-            0.0,
-            0.0,
-            number as f64,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-        ]],
+    let camera = |number: u32| {
+        let split = if number == 1 { Split::Test } else { Split::Train };
+        let pose = DMat4::from_translation(f64::from(number) * DVec3::X);
+        Camera { split, ..Camera::new(name(format!("cam{number:02}")), SIZE, 140.0, pose) }
     };
-    let scene = Scene {
-        schema: SCHEMA.to_owned(),
-        name: Name::new("wall").unwrap(),
-        scale: Scale::Room,
-        variant: 0,
-        seed: 0,
-        profile: Profile::Tiny,
-        stride: 12,
-        width: 128,
-        height: 96,
-        exposure: 1.0,
-        generator: Generator { bpy: "4.5".to_owned(), scripts_sha256: String::new() },
-        cameras: (0..3).map(camera).collect(),
-        instances: Vec::new(),
-        events: Vec::new(),
-        digests: BTreeMap::new(),
-    };
-    json::write(&dir.path("data/tiny/wall/scene.json"), &scene).unwrap();
+    let scene = scene("wall", (0..3).map(camera).collect(), Vec::new());
     // The held-out pictures are not there, and are not needed.
-    for view in ["cam00", "cam02"] {
-        for frame in Profile::Tiny.frames() {
-            let mut surfaces = Surfaces::empty(128, 96);
-            surfaces.depth_m.fill(2.0);
-            let rgb = vec![[f16::from_f32(0.25); 3]; surfaces.id.len()];
-            let path = dir.path(format!("data/tiny/wall/frames/{view}/{frame:04}.exr"));
-            write_frame(&path, &Frame { surfaces, rgb }).unwrap();
-        }
-    }
+    write_scene(&dir.path("data/tiny"), scene, |camera, _| {
+        let mut picture = flat(|_, _| 0);
+        picture.surfaces.depth_m.fill(2.0);
+        (camera.split == Split::Train).then_some(picture)
+    });
     dir
 }
 

@@ -78,7 +78,7 @@ fn files(folder: PathBuf) -> BTreeMap<String, Vec<u8>> {
 fn scores_become_a_document_tables_and_figures() {
     let dir = scored();
     let run = make(&dir);
-    let line = "Discs 0.1.0 · protocol l4d · profile tiny · 8 queries, 2 verified by people, 2 rejected\n";
+    let line = "Made up 0.1.0 · protocol l4d · profile tiny · 8 queries, 2 verified by people, 2 rejected\n";
     assert!(run.stdout.starts_with(line) && run.stdout.contains("   1 contestant"), "{}", run.stdout);
     assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{}", run.stdout);
     assert!(run.stderr.contains("leaderboard/leaderboard.csv"), "{}", run.stderr);
@@ -231,7 +231,7 @@ fn other_versions_and_protocols_are_apart() {
         std::fs::remove_dir_all(dir.path(format!("scores/{name}"))).unwrap();
     }
     let run = leaderboard(&dir);
-    assert!(run.code == 2 && run.stderr.contains("no method was scored on Discs 0.1.0"), "{}", run.stderr);
+    assert!(run.code == 2 && run.stderr.contains("no method was scored on Made up 0.1.0"), "{}", run.stderr);
 }
 
 #[test]

@@ -675,7 +675,7 @@ fn names_and_sentences_that_are_markup_stay_text() {
     const HOSTILE: &str = "</script><script>window.ran=1</script><img src=x onerror=\"window.ran=1\"><!-- {{script}} 'x' \u{2028}";
     let dir = Dir::with_benchmark();
     let manifest = dir.read("benchmark/panoptic-l4d.toml");
-    dir.write("benchmark/panoptic-l4d.toml", manifest.replace("\"Discs\"", &toml(HOSTILE)));
+    dir.write("benchmark/panoptic-l4d.toml", manifest.replace("\"Made up\"", &toml(HOSTILE)));
     let queries = dir.read("benchmark/queries/room_discs.jsonl");
     let mut lines: Vec<Value> = queries.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let text = HOSTILE.replace('\u{2028}', "");

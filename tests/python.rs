@@ -9,14 +9,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use glam::UVec2;
+use glam::{DMat4, UVec2};
 use l4d_data::capture::{self, Capture};
 use l4d_data::digest::sha256_hex;
-use l4d_data::layout::{BenchDir, SceneDir};
-use l4d_data::query::text_digest;
+use l4d_data::layout::SceneDir;
 use l4d_data::scene::{Role, Scale};
 use l4d_data::truth::{InstanceTruth, Truth};
-use l4d_data::{Camera, Name, Profile, Rig, Split, json};
+use l4d_data::{Camera, Category, Profile, Query, Rig, Split, Temporal, json};
 use l4d_frames::Display;
 use l4d_frames::drawn::{Rgb, RgbImage, encode_colour};
 use l4d_frames::exr::read_frame;
@@ -25,6 +24,7 @@ use l4d_splat::model::{Model, time_of_frame};
 use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
 use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
+use l4d_testing::{name, query, write_benchmark};
 use serde_json::json;
 
 use crate::support::{Dir, blender_python, root, succeed};
@@ -134,16 +134,8 @@ fn world_folder() -> Dir {
 /// A capture of two cameras and three moments, and a benchmark about it. The moment in the middle has no annotation, and
 /// one camera missed the last.
 fn write_capture(dir: &Dir) {
-    let name = |text: &str| Name::new(text).unwrap();
-    let camera = |view: &str, split: Split| Camera {
-        name: name(view),
-        split,
-        fx: 5.0,
-        fy: 5.0,
-        cx: 3.0,
-        cy: 2.0,
-        world_from_camera: vec![[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]],
-    };
+    let camera =
+        |view: &str, split: Split| Camera { split, ..Camera::new(name(view), [6, 4], 5.0, DMat4::IDENTITY) };
     let capture = Capture {
         schema: capture::SCHEMA.to_owned(),
         name: name("desk"),
@@ -169,7 +161,7 @@ fn write_capture(dir: &Dir) {
         dir.write(path.to_str().unwrap(), encode_colour(&picture));
     }
     let mask = Mask::from_fn(6, 4, |column, row| column < 2 && row < 3).to_rle();
-    let instance = InstanceTruth {
+    let cup = InstanceTruth {
         name: name("cup"),
         id: 1,
         role: Role::Object,
@@ -187,20 +179,12 @@ fn write_capture(dir: &Dir) {
         test_view: name("cam00"),
         frames: vec![0, 200],
         unannotated: vec![1],
-        instances: vec![instance],
+        instances: vec![cup],
         visible: BTreeMap::new(),
     };
-    let bench = BenchDir::new(dir.path("captures"));
-    json::write_compact(&bench.truth(Profile::Real, "desk"), &truth).unwrap();
-    let text = "the cup on the desk";
-    let query = json!({
-        "id": "desk/001", "text": text, "categories": ["spatial"], "referents": ["cup"], "temporal": "whole",
-        "frames": [[0, 200]], "predicate": null, "text_digest": text_digest(text, None),
-        "provenance": { "source": "author" }, "status": "candidate",
-    });
-    json::write_lines(&bench.queries("desk"), &[query]).unwrap();
-    let manifest = "name = \"Desks\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [\"desk\"]\n";
-    dir.write("captures/panoptic-l4d.toml", manifest);
+    let asked = query("desk/001", "the cup on the desk", &["cup"], [0, 200]);
+    let asked = Query { temporal: Temporal::Whole, categories: vec![Category::Spatial], ..asked };
+    write_benchmark(&dir.path("captures"), &[(truth, vec![asked])]);
 }
 
 fn expected(scene: &SceneDir, model: &Model) -> serde_json::Value {

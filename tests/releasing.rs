@@ -10,10 +10,8 @@ use std::time::Duration;
 use l4d_data::digest::sha256_file;
 use l4d_data::layout::SceneDir;
 use l4d_data::query::text_digest;
-use l4d_data::scene::{Generator, SCHEMA, Scene};
-use l4d_data::tracks::TrackedCamera;
 use l4d_data::truth::frame_key;
-use l4d_data::{Benchmark, Camera, Profile, json, sums};
+use l4d_data::{Benchmark, Profile, json, sums};
 use serde_json::{Value, json};
 
 use crate::annotation::{bench, opened, panel_votes};
@@ -69,9 +67,9 @@ fn write_renders(dir: &Dir) {
         let tracks = bench.tracks(name).unwrap();
         let scene_dir = SceneDir::new(&dir.path("data/tiny"), name);
         let profile = Profile::Tiny;
-        let cameras: Vec<Camera> = tracks.views(profile).map(camera).collect();
+        let scene = tracks.scene(profile, l4d_testing::generator());
         let mut listed = BTreeMap::new();
-        for camera in &cameras {
+        for camera in &scene.cameras {
             json::write(&scene_dir.view_card(&camera.name), &camera).unwrap();
             for frame in profile.frames() {
                 let file = format!("frames/{}/{}.exr", camera.name, frame_key(frame));
@@ -79,23 +77,6 @@ fn write_renders(dir: &Dir) {
                 listed.insert(file.clone(), sha256_file(&scene_dir.root().join(&file)).unwrap());
             }
         }
-        let scene = Scene {
-            schema: SCHEMA.to_owned(),
-            name: name.clone(),
-            scale: tracks.scale,
-            variant: 0,
-            seed: 0,
-            profile,
-            stride: profile.stride(),
-            width: profile.width(),
-            height: profile.height(),
-            exposure: 1.0,
-            generator: Generator { bpy: "none".to_owned(), scripts_sha256: String::new() },
-            cameras,
-            instances: tracks.instances.iter().map(|instance| instance.instance()).collect(),
-            events: tracks.events.clone(),
-            digests: BTreeMap::new(),
-        };
         json::write(&scene_dir.scene(), &scene).unwrap();
         json::write_compact(&scene_dir.tracks(), &tracks).unwrap();
         std::fs::write(scene_dir.usd(), "usd").unwrap();
@@ -103,19 +84,6 @@ fn write_renders(dir: &Dir) {
             listed.insert(file.to_owned(), sha256_file(&scene_dir.root().join(file)).unwrap());
         }
         std::fs::write(scene_dir.checksums(), sums::to_text(&listed)).unwrap();
-    }
-}
-
-fn camera(tracked: &TrackedCamera) -> Camera {
-    let (width, height) = (f64::from(Profile::Tiny.width()), f64::from(Profile::Tiny.height()));
-    Camera {
-        name: tracked.name.clone(),
-        split: tracked.split,
-        fx: tracked.focal_over_width * width,
-        fy: tracked.focal_over_width * width,
-        cx: width / 2.0,
-        cy: height / 2.0,
-        world_from_camera: tracked.world_from_camera.clone(),
     }
 }
 

@@ -6,8 +6,7 @@ use std::process::Command;
 
 use glam::UVec2;
 use half::f16;
-use l4d_data::scene::{Generator, SCHEMA, Scale, Scene};
-use l4d_data::{Camera, Name, Profile, json};
+use l4d_data::{Camera, json};
 use l4d_frames::drawn::{decode_colour, decode_depth_png, picture_of};
 use l4d_frames::exr::{decode_depth, write_frame};
 use l4d_frames::{Frame, frame::Surfaces};
@@ -41,23 +40,7 @@ fn cameras() -> Vec<Camera> {
 /// A folder with the scene `room` in profile tiny and its checkpoint.
 fn folder() -> Dir {
     let dir = Dir::new();
-    let scene = Scene {
-        schema: SCHEMA.to_owned(),
-        name: Name::new("room").unwrap(),
-        scale: Scale::Room,
-        variant: 0,
-        seed: 0,
-        profile: Profile::Tiny,
-        stride: 12,
-        width: SIZE[0],
-        height: SIZE[1],
-        exposure: 1.0,
-        generator: Generator { bpy: "4.5".to_owned(), scripts_sha256: String::new() },
-        cameras: cameras(),
-        instances: Vec::new(),
-        events: Vec::new(),
-        digests: BTreeMap::new(),
-    };
+    let scene = l4d_testing::scene("room", cameras(), Vec::new());
     json::write(&dir.path("data/tiny/room/scene.json"), &scene).unwrap();
     room().model().unwrap().write(&dir.path("work/tiny/room/splats")).unwrap();
     dir

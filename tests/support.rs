@@ -1,18 +1,13 @@
 //! What the end-to-end tests share: a folder of their own, the binary in it, and a made-up benchmark.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
-use l4d_data::layout::BenchDir;
-use l4d_data::name::Name;
-use l4d_data::query::text_digest;
-use l4d_data::scene::{Role, Scale};
-use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
-use l4d_data::{Profile, json};
-use l4d_masks::{Mask, Rle};
-use serde_json::{Value, json};
+use l4d_data::truth::Truth;
+use l4d_data::{Category, Query, Scale, Scene, Split, Status};
+use l4d_testing::{camera, flat, instance, query, scene};
+use serde_json::Value;
 
 /// The project's folder.
 pub(crate) fn root() -> &'static Path {
@@ -151,29 +146,18 @@ pub(crate) const SCENES: [(&str, Scale); 2] =
     [("outdoor_discs", Scale::Outdoor), ("room_discs", Scale::Room)];
 /// Queries of each made-up scene.
 pub(crate) const QUERIES: [&str; 5] = ["001", "002", "003", "004", "005"];
-const PROFILE: Profile = Profile::Tiny;
 
 /// Writes a benchmark of moving discs at the profile tiny: objects 1 to 4 in two categories, a landmark below them.
 ///
 /// Of the queries of a scene, 002 is gated, 003 means two things, 004 is verified and 005 is rejected.
 pub(crate) fn write_benchmark(root: &Path) {
-    let dir = BenchDir::new(root);
-    let names: Vec<String> = SCENES.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-    let manifest = format!(
-        "name = \"Discs\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [{}]\n",
-        names.join(", ")
-    );
-    std::fs::create_dir_all(root).unwrap();
-    std::fs::write(dir.manifest(), manifest).unwrap();
-    for (seed, (scene, scale)) in SCENES.into_iter().enumerate() {
-        json::write_compact(&dir.truth(PROFILE, scene), &truth(scene, scale, seed as u64)).unwrap();
-        json::write_lines(&dir.queries(scene), &queries(scene)).unwrap();
-    }
+    let scenes =
+        (0..).zip(SCENES).map(|(seed, (scene, scale))| (truth(scene, scale, seed), queries(scene).to_vec()));
+    l4d_testing::write_benchmark(root, &scenes.collect::<Vec<_>>());
 }
 
-pub(crate) fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
+pub(crate) fn truth(label: &str, scale: Scale, seed: u64) -> Truth {
     let mut noise = Noise::new(seed + 1);
-    let (width, height) = (PROFILE.width(), PROFILE.height());
     let starts: Vec<(i64, i64, i64)> = (0..4)
         .map(|_| (i64::from(noise.below(90)), i64::from(noise.below(90)), 8 + i64::from(noise.below(14))))
         .collect();
@@ -185,67 +169,23 @@ pub(crate) fn truth(scene: &str, scale: Scale, seed: u64) -> Truth {
         let disc = starts.iter().position(inside).map(|index| index as u32 + 1);
         disc.unwrap_or(if row > 70 { 1001 } else { 0 })
     };
-    let instance = |name: &str, id: u32, role: Role, category: &str| {
-        let masks: BTreeMap<String, Rle> = PROFILE
-            .frames()
-            .map(|frame| (frame, Mask::from_fn(width, height, |col, row| id_at(col, row, frame) == id)))
-            .filter(|(_, mask)| !mask.is_empty())
-            .map(|(frame, mask)| (frame_key(frame), mask.to_rle()))
-            .collect();
-        InstanceTruth { name: Name::new(name).unwrap(), id, role, category: category.to_owned(), masks }
-    };
-    let instances = vec![
-        instance("disc_a", 1, Role::Object, "disc"),
-        instance("disc_b", 2, Role::Object, "disc"),
-        instance("disc_c", 3, Role::Object, "disc"),
-        instance("ball_d", 4, Role::Object, "ball"),
-        instance("floor", 1001, Role::Landmark, "floor"),
-    ];
-    let seen = |id: u32| -> Vec<u32> {
-        let pixels =
-            |frame| Mask::from_fn(width, height, |col, row| id_at(col, row, frame) == id).area() as u32;
-        PROFILE.frames().map(pixels).collect()
-    };
-    let view = Name::new("test").unwrap();
-    let visible = instances.iter().map(|instance| (instance.name.clone(), seen(instance.id))).collect();
-    Truth {
-        unannotated: Vec::new(),
-        schema: SCHEMA.to_owned(),
-        scene: Name::new(scene).unwrap(),
-        scale,
-        variant: 0,
-        profile: PROFILE,
-        width,
-        height,
-        test_view: view.clone(),
-        frames: PROFILE.frames().collect(),
-        instances,
-        visible: BTreeMap::from([(view, visible)]),
-    }
+    let things = [(1, "disc_a"), (2, "disc_b"), (3, "disc_c"), (4, "ball_d"), (1001, "floor")];
+    let instances = things.map(|(id, name)| instance(id, name)).to_vec();
+    let described = Scene { scale, ..scene(label, vec![camera("test", Split::Test)], instances) };
+    l4d_testing::truth(&described, |_, frame| flat(|col, row| id_at(col, row, frame)).surfaces)
 }
 
-fn queries(scene: &str) -> Vec<Value> {
-    let query =
-        |number: &str, category: &str, referents: &[&str], interval: Option<[u32; 2]>, status: &str| {
-            let text = format!("the thing that number {number} means");
-            json!({
-                "id": format!("{scene}/{number}"),
-                "text": text,
-                "categories": [category],
-                "referents": referents,
-                "temporal": if interval.is_some() { "while" } else { "whole" },
-                "frames": [interval.unwrap_or([0, 96])],
-                "predicate": null,
-                "text_digest": text_digest(&text, None),
-                "provenance": { "source": "author" },
-                "status": status,
-            })
-        };
-    vec![
-        query("001", "attribute", &["disc_a"], None, "candidate"),
-        query("002", "action", &["disc_b"], Some([24, 60]), "candidate"),
-        query("003", "spatial", &["disc_a", "ball_d"], None, "candidate"),
-        query("004", "interaction", &["disc_c"], Some([0, 48]), "verified"),
-        query("005", "attribute", &["ball_d"], None, "rejected"),
+fn queries(scene: &str) -> [Query; 5] {
+    let query = |number: &str, category: Category, referents: &[&str], frames: [u32; 2], status: Status| {
+        let text = format!("the thing that number {number} means");
+        let query = query(&format!("{scene}/{number}"), &text, referents, frames);
+        Query { categories: vec![category], status, ..query }
+    };
+    [
+        query("001", Category::Attribute, &["disc_a"], [0, 96], Status::Candidate),
+        query("002", Category::Action, &["disc_b"], [24, 60], Status::Candidate),
+        query("003", Category::Spatial, &["disc_a", "ball_d"], [0, 96], Status::Candidate),
+        query("004", Category::Interaction, &["disc_c"], [0, 48], Status::Verified),
+        query("005", Category::Attribute, &["ball_d"], [0, 96], Status::Rejected),
     ]
 }

@@ -1,44 +1,50 @@
-//! Scenes that are drawn by tracing a few surfaces: exact depth, known motion, no renderer needed.
+//! The scene `ball`: one ball that rolls over a floor before a wall, or two of which one lies still.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use glam::{DMat4, DVec2, DVec3, UVec2};
+use glam::{DVec3, UVec2};
 use half::f16;
-use l4d_data::layout::{BenchDir, SceneDir};
-use l4d_data::query::text_digest;
-use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
-use l4d_data::truth::{InstanceTruth, Truth, frame_key};
-use l4d_data::{Camera, Name, Profile, Split, json};
+use l4d_data::camera::looking_at;
+use l4d_data::layout::SceneDir;
+use l4d_data::{Camera, Category, Profile, Query, Scene, Split};
+use l4d_frames::Frame;
 use l4d_frames::exr::{read_frame, read_surfaces, write_frame};
-use l4d_frames::{Frame, Surfaces};
-use l4d_masks::Mask;
+use l4d_testing::{Thing, World, name, query, truth, write_benchmark};
 
 pub(crate) const SCENE: &str = "ball";
 
-pub(crate) const SIZE: [u32; 2] = [128, 96];
-const RADIUS_M: f64 = 0.25;
+pub(crate) use l4d_testing::SIZE;
 
-/// A ball on the floor.
-#[derive(Clone, Copy)]
-struct Ball {
-    id: u32,
-    name: &'static str,
-    /// Where it touches the floor, metres: start and end of a straight roll.
-    path: [[f64; 2]; 2],
-    colour: [f64; 3],
+const RADIUS_M: f64 = 0.25;
+const ROLLING: Thing = Thing {
+    colour: light_of_ball,
+    ..Thing::ball(1, "ball_a", RADIUS_M, |time| DVec3::new(-0.8 + 1.6 * time, 0.2, RADIUS_M))
+};
+const RESTING: Thing =
+    Thing { colour: light_of_ball, ..Thing::ball(2, "ball_b", RADIUS_M, |_| DVec3::new(0.1, 1.1, RADIUS_M)) };
+
+fn light_of_ball(at: DVec3) -> [f64; 3] {
+    [0.7 + 0.2 * at.z / RADIUS_M, 0.1, 0.05]
 }
 
-const ROLLING: Ball =
-    Ball { id: 1, name: "ball_a", path: [[-0.8, 0.2], [0.8, 0.2]], colour: [0.7, 0.1, 0.05] };
-const RESTING: Ball =
-    Ball { id: 2, name: "ball_b", path: [[0.1, 1.1], [0.1, 1.1]], colour: [0.7, 0.1, 0.05] };
-
-impl Ball {
-    fn centre(&self, frame: u32) -> DVec3 {
-        let [from, to] = self.path.map(|[x, y]| DVec3::new(x, y, RADIUS_M));
-        from.lerp(to, f64::from(frame) / 96.0)
-    }
+/// Four training cameras on an arc and a held-out one between them.
+fn world(balls: &[Thing]) -> World {
+    let floor = Thing {
+        colour: |at| {
+            let odd = ((at.x / 0.4).floor() + (at.y / 0.4).floor()).rem_euclid(2.0) == 1.0;
+            if odd { [0.6, 0.6, 0.55] } else { [0.1, 0.2, 0.3] }
+        },
+        ..Thing::floor()
+    };
+    let wall_m = DVec3::new(f64::INFINITY, 0.0, f64::INFINITY);
+    let wall = Thing {
+        colour: |at| [0.3, 0.3 + 0.1 * at.z, 0.2],
+        ..Thing::block(0, "wall", wall_m, |_| 2.0 * DVec3::Y)
+    };
+    let cameras = [-0.9, -0.3, 0.3, 0.9, 0.1].into_iter().zip(0..).map(|(x, index)| {
+        camera_at(&format!("cam{index:02}"), if index == 4 { Split::Test } else { Split::Train }, x)
+    });
+    World { name: SCENE, things: [balls, &[floor, wall]].concat(), sky: [0.0; 3], cameras: cameras.collect() }
 }
 
 /// One ball that rolls.
@@ -51,50 +57,10 @@ pub(crate) fn write_twins(data: &Path) {
     write(data, &[ROLLING, RESTING]);
 }
 
-/// Four training cameras on an arc and a held-out one between them.
-fn write(data: &Path, balls: &[Ball]) {
-    let dir = SceneDir::new(data, SCENE);
-    let cameras: Vec<Camera> = [-0.9, -0.3, 0.3, 0.9, 0.1]
-        .into_iter()
-        .enumerate()
-        .map(|(index, x)| {
-            camera_at(&format!("cam{index:02}"), if index == 4 { Split::Test } else { Split::Train }, x)
-        })
-        .collect();
-    for camera in &cameras {
-        for frame in Profile::Tiny.frames() {
-            write_frame(&dir.frame(&camera.name, frame), &drawn(camera, frame, balls)).unwrap();
-        }
-    }
-    let scene = Scene {
-        schema: SCHEMA.to_owned(),
-        name: Name::new(SCENE).unwrap(),
-        scale: Scale::Room,
-        variant: 0,
-        seed: 0,
-        profile: Profile::Tiny,
-        stride: Profile::Tiny.stride(),
-        width: SIZE[0],
-        height: SIZE[1],
-        exposure: 1.0,
-        generator: Generator { bpy: "none".to_owned(), scripts_sha256: String::new() },
-        cameras,
-        instances: balls.iter().map(instance).collect(),
-        events: Vec::new(),
-        digests: BTreeMap::new(),
-    };
-    json::write(&dir.scene(), &scene).unwrap();
-}
-
-fn instance(ball: &Ball) -> Instance {
-    Instance {
-        id: ball.id,
-        name: Name::new(ball.name).unwrap(),
-        role: Role::Object,
-        category: "ball".to_owned(),
-        attributes: BTreeMap::new(),
-        front: None,
-    }
+fn write(data: &Path, balls: &[Thing]) {
+    let world = world(balls);
+    let scene = Scene { events: Vec::new(), ..world.scene() };
+    l4d_testing::write_scene(data, scene, |camera, frame| Some(world.look(camera, frame)));
 }
 
 /// Turns off the light in all pictures of a camera.
@@ -110,133 +76,28 @@ pub(crate) fn blacken(data: &Path, camera: &str) {
 
 /// What a camera sees of the twins at a canonical frame, with ids.
 pub(crate) fn twins_seen_by(camera: &Camera, frame: u32) -> Frame {
-    drawn(camera, frame, &[ROLLING, RESTING])
+    world(&[ROLLING, RESTING]).look(camera, frame)
 }
 
 /// A camera of the twins, at x metres on the arc.
-pub(crate) fn camera_at(name: &str, split: Split, x: f64) -> Camera {
-    Camera {
-        name: Name::new(name).unwrap(),
-        split,
-        fx: 140.0,
-        fy: 140.0,
-        cx: 64.0,
-        cy: 48.0,
-        world_from_camera: vec![looking_at(DVec3::new(x, -3.0, 1.2), DVec3::new(0.0, 0.5, 0.2))],
-    }
-}
-
-fn drawn(camera: &Camera, frame: u32, balls: &[Ball]) -> Frame {
-    let mut surfaces = Surfaces::empty(SIZE[0], SIZE[1]);
-    let mut rgb = Vec::new();
-    let centre = camera.world_from_camera(frame).transform_point3(DVec3::ZERO);
-    for row in 0..SIZE[1] {
-        for column in 0..SIZE[0] {
-            let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            // Per metre of planar depth.
-            let ray = camera.unproject(frame, at, 1.0) - centre;
-            let (depth_m, id, colour) = traced(centre, ray, frame, balls);
-            let pixel = surfaces.index(column, row);
-            surfaces.depth_m[pixel] = depth_m as f32;
-            surfaces.id[pixel] = id;
-            rgb.push(colour.map(f16::from_f64));
-        }
-    }
-    Frame { surfaces, rgb }
-}
-
-/// Depth, instance and light of the first surface on a ray: balls, floor (z = 0), wall (y = 2).
-fn traced(from: DVec3, ray: DVec3, frame: u32, balls: &[Ball]) -> (f64, u32, [f64; 3]) {
-    let hits = balls.iter().filter_map(|ball| {
-        let offset = from - ball.centre(frame);
-        let (a, b, c) = (ray.dot(ray), offset.dot(ray), offset.dot(offset) - RADIUS_M * RADIUS_M);
-        let discriminant = b * b - a * c;
-        (discriminant > 0.0).then(|| ((-b - discriminant.sqrt()) / a, ball))
-    });
-    if let Some((depth_m, ball)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        let up = ((from + ray * depth_m - ball.centre(frame)) / RADIUS_M).z;
-        let [red, green, blue] = ball.colour;
-        return (depth_m, ball.id, [red + 0.2 * up, green, blue]);
-    }
-    let (floor_m, wall_m) = (-from.z / ray.z, (2.0 - from.y) / ray.y);
-    if ray.z < 0.0 && floor_m < wall_m {
-        let point = from + ray * floor_m;
-        let odd = ((point.x / 0.4).floor() + (point.y / 0.4).floor()).rem_euclid(2.0) == 1.0;
-        return (floor_m, 0, if odd { [0.6, 0.6, 0.55] } else { [0.1, 0.2, 0.3] });
-    }
-    let height = (from + ray * wall_m).z;
-    (wall_m, 0, [0.3, 0.3 + 0.1 * height, 0.2])
-}
-
-/// Row-major pose of a camera in OpenCV axes.
-fn looking_at(from: DVec3, to: DVec3) -> [f64; 16] {
-    let ahead = (to - from).normalize();
-    let right = ahead.cross(DVec3::Z).normalize();
-    let down = ahead.cross(right);
-    let pose = DMat4::from_cols(right.extend(0.0), down.extend(0.0), ahead.extend(0.0), from.extend(1.0));
-    pose.transpose().to_cols_array()
+pub(crate) fn camera_at(view: &str, split: Split, x: f64) -> Camera {
+    let pose = looking_at(DVec3::new(x, -3.0, 1.2), DVec3::new(0.0, 0.5, 0.2));
+    Camera { split, ..Camera::new(name(view), SIZE, 140.0, pose) }
 }
 
 /// A benchmark about the twins: who rolls, who lies at the back, and who rolls through the middle of the clip. The
 /// scene has to be written before.
 pub(crate) fn write_twins_benchmark(bench: &Path, data: &Path) {
-    let (bench, scene_dir) = (BenchDir::new(bench), SceneDir::new(data, SCENE));
-    let manifest =
-        format!("name = \"Twins\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [\"{SCENE}\"]\n");
-    std::fs::create_dir_all(bench.root()).unwrap();
-    std::fs::write(bench.manifest(), manifest).unwrap();
-    let scene = Scene::read(&scene_dir.scene()).unwrap();
-    let frames: Vec<u32> = Profile::Tiny.frames().collect();
-    let instance = |instance: &Instance| {
-        let mask = |frame: u32| {
-            let surfaces = read_surfaces(&scene_dir.frame("cam04", frame), UVec2::from_array(SIZE)).unwrap();
-            Mask::from_ids(SIZE[0], SIZE[1], &surfaces.id, instance.id).unwrap()
-        };
-        let masks = frames.iter().map(|&frame| (frame_key(frame), mask(frame)));
-        InstanceTruth {
-            name: instance.name.clone(),
-            id: instance.id,
-            role: instance.role,
-            category: instance.category.clone(),
-            masks: masks
-                .filter(|(_, mask)| !mask.is_empty())
-                .map(|(key, mask)| (key, mask.to_rle()))
-                .collect(),
-        }
-    };
-    let truth = Truth {
-        unannotated: Vec::new(),
-        schema: l4d_data::truth::SCHEMA.to_owned(),
-        scene: scene.name.clone(),
-        scale: scene.scale,
-        variant: 0,
-        profile: Profile::Tiny,
-        width: SIZE[0],
-        height: SIZE[1],
-        test_view: Name::new("cam04").unwrap(),
-        instances: scene.instances.iter().map(instance).collect(),
-        frames: frames.clone(),
-        visible: BTreeMap::new(),
-    };
-    json::write_compact(&bench.truth(Profile::Tiny, SCENE), &truth).unwrap();
-    let query = |number: &str, category: &str, text: &str, referent: &str, frames: [u32; 2]| {
-        serde_json::json!({
-            "id": format!("{SCENE}/{number}"),
-            "text": text,
-            "categories": [category],
-            "referents": [referent],
-            "temporal": if frames == [0, 96] { "whole" } else { "while" },
-            "frames": [frames],
-            "predicate": null,
-            "text_digest": text_digest(text, None),
-            "provenance": { "source": "author" },
-            "status": "candidate",
-        })
-    };
-    let queries = [
-        query("001", "action", "The ball that rolls", "ball_a", [0, 96]),
-        query("002", "spatial", "The ball nearest to the wall", "ball_b", [0, 96]),
-        query("003", "action", "The ball while it rolls through the middle", "ball_a", [24, 72]),
+    let dir = SceneDir::new(data, SCENE);
+    let scene = Scene::read(&dir.scene()).unwrap();
+    let truth = truth(&scene, |camera, frame| {
+        read_surfaces(&dir.frame(&camera.name, frame), UVec2::from_array(SIZE)).unwrap()
+    });
+    let back = query("ball/002", "The ball nearest to the wall", &["ball_b"], [0, 96]);
+    let queries = vec![
+        query("ball/001", "The ball that rolls", &["ball_a"], [0, 96]),
+        Query { categories: vec![Category::Spatial], ..back },
+        query("ball/003", "The ball while it rolls through the middle", &["ball_a"], [24, 72]),
     ];
-    json::write_lines(&bench.queries(SCENE), &queries).unwrap();
+    write_benchmark(bench, &[(truth, queries)]);
 }

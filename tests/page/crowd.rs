@@ -2,18 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::layout::{BenchDir, ResultsDir};
-use l4d_data::query::text_digest;
+use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MaskFile, MethodCard};
-use l4d_data::scene::Scale;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Name, json};
+use l4d_data::{Category, Name, Query, Scale, json};
 use l4d_masks::{Mask, Rle};
-use serde_json::{Value, json};
+use l4d_testing::query;
 
 use crate::support::{Dir, Noise, truth};
 
-const CATEGORIES: [&str; 4] = ["attribute", "action", "spatial", "interaction"];
 const OBJECTS: usize = 4;
 
 /// Scored methods on made-up scenes of the profile tiny, without a page yet.
@@ -31,39 +28,22 @@ pub(crate) fn scored(methods: usize, scenes: usize, queries: usize) -> Dir {
 }
 
 fn write_benchmark(dir: &Dir, scenes: usize, queries: usize) -> Vec<Truth> {
-    let bench = BenchDir::new(dir.path("benchmark"));
-    let names: Vec<String> = (0..scenes).map(|index| format!("crowd_{index:02}")).collect();
-    let list: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
-    let manifest = format!(
-        "name = \"Crowd\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [{}]\n",
-        list.join(", ")
-    );
-    dir.write("benchmark/panoptic-l4d.toml", manifest);
-    let mut truths = Vec::new();
-    for (index, name) in names.iter().enumerate() {
-        let truth = truth(name, Scale::ALL[index % 3], index as u64);
-        json::write_compact(&bench.truth(truth.profile, name), &truth).unwrap();
-        let lines: Vec<Value> = (0..queries).map(|query| line(name, query, &truth)).collect();
-        json::write_lines(&bench.queries(name), &lines).unwrap();
-        truths.push(truth);
-    }
-    truths
+    let scene = |index: usize| {
+        let name = format!("crowd_{index:02}");
+        let truth = truth(&name, Scale::ALL[index % 3], index as u64);
+        let queries = (0..queries).map(|query| asked(&name, query, &truth)).collect();
+        (truth, queries)
+    };
+    let scenes: Vec<(Truth, Vec<Query>)> = (0..scenes).map(scene).collect();
+    l4d_testing::write_benchmark(&dir.path("benchmark"), &scenes);
+    scenes.into_iter().map(|(truth, _)| truth).collect()
 }
 
-fn line(scene: &str, query: usize, truth: &Truth) -> Value {
-    let text = format!("the thing that sentence number {query} of many means when it is read slowly");
-    json!({
-        "id": format!("{scene}/{:03}", query + 1),
-        "text": text,
-        "categories": [CATEGORIES[query % 4]],
-        "referents": [truth.instances[query % OBJECTS].name],
-        "temporal": "whole",
-        "frames": [[0, 96]],
-        "predicate": null,
-        "text_digest": text_digest(&text, None),
-        "provenance": { "source": "author" },
-        "status": "candidate",
-    })
+fn asked(scene: &str, index: usize, truth: &Truth) -> Query {
+    let text = format!("the thing that sentence number {index} of many means when it is read slowly");
+    let referent = &truth.instances[index % OBJECTS].name;
+    let query = query(&format!("{scene}/{:03}", index + 1), &text, &[referent], [0, 96]);
+    Query { categories: vec![Category::ALL[index % 4]], ..query }
 }
 
 /// The right thing more or less often, always a little beside it, so that hardly any mask occurs twice.

@@ -1,17 +1,16 @@
 //! What the tests share: a round over a made-up scene on disk, and a session without a terminal.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use glam::{DMat4, UVec2};
+use glam::DMat4;
 use half::f16;
-use l4d_data::layout::SceneDir;
-use l4d_data::scene::{Generator, Instance, Role, SCHEMA, Scale, Scene};
-use l4d_data::{Camera, Name, Profile, Split, json};
-use l4d_frames::exr::write_frame;
-use l4d_frames::{Frame, Surfaces};
+use l4d_data::scene::Instance;
+use l4d_data::{Camera, Split};
+use l4d_frames::Frame;
+pub(crate) use l4d_testing::name;
+use l4d_testing::{SIZE, flat, instance, scene};
 use l4d_votes::{Ballot, Event, ItemId, Response, Round, RoundDir, ShownFrames};
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{Event as TerminalEvent, KeyCode, KeyEvent, KeyModifiers};
@@ -35,10 +34,6 @@ pub(crate) struct Fixture {
     folder: Arc<tempfile::TempDir>,
     pub(crate) round: Round,
     pub(crate) scenes: Arc<Scenes>,
-}
-
-pub(crate) fn name(text: &str) -> Name {
-    Name::new(text).unwrap()
 }
 
 impl Fixture {
@@ -275,84 +270,42 @@ pub(crate) fn disc(id: u32, frame: u32) -> (i64, i64, i64) {
 }
 
 fn write_scene(data: &std::path::Path) {
-    let profile = Profile::Tiny;
-    let dir = SceneDir::new(data, "yard");
-    let camera = |view: &str, split: Split, x: f64| Camera {
-        name: name(view),
-        split,
-        fx: 128.0,
-        fy: 128.0,
-        cx: 64.0,
-        cy: 48.0,
-        world_from_camera: vec![DMat4::from_translation(glam::DVec3::X * x).transpose().to_cols_array()],
+    let camera = |view: &str, split: Split, x: f64| {
+        let pose = DMat4::from_translation(glam::DVec3::X * x);
+        Camera { split, ..Camera::new(name(view), SIZE, 128.0, pose) }
     };
-    let instance = |id: u32, label: &str, role: Role| Instance {
-        id,
-        name: name(label),
-        role,
-        category: "disc".to_owned(),
-        attributes: BTreeMap::new(),
-        front: None,
-    };
-    let scene = Scene {
-        schema: SCHEMA.to_owned(),
-        name: name("yard"),
-        scale: Scale::Room,
-        variant: 0,
-        seed: 0,
-        profile,
-        stride: profile.stride(),
-        width: profile.width(),
-        height: profile.height(),
-        exposure: 1.0,
-        generator: Generator { bpy: "none".to_owned(), scripts_sha256: "0".repeat(64) },
-        cameras: vec![
-            camera("cam00", Split::Train, 0.0),
-            camera("cam01", Split::Test, 1.0),
-            camera("cam02", Split::Train, 5.0),
-        ],
-        instances: vec![
-            instance(1, "disc_a", Role::Object),
-            instance(2, "disc_b", Role::Object),
-            instance(3, "disc_c", Role::Object),
-            instance(4, "ball_d", Role::Object),
-            instance(1001, "floor", Role::Landmark),
-        ],
-        events: Vec::new(),
-        digests: BTreeMap::new(),
-    };
-    json::write(&dir.scene(), &scene).unwrap();
-    for view in ["cam01", "cam02"] {
-        for frame in profile.frames() {
-            write_frame(&dir.frame(view, frame), &picture(UVec2::new(128, 96), frame)).unwrap();
-        }
-    }
+    let cameras = vec![
+        camera("cam00", Split::Train, 0.0),
+        camera("cam01", Split::Test, 1.0),
+        camera("cam02", Split::Train, 5.0),
+    ];
+    let things = [(1, "disc_a"), (2, "disc_b"), (3, "disc_c"), (4, "ball_d"), (1001, "floor")];
+    let disc = |(id, label)| Instance { category: "disc".to_owned(), ..instance(id, label) };
+    let scene = scene("yard", cameras, things.map(disc).to_vec());
+    l4d_testing::write_scene(data, scene, |camera, frame| {
+        (camera.name.as_str() != "cam00").then(|| picture(frame))
+    });
 }
 
-fn picture(size: UVec2, frame: u32) -> Frame {
-    let mut surfaces = Surfaces::empty(size.x, size.y);
-    let mut rgb = Vec::new();
-    for row in 0..size.y {
-        for column in 0..size.x {
-            let inside = |id: &u32| {
-                let (x, y, radius) = disc(*id, frame);
-                let (dx, dy) = (i64::from(column) - x, i64::from(row) - y);
-                dx * dx + dy * dy < radius * radius
-            };
-            let id = (1..=4).find(inside).unwrap_or(if row > 60 { 1001 } else { 0 });
-            let index = surfaces.index(column, row);
-            surfaces.depth_m[index] = 1.0;
-            surfaces.id[index] = id;
-            let colour = match id {
-                1 => [0.8, 0.1, 0.1],
-                2 => [0.1, 0.1, 0.8],
-                3 => [0.1, 0.6, 0.1],
-                4 => [0.9, 0.9, 0.9],
-                1001 => [0.3, 0.25, 0.2],
-                _ => [0.2, 0.3, 0.5],
-            };
-            rgb.push(colour.map(f16::from_f32));
-        }
+fn picture(frame: u32) -> Frame {
+    let mut picture = flat(|column, row| {
+        let inside = |id: &u32| {
+            let (x, y, radius) = disc(*id, frame);
+            let (dx, dy) = (i64::from(column) - x, i64::from(row) - y);
+            dx * dx + dy * dy < radius * radius
+        };
+        (1..=4).find(inside).unwrap_or(if row > 60 { 1001 } else { 0 })
+    });
+    for (light, id) in picture.rgb.iter_mut().zip(&picture.surfaces.id) {
+        let colour = match id {
+            1 => [0.8, 0.1, 0.1],
+            2 => [0.1, 0.1, 0.8],
+            3 => [0.1, 0.6, 0.1],
+            4 => [0.9, 0.9, 0.9],
+            1001 => [0.3, 0.25, 0.2],
+            _ => [0.2, 0.3, 0.5],
+        };
+        *light = colour.map(f16::from_f32);
     }
-    Frame { surfaces, rgb }
+    picture
 }

@@ -2,7 +2,7 @@
 //!
 //! The centre of pixel (column, row) is (column + 0.5, row + 0.5); `u = fx * x / z + cx`.
 
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
 
 use crate::name::Name;
@@ -38,10 +38,18 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A training view with square pixels, the principal point in the middle of pictures of `[width, height]`, that
+    /// stands still.
+    pub fn new(name: Name, size: [u32; 2], focal_px: f64, world_from_camera: DMat4) -> Self {
+        let [cx, cy] = size.map(|side| f64::from(side) / 2.0);
+        let world_from_camera = vec![rows(world_from_camera)];
+        Self { name, split: Split::Train, fx: focal_px, fy: focal_px, cx, cy, world_from_camera }
+    }
+
     /// Pose at a canonical frame.
     pub fn world_from_camera(&self, frame: u32) -> DMat4 {
         let index = if self.world_from_camera.len() == 1 { 0 } else { frame as usize };
-        DMat4::from_cols_array(&self.world_from_camera[index]).transpose()
+        from_rows(&self.world_from_camera[index])
     }
 
     /// Inverse pose at a canonical frame (rigid: the transpose of the rotation).
@@ -49,23 +57,26 @@ impl Camera {
         self.world_from_camera(frame).inverse()
     }
 
+    /// The point at planar depth 1 that is seen at pixel position `(u, v)`, camera axes.
+    pub fn ray(&self, position: DVec2) -> DVec3 {
+        DVec3::new((position.x - self.cx) / self.fx, (position.y - self.cy) / self.fy, 1.0)
+    }
+
+    /// The pixel position of a point in camera axes.
+    pub fn position(&self, point_camera: DVec3) -> DVec2 {
+        let DVec3 { x, y, z } = point_camera;
+        DVec2::new(self.fx * x / z + self.cx, self.fy * y / z + self.cy)
+    }
+
     /// World point (metres) of the pixel position `(u, v)` at planar depth `depth_m`.
     pub fn unproject(&self, frame: u32, position: DVec2, depth_m: f64) -> DVec3 {
-        let point = DVec4::new(
-            (position.x - self.cx) / self.fx * depth_m,
-            (position.y - self.cy) / self.fy * depth_m,
-            depth_m,
-            1.0,
-        );
-        (self.world_from_camera(frame) * point).truncate()
+        (self.world_from_camera(frame) * (self.ray(position) * depth_m).extend(1.0)).truncate()
     }
 
     /// Pixel position and planar depth (metres, negative behind the camera) of a world point.
     pub fn project(&self, frame: u32, point_world: DVec3) -> (DVec2, f64) {
-        let point = self.camera_from_world(frame) * point_world.extend(1.0);
-        let position =
-            DVec2::new(self.fx * point.x / point.z + self.cx, self.fy * point.y / point.z + self.cy);
-        (position, point.z)
+        let point = (self.camera_from_world(frame) * point_world.extend(1.0)).truncate();
+        (self.position(point), point.z)
     }
 
     /// The same camera for pictures of another size; the numbers here belong to pictures of `from` (width, height).
@@ -87,23 +98,38 @@ impl Camera {
         if self.world_from_camera.is_empty() {
             return Some("field `world_from_camera` is empty".to_owned());
         }
-        self.world_from_camera.iter().enumerate().find_map(|(index, pose)| rigid_problem(index, pose))
+        self.world_from_camera.iter().enumerate().find_map(|(index, pose)| {
+            (!is_rigid(&from_rows(pose))).then(|| {
+                format!("field `world_from_camera[{index}]` is not a rigid motion (rotation and translation)")
+            })
+        })
     }
 }
 
-fn rigid_problem(index: usize, pose: &[f64; 16]) -> Option<String> {
-    let matrix = DMat4::from_cols_array(pose).transpose();
-    if !matrix.is_finite() {
-        return Some(format!("field `world_from_camera[{index}]` holds a number that is not finite"));
-    }
-    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec4::truncate);
-    let orthonormal =
-        (0..3).all(|i| (0..3).all(|j| (axes[i].dot(axes[j]) - f64::from(u8::from(i == j))).abs() < 1e-4));
-    let right_handed = axes[0].cross(axes[1]).dot(axes[2]) > 0.0;
-    let affine = pose[12..] == [0.0, 0.0, 0.0, 1.0];
-    (!(orthonormal && right_handed && affine)).then(|| {
-        format!("field `world_from_camera[{index}]` is not a rigid motion (rotation and translation)")
-    })
+/// The pose of a camera at `eye` that looks at `target`, world +Z up in the picture.
+pub fn looking_at(eye: DVec3, target: DVec3) -> DMat4 {
+    let forward = (target - eye).normalize();
+    let right = forward.cross(DVec3::Z).normalize();
+    DMat4::from_mat3_translation(DMat3::from_cols(right, forward.cross(right), forward), eye)
+}
+
+/// A pose as 16 numbers, row by row.
+pub fn rows(pose: DMat4) -> [f64; 16] {
+    pose.transpose().to_cols_array()
+}
+
+/// The pose of 16 numbers, row by row.
+pub fn from_rows(numbers: &[f64; 16]) -> DMat4 {
+    DMat4::from_cols_array(numbers).transpose()
+}
+
+/// Whether a pose is a rotation and a translation: neither mirrored nor scaled, and finite.
+pub fn is_rigid(pose: &DMat4) -> bool {
+    let rotation = DMat3::from_mat4(*pose);
+    pose.is_finite()
+        && (rotation.transpose() * rotation).abs_diff_eq(DMat3::IDENTITY, 1e-4)
+        && rotation.determinant() > 0.0
+        && pose.row(3) == DVec4::W
 }
 
 #[cfg(test)]
@@ -112,16 +138,8 @@ mod tests {
 
     fn camera() -> Camera {
         // Looks along world +X from (1, 2, 3): camera x = world -Y, camera y = world -Z.
-        let pose = [0., 0., 1., 1., -1., 0., 0., 2., 0., -1., 0., 3., 0., 0., 0., 1.];
-        Camera {
-            name: Name::new("cam00").unwrap(),
-            split: Split::Train,
-            fx: 200.0,
-            fy: 100.0,
-            cx: 64.0,
-            cy: 48.0,
-            world_from_camera: vec![pose],
-        }
+        let pose = from_rows(&[0., 0., 1., 1., -1., 0., 0., 2., 0., -1., 0., 3., 0., 0., 0., 1.]);
+        Camera { fy: 100.0, ..Camera::new(Name::new("cam00").unwrap(), [128, 96], 200.0, pose) }
     }
 
     #[test]
@@ -148,9 +166,12 @@ mod tests {
 
     #[test]
     fn mirrored_or_scaled_poses_are_problems() {
-        let mut mirrored = camera();
-        mirrored.world_from_camera[0][2] = -1.0;
-        assert!(mirrored.problem().unwrap().contains("rigid"));
+        // An axis mirrored, one scaled, a number that is none, a last row that no motion has.
+        for (place, value) in [(2, -1.0), (2, 1.1), (3, f64::NAN), (15, 2.0)] {
+            let mut bent = camera();
+            bent.world_from_camera[0][place] = value;
+            assert!(bent.problem().unwrap().contains("rigid"), "{place}");
+        }
         let mut flat = camera();
         flat.fx = 0.0;
         assert!(flat.problem().unwrap().contains("fx"));

@@ -2,7 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
+use crate::camera::Camera;
 use crate::capture::{CAPTURE, Capture, SPARSE};
+use crate::error::DataError;
+use crate::json;
 use crate::query::QueryId;
 use crate::timeline::Profile;
 use crate::truth::frame_key;
@@ -65,6 +70,19 @@ impl SceneDir {
     /// `frames/<view>/view.json`.
     pub fn view_card(&self, view: &str) -> PathBuf {
         self.view(view).join("view.json")
+    }
+
+    /// The camera of `view.json`, which says more.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged.
+    pub fn read_view_card(&self, view: &str) -> Result<Camera, DataError> {
+        #[derive(Deserialize)]
+        struct Card {
+            #[serde(flatten)]
+            camera: Camera,
+        }
+        json::read::<Card>(&self.view_card(view)).map(|card| card.camera)
     }
 
     /// `frames/<view>/<frame:04>.exr`.

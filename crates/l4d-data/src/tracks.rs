@@ -5,13 +5,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use glam::DMat4;
 use serde::{Deserialize, Serialize};
 
-use crate::camera::Split;
+use crate::camera::{Camera, Split};
 use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
-use crate::scene::{Event, Instance, Role, Scale, instance_problem};
+use crate::scene::{self, Event, Generator, Instance, Role, Scale, Scene, instance_problem};
 use crate::timeline::{FRAME_COUNT, Interval, LAST_FRAME, MIN_INTERVAL, Profile};
 
 /// Schema tag of a tracks file.
@@ -93,6 +94,18 @@ pub struct TrackedCamera {
     pub world_from_camera: Vec<[f64; 16]>,
 }
 
+impl TrackedCamera {
+    /// The camera for pictures of `[width, height]`.
+    pub fn camera(&self, size: [u32; 2]) -> Camera {
+        let focal_px = self.focal_over_width * f64::from(size[0]);
+        Camera {
+            split: self.split,
+            world_from_camera: self.world_from_camera.clone(),
+            ..Camera::new(self.name.clone(), size, focal_px, DMat4::IDENTITY)
+        }
+    }
+}
+
 /// A tracks file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -148,6 +161,28 @@ impl Tracks {
     /// The instance of that name.
     pub fn instance(&self, name: &str) -> Option<&TrackedInstance> {
         self.instances.iter().find(|instance| instance.name.as_str() == name)
+    }
+
+    /// What a profile renders of it: `scene.json` before there are pictures.
+    pub fn scene(&self, profile: Profile, generator: Generator) -> Scene {
+        let size = [profile.width(), profile.height()];
+        Scene {
+            schema: scene::SCHEMA.to_owned(),
+            name: self.scene.clone(),
+            scale: self.scale,
+            variant: self.variant,
+            seed: self.seed,
+            profile,
+            stride: profile.stride(),
+            width: size[0],
+            height: size[1],
+            exposure: self.exposure,
+            generator,
+            cameras: self.views(profile).map(|camera| camera.camera(size)).collect(),
+            instances: self.instances.iter().map(TrackedInstance::instance).collect(),
+            events: self.events.clone(),
+            digests: BTreeMap::new(),
+        }
     }
 
     /// Names of the views that a profile renders.

@@ -3,17 +3,17 @@
 use std::fs;
 
 use glam::UVec2;
-use l4d_data::query::{Provenance, Query, Status, Temporal, text_digest};
+use l4d_data::query::{Query, Status};
 use l4d_data::truth::Truth;
-use l4d_data::{Category, Draw, Finding, Interval, Profile, json};
+use l4d_data::{Draw, Finding, Profile, json};
+use l4d_testing::{Dataset, query};
 
 use super::*;
 use crate::exr::{read_frame, write_frame};
-use crate::fake::{BALL, BOX, FakeScene, TABLE};
 
 const SIZE: UVec2 = UVec2::new(128, 96);
 
-fn check(fake: &FakeScene) -> (Option<SceneStats>, Vec<Finding>) {
+fn check(fake: &Dataset) -> (Option<SceneStats>, Vec<Finding>) {
     let bench = fake.bench();
     let request = Request {
         data: &fake.data(),
@@ -27,7 +27,7 @@ fn check(fake: &FakeScene) -> (Option<SceneStats>, Vec<Finding>) {
 }
 
 /// The codes that are found, without repetition.
-fn codes(fake: &FakeScene) -> Vec<&'static str> {
+fn codes(fake: &Dataset) -> Vec<&'static str> {
     let (_, findings) = check(fake);
     let mut codes: Vec<&str> = findings.iter().map(|finding| finding.code).collect();
     codes.sort_unstable();
@@ -36,7 +36,7 @@ fn codes(fake: &FakeScene) -> Vec<&'static str> {
 }
 
 /// Without the cards of the workers, scene.json alone says where the cameras stood.
-fn remove_cards(fake: &FakeScene) {
+fn remove_cards(fake: &Dataset) {
     for camera in &fake.scene.cameras {
         fs::remove_file(fake.dir().view_card(&camera.name)).unwrap();
     }
@@ -44,7 +44,7 @@ fn remove_cards(fake: &FakeScene) {
 
 #[test]
 fn a_scene_that_agrees_has_no_finding() {
-    let (stats, findings) = check(&FakeScene::write());
+    let (stats, findings) = check(&Dataset::new());
     assert_eq!(findings, []);
     let stats = stats.unwrap();
     assert!(stats.good);
@@ -58,20 +58,20 @@ fn a_scene_that_agrees_has_no_finding() {
 
 #[test]
 fn scene_json_missing_or_of_another_profile() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.scene.profile = Profile::Small;
-    fake.save_descriptions();
+    fake.save();
     assert_eq!(codes(&fake), ["L4D101"]);
     fs::remove_file(fake.dir().scene()).unwrap();
     let (stats, findings) = check(&fake);
     assert!(stats.is_none());
     assert_eq!(findings[0].code, "L4D101");
-    assert!(findings[0].path.ends_with("fake_yard/scene.json"));
+    assert!(findings[0].path.ends_with("yard/scene.json"));
 }
 
 #[test]
 fn missing_and_extra_frames_and_views() {
-    let fake = FakeScene::write();
+    let fake = Dataset::new();
     fs::remove_file(fake.dir().frame("cam01", 36)).unwrap();
     fs::write(fake.dir().view("cam03").join("0013.exr"), "x").unwrap();
     fs::create_dir(fake.dir().view("cam17")).unwrap();
@@ -92,7 +92,7 @@ fn missing_and_extra_frames_and_views() {
 
 #[test]
 fn a_truncated_picture() {
-    let fake = FakeScene::write();
+    let fake = Dataset::new();
     let path = fake.dir().frame("cam01", 36);
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
@@ -101,12 +101,12 @@ fn a_truncated_picture() {
 
 #[test]
 fn a_flipped_id_that_digests_were_made_for() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.change_frame("cam01", 48, |surfaces| {
         for id in &mut surfaces.id {
             *id = match *id {
-                BALL => BOX,
-                BOX => BALL,
+                Dataset::BALL => Dataset::BOX,
+                Dataset::BOX => Dataset::BALL,
                 other => other,
             };
         }
@@ -117,9 +117,9 @@ fn a_flipped_id_that_digests_were_made_for() {
 
 #[test]
 fn an_id_that_the_scene_does_not_have() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.change_frame("cam01", 48, |surfaces| {
-        let pixel = surfaces.id.iter().position(|&id| id == TABLE).unwrap();
+        let pixel = surfaces.id.iter().position(|&id| id == Dataset::TABLE).unwrap();
         surfaces.id[pixel] = 999;
     });
     assert_eq!(codes(&fake), ["L4D108", "L4D111"]);
@@ -127,9 +127,9 @@ fn an_id_that_the_scene_does_not_have() {
 
 #[test]
 fn an_instance_that_is_not_rendered() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.change_frame("cam03", 0, |surfaces| {
-        surfaces.id.iter_mut().filter(|id| **id == BOX).for_each(|id| *id = 0);
+        surfaces.id.iter_mut().filter(|id| **id == Dataset::BOX).for_each(|id| *id = 0);
     });
     let (_, findings) = check(&fake);
     let unseen = findings.iter().find(|finding| finding.code == "L4D114").unwrap();
@@ -139,7 +139,7 @@ fn an_instance_that_is_not_rendered() {
 
 #[test]
 fn depth_that_is_shifted_by_two_centimetres_in_one_picture() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.change_frame("cam03", 96, |surfaces| {
         surfaces.depth_m.iter_mut().for_each(|depth_m| *depth_m += 0.02);
     });
@@ -155,12 +155,12 @@ fn depth_that_is_shifted_by_two_centimetres_in_one_picture() {
 #[test]
 fn depth_that_cannot_be() {
     for bad in [f32::NAN, 0.0, -2.0] {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let path = fake.dir().frame("cam00", 12);
         let mut frame = read_frame(&path, SIZE).unwrap();
         frame.surfaces.depth_m[777] = bad;
         write_frame(&path, &frame).unwrap();
-        fake.save_checksums();
+        fake.save();
         let (_, findings) = check(&fake);
         assert_eq!(findings.len(), 1, "{findings:?}");
         assert_eq!(
@@ -172,7 +172,7 @@ fn depth_that_cannot_be() {
 
 #[test]
 fn a_picture_that_is_not_the_one_of_the_digests() {
-    let fake = FakeScene::write();
+    let fake = Dataset::new();
     fs::copy(fake.dir().frame("cam00", 0), fake.dir().frame("cam00", 96)).unwrap();
     let codes = codes(&fake);
     assert!(codes.contains(&"L4D109") && codes.contains(&"L4D110"), "{codes:?}");
@@ -180,27 +180,24 @@ fn a_picture_that_is_not_the_one_of_the_digests() {
 
 #[test]
 fn two_cameras_that_changed_places() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     remove_cards(&fake);
     let poses = [0, 3].map(|index: usize| fake.scene.cameras[index].world_from_camera.clone());
     [fake.scene.cameras[3].world_from_camera, fake.scene.cameras[0].world_from_camera] = poses.clone();
-    fake.save_descriptions();
-    fake.save_checksums();
+    fake.save();
     assert_eq!(codes(&fake), ["L4D112", "L4D113", "L4D117"]);
     // The tracks make the same mistake: geometry still knows.
     [fake.tracks.cameras[3].world_from_camera, fake.tracks.cameras[0].world_from_camera] = poses;
-    fake.save_descriptions();
-    fake.save_checksums();
+    fake.save();
     assert_eq!(codes(&fake), ["L4D113", "L4D117"]);
 }
 
 #[test]
 fn a_pose_that_is_off_by_a_centimetre() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.scene.cameras[1].world_from_camera[0][11] += 0.01;
     fake.tracks.cameras[1].world_from_camera[0][11] += 0.01;
-    fake.save_descriptions();
-    fake.save_checksums();
+    fake.save();
     let found = codes(&fake);
     assert!(found.contains(&"L4D117") && found.contains(&"L4D102"), "{found:?}");
     remove_cards(&fake);
@@ -209,13 +206,12 @@ fn a_pose_that_is_off_by_a_centimetre() {
 
 #[test]
 fn descriptions_that_differ_from_the_tracks() {
-    let mut fake = FakeScene::write();
+    let mut fake = Dataset::new();
     fake.scene.events.clear();
     fake.scene.cameras[4].fx += 0.01;
     fake.scene.instances[0].category = "globe".to_owned();
     remove_cards(&fake);
-    fake.save_descriptions();
-    fake.save_checksums();
+    fake.save();
     fake.save_truth();
     let (_, findings) = check(&fake);
     let places: Vec<(&str, &str)> = findings.iter().map(|f| (f.code, f.location.as_str())).collect();
@@ -227,7 +223,7 @@ fn descriptions_that_differ_from_the_tracks() {
 
 #[test]
 fn a_truth_that_was_edited() {
-    let fake = FakeScene::write();
+    let fake = Dataset::new();
     let path = fake.bench().truth(Profile::Tiny, &fake.scene.name);
     let mut truth = Truth::read(&path).unwrap();
     truth.visible.get_mut("cam03").unwrap().get_mut("ball_red").unwrap()[2] += 1;
@@ -250,7 +246,7 @@ fn a_truth_that_was_edited() {
 
 #[test]
 fn checksums_that_are_missing_foreign_or_wrong() {
-    let fake = FakeScene::write();
+    let fake = Dataset::new();
     let path = fake.dir().checksums();
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, format!("not a line\n{}", text.replace("frames/cam00/0000.exr", "../../outside")))
@@ -264,7 +260,7 @@ fn checksums_that_are_missing_foreign_or_wrong() {
 
 #[test]
 fn gates_ask_for_pixels_where_and_when_a_query_holds() {
-    let fake = FakeScene::write();
+    let fake = Dataset::new();
     let truth_path = fake.bench().truth(Profile::Tiny, &fake.scene.name);
     let mut truth = Truth::read(&truth_path).unwrap();
     // Tiny pictures hold a quarter of the pixels of small ones: 38 pixels are the gate, in 80 % of 9 frames.
@@ -274,9 +270,9 @@ fn gates_ask_for_pixels_where_and_when_a_query_holds() {
     }
     let mut scene = fake.scene.clone();
     let mut queries = vec![
-        query("001", "the ball", "ball_red", Interval::WHOLE),
-        query("002", "the box", "box_blue", Interval::WHOLE),
-        query("003", "the late box", "box_blue", Interval::new(24, 96).unwrap()),
+        query("yard/001", "the ball", &["ball_red"], [0, 96]),
+        query("yard/002", "the box", &["box_blue"], [0, 96]),
+        query("yard/003", "the late box", &["box_blue"], [24, 96]),
     ];
     let bench = fake.bench();
     let request = Request {
@@ -287,7 +283,7 @@ fn gates_ask_for_pixels_where_and_when_a_query_holds() {
         scene: &fake.scene.name,
     };
     let gate = |scene: &Scene, truth: &Truth, queries: &[Query]| {
-        json::write_lines(&bench.queries("fake_yard"), queries).unwrap();
+        json::write_lines(&bench.queries("yard"), queries).unwrap();
         let mut report = Report::default();
         gates::check(truth, scene, request, &mut report);
         let place = |finding: Finding| (finding.code, finding.location);
@@ -296,9 +292,9 @@ fn gates_ask_for_pixels_where_and_when_a_query_holds() {
     // Four training views can never be six.
     let found = gate(&scene, &truth, &queries);
     let expected = [
-        ("L4D116", "query fake_yard/001, referent ball_red"),
-        ("L4D115", "query fake_yard/002, referent box_blue"),
-        ("L4D116", "query fake_yard/003, referent box_blue"),
+        ("L4D116", "query yard/001, referent ball_red"),
+        ("L4D115", "query yard/002, referent box_blue"),
+        ("L4D116", "query yard/003, referent box_blue"),
     ];
     assert_eq!(found, expected.map(|(code, place)| (code, place.to_owned())));
     // What people rejected is scored nowhere and needs no pixels.
@@ -315,19 +311,4 @@ fn gates_ask_for_pixels_where_and_when_a_query_holds() {
     }
     queries.remove(1);
     assert_eq!(gate(&scene, &truth, &queries), []);
-}
-
-fn query(number: &str, text: &str, referent: &str, interval: Interval) -> Query {
-    Query {
-        id: format!("fake_yard/{number}").parse().unwrap(),
-        text: text.to_owned(),
-        categories: vec![Category::Attribute],
-        referents: vec![referent.parse().unwrap()],
-        temporal: Temporal::While,
-        frames: vec![interval],
-        predicate: None,
-        text_digest: text_digest(text, None),
-        provenance: Provenance { source: "author".to_owned(), note: String::new() },
-        status: Status::Candidate,
-    }
 }
