@@ -74,10 +74,7 @@ fn colour_of(number: u8) -> [u8; 3] {
 /// Bytes that are no such PNG.
 pub fn decode(bytes: &[u8]) -> Result<IdPicture, PngError> {
     let damaged = |error: png::DecodingError| PngError::Damaged(error.to_string());
-    let (width, height) = crate::png::size(bytes)?;
-    if !Mask::is_sane_size(width, height) {
-        return Err(PngError::AbsurdSize { found: (width, height) });
-    }
+    let (width, height) = crate::png::sane_size(bytes)?;
     let mut options = png::DecodeOptions::default();
     options.set_ignore_checksums(false);
     let decoder = png::Decoder::new_with_options(Cursor::new(bytes), options);
