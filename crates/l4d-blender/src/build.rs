@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use l4d_data::layout::BenchDir;
+use l4d_data::parallel::in_parallel;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{Draw, Name, Progress, Report, Shard, StageError, Workspace};
-use rayon::prelude::*;
+use l4d_data::{Draw, Name, Progress, Report, Shard, Workspace};
 
 use crate::Result;
 use crate::env::BlenderEnv;
-use crate::plan::{Plan, plan};
+use crate::plan::plan;
 use crate::render::{PlannedScene, render};
 use crate::settle::{commit, settle};
 
@@ -62,8 +62,13 @@ pub fn build(
     report: &mut Report,
 ) -> Result<Built> {
     let profile = order.space.profile();
+    // Some scenes at once: a plan is mostly one thread's work.
+    let plans = in_parallel(order.scenes, order.jobs, |name| {
+        progress.note(&format_args!("planning {name}"));
+        plan(env, &order.space.scene(name), name, order.draw, order.work, progress)
+    })?;
     let mut planned = Vec::new();
-    for (name, plan) in order.scenes.iter().zip(plan_all(env, order, progress)?) {
+    for (name, plan) in order.scenes.iter().zip(plans) {
         commit(&order.bench.tracks(name), &plan.tracks, order.update_benchmark, report)?;
         let dir = order.space.scene(name);
         planned.push(PlannedScene::new(name.clone(), dir, plan, profile, order.draw, order.samples));
@@ -89,15 +94,4 @@ pub fn build(
         settled.push(scene.dir.root().to_owned());
     }
     Ok(Built { rendered, settled, unfinished: Vec::new() })
-}
-
-/// Plans, some scenes at once: a plan is mostly one thread's work.
-fn plan_all(env: &BlenderEnv, order: &Order<'_>, progress: &dyn Progress) -> Result<Vec<Plan>> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(order.jobs.max(1)).build();
-    let pool = pool.map_err(|error| StageError::of(&error, None))?;
-    let one = |name: &Name| {
-        progress.note(&format_args!("planning {name}"));
-        plan(env, &order.space.scene(name), name, order.draw, order.work, progress)
-    };
-    pool.install(|| order.scenes.par_iter().with_max_len(1).map(one).collect())
 }

@@ -110,20 +110,21 @@ pub fn environment_python(scripts: &Path, work: &SharedWork) -> Result<PathBuf> 
 /// # Errors
 /// An interpreter that does not run or does not answer.
 pub fn probe(python: &Path) -> Result<Probe> {
+    let refuse = |message: String| {
+        let hint = format!("name a working Python {PYTHON_VERSION} with --python, or leave it out");
+        StageError::new(message, hint)
+    };
     let output = Command::new(python)
         .env("PYTHONNOUSERSITE", "1")
         .args(["-c", PROBE])
         .stdin(Stdio::null())
         .output()
-        .map_err(|error| DataError::io(python, "run", error))?;
+        .map_err(|error| refuse(format!("{}: cannot run: {error}", python.display())))?;
     let stdout = String::from_utf8_lossy(&output.stdout);
     let line = stdout.lines().find_map(|line| line.strip_prefix("L4D"));
     line.and_then(|line| serde_json::from_str(line).ok()).ok_or_else(|| {
         let said = String::from_utf8_lossy(&output.stderr);
-        StageError::new(
-            format!("{} did not answer: {}", python.display(), said.trim()),
-            format!("name a working Python {PYTHON_VERSION} with --python, or leave it out"),
-        )
+        refuse(format!("{} did not answer: {}", python.display(), said.trim()))
     })
 }
 
@@ -167,12 +168,7 @@ fn environment(scripts: &Path, work: &SharedWork) -> Environment {
 }
 
 fn require_modules(python: &Path) -> Result<()> {
-    let probe = probe(python).map_err(|error| {
-        StageError::new(
-            error.to_string(),
-            format!("name a working Python {PYTHON_VERSION} with --python, or leave it out"),
-        )
-    })?;
+    let probe = probe(python)?;
     match probe.errors.first_key_value() {
         None => Ok(()),
         Some((module, error)) => Err(StageError::new(

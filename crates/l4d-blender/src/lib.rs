@@ -6,9 +6,9 @@ pub mod build;
 pub mod env;
 pub mod plan;
 pub mod python;
-pub mod render;
-pub mod settle;
-pub mod worker;
+mod render;
+mod settle;
+mod worker;
 
 use l4d_data::StageError;
 

@@ -7,16 +7,15 @@ use std::path::Path;
 
 use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::layout::SceneDir;
-use l4d_data::store::make_folder;
+use l4d_data::store::{list_folder, make_folder};
 use l4d_data::tracks::Tracks;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{At as _, Draw, Name, Progress, json};
+use l4d_data::{At as _, DataError, Draw, Name, Progress, json};
 use serde::Deserialize;
 
 use crate::Result;
-
-use super::env::BlenderEnv;
-use super::worker::{self, WorkerEnd, WorkerEvent};
+use crate::env::BlenderEnv;
+use crate::worker::{self, WorkerEnd, WorkerEvent};
 
 /// What `plan.json` says; the rest of it is for people.
 #[derive(Debug, Deserialize)]
@@ -90,4 +89,15 @@ fn read(dir: &SceneDir) -> Result<Plan> {
         bpy: card.bpy,
         scripts_sha256: sha256_hex(lines.as_bytes()),
     })
+}
+
+/// Scenes that have a recipe, sorted.
+///
+/// # Errors
+/// A folder that cannot be listed.
+pub fn recipes(scripts: &Path) -> Result<Vec<String>, DataError> {
+    let names = list_folder(&scripts.join("scenes"))?;
+    let stems =
+        names.iter().filter_map(|name| name.strip_suffix(".py")).filter(|stem| !stem.starts_with('_'));
+    Ok(stems.map(str::to_owned).collect())
 }

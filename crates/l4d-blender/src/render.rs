@@ -1,15 +1,13 @@
 //! Rendering: which pictures are missing, who renders them, and what to do when a worker dies.
 
-use std::collections::VecDeque;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use glam::UVec2;
 use l4d_data::layout::SceneDir;
-use l4d_data::store::list_folder;
+use l4d_data::parallel::in_parallel;
 use l4d_data::workspace::SharedWork;
 use l4d_data::{At as _, DataError, Draw, Name, Profile, Progress, Shard, StageError, json};
 use l4d_frames::exr::read_frame;
@@ -28,28 +26,23 @@ const LEAST_THREADS: usize = 2;
 /// How pictures are made; pictures made otherwise are never mixed with them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RenderSettings {
-    /// Pixels, frames, views.
-    pub profile: Profile,
-    /// Permutation of the recipe.
-    pub variant: u32,
-    /// Of everything random.
-    pub seed: u64,
+pub(crate) struct RenderSettings {
+    pub(crate) profile: Profile,
+    pub(crate) variant: u32,
+    pub(crate) seed: u64,
     /// Of the colour pass, per pixel.
-    pub samples: u32,
+    pub(crate) samples: u32,
     /// Version of bpy.
-    pub bpy: String,
+    pub(crate) bpy: String,
     /// Of the scripts that planned the scene.
-    pub scripts_sha256: String,
+    pub(crate) scripts_sha256: String,
 }
 
 /// One picture.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct Image {
-    /// Canonical frame.
-    pub frame: u32,
-    /// Camera.
-    pub view: Name,
+pub(crate) struct Image {
+    pub(crate) frame: u32,
+    pub(crate) view: Name,
 }
 
 /// What a worker is asked to render.
@@ -80,20 +73,22 @@ struct Piece<'a> {
 
 /// A scene that is ready to be rendered.
 #[derive(Debug)]
-pub struct PlannedScene {
-    /// Of the recipe.
-    pub name: Name,
-    /// Where its pictures go.
-    pub dir: SceneDir,
-    /// Tracks and cameras.
-    pub plan: Plan,
-    /// How it is rendered.
-    pub settings: RenderSettings,
+pub(crate) struct PlannedScene {
+    pub(crate) name: Name,
+    pub(crate) dir: SceneDir,
+    pub(crate) plan: Plan,
+    pub(crate) settings: RenderSettings,
 }
 
 impl PlannedScene {
-    /// A plan with the settings that its pictures are rendered with.
-    pub fn new(name: Name, dir: SceneDir, plan: Plan, profile: Profile, draw: Draw, samples: u32) -> Self {
+    pub(crate) fn new(
+        name: Name,
+        dir: SceneDir,
+        plan: Plan,
+        profile: Profile,
+        draw: Draw,
+        samples: u32,
+    ) -> Self {
         let settings = RenderSettings {
             profile,
             variant: draw.variant,
@@ -106,7 +101,7 @@ impl PlannedScene {
     }
 
     /// Every picture of the profile, frame by frame: a worker then moves through time once.
-    pub fn images(&self) -> Vec<Image> {
+    pub(crate) fn images(&self) -> Vec<Image> {
         let profile = self.settings.profile;
         let views: Vec<&Name> = self.plan.tracks.views(profile).map(|camera| &camera.name).collect();
         let of_frame = |frame| views.iter().map(move |view| Image { frame, view: (*view).clone() });
@@ -114,10 +109,8 @@ impl PlannedScene {
     }
 
     /// Makes sure that what the folder holds was rendered with the same settings.
-    ///
-    /// # Errors
-    /// Pictures of other settings, unless `overwrite` removes them.
-    pub fn claim(&self, overwrite: bool) -> Result<()> {
+    /// Pictures of other settings are refused, unless `overwrite` removes them.
+    pub(crate) fn claim(&self, overwrite: bool) -> Result<()> {
         let path = self.dir.root().join("render.json");
         let frames = self.dir.root().join("frames");
         if frames.exists() && json::read::<RenderSettings>(&path).ok().as_ref() != Some(&self.settings) {
@@ -135,7 +128,7 @@ impl PlannedScene {
     }
 
     /// The pictures that are not on disk, or torn, or of another size.
-    pub fn missing(&self) -> Vec<Image> {
+    pub(crate) fn missing(&self) -> Vec<Image> {
         let size = UVec2::new(self.settings.profile.width(), self.settings.profile.height());
         let is_good = |image: &Image| read_frame(&self.dir.frame(&image.view, image.frame), size).is_ok();
         let views_without_card: Vec<&Name> = self
@@ -152,10 +145,7 @@ impl PlannedScene {
     }
 
     /// Removes what killed workers left half-written. Only safe while nothing renders into the folder.
-    ///
-    /// # Errors
-    /// What the disk refuses.
-    pub fn sweep(&self) -> Result<(), DataError> {
+    pub(crate) fn sweep(&self) -> Result<(), DataError> {
         for camera in self.plan.tracks.views(self.settings.profile) {
             let folder = self.dir.view(&camera.name);
             let entries = std::fs::read_dir(&folder)
@@ -172,11 +162,9 @@ impl PlannedScene {
     }
 }
 
-/// Renders what is missing of the scenes. Gives the number of pictures that this call rendered.
-///
-/// # Errors
-/// The first worker that refuses, or dies without having made a picture.
-pub fn render(
+/// Renders what is missing of the scenes. Gives the number of pictures that this call rendered, or the error of the
+/// first worker that refuses or dies without having made a picture.
+pub(crate) fn render(
     env: &BlenderEnv,
     scenes: &[PlannedScene],
     shard: Option<Shard>,
@@ -197,32 +185,24 @@ pub fn render(
         work,
         progress,
         threads: (thread::available_parallelism().map_or(1, NonZeroUsize::get) / jobs).max(LEAST_THREADS),
-        queue: Mutex::new(pieces(open, jobs)),
         stop: AtomicBool::new(false),
     };
     progress.start("rendering", total);
-    let ends: Vec<Result<()>> = thread::scope(|scope| {
-        let hands: Vec<_> = (0..jobs).map(|_| scope.spawn(|| crew.work_off())).collect();
-        let join = |hand: thread::ScopedJoinHandle<'_, Result<()>>| {
-            hand.join().unwrap_or_else(|_| Err(StageError::new("a supervisor panicked", "please report it")))
-        };
-        hands.into_iter().map(join).collect()
-    });
+    let end = in_parallel(&pieces(open, jobs), jobs, |piece| crew.render_piece(piece));
     progress.finish();
-    ends.into_iter().collect::<Result<()>>()?;
-    Ok(total)
+    end.map(|_| total)
 }
 
 /// Whole scenes, since every worker has to build the scene that it renders; only those that are left over when all
 /// workers got equally many are cut up.
-fn pieces(open: Vec<(&PlannedScene, Vec<Image>)>, jobs: usize) -> VecDeque<Piece<'_>> {
+fn pieces(open: Vec<(&PlannedScene, Vec<Image>)>, jobs: usize) -> Vec<Piece<'_>> {
     let whole = open.len() - open.len() % jobs;
-    let mut pieces = VecDeque::new();
+    let mut pieces = Vec::new();
     for (place, (scene, images)) in open.into_iter().enumerate() {
         let workers = if place < whole { 1 } else { jobs };
         let length = images.len().div_ceil(workers);
         for (number, images) in images.chunks(length).enumerate() {
-            pieces.push_back(Piece { scene, number, images: images.to_vec() });
+            pieces.push(Piece { scene, number, images: images.to_vec() });
         }
     }
     pieces
@@ -235,62 +215,47 @@ fn of_shard(images: Vec<Image>, shard: Option<Shard>, profile: Profile) -> Vec<I
     images.into_iter().filter(is_ours).collect()
 }
 
-/// Supervisors that share a queue of pieces; each runs one worker at a time.
+/// What the supervisors of workers share.
 struct Crew<'a> {
     env: &'a BlenderEnv,
     work: &'a SharedWork,
     progress: &'a dyn Progress,
     threads: usize,
-    queue: Mutex<VecDeque<Piece<'a>>>,
+    /// One of them failed: the workers of the others are stopped.
     stop: AtomicBool,
 }
 
 impl Crew<'_> {
-    fn work_off(&self) -> Result<()> {
-        loop {
-            let piece = self.queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
-            let Some(piece) = piece else { return Ok(()) };
-            if self.stop.load(Ordering::Relaxed) {
-                return Ok(());
-            }
-            let end = self.render_piece(piece);
-            if end.is_err() {
-                self.stop.store(true, Ordering::Relaxed);
-                return end;
-            }
-        }
+    /// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
+    fn render_piece(&self, piece: &Piece<'_>) -> Result<()> {
+        let mut images = piece.images.clone();
+        let end =
+            self.render_images(piece, &mut images).at(format_args!("cannot render {}", piece.scene.name));
+        self.stop.fetch_or(end.is_err(), Ordering::Relaxed);
+        end
     }
 
-    /// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
-    fn render_piece(&self, mut piece: Piece<'_>) -> Result<()> {
-        while !piece.images.is_empty() {
-            let before = piece.images.len();
-            match self.run_worker(&mut piece)? {
-                WorkerEnd::Done if piece.images.is_empty() => {}
+    fn render_images(&self, piece: &Piece<'_>, images: &mut Vec<Image>) -> Result<()> {
+        while !images.is_empty() {
+            let before = images.len();
+            match self.run_worker(piece, images)? {
+                WorkerEnd::Done if images.is_empty() => {}
                 WorkerEnd::Stopped => return Ok(()),
                 WorkerEnd::Done => {
-                    let message = format!(
-                        "the worker left out {} pictures of {}",
-                        piece.images.len(),
-                        piece.scene.name
-                    );
-                    return Err(StageError::new(
-                        message,
-                        "run the command again; if it stays, please report it",
-                    ));
+                    let message = format!("the worker left out {} pictures", images.len());
+                    let hint = "run the command again; if it stays, please report it";
+                    return Err(StageError::new(message, hint));
                 }
-                WorkerEnd::Died(error) if piece.images.len() < before => {
+                WorkerEnd::Died(error) if images.len() < before => {
                     self.progress.warn(&format_args!("{}: starting a new worker: {error}", piece.scene.name));
                 }
-                WorkerEnd::Died(error) | WorkerEnd::Refused(error) => {
-                    return Err(error).at(format_args!("cannot render {}", piece.scene.name));
-                }
+                WorkerEnd::Died(error) | WorkerEnd::Refused(error) => return Err(error),
             }
         }
         Ok(())
     }
 
-    fn run_worker(&self, piece: &mut Piece<'_>) -> Result<WorkerEnd> {
+    fn run_worker(&self, piece: &Piece<'_>, images: &mut Vec<Image>) -> Result<WorkerEnd> {
         let scene = piece.scene;
         let root = std::path::absolute(scene.dir.root())
             .map_err(|error| DataError::io(scene.dir.root(), "resolve", error))?;
@@ -308,7 +273,7 @@ impl Crew<'_> {
             threads: self.threads,
             tracks: root.join("tracks.json"),
             out: &root,
-            images: &piece.images,
+            images,
         };
         let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
         let job_path = self.work.job(&name);
@@ -320,7 +285,7 @@ impl Crew<'_> {
             match event {
                 WorkerEvent::Image { view, frame } => {
                     self.progress.advance(1);
-                    piece.images.retain(|image| !(image.view.as_str() == view && image.frame == *frame));
+                    images.retain(|image| !(image.view.as_str() == view && image.frame == *frame));
                 }
                 WorkerEvent::Warning { message } => self.progress.warn(message),
                 WorkerEvent::Start { device } => {
@@ -333,17 +298,6 @@ impl Crew<'_> {
         std::fs::remove_file(&job_path).ok();
         end
     }
-}
-
-/// Scenes that have a recipe, sorted.
-///
-/// # Errors
-/// A folder that cannot be listed.
-pub fn recipes(scripts: &Path) -> Result<Vec<String>, DataError> {
-    let names = list_folder(&scripts.join("scenes"))?;
-    let stems =
-        names.iter().filter_map(|name| name.strip_suffix(".py")).filter(|stem| !stem.starts_with('_'));
-    Ok(stems.map(str::to_owned).collect())
 }
 
 #[cfg(test)]

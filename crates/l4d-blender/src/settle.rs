@@ -10,23 +10,15 @@ use glam::UVec2;
 use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::scene::{FrameDigest, Generator, Scene};
 use l4d_data::store::write_atomic;
-use l4d_data::tracks::TrackedInstance;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Camera, DataError, Report, StageError, json, scene, sums};
+use l4d_data::{DataError, Report, StageError, json, sums};
 use l4d_frames::exr::{decode_surfaces, read_bytes};
 use l4d_frames::truth::{Observation, TruthBuilder};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::Result;
 use crate::render::{Image, PlannedScene};
-
-/// `view.json`, as a worker wrote it.
-#[derive(Debug, Deserialize)]
-struct ViewCard {
-    #[serde(flatten)]
-    camera: Camera,
-}
 
 /// What one picture contributes.
 struct SettledPicture {
@@ -37,10 +29,7 @@ struct SettledPicture {
 }
 
 /// Merges the frames of a scene whose pictures are all there. Writes `scene.json` and `SHA256SUMS`; gives the truth.
-///
-/// # Errors
-/// A file that cannot be read, decoded or written.
-pub fn settle(planned: &PlannedScene) -> Result<Truth> {
+pub(crate) fn settle(planned: &PlannedScene) -> Result<Truth> {
     let mut scene = describe(planned)?;
     let mut builder = TruthBuilder::new(&scene).ok_or_else(|| {
         StageError::new("the plan has no held-out view", "give one camera of the recipe the split `test`")
@@ -67,28 +56,13 @@ pub fn settle(planned: &PlannedScene) -> Result<Truth> {
 
 fn describe(planned: &PlannedScene) -> Result<Scene> {
     let settings = &planned.settings;
-    let tracks = &planned.plan.tracks;
-    let cameras = tracks.views(settings.profile).map(|camera| {
-        let path = planned.dir.view_card(&camera.name);
-        json::read::<ViewCard>(&path).map(|card| card.camera)
-    });
-    Ok(Scene {
-        schema: scene::SCHEMA.to_owned(),
-        name: planned.name.clone(),
-        scale: tracks.scale,
-        variant: settings.variant,
-        seed: settings.seed,
-        profile: settings.profile,
-        stride: settings.profile.stride(),
-        width: settings.profile.width(),
-        height: settings.profile.height(),
-        exposure: tracks.exposure,
-        generator: Generator { bpy: settings.bpy.clone(), scripts_sha256: settings.scripts_sha256.clone() },
-        cameras: cameras.collect::<Result<_, DataError>>()?,
-        instances: tracks.instances.iter().map(TrackedInstance::instance).collect(),
-        events: tracks.events.clone(),
-        digests: BTreeMap::new(),
-    })
+    let generator = Generator { bpy: settings.bpy.clone(), scripts_sha256: settings.scripts_sha256.clone() };
+    let mut scene = planned.plan.tracks.scene(settings.profile, generator);
+    // As the workers placed them.
+    for camera in &mut scene.cameras {
+        *camera = planned.dir.read_view_card(&camera.name)?;
+    }
+    Ok(scene)
 }
 
 fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<SettledPicture> {
@@ -103,10 +77,12 @@ fn look(planned: &PlannedScene, builder: &TruthBuilder, image: Image) -> Result<
 /// Puts a document into the benchmark folder unless another one is there.
 ///
 /// The committed benchmark is what published scores refer to, so a difference is a finding, not an overwrite.
-///
-/// # Errors
-/// What the disk refuses.
-pub fn commit<T: Serialize>(path: &Path, document: &T, update: bool, report: &mut Report) -> Result<()> {
+pub(crate) fn commit<T: Serialize>(
+    path: &Path,
+    document: &T,
+    update: bool,
+    report: &mut Report,
+) -> Result<()> {
     let text = serde_json::to_string(document).map_err(|error| StageError::of(&error, None))? + "\n";
     match std::fs::read(path) {
         Ok(standing) if standing == text.as_bytes() => Ok(()),

@@ -14,30 +14,19 @@ use crate::Result;
 /// What a worker says.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
-pub enum WorkerEvent {
+pub(crate) enum WorkerEvent {
     /// It is up, on this device.
     Start {
-        /// What renders.
         #[serde(default)]
         device: String,
     },
     /// A picture is on disk.
-    Image {
-        /// Camera.
-        view: String,
-        /// Canonical frame.
-        frame: u32,
-    },
+    Image { view: String, frame: u32 },
     /// Worth telling the user.
-    Warning {
-        /// What.
-        message: String,
-    },
+    Warning { message: String },
     /// It gives up, and why.
     Error {
-        /// Why.
         message: String,
-        /// What to do.
         #[serde(default)]
         hint: String,
     },
@@ -50,7 +39,7 @@ pub enum WorkerEvent {
 
 /// How a worker ended.
 #[derive(Debug)]
-pub enum WorkerEnd {
+pub(crate) enum WorkerEnd {
     /// It did everything.
     Done,
     /// It was told to stop.
@@ -72,10 +61,7 @@ impl Drop for Reaper {
 }
 
 /// Runs a worker to its end. `on_event` sees each event and says whether to go on.
-///
-/// # Errors
-/// A program that cannot be started or read from, a log that cannot be written.
-pub fn run(
+pub(crate) fn run(
     mut command: Command,
     log: &Path,
     on_event: &mut dyn FnMut(&WorkerEvent) -> bool,

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use l4d_blender::build::{Order, build};
 use l4d_blender::env::{BlenderEnv, scripts_folder};
-use l4d_blender::render::recipes;
+use l4d_blender::plan::recipes;
 use l4d_data::layout::BenchDir;
 use l4d_data::{Benchmark, Draw, Name, Profile, Report, Workspace};
 
