@@ -6,7 +6,6 @@ use std::path::Path;
 
 use glam::UVec2;
 use image::RgbImage;
-use image::codecs::jpeg::JpegEncoder;
 use image::imageops::thumbnail;
 use l4d_data::capture::{CAPTURE, Capture};
 use l4d_data::layout::{CaptureDir, SceneDir};
@@ -15,6 +14,7 @@ use l4d_data::{DataError, Name, Profile, Scene};
 
 use crate::display::Display;
 use crate::exr::read_frame;
+use crate::overlay::encode_jpeg_of;
 use crate::photo;
 
 /// Enough under a mask: a picture of 256x192 takes about 8 kB.
@@ -78,7 +78,7 @@ impl Backdrop {
     /// # Errors
     /// A picture that cannot be read.
     pub fn jpeg(&self, frame: u32) -> Result<Vec<u8>, DataError> {
-        Ok(encode(&shrunk(self.picture(frame)?, self.longest_px)))
+        Ok(encode_jpeg_of(&shrunk(self.picture(frame)?, self.longest_px), JPEG_QUALITY))
     }
 
     fn picture(&self, frame: u32) -> Result<RgbImage, DataError> {
@@ -110,22 +110,15 @@ fn shrunk(picture: RgbImage, longest_px: u32) -> RgbImage {
     thumbnail(&picture, scaled(width), scaled(height))
 }
 
-fn encode(picture: &RgbImage) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
-        .encode_image(picture)
-        .expect("a picture of at most a few hundred pixels fits JPEG, and memory takes every byte");
-    bytes
-}
-
 #[cfg(test)]
 mod tests {
+    use l4d_testing::Dataset;
+
     use super::*;
-    use crate::fake::FakeScene;
 
     #[test]
     fn the_held_out_view_is_shown_small_and_of_this_truth_alone() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let name = fake.scene.name.clone();
         let open = |profile, variant| Backdrop::open(&fake.data(), &name, profile, variant, 64);
         let backdrop = open(Profile::Tiny, fake.scene.variant).unwrap().unwrap();

@@ -12,7 +12,7 @@ use l4d_data::{Camera, DataError};
 
 use crate::display::Display;
 use crate::exr::{FrameError, read_frame};
-use crate::overlay::{Mark, encode_jpeg, enlarge, marks, outline};
+use crate::overlay::{Mark, annotated, encode_jpeg, marks};
 use crate::text::{Style, Weight};
 
 const CAPTION_HEIGHT_PX: u32 = 24;
@@ -57,10 +57,10 @@ impl<'a> Clip<'a> {
         if seen.rgb.iter().flatten().all(|light| light.to_f32() == 0.0) {
             let message = "is black: only depth and ids were rendered";
             let remedy = "run `l4d build-scenes --overwrite` with --samples above 0";
-            return Err(FrameError::Values(DataError::invalid(&path, "channels R, G, B", message, remedy)));
+            let error = DataError::invalid(&path, "channels R, G, B", message, remedy);
+            return Err(FrameError::new(FrameError::VALUES, error));
         }
-        let mut picture = enlarge(&self.display.picture(&seen), self.factor);
-        outline(&mut picture, &seen.surfaces, self.factor, &self.marks);
+        let picture = annotated(&self.display.picture(&seen), &seen.surfaces.id, self.factor, &self.marks);
         let (width, height) = self.size_px();
         let mut page = RgbImage::from_pixel(width, height, CAPTION_PAPER);
         replace(&mut page, &picture, 0, i64::from(CAPTION_HEIGHT_PX));
@@ -85,20 +85,21 @@ pub fn caption(camera: &Camera, frame: u32) -> String {
 
 #[cfg(test)]
 mod tests {
+    use l4d_testing::Dataset;
+
     use super::*;
     use crate::exr::write_frame;
-    use crate::fake::{BALL, FakeScene};
 
     #[test]
     fn a_picture_has_its_caption_and_its_numbers() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let dir = fake.dir();
         let clip = Clip::new(&fake.scene, &dir, 400);
         let camera = fake.scene.test_camera().unwrap();
         assert_eq!(clip.size_px(), (512, 384 + 24), "128x96 enlarged four times, and the caption");
         let picture = clip.picture(camera, 48).unwrap();
         assert_eq!(picture.dimensions(), clip.size_px());
-        let ball = clip.marks().iter().find(|mark| mark.id == BALL).unwrap();
+        let ball = clip.marks().iter().find(|mark| mark.id == Dataset::BALL).unwrap();
         assert_eq!(ball.number, 1);
         assert!(picture.pixels().any(|pixel| *pixel == ball.colour));
         let has_ink = |left: u32, right: u32| {
@@ -110,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_same_frame_gives_the_same_bytes() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let dir = fake.dir();
         let camera = fake.scene.test_camera().unwrap();
         let bytes = |frame: u32| Clip::new(&fake.scene, &dir, 256).jpeg(camera, frame).unwrap();
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn what_was_not_rendered_is_an_error() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let dir = fake.dir();
         let camera = fake.scene.test_camera().unwrap();
         let clip = Clip::new(&fake.scene, &dir, 256);

@@ -16,6 +16,7 @@ pub use image::RgbImage;
 /// The dark half of the double line.
 const DARK: Rgb<u8> = Rgb([12, 12, 12]);
 const DARK_STRENGTH: f32 = 0.8;
+const FAINT_STRENGTH: f32 = 0.6;
 /// Farther than any pixel.
 const FAR: u32 = u32::MAX / 2;
 /// Instances weigh more than what lies around them where several share a pixel: thin things stay whole.
@@ -78,6 +79,12 @@ impl Closeup {
         }
     }
 
+    /// [`Self::cut`] of the whole picture.
+    pub fn whole(picture: &RgbImage, ids: &[u32], size: UVec2) -> Self {
+        let whole = PixelBox { first_col: 0, first_row: 0, last_col: u32::MAX, last_row: u32::MAX };
+        Self::cut(picture, ids, whole, size)
+    }
+
     /// What to show.
     pub fn picture(&self) -> &RgbImage {
         &self.picture
@@ -114,8 +121,11 @@ impl Closeup {
     /// Draws double lines around marks, a coloured one and a dark one outside it, each `width_px` wide.
     ///
     /// Lines lie beside the marks, so that small things are not covered by their own outline. Where marks touch
-    /// each has its line on its own side.
+    /// each has its line on its own side. Faint marks have a faint line, and no dark one.
     pub fn outline(&mut self, marks: &[Mark], width_px: impl Fn(&Mark) -> u32) {
+        if marks.is_empty() {
+            return;
+        }
         let widths: Vec<u32> = marks.iter().map(|mark| width_px(mark) * STEP).collect();
         let owner: Vec<Option<usize>> =
             self.ids.iter().map(|&id| marks.iter().position(|mark| mark.id == id)).collect();
@@ -134,9 +144,10 @@ impl Closeup {
                 (None, None) => continue,
             };
             if distance <= to_line {
-                blend(&mut self.picture, place, marks[mark].colour, 1.0);
+                let strength = if marks[mark].faint { FAINT_STRENGTH } else { 1.0 };
+                blend(&mut self.picture, place, marks[mark].colour, strength);
                 self.strokes[index] = Stroke::Light;
-            } else if owner[index].is_none() && distance <= 2 * to_line {
+            } else if owner[index].is_none() && distance <= 2 * to_line && !marks[mark].faint {
                 blend(&mut self.picture, place, DARK, DARK_STRENGTH);
                 self.strokes[index] = Stroke::Dark;
             }

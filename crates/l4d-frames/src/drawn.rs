@@ -2,10 +2,11 @@
 //!
 //! Colours are display colours already; nothing here knows exposure, and nothing how a picture was drawn.
 
-use std::io::Cursor;
-
 use half::f16;
+use image::DynamicImage;
 pub use image::{Rgb, RgbImage};
+
+use crate::photo::{PhotoError, decode_sized};
 
 /// Millimetres in a metre: the unit of depth PNGs.
 const PNG_UNITS_PER_METRE: f32 = 1000.0;
@@ -53,25 +54,6 @@ impl DepthMap {
     }
 }
 
-/// Why bytes are no drawn picture.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum DrawnError {
-    /// Another size than was asked for.
-    #[error("is {}x{} pixels, but {}x{} are expected", found.0, found.1, expected.0, expected.1)]
-    Size {
-        /// Width and height in the file, pixels.
-        found: (u32, u32),
-        /// Width and height that were asked for, pixels.
-        expected: (u32, u32),
-    },
-    /// Another kind of PNG.
-    #[error("is a PNG of another kind: {0}")]
-    Kind(String),
-    /// No PNG, cut off, or broken.
-    #[error("is no sound PNG: {0}")]
-    Damaged(String),
-}
-
 /// A picture from display colours, 0 to 1; what lies outside is clamped.
 pub fn picture_of(width: u32, height: u32, colour: &[[f32; 3]]) -> RgbImage {
     let mut pixels = colour.iter();
@@ -92,24 +74,26 @@ pub fn encode_colour(picture: &RgbImage) -> Vec<u8> {
 ///
 /// # Errors
 /// Bytes that are no such PNG of that size.
-pub fn decode_colour(bytes: &[u8], width: u32, height: u32) -> Result<RgbImage, DrawnError> {
-    let kind = (png::ColorType::Rgb, png::BitDepth::Eight);
-    let samples = decode(bytes, (width, height), kind)?;
-    RgbImage::from_raw(width, height, samples).ok_or_else(|| DrawnError::Damaged("pixels are missing".into()))
+pub fn decode_colour(bytes: &[u8], width: u32, height: u32) -> Result<RgbImage, PhotoError> {
+    match decode_sized(bytes, (width, height))? {
+        DynamicImage::ImageRgb8(picture) => Ok(picture),
+        _ => Err(PhotoError::OtherKind),
+    }
 }
 
 /// Depths in metres, +inf where there is none, from the bytes of a PNG as [`DepthMap::png`] writes them.
 ///
 /// # Errors
 /// Bytes that are no such PNG of that size.
-pub fn decode_depth_png(bytes: &[u8], width: u32, height: u32) -> Result<Vec<f32>, DrawnError> {
-    let kind = (png::ColorType::Grayscale, png::BitDepth::Sixteen);
-    let samples = decode(bytes, (width, height), kind)?;
-    let metres = |sample: &[u8; 2]| match u16::from_be_bytes(*sample) {
+pub fn decode_depth_png(bytes: &[u8], width: u32, height: u32) -> Result<Vec<f32>, PhotoError> {
+    let DynamicImage::ImageLuma16(picture) = decode_sized(bytes, (width, height))? else {
+        return Err(PhotoError::OtherKind);
+    };
+    let metres = |&units: &u16| match units {
         0 => f32::INFINITY,
         units => f32::from(units) / PNG_UNITS_PER_METRE,
     };
-    Ok(samples.as_chunks::<2>().0.iter().map(metres).collect())
+    Ok(picture.iter().map(metres).collect())
 }
 
 fn encode(width: u32, height: u32, colour: png::ColorType, depth: png::BitDepth, samples: &[u8]) -> Vec<u8> {
@@ -124,31 +108,6 @@ fn encode(width: u32, height: u32, colour: png::ColorType, depth: png::BitDepth,
     });
     written.expect("writing to memory with as many bytes as the header says cannot fail");
     file
-}
-
-fn decode(
-    bytes: &[u8],
-    expected: (u32, u32),
-    kind: (png::ColorType, png::BitDepth),
-) -> Result<Vec<u8>, DrawnError> {
-    let damaged = |error: png::DecodingError| DrawnError::Damaged(error.to_string());
-    let mut options = png::DecodeOptions::default();
-    options.set_ignore_checksums(false);
-    let decoder = png::Decoder::new_with_options(Cursor::new(bytes), options);
-    let mut reader = decoder.read_info().map_err(damaged)?;
-    let info = reader.info();
-    if info.size() != expected {
-        return Err(DrawnError::Size { found: info.size(), expected });
-    }
-    if (info.color_type, info.bit_depth) != kind {
-        return Err(DrawnError::Kind(format!("{:?}, {:?}", info.color_type, info.bit_depth)));
-    }
-    let bytes_a_pixel = kind.0.samples() * kind.1 as usize / 8;
-    let mut samples = vec![0; expected.0 as usize * expected.1 as usize * bytes_a_pixel];
-    reader.next_frame(&mut samples).map_err(damaged)?;
-    // A file that was cut after its last row has no end mark.
-    reader.finish().map_err(damaged)?;
-    Ok(samples)
 }
 
 #[cfg(test)]
@@ -180,8 +139,8 @@ mod tests {
     fn other_sizes_kinds_and_cut_files_are_refused() {
         let file = encode_colour(&picture());
         assert_eq!(decode_colour(&file, 37, 5).unwrap(), picture());
-        assert!(matches!(decode_colour(&file, 37, 6), Err(DrawnError::Size { found: (37, 5), .. })));
-        assert!(matches!(decode_depth_png(&file, 37, 5), Err(DrawnError::Kind(_))));
+        assert!(matches!(decode_colour(&file, 37, 6), Err(PhotoError::Size { found: (37, 5), .. })));
+        assert!(matches!(decode_depth_png(&file, 37, 5), Err(PhotoError::OtherKind)));
         for length in 0..file.len() {
             assert!(decode_colour(&file[..length], 37, 5).is_err(), "{length} bytes passed");
         }

@@ -1,94 +1,100 @@
-//! The file form of a frame: one part, scan lines, ZIP, channels `B G R` half, `Z` float, `id` uint.
+//! The file forms of a frame and of a drawn depth: one part, scan lines, ZIP, the channels of a [`Layout`].
 //!
 //! Nothing else is read: a file that any other layout would describe better was not written by l4d, and
-//! guessing would hide that. Who needs no ids may do without that channel alone. Sizes are checked against the expected ones before anything is allocated.
-
-mod depth;
+//! guessing would hide that. Who needs no ids may do without that channel alone. Sizes are checked against the
+//! expected ones before anything is allocated.
 
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use exr::block::reader::ChunksReader as _;
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image};
 use exr::math::Vec2;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use exr::prelude::{LineOrder, WritableImage as _};
+use exr::prelude::{LineOrder, ReadChannels as _, ReadLayers as _, WritableImage as _};
 use glam::UVec2;
 use half::f16;
 use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
 
+use crate::drawn::DepthMap;
 use crate::frame::{Frame, Surfaces};
 
-pub use depth::{decode_depth, encode_depth};
+/// What a file holds.
+struct Layout {
+    /// Name and sample type of the channels, in file order (the format sorts them by name).
+    channels: &'static [(&'static str, SampleType)],
+    /// The verb that writes such files.
+    verb: &'static str,
+}
 
-/// Name and sample type of the channels, in file order (the format sorts them by name).
-const CHANNELS: [(&str, SampleType); 5] = [
-    ("B", SampleType::F16),
-    ("G", SampleType::F16),
-    ("R", SampleType::F16),
-    ("Z", SampleType::F32),
-    ("id", SampleType::U32),
-];
+const FRAME: Layout = Layout {
+    channels: &[
+        ("B", SampleType::F16),
+        ("G", SampleType::F16),
+        ("R", SampleType::F16),
+        ("Z", SampleType::F32),
+        ("id", SampleType::U32),
+    ],
+    verb: "build-scenes",
+};
+const DEPTH: Layout = Layout {
+    channels: &[
+        ("A", SampleType::F16),
+        ("Z", SampleType::F32),
+        ("far.Z", SampleType::F16),
+        ("near.Z", SampleType::F16),
+    ],
+    verb: "render-splats",
+};
+/// Those of a frame.
 const BYTES_PER_PIXEL: usize = 14;
-/// Those of the last channel.
-const ID_BYTES_PER_PIXEL: usize = 4;
 /// Room for the header, the offset table and what ZIP adds to data that it cannot shrink.
 const FILE_OVERHEAD_BYTES: usize = 1 << 20;
 
-/// What can be wrong with a frame file, by stage; each carries path, place and remedy.
+/// What is wrong with a file.
 #[derive(Debug, thiserror::Error)]
-pub enum FrameError {
-    /// The file is missing or the operating system refused.
-    #[error(transparent)]
-    Unreadable(DataError),
-    /// The bytes are no EXR, or end or break in the middle.
-    #[error(transparent)]
-    Torn(DataError),
-    /// A valid EXR, but not of the layout of a frame.
-    #[error(transparent)]
-    Layout(DataError),
-    /// The right layout, but not the expected size.
-    #[error(transparent)]
-    Size(DataError),
-    /// A depth, id or colour that cannot be.
-    #[error(transparent)]
-    Values(DataError),
+#[error("{error}")]
+pub struct FrameError {
+    code: &'static str,
+    error: DataError,
 }
 
 impl FrameError {
+    /// Missing, or no EXR that can be read to its end.
+    const TORN: &str = "L4D104";
+    /// A valid EXR of another layout.
+    const LAYOUT: &str = "L4D105";
+    /// Not the expected size.
+    const SIZE: &str = "L4D106";
+    /// A depth, id or colour that cannot be.
+    pub(crate) const VALUES: &str = "L4D107";
+
+    pub(crate) fn new(code: &'static str, error: DataError) -> Self {
+        Self { code, error }
+    }
+
+    fn torn(path: &Path, layout: &Layout, message: impl ToString) -> Self {
+        let remedy = format!("delete the file and run `l4d {}` again", layout.verb);
+        Self::new(Self::TORN, DataError::invalid(path, "EXR", message.to_string(), remedy))
+    }
+
     /// Stable code of the finding (`docs/findings.md`).
     pub fn code(&self) -> &'static str {
-        match self {
-            Self::Unreadable(_) | Self::Torn(_) => "L4D104",
-            Self::Layout(_) => "L4D105",
-            Self::Size(_) => "L4D106",
-            Self::Values(_) => "L4D107",
-        }
+        self.code
     }
 
     /// The error about the file.
     pub fn data_error(&self) -> &DataError {
-        let (Self::Unreadable(error)
-        | Self::Torn(error)
-        | Self::Layout(error)
-        | Self::Size(error)
-        | Self::Values(error)) = self;
-        error
+        &self.error
     }
 }
 
 impl From<FrameError> for DataError {
     fn from(error: FrameError) -> Self {
-        let (FrameError::Unreadable(error)
-        | FrameError::Torn(error)
-        | FrameError::Layout(error)
-        | FrameError::Size(error)
-        | FrameError::Values(error)) = error;
-        error
+        error.error
     }
 }
 
@@ -114,34 +120,21 @@ pub fn read_surfaces(path: &Path, size: UVec2) -> Result<Surfaces, FrameError> {
 /// A file that cannot be read, or is larger than any frame of that size.
 pub fn read_bytes(path: &Path, size: UVec2) -> Result<Vec<u8>, FrameError> {
     let limit = size.x as usize * size.y as usize * BYTES_PER_PIXEL + FILE_OVERHEAD_BYTES;
-    read_bounded(path, limit as u64).map_err(FrameError::Unreadable)
+    read_bounded(path, limit as u64).map_err(|error| FrameError::new(FrameError::TORN, error))
 }
 
-/// [`read_frame`] on bytes that were read from `path`.
-///
-/// # Errors
-/// Bytes that are no frame of that size.
-pub fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
-    decode_with_colour(path, bytes, size, Ids::Needed)
+fn decode_frame(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
+    let (surfaces, colour) = decode(path, bytes, size, FRAME.channels.len())?;
+    Ok(Frame { surfaces, rgb: pixels(&colour) })
 }
 
-/// [`decode_frame`] for a reader that needs no ids: where the file has none, all are 0.
+/// The frame in bytes that were read from `path`, for a reader that needs no ids: where the file has none, all are 0.
 ///
 /// # Errors
 /// Bytes that are no frame of that size.
 pub fn decode_seen(path: &Path, bytes: &[u8], size: UVec2) -> Result<Frame, FrameError> {
-    decode_with_colour(path, bytes, size, Ids::Welcome)
-}
-
-fn decode_with_colour(path: &Path, bytes: &[u8], size: UVec2, ids: Ids) -> Result<Frame, FrameError> {
-    let mut rgb = vec![[f16::ZERO; 3]; size.x as usize * size.y as usize];
-    let surfaces = decode(path, bytes, size, ids, |first_pixel, blue, green, red| {
-        let row = &mut rgb[first_pixel..first_pixel + red.len()];
-        for (column, pixel) in row.iter_mut().enumerate() {
-            *pixel = [red[column], green[column], blue[column]].map(f16::from_bits);
-        }
-    })?;
-    Ok(Frame { surfaces, rgb })
+    let (surfaces, colour) = decode(path, bytes, size, FRAME.channels.len() - 1)?;
+    Ok(Frame { surfaces, rgb: pixels(&colour) })
 }
 
 /// [`read_surfaces`] on bytes that were read from `path`.
@@ -149,7 +142,7 @@ fn decode_with_colour(path: &Path, bytes: &[u8], size: UVec2, ids: Ids) -> Resul
 /// # Errors
 /// Bytes that are no frame of that size.
 pub fn decode_surfaces(path: &Path, bytes: &[u8], size: UVec2) -> Result<Surfaces, FrameError> {
-    decode(path, bytes, size, Ids::Needed, |_, _, _, _| {})
+    decode(path, bytes, size, FRAME.channels.len()).map(|(surfaces, _)| surfaces)
 }
 
 /// Writes a frame atomically in the layout that [`read_frame`] reads.
@@ -162,16 +155,86 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<(), DataError> {
 
 fn encode_frame(path: &Path, frame: &Frame) -> Result<Vec<u8>, DataError> {
     let colour = |index: usize| FlatSamples::F16(frame.rgb.iter().map(|pixel| pixel[index]).collect());
-    let channels = vec![
-        AnyChannel::new("B", colour(2)),
-        AnyChannel::new("G", colour(1)),
-        AnyChannel::new("R", colour(0)),
-        AnyChannel::new("Z", FlatSamples::F32(frame.surfaces.depth_m.clone())),
-        AnyChannel::new("id", FlatSamples::U32(frame.surfaces.id.clone())),
+    let Surfaces { width, height, depth_m, id } = &frame.surfaces;
+    let samples =
+        [colour(2), colour(1), colour(0), FlatSamples::F32(depth_m.clone()), FlatSamples::U32(id.clone())];
+    encode(path, &FRAME, UVec2::new(*width, *height), samples)
+}
+
+/// A drawn depth as the bytes of an EXR file; `path` is where they will be.
+///
+/// # Errors
+/// A channel that has not one value per pixel.
+pub fn encode_depth(path: &Path, depth: &DepthMap) -> Result<Vec<u8>, DataError> {
+    let samples = [
+        FlatSamples::F16(depth.alpha.clone()),
+        FlatSamples::F32(depth.depth_m.clone()),
+        FlatSamples::F16(depth.far_m.clone()),
+        FlatSamples::F16(depth.near_m.clone()),
     ];
-    let size = UVec2::new(frame.surfaces.width, frame.surfaces.height);
-    encode_channels(channels, size, Compression::ZIP16).map_err(|error| {
-        DataError::invalid(path, "frame", error.to_string(), "give each channel one value a pixel")
+    encode(path, &DEPTH, UVec2::new(depth.width, depth.height), samples)
+}
+
+/// The drawn depth in bytes that were read from `path`, of `size` (columns, rows) pixels.
+///
+/// # Errors
+/// Bytes that are no such depth of that size.
+pub fn decode_depth(path: &Path, bytes: &[u8], size: UVec2) -> Result<DepthMap, DataError> {
+    let samples = read_samples(path, bytes, size, &DEPTH, DEPTH.channels.len())?;
+    let Ok(
+        [
+            FlatSamples::F16(alpha),
+            FlatSamples::F32(depth_m),
+            FlatSamples::F16(far_m),
+            FlatSamples::F16(near_m),
+        ],
+    ) = <[FlatSamples; 4]>::try_from(samples)
+    else {
+        return Err(FrameError::torn(path, &DEPTH, "the channels are of other types").into());
+    };
+    Ok(DepthMap { width: size.x, height: size.y, depth_m, alpha, near_m, far_m })
+}
+
+/// Depth and ids, and blue, green and red.
+fn decode(
+    path: &Path,
+    bytes: &[u8],
+    size: UVec2,
+    least_channels: usize,
+) -> Result<(Surfaces, [Vec<f16>; 3]), FrameError> {
+    let mut samples = read_samples(path, bytes, size, &FRAME, least_channels)?;
+    samples.resize_with(FRAME.channels.len(), || FlatSamples::U32(vec![0; size.element_product() as usize]));
+    let Ok(
+        [
+            FlatSamples::F16(blue),
+            FlatSamples::F16(green),
+            FlatSamples::F16(red),
+            FlatSamples::F32(depth_m),
+            FlatSamples::U32(id),
+        ],
+    ) = <[FlatSamples; 5]>::try_from(samples)
+    else {
+        return Err(FrameError::torn(path, &FRAME, "the channels are of other types"));
+    };
+    let (surfaces, colour) = (Surfaces { width: size.x, height: size.y, depth_m, id }, [blue, green, red]);
+    check_values(path, &surfaces, &colour)?;
+    Ok((surfaces, colour))
+}
+
+fn pixels([blue, green, red]: &[Vec<f16>; 3]) -> Vec<[f16; 3]> {
+    red.iter().zip(green).zip(blue).map(|((&red, &green), &blue)| [red, green, blue]).collect()
+}
+
+fn encode(
+    path: &Path,
+    layout: &Layout,
+    size: UVec2,
+    samples: impl IntoIterator<Item = FlatSamples>,
+) -> Result<Vec<u8>, DataError> {
+    let channels =
+        layout.channels.iter().zip(samples).map(|((name, _), samples)| AnyChannel::new(*name, samples));
+    encode_channels(channels.collect(), size, Compression::ZIP16).map_err(|error| {
+        DataError::invalid(path, "channels", error.to_string(), "give each channel one value a pixel")
     })
 }
 
@@ -189,163 +252,100 @@ fn encode_channels(
     Ok(bytes.into_inner())
 }
 
-/// Whether a file must say which instances it shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Ids {
-    Needed,
-    Welcome,
-}
-
-/// Receives a row of colour: index of its first pixel, then blue, green, red as half-float bits.
-trait ColourRow: FnMut(usize, &[u16], &[u16], &[u16]) {}
-impl<F: FnMut(usize, &[u16], &[u16], &[u16])> ColourRow for F {}
-
-fn decode(
+/// The channels of a layout in its order, or its first ones where the file has no more but `least_channels`.
+fn read_samples(
     path: &Path,
     bytes: &[u8],
     size: UVec2,
-    ids: Ids,
-    mut keep_colour: impl ColourRow,
-) -> Result<Surfaces, FrameError> {
+    layout: &Layout,
+    least_channels: usize,
+) -> Result<Vec<FlatSamples>, FrameError> {
+    let torn = |error: exr::error::Error| FrameError::torn(path, layout, error);
+    let read = || {
+        let chunks = exr::block::read(Cursor::new(bytes), true).map_err(torn)?;
+        check_headers(path, chunks.headers(), size, layout, least_channels)?;
+        let flat = exr::prelude::read().no_deep_data().largest_resolution_level();
+        let reader = flat.all_channels().first_valid_layer().all_attributes().pedantic().non_parallel();
+        let channels = reader.from_chunks(chunks).map_err(torn)?.layer_data.channel_data.list;
+        Ok(channels.into_iter().map(|channel| channel.sample_data).collect())
+    };
     // The decoder indexes into bytes that a hostile file controls. It is the one place of the project where a
-    // panic is turned into an error; the closure's captures are dropped on failure, so none is seen half-written.
-    let attempt = catch_unwind(AssertUnwindSafe(|| decode_checked(path, bytes, size, ids, &mut keep_colour)));
-    attempt.unwrap_or_else(|_| Err(torn(path, "the pixel data is corrupt")))
+    // panic is turned into an error.
+    catch_unwind(AssertUnwindSafe(read))
+        .unwrap_or_else(|_| Err(FrameError::torn(path, layout, "the pixel data is corrupt")))
 }
 
-fn decode_checked(
+fn check_headers(
     path: &Path,
-    bytes: &[u8],
+    headers: &[Header],
     size: UVec2,
-    ids: Ids,
-    keep_colour: &mut impl ColourRow,
-) -> Result<Surfaces, FrameError> {
-    let reader = exr::block::read(Cursor::new(bytes), true).map_err(|error| torn(path, error))?;
-    let has_ids = check_headers(path, reader.headers(), size, ids)?;
-    let bytes_per_pixel = if has_ids { BYTES_PER_PIXEL } else { BYTES_PER_PIXEL - ID_BYTES_PER_PIXEL };
-    let mut chunks = reader.all_chunks(true).map_err(|error| torn(path, error))?;
-    let meta = chunks.meta_data().clone();
-    let width = size.x as usize;
-    let mut surfaces = Surfaces::empty(size.x, size.y);
-    let mut seen_rows = vec![false; size.y as usize];
-    let mut colour = ColourCheck::default();
-    let mut lines = LineBuffers::default();
-    for chunk in &mut chunks {
-        let chunk = chunk.map_err(|error| torn(path, error))?;
-        let block = exr::block::UncompressedBlock::decompress_chunk(chunk, &meta, true)
-            .map_err(|error| torn(path, error))?;
-        let first_row = block.index.pixel_position.y();
-        for (offset, line) in block.data.chunks_exact(width * bytes_per_pixel).enumerate() {
-            let row = first_row + offset;
-            if std::mem::replace(&mut seen_rows[row], true) {
-                return Err(torn(path, format!("row {row} is stored twice")));
-            }
-            lines.split(line, width);
-            let start = row * width;
-            surfaces.depth_m[start..start + width].copy_from_slice(&lines.depth_m);
-            if has_ids {
-                surfaces.id[start..start + width].copy_from_slice(&lines.id);
-            }
-            colour.look_at(row, [&lines.red, &lines.green, &lines.blue]);
-            keep_colour(start, &lines.blue, &lines.green, &lines.red);
-        }
-    }
-    if let Some(row) = seen_rows.iter().position(|seen| !seen) {
-        return Err(torn(path, format!("row {row} is missing")));
-    }
-    check_values(path, &surfaces, &colour)?;
-    Ok(surfaces)
-}
-
-/// Whether the file has ids.
-fn check_headers(path: &Path, headers: &[Header], size: UVec2, ids: Ids) -> Result<bool, FrameError> {
-    let layout = |place: &str, message: String| {
-        let remedy = "write one part of scan lines with ZIP and the channels B, G, R half, Z float, id uint";
-        Err(FrameError::Layout(DataError::invalid(path, place, message, remedy)))
+    layout: &Layout,
+    least_channels: usize,
+) -> Result<(), FrameError> {
+    let expected: Vec<String> =
+        layout.channels.iter().map(|(name, kind)| format!("{name} {}", type_name(*kind))).collect();
+    let refuse = |place: &str, message: String| {
+        let remedy =
+            format!("write one part of scan lines with ZIP and the channels {}", expected.join(", "));
+        Err(FrameError::new(FrameError::LAYOUT, DataError::invalid(path, place, message, remedy)))
     };
     let [header] = headers else {
-        return layout("header", format!("has {} parts, but a frame has one", headers.len()));
+        return refuse("header", format!("has {} parts, but must have one", headers.len()));
     };
     if header.deep || header.blocks.has_tiles() {
-        return layout("header", "stores tiles or deep samples, but a frame stores scan lines".to_owned());
+        return refuse("header", "stores tiles or deep samples, but must store scan lines".to_owned());
     }
     if header.compression != Compression::ZIP16 {
         let lossy = if header.compression.may_loose_data() { ", which loses data" } else { "" };
-        return layout(
-            "attribute `compression`",
-            format!("is {}{lossy}, but must be ZIP", header.compression),
-        );
+        let message = format!("is {}{lossy}, but must be ZIP", header.compression);
+        return refuse("attribute `compression`", message);
     }
-    let found: Vec<String> = header
-        .channels
-        .list
-        .iter()
-        .map(|channel| format!("{} {}", channel.name, type_name(channel.sample_type)))
-        .collect();
-    let expected = CHANNELS.map(|(name, sample_type)| format!("{name} {}", type_name(sample_type)));
-    let has_ids = found == expected;
-    let lacks_ids_alone = found == expected[..expected.len() - 1];
-    if !has_ids && (ids == Ids::Needed || !lacks_ids_alone) {
-        return layout(
-            "attribute `channels`",
-            format!("are {}, but must be {}", found.join(", "), expected.join(", ")),
-        );
+    let list = &header.channels.list;
+    let found: Vec<String> =
+        list.iter().map(|channel| format!("{} {}", channel.name, type_name(channel.sample_type))).collect();
+    if found.len() < least_channels || !expected.starts_with(&found) {
+        let message = format!("are {}, but must be {}", found.join(", "), expected.join(", "));
+        return refuse("attribute `channels`", message);
     }
-    if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-        return layout(
-            "attribute `channels`",
-            "are subsampled, but each pixel has its own samples".to_owned(),
-        );
+    if list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+        let message = "are subsampled, but each pixel has its own samples".to_owned();
+        return refuse("attribute `channels`", message);
     }
     if header.own_attributes.capture_date.is_some() {
-        return layout("attribute `capDate`", "is set, but frames carry no date".to_owned());
+        return refuse("attribute `capDate`", "is set, but these files carry no date".to_owned());
     }
     let found_size = header.layer_size;
     if found_size != Vec2(size.x as usize, size.y as usize) {
         let message =
             format!("is {}x{} pixels, but {}x{} are expected", found_size.0, found_size.1, size.x, size.y);
         let remedy = "choose the profile that the scene was built with, or build the scene again";
-        return Err(FrameError::Size(DataError::invalid(path, "attribute `dataWindow`", message, remedy)));
+        let error = DataError::invalid(path, "attribute `dataWindow`", message, remedy);
+        return Err(FrameError::new(FrameError::SIZE, error));
     }
     let display = header.shared_attributes.display_window;
     if display.position != header.own_attributes.layer_position || display.size != found_size {
-        return layout(
-            "attribute `displayWindow`",
-            "differs from dataWindow, but a frame shows all it has".to_owned(),
-        );
+        let message = "differs from dataWindow, but a picture shows all it has".to_owned();
+        return refuse("attribute `displayWindow`", message);
     }
-    Ok(has_ids)
+    Ok(())
 }
 
-fn check_values(path: &Path, surfaces: &Surfaces, colour: &ColourCheck) -> Result<(), FrameError> {
+fn check_values(path: &Path, surfaces: &Surfaces, colour: &[Vec<f16>; 3]) -> Result<(), FrameError> {
     let fail = |place: String, message: String| {
         let remedy = "render the frame again with `l4d build-scenes`";
-        Err(FrameError::Values(DataError::invalid(path, place, message, remedy)))
+        Err(FrameError::new(FrameError::VALUES, DataError::invalid(path, place, message, remedy)))
     };
-    if let Some(problem) = surfaces.value_problem() {
-        let more = match problem.count {
-            1 => String::new(),
-            count => format!("; {count} pixels in all"),
-        };
-        let place = format!("channel `{}`, column {}, row {}", problem.channel, problem.column, problem.row);
-        return fail(place, format!("{}{more}", problem.message));
+    if let Some((place, message)) = surfaces.value_problem() {
+        return fail(place, message);
     }
-    match colour.first_bad_row {
+    let bad = colour.iter().filter_map(|channel| channel.iter().position(|light| !light.is_finite()));
+    match bad.min() {
         None => Ok(()),
-        Some(row) => {
-            fail(format!("channels `R G B`, row {row}"), "hold a colour that is not finite".to_owned())
+        Some(pixel) => {
+            let place = format!("channels `R G B`, row {}", pixel / surfaces.width as usize);
+            fail(place, "hold a colour that is not finite".to_owned())
         }
     }
-}
-
-fn torn(path: &Path, message: impl ToString) -> FrameError {
-    let message = message.to_string();
-    FrameError::Torn(DataError::invalid(
-        path,
-        "EXR",
-        message,
-        "delete the file and run `l4d build-scenes` again",
-    ))
 }
 
 fn type_name(sample_type: SampleType) -> &'static str {
@@ -354,52 +354,6 @@ fn type_name(sample_type: SampleType) -> &'static str {
         SampleType::F32 => "float",
         SampleType::U32 => "uint",
     }
-}
-
-/// Remembers the first row with an infinite or undefined colour.
-#[derive(Default)]
-struct ColourCheck {
-    first_bad_row: Option<usize>,
-}
-
-impl ColourCheck {
-    fn look_at(&mut self, row: usize, channels: [&[u16]; 3]) {
-        const EXPONENT: u16 = 0x7c00;
-        let bad = channels.iter().any(|line| line.iter().any(|bits| bits & EXPONENT == EXPONENT));
-        if bad && self.first_bad_row.is_none_or(|first| row < first) {
-            self.first_bad_row = Some(row);
-        }
-    }
-}
-
-/// One scan line, split into its channels. The decoder gives bytes in native order.
-#[derive(Default)]
-struct LineBuffers {
-    blue: Vec<u16>,
-    green: Vec<u16>,
-    red: Vec<u16>,
-    depth_m: Vec<f32>,
-    id: Vec<u32>,
-}
-
-impl LineBuffers {
-    fn split(&mut self, line: &[u8], width: usize) {
-        let (blue, line) = line.split_at(2 * width);
-        let (green, line) = line.split_at(2 * width);
-        let (red, line) = line.split_at(2 * width);
-        let (depth_m, id) = line.split_at(4 * width);
-        for (channel, bytes) in [(&mut self.blue, blue), (&mut self.green, green), (&mut self.red, red)] {
-            refill(channel, bytes, u16::from_ne_bytes);
-        }
-        refill(&mut self.depth_m, depth_m, f32::from_ne_bytes);
-        refill(&mut self.id, id, u32::from_ne_bytes);
-    }
-}
-
-fn refill<T, const N: usize>(values: &mut Vec<T>, bytes: &[u8], from_bytes: impl Fn([u8; N]) -> T) {
-    let (groups, _) = bytes.as_chunks::<N>();
-    values.clear();
-    values.extend(groups.iter().map(|group| from_bytes(*group)));
 }
 
 #[cfg(test)]

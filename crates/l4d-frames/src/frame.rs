@@ -2,7 +2,6 @@
 //!
 //! Knows nothing of files; [`crate::exr`] reads and writes them.
 
-use glam::UVec2;
 use half::f16;
 use l4d_data::digest::sha256_hex;
 use l4d_data::scene::FrameDigest;
@@ -27,21 +26,6 @@ pub struct Frame {
     pub surfaces: Surfaces,
     /// Linear, scene-referred red, green, blue; row-major.
     pub rgb: Vec<[f16; 3]>,
-}
-
-/// The first pixel that breaks a rule of values, and how many do.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ValueProblem {
-    /// `Z`, `id` or `RGB`.
-    pub channel: &'static str,
-    /// Column of the first offender.
-    pub column: u32,
-    /// Row of the first offender.
-    pub row: u32,
-    /// What is there and what may be.
-    pub message: String,
-    /// Number of offenders.
-    pub count: usize,
 }
 
 impl Surfaces {
@@ -70,33 +54,23 @@ impl Surfaces {
         ids.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as u32)).collect()
     }
 
-    /// Whether a depth is not one that a camera can see, or an id is where nothing was hit.
-    pub fn value_problem(&self) -> Option<ValueProblem> {
-        let bad_depth = |index: usize| self.depth_m[index].is_nan() || self.depth_m[index] <= 0.0;
-        let bad_id = |index: usize| self.id[index] != 0 && self.depth_m[index] == f32::INFINITY;
-        let depth_message = |index: usize| {
-            format!("depth is {} m, but a depth is positive (no hit = +inf)", self.depth_m[index])
+    /// The first depth that no camera can see, or id where nothing was hit: its place, and what is wrong.
+    pub(crate) fn value_problem(&self) -> Option<(String, String)> {
+        let bad_depth = |&index: &usize| self.depth_m[index].is_nan() || self.depth_m[index] <= 0.0;
+        let bad_id = |&index: &usize| self.id[index] != 0 && self.depth_m[index] == f32::INFINITY;
+        let pixels = || 0..self.id.len();
+        let (channel, first, message, count) = if let Some(first) = pixels().find(bad_depth) {
+            let message =
+                format!("depth is {} m, but a depth is positive (no hit = +inf)", self.depth_m[first]);
+            ("Z", first, message, pixels().filter(bad_depth).count())
+        } else {
+            let first = pixels().find(bad_id)?;
+            let message = format!("id is {}, but nothing was hit there", self.id[first]);
+            ("id", first, message, pixels().filter(bad_id).count())
         };
-        let id_message = |index: usize| format!("id is {}, but nothing was hit there", self.id[index]);
-        self.first("Z", bad_depth, depth_message).or_else(|| self.first("id", bad_id, id_message))
-    }
-
-    fn first(
-        &self,
-        channel: &'static str,
-        is_bad: impl Fn(usize) -> bool,
-        message: impl Fn(usize) -> String,
-    ) -> Option<ValueProblem> {
-        let mut offenders = (0..self.id.len()).filter(|&index| is_bad(index));
-        let first = offenders.next()?;
-        let position = UVec2::new(first as u32 % self.width, first as u32 / self.width);
-        Some(ValueProblem {
-            channel,
-            column: position.x,
-            row: position.y,
-            message: message(first),
-            count: 1 + offenders.count(),
-        })
+        let more = if count > 1 { format!("; {count} pixels in all") } else { String::new() };
+        let (column, row) = (first as u32 % self.width, first as u32 / self.width);
+        Some((format!("channel `{channel}`, column {column}, row {row}"), format!("{message}{more}")))
     }
 }
 
@@ -120,11 +94,11 @@ mod tests {
         for bad in [f32::NAN, 0.0, -0.0, -1.0, f32::NEG_INFINITY] {
             let mut surfaces = two_by_two();
             surfaces.depth_m[3] = bad;
-            let problem = surfaces.value_problem().unwrap();
-            assert_eq!(
-                (problem.channel, problem.column, problem.row, problem.count),
-                ("Z", 1, 1, 1),
-                "{bad}"
+            let (place, message) = surfaces.value_problem().unwrap();
+            assert_eq!(place, "channel `Z`, column 1, row 1");
+            assert!(
+                message.starts_with(&format!("depth is {bad} m")) && !message.contains("in all"),
+                "{message}"
             );
         }
     }
@@ -133,7 +107,7 @@ mod tests {
     fn an_id_in_the_sky_is_found() {
         let mut surfaces = two_by_two();
         surfaces.id[2] = 3;
-        assert_eq!(surfaces.value_problem().unwrap().message, "id is 3, but nothing was hit there");
+        assert_eq!(surfaces.value_problem().unwrap().1, "id is 3, but nothing was hit there");
     }
 
     #[test]

@@ -17,16 +17,15 @@
 //! Ids are compared where the depths agree within the tolerance.
 
 mod lookup;
-mod pairs;
 mod statistics;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use crate::frame::Surfaces;
 use lookup::Sample;
-pub use lookup::{Field, allowed_m};
-pub use pairs::view_pairs;
-pub use statistics::{CrossView, Miss, Spread, Summary};
+pub(crate) use lookup::{Field, allowed_m};
+pub(crate) use statistics::{CrossView, Miss};
+pub use statistics::{Spread, Summary};
 
 /// How far, in pixels, the renderer may miss a pixel centre (filter width 0.01, in both views, doubled).
 const JITTER_PX: f64 = 0.02;
@@ -34,25 +33,18 @@ const JITTER_PX: f64 = 0.02;
 const CONTACT_RADIUS_PX: i64 = 3;
 
 /// Compares every pixel of `a` with what `b` saw at the same canonical frame.
-pub fn compare(frame: u32, a: &Field, b: &Field) -> CrossView {
+pub(crate) fn compare(frame: u32, a: &Field, b: &Field) -> CrossView {
     let mut found = CrossView::default();
     let b_from_a = b.camera.camera_from_world(frame) * a.camera.world_from_camera(frame);
     for pixel in &a.interior {
         let index = pixel.index as usize;
         let (column, row) = (pixel.index % a.surfaces.width, pixel.index / a.surfaces.width);
-        let ray = DVec3::new(
-            (f64::from(column) + 0.5 - a.camera.cx) / a.camera.fx,
-            (f64::from(row) + 0.5 - a.camera.cy) / a.camera.fy,
-            1.0,
-        );
+        let ray = a.camera.ray(DVec2::new(f64::from(column), f64::from(row)) + 0.5);
         let point = b_from_a.transform_point3(ray * f64::from(a.surfaces.depth_m[index]));
         if point.z <= 0.0 {
             continue;
         }
-        let position = DVec2::new(
-            b.camera.fx * point.x / point.z + b.camera.cx,
-            b.camera.fy * point.y / point.z + b.camera.cy,
-        );
+        let position = b.camera.position(point);
         let Some(there) = b.sample(position) else { continue };
         found.landed += 1;
         let allowed = allowed_m(point.z);
@@ -114,4 +106,33 @@ fn has_id_near(surfaces: &Surfaces, column: i64, row: i64, id: u32) -> bool {
         around(column, surfaces.width)
             .any(|column| surfaces.id[surfaces.index(column as u32, row as u32)] == id)
     })
+}
+
+/// Ordered pairs of view indices: each view with its neighbours in the list (which is the order along the rig)
+/// and with the held-out view, both ways. Grows linearly with the number of views.
+pub(crate) fn view_pairs(view_count: usize, test_view: usize) -> Vec<(usize, usize)> {
+    let mut pairs = Vec::new();
+    for view in 0..view_count {
+        if view + 1 < view_count {
+            pairs.extend([(view, view + 1), (view + 1, view)]);
+        }
+        if view != test_view {
+            pairs.extend([(view, test_view), (test_view, view)]);
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_and_the_held_out_view_both_ways() {
+        assert_eq!(view_pairs(3, 0), [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)]);
+        assert_eq!(view_pairs(4, 1), [(0, 1), (1, 0), (1, 2), (1, 3), (2, 1), (2, 3), (3, 1), (3, 2)]);
+        assert!(view_pairs(1, 0).is_empty());
+    }
 }

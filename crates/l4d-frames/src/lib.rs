@@ -11,15 +11,13 @@ pub mod closeup;
 pub mod display;
 pub mod drawn;
 pub mod exr;
-#[cfg(test)]
-mod fake;
 pub mod frame;
-pub mod geometry;
+mod geometry;
 pub mod moving_picture;
 pub mod overlay;
 pub mod photo;
 pub mod preview;
-pub mod quantiles;
+mod quantiles;
 pub mod sheet;
 pub mod targets;
 pub mod text;

@@ -1,12 +1,13 @@
 //! Outlines and numbers of instances on a picture.
 
+use glam::UVec2;
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{FilterType, resize};
 use image::{Rgb, RgbImage};
 use l4d_data::Role;
 use l4d_data::scene::Instance;
 
-use crate::frame::Surfaces;
+use crate::closeup::Closeup;
 use crate::text::{Style, Weight, blend};
 
 /// Okabe and Ito's colours that stay apart for every kind of colour vision, without black; yellow and sky first,
@@ -22,15 +23,9 @@ const OBJECT_COLOURS: [[u8; 3]; 7] = [
 ];
 const LANDMARK_COLOUR: [u8; 3] = [225, 225, 225];
 const HALO: Rgb<u8> = Rgb([20, 20, 20]);
-const HALO_STRENGTH: f32 = 0.75;
-const FAINT_STRENGTH: f32 = 0.6;
 const LABEL_PX: f32 = 17.0;
 /// Fine outlines survive this quality; a picture of 512x408 has about 50 kB.
 const JPEG_QUALITY: u8 = 90;
-/// Smaller spots of an instance get an outline but no number, pixels of the drawn picture.
-const SMALLEST_LABELLED: usize = 24;
-/// Distance from the border at which a number leaves enough of the instance to be seen, pixels.
-const ROOM_FOR_LABEL: u32 = 16;
 
 /// Number and colour of an instance on pictures and in the legend.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,39 +77,25 @@ pub fn enlarge(picture: &RgbImage, factor: u32) -> RgbImage {
 /// # Panics
 /// If a side has no pixel or more than 65 535.
 pub fn encode_jpeg(picture: &RgbImage) -> Vec<u8> {
+    encode_jpeg_of(picture, JPEG_QUALITY)
+}
+
+/// [`encode_jpeg`] of another quality, 1 to 100.
+pub(crate) fn encode_jpeg_of(picture: &RgbImage, quality: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
+    JpegEncoder::new_with_quality(&mut bytes, quality)
         .encode_image(picture)
         .expect("a picture of a profile is no wider than JPEG allows, and memory takes every byte");
     bytes
 }
 
-/// Draws outlines, then numbers, onto a picture that is `factor` times as large as `surfaces`.
-pub fn outline(picture: &mut RgbImage, surfaces: &Surfaces, factor: u32, marks: &[Mark]) {
-    let ids = EnlargedIds { surfaces, factor };
-    // Halos first, so that none covers the line of a neighbour.
-    for row in 0..picture.height() {
-        for column in 0..picture.width() {
-            if marks.iter().any(|mark| !mark.faint && ids.is_just_outside(column, row, mark.id)) {
-                blend(picture, (column as f32, row as f32), HALO, HALO_STRENGTH);
-            }
-        }
-    }
-    for row in 0..picture.height() {
-        for column in 0..picture.width() {
-            let id = ids.at(column, row);
-            let Some(mark) = marks.iter().find(|mark| mark.id == id) else { continue };
-            let (width, strength) = if mark.faint { (1, FAINT_STRENGTH) } else { (factor.min(2), 1.0) };
-            if ids.is_border(column, row, width) {
-                blend(picture, (column as f32, row as f32), mark.colour, strength);
-            }
-        }
-    }
-    for mark in marks {
-        if let Some((x, y)) = label_place(surfaces, mark.id, factor) {
-            label(picture, mark, x, y);
-        }
-    }
+/// A picture `factor` times as large, with outlines and numbers of what its `ids` (row-major) mark.
+pub fn annotated(picture: &RgbImage, ids: &[u32], factor: u32, marks: &[Mark]) -> RgbImage {
+    let size = UVec2::from(picture.dimensions()) * factor;
+    let mut closeup = Closeup::whole(picture, ids, size);
+    closeup.outline(marks, |mark| if mark.faint { 1 } else { factor.min(2) });
+    closeup.write_numbers(marks, LABEL_PX);
+    closeup.into_picture()
 }
 
 /// Writes the number of a mark on a rounded patch of its colour, centred at a place.
@@ -155,78 +136,4 @@ fn patch(picture: &mut RgbImage, (x, y): (f32, f32), reach: f32, radius: f32, co
             }
         }
     }
-}
-
-/// The ids as if each pixel were `factor` pixels wide and high.
-struct EnlargedIds<'a> {
-    surfaces: &'a Surfaces,
-    factor: u32,
-}
-
-impl EnlargedIds<'_> {
-    fn at(&self, column: u32, row: u32) -> u32 {
-        self.surfaces.id[self.surfaces.index(column / self.factor, row / self.factor)]
-    }
-
-    fn neighbours(&self, column: u32, row: u32, reach: i64) -> impl Iterator<Item = u32> {
-        let (width, height) = (self.surfaces.width * self.factor, self.surfaces.height * self.factor);
-        (-reach..=reach).flat_map(move |down| {
-            (-reach..=reach).filter_map(move |right| {
-                let (x, y) = (i64::from(column) + right, i64::from(row) + down);
-                let inside = x >= 0 && y >= 0 && x < i64::from(width) && y < i64::from(height);
-                inside.then(|| self.at(x as u32, y as u32))
-            })
-        })
-    }
-
-    /// Whether the pixel belongs to the line of its own instance, which runs along the inside of its border.
-    fn is_border(&self, column: u32, row: u32, width: u32) -> bool {
-        let id = self.at(column, row);
-        self.neighbours(column, row, i64::from(width)).any(|other| other != id)
-    }
-
-    fn is_just_outside(&self, column: u32, row: u32, id: u32) -> bool {
-        self.at(column, row) != id && self.neighbours(column, row, 1).any(|other| other == id)
-    }
-}
-
-/// Where the number goes, in pixels of the enlarged picture: onto the pixel of the instance farthest from its
-/// border, or above the instance if the number would hide it.
-fn label_place(surfaces: &Surfaces, id: u32, factor: u32) -> Option<(f32, f32)> {
-    let (width, height) = (surfaces.width as usize, surfaces.height as usize);
-    let mut distance: Vec<u32> =
-        surfaces.id.iter().map(|&found| if found == id { u32::MAX } else { 0 }).collect();
-    let count = distance.iter().filter(|&&distance| distance > 0).count();
-    if count * (factor * factor) as usize <= SMALLEST_LABELLED {
-        return None;
-    }
-    // Two sweeps of the city-block distance; outside the picture counts as outside the instance.
-    let relax = |distance: &mut Vec<u32>, index: usize, neighbours: [Option<usize>; 2]| {
-        for neighbour in neighbours {
-            let there = neighbour.map_or(0, |neighbour| distance[neighbour]);
-            distance[index] = distance[index].min(there.saturating_add(1));
-        }
-    };
-    for index in 0..width * height {
-        if distance[index] > 0 {
-            let (column, row) = (index % width, index / width);
-            relax(&mut distance, index, [(column > 0).then(|| index - 1), (row > 0).then(|| index - width)]);
-        }
-    }
-    for index in (0..width * height).rev() {
-        if distance[index] > 0 {
-            let (column, row) = (index % width, index / width);
-            let right = (column + 1 < width).then_some(index + 1);
-            relax(&mut distance, index, [right, (row + 1 < height).then_some(index + width)]);
-        }
-    }
-    let deepest = distance.iter().copied().max()?;
-    let first = distance.iter().position(|&depth| depth == deepest)?;
-    let centre = |pixel: usize| (pixel as f32 + 0.5) * factor as f32;
-    let place = (centre(first % width), centre(first / width));
-    if deepest * factor >= ROOM_FOR_LABEL {
-        return Some(place);
-    }
-    let top = surfaces.id.iter().position(|&found| found == id)? / width;
-    Some((place.0, centre(top) - LABEL_PX))
 }

@@ -5,8 +5,7 @@
 use std::io::Cursor;
 
 use image::error::ImageError;
-use image::{ImageFormat, ImageReader, RgbImage};
-
+use image::{DynamicImage, ImageFormat, ImageReader, RgbImage};
 use l4d_masks::mask::Mask;
 
 /// Why bytes are no picture.
@@ -15,6 +14,17 @@ pub enum PhotoError {
     /// Neither PNG nor JPEG.
     #[error("is neither PNG nor JPEG")]
     Kind,
+    /// Other samples than were asked for.
+    #[error("is a picture of another kind")]
+    OtherKind,
+    /// Another size than was asked for.
+    #[error("is {}x{} pixels, but {}x{} are expected", found.0, found.1, expected.0, expected.1)]
+    Size {
+        /// Width and height in the file, pixels.
+        found: (u32, u32),
+        /// Width and height that were asked for, pixels.
+        expected: (u32, u32),
+    },
     /// A side that no decoder should make room for.
     #[error("is {}x{}, but each side must have 1 to {} pixels", found.0, found.1, Mask::MAX_SIDE)]
     AbsurdSize {
@@ -41,10 +51,20 @@ pub fn size(bytes: &[u8]) -> Result<(u32, u32), PhotoError> {
 /// Bytes that are no PNG or JPEG, or have no sane size.
 pub fn decode(bytes: &[u8]) -> Result<RgbImage, PhotoError> {
     size(bytes)?;
+    Ok(load(bytes)?.into_rgb8())
+}
+
+/// The picture of exactly that size in bytes, whatever its samples.
+pub(crate) fn decode_sized(bytes: &[u8], expected: (u32, u32)) -> Result<DynamicImage, PhotoError> {
+    let found = size(bytes)?;
+    if found == expected { load(bytes) } else { Err(PhotoError::Size { found, expected }) }
+}
+
+fn load(bytes: &[u8]) -> Result<DynamicImage, PhotoError> {
     if !ends_well(bytes) {
         return Err(PhotoError::Damaged("it breaks off".to_owned()));
     }
-    Ok(reader(bytes)?.decode().map_err(damaged)?.into_rgb8())
+    reader(bytes)?.decode().map_err(damaged)
 }
 
 fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, PhotoError> {

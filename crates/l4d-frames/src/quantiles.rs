@@ -8,7 +8,7 @@ const BIN_COUNT: usize = (f32::INFINITY.to_bits() >> DROPPED_BITS) as usize + 1;
 
 /// A histogram over logarithmic bins.
 #[derive(Debug, Clone)]
-pub struct Quantiles {
+pub(crate) struct Quantiles {
     bins: Vec<u64>,
     count: u64,
     largest: f32,
@@ -22,7 +22,7 @@ impl Default for Quantiles {
 
 impl Quantiles {
     /// Counts a value; negative ones and NaN count as infinite, so that they cannot hide.
-    pub fn add(&mut self, value: f32) {
+    pub(crate) fn add(&mut self, value: f32) {
         let value = if value >= 0.0 { value } else { f32::INFINITY };
         self.bins[(value.abs().to_bits() >> DROPPED_BITS) as usize] += 1;
         self.count += 1;
@@ -30,7 +30,7 @@ impl Quantiles {
     }
 
     /// Adds the values of another histogram.
-    pub fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         for (bin, more) in self.bins.iter_mut().zip(&other.bins) {
             *bin += more;
         }
@@ -39,17 +39,17 @@ impl Quantiles {
     }
 
     /// Number of values.
-    pub fn count(&self) -> u64 {
+    pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
     /// The largest value; 0 if there is none.
-    pub fn largest(&self) -> f32 {
+    pub(crate) fn largest(&self) -> f32 {
         self.largest
     }
 
     /// The upper edge of the bin that holds the value of rank `share * count`, never above the largest value.
-    pub fn quantile(&self, share: f64) -> f32 {
+    pub(crate) fn quantile(&self, share: f64) -> f32 {
         let rank = (share * self.count as f64).ceil().max(1.0) as u64;
         let mut below = 0;
         for (bin, count) in self.bins.iter().enumerate() {

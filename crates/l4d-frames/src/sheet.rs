@@ -5,12 +5,11 @@ mod cards;
 mod legend;
 mod overview;
 
-use std::io::Cursor;
 use std::path::Path;
 
 use glam::UVec2;
 use image::imageops::replace;
-use image::{ImageFormat, Rgb, RgbImage};
+use image::{Rgb, RgbImage};
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use l4d_data::store::write_atomic;
@@ -19,11 +18,12 @@ use l4d_data::{Camera, DataError, Name, Query, Split};
 use rayon::prelude::*;
 
 use crate::display::Display;
+use crate::drawn::encode_colour;
 use crate::exr::{FrameError, read_frame};
-use crate::overlay::{Mark, enlarge, marks, outline};
+use crate::overlay::{Mark, annotated, marks};
 use crate::text::{Style, Weight};
 
-pub use cards::{Card, MOST_CARDS, Shot, cards};
+pub use cards::{Card, MOST_CARDS, cards};
 pub use overview::{Rendered, overview};
 
 /// Pictures are enlarged by a whole factor until they are about this wide, pixels.
@@ -106,7 +106,7 @@ impl Sheet<'_> {
     }
 
     fn factor(&self) -> u32 {
-        CELL_WIDTH_PX.div_ceil(self.scene.width.max(1)).max(1)
+        factor(self.scene, CELL_WIDTH_PX)
     }
 
     fn cell_size(&self) -> UVec2 {
@@ -114,22 +114,13 @@ impl Sheet<'_> {
     }
 
     fn cells(&self, marks: &[Mark]) -> Result<Vec<RgbImage>, FrameError> {
-        let display = Display::new(self.scene.exposure);
-        let size = UVec2::new(self.scene.width, self.scene.height);
-        let wanted: Vec<(&Name, u32)> = self
-            .views
-            .iter()
-            .flat_map(|camera| self.frames.iter().map(|frame| (&camera.name, *frame)))
-            .collect();
-        let draw = |&(view, number): &(&Name, u32)| {
-            let frame = read_frame(&self.dir.frame(view, number), size)?;
-            let mut picture = enlarge(&display.picture(&frame), self.factor());
-            if !self.plain {
-                outline(&mut picture, &frame.surfaces, self.factor(), marks);
-            }
-            Ok(picture)
-        };
-        wanted.par_iter().map(draw).collect()
+        let Self { scene, dir, .. } = *self;
+        let shots = self.views.iter().flat_map(|camera| {
+            self.frames.iter().map(|&frame| Shot { scene, dir, view: &camera.name, frame })
+        });
+        let marks = if self.plain { &[] } else { marks };
+        let shots: Vec<Shot> = shots.collect();
+        shots.par_iter().map(|shot| shot.draw(self.factor(), marks)).collect()
     }
 
     fn plain_grid(&self, cells: &[RgbImage]) -> RgbImage {
@@ -162,16 +153,40 @@ impl Sheet<'_> {
     }
 }
 
+/// One picture of a rendered scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Shot<'a> {
+    /// The rendered scene.
+    pub scene: &'a Scene,
+    /// Where its frames are.
+    pub dir: &'a SceneDir,
+    /// From which camera.
+    pub view: &'a Name,
+    /// Canonical frame that was rendered.
+    pub frame: u32,
+}
+
+impl Shot<'_> {
+    /// What the camera saw, `factor` times as large, with outlines and numbers of marks.
+    fn draw(&self, factor: u32, marks: &[Mark]) -> Result<RgbImage, FrameError> {
+        let size = UVec2::new(self.scene.width, self.scene.height);
+        let frame = read_frame(&self.dir.frame(self.view, self.frame), size)?;
+        let picture = Display::new(self.scene.exposure).picture(&frame);
+        Ok(annotated(&picture, &frame.surfaces.id, factor, marks))
+    }
+}
+
+/// The whole factor that makes pictures of a scene at least so wide.
+fn factor(scene: &Scene, width_px: u32) -> u32 {
+    width_px.div_ceil(scene.width.max(1)).max(1)
+}
+
 /// Writes a drawn page as a PNG file.
 ///
 /// # Errors
 /// What the disk refuses.
 pub fn save(page: &RgbImage, path: &Path) -> Result<(), DataError> {
-    let mut png = Cursor::new(Vec::new());
-    page.write_to(&mut png, ImageFormat::Png).map_err(|error| {
-        DataError::invalid(path, "PNG", error.to_string(), "choose fewer --views or --frames")
-    })?;
-    write_atomic(path, &png.into_inner())
+    write_atomic(path, &encode_colour(page))
 }
 
 fn write_row_header(page: &mut RgbImage, camera: &Camera, top: u32) {
@@ -205,12 +220,13 @@ pub fn default_frames(scene: &Scene) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
+    use l4d_testing::Dataset;
+
     use super::*;
-    use crate::fake::{BALL, FakeScene};
 
     #[test]
     fn a_sheet_has_outlines_and_a_plain_one_only_pictures() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let (dir, views, frames) = (fake.dir(), default_views(&fake.scene), default_frames(&fake.scene));
         assert_eq!(frames, [0, 24, 48, 72, 96]);
         let names: Vec<&str> = views.iter().map(|camera| camera.name.as_str()).collect();
@@ -224,7 +240,8 @@ mod tests {
             plain: false,
         };
         let page = sheet.draw().unwrap();
-        let ball = marks(&fake.scene.instances).into_iter().find(|mark| mark.id == BALL).unwrap().colour;
+        let ball =
+            marks(&fake.scene.instances).into_iter().find(|mark| mark.id == Dataset::BALL).unwrap().colour;
         assert!(page.pixels().any(|pixel| *pixel == ball));
         let plain = Sheet { plain: true, ..sheet }.draw().unwrap();
         assert_eq!(plain.dimensions(), (5 * 512 + 4 * 4, 3 * 384 + 2 * 4));

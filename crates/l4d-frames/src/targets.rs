@@ -1,8 +1,8 @@
 //! Test pictures: coloured squares at known places on a grey ground, for measuring where a model sees them.
 
-use std::io::Cursor;
+use image::{Rgb, RgbImage};
 
-use image::{ImageFormat, Rgb, RgbImage};
+use crate::drawn::encode_colour;
 
 const GROUND: Rgb<u8> = Rgb([128; 3]);
 const COLOURS: [(&str, Rgb<u8>); 4] = [
@@ -63,7 +63,7 @@ impl Targets {
     /// One colour everywhere, and its name.
     pub fn plain(width: u32, height: u32) -> (Vec<u8>, &'static str) {
         let (name, paint) = COLOURS[0];
-        (encode(&RgbImage::from_pixel(width.max(1), height.max(1), paint)), name)
+        (encode_colour(&RgbImage::from_pixel(width.max(1), height.max(1), paint)), name)
     }
 
     /// Width and height, pixels.
@@ -86,14 +86,8 @@ impl Targets {
                 }
             }
         }
-        encode(&picture)
+        encode_colour(&picture)
     }
-}
-
-fn encode(picture: &RgbImage) -> Vec<u8> {
-    let mut png = Cursor::new(Vec::new());
-    picture.write_to(&mut png, ImageFormat::Png).expect("writing a picture to memory cannot fail");
-    png.into_inner()
 }
 
 #[cfg(test)]

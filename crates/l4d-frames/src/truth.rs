@@ -5,15 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use glam::UVec2;
-use l4d_data::layout::SceneDir;
 use l4d_data::name::Name;
 use l4d_data::scene::Scene;
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_masks::{Mask, Rle};
-use rayon::prelude::*;
 
-use crate::exr::{FrameError, read_surfaces};
 use crate::frame::Surfaces;
 
 /// What one picture says about the instances of its scene.
@@ -42,7 +38,6 @@ impl Observation {
 #[derive(Debug, Clone)]
 pub struct TruthBuilder {
     truth: Truth,
-    test_view: Name,
 }
 
 impl TruthBuilder {
@@ -68,22 +63,22 @@ impl TruthBuilder {
             profile: scene.profile,
             width: scene.width,
             height: scene.height,
-            test_view: test_view.clone(),
+            test_view,
             frames,
             instances: instances.collect(),
             visible,
         };
-        Some(Self { truth, test_view })
+        Some(Self { truth })
     }
 
     /// Whether the masks of this view belong into the truth.
     pub fn wants_masks(&self, view: &str) -> bool {
-        self.test_view.as_str() == view
+        self.truth.test_view.as_str() == view
     }
 
     /// Files a picture away. Views, frames and ids that the scene does not have are left out.
     pub fn insert(&mut self, view: &str, frame: u32, observation: Observation) {
-        let Self { truth, test_view } = self;
+        let truth = &mut self.truth;
         let Ok(position) = truth.frames.binary_search(&frame) else { return };
         let Some(counts_of_view) = truth.visible.get_mut(view) else { return };
         for instance in &truth.instances {
@@ -92,7 +87,7 @@ impl TruthBuilder {
                 counts[position] = *count;
             }
         }
-        if test_view.as_str() == view {
+        if truth.test_view.as_str() == view {
             for (id, mask) in observation.masks {
                 if let Some(instance) = truth.instances.iter_mut().find(|instance| instance.id == id) {
                     instance.masks.insert(frame_key(frame), mask);
@@ -105,32 +100,6 @@ impl TruthBuilder {
     pub fn finish(self) -> Truth {
         self.truth
     }
-}
-
-/// Builds the truth of a rendered scene; no more than one picture per thread is in memory.
-///
-/// `None` if the scene has no held-out view, which [`Scene::read`] refuses.
-///
-/// # Errors
-/// A picture that cannot be read.
-pub fn truth_of_scene(dir: &SceneDir, scene: &Scene) -> Result<Option<Truth>, FrameError> {
-    let Some(mut builder) = TruthBuilder::new(scene) else { return Ok(None) };
-    let size = UVec2::new(scene.width, scene.height);
-    let pictures: Vec<(&str, u32)> = scene
-        .cameras
-        .iter()
-        .flat_map(|camera| scene.profile.frames().map(|frame| (camera.name.as_str(), frame)))
-        .collect();
-    let observe = |&(view, frame): &(&str, u32)| {
-        let surfaces = read_surfaces(&dir.frame(view, frame), size)?;
-        Ok(Observation::of(&surfaces, builder.wants_masks(view)))
-    };
-    let observations: Vec<Observation> =
-        pictures.par_iter().map(observe).collect::<Result<_, FrameError>>()?;
-    for ((view, frame), observation) in pictures.into_iter().zip(observations) {
-        builder.insert(view, frame, observation);
-    }
-    Ok(Some(builder.finish()))
 }
 
 #[cfg(test)]

@@ -175,7 +175,7 @@ impl Capture {
         let path = self.dir.picture(view, frame);
         let picture =
             decode_colour(&read_bounded(&path, MAX_BYTES)?, self.capture.width, self.capture.height);
-        let damaged = |error: l4d_frames::drawn::DrawnError| {
+        let damaged = |error: l4d_frames::photo::PhotoError| {
             DataError::invalid(&path, "picture", error.to_string(), "import the scene again")
         };
         Ok(picture.map_err(damaged)?.into_raw())

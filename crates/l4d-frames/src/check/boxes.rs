@@ -64,13 +64,9 @@ impl OrientedBox {
     }
 
     fn corners(&self) -> impl Iterator<Item = DVec3> {
-        let signs = [-1.0, 1.0];
-        signs.into_iter().flat_map(move |x| {
-            signs.into_iter().flat_map(move |y| {
-                signs
-                    .into_iter()
-                    .map(move |z| self.centre + self.world_from_box * (self.half * DVec3::new(x, y, z)))
-            })
+        (0..8_u32).map(|corner| {
+            let signs = [1, 2, 4].map(|bit| if corner & bit > 0 { 1.0 } else { -1.0 });
+            self.centre + self.world_from_box * (self.half * DVec3::from_array(signs))
         })
     }
 }
@@ -122,11 +118,7 @@ fn look_for_pixels_outside(
             }
             let Some((_, bounds)) = current.filter(|(known, _)| *known == id) else { continue };
             let depth_m = f64::from(surfaces.depth_m[index]);
-            let ray = DVec3::new(
-                (f64::from(column) + 0.5 - camera.cx) / camera.fx,
-                (f64::from(row) + 0.5 - camera.cy) / camera.fy,
-                1.0,
-            );
+            let ray = camera.ray(DVec2::new(f64::from(column), f64::from(row)) + 0.5);
             let distance_m = bounds.distance_m(world_from_camera.transform_point3(ray * depth_m));
             if distance_m > MARGIN * allowed_m(depth_m) {
                 found.add_outside(id, distance_m, place, [column, row]);
@@ -196,9 +188,11 @@ impl BoxReport {
     }
 
     pub(super) fn report(self, scene: &Scene, dir: &SceneDir, report: &mut Report) {
-        let name = |id: u32| {
+        let mut add = |code, id: u32, place: &Place, message: &str, hint| {
             let instance = scene.instances.iter().find(|instance| instance.id == id);
-            instance.map_or_else(|| format!("id {id}"), |instance| instance.name.to_string())
+            let name = instance.map_or_else(|| format!("id {id}"), |instance| instance.name.to_string());
+            let path = dir.frame(&place.view, place.frame);
+            report.error(code, &path, format!("instance {name}"), message, hint);
         };
         for (id, outside) in self.outside {
             let Outside { pixels, pictures, worst_m, place, pixel: [column, row] } = outside;
@@ -208,24 +202,12 @@ impl BoxReport {
                 worst_m * 1e3
             );
             let hint = "tracks, ids, depth and camera must come from the same recipe and frame";
-            report.error(
-                "L4D113",
-                &dir.frame(&place.view, place.frame),
-                format!("instance {}", name(id)),
-                message,
-                hint,
-            );
+            add("L4D113", id, &place, &message, hint);
         }
         for (id, place) in self.unseen {
             let message = "its box is wholly in the picture and nothing is before it, but no pixel shows it";
             let hint = "check the instance's pass index and that its parts are rendered";
-            report.error(
-                "L4D114",
-                &dir.frame(&place.view, place.frame),
-                format!("instance {}", name(id)),
-                message,
-                hint,
-            );
+            add("L4D114", id, &place, message, hint);
         }
     }
 }

@@ -6,10 +6,9 @@ use std::path::Path;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use l4d_data::store::list_folder;
-use l4d_data::tracks::{TrackedCamera, TrackedInstance, Tracks};
+use l4d_data::tracks::{TrackedInstance, Tracks};
 use l4d_data::truth::frame_key;
-use l4d_data::{Camera, Report, json};
-use serde::Deserialize;
+use l4d_data::{Camera, Report};
 
 use super::Request;
 
@@ -72,30 +71,19 @@ pub(super) fn check_files(scene: &Scene, dir: &SceneDir, report: &mut Report) {
     }
 }
 
-/// What a worker wrote of its camera.
-#[derive(Deserialize)]
-struct ViewCard {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
-    world_from_camera: Vec<[f64; 16]>,
-}
-
 /// The frames were rendered with the camera of `view.json`, where that is still beside them.
 fn check_card(camera: &Camera, dir: &SceneDir, report: &mut Report) {
     let path = dir.view_card(&camera.name);
     if !path.exists() {
         return;
     }
-    let card: ViewCard = match json::read(&path) {
-        Ok(card) => card,
-        Err(error) => return report.data_error("L4D102", &error),
-    };
-    let lens = (card.fx, card.fy, card.cx, card.cy) == (camera.fx, camera.fy, camera.cx, camera.cy);
-    if !lens || card.world_from_camera != camera.world_from_camera {
-        let message = "the camera that the frames were rendered with differs from scene.json";
-        report.error("L4D102", &path, "camera", message, REBUILD);
+    match dir.read_view_card(&camera.name) {
+        Ok(rendered) if rendered == *camera => {}
+        Ok(_) => {
+            let message = "the camera that the frames were rendered with differs from scene.json";
+            report.error("L4D102", &path, "camera", message, REBUILD);
+        }
+        Err(error) => report.data_error("L4D102", &error),
     }
 }
 
@@ -152,29 +140,20 @@ pub(super) fn check_against_tracks(scene: &Scene, tracks: &Tracks, dir: &SceneDi
         if camera.split != tracked.split {
             differs(format!("camera {}", camera.name), "the split");
         }
-        if !same_lens(camera, tracked, scene) {
+        let tracked = tracked.camera([scene.width, scene.height]);
+        let lens = |camera: &Camera| [camera.fx, camera.fy, camera.cx, camera.cy];
+        if !near(&lens(camera), &lens(&tracked), f64::from(scene.width)) {
             differs(format!("camera {}", camera.name), "the lens");
         }
-        if !same_poses(camera, tracked) {
+        let poses = |camera: &Camera| camera.world_from_camera.concat();
+        if !near(&poses(camera), &poses(&tracked), 1.0) {
             differs(format!("camera {}", camera.name), "the pose");
         }
     }
 }
 
-fn same_lens(camera: &Camera, tracked: &TrackedCamera, scene: &Scene) -> bool {
-    let (width, height) = (f64::from(scene.width), f64::from(scene.height));
-    let focal_px = tracked.focal_over_width * width;
-    let found = [camera.fx, camera.fy, camera.cx, camera.cy];
-    let expected = [focal_px, focal_px, width / 2.0, height / 2.0];
-    found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= POSE_TOLERANCE * width)
-}
-
-fn same_poses(camera: &Camera, tracked: &TrackedCamera) -> bool {
-    camera.world_from_camera.len() == tracked.world_from_camera.len()
-        && camera
-            .world_from_camera
-            .iter()
-            .flatten()
-            .zip(tracked.world_from_camera.iter().flatten())
-            .all(|(found, expected)| (found - expected).abs() <= POSE_TOLERANCE)
+/// Whether numbers are those that were written, in units of `unit`.
+fn near(found: &[f64], expected: &[f64], unit: f64) -> bool {
+    let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= POSE_TOLERANCE * unit;
+    found.len() == expected.len() && found.iter().zip(expected).all(is_near)
 }

@@ -188,6 +188,33 @@ fn every_truncation_is_an_error() {
     }
 }
 
+/// Nothing is drawn in the last pixel.
+fn depth() -> DepthMap {
+    let mut depth = DepthMap::empty(SIZE.x, SIZE.y);
+    for index in 0..PIXELS - 1 {
+        depth.depth_m[index] = 1.0 + 0.37 * index as f32;
+        depth.alpha[index] = f16::from_f32(index as f32 / 400.0);
+        depth.near_m[index] = f16::from_f32(0.9 + 0.37 * index as f32);
+        depth.far_m[index] = f16::from_f32(1.1 + 0.37 * index as f32);
+    }
+    depth
+}
+
+#[test]
+fn a_drawn_depth_reads_back_to_the_bit_and_nothing_else_is_one() {
+    let bytes = encode_depth(path(), &depth()).unwrap();
+    assert_eq!(decode_depth(path(), &bytes, SIZE).unwrap(), depth());
+    assert_eq!(bytes, encode_depth(path(), &depth()).unwrap());
+    let error = decode_depth(path(), &bytes, UVec2::new(256, 192)).unwrap_err().to_string();
+    assert!(error.contains("is 20x18 pixels, but 256x192 are expected"), "{error}");
+    let frame = encode_frame(path(), &frame()).unwrap();
+    let error = decode_depth(path(), &frame, SIZE).unwrap_err().to_string();
+    assert!(error.contains("but must be A half, Z float, far.Z half, near.Z half"), "{error}");
+    for length in 0..bytes.len() {
+        assert!(decode_depth(path(), &bytes[..length], SIZE).is_err(), "{length} bytes passed");
+    }
+}
+
 proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(
@@ -195,12 +222,20 @@ proptest! {
     ) {
         let mut bytes = encode_frame(path(), &frame()).unwrap();
         let length = bytes.len();
-        for (place, value) in changes {
+        for &(place, value) in &changes {
             bytes[place % length] = value;
         }
         // An error or a frame of the right size; nothing else can come back.
         if let Ok(frame) = decode_frame(path(), &bytes, SIZE) {
             prop_assert_eq!(frame.rgb.len(), PIXELS);
+        }
+        let mut bytes = encode_depth(path(), &depth()).unwrap();
+        let length = bytes.len();
+        for (place, value) in changes {
+            bytes[place % length] = value;
+        }
+        if let Ok(depth) = decode_depth(path(), &bytes, SIZE) {
+            prop_assert_eq!(depth.depth_m.len(), PIXELS);
         }
     }
 }

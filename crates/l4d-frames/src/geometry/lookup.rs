@@ -6,17 +6,15 @@ use l4d_data::Camera;
 use crate::frame::Surfaces;
 
 /// Depth error that the contract allows at a depth: 1 mm + 1e-4 z.
-pub fn allowed_m(depth_m: f64) -> f64 {
+pub(crate) fn allowed_m(depth_m: f64) -> f64 {
     1e-3 + 1e-4 * depth_m
 }
 
 /// A picture, the camera that took it, and what every comparison needs of them.
 #[derive(Debug)]
-pub struct Field<'a> {
-    /// Name, intrinsics and poses.
-    pub camera: &'a Camera,
-    /// What it saw.
-    pub surfaces: &'a Surfaces,
+pub(crate) struct Field<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) surfaces: &'a Surfaces,
     /// Inverse depth, 1/metres; 0 where nothing was hit.
     inverse: Vec<f64>,
     pub(super) interior: Vec<Interior>,
@@ -45,8 +43,7 @@ pub(super) struct Sample {
 }
 
 impl<'a> Field<'a> {
-    /// Prepares a picture.
-    pub fn new(camera: &'a Camera, surfaces: &'a Surfaces) -> Self {
+    pub(crate) fn new(camera: &'a Camera, surfaces: &'a Surfaces) -> Self {
         let inverse = surfaces.depth_m.iter().map(|depth_m| f64::from(*depth_m).recip()).collect();
         let mut field = Self { camera, surfaces, inverse, interior: Vec::new() };
         let rows = 1..surfaces.height.saturating_sub(1);
@@ -170,15 +167,7 @@ mod tests {
     }
 
     fn camera() -> Camera {
-        Camera {
-            name: "cam00".parse().unwrap(),
-            split: l4d_data::Split::Train,
-            fx: 1.0,
-            fy: 1.0,
-            cx: 0.0,
-            cy: 0.0,
-            world_from_camera: vec![glam::DMat4::IDENTITY.to_cols_array()],
-        }
+        Camera::new("cam00".parse().unwrap(), [6, 5], 1.0, glam::DMat4::IDENTITY)
     }
 
     fn sample(surfaces: &Surfaces, x: f64, y: f64) -> Option<Sample> {

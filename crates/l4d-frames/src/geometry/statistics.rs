@@ -12,17 +12,17 @@ const FEWEST_COMPARED: u64 = 100;
 
 /// Counts over any number of view pairs; merging adds.
 #[derive(Debug, Clone, Default)]
-pub struct CrossView {
+pub(crate) struct CrossView {
     /// Pixels of A that land between four pixels of one id in B.
-    pub landed: u64,
+    pub(crate) landed: u64,
     /// Of these, where one of the views does not resolve a smooth surface.
-    pub unresolved: u64,
+    pub(super) unresolved: u64,
     /// Of these, where B sees something nearer.
-    pub occluded: u64,
+    pub(super) occluded: u64,
     /// Compared pixels whose residual is above what the contract allows.
-    pub beyond: u64,
+    beyond: u64,
     /// Compared pixels whose depths agree within the tolerance.
-    pub co_visible: u64,
+    pub(super) co_visible: u64,
     residual_m: Quantiles,
     ratio: Quantiles,
     misses: BTreeMap<(u32, u32), Miss>,
@@ -112,7 +112,7 @@ impl CrossView {
     }
 
     /// Adds the counts of other pairs.
-    pub fn merge(&mut self, other: Self) {
+    pub(crate) fn merge(&mut self, other: Self) {
         self.landed += other.landed;
         self.unresolved += other.unresolved;
         self.occluded += other.occluded;
@@ -138,14 +138,14 @@ impl CrossView {
     }
 
     /// The median of residual over allowed, if it says that the views disagree.
-    pub fn disagreement(&self) -> Option<f64> {
+    pub(crate) fn disagreement(&self) -> Option<f64> {
         let compared = self.residual_m.count();
         let median = f64::from(self.ratio.quantile(0.5));
         (compared >= FEWEST_COMPARED && median >= 1.0).then_some(median)
     }
 
     /// The numbers to report.
-    pub fn summary(&self) -> Summary {
+    pub(crate) fn summary(&self) -> Summary {
         let missed: u64 = self.misses.values().map(|miss| miss.count).sum();
         let mut misses: Vec<Miss> = self.misses.values().cloned().collect();
         misses.sort_by_key(|miss| (std::cmp::Reverse(miss.count), miss.id_a, miss.id_b));

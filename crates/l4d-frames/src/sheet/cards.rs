@@ -4,15 +4,12 @@
 use glam::UVec2;
 use image::RgbImage;
 use image::imageops::replace;
-use l4d_data::Name;
-use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use rayon::prelude::*;
 
-use super::{GAP_PX, INK, MARGIN_PX, PAPER, SOFT_INK, text};
-use crate::display::Display;
-use crate::exr::{FrameError, read_frame};
-use crate::overlay::{Mark, enlarge, marks, outline};
+use super::{GAP_PX, INK, MARGIN_PX, PAPER, SOFT_INK, Shot, factor, text};
+use crate::exr::FrameError;
+use crate::overlay::{Mark, marks};
 use crate::text::Weight;
 
 /// Pictures are enlarged by a whole factor until they are about this wide, pixels.
@@ -35,19 +32,6 @@ pub struct Card<'a> {
     pub title: String,
     /// Text below it; long lines are broken.
     pub lines: Vec<String>,
-}
-
-/// One picture of a rendered scene, with the outlines and numbers of its objects.
-#[derive(Debug, Clone, Copy)]
-pub struct Shot<'a> {
-    /// The rendered scene.
-    pub scene: &'a Scene,
-    /// Where its frames are.
-    pub dir: &'a SceneDir,
-    /// From which camera.
-    pub view: &'a Name,
-    /// Canonical frame that was rendered.
-    pub frame: u32,
 }
 
 /// Draws at most [`MOST_CARDS`] cards on one page under a heading.
@@ -114,22 +98,12 @@ impl Laid {
     }
 }
 
-fn factor(scene: &Scene) -> u32 {
-    PICTURE_WIDTH_PX.div_ceil(scene.width.max(1)).max(1)
-}
-
 fn picture_size(shot: &Shot<'_>) -> UVec2 {
-    UVec2::new(shot.scene.width, shot.scene.height) * factor(shot.scene)
+    UVec2::new(shot.scene.width, shot.scene.height) * factor(shot.scene, PICTURE_WIDTH_PX)
 }
 
 fn pictures(card: &Card<'_>) -> Result<Vec<RgbImage>, FrameError> {
-    let draw = |shot: &Shot<'_>| {
-        let Shot { scene, dir, view, frame } = *shot;
-        let frame = read_frame(&dir.frame(view, frame), UVec2::new(scene.width, scene.height))?;
-        let mut picture = enlarge(&Display::new(scene.exposure).picture(&frame), factor(scene));
-        outline(&mut picture, &frame.surfaces, factor(scene), &asked_marks(scene));
-        Ok(picture)
-    };
+    let draw = |shot: &Shot<'_>| shot.draw(factor(shot.scene, PICTURE_WIDTH_PX), &asked_marks(shot.scene));
     card.shots.iter().map(draw).collect()
 }
 
@@ -140,12 +114,13 @@ fn asked_marks(scene: &Scene) -> Vec<Mark> {
 
 #[cfg(test)]
 mod tests {
+    use l4d_testing::Dataset;
+
     use super::*;
-    use crate::fake::FakeScene;
 
     #[test]
     fn a_card_has_its_pictures_left_and_its_words_right() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let dir = fake.dir();
         let view = &fake.scene.cameras[0].name;
         let shot = |frame| Shot { scene: &fake.scene, dir: &dir, view, frame };
@@ -167,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_missing_frame_is_named() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let dir = fake.dir();
         let shot = Shot { scene: &fake.scene, dir: &dir, view: &fake.scene.cameras[0].name, frame: 1 };
         let card = Card { shots: vec![shot], title: String::new(), lines: Vec::new() };

@@ -8,10 +8,8 @@ use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use rayon::prelude::*;
 
-use super::{GAP_PX, INK, MARGIN_PX, PAPER, SOFT_INK, text};
-use crate::display::Display;
-use crate::exr::{FrameError, read_frame};
-use crate::overlay::enlarge;
+use super::{GAP_PX, INK, MARGIN_PX, PAPER, SOFT_INK, Shot, factor, text};
+use crate::exr::FrameError;
 use crate::text::Weight;
 
 /// Pictures are enlarged by a whole factor until they are about this wide, pixels.
@@ -30,80 +28,40 @@ pub type Rendered = (Scene, SceneDir);
 /// A picture that cannot be read.
 pub fn overview(scenes: &[Rendered], moments: &[u32]) -> Result<RgbImage, FrameError> {
     let Some((first, _)) = scenes.first() else { return Ok(RgbImage::from_pixel(1, 1, PAPER)) };
-    let page = Page::new(UVec2::new(first.width, first.height), moments.len() as u32);
+    let cell = UVec2::new(first.width, first.height) * factor(first, CELL_WIDTH_PX);
+    let strip_px = (moments.len() as u32 * (cell.x + GAP_PX)).saturating_sub(GAP_PX);
+    let row_px = SCENE_HEADER_PX + cell.y + SCENE_GAP_PX;
     let strips: Vec<Vec<RgbImage>> =
-        scenes.par_iter().map(|rendered| page.strip(rendered, moments)).collect::<Result<_, _>>()?;
-    let groups: Vec<(Scale, Vec<usize>)> = Scale::ALL
-        .into_iter()
-        .map(|scale| (scale, (0..scenes.len()).filter(|&index| scenes[index].0.scale == scale).collect()))
-        .filter(|(_, members): &(Scale, Vec<usize>)| !members.is_empty())
-        .collect();
-    let mut sheet = RgbImage::from_pixel(page.width_px(), page.height_px(&groups), PAPER);
+        scenes.par_iter().map(|rendered| strip(rendered, moments)).collect::<Result<_, _>>()?;
+    let members =
+        |scale: Scale| scenes.iter().zip(&strips).filter(move |((scene, _), _)| scene.scale == scale);
+    let groups =
+        || Scale::ALL.into_iter().map(|scale| (scale, members(scale).count())).filter(|group| group.1 > 0);
+    let rows: usize = groups().map(|(_, count)| count.div_ceil(SCENES_A_ROW)).sum();
+    let width = 2 * MARGIN_PX + SCENES_A_ROW as u32 * (strip_px + SCENE_GAP_PX) - SCENE_GAP_PX;
+    let height = 2 * MARGIN_PX + groups().count() as u32 * SCALE_HEADER_PX + rows as u32 * row_px;
+    let mut sheet = RgbImage::from_pixel(width, height, PAPER);
     let mut top = MARGIN_PX;
-    for (scale, members) in &groups {
-        write_scale(&mut sheet, *scale, members.len(), top);
+    for (scale, count) in groups() {
+        write_scale(&mut sheet, scale, count, top);
         top += SCALE_HEADER_PX;
-        for pair in members.chunks(SCENES_A_ROW) {
-            for (column, &index) in pair.iter().enumerate() {
-                let left = MARGIN_PX + column as u32 * (page.strip_px() + SCENE_GAP_PX);
-                text(Weight::Semibold, 20.0, INK).write(
-                    &mut sheet,
-                    left as f32,
-                    top as f32,
-                    &scenes[index].0.name,
-                );
-                for (moment, picture) in strips[index].iter().enumerate() {
-                    let x = left + moment as u32 * (page.cell.x + GAP_PX);
-                    replace(&mut sheet, picture, i64::from(x), i64::from(top + SCENE_HEADER_PX));
-                }
+        for (place, ((scene, _), strip)) in members(scale).enumerate() {
+            let left = MARGIN_PX + (place % SCENES_A_ROW) as u32 * (strip_px + SCENE_GAP_PX);
+            let row = top + (place / SCENES_A_ROW) as u32 * row_px;
+            text(Weight::Semibold, 20.0, INK).write(&mut sheet, left as f32, row as f32, &scene.name);
+            for (x, picture) in (left..).step_by((cell.x + GAP_PX) as usize).zip(strip) {
+                replace(&mut sheet, picture, i64::from(x), i64::from(row + SCENE_HEADER_PX));
             }
-            top += page.row_px();
         }
+        top += count.div_ceil(SCENES_A_ROW) as u32 * row_px;
     }
     Ok(sheet)
 }
 
-/// Sizes on the page, pixels.
-struct Page {
-    factor: u32,
-    cell: UVec2,
-    moments: u32,
-}
-
-impl Page {
-    fn new(picture: UVec2, moments: u32) -> Self {
-        let factor = CELL_WIDTH_PX.div_ceil(picture.x.max(1)).max(1);
-        Self { factor, cell: picture * factor, moments }
-    }
-
-    fn strip_px(&self) -> u32 {
-        (self.moments * (self.cell.x + GAP_PX)).saturating_sub(GAP_PX)
-    }
-
-    fn row_px(&self) -> u32 {
-        SCENE_HEADER_PX + self.cell.y + SCENE_GAP_PX
-    }
-
-    fn width_px(&self) -> u32 {
-        2 * MARGIN_PX + SCENES_A_ROW as u32 * (self.strip_px() + SCENE_GAP_PX) - SCENE_GAP_PX
-    }
-
-    fn height_px(&self, groups: &[(Scale, Vec<usize>)]) -> u32 {
-        let rows: usize = groups.iter().map(|(_, members)| members.len().div_ceil(SCENES_A_ROW)).sum();
-        2 * MARGIN_PX + groups.len() as u32 * SCALE_HEADER_PX + rows as u32 * self.row_px()
-    }
-
-    fn strip(&self, (scene, dir): &Rendered, moments: &[u32]) -> Result<Vec<RgbImage>, FrameError> {
-        let display = Display::new(scene.exposure);
-        let view = scene.test_camera().or(scene.cameras.first());
-        let Some(view) = view else { return Ok(Vec::new()) };
-        let size = UVec2::new(scene.width, scene.height);
-        let draw = |&frame: &u32| {
-            let frame = read_frame(&dir.frame(&view.name, frame), size)?;
-            Ok(enlarge(&display.picture(&frame), self.factor))
-        };
-        moments.iter().map(draw).collect()
-    }
+fn strip((scene, dir): &Rendered, moments: &[u32]) -> Result<Vec<RgbImage>, FrameError> {
+    let Some(view) = scene.test_camera().or(scene.cameras.first()) else { return Ok(Vec::new()) };
+    let shot = |&frame: &u32| Shot { scene, dir, view: &view.name, frame };
+    moments.iter().map(|frame| shot(frame).draw(factor(scene, CELL_WIDTH_PX), &[])).collect()
 }
 
 fn write_scale(sheet: &mut RgbImage, scale: Scale, count: usize, top: u32) {
@@ -115,12 +73,13 @@ fn write_scale(sheet: &mut RgbImage, scale: Scale, count: usize, top: u32) {
 
 #[cfg(test)]
 mod tests {
+    use l4d_testing::Dataset;
+
     use super::*;
-    use crate::fake::FakeScene;
 
     #[test]
     fn a_page_holds_a_strip_per_scene() {
-        let fake = FakeScene::write();
+        let fake = Dataset::new();
         let scenes = vec![(fake.scene.clone(), fake.dir()), (fake.scene.clone(), fake.dir())];
         let page = overview(&scenes[..1], &[0, 48, 96]).unwrap();
         let wider = overview(&scenes, &[0, 48, 96]).unwrap();

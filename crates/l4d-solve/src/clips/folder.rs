@@ -12,10 +12,9 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::{Camera, DataError, Name, json};
-use l4d_frames::drawn::{
-    self, DepthMap, RgbImage, decode_colour, decode_depth_png, encode_colour, picture_of,
-};
+use l4d_frames::drawn::{DepthMap, RgbImage, decode_colour, decode_depth_png, encode_colour, picture_of};
 use l4d_frames::exr::{decode_depth, encode_depth};
+use l4d_frames::photo::PhotoError;
 use l4d_splat::source::Source;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -388,7 +387,7 @@ fn is_picture(name: &str) -> bool {
     })
 }
 
-fn unreadable(path: &Path, error: drawn::DrawnError) -> DataError {
+fn unreadable(path: &Path, error: PhotoError) -> DataError {
     let remedy = "delete the file and run the command again";
     DataError::invalid(path, "picture", error.to_string(), remedy)
 }
