@@ -95,7 +95,7 @@ impl Benchmark {
         let manifest: Manifest = std::str::from_utf8(&bytes)
             .map_err(|error| error.to_string())
             .and_then(|text| toml::from_str(text).map_err(|error| error.to_string()))
-            .map_err(|message| DataError::Format { path, location: "manifest".to_owned(), message })?;
+            .map_err(|message| DataError::format(&path, "manifest", message))?;
         Ok(Self { dir, manifest })
     }
 

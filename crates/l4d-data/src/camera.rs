@@ -2,6 +2,8 @@
 //!
 //! The centre of pixel (column, row) is (column + 0.5, row + 0.5); `u = fx * x / z + cx`.
 
+use std::collections::BTreeSet;
+
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
 
@@ -104,6 +106,16 @@ impl Camera {
             })
         })
     }
+}
+
+/// What makes a list of cameras unusable, if anything: where, and why.
+pub(crate) fn cameras_problem(cameras: &[Camera]) -> Option<(String, String)> {
+    let mut names = BTreeSet::new();
+    cameras.iter().find_map(|camera| {
+        let twice = !names.insert(&camera.name);
+        let problem = camera.problem().or_else(|| twice.then(|| "the name occurs twice".to_owned()))?;
+        Some((format!("camera {}", camera.name), problem))
+    })
 }
 
 /// The pose of a camera at `eye` that looks at `target`, world +Z up in the picture.

@@ -4,14 +4,14 @@
 //! reconstruction: neither metres nor the direction up are known unless the source states them. How captures of others
 //! become these files is the business of `l4d-import`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::{Camera, Split};
+use crate::camera::{Camera, Split, cameras_problem};
 use crate::error::DataError;
-use crate::json;
+use crate::json::{self, Document};
 use crate::name::Name;
 use crate::rle::Rle;
 use crate::truth::frame_key;
@@ -92,35 +92,7 @@ impl Capture {
     /// # Errors
     /// A file that is missing or damaged.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
-        let path = folder.join(CAPTURE);
-        let capture: Self = json::read(&path)?;
-        check_schema(&path, &capture.schema, SCHEMA, "import the scene again")?;
-        match capture.problem() {
-            None => Ok(capture),
-            Some((place, message)) => {
-                Err(DataError::invalid(&path, place, message, "import the scene again"))
-            }
-        }
-    }
-
-    /// What makes the capture unusable, if anything: where, and why.
-    fn problem(&self) -> Option<(String, String)> {
-        if self.frames.is_empty() || !self.frames.is_sorted_by(|a, b| a < b) {
-            return Some(("field `frames`".to_owned(), "must be ascending numbers".to_owned()));
-        }
-        let last = self.frames.last().map_or(0, |last| *last as usize);
-        let mut names = BTreeSet::new();
-        self.cameras.iter().find_map(|camera| {
-            let poses = camera.world_from_camera.len();
-            let problem = camera.problem().or_else(|| {
-                if !names.insert(&camera.name) {
-                    return Some("occurs twice".to_owned());
-                }
-                let is_short = poses > 1 && poses <= last;
-                is_short.then(|| format!("has {poses} poses, but the last frame is {last}"))
-            })?;
-            Some((format!("camera {}", camera.name), problem))
-        })
+        json::read_document(&folder.join(CAPTURE))
     }
 
     /// The picture of a view at a moment, relative to the folder of the capture.
@@ -177,21 +149,7 @@ impl MaskSet {
     /// # Errors
     /// A file that is missing or damaged.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
-        let path = folder.join(MASKS);
-        let set: Self = json::read(&path)?;
-        let remedy = "import the masks again";
-        check_schema(&path, &set.schema, MASKS_SCHEMA, remedy)?;
-        for instance in &set.instances {
-            for (view, frames) in &instance.masks {
-                for (frame, mask) in frames {
-                    if let Some(error) = mask.as_ref().and_then(|mask| mask.misfit(set.width, set.height)) {
-                        let place = format!("instance {}, view {view}, frame {frame}", instance.name);
-                        return Err(DataError::invalid(&path, place, error.to_string(), remedy));
-                    }
-                }
-            }
-        }
-        Ok(set)
+        json::read_document(&folder.join(MASKS))
     }
 
     /// Writes the file into the folder of the capture.
@@ -223,12 +181,48 @@ impl MaskedInstance {
     }
 }
 
-fn check_schema(path: &Path, found: &str, known: &str, remedy: &str) -> Result<(), DataError> {
-    if found == known {
-        return Ok(());
+impl Document for Capture {
+    const SCHEMA: &'static str = SCHEMA;
+    const REMEDY: &'static str = "import the scene again";
+
+    fn schema(&self) -> &str {
+        &self.schema
     }
-    let message = format!("is `{found}`, but this l4d reads `{known}`");
-    Err(DataError::invalid(path, "field `schema`", message, remedy))
+
+    fn problem(&self) -> Option<(String, String)> {
+        if self.frames.is_empty() || !self.frames.is_sorted_by(|a, b| a < b) {
+            return Some(("field `frames`".to_owned(), "must be ascending numbers".to_owned()));
+        }
+        let last = self.frames.last().map_or(0, |last| *last as usize);
+        cameras_problem(&self.cameras).or_else(|| {
+            let poses = |camera: &Camera| camera.world_from_camera.len();
+            let camera = self.cameras.iter().find(|camera| poses(camera) > 1 && poses(camera) <= last)?;
+            let message = format!("has {} poses, but the last frame is {last}", poses(camera));
+            Some((format!("camera {}", camera.name), message))
+        })
+    }
+}
+
+impl Document for MaskSet {
+    const SCHEMA: &'static str = MASKS_SCHEMA;
+    const REMEDY: &'static str = "import the masks again";
+
+    fn schema(&self) -> &str {
+        &self.schema
+    }
+
+    fn problem(&self) -> Option<(String, String)> {
+        self.instances.iter().find_map(|instance| {
+            let masks = instance.masks.iter().flat_map(|(view, frames)| {
+                frames.iter().map(move |(frame, mask)| (view, frame, mask.as_ref()))
+            });
+            let misfit = |(view, frame, mask): (&Name, &String, Option<&Rle>)| {
+                let error = mask?.misfit(self.width, self.height)?;
+                Some((format!("instance {}, view {view}, frame {frame}", instance.name), error.to_string()))
+            };
+            masks.into_iter().find_map(misfit)
+        })
+    }
 }
 
 #[cfg(test)]

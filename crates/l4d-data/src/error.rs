@@ -56,6 +56,11 @@ impl DataError {
         Self::Io { path: path.to_owned(), action, source }
     }
 
+    /// An error of the format of a file.
+    pub fn format(path: &Path, location: impl Into<String>, message: impl ToString) -> Self {
+        Self::Format { path: path.to_owned(), location: location.into(), message: message.to_string() }
+    }
+
     /// A semantic error with its remedy.
     pub fn invalid(
         path: &Path,
@@ -78,23 +83,34 @@ impl DataError {
         }
     }
 
+    /// Where in the file, and what is wrong there.
+    pub fn place_and_message(&self) -> (String, String) {
+        match self {
+            Self::Io { action, source, .. } => (String::new(), format!("cannot {action}: {source}")),
+            Self::Format { location, message, .. } | Self::Invalid { location, message, .. } => {
+                (location.clone(), message.clone())
+            }
+        }
+    }
+
     /// What the user can do, where more can be said than the message does.
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::Io { source, .. } => match source.kind() {
-                io::ErrorKind::StorageFull => {
-                    Some("free some disk space and run the command again".to_owned())
-                }
-                io::ErrorKind::PermissionDenied => {
-                    Some("make the path readable and writable for this user, or choose another".to_owned())
-                }
-                io::ErrorKind::NotADirectory => {
-                    Some("this is a file, and a folder is needed: choose another path".to_owned())
-                }
-                io::ErrorKind::ReadOnlyFilesystem => Some("choose a path on a writable disk".to_owned()),
-                io::ErrorKind::NotFound => Some("check the path and the working folder".to_owned()),
-                _ => None,
-            },
+            Self::Io { source, .. } => {
+                let hint = match source.kind() {
+                    io::ErrorKind::StorageFull => "free some disk space and run the command again",
+                    io::ErrorKind::PermissionDenied => {
+                        "make the path readable and writable for this user, or choose another"
+                    }
+                    io::ErrorKind::NotADirectory => {
+                        "this is a file, and a folder is needed: choose another path"
+                    }
+                    io::ErrorKind::ReadOnlyFilesystem => "choose a path on a writable disk",
+                    io::ErrorKind::NotFound => "check the path and the working folder",
+                    _ => return None,
+                };
+                Some(hint.to_owned())
+            }
             Self::Format { .. } => Some("see docs/formats.md for the format of this file".to_owned()),
             Self::Invalid { remedy, .. } => Some(remedy.clone()),
         }

@@ -78,12 +78,7 @@ impl Report {
 
     /// Adds what a reader refused.
     pub fn data_error(&mut self, code: &'static str, error: &DataError) {
-        let (location, message) = match error {
-            DataError::Io { action, source, .. } => (String::new(), format!("cannot {action}: {source}")),
-            DataError::Format { location, message, .. } | DataError::Invalid { location, message, .. } => {
-                (location.clone(), message.clone())
-            }
-        };
+        let (location, message) = error.place_and_message();
         let hint = error.hint().unwrap_or_default();
         self.push(Severity::Error, code, error.path(), location, message, hint);
     }

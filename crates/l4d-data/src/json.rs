@@ -20,6 +20,39 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, DataError> {
     parse(path, None, &read_bounded(path, MAX_BYTES)?)
 }
 
+/// A document that says what it is, and can be wrong in ways that its types allow.
+pub trait Document: DeserializeOwned {
+    /// What its field `schema` holds.
+    const SCHEMA: &'static str;
+    /// What to do about one that is wrong.
+    const REMEDY: &'static str;
+
+    /// Its field `schema`.
+    fn schema(&self) -> &str;
+
+    /// What cannot be: where, and why.
+    fn problem(&self) -> Option<(String, String)>;
+}
+
+/// Reads a document and checks it.
+///
+/// # Errors
+/// A file that cannot be read, is of another schema, or contradicts itself.
+pub fn read_document<T: Document>(path: &Path) -> Result<T, DataError> {
+    let document: T = read(path)?;
+    let problem = match document.schema() {
+        found if found == T::SCHEMA => document.problem(),
+        found => {
+            let message = format!("is `{found}`, but this l4d reads `{}`", T::SCHEMA);
+            Some(("field `schema`".to_owned(), message))
+        }
+    };
+    match problem {
+        None => Ok(document),
+        Some((place, message)) => Err(DataError::invalid(path, place, message, T::REMEDY)),
+    }
+}
+
 /// Reads a JSON Lines file; blank lines are skipped. Gives each value with its line number, from 1.
 ///
 /// # Errors
@@ -56,13 +89,10 @@ fn parse_tracked<T: DeserializeOwned>(
             Some(line) => format!("line {line}, {field}"),
             None => field,
         };
-        DataError::Format { path: path.to_owned(), location, message: inert_name(&error.inner().to_string()) }
+        DataError::format(path, location, inert_name(&error.inner().to_string()))
     })?;
-    reader.end().map_err(|error| DataError::Format {
-        path: path.to_owned(),
-        location: line.map_or_else(|| "end of file".to_owned(), |line| format!("line {line}")),
-        message: error.to_string(),
-    })?;
+    let end = line.map_or_else(|| "end of file".to_owned(), |line| format!("line {line}"));
+    reader.end().map_err(|error| DataError::format(path, end, error))?;
     Ok(value)
 }
 
@@ -117,7 +147,7 @@ pub fn canonical(value: &Value) -> String {
 }
 
 fn unwritable(path: &Path, error: &serde_json::Error) -> DataError {
-    DataError::Format { path: path.to_owned(), location: "document".to_owned(), message: error.to_string() }
+    DataError::format(path, "document", error)
 }
 
 #[cfg(test)]

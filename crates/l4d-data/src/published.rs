@@ -56,11 +56,8 @@ impl Published {
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         for (index, figure) in reader.deserialize::<Figure>().enumerate() {
             let place = format!("number {}", index + 1);
-            let figure = figure.map_err(|error| DataError::Format {
-                path: path.to_owned(),
-                location: place.clone(),
-                message: inert(&error.to_string()),
-            })?;
+            let figure =
+                figure.map_err(|error| DataError::format(path, place.as_str(), inert(&error.to_string())))?;
             let refuse = |message: String, remedy: &str| DataError::invalid(path, place, message, remedy);
             if figure.table != table {
                 let message = format!("belongs to table `{}`", inert(&figure.table));

@@ -4,12 +4,12 @@
 //! Whatever else is in the file (instances, events) is skipped unread, so that nothing that works from a rig can
 //! depend on it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::camera::{Camera, Split};
+use crate::camera::{Camera, Split, cameras_problem};
 use crate::error::DataError;
 use crate::json;
 use crate::name::Name;
@@ -51,14 +51,8 @@ impl Rig {
         if rig.cameras.is_empty() {
             return Err(wrong("field `cameras`".to_owned(), "is empty".to_owned()));
         }
-        let mut names = BTreeSet::new();
-        for camera in &rig.cameras {
-            let problem = camera
-                .problem()
-                .or_else(|| (!names.insert(&camera.name)).then(|| "the name occurs twice".to_owned()));
-            if let Some(problem) = problem {
-                return Err(wrong(format!("camera {}", camera.name), problem));
-            }
+        if let Some((place, problem)) = cameras_problem(&rig.cameras) {
+            return Err(wrong(place, problem));
         }
         if let Some((field, message)) = rig.clip_problem() {
             let remedy = "import the scene again";

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::{Camera, Split};
+use crate::camera::{Camera, Split, cameras_problem};
 use crate::error::DataError;
-use crate::json;
+use crate::json::{self, Document};
 use crate::name::Name;
 use crate::timeline::{Interval, Profile};
 
@@ -148,16 +148,7 @@ impl Scene {
     /// # Errors
     /// A file that is missing or damaged, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let scene: Self = json::read(path)?;
-        match scene.problem() {
-            None => Ok(scene),
-            Some((location, message)) => Err(DataError::invalid(
-                path,
-                location,
-                message,
-                "build the scene again with `l4d build-scenes --overwrite`",
-            )),
-        }
+        json::read_document(path)
     }
 
     /// The held-out view.
@@ -174,14 +165,17 @@ impl Scene {
     pub fn instance(&self, name: &str) -> Option<&Instance> {
         self.instances.iter().find(|instance| instance.name.as_str() == name)
     }
+}
+
+impl Document for Scene {
+    const SCHEMA: &'static str = SCHEMA;
+    const REMEDY: &'static str = "build the scene again with `l4d build-scenes --overwrite`";
+
+    fn schema(&self) -> &str {
+        &self.schema
+    }
 
     fn problem(&self) -> Option<(String, String)> {
-        if self.schema != SCHEMA {
-            return Some((
-                "field `schema`".into(),
-                format!("is `{}`, but this l4d reads `{SCHEMA}`", self.schema),
-            ));
-        }
         if !self.profile.is_rendered() {
             let message = "is `real`, but a scene.json describes what was rendered";
             return Some(("field `profile`".into(), message.to_owned()));
@@ -191,24 +185,18 @@ impl Scene {
                 format!("{}x{} is not the size of profile {}", self.width, self.height, self.profile);
             return Some(("fields `width`, `height`".into(), message));
         }
-        for camera in &self.cameras {
-            if let Some(problem) = camera.problem() {
-                return Some((format!("camera {}", camera.name), problem));
-            }
-        }
         let tests = self.cameras.iter().filter(|camera| camera.split == Split::Test).count();
-        if tests != 1 {
-            return Some((
-                "field `cameras`".into(),
-                format!("{tests} views are held out, but exactly one is"),
-            ));
-        }
-        instance_problem(&self.instances)
+        cameras_problem(&self.cameras)
+            .or_else(|| {
+                let message = format!("{tests} views are held out, but exactly one is");
+                (tests != 1).then(|| ("field `cameras`".to_owned(), message))
+            })
+            .or_else(|| instance_problem(&self.instances))
     }
 }
 
 /// What is wrong with a list of instances, as (place, message).
-pub fn instance_problem(instances: &[Instance]) -> Option<(String, String)> {
+pub(crate) fn instance_problem(instances: &[Instance]) -> Option<(String, String)> {
     let mut ids = BTreeMap::new();
     let mut names = BTreeMap::new();
     for instance in instances {

@@ -35,11 +35,7 @@ pub fn set_statuses(path: &Path, wanted: &BTreeMap<QueryId, Status>) -> Result<u
             written.extend_from_slice(line);
             continue;
         }
-        let refuse = |error: serde_json::Error| DataError::Format {
-            path: path.to_owned(),
-            location: format!("line {}", index + 1),
-            message: error.to_string(),
-        };
+        let refuse = |error: serde_json::Error| DataError::format(path, format!("line {}", index + 1), error);
         let Line { id, status } = serde_json::from_slice(line).map_err(refuse)?;
         let old: Status = serde_json::from_str(status.get()).map_err(refuse)?;
         match wanted.get(&id) {

@@ -2,9 +2,9 @@
 
 mod atomic;
 
-use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::fs::{self, File, Metadata};
+use std::io::{self, Read as _};
+use std::path::Path;
 
 pub use self::atomic::AtomicFile;
 use crate::error::DataError;
@@ -55,19 +55,9 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
 /// # Errors
 /// What the disk refuses.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    make_folder(folder)?;
-    let temporary = temporary_beside(path);
-    let written = write_and_sync(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    written.map_err(|source| {
-        fs::remove_file(&temporary).ok();
-        DataError::io(path, "write", source)
-    })?;
-    // The rename itself must survive a power cut; a filesystem that cannot sync folders is no error.
-    if let Ok(folder) = File::open(folder) {
-        folder.sync_all().ok();
-    }
-    Ok(())
+    let mut file = AtomicFile::create(path)?;
+    file.write(bytes)?;
+    file.commit()
 }
 
 /// Makes a folder and its parents.
@@ -107,17 +97,6 @@ pub fn list_folder(path: &Path) -> Result<Vec<String>, DataError> {
     names.retain(|name| !name.starts_with('.'));
     names.sort();
     Ok(names)
-}
-
-fn temporary_beside(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
-}
-
-fn write_and_sync(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
 }
 
 #[cfg(test)]

@@ -27,29 +27,17 @@ pub fn read(path: &Path) -> Result<BTreeMap<String, String>, DataError> {
     let text = String::from_utf8_lossy(&read_bounded(path, MAX_BYTES)?).into_owned();
     let mut sums = BTreeMap::new();
     for (index, line) in text.lines().enumerate() {
-        let (digest, file) = parse_line(line).ok_or_else(|| DataError::Format {
-            path: path.to_owned(),
-            location: format!("line {}", index + 1),
-            message: format!("`{}` is not `<sha256>  <relative path>`", inert(&shortened(line))),
+        let refuse = |message: String| DataError::format(path, format!("line {}", index + 1), message);
+        let (digest, file) = parse_line(line).ok_or_else(|| {
+            // As much of it as a person wants to see.
+            let shown: String = line.chars().take(100).collect();
+            refuse(format!("`{}` is not `<sha256>  <relative path>`", inert(&shown)))
         })?;
         if sums.insert(file.to_owned(), digest.to_owned()).is_some() {
-            return Err(DataError::Format {
-                path: path.to_owned(),
-                location: format!("line {}", index + 1),
-                message: format!("lists {} a second time", inert(file)),
-            });
+            return Err(refuse(format!("lists {} a second time", inert(file))));
         }
     }
     Ok(sums)
-}
-
-/// As much of a line as a person wants to see.
-fn shortened(line: &str) -> String {
-    const SHOWN: usize = 100;
-    match line.chars().nth(SHOWN) {
-        Some(_) => line.chars().take(SHOWN).chain("...".chars()).collect(),
-        None => line.to_owned(),
-    }
 }
 
 /// The list as text, sorted by path.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::{Camera, Split};
 use crate::error::DataError;
-use crate::json;
+use crate::json::{self, Document};
 use crate::name::Name;
 use crate::scene::{self, Event, Generator, Instance, Role, Scale, Scene, instance_problem};
 use crate::timeline::{FRAME_COUNT, Interval, LAST_FRAME, MIN_INTERVAL, Profile};
@@ -146,16 +146,7 @@ impl Tracks {
     /// # Errors
     /// A file that is missing or damaged, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let tracks: Self = json::read(path)?;
-        match tracks.problem() {
-            None => Ok(tracks),
-            Some((location, message)) => Err(DataError::invalid(
-                path,
-                location,
-                message,
-                "mend the recipe and run `l4d build-scenes --tracks-only` again",
-            )),
-        }
+        json::read_document(path)
     }
 
     /// The instance of that name.
@@ -190,33 +181,15 @@ impl Tracks {
         self.cameras.iter().filter(move |camera| camera.profiles.contains(&profile))
     }
 
-    fn problem(&self) -> Option<(String, String)> {
-        if self.schema != SCHEMA {
-            return Some((
-                "field `schema`".into(),
-                format!("is `{}`, but this l4d reads `{SCHEMA}`", self.schema),
-            ));
-        }
-        if self.frame_count != FRAME_COUNT {
-            return Some((
-                "field `frame_count`".into(),
-                format!("is {}, but a clip has {FRAME_COUNT}", self.frame_count),
-            ));
-        }
-        let instances: Vec<Instance> = self.instances.iter().map(TrackedInstance::instance).collect();
-        instance_problem(&instances)
-            .or_else(|| self.instances.iter().find_map(track_problem))
-            .or_else(|| self.events.iter().find_map(|event| self.event_problem(event)))
-            .or_else(|| self.pairs.iter().find_map(|pair| self.pair_problem(pair)))
+    fn unknown<'a>(&self, names: impl IntoIterator<Item = &'a Name>) -> Option<String> {
+        let name = names.into_iter().find(|name| self.instance(name).is_none())?;
+        Some(format!("names `{name}`, which is no instance of the scene"))
     }
 
     fn event_problem(&self, event: &Event) -> Option<(String, String)> {
         let place = format!("event {} {}", event.subject, event.verb);
-        let unknown = std::iter::once(&event.subject)
-            .chain(&event.object)
-            .find(|name| self.instance(name.as_str()).is_none());
-        if let Some(name) = unknown {
-            return Some((place, format!("names `{name}`, which is no instance of the scene")));
+        if let Some(message) = self.unknown(std::iter::once(&event.subject).chain(&event.object)) {
+            return Some((place, message));
         }
         if event.frames.last() > LAST_FRAME || event.frames.frame_count() < MIN_INTERVAL {
             let message = format!(
@@ -231,9 +204,8 @@ impl Tracks {
 
     fn pair_problem(&self, pair: &Pair) -> Option<(String, String)> {
         let place = format!("pair {}, {}", pair.a, pair.b);
-        if let Some(name) = [&pair.a, &pair.b].into_iter().find(|name| self.instance(name.as_str()).is_none())
-        {
-            return Some((place, format!("names `{name}`, which is no instance of the scene")));
+        if let Some(message) = self.unknown([&pair.a, &pair.b]) {
+            return Some((place, message));
         }
         if !is_track_length(pair.distance_m.len())
             || pair.distance_m.iter().any(|d| !(d.is_finite() && *d >= 0.0))
@@ -244,20 +216,36 @@ impl Tracks {
     }
 }
 
+impl Document for Tracks {
+    const SCHEMA: &'static str = SCHEMA;
+    const REMEDY: &'static str = "mend the recipe and run `l4d build-scenes --tracks-only` again";
+
+    fn schema(&self) -> &str {
+        &self.schema
+    }
+
+    fn problem(&self) -> Option<(String, String)> {
+        if self.frame_count != FRAME_COUNT {
+            let message = format!("is {}, but a clip has {FRAME_COUNT}", self.frame_count);
+            return Some(("field `frame_count`".into(), message));
+        }
+        let instances: Vec<Instance> = self.instances.iter().map(TrackedInstance::instance).collect();
+        instance_problem(&instances)
+            .or_else(|| self.instances.iter().find_map(track_problem))
+            .or_else(|| self.events.iter().find_map(|event| self.event_problem(event)))
+            .or_else(|| self.pairs.iter().find_map(|pair| self.pair_problem(pair)))
+    }
+}
+
 fn track_problem(instance: &TrackedInstance) -> Option<(String, String)> {
     let Track { centre, axes, extents } = &instance.track;
     let lengths = [centre.len(), axes.len(), extents.len()];
-    let finite = centre
-        .iter()
-        .flatten()
-        .chain(axes.iter().flatten())
-        .chain(extents.iter().flatten())
-        .all(|x| x.is_finite());
-    (!finite || lengths.into_iter().any(|length| !is_track_length(length))).then(|| {
-        (
-            format!("instance {}", instance.name),
-            "its track must hold 1 or 97 finite values in each list".to_owned(),
-        )
+    let numbers = [centre.as_flattened(), axes.as_flattened(), extents.as_flattened()];
+    let is_sound =
+        lengths.into_iter().all(is_track_length) && numbers.into_iter().flatten().all(|x| x.is_finite());
+    (!is_sound).then(|| {
+        let message = "its track must hold 1 or 97 finite values in each list";
+        (format!("instance {}", instance.name), message.to_owned())
     })
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::DataError;
-use crate::json;
+use crate::json::{self, Document};
 use crate::name::Name;
 use crate::rle::{self, Rle};
 use crate::scene::{Role, Scale};
@@ -72,16 +72,7 @@ impl Truth {
     /// # Errors
     /// A file that cannot be read, or whose size, frames or masks contradict each other.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let truth: Self = json::read(path)?;
-        match truth.problem() {
-            None => Ok(truth),
-            Some((location, message)) => Err(DataError::invalid(
-                path,
-                location,
-                message,
-                "restore the file from the release, or build the scene again",
-            )),
-        }
+        json::read_document(path)
     }
 
     /// The instance of that name.
@@ -105,27 +96,6 @@ impl Truth {
             }
             _ => Interval::WHOLE,
         }
-    }
-
-    fn problem(&self) -> Option<(String, String)> {
-        if self.schema != SCHEMA {
-            return Some((
-                "field `schema`".into(),
-                format!("is `{}`, but this l4d reads `{SCHEMA}`", self.schema),
-            ));
-        }
-        if let Some(problem) = if self.profile.is_rendered() { self.misfit() } else { self.real_problem() } {
-            return Some(problem);
-        }
-        let keys: BTreeSet<String> = self.frames.iter().map(|&frame| frame_key(frame)).collect();
-        let mut masks = self.instances.iter().flat_map(|one| one.masks.iter().map(move |mask| (one, mask)));
-        masks.find_map(|(instance, (frame, mask))| {
-            let message = match keys.contains(frame) {
-                true => mask.misfit(self.width, self.height)?.to_string(),
-                false => "is no frame of the clip".to_owned(),
-            };
-            Some((format!("instance {}, mask at `{frame}`", instance.name), message))
-        })
     }
 
     /// How a rendering differs from its profile.
@@ -154,6 +124,30 @@ impl Truth {
             let message =
                 format!("must be ascending, none in both, none above {MAX_FRAME}, at least one annotated");
             ("fields `frames`, `unannotated`".into(), message)
+        })
+    }
+}
+
+impl Document for Truth {
+    const SCHEMA: &'static str = SCHEMA;
+    const REMEDY: &'static str = "restore the file from the release, or build the scene again";
+
+    fn schema(&self) -> &str {
+        &self.schema
+    }
+
+    fn problem(&self) -> Option<(String, String)> {
+        if let Some(problem) = if self.profile.is_rendered() { self.misfit() } else { self.real_problem() } {
+            return Some(problem);
+        }
+        let keys: BTreeSet<String> = self.frames.iter().map(|&frame| frame_key(frame)).collect();
+        let mut masks = self.instances.iter().flat_map(|one| one.masks.iter().map(move |mask| (one, mask)));
+        masks.find_map(|(instance, (frame, mask))| {
+            let message = match keys.contains(frame) {
+                true => mask.misfit(self.width, self.height)?.to_string(),
+                false => "is no frame of the clip".to_owned(),
+            };
+            Some((format!("instance {}, mask at `{frame}`", instance.name), message))
         })
     }
 }

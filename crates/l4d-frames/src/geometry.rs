@@ -24,8 +24,8 @@ use glam::DVec2;
 use crate::frame::Surfaces;
 use lookup::Sample;
 pub(crate) use lookup::{Field, allowed_m};
+pub(crate) use statistics::Summary;
 pub(crate) use statistics::{CrossView, Miss};
-pub use statistics::{Spread, Summary};
 
 /// How far, in pixels, the renderer may miss a pixel centre (filter width 0.01, in both views, doubled).
 const JITTER_PX: f64 = 0.02;

@@ -5,7 +5,6 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::name::Name;
 use l4d_data::scene::Scene;
 use l4d_data::truth::{InstanceTruth, SCHEMA, Truth, frame_key};
 use l4d_masks::{Mask, Rle};

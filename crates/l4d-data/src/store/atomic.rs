@@ -47,9 +47,14 @@ impl AtomicFile {
             fs::rename(&self.temporary, &self.path)
         };
         match self.writer.take() {
-            Some(writer) => finish(writer).map_err(|source| DataError::io(&self.path, "write", source)),
-            None => Ok(()),
+            Some(writer) => finish(writer).map_err(|source| DataError::io(&self.path, "write", source))?,
+            None => return Ok(()),
         }
+        // The rename itself must survive a power cut; a filesystem that cannot sync folders is no error.
+        if let Ok(folder) = File::open(self.path.parent().unwrap_or(Path::new("."))) {
+            folder.sync_all().ok();
+        }
+        Ok(())
     }
 }
 
