@@ -8,7 +8,7 @@ use ratatui::layout::Size;
 
 use super::*;
 use crate::look::Colours;
-use crate::testing::{Fixture, PROMPTS, look, name};
+use crate::testing::{Fixture, PROMPTS, look};
 
 fn key(code: KeyCode) -> Input {
     Input::Event(TerminalEvent::Key(KeyEvent::new(code, KeyModifiers::NONE)))
