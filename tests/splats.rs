@@ -167,16 +167,6 @@ fn training_ends_with_the_track_of_its_model() {
     let depth = "track: colour + depth (learned from rendered depth)\n";
     let run = dir.succeed(&arguments(&few));
     assert!(run.stderr.ends_with(depth), "{}", run.stderr);
-    // A model from before the setting existed is read in the same way.
-    for file in ["manifest.json", "checkpoint.json"] {
-        let text = dir.read(&format!("{SPLATS}/{file}"));
-        let older: Vec<&str> = text
-            .lines()
-            .filter(|line| !line.contains("\"saw_depth\"") && !line.contains("\"track\""))
-            .collect();
-        assert!(older.len() < text.lines().count(), "{file}");
-        dir.write(&format!("{SPLATS}/{file}"), older.join("\n"));
-    }
     let run = dir.succeed(&arguments(&few));
     assert!(run.stderr.contains("holds this model already") && run.stderr.ends_with(depth), "{}", run.stderr);
     assert_eq!(dir.json(&arguments(&few))["track"], "colour+depth");

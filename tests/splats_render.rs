@@ -340,15 +340,14 @@ fn the_bench_of_a_made_up_room_says_the_same_twice_but_for_times() {
         "{:?}",
         table[0]
     );
-    for sweep in ["fewer Gaussians", "frozen motion", "smaller pictures"] {
+    for sweep in ["fewer Gaussians", "smaller pictures"] {
         let errors: Vec<f64> = of(sweep).iter().map(|row| number(row, "error_mean")).collect();
         assert!(errors.len() > 2 && errors.is_sorted(), "{sweep}: {errors:?}");
         assert!(errors[errors.len() - 1] > number(&table[0], "error_mean"), "{sweep}");
     }
     let counts: Vec<f64> = of("fewer Gaussians").iter().map(|row| number(row, "gaussians")).collect();
     assert_eq!(counts, [270.0, 225.0, 180.0, 135.0, 90.0, 45.0]);
-    assert_eq!(of("frozen motion").last().unwrap()["dynamic"], "0");
-    let sizes: Vec<f64> = of("f16 storage").iter().map(|row| number(row, "megabytes")).collect();
+    let sizes: Vec<f64> = of("fewer Gaussians").iter().map(|row| number(row, "megabytes")).collect();
     assert!(sizes.windows(2).all(|pair| pair[1] < pair[0]), "{sizes:?}");
     // Other instructions round differently; one thread does not.
     let machines = of("other machinery");

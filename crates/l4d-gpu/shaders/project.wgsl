@@ -1,8 +1,7 @@
 // Projection: where each Gaussian lies on the picture plane, which tiles it covers, its key of depth.
 struct Part {
-    // Gaussians of this dispatch; `sh` starts with the first of them.
-    first: u32,
-    end: u32,
+    // Gaussians.
+    count: u32,
 }
 
 @group(0) @binding(0) var<uniform> part: Part;
@@ -37,7 +36,7 @@ fn complain(index: u32, about: u32) {
 fn shade(index: u32, offset: vec3<f32>) -> vec3<f32> {
     let values = basis(direction_of(offset).xyz);
     let count = coefficients();
-    let first = (index - part.first) * count * 3u;
+    let first = index * count * 3u;
     var sum = vec3(0.5);
     for (var k = 0u; k < count; k++) {
         let at = first + k * 3u;
@@ -57,8 +56,8 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let index = part.first + index_of(group, groups) * LANES + lane;
-    if (index >= part.end) {
+    let index = index_of(group, groups) * LANES + lane;
+    if (index >= part.count) {
         return;
     }
     order[index] = index;

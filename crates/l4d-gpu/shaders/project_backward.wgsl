@@ -4,9 +4,8 @@
 // times longer than wide: L being the whitening matrix and q the picture of an own axis of unit length, L q is
 // computed from differences of products of unscaled axes (see `whitened`), and all derivatives from L q.
 struct Part {
-    // Gaussians of this dispatch; `sh`, `by_sh` and `by_gaussian` start with the first of them.
-    first: u32,
-    end: u32,
+    // Gaussians.
+    count: u32,
 }
 
 @group(0) @binding(0) var<uniform> part: Part;
@@ -95,7 +94,7 @@ fn through_colour(index: u32, offset: vec3<f32>, by_colour: vec3<f32>) -> vec3<f
     let values = basis(towards.xyz);
     let rows = basis_gradient(towards.xyz);
     let count = coefficients();
-    let first = (index - part.first) * count * 3u;
+    let first = index * count * 3u;
     var colour = vec3(0.5);
     for (var k = 0u; k < count; k++) {
         let at = first + k * 3u;
@@ -121,8 +120,8 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let index = part.first + index_of(group, groups) * LANES + lane;
-    if (index >= part.end) {
+    let index = index_of(group, groups) * LANES + lane;
+    if (index >= part.count) {
         return;
     }
     let footprint = footprints[index];
@@ -177,7 +176,7 @@ fn main(
     let by_rotation = by_quaternion(gaussian.rotation, by_axes);
     let by_ndc = 0.5 * vec2<f32>(scene.pixels) * by_centre;
 
-    let to = (index - part.first) * GRADIENT_FLOATS;
+    let to = index * GRADIENT_FLOATS;
     for (var axis = 0u; axis < 3u; axis++) {
         by_gaussian[to + axis] = by_mean[axis];
         by_gaussian[to + 5u + axis] = by_scale[axis];

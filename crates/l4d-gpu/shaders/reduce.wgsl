@@ -1,12 +1,8 @@
-// Sums over the tiles of each Gaussian, always in the order of the tiles. A dispatch may see only a part of the
-// pairs: it goes on where the one before it stopped.
+// Sums over the tiles of each Gaussian, always in the order of the tiles.
 struct Part {
     count: u32,
     // Numbers a pair.
     width: u32,
-    // Pairs in `partials`.
-    first_pair: u32,
-    end_pair: u32,
 }
 
 @group(0) @binding(0) var<uniform> part: Part;
@@ -27,15 +23,9 @@ fn main(
     if (rank >= part.count) {
         return;
     }
-    let first = max(offsets[rank], part.first_pair);
-    let end = min(offsets[rank + 1u], part.end_pair);
-    if (first >= end) {
-        return;
+    var sum = 0.0;
+    for (var pair = offsets[rank]; pair < offsets[rank + 1u]; pair++) {
+        sum += partials[pair * part.width + number];
     }
-    let at = order[rank] * part.width + number;
-    var sum = sums[at];
-    for (var pair = first; pair < end; pair++) {
-        sum += partials[(pair - part.first_pair) * part.width + number];
-    }
-    sums[at] = sum;
+    sums[order[rank] * part.width + number] = sum;
 }

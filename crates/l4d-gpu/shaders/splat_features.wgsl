@@ -8,8 +8,8 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let tile = part.first_tile + index_of(group, groups);
-    if (tile >= part.end_tile) {
+    let tile = index_of(group, groups);
+    if (tile >= scene.tiles.x * scene.tiles.y) {
         return;
     }
     let strip = strip_of(tile, lane);

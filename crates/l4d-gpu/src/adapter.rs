@@ -9,9 +9,6 @@ use wgpu::{Adapter, DeviceType, Instance, InstanceDescriptor, InstanceFlags};
 
 use crate::error::GpuError;
 
-/// Names the adapter if nothing else does; a number or a part of a name, as [`AdapterChoice`] reads it.
-pub const ADAPTER_VARIABLE: &str = "WGPU_ADAPTER_NAME";
-
 /// Which adapter is wanted: what the value of a flag `--adapter` says.
 ///
 /// ```
@@ -22,11 +19,8 @@ pub const ADAPTER_VARIABLE: &str = "WGPU_ADAPTER_NAME";
 /// assert_eq!(choice("0"), AdapterChoice::Numbered(0));
 /// assert_eq!(choice("GeForce"), AdapterChoice::Named("GeForce".into()));
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum AdapterChoice {
-    /// The one that [`ADAPTER_VARIABLE`] tells of if it is set, else the best.
-    #[default]
-    Environment,
     /// Dedicated hardware before shared, virtual and software; the first of equals.
     Best,
     /// The one with this place, from 0, in the list of [`adapters`].
@@ -40,7 +34,6 @@ impl FromStr for AdapterChoice {
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(match text.trim() {
-            "" => Self::Environment,
             "best" => Self::Best,
             text => text.parse().map_or_else(|_| Self::Named(text.into()), Self::Numbered),
         })
@@ -50,7 +43,6 @@ impl FromStr for AdapterChoice {
 impl fmt::Display for AdapterChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Environment => f.write_str("any"),
             Self::Best => f.write_str("best"),
             Self::Numbered(place) => write!(f, "{place}"),
             Self::Named(name) => f.write_str(name),
@@ -104,28 +96,17 @@ pub fn adapters() -> Vec<AdapterReport> {
 }
 
 pub(crate) fn choose(choice: &AdapterChoice) -> Result<Adapter, GpuError> {
-    let told = std::env::var(ADAPTER_VARIABLE).ok();
-    let choice = resolve(choice, told.as_deref());
     let candidates = best_first();
     let names: Vec<String> = candidates.iter().map(|adapter| adapter.get_info().name).collect();
-    place_of(&names, &choice)
+    place_of(&names, choice)
         .and_then(|place| candidates.into_iter().nth(place))
-        .ok_or(GpuError::NoAdapter { wanted: choice, found: names })
-}
-
-/// Replaces the choice of the environment by what the environment says.
-fn resolve(choice: &AdapterChoice, told: Option<&str>) -> AdapterChoice {
-    let told = || told.and_then(|text| text.parse().ok()).filter(|told| *told != AdapterChoice::Environment);
-    match choice {
-        AdapterChoice::Environment => told().unwrap_or(AdapterChoice::Best),
-        choice => choice.clone(),
-    }
+        .ok_or(GpuError::NoAdapter { wanted: choice.clone(), found: names })
 }
 
 /// Place of the chosen one among adapters of these names, the best of which comes first.
 fn place_of(names: &[String], choice: &AdapterChoice) -> Option<usize> {
     match choice {
-        AdapterChoice::Environment | AdapterChoice::Best => (!names.is_empty()).then_some(0),
+        AdapterChoice::Best => (!names.is_empty()).then_some(0),
         AdapterChoice::Numbered(place) => (*place < names.len()).then_some(*place),
         AdapterChoice::Named(wanted) => {
             let wanted = wanted.to_lowercase();
@@ -182,14 +163,5 @@ mod tests {
         assert_eq!(place_of(&names, &choice("2")), None);
         assert_eq!(choice("RTX 4090"), AdapterChoice::Named("RTX 4090".into()));
         assert_eq!(choice("-1"), AdapterChoice::Named("-1".into()));
-    }
-
-    #[test]
-    fn the_environment_decides_only_if_it_is_asked_and_says_something() {
-        let iris = AdapterChoice::Named("iris".into());
-        assert_eq!(resolve(&AdapterChoice::Environment, Some("1")), AdapterChoice::Numbered(1));
-        assert_eq!(resolve(&AdapterChoice::Environment, Some(" ")), AdapterChoice::Best);
-        assert_eq!(resolve(&AdapterChoice::Environment, None), AdapterChoice::Best);
-        assert_eq!(resolve(&iris, Some("1")), iris);
     }
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use l4d_splat::raster::{Drawing, DrawingGradient};
-use l4d_splat::splats::SplatGradients;
+use l4d_splat::splats::{SplatGradients, SplatParts};
 use rayon::prelude::*;
 
 use crate::commands::{groups_of, whole};
@@ -47,48 +47,31 @@ pub(crate) fn backward(
         .into_par_iter()
         .map(|pixel| slopes_of(scene.settings.background, drawing, gradient, pixel))
         .collect();
-    let sums = sum_over_pairs(scene, GRADIENT_SUMS, |commands, band, pairs, partials| {
-        let slopes = gpu.filled("derivatives by pixels", &slopes[band.first_pixel..band.end_pixel])?;
-        scene.over_tiles(
-            commands,
-            Pass::Backward,
-            band,
-            pairs,
-            &[&scene.transmittances(band)?, &slopes, partials],
-        )
-    })?;
-
-    let gaussian_bytes = size_of::<GaussianGradient>() as u64 * scene.splats.len() as u64;
-    let sh_bytes = size_of_val(scene.splats.sh()) as u64;
-    let by_gaussian = gpu.long_buffer("derivatives by gaussians", gaussian_bytes)?;
-    let by_sh = gpu.long_buffer("derivatives by spherical harmonics", sh_bytes)?;
+    let slopes = gpu.filled("derivatives by pixels", &slopes)?;
     let mut commands = gpu.commands();
-    for run in &scene.pieces {
-        commands.run(
-            Pass::ProjectBackward,
-            groups_of(run.len(), LANES),
-            &run.part(),
-            &[
-                whole(&scene.constants),
-                whole(&scene.gaussians),
-                run.of_sh(&scene.sh),
-                whole(&scene.footprints),
-                whole(&sums),
-                run.of_gradients(&by_gaussian),
-                run.of_sh(&by_sh),
-            ],
-        )?;
-    }
+    let sums = sum_over_pairs(scene, &mut commands, GRADIENT_SUMS, Pass::Backward, &slopes)?;
+
+    let count = scene.splats.len() as u64;
+    let gaussian_bytes = size_of::<GaussianGradient>() as u64 * count;
+    let sh_bytes = size_of_val(scene.splats.sh()) as u64;
+    let by_gaussian = gpu.buffer("derivatives by gaussians", gaussian_bytes)?;
+    let by_sh = gpu.buffer("derivatives by spherical harmonics", sh_bytes)?;
+    let bindings =
+        [&scene.constants, &scene.gaussians, &scene.sh, &scene.footprints, &sums, &by_gaussian, &by_sh];
+    commands.run(Pass::ProjectBackward, groups_of(count, LANES), &[count as u32], &bindings.map(whole))?;
     let by_gaussian = commands.copy_out(&by_gaussian, 0, gaussian_bytes)?;
     let by_sh = commands.copy_out(&by_sh, 0, sh_bytes)?;
     commands.submit();
     let gaussians: Vec<GaussianGradient> = gpu.read_back(&by_gaussian)?;
     Ok(SplatGradients {
-        means: gaussians.iter().map(|gaussian| gaussian.mean).collect(),
-        scales: gaussians.iter().map(|gaussian| gaussian.scale).collect(),
-        rotations: gaussians.iter().map(|gaussian| gaussian.rotation).collect(),
-        opacities: gaussians.iter().map(|gaussian| gaussian.opacity).collect(),
-        sh: gpu.read_back(&by_sh)?,
+        by: SplatParts {
+            sh_degree: scene.splats.sh_degree(),
+            means: gaussians.iter().map(|gaussian| gaussian.mean).collect(),
+            scales: gaussians.iter().map(|gaussian| gaussian.scale).collect(),
+            rotations: gaussians.iter().map(|gaussian| gaussian.rotation).collect(),
+            opacities: gaussians.iter().map(|gaussian| gaussian.opacity).collect(),
+            sh: gpu.read_back(&by_sh)?,
+        },
         means_ndc: gaussians.iter().map(|gaussian| gaussian.mean_ndc).collect(),
         visible: gaussians.iter().map(|gaussian| gaussian.visible > 0.0).collect(),
     })
@@ -108,14 +91,4 @@ fn slopes_of(background: [f32; 3], drawing: &Drawing, gradient: &DrawingGradient
     }
     rest += by_alpha * (1.0 - left);
     Slopes { by_colour, by_depth_sum, by_alpha: by_alpha as f32, rest: rest as f32, unused: [0.0; 2] }
-}
-
-/// Radii of the squares in which the Gaussians are drawn.
-pub(crate) fn radii(scene: &Projection<'_>) -> Result<Vec<f32>, Failure> {
-    let bytes = crate::projection::FOOTPRINT_BYTES * scene.splats.len() as u64;
-    let mut commands = scene.gpu.commands();
-    let readback = commands.copy_out(&scene.footprints, 0, bytes)?;
-    commands.submit();
-    let footprints: Vec<[f32; 12]> = scene.gpu.read_back(&readback)?;
-    Ok(footprints.iter().map(|footprint| footprint[7]).collect())
 }

@@ -1,11 +1,9 @@
 //! Buffers, dispatches and copies: everything that is said to the driver.
 
-use std::num::NonZeroU64;
-
 use bytemuck::{Pod, Zeroable};
 use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferDescriptor,
-    BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, MapMode,
+    BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages,
+    CommandEncoder, CommandEncoderDescriptor, ComputePassDescriptor, MapMode,
 };
 
 use crate::device::Gpu;
@@ -30,11 +28,6 @@ impl Gpu {
             let has = self.limits.binding;
             return Err(GpuError::TooLarge { what, needs: bytes, limit: PER_BINDING, has });
         }
-        self.long_buffer(what, bytes)
-    }
-
-    /// A buffer that passes see in pieces; zeros.
-    pub(crate) fn long_buffer(&self, what: &'static str, bytes: u64) -> Result<Buffer, GpuError> {
         self.allocate(what, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST)
     }
 
@@ -156,6 +149,17 @@ impl Commands<'_> {
         Ok(readback)
     }
 
+    /// Does everything, and reads a buffer from its start as it is then.
+    pub(crate) fn answer<T: Pod + Zeroable>(
+        mut self,
+        buffer: &Buffer,
+        bytes: u64,
+    ) -> Result<Vec<T>, GpuError> {
+        let (gpu, readback) = (self.gpu, self.copy_out(buffer, 0, bytes)?);
+        self.submit();
+        gpu.read_back(&readback)
+    }
+
     /// Hands everything to the adapter.
     pub(crate) fn submit(self) {
         self.gpu.queue.submit([self.encoder.finish()]);
@@ -165,11 +169,6 @@ impl Commands<'_> {
 /// All of a buffer.
 pub(crate) fn whole(buffer: &Buffer) -> BindingResource<'_> {
     buffer.as_entire_binding()
-}
-
-/// A piece of a buffer; the offset is a multiple of 256.
-pub(crate) fn piece(buffer: &Buffer, offset: u64, bytes: u64) -> BindingResource<'_> {
-    BindingResource::Buffer(BufferBinding { buffer, offset, size: NonZeroU64::new(bytes) })
 }
 
 /// Workgroups for one lane an item.

@@ -58,7 +58,7 @@ impl Gpu {
         let limits = Limits {
             max_storage_buffer_binding_size: available.max_storage_buffer_binding_size,
             max_buffer_size: available.max_buffer_size,
-            ..needed()
+            ..Limits::default()
         };
         let mut unfit = None;
         limits.check_limits_with_fail_fn(&available, true, |limit, needs, has| {
@@ -94,8 +94,7 @@ impl Gpu {
         &self.report
     }
 
-    /// Lets no pass see more than `bytes` of a buffer at once, where the adapter would allow more: bounds the memory
-    /// of what is done in parts. Results do not depend on it.
+    /// As if the adapter let no pass see more than `bytes` of a buffer, where it would.
     #[must_use]
     pub fn with_binding_limit(mut self, bytes: u64) -> Self {
         self.limits.binding = self.limits.binding.min(bytes);
@@ -181,11 +180,6 @@ impl DriverErrors {
     }
 }
 
-/// Limits that every pass needs, and that WebGPU promises.
-fn needed() -> Limits {
-    Limits::default()
-}
-
 fn driver_error(error: wgpu::Error) -> GpuError {
     match error {
         wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
@@ -205,7 +199,7 @@ mod tests {
     use crate::commands::whole;
 
     fn open() -> Gpu {
-        Gpu::open(&AdapterChoice::Environment).unwrap_or_else(|error| panic!("{error}"))
+        Gpu::open(&AdapterChoice::Best).unwrap_or_else(|error| panic!("{error}"))
     }
 
     fn one_gaussian() -> Splats {
@@ -285,7 +279,9 @@ mod tests {
         assert!(error.contains("things would take 1001") && error.contains("is 1000"), "{error}");
         assert!(error.contains("max_storage_buffer_binding_size"), "{error}");
         assert!(gpu.buffer("things", 1000).is_ok());
-        let error = gpu.long_buffer("things", gpu.limits.buffer + 1).unwrap_err().to_string();
+        let mut gpu = gpu;
+        gpu.limits = BufferLimits { binding: u64::MAX, buffer: 1000, ..gpu.limits };
+        let error = gpu.buffer("things", 1001).unwrap_err().to_string();
         assert!(error.contains("max_buffer_size"), "{error}");
     }
 }

@@ -72,7 +72,7 @@ pub enum GpuError {
 
 fn asked_for(wanted: &AdapterChoice) -> String {
     match wanted {
-        AdapterChoice::Environment | AdapterChoice::Best => String::new(),
+        AdapterChoice::Best => String::new(),
         AdapterChoice::Numbered(place) => format!(" has the number {place}"),
         AdapterChoice::Named(name) => format!(" is named like `{name}`"),
     }

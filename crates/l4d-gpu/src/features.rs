@@ -2,13 +2,11 @@
 
 use std::ops::Range;
 
-use l4d_splat::raster::Contribution;
 use wgpu::Buffer;
 
-use crate::bands::Band;
 use crate::commands::{Commands, groups_of, whole};
 use crate::error::{Failure, GpuError};
-use crate::projection::Projection;
+use crate::projection::{PIXEL_BYTES, Projection};
 use crate::shaders::{CHANNELS, LANES, Pass};
 
 const WIDTH: usize = CHANNELS as usize;
@@ -22,27 +20,14 @@ pub(crate) fn splat_features(
     let mut pixels = vec![0.0; scene.view.pixel_count() * channels];
     for block in blocks(channels) {
         let features = scene.gpu.filled("features", &pack(features, channels, &block))?;
-        for band in scene.bands()? {
-            let values = splat_band(scene, band, &features)?;
-            unpack(&values, channels, &block, &mut pixels[band.first_pixel * channels..]);
-        }
+        let bytes = PIXEL_BYTES * scene.view.pixel_count() as u64;
+        let values = scene.gpu.buffer("pixels", bytes)?;
+        let mut commands = scene.gpu.commands();
+        scene.over_tiles(&mut commands, Pass::SplatFeatures, &[&features, &values])?;
+        let values: Vec<[f32; WIDTH]> = commands.answer(&values, bytes)?;
+        unpack(&values, channels, &block, &mut pixels);
     }
     Ok(pixels)
-}
-
-fn splat_band(scene: &Projection<'_>, band: Band, features: &Buffer) -> Result<Vec<[f32; WIDTH]>, Failure> {
-    let values = scene.gpu.buffer("pixels", band.bytes())?;
-    let mut commands = scene.gpu.commands();
-    scene.over_tiles(
-        &mut commands,
-        Pass::SplatFeatures,
-        band,
-        [0, 0],
-        &[&scene.transmittances(band)?, features, &values],
-    )?;
-    let readback = commands.copy_out(&values, 0, band.bytes())?;
-    commands.submit();
-    Ok(scene.gpu.read_back(&readback)?)
 }
 
 /// Pixels to Gaussians, `channels` each.
@@ -53,84 +38,32 @@ pub(crate) fn gather_features(
 ) -> Result<Vec<f32>, Failure> {
     let mut features = vec![0.0; scene.splats.len() * channels];
     for block in blocks(channels) {
-        let packed = pack(pixels, channels, &block);
-        let sums = sum_over_pairs(scene, CHANNELS, |commands, band, pairs, partials| {
-            let channels_of_pixels = scene.gpu.filled("pixels", &packed[band.first_pixel..band.end_pixel])?;
-            scene.over_tiles(
-                commands,
-                Pass::GatherFeatures,
-                band,
-                pairs,
-                &[&scene.transmittances(band)?, &channels_of_pixels, partials],
-            )
-        })?;
+        let pixels = scene.gpu.filled("pixels", &pack(pixels, channels, &block))?;
         let mut commands = scene.gpu.commands();
-        let readback = commands.copy_out(&sums, 0, sums_bytes(scene, CHANNELS))?;
-        commands.submit();
-        let values: Vec<[f32; WIDTH]> = scene.gpu.read_back(&readback)?;
+        let sums = sum_over_pairs(scene, &mut commands, CHANNELS, Pass::GatherFeatures, &pixels)?;
+        let values: Vec<[f32; WIDTH]> =
+            commands.answer(&sums, 4 * u64::from(CHANNELS) * scene.splats.len() as u64)?;
         unpack(&values, channels, &block, &mut features);
     }
     Ok(features)
 }
 
-/// For each Gaussian the sums over its tiles of `width` numbers that `fill` leaves for each pair. As many pairs at
-/// a time as the adapter has room for, which changes nothing about the order in which they are added.
+/// For each Gaussian the sums over its tiles of the `width` numbers that a pass leaves for each pair.
 pub(crate) fn sum_over_pairs(
     scene: &Projection<'_>,
+    commands: &mut Commands<'_>,
     width: u32,
-    fill: impl Fn(&mut Commands<'_>, Band, [u32; 2], &Buffer) -> Result<(), GpuError>,
-) -> Result<Buffer, Failure> {
-    let gpu = scene.gpu;
+    pass: Pass,
+    pixels: &Buffer,
+) -> Result<Buffer, GpuError> {
     let count = scene.splats.len() as u32;
-    let sums = gpu.buffer("sums of Gaussians", sums_bytes(scene, width))?;
-    let pair_bytes = 4 * u64::from(width);
-    // At least one, so that a limit without room for it is named where the buffer is made.
-    let batch = (gpu.limits.binding / pair_bytes).clamp(1, scene.pair_count.max(1).into()) as u32;
-    let partials = gpu.buffer("sums of pairs", pair_bytes * u64::from(batch))?;
-    let bands = scene.bands()?;
-    for first in (0..scene.pair_count).step_by(batch as usize) {
-        let pairs = [first, scene.pair_count.min(first.saturating_add(batch))];
-        for &band in &bands {
-            let mut commands = gpu.commands();
-            fill(&mut commands, band, pairs, &partials)?;
-            commands.submit();
-        }
-        let mut commands = gpu.commands();
-        commands.run(
-            Pass::Reduce,
-            groups_of(u64::from(count) * u64::from(width), LANES),
-            &[count, width, pairs[0], pairs[1]],
-            &[whole(&scene.order), whole(&scene.offsets), whole(&partials), whole(&sums)],
-        )?;
-        commands.submit();
-    }
+    let numbers = u64::from(width) * u64::from(count);
+    let sums = scene.gpu.buffer("sums of Gaussians", 4 * numbers)?;
+    let partials = scene.gpu.buffer("sums of pairs", 4 * u64::from(width) * u64::from(scene.pair_count))?;
+    scene.over_tiles(commands, pass, &[pixels, &partials])?;
+    let bindings = [&scene.order, &scene.offsets, &partials, &sums].map(whole);
+    commands.run(Pass::Reduce, groups_of(numbers, LANES), &[count, width], &bindings)?;
     Ok(sums)
-}
-
-fn sums_bytes(scene: &Projection<'_>, width: u32) -> u64 {
-    4 * u64::from(width) * scene.splats.len() as u64
-}
-
-/// The Gaussians blended into one pixel.
-pub(crate) fn contributors(
-    scene: &Projection<'_>,
-    column: u32,
-    row: u32,
-) -> Result<Vec<Contribution>, Failure> {
-    let gpu = scene.gpu;
-    let [first, end] = scene.ranges[scene.tile_of([column, row]) as usize];
-    let bytes = 8 * u64::from(end - first);
-    let shown = gpu.buffer("weights of a pixel", bytes)?;
-    let mut commands = gpu.commands();
-    scene.over_tile(&mut commands, Pass::Contributors, [column, row], &shown)?;
-    let shown = commands.copy_out(&shown, 0, bytes)?;
-    commands.submit();
-    let shown: Vec<[u32; 2]> = gpu.read_back(&shown)?;
-    let contributions = shown
-        .into_iter()
-        .map(|[index, weight]| Contribution { index, weight: f32::from_bits(weight) })
-        .filter(|contribution| contribution.weight > 0.0);
-    Ok(contributions.collect())
 }
 
 /// As many channels as one pass carries, and the rest.

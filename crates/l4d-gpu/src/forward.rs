@@ -4,9 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use l4d_splat::raster::{DepthQuantiles, Drawing};
 use rayon::prelude::*;
 
-use crate::bands::Band;
 use crate::error::Failure;
-use crate::projection::Projection;
+use crate::projection::{PIXEL_BYTES, Projection};
 use crate::shaders::Pass;
 
 /// As `draw.wgsl` writes it.
@@ -22,26 +21,16 @@ struct Pixel {
 }
 
 pub(crate) fn draw(scene: &Projection<'_>) -> Result<Drawing, Failure> {
-    let count = scene.view.pixel_count();
-    let (mut pixels, mut left) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    for band in scene.bands()? {
-        let (band_pixels, band_left) = draw_band(scene, band)?;
-        pixels.extend(band_pixels);
-        // Negative where the pixel is finished.
-        left.extend(band_left.into_iter().map(f32::abs));
-    }
-    Ok(assemble(scene, &pixels, left))
-}
-
-fn draw_band(scene: &Projection<'_>, band: Band) -> Result<(Vec<Pixel>, Vec<f32>), Failure> {
-    let picture = scene.gpu.buffer("picture", band.bytes())?;
-    let transmittances = scene.transmittances(band)?;
+    let count = scene.view.pixel_count() as u64;
+    let picture = scene.gpu.buffer("picture", PIXEL_BYTES * count)?;
     let mut commands = scene.gpu.commands();
-    scene.over_tiles(&mut commands, Pass::Draw, band, [0, 0], &[&transmittances, &picture])?;
-    let picture = commands.copy_out(&picture, 0, band.bytes())?;
-    let transmittances = commands.copy_out(&transmittances, 0, 4 * band.pixels())?;
+    let left = scene.over_tiles(&mut commands, Pass::Draw, &[&picture])?;
+    let (picture, left) =
+        (commands.copy_out(&picture, 0, PIXEL_BYTES * count)?, commands.copy_out(&left, 0, 4 * count)?);
     commands.submit();
-    Ok((scene.gpu.read_back(&picture)?, scene.gpu.read_back(&transmittances)?))
+    let pixels: Vec<Pixel> = scene.gpu.read_back(&picture)?;
+    let left: Vec<f32> = scene.gpu.read_back(&left)?;
+    Ok(assemble(scene, &pixels, left.into_iter().map(f32::abs).collect()))
 }
 
 fn assemble(scene: &Projection<'_>, pixels: &[Pixel], transmittance: Vec<f32>) -> Drawing {

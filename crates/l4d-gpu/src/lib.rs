@@ -16,7 +16,6 @@
 //!     splat_features                         pixels, eight channels a pass
 //!     gather_features -> reduce              Gaussians, eight channels a pass
 //!     backward -> reduce -> project_backward gradients
-//!     contributors                           the Gaussians of one pixel
 //! ```
 //!
 //! At each bar the host waits and reads back: first the number of pairs of tile and Gaussian, for which it makes lists of
@@ -24,24 +23,21 @@
 //! each. The host computes depths in f64 with one rounding, so that all rasterizers have the same order.
 //!
 //! One adapter gives the same bytes each time: no float atomics, no subgroups, sums in a fixed order. What does not fit
-//! the adapter's limits goes in parts, which adds the same numbers in the same order; what cannot be divided (48 bytes
-//! per Gaussian, 4 per pair) is refused with the name of the limit.
+//! the adapter's limits is refused with the name of the limit.
 
 mod adapter;
 mod backward;
-mod bands;
 mod commands;
 mod constants;
 mod device;
 mod error;
 mod features;
 mod forward;
-mod projected;
 mod projection;
 mod shaders;
 mod sort;
 mod upload;
 
-pub use adapter::{ADAPTER_VARIABLE, AdapterChoice, AdapterReport, adapters};
+pub use adapter::{AdapterChoice, AdapterReport, adapters};
 pub use device::Gpu;
 pub use error::GpuError;

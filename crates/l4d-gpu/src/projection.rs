@@ -4,19 +4,21 @@ use l4d_splat::gaussians::BadValue;
 use l4d_splat::raster::{RasterError, RasterSettings, TILE};
 use l4d_splat::splats::Splats;
 use l4d_splat::view::View;
-use wgpu::Buffer;
+use wgpu::{BindingResource, Buffer};
 
 use crate::commands::{Commands, groups_of, whole};
 use crate::constants::{Depths, SceneConstants};
 use crate::device::Gpu;
 use crate::error::{Failure, GpuError};
-use crate::shaders::{LANES, MOST_TILES, Pass};
+use crate::shaders::{LANES, MOST_TILES, Pass, WINDOW};
 use crate::sort::{Entries, bits_of, scan, sort};
-use crate::upload::{Piece, Uploaded};
+use crate::upload::Uploaded;
 
 /// What the adapter says if no Gaussian overflows.
 const NO_OVERFLOW: u32 = u32::MAX;
-pub(crate) const FOOTPRINT_BYTES: u64 = 48;
+const FOOTPRINT_BYTES: u64 = 48;
+/// Bytes that a pixel takes on its way in and out: eight floats.
+pub(crate) const PIXEL_BYTES: u64 = 32;
 
 /// Splats as one view sees them, in the adapter's memory.
 #[derive(Debug)]
@@ -25,12 +27,9 @@ pub(crate) struct Projection<'a> {
     pub(crate) splats: &'a Splats,
     pub(crate) view: View,
     pub(crate) settings: RasterSettings,
-    /// Tiles in a row and in a column.
-    pub(crate) tiles: [u32; 2],
     pub(crate) constants: Buffer,
     pub(crate) gaussians: Buffer,
     pub(crate) sh: Buffer,
-    pub(crate) pieces: Vec<Piece>,
     pub(crate) footprints: Buffer,
     /// Gaussians front to back, and where the pairs of each start; one more offset ends the last.
     pub(crate) order: Buffer,
@@ -62,7 +61,6 @@ impl<'a> Projection<'a> {
         settings: &RasterSettings,
     ) -> Result<Self, Failure> {
         let (gpu, splats) = (uploaded.gpu, uploaded.splats);
-        let pieces = uploaded.pieces()?;
         let tiles = [view.width(), view.height()].map(|side| side.div_ceil(TILE as u32));
         let tile_count = tiles[0] * tiles[1];
         if tile_count > MOST_TILES {
@@ -72,13 +70,13 @@ impl<'a> Projection<'a> {
         let count = splats.len() as u32;
 
         let mut commands = gpu.commands();
-        let projected = project(&mut commands, uploaded, &pieces, view, settings)?;
+        let projected = project(&mut commands, uploaded, view, settings)?;
         let order = sort(&mut commands, projected.entries, count, projected.key_bits)?.values;
         let offsets = gpu.buffer("offsets of pairs", 4 * (u64::from(count) + 1))?;
         commands.run(
             Pass::Count,
             groups_of(u64::from(count) + 1, LANES),
-            &[count, 0, 0, 0],
+            &[count],
             &[whole(&order), whole(&projected.rects), whole(&offsets)],
         )?;
         scan(&mut commands, &offsets, count + 1)?;
@@ -97,7 +95,7 @@ impl<'a> Projection<'a> {
         commands.run(
             Pass::Emit,
             groups_of(count.into(), LANES),
-            &[count, tiles[0], 0, 0],
+            &[count, tiles[0]],
             &[
                 whole(&order),
                 whole(&projected.rects),
@@ -112,7 +110,7 @@ impl<'a> Projection<'a> {
         commands.run(
             Pass::Ranges,
             groups_of(pair_count.into(), LANES),
-            &[pair_count, 0, 0, 0],
+            &[pair_count],
             &[whole(&sorted.keys), whole(&bounds)],
         )?;
         let ranges = commands.copy_out(&bounds, 0, 8 * u64::from(tile_count))?;
@@ -124,11 +122,9 @@ impl<'a> Projection<'a> {
             splats,
             view: *view,
             settings: *settings,
-            tiles,
             constants: projected.constants,
             gaussians: uploaded.gaussians.clone(),
             sh: uploaded.sh.clone(),
-            pieces,
             footprints: projected.footprints,
             order,
             offsets,
@@ -139,12 +135,35 @@ impl<'a> Projection<'a> {
             ranges,
         })
     }
+
+    /// Runs a pass over the Gaussians of all tiles, window by window; gives the transmittance that is left of each
+    /// pixel, negative where the pixel is finished.
+    pub(crate) fn over_tiles(
+        &self,
+        commands: &mut Commands<'_>,
+        pass: Pass,
+        own: &[&Buffer],
+    ) -> Result<Buffer, GpuError> {
+        let left = self.gpu.buffer("transmittance", 4 * self.view.pixel_count() as u64)?;
+        let bindings: Vec<BindingResource<'_>> =
+            [&self.constants, &self.bounds, &self.pairs, &self.owners, &self.footprints, &left]
+                .into_iter()
+                .chain(own.iter().copied())
+                .map(whole)
+                .collect();
+        let longest = self.ranges.iter().map(|[first, end]| end - first).max().unwrap_or(0);
+        // One window even without Gaussians: it leaves the pixels as they are then.
+        for first in (0..longest.max(1)).step_by(WINDOW as usize) {
+            let window = [first, first.saturating_add(WINDOW)];
+            commands.run(pass, self.ranges.len() as u64, &window, &bindings)?;
+        }
+        Ok(left)
+    }
 }
 
 fn project(
     commands: &mut Commands<'_>,
     uploaded: &Uploaded<'_>,
-    pieces: &[Piece],
     view: &View,
     settings: &RasterSettings,
 ) -> Result<ProjectedGaussians, GpuError> {
@@ -157,24 +176,22 @@ fn project(
     let rects = gpu.buffer("tiles of Gaussians", 8 * count)?;
     let overflow = gpu.filled("overflow", &[NO_OVERFLOW])?;
     let entries = Entries::new(commands, "order of Gaussians", count as u32)?;
-    for run in pieces {
-        commands.run(
-            Pass::Project,
-            groups_of(run.len(), LANES),
-            &run.part(),
-            &[
-                whole(&constants),
-                whole(&uploaded.gaussians),
-                run.of_sh(&uploaded.sh),
-                whole(&metres),
-                whole(&footprints),
-                whole(&rects),
-                whole(&entries.keys),
-                whole(&entries.values),
-                whole(&overflow),
-            ],
-        )?;
-    }
+    commands.run(
+        Pass::Project,
+        groups_of(count, LANES),
+        &[count as u32],
+        &[
+            whole(&constants),
+            whole(&uploaded.gaussians),
+            whole(&uploaded.sh),
+            whole(&metres),
+            whole(&footprints),
+            whole(&rects),
+            whole(&entries.keys),
+            whole(&entries.values),
+            whole(&overflow),
+        ],
+    )?;
     Ok(ProjectedGaussians { constants, footprints, rects, overflow, entries, key_bits: depths.key_bits() })
 }
 

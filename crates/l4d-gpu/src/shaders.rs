@@ -81,7 +81,6 @@ passes! {
     Backward "backward" [GRID, SCENE, GAUSSIAN, BLEND, STAGING, TILE_SUMS];
     Reduce "reduce" [GRID];
     ProjectBackward "project_backward" [GRID, SCENE, GAUSSIAN, PROJECTION, HARMONICS];
-    Contributors "contributors" [SCENE, GAUSSIAN, BLEND];
 }
 
 impl Pass {

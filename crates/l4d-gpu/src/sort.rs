@@ -11,10 +11,10 @@ use crate::shaders::{BLOCK, DIGIT_BITS, Pass, RADIX};
 pub(crate) fn scan(commands: &mut Commands<'_>, numbers: &Buffer, count: u32) -> Result<(), GpuError> {
     let blocks = count.div_ceil(BLOCK);
     let totals = commands.gpu.buffer("sums of blocks", 4 * u64::from(blocks))?;
-    commands.run(Pass::Scan, blocks.into(), &[count, blocks, 0, 0], &[whole(numbers), whole(&totals)])?;
+    commands.run(Pass::Scan, blocks.into(), &[count, blocks], &[whole(numbers), whole(&totals)])?;
     if blocks > 1 {
         scan(commands, &totals, blocks)?;
-        commands.run(Pass::ScanAdd, blocks.into(), &[count, 0, 0, 0], &[whole(numbers), whole(&totals)])?;
+        commands.run(Pass::ScanAdd, blocks.into(), &[count], &[whole(numbers), whole(&totals)])?;
     }
     Ok(())
 }
@@ -48,7 +48,7 @@ pub(crate) fn sort(
     let mut from = entries;
     let mut to = Entries::new(commands, "sorted keys", count)?;
     for shift in (0..bits).step_by(DIGIT_BITS as usize) {
-        let part = &[count, shift, blocks, 0];
+        let part = &[count, shift, blocks];
         commands.run(Pass::SortCount, blocks.into(), part, &[whole(&from.keys), whole(&histogram)])?;
         scan(commands, &histogram, RADIX * blocks)?;
         commands.run(
@@ -84,7 +84,7 @@ mod tests {
     /// Without an adapter the tests fail, and say what to install.
     fn gpu() -> &'static Gpu {
         static GPU: OnceLock<Gpu> = OnceLock::new();
-        GPU.get_or_init(|| Gpu::open(&AdapterChoice::Environment).unwrap_or_else(|error| panic!("{error}")))
+        GPU.get_or_init(|| Gpu::open(&AdapterChoice::Best).unwrap_or_else(|error| panic!("{error}")))
     }
 
     fn random_numbers(count: u32, seed: u64) -> Vec<u32> {

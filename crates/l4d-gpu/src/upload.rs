@@ -1,23 +1,20 @@
-//! Splats in the adapter's memory, for as many views as one likes.
+//! The contract of all rasterizers, kept on the adapter: splats in its memory, and what is asked of them.
 
 use bytemuck::{Pod, Zeroable};
-use l4d_splat::raster::{Projected, RasterError, RasterSettings, Rasterizer};
-use l4d_splat::splats::Splats;
+use l4d_splat::raster::{
+    Drawing, DrawingGradient, Projected, RasterError, RasterSettings, Rasterizer, check_length,
+};
+use l4d_splat::splats::{SplatGradients, Splats};
 use l4d_splat::view::View;
 use rayon::prelude::*;
-use wgpu::{BindingResource, Buffer};
+use wgpu::Buffer;
 
-use crate::commands::piece;
 use crate::device::Gpu;
-use crate::error::{Failure, GpuError};
 use crate::projection::Projection;
-use crate::shaders::GRADIENT_FLOATS;
+use crate::{backward, features, forward};
 
 /// Gaussians packed by one task.
 const PACKED: usize = 4096;
-/// Pieces of buffers start at multiples of 256 bytes: so many Gaussians of any number of floats always do.
-const ALIGNED: u64 = 64;
-const GRADIENT_BYTES: u64 = 4 * GRADIENT_FLOATS as u64;
 
 /// As `shared/gaussian.wgsl` has it.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -36,7 +33,6 @@ pub(crate) struct Uploaded<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) splats: &'a Splats,
     pub(crate) gaussians: Buffer,
-    /// Seen in pieces: up to 192 bytes per Gaussian.
     pub(crate) sh: Buffer,
 }
 
@@ -56,55 +52,9 @@ impl Gpu {
                         rotation,
                     })
                     .collect();
-            let sh = self.long_buffer("spherical harmonics", size_of_val(splats.sh()) as u64)?;
-            self.write(&sh, splats.sh());
+            let sh = self.filled("spherical harmonics", splats.sh())?;
             Ok(Uploaded { gpu: self, splats, gaussians: self.filled("gaussians", &gaussians)?, sh })
         })
-    }
-}
-
-impl<'a> Uploaded<'a> {
-    /// Runs of Gaussians whose spherical harmonics, and whose gradients, one pass may see.
-    pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Failure> {
-        let sh_stride = self.splats.sh_degree().coefficients() as u64 * size_of::<[f32; 3]>() as u64;
-        let (stride, has) = (sh_stride.max(GRADIENT_BYTES), self.gpu.limits.binding);
-        let length = has / stride / ALIGNED * ALIGNED;
-        if length == 0 {
-            let needs = ALIGNED * stride;
-            let limit = "max_storage_buffer_binding_size";
-            return Err(GpuError::TooLarge { what: "gradients", needs, limit, has }.into());
-        }
-        let count = self.splats.len() as u64;
-        let pieces = (0..count).step_by(length as usize);
-        Ok(pieces.map(|first| Piece { first, end: count.min(first + length), sh_stride }).collect())
-    }
-}
-
-/// Consecutive Gaussians.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece {
-    pub(crate) first: u64,
-    pub(crate) end: u64,
-    sh_stride: u64,
-}
-
-impl Piece {
-    pub(crate) fn len(&self) -> u64 {
-        self.end - self.first
-    }
-
-    /// Its spherical harmonics, or their derivatives, in the buffer of all.
-    pub(crate) fn of_sh<'b>(&self, buffer: &'b Buffer) -> BindingResource<'b> {
-        piece(buffer, self.first * self.sh_stride, self.len() * self.sh_stride)
-    }
-
-    /// Its derivatives by everything else in the buffer of all.
-    pub(crate) fn of_gradients<'b>(&self, buffer: &'b Buffer) -> BindingResource<'b> {
-        piece(buffer, self.first * GRADIENT_BYTES, self.len() * GRADIENT_BYTES)
-    }
-
-    pub(crate) fn part(&self) -> [u32; 4] {
-        [self.first as u32, self.end as u32, 0, 0]
     }
 }
 
@@ -122,5 +72,27 @@ impl Rasterizer for Gpu {
         settings.check()?;
         let uploaded = self.upload(splats)?;
         Ok(Box::new(self.with_error_scopes(|| Projection::new(&uploaded, view, settings))?))
+    }
+}
+
+impl Projected for Projection<'_> {
+    fn draw(&self) -> Result<Drawing, RasterError> {
+        self.gpu.with_error_scopes(|| forward::draw(self))
+    }
+
+    fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+        check_length("features", features.len(), self.splats.len().checked_mul(channels))?;
+        self.gpu.with_error_scopes(|| features::splat_features(self, features, channels))
+    }
+
+    fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
+        check_length("pixels", pixels.len(), self.view.pixel_count().checked_mul(channels))?;
+        self.gpu.with_error_scopes(|| features::gather_features(self, pixels, channels))
+    }
+
+    fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
+        drawing.check(&self.view)?;
+        gradient.check(&self.view)?;
+        self.gpu.with_error_scopes(|| backward::backward(self, drawing, gradient))
     }
 }

@@ -18,7 +18,7 @@ use l4d_frames::exr::read_surfaces;
 use l4d_masks::Mask;
 use l4d_solve::lift::{Canvas, Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftSettings, lift};
 use l4d_splat::model::time_of_frame;
-use l4d_splat::raster::{Cpu, RasterSettings};
+use l4d_splat::raster::{Cpu, RasterSettings, Reference};
 use l4d_splat::source::Source;
 use l4d_splat::view::View;
 use rayon::prelude::*;
@@ -94,20 +94,23 @@ fn export(canvas: &Canvas<'_>, evidence: &Evidence, count: usize, out: &Path) ->
         let frames = &evidence.views[picture % evidence.views.len()].frames;
         let EvidenceFrame { time, view, mask, .. } = &frames[picture * frames.len() / count];
         let splats = canvas.at(*time)?;
-        let projected = canvas.rasterizer.prepare(&splats, view, canvas.raster)?;
+        let projected = Reference::scene(&splats.to_f64(), view, canvas.raster)?;
         let (width, height) = mask.size();
         let pixels: Vec<_> = (0..width * height)
             .into_par_iter()
-            .map(|pixel| projected.contributors(pixel % width, pixel / width))
-            .collect::<Result<_, _>>()?;
+            .map(|pixel| projected.contributors((pixel % width) as usize, (pixel / width) as usize))
+            .collect();
         let mut starts = vec![0_u32];
         for shown in &pixels {
             starts.push(starts[starts.len() - 1] + shown.len() as u32);
         }
         let shown = || pixels.iter().flatten();
         integers(format!("{picture}.starts.u32"), starts)?;
-        integers(format!("{picture}.gaussians.u32"), shown().map(|one| one.index).collect())?;
-        floats(format!("{picture}.weights.f32"), &shown().map(|one| one.weight).collect::<Vec<_>>())?;
+        integers(format!("{picture}.gaussians.u32"), shown().map(|&(index, _)| index as u32).collect())?;
+        floats(
+            format!("{picture}.weights.f32"),
+            &shown().map(|&(_, weight)| weight as f32).collect::<Vec<_>>(),
+        )?;
         floats(format!("{picture}.means.f32"), splats.means().as_flattened())?;
         integers(format!("{picture}.mask.u32"), mask.to_bools().into_iter().map(u32::from).collect())?;
         let rows = (0..splats.len()).flat_map(|row| {

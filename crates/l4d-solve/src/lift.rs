@@ -14,7 +14,6 @@ mod field;
 mod labels;
 #[cfg(test)]
 mod tests;
-mod tree;
 
 pub use answer::{Answer, Layer};
 pub use canvas::{Canvas, ModelStates};

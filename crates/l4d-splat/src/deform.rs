@@ -11,11 +11,8 @@
 
 mod bounds;
 mod config;
-mod error;
 mod field;
 mod grid;
-mod init;
-mod lanes;
 pub mod matmul;
 mod network;
 mod offsets;
@@ -24,8 +21,28 @@ mod tensors;
 
 pub use bounds::Bounds;
 pub use config::{DeformConfig, TimeAxis};
-pub use error::DeformError;
-pub use field::{DeformationField, FieldGradients, Parameters, Trace};
+pub use field::{DeformationField, FieldGradients, Init, Parameters, Trace};
 pub(crate) use grid::Plane;
-pub use init::Init;
 pub use offsets::Offsets;
+pub(crate) use tensors::{PREFIX, plane_name};
+
+/// What is wrong with a field, its input or its output: the field, the row and the remedy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct DeformError(String);
+
+impl DeformError {
+    fn length(field: &str, found: usize, expected: usize) -> Self {
+        Self(format!("`{field}` has {found} numbers, but {expected} belong to these rows"))
+    }
+
+    /// A position that is not finite.
+    fn position(row: usize, [x, y, z]: [f32; 3]) -> Self {
+        Self(format!("row {row}: the position ({x}, {y}, {z}) is not finite"))
+    }
+
+    /// A dynamic row that the Gaussians do not have.
+    fn row(row: usize, index: u32, count: usize) -> Self {
+        Self(format!("dynamic row {row} names Gaussian {index}, but there are {count}"))
+    }
+}

@@ -30,9 +30,25 @@ impl ShDegree {
         let order = usize::from(self.0) + 1;
         order * order
     }
+
+    /// Numbers that a Gaussian has in each list, in the order of [`FIELDS`].
+    pub fn widths(self) -> [usize; 5] {
+        [3, 3, 4, 1, 3 * self.coefficients()]
+    }
+
+    /// The first of five lists that has not one entry per mean (a coefficient each of the harmonics): its place, its
+    /// length, and the right one.
+    pub(crate) fn wrong_length(self, lengths: [usize; 5]) -> Option<(usize, usize, usize)> {
+        let count = lengths[0];
+        let expected = [count, count, count, count, count.saturating_mul(self.coefficients())];
+        (0..5).find(|&list| lengths[list] != expected[list]).map(|list| (list, lengths[list], expected[list]))
+    }
 }
 
-/// Gaussians before activation: what training changes and checkpoints hold.
+/// Names of the lists of [`Gaussians`].
+pub const FIELDS: [&str; 5] = ["means", "log_scales", "rotations", "opacity_logits", "sh"];
+
+/// Gaussians before activation: what training changes and checkpoints hold; also offsets of them, or derivatives by them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Gaussians {
     /// Degree of `sh`.
@@ -86,14 +102,23 @@ impl Gaussians {
 
     /// The Gaussians that `rows` names, in that order.
     #[must_use]
-    pub fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Self {
+    pub fn select(&self, rows: &[u32]) -> Self {
+        self.rows(self.sh_degree.coefficients(), rows)
+    }
+
+    /// As [`Self::select`], of lists that may be empty and have so many coefficients.
+    pub(crate) fn rows(&self, coefficients: usize, rows: &[u32]) -> Self {
+        fn picked<T: Copy>(from: &[T], rows: &[u32], width: usize) -> Vec<T> {
+            let row = |&row: &u32| from[row as usize * width..][..width].iter().copied();
+            if from.is_empty() { Vec::new() } else { rows.iter().flat_map(row).collect() }
+        }
         Self {
             sh_degree: self.sh_degree,
-            means: rows.clone().map(|row| self.means[row]).collect(),
-            log_scales: rows.clone().map(|row| self.log_scales[row]).collect(),
-            rotations: rows.clone().map(|row| self.rotations[row]).collect(),
-            opacity_logits: rows.clone().map(|row| self.opacity_logits[row]).collect(),
-            sh: rows.flat_map(|row| self.sh_of(row).iter().copied()).collect(),
+            means: picked(&self.means, rows, 1),
+            log_scales: picked(&self.log_scales, rows, 1),
+            rotations: picked(&self.rotations, rows, 1),
+            opacity_logits: picked(&self.opacity_logits, rows, 1),
+            sh: picked(&self.sh, rows, coefficients),
         }
     }
 
@@ -106,7 +131,18 @@ impl Gaussians {
         self.sh.extend(more.sh);
     }
 
-    /// All numbers, list after list in the order of the fields.
+    /// All numbers, list after list in the order of [`FIELDS`].
+    pub fn flat(&self) -> [&[f32]; 5] {
+        [
+            self.means.as_flattened(),
+            self.log_scales.as_flattened(),
+            self.rotations.as_flattened(),
+            &self.opacity_logits,
+            self.sh.as_flattened(),
+        ]
+    }
+
+    /// As [`Self::flat`], to be changed.
     pub fn flat_mut(&mut self) -> [&mut [f32]; 5] {
         [
             self.means.as_flattened_mut(),
@@ -117,22 +153,24 @@ impl Gaussians {
         ]
     }
 
+    /// Entries of each list.
+    pub(crate) fn lengths(&self) -> [usize; 5] {
+        let Self { means, log_scales, rotations, opacity_logits, sh, .. } = self;
+        [means.len(), log_scales.len(), rotations.len(), opacity_logits.len(), sh.len()]
+    }
+
     /// The first value that is not finite, Gaussian by Gaussian within a field.
     pub fn bad_value(&self) -> Option<BadValue> {
-        let coefficients = self.sh_degree.coefficients();
-        first_bad("means", 1, &self.means)
-            .or_else(|| first_bad("log_scales", 1, &self.log_scales))
-            .or_else(|| first_bad("rotations", 1, &self.rotations))
-            .or_else(|| first_bad("opacity_logits", 1, self.opacity_logits.as_chunks::<1>().0))
-            .or_else(|| first_bad("sh", coefficients, &self.sh))
+        self.bad_value_of(self.sh_degree.widths())
     }
-}
 
-fn first_bad<const N: usize>(field: &'static str, rows: usize, list: &[[f32; N]]) -> Option<BadValue> {
-    list.iter().enumerate().find_map(|(row, values)| {
-        let value = *values.iter().find(|value| !value.is_finite())?;
-        Some(BadValue { field, index: row / rows, value })
-    })
+    /// As [`Self::bad_value`], of lists with so many numbers a row.
+    pub(crate) fn bad_value_of(&self, widths: [usize; 5]) -> Option<BadValue> {
+        FIELDS.into_iter().zip(self.flat()).zip(widths).find_map(|((field, list), width)| {
+            let place = list.iter().position(|value| !value.is_finite())?;
+            Some(BadValue { field, index: place / width, value: list[place] })
+        })
+    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ pub mod conformance;
 pub mod deform;
 pub mod gaussians;
 pub mod model;
+pub mod neighbours;
 pub mod optimise;
 pub mod raster;
 pub mod reduce;
@@ -16,7 +17,7 @@ pub mod source;
 pub mod speed;
 pub mod splats;
 pub mod synthetic;
-pub mod train;
+mod train;
 pub mod training_run;
 pub mod view;
 

@@ -61,7 +61,7 @@ impl Model {
     /// # Errors
     /// A folder or file that is missing, damaged or of another kind.
     pub fn read(folder: &Path) -> Result<Self, DataError> {
-        Ok(own::read(folder)?.into())
+        Ok(own::read(folder)?.model)
     }
 
     /// Writes the model alone into a folder, in place of the checkpoint that is there.
@@ -69,19 +69,7 @@ impl Model {
     /// # Errors
     /// Values that no checkpoint holds, and what the disk refuses.
     pub fn write(&self, folder: &Path) -> Result<(), DataError> {
-        own::write(folder, &self.clone().into())
-    }
-}
-
-impl From<Checkpoint> for Model {
-    fn from(checkpoint: Checkpoint) -> Self {
-        Self { gaussians: checkpoint.gaussians, dynamic: checkpoint.dynamic, field: checkpoint.field }
-    }
-}
-
-impl From<Model> for Checkpoint {
-    fn from(model: Model) -> Self {
-        Self { gaussians: model.gaussians, dynamic: model.dynamic, field: model.field, ..Self::default() }
+        own::write(folder, &Checkpoint { model: self.clone(), ..Checkpoint::default() })
     }
 }
 

@@ -76,24 +76,12 @@ pub trait Projected: Send + Sync {
     /// Features of another length, too many channels, and what the backend reports.
     fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
 
-    /// The transpose of [`Self::spread`]: A^T m, for each Gaussian the sum over pixels of its blend weight times
+    /// The transpose of [`Self::splat_features`]: A^T m, for each Gaussian the sum over pixels of its blend weight times
     /// what `pixels` holds there, `channels` numbers each.
     ///
     /// # Errors
     /// Pixels of another length, too many channels, and what the backend reports.
     fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError>;
-
-    /// Which Gaussians a pixel shows, front to back, with the weights a_i T_i of their colours.
-    ///
-    /// # Errors
-    /// A pixel outside the picture, and what the backend reports.
-    fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError>;
-
-    /// Radii of the squares in which the Gaussians are drawn, whole pixels; 0 for those that are not visible.
-    ///
-    /// # Errors
-    /// What the backend reports.
-    fn radii_px(&self) -> Result<Vec<f32>, RasterError>;
 
     /// Derivatives of a loss by the splats, given those by the picture. `drawing` is what [`Self::draw`] gave.
     ///
@@ -112,19 +100,10 @@ pub trait Projected: Send + Sync {
         trainable: &[bool],
     ) -> Result<SplatGradients, RasterError> {
         let mut gradients = self.backward(drawing, gradient)?;
-        check_length("trainable Gaussians", trainable.len(), Some(gradients.means.len()))?;
+        check_length("trainable Gaussians", trainable.len(), Some(gradients.visible.len()))?;
         gradients.clear_all_but(trainable);
         Ok(gradients)
     }
-}
-
-/// The share of one Gaussian in one pixel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contribution {
-    /// Which Gaussian.
-    pub index: u32,
-    /// a_i T_i, above 0 and at most 1.
-    pub weight: f32,
 }
 
 /// Why nothing was drawn.
@@ -174,19 +153,4 @@ pub fn check_length(what: &str, found: usize, expected: Option<usize>) -> Result
         return Ok(());
     }
     Err(RasterError::Invalid(format!("{what}: {found} numbers where {expected} are needed")))
-}
-
-/// Whether a pixel lies in the picture.
-///
-/// # Errors
-/// A pixel outside.
-pub fn check_pixel(view: &View, column: u32, row: u32) -> Result<(), RasterError> {
-    let (width, height) = (view.width(), view.height());
-    if column < width && row < height {
-        Ok(())
-    } else {
-        Err(RasterError::Invalid(format!(
-            "pixel ({column}, {row}) lies outside the picture of {width} x {height}"
-        )))
-    }
 }

@@ -99,17 +99,13 @@ impl Source {
             profile: checkpoint.profile,
             sampling: checkpoint.sampling,
             saw_depth: checkpoint.saw_depth,
-            model: checkpoint.into(),
-            family: Family::Own,
-            background: None,
             // The card names the tensors by their digest.
-            inputs: digests(folder, &[own::CARD.to_owned()])?,
-            notes: Vec::new(),
+            ..Self::bare(checkpoint.model, Family::Own, digests(folder, &[own::CARD.to_owned()])?)
         })
     }
 
     fn open_foreign(folder: &Path) -> Result<Self, DataError> {
-        let foreign = foreign::read(folder, None)?;
+        let foreign = foreign::read(folder)?;
         let save = format!("point_cloud/{}", foreign.save);
         let mut files = vec!["cfg_args".to_owned(), format!("{save}/point_cloud.ply")];
         if foreign.drawn_field().is_some() {
@@ -122,33 +118,22 @@ impl Source {
         };
         let mut notes = foreign.notes.clone();
         notes.push(format!("drawn from {}", foreign.save));
-        Ok(Self {
-            model: foreign.into(),
-            family: Family::FourDGaussians,
-            scene: None,
-            profile: None,
-            sampling: None,
-            saw_depth: None,
-            background,
-            inputs: digests(folder, &files)?,
-            notes,
-        })
+        let bare = Self::bare(foreign.into(), Family::FourDGaussians, digests(folder, &files)?);
+        Ok(Self { background, notes, ..bare })
     }
 
     fn open_ply(file: &Path) -> Result<Self, DataError> {
         let ply::Decoded { gaussians, notes } = ply::read(file)?;
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self {
-            model: Model { gaussians, ..Model::default() },
-            family: Family::Ply,
-            scene: None,
-            profile: None,
-            sampling: None,
-            saw_depth: None,
-            background: None,
-            inputs: BTreeMap::from([(name, sha256_file(file)?)]),
-            notes,
-        })
+        let model = Model { gaussians, ..Model::default() };
+        let inputs = BTreeMap::from([(name, sha256_file(file)?)]);
+        Ok(Self { notes, ..Self::bare(model, Family::Ply, inputs) })
+    }
+
+    /// A model that says nothing of its origin.
+    fn bare(model: Model, family: Family, inputs: BTreeMap<String, String>) -> Self {
+        let (scene, profile, sampling, saw_depth, background) = (None, None, None, None, None);
+        Self { model, family, scene, profile, sampling, saw_depth, background, inputs, notes: Vec::new() }
     }
 }
 
@@ -193,24 +178,14 @@ mod tests {
     }
 
     #[test]
-    fn a_model_says_whether_it_saw_depth_and_older_ones_follow_from_their_settings() {
+    fn a_model_says_whether_it_saw_depth() {
         let folder = tempfile::tempdir().unwrap();
-        let write = |saw_depth: Option<bool>, profile: Profile, init: Option<&str>| {
-            let mut checkpoint = Checkpoint { saw_depth, profile: Some(profile), ..model().into() };
-            let origin = init.map(|init| serde_json::json!({ "init": init, "settings": {} }));
-            checkpoint.training.values.extend(origin.map(|origin| ("origin".to_owned(), origin)));
+        for saw_depth in [None, Some(true), Some(false)] {
+            let checkpoint = Checkpoint { saw_depth, model: model(), ..Checkpoint::default() };
             own::write(folder.path(), &checkpoint).unwrap();
-            let found = Source::open(folder.path()).unwrap().saw_depth;
-            assert_eq!(Source::saw_depth_of(folder.path()).unwrap(), found);
-            found
-        };
-        assert_eq!(write(Some(true), Profile::Tiny, Some("sweep")), Some(true));
-        assert_eq!(write(Some(false), Profile::Tiny, Some("points3D.txt")), Some(false));
-        assert_eq!(write(None, Profile::Tiny, Some("depth")), Some(true));
-        assert_eq!(write(None, Profile::Small, Some("random")), Some(true), "what moves was told from depth");
-        assert_eq!(write(None, Profile::Small, Some("sweep")), Some(false));
-        assert_eq!(write(None, Profile::Real, Some("random")), Some(false), "captures have no depth");
-        assert_eq!(write(None, Profile::Small, None), None);
+            assert_eq!(Source::open(folder.path()).unwrap().saw_depth, saw_depth);
+            assert_eq!(Source::saw_depth_of(folder.path()).unwrap(), saw_depth);
+        }
         assert_eq!(Source::saw_depth_of(&folder.path().join("nowhere")).unwrap(), None);
     }
 

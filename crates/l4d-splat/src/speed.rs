@@ -20,7 +20,7 @@ use self::subject::Subject;
 use self::table::csv_of;
 pub use self::table::{INVISIBLE_DB, Row, text};
 pub use self::variants::{Backend, Sweep};
-use self::variants::{Backends, variants};
+use self::variants::{backends, variants};
 
 type Result<T, E = StageError> = std::result::Result<T, E>;
 
@@ -70,17 +70,17 @@ pub struct Speed {
 /// # Errors
 /// A scene or model that cannot be read or drawn.
 pub fn measure_speed(order: &Order<'_>, adapters: Vec<Backend>, progress: &dyn Progress) -> Result<Speed> {
-    let backends = Backends::with(adapters)?;
+    let backends = backends(adapters)?;
     let subject = Subject::open(order)?;
     let variants = variants(&subject, order.sweeps, &backends)?;
     progress.note(&format_args!("{}: {} variants", subject.about, variants.len()));
     let truth = Truth::draw(&subject)?;
     progress.start("measuring", variants.len() as u64 * (u64::from(order.repeats) + 1));
     let advance = || progress.advance(1);
-    let measured = measure(&subject, &truth, &variants, &backends, order.repeats, &advance)?;
+    let measured = measure(&subject, &truth, &variants, order.repeats, &advance)?;
     progress.finish();
-    let row = |(variant, measured)| Row::new(variant, &backends, measured);
-    let rows: Vec<Row> = variants.iter().zip(&measured).map(row).collect();
+    let rows: Vec<Row> =
+        variants.iter().zip(&measured).map(|(variant, measured)| Row::new(variant, measured)).collect();
     write_atomic(&order.folder.join("splats.csv"), &csv_of(&rows)?)?;
     Ok(Speed { about: subject.about, rows, has_held_out: subject.seen.is_some() })
 }

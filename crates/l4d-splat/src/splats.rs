@@ -64,17 +64,7 @@ impl Splats {
 
     /// The same values in f64.
     pub fn to_f64(&self) -> Splats<f64> {
-        let parts = &self.parts;
-        Splats {
-            parts: SplatParts {
-                sh_degree: parts.sh_degree,
-                means: rows(&parts.means),
-                scales: rows(&parts.scales),
-                rotations: rows(&parts.rotations),
-                opacities: parts.opacities.iter().copied().map(f64::from).collect(),
-                sh: rows(&parts.sh),
-            },
-        }
+        Splats { parts: self.parts.map(f64::from) }
     }
 }
 
@@ -131,12 +121,33 @@ impl<F> Splats<F> {
     }
 }
 
-fn rows<const N: usize>(list: &[[f32; N]]) -> Vec<[f64; N]> {
-    list.iter().map(|row| row.map(f64::from)).collect()
+impl<F: Copy> SplatParts<F> {
+    /// The same with every number changed.
+    pub(crate) fn map<G>(&self, change: impl Fn(F) -> G + Copy) -> SplatParts<G> {
+        SplatParts {
+            sh_degree: self.sh_degree,
+            means: self.means.iter().map(|row| row.map(change)).collect(),
+            scales: self.scales.iter().map(|row| row.map(change)).collect(),
+            rotations: self.rotations.iter().map(|row| row.map(change)).collect(),
+            opacities: self.opacities.iter().copied().map(change).collect(),
+            sh: self.sh.iter().map(|row| row.map(change)).collect(),
+        }
+    }
 }
 
 impl<F> SplatParts<F> {
-    /// All numbers, flat, in the order of [`SplatGradients::lists`].
+    /// All numbers, list after list in the order of the fields.
+    pub fn lists(&self) -> [&[F]; 5] {
+        [
+            self.means.as_flattened(),
+            self.scales.as_flattened(),
+            self.rotations.as_flattened(),
+            &self.opacities,
+            self.sh.as_flattened(),
+        ]
+    }
+
+    /// As [`Self::lists`], to be changed.
     pub(crate) fn lists_mut(&mut self) -> [&mut [F]; 5] {
         [
             self.means.as_flattened_mut(),
@@ -150,19 +161,11 @@ impl<F> SplatParts<F> {
 
 impl SplatParts {
     fn check_lengths(&self) -> Result<(), SplatError> {
-        let count = self.means.len();
-        let fields = [
-            ("scales", self.scales.len(), count),
-            ("rotations", self.rotations.len(), count),
-            ("opacities", self.opacities.len(), count),
-            ("sh", self.sh.len(), count.saturating_mul(self.sh_degree.coefficients())),
-        ];
-        match fields.into_iter().find(|(_, found, expected)| found != expected) {
-            Some((field, found, expected)) => {
-                Err(SplatError(format!("field `{field}` has {found} entries where {expected} are needed")))
-            }
-            None => Ok(()),
-        }
+        let Self { means, scales, rotations, opacities, sh, .. } = self;
+        let lengths = [means.len(), scales.len(), rotations.len(), opacities.len(), sh.len()];
+        let Some((list, found, expected)) = self.sh_degree.wrong_length(lengths) else { return Ok(()) };
+        let field = ["means", "scales", "rotations", "opacities", "sh"][list];
+        Err(SplatError(format!("field `{field}` has {found} entries where {expected} are needed")))
     }
 
     fn check_values(&self) -> Result<(), SplatError> {

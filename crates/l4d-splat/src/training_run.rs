@@ -23,7 +23,8 @@ use self::pictures::PictureSource;
 use self::report::{Effort, Report};
 use crate::checkpoint::own::Sampling;
 use crate::raster::Rasterizer;
-use crate::train::{InitialPoints, Quality, Settings, Stage, Trainer, measure, read_points};
+pub use crate::train::Settings;
+use crate::train::{InitialPoints, Quality, Stage, Trainer, measure, read_points};
 
 type Result<T, E = StageError> = std::result::Result<T, E>;
 
@@ -147,8 +148,8 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
         compared_with: held_out.digests.clone(),
     };
     let track = origin.track;
-    let folder = SplatsFolder::new(order.folder.clone());
-    let place = folder.root().display();
+    let folder = SplatsFolder(order.folder.clone());
+    let place = folder.0.display();
     let claim = folder.claim(&origin, order.overwrite)?;
     if let Claim::Done(manifest) = claim {
         progress.note(&format_args!("{place} holds this model already"));
@@ -187,7 +188,7 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
         measure_seconds: begin.elapsed().as_secs_f64(),
         fine,
     };
-    let manifest = folder.settle(trainer.model(), &trainer, &origin, &report)?;
+    let manifest = folder.settle(&trainer, &origin, &report)?;
     Ok(Trained { manifest, track })
 }
 

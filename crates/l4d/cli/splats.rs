@@ -63,9 +63,6 @@ pub(crate) struct TrainSplatsArgs {
     /// random or points, depth is not looked at
     #[arg(long, value_name = "WEIGHT")]
     pub(crate) depth_weight: Option<f32>,
-    /// Share of 1 - SSIM in the loss of colour, the rest is L1; default: 0
-    #[arg(long, value_name = "WEIGHT")]
-    pub(crate) dssim_weight: Option<f32>,
     /// Stop after so many looks at the training pictures (one every 500 iterations) without progress; 0: never early;
     /// default: 3
     #[arg(long, value_name = "N")]
@@ -183,18 +180,10 @@ pub(crate) enum SweepArg {
     Count,
     /// Lower degrees of the spherical harmonics
     Degree,
-    /// Thresholds of alpha and transmittance
-    Cutoffs,
-    /// What hardly moves stands still
-    Static,
     /// Smaller pictures, enlarged
     Resolution,
-    /// Parameters stored in 16-bit floats
-    F16,
     /// Other instructions, one thread, graphics adapters
     Rasterizer,
-    /// Several of these at once
-    Together,
 }
 
 #[derive(Debug, Args)]

@@ -4,8 +4,7 @@ use anyhow::Result;
 use l4d_data::results::Track;
 use l4d_data::{Benchmark, Name, Workspace};
 use l4d_splat::checkpoint::own::Sampling;
-use l4d_splat::train::Settings;
-use l4d_splat::training_run::{Order, train_scene};
+use l4d_splat::training_run::{Order, Settings, train_scene};
 
 use crate::cli::splats::TrainSplatsArgs;
 use crate::out::{ExitStatus, Printer};
@@ -54,7 +53,6 @@ fn settings(args: &TrainSplatsArgs) -> Settings {
         fine: args.fine.unwrap_or(default.fine),
         views: args.views_per_iteration.unwrap_or(default.views),
         depth_weight: args.depth_weight.unwrap_or(default.depth_weight),
-        dssim_weight: args.dssim_weight.unwrap_or(default.dssim_weight),
         patience: args.patience.unwrap_or(default.patience),
         ..default
     }

@@ -1,12 +1,6 @@
 // The inner loop: the Gaussians of one tile over its pixels, front to back. Owns the order of the tests, once for
 // all passes that use blend weights. A lane holds four pixels side by side.
 struct Part {
-    // Tiles of this dispatch; the first starts a row of tiles.
-    first_tile: u32,
-    end_tile: u32,
-    // Pairs of tile and Gaussian whose sums this dispatch keeps.
-    first_pair: u32,
-    end_pair: u32,
     // Of each tile the entries that this dispatch blends, counted from the tile's first.
     first_entry: u32,
     end_entry: u32,
@@ -63,10 +57,9 @@ fn strip_of(tile: u32, lane: u32) -> Strip {
     return strip_at(column, row);
 }
 
-// Of the first pixel of a strip among those of this dispatch, row-major.
+// Of the first pixel of a strip, row-major.
 fn pixel_of(strip: Strip) -> u32 {
-    let first_row = part.first_tile / scene.tiles.x * TILE;
-    return (strip.row - first_row) * scene.pixels.x + strip.column;
+    return strip.row * scene.pixels.x + strip.column;
 }
 
 // Entries of a tile that this dispatch blends.

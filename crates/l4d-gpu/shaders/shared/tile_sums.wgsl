@@ -21,9 +21,7 @@ fn reduce_lanes(first: u32, staged_count: u32, lane: u32) {
             sum += lane_sums[lane * LANE_STRIDE + other];
         }
         let pair = staged_pairs[first + lane / WIDTH];
-        if (pair >= part.first_pair && pair < part.end_pair) {
-            partials[(pair - part.first_pair) * WIDTH + lane % WIDTH] = sum;
-        }
+        partials[pair * WIDTH + lane % WIDTH] = sum;
     }
     workgroupBarrier();
 }
@@ -32,10 +30,8 @@ fn reduce_lanes(first: u32, staged_count: u32, lane: u32) {
 fn store_zeros(first: u32, end: u32, lane: u32) {
     for (var i = first + lane; i < end; i += LANES) {
         let pair = pairs[i];
-        if (pair >= part.first_pair && pair < part.end_pair) {
-            for (var number = 0u; number < WIDTH; number++) {
-                partials[(pair - part.first_pair) * WIDTH + number] = 0.0;
-            }
+        for (var number = 0u; number < WIDTH; number++) {
+            partials[pair * WIDTH + number] = 0.0;
         }
     }
 }

@@ -24,16 +24,6 @@ fn twice_the_same_bytes() {
 }
 
 #[test]
-fn parts_that_fit_give_the_bytes_of_the_whole() {
-    // Several bands, several batches of pairs, several pieces of spherical harmonics.
-    for (name, limit) in [("room", 50_000), ("cloud", 35_000)] {
-        let case = cases().into_iter().find(|case| case.name == name).unwrap();
-        let small = open().with_binding_limit(limit);
-        assert!(outputs(&small, &case) == outputs(gpu(), &case), "{name}");
-    }
-}
-
-#[test]
 fn many_threads_may_ask_at_once() {
     let cases: Vec<Case> = some_cases().collect();
     let alone: Vec<Outputs> = cases.iter().map(|case| outputs(gpu(), case)).collect();

@@ -12,7 +12,7 @@ mod determinism;
 mod refusals;
 
 fn open() -> Gpu {
-    Gpu::open(&AdapterChoice::Environment).unwrap_or_else(|error| panic!("{error}"))
+    Gpu::open(&AdapterChoice::Best).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Opened once, so that passes are compiled once.

@@ -3,11 +3,10 @@
 //! ```text
 //! <model>/cfg_args
 //! <model>/point_cloud/{iteration_<N>,coarse_iteration_<N>}/
-//!     point_cloud.ply  deformation.pth  deformation_table.pth
+//!     point_cloud.ply  deformation.pth
 //! ```
 
 mod config;
-pub mod keys;
 
 use std::fmt;
 use std::path::Path;
@@ -15,11 +14,11 @@ use std::path::Path;
 use l4d_data::DataError;
 use l4d_data::store::list_folder;
 use l4d_formats::fault::quoted;
-use l4d_formats::{Fault, Tensor, pickle};
+use l4d_formats::{Fault, pickle};
 
 use super::cfg_args::{CfgArgs, Literal};
 use super::{build_field, ply};
-use crate::deform::{DeformConfig, DeformationField};
+use crate::deform::{DeformConfig, DeformationField, PREFIX};
 use crate::gaussians::Gaussians;
 
 const REMEDY_FOLDER: &str =
@@ -72,9 +71,6 @@ pub struct ForeignModel {
     pub gaussians: Gaussians,
     /// The field.
     pub field: DeformationField,
-    /// Which Gaussians the original meant to deform. **It draws as if all were true**: its renderer reads the list and
-    /// does not use it.
-    pub table: Vec<bool>,
     /// The options of the run.
     pub args: CfgArgs,
     /// What was ignored or assumed: for people, a sentence each.
@@ -88,64 +84,38 @@ impl ForeignModel {
     }
 }
 
-/// All saves in a model folder, the oldest first.
-///
-/// # Errors
-/// A folder without `point_cloud`.
-pub fn saves(model: &Path) -> Result<Vec<Save>, DataError> {
-    let folder = model.join("point_cloud");
-    if !folder.is_dir() {
-        return Err(DataError::invalid(model, "folder `point_cloud`", "is missing", REMEDY_FOLDER));
-    }
-    let mut saves: Vec<Save> = list_folder(&folder)?.iter().filter_map(|name| Save::parse(name)).collect();
-    saves.sort_unstable();
-    Ok(saves)
-}
-
-/// Reads a save of a model, or the newest: the last fine one, or the last coarse one where none is fine.
+/// Reads the newest save of a model: the last fine one, or the last coarse one where none is fine.
 ///
 /// # Errors
 /// Files that are missing, damaged or do not belong together, and options that change what the field computes.
-pub fn read(model: &Path, save: Option<Save>) -> Result<ForeignModel, DataError> {
-    let found = saves(model)?;
-    let newest = found.last().copied();
-    let save = save.or(newest).filter(|save| found.contains(save)).ok_or_else(|| {
-        let names: Vec<String> = found.iter().map(Save::to_string).collect();
-        let message = match save {
-            Some(save) => format!(
-                "has no {save}, only: {}",
-                if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
-            ),
-            None => "holds no save".to_owned(),
-        };
-        DataError::invalid(model, "folder `point_cloud`", message, REMEDY_FOLDER)
-    })?;
-    let folder = model.join("point_cloud").join(save.to_string());
+pub fn read(model: &Path) -> Result<ForeignModel, DataError> {
+    let folder = model.join("point_cloud");
+    let missing = |message| DataError::invalid(model, "folder `point_cloud`", message, REMEDY_FOLDER);
+    if !folder.is_dir() {
+        return Err(missing("is missing"));
+    }
+    let saves = list_folder(&folder)?;
+    let save = saves.iter().filter_map(|name| Save::parse(name)).max();
+    let save = save.ok_or_else(|| missing("holds no save"))?;
+    let folder = folder.join(save.to_string());
     let args = CfgArgs::read(&model.join("cfg_args"))?;
     let ply::Decoded { gaussians, mut notes } = ply::read(&folder.join("point_cloud.ply"))?;
     let mut tensors = pickle::read_state_dict(&folder.join("deformation.pth"))?;
     let config = config::derive(&args, &tensors).map_err(|fault| fault.at(model))?;
     check_harmonics(&args, &gaussians, &config).map_err(|fault| fault.at(model))?;
     let field = build_field(config, &tensors).map_err(|fault| fault.at(model))?;
-    tensors.retain(|name, _| !name.starts_with(keys::PREFIX) && !keys::is_unused(name));
+    tensors.retain(|name, _| !name.starts_with(PREFIX) && !is_unused(name));
     if !tensors.is_empty() {
         let names: Vec<String> = tensors.keys().take(8).map(|name| quoted(name)).collect();
         notes.push(format!("deformation.pth has parameters that 4DGaussians does not: {}", names.join(", ")));
     }
+    Ok(ForeignModel { save, gaussians, field, args, notes })
+}
 
-    let count = gaussians.len();
-    let table = folder.join("deformation_table.pth");
-    let table = match table.exists() {
-        true => table_of(pickle::read_tensor(&table)?, count).map_err(|fault| fault.at(&table))?,
-        // The original can do without.
-        false => vec![true; count],
-    };
-    if table.contains(&false) {
-        notes.push(
-            "deformation_table.pth leaves Gaussians out; the original draws as if it did not".to_owned(),
-        );
-    }
-    Ok(ForeignModel { save, gaussians, field, table, args, notes })
+/// Parameters that the original saves and nothing computes with: tables of powers of two, and a network for time.
+fn is_unused(name: &str) -> bool {
+    let tables = ["time_poc", "pos_poc", "rotation_scaling_poc", "opacity_poc"];
+    name.starts_with("timenet.") || tables.contains(&name)
 }
 
 /// The degree is in the options, in the number of `f_rest_*`, and in the head that changes colours.
@@ -164,20 +134,4 @@ fn check_harmonics(args: &CfgArgs, gaussians: &Gaussians, config: &DeformConfig)
         return Err(Fault::new("parameter `deformation_net.shs_deform.3.bias`", message, REMEDY_ONE_SAVE));
     }
     Ok(())
-}
-
-fn table_of(tensor: Tensor, count: usize) -> Result<Vec<bool>, Fault> {
-    if tensor.shape != [count] {
-        let shape = &tensor.shape;
-        let message = format!("has the shape {shape:?}, but the Gaussians of point_cloud.ply need [{count}]");
-        return Err(Fault::new("tensor", message, REMEDY_ONE_SAVE));
-    }
-    match tensor.data.iter().find(|&&value| value != 0.0 && value != 1.0) {
-        Some(value) => Err(Fault::new(
-            "tensor",
-            format!("has the value {value}, but truth values belong there"),
-            REMEDY_ONE_SAVE,
-        )),
-        None => Ok(tensor.data.into_iter().map(|value| value == 1.0).collect()),
-    }
 }

@@ -5,9 +5,7 @@
 //! <folder>/splats-<digest>.safetensors
 //! ```
 
-mod card;
-mod tensors;
-
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -17,15 +15,13 @@ use serde::{Deserialize, Serialize};
 
 use l4d_formats::fault::quoted;
 use l4d_formats::tensor::element_count;
-use l4d_formats::tensor_file::TensorFileKind;
+use l4d_formats::tensor_file::{Column, Found, TensorFile, TensorFileKind};
 use l4d_formats::{Fault, Tensor};
 
 use super::{MAX_BYTES, build_field, check_gaussians};
-use crate::deform::DeformationField;
-use crate::gaussians::{Gaussians, ShDegree};
-use card::Card;
-
-pub use card::SCHEMA;
+use crate::deform::{DeformConfig, DeformationField};
+use crate::gaussians::{FIELDS, Gaussians, ShDegree};
+use crate::model::Model;
 
 /// The file that makes a folder a checkpoint.
 pub const CARD: &str = "checkpoint.json";
@@ -45,15 +41,17 @@ const KIND: TensorFileKind = TensorFileKind {
     remedy: REMEDY,
 };
 
+/// Names of the tensors, or what they begin with.
+const GAUSSIANS: &str = "gaussians/";
+const DYNAMIC: &str = "dynamic";
+const DEFORMATION: &str = "deformation/";
+const TRAINING: &str = "training/";
+
 /// A model, where it comes from, and how far its training got.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Checkpoint {
-    /// The canonical Gaussians.
-    pub gaussians: Gaussians,
-    /// The Gaussians that go through the field, ascending.
-    pub dynamic: Vec<u32>,
-    /// The deformation field; none for a scene that does not move.
-    pub field: Option<DeformationField>,
+    /// The model.
+    pub model: Model,
     /// Steps of training so far.
     pub iteration: u64,
     /// Scene of the benchmark, where there is one.
@@ -107,15 +105,66 @@ pub struct Training {
     pub values: serde_json::Map<String, serde_json::Value>,
 }
 
+/// Schema tag of a checkpoint.
+const SCHEMA: &str = "l4d/splats/1";
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Card {
+    schema: String,
+    scene: Option<Name>,
+    profile: Option<Profile>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sampling: Option<Sampling>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    saw_depth: Option<bool>,
+    iteration: u64,
+    gaussians: usize,
+    dynamic: usize,
+    sh_degree: u8,
+    deformation: Option<DeformConfig>,
+    tensors: TensorFile,
+    inputs: BTreeMap<String, String>,
+    training: serde_json::Map<String, serde_json::Value>,
+}
+
+impl Card {
+    /// Refuses what no checkpoint says; gives the degree of the harmonics.
+    fn check(&self) -> Result<ShDegree, Fault> {
+        if self.schema != SCHEMA {
+            let message = format!("is {}, but this l4d reads `{SCHEMA}`", quoted(&self.schema));
+            return Err(Fault::new(
+                "field `schema`",
+                message,
+                "read the checkpoint with the l4d that wrote it",
+            ));
+        }
+        KIND.check(&self.tensors)?;
+        ShDegree::new(self.sh_degree).ok_or_else(|| {
+            Fault::new("field `sh_degree`", format!("is {}, but degrees end at 3", self.sh_degree), REMEDY)
+        })
+    }
+}
+
 /// Writes a checkpoint into a folder, in place of the one that is there.
 ///
 /// # Errors
 /// Lists of several lengths, numbers that are not finite, and what the disk refuses.
 pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
     check(checkpoint).map_err(|fault| fault.at(&folder.join(CARD)))?;
-    let field = checkpoint.field.as_ref().map(DeformationField::tensors).unwrap_or_default();
-    let mut columns = tensors::columns(checkpoint);
-    columns.extend(tensors::named(tensors::DEFORMATION, &field));
+    let model = &checkpoint.model;
+    let field = model.field.as_ref().map(DeformationField::tensors).unwrap_or_default();
+    let dynamic = Column::U32(vec![model.dynamic.len()], Cow::Borrowed(&model.dynamic));
+    let mut columns = vec![(DYNAMIC.to_owned(), dynamic)];
+    let shapes = shapes(model.gaussians.len(), model.gaussians.sh_degree);
+    for ((field, shape), list) in FIELDS.into_iter().zip(shapes).zip(model.gaussians.flat()) {
+        columns.push((format!("{GAUSSIANS}{field}"), Column::F32(shape, Cow::Borrowed(list))));
+    }
+    for (prefix, tensors) in [(TRAINING, &checkpoint.training.tensors), (DEFORMATION, &field)] {
+        columns.extend(tensors.iter().map(|(name, tensor)| {
+            (format!("{prefix}{name}"), Column::F32(tensor.shape.clone(), Cow::Borrowed(&tensor.data)))
+        }));
+    }
     KIND.write(folder, columns, |tensors| Card {
         schema: SCHEMA.to_owned(),
         scene: checkpoint.scene.clone(),
@@ -123,10 +172,10 @@ pub fn write(folder: &Path, checkpoint: &Checkpoint) -> Result<(), DataError> {
         sampling: checkpoint.sampling,
         saw_depth: checkpoint.saw_depth,
         iteration: checkpoint.iteration,
-        gaussians: checkpoint.gaussians.len(),
-        dynamic: checkpoint.dynamic.len(),
-        sh_degree: checkpoint.gaussians.sh_degree.get(),
-        deformation: checkpoint.field.as_ref().map(|field| field.config().clone()),
+        gaussians: model.gaussians.len(),
+        dynamic: model.dynamic.len(),
+        sh_degree: model.gaussians.sh_degree.get(),
+        deformation: model.field.as_ref().map(|field| field.config().clone()),
         tensors,
         inputs: checkpoint.inputs.clone(),
         training: checkpoint.training.values.clone(),
@@ -148,7 +197,7 @@ pub fn read(folder: &Path) -> Result<Checkpoint, DataError> {
 /// # Errors
 /// A card that cannot be read.
 pub fn saw_depth(folder: &Path) -> Result<Option<bool>, DataError> {
-    Ok(read_card(folder)?.0.saw_depth())
+    Ok(read_card(folder)?.0.saw_depth)
 }
 
 fn read_card(folder: &Path) -> Result<(Card, ShDegree), DataError> {
@@ -160,11 +209,10 @@ fn read_card(folder: &Path) -> Result<(Card, ShDegree), DataError> {
 
 fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Fault> {
     let mut found = KIND.found(bytes)?;
-    let gaussians = tensors::gaussians(&mut found, card.gaussians, degree)?;
-    let dynamic = tensors::dynamic(&mut found, card.dynamic)?;
-    let saw_depth = card.saw_depth();
-    let field_tensors = found.below(tensors::DEFORMATION)?;
-    let training_tensors = found.below(tensors::TRAINING)?;
+    let gaussians = gaussians(&mut found, card.gaussians, degree)?;
+    let dynamic = found.u32(DYNAMIC, &[card.dynamic])?;
+    let field_tensors = found.below(DEFORMATION)?;
+    let training_tensors = found.below(TRAINING)?;
     found.finish()?;
     let field = match card.deformation {
         Some(config) => Some(build_field(config, &field_tensors)?),
@@ -174,14 +222,12 @@ fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Faul
         }
     };
     let checkpoint = Checkpoint {
-        gaussians,
-        dynamic,
-        field,
+        model: Model { gaussians, dynamic, field },
         iteration: card.iteration,
         scene: card.scene,
         profile: card.profile,
         sampling: card.sampling,
-        saw_depth,
+        saw_depth: card.saw_depth,
         inputs: card.inputs,
         training: Training { tensors: training_tensors, values: card.training },
     };
@@ -189,18 +235,44 @@ fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Faul
     Ok(checkpoint)
 }
 
+/// Of the lists of Gaussians.
+fn shapes(count: usize, degree: ShDegree) -> [Vec<usize>; 5] {
+    [vec![count, 3], vec![count, 3], vec![count, 4], vec![count], vec![count, degree.coefficients(), 3]]
+}
+
+fn gaussians(found: &mut Found<'_>, count: usize, degree: ShDegree) -> Result<Gaussians, Fault> {
+    let mut lists = FIELDS.into_iter().zip(shapes(count, degree));
+    let mut list = || match lists.next() {
+        Some((field, shape)) => found.f32(&format!("{GAUSSIANS}{field}"), &shape),
+        None => Ok(Vec::new()),
+    };
+    Ok(Gaussians {
+        sh_degree: degree,
+        means: rows(list()?),
+        log_scales: rows(list()?),
+        rotations: rows(list()?),
+        opacity_logits: list()?,
+        sh: rows(list()?),
+    })
+}
+
+fn rows<const N: usize>(numbers: Vec<f32>) -> Vec<[f32; N]> {
+    numbers.as_chunks::<N>().0.to_vec()
+}
+
 /// What holds for every checkpoint, read or written. A field checks itself when it is built.
 fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
-    check_gaussians(&checkpoint.gaussians)?;
-    let count = checkpoint.gaussians.len();
+    let Model { gaussians, dynamic, field } = &checkpoint.model;
+    check_gaussians(gaussians)?;
+    let count = gaussians.len();
     let fault = |message: String| Fault::new("field `dynamic`", message, REMEDY);
-    if let Some(pair) = checkpoint.dynamic.windows(2).find(|pair| pair[0] >= pair[1]) {
+    if let Some(pair) = dynamic.windows(2).find(|pair| pair[0] >= pair[1]) {
         return Err(fault(format!("has {} before {}, but the list ascends", pair[0], pair[1])));
     }
-    if let Some(beyond) = checkpoint.dynamic.last().filter(|&&last| last as usize >= count) {
+    if let Some(beyond) = dynamic.last().filter(|&&last| last as usize >= count) {
         return Err(fault(format!("names Gaussian {beyond}, but there are {count}")));
     }
-    if checkpoint.field.is_none() && !checkpoint.dynamic.is_empty() {
+    if field.is_none() && !dynamic.is_empty() {
         return Err(fault("says that Gaussians move, but there is no deformation field".to_owned()));
     }
     for (name, tensor) in &checkpoint.training.tensors {

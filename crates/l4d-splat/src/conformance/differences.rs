@@ -19,7 +19,7 @@ pub struct Agreement {
     pub skipped: usize,
 }
 
-/// A step by a number of a field, in the order of [`crate::splats::SplatGradients::lists`]: small in the picture and large in f64.
+/// A step by a number of a field, in the order of [`crate::splats::SplatParts::lists`]: small in the picture and large in f64.
 fn step(field: usize, value: f64, metres_per_pixel: f64) -> f64 {
     match field {
         0 => 1e-4 * metres_per_pixel,
@@ -38,7 +38,7 @@ pub fn central_differences(case: &Case, samples: usize) -> Result<Agreement, Ras
     let scene = |splats: &Splats<f64>| Reference::scene(splats, &case.view, &case.settings);
     let splats = case.splats.to_f64();
     let base = scene(&splats)?;
-    let weights = random_gradient(&case.view, 31).to_f64();
+    let weights = random_gradient(&case.view, 31).map(f64::from);
     let gradients = base.backward(&weights)?;
     let depths = base.depths_m();
     let visible: Vec<usize> = (0..splats.len()).filter(|&index| gradients.visible[index]).collect();
@@ -49,7 +49,7 @@ pub fn central_differences(case: &Case, samples: usize) -> Result<Agreement, Ras
     let decisions = base.decisions();
     let (_, size) = loss(&base.draw(), &weights);
     let mut random = ChaCha8Rng::seed_from_u64(32);
-    for (field, gradient) in gradients.lists().into_iter().enumerate() {
+    for (field, gradient) in gradients.by.lists().into_iter().enumerate() {
         let largest = gradient.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let width = gradient.len() / splats.len();
         for _ in 0..samples {

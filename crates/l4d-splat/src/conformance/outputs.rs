@@ -15,7 +15,6 @@ pub struct Outputs {
     gradients: SplatGradients,
     spread: Vec<u32>,
     gathered: Vec<u32>,
-    radii: Vec<u32>,
 }
 
 impl Outputs {
@@ -39,7 +38,6 @@ impl Outputs {
             gradients,
             spread: bits(projected.splat_features(&features, CHANNELS)?),
             gathered: bits(projected.gather_features(&pixels, CHANNELS)?),
-            radii: bits(projected.radii_px()?),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! The box whose inside the planes resolve. Outside it everything is as on its nearest face.
 
-use super::error::DeformError;
+use super::DeformError;
 
 /// An axis-aligned box in world axes that has an inside.
 #[derive(Debug, Clone, Copy, PartialEq)]

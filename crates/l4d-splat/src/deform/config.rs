@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::DeformError;
+use super::DeformError;
 
 /// Planes and layers together may hold this many numbers (1 GiB); a 4DGaussians field holds 2 to 8 million.
 const MAX_PARAMETERS: u64 = 1 << 28;
@@ -59,53 +59,6 @@ pub struct DeformConfig {
     pub time_axis: TimeAxis,
 }
 
-/// What one branch of the network changes. The order is that of the fields of [`super::Offsets`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Head {
-    Means,
-    LogScales,
-    Rotations,
-    OpacityLogits,
-    Sh,
-}
-
-impl Head {
-    pub(super) const ALL: [Self; 5] =
-        [Self::Means, Self::LogScales, Self::Rotations, Self::OpacityLogits, Self::Sh];
-
-    /// Name of the field of [`super::Offsets`].
-    pub(super) fn field(self) -> &'static str {
-        match self {
-            Self::Means => "means",
-            Self::LogScales => "log_scales",
-            Self::Rotations => "rotations",
-            Self::OpacityLogits => "opacity_logits",
-            Self::Sh => "sh",
-        }
-    }
-
-    /// Numbers that the branch gives for a row.
-    pub(super) fn outputs(self, config: &DeformConfig) -> usize {
-        match self {
-            Self::Means | Self::LogScales => 3,
-            Self::Rotations => 4,
-            Self::OpacityLogits => 1,
-            Self::Sh => 3 * config.sh_coefficients,
-        }
-    }
-
-    /// Whether the field changes it at all.
-    pub(super) fn is_on(self, config: &DeformConfig) -> bool {
-        !match self {
-            Self::Means => config.no_dx,
-            Self::LogScales => config.no_ds,
-            Self::Rotations => config.no_dr,
-            Self::OpacityLogits => config.no_do,
-            Self::Sh => config.no_dshs,
-        }
-    }
-}
-
 impl DeformConfig {
     /// What 4DGaussians calls its configuration for multi-camera video (`dynerf`, `multipleview`).
     pub fn dynerf() -> Self {
@@ -123,6 +76,22 @@ impl DeformConfig {
             sh_coefficients: 16,
             time_axis: TimeAxis::Half,
         }
+    }
+
+    /// Numbers that each head gives for a row, in the order of [`FIELDS`](crate::gaussians::FIELDS).
+    pub(super) fn outputs(&self) -> [usize; 5] {
+        [3, 3, 4, 1, 3 * self.sh_coefficients]
+    }
+
+    /// Whether the field changes each of these lists at all.
+    pub(super) fn is_on(&self) -> [bool; 5] {
+        [self.no_dx, self.no_ds, self.no_dr, self.no_do, self.no_dshs].map(|off| !off)
+    }
+
+    /// Numbers that each list of offsets has for so many rows.
+    pub(super) fn lengths(&self, rows: usize) -> [usize; 5] {
+        let (outputs, is_on) = (self.outputs(), self.is_on());
+        std::array::from_fn(|head| if is_on[head] { rows * outputs[head] } else { 0 })
     }
 
     /// Width of what the planes say of a place at a time: channels of all levels.
@@ -177,7 +146,7 @@ impl DeformConfig {
         };
         let texels: u64 = self.multires.iter().map(planes).fold(0, u64::saturating_add);
         let width = self.width as u64;
-        let heads = Head::ALL.iter().map(|head| (head.outputs(self) as u64 + width) * (width + 1));
+        let heads = self.outputs().into_iter().map(|outputs| (outputs as u64 + width) * (width + 1));
         let layers = width * (self.features() as u64 + 1) + heads.sum::<u64>();
         texels.saturating_mul(self.channels as u64).saturating_add(layers)
     }

@@ -1,14 +1,15 @@
 //! The field itself: built, asked, and derived.
 
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::gaussians::Gaussians;
+use crate::gaussians::{BadValue, Gaussians};
 
+use super::DeformError;
 use super::bounds::Bounds;
 use super::config::DeformConfig;
-use super::error::DeformError;
 use super::grid::{Grid, GridAt, Plane};
-use super::init::Init;
 use super::network::{Activations, Network, Scratch, SlicesMut};
 use super::offsets::Offsets;
 
@@ -56,6 +57,43 @@ pub struct Trace {
     samples: Vec<f32>,
 }
 
+/// How the layers begin. Planes begin alike: uniform in 0.1..0.5 in space, 1 in time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Init {
+    /// As 4DGaussians: weights uniform by Xavier's rule, biases uniform within one over the root of the inputs. The
+    /// untrained field then moves all Gaussians by almost the same 0.1 to 0.2 units, which has to be unlearned.
+    Foreign,
+    /// The same, but the last layer of each head is zero: the untrained field changes nothing.
+    Identity,
+}
+
+impl Init {
+    /// Fills planes and layers; the same seed gives the same numbers.
+    fn fill(self, grid: &mut Grid, network: &mut Network, seed: u64) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for plane in grid.planes_mut() {
+            if plane.has_time {
+                plane.texels.fill(1.0);
+            } else {
+                plane.texels.fill_with(|| random.random_range(0.1..0.5));
+            }
+        }
+        for layer in network.layers_mut() {
+            let (inputs, outputs) = (layer.inputs() as f32, layer.outputs() as f32);
+            let weight = (6.0 / (inputs + outputs)).sqrt();
+            let bias = 1.0 / inputs.sqrt();
+            layer.weight.fill_with(|| random.random_range(-weight..weight));
+            layer.bias.fill_with(|| random.random_range(-bias..bias));
+        }
+        if self == Self::Identity {
+            for [_, last] in &mut network.heads {
+                last.weight.fill(0.0);
+                last.bias.fill(0.0);
+            }
+        }
+    }
+}
+
 impl DeformationField {
     /// An untrained field.
     ///
@@ -88,17 +126,12 @@ impl DeformationField {
     /// A position that is not finite and a time outside the clip; an offset that is not finite, which says that the
     /// parameters have diverged.
     pub fn offsets(&self, positions: &[[f32; 3]], time: f32) -> Result<Offsets, DeformError> {
-        self.check(positions, time)?;
-        let mut offsets = Offsets::zeros(&self.config, positions.len());
-        let grid = self.grid_at(time);
-        let outputs = offsets.blocks_mut(&self.config, BLOCK_ROWS, positions.len().div_ceil(BLOCK_ROWS));
-        positions.par_chunks(BLOCK_ROWS).zip(outputs).for_each_init(
-            Activations::default,
-            |block, (positions, outputs)| {
-                self.evaluate(&grid, positions, block, outputs);
-            },
-        );
-        self.checked(offsets)
+        self.answered(positions, time, |grid, outputs| {
+            let blocks = positions.par_chunks(BLOCK_ROWS).zip(outputs);
+            blocks.for_each_init(Activations::default, |block, (positions, outputs)| {
+                self.evaluate(grid, positions, block, outputs);
+            });
+        })
     }
 
     /// As [`Self::offsets`], and `trace` then holds what the derivative needs.
@@ -112,24 +145,40 @@ impl DeformationField {
         trace: &mut Trace,
     ) -> Result<Offsets, DeformError> {
         trace.positions.clear();
-        self.check(positions, time)?;
-        let mut offsets = Offsets::zeros(&self.config, positions.len());
-        let grid = self.grid_at(time);
-        let count = positions.len().div_ceil(BLOCK_ROWS);
-        trace.blocks.resize_with(count, Activations::default);
-        let outputs = offsets.blocks_mut(&self.config, BLOCK_ROWS, count);
-        let blocks = positions.par_chunks(BLOCK_ROWS).zip(outputs).zip(&mut trace.blocks);
-        blocks.for_each(|((positions, outputs), block)| self.evaluate(&grid, positions, block, outputs));
-        let offsets = self.checked(offsets)?;
+        let offsets = self.answered(positions, time, |grid, outputs| {
+            trace.blocks.resize_with(outputs.len(), Activations::default);
+            let blocks = positions.par_chunks(BLOCK_ROWS).zip(outputs).zip(&mut trace.blocks);
+            blocks.for_each(|((positions, outputs), block)| self.evaluate(grid, positions, block, outputs));
+        })?;
         trace.positions.extend_from_slice(positions);
         trace.time = time;
         Ok(offsets)
     }
 
+    /// Offsets of zero that `fill` writes, block by block.
+    fn answered(
+        &self,
+        positions: &[[f32; 3]],
+        time: f32,
+        fill: impl FnOnce(&GridAt<'_>, Vec<SlicesMut<'_>>),
+    ) -> Result<Offsets, DeformError> {
+        self.check(positions, time)?;
+        let mut offsets = self.config.zeros(positions.len());
+        let blocks = positions.len().div_ceil(BLOCK_ROWS);
+        fill(&self.grid_at(time), self.config.blocks_mut(&mut offsets, BLOCK_ROWS, blocks));
+        match offsets.bad_value_of(self.config.outputs()) {
+            Some(BadValue { field, index, value }) => Err(DeformError(format!(
+                "row {index}: the offset of `{field}` is {value}: the parameters of the field have diverged; go back \
+                 to an earlier checkpoint or train with lower learning rates"
+            ))),
+            None => Ok(offsets),
+        }
+    }
+
     /// The Gaussians at a time: those that `dynamic` names are changed by their offsets, the others stay.
     ///
     /// # Errors
-    /// As [`Self::offsets`] and [`Offsets::add_to`].
+    /// As [`Self::offsets`] and [`Gaussians::add_rows`].
     pub fn deformed(
         &self,
         canonical: &Gaussians,
@@ -142,7 +191,7 @@ impl DeformationField {
         };
         let positions: Vec<_> = dynamic.iter().enumerate().map(position).collect::<Result<_, _>>()?;
         let mut gaussians = canonical.clone();
-        self.offsets(&positions, time)?.add_to(&mut gaussians, dynamic)?;
+        gaussians.add_rows(&self.offsets(&positions, time)?, dynamic)?;
         Ok(gaussians)
     }
 
@@ -162,16 +211,16 @@ impl DeformationField {
         upstream: &Offsets,
         gradients: &mut FieldGradients,
     ) -> Result<Vec<[f32; 3]>, DeformError> {
-        upstream.check_lengths(&self.config, trace.positions.len())?;
-        if let Some((field, row, value)) = upstream.bad_value(&self.config) {
+        self.config.check_lengths(upstream, trace.positions.len())?;
+        if let Some(BadValue { field, index, value }) = upstream.bad_value_of(self.config.outputs()) {
             return Err(DeformError(format!(
-                "row {row}: the gradient of `{field}` is {value}: the loss or the rasterizer before it has diverged"
+                "row {index}: the gradient of `{field}` is {value}: the loss or the rasterizer before it has diverged"
             )));
         }
         let Trace { time, positions, blocks, samples } = trace;
         let grid = self.grid_at(*time);
         // Rows without gradient are skipped: most Gaussians are outside of a picture or behind others.
-        let rows = upstream.nonzero_rows(&self.config, positions.len());
+        let rows = self.config.nonzero_rows(upstream, positions.len());
         let at: Vec<[f32; 3]> = rows.iter().map(|&row| positions[row as usize]).collect();
         let mut slopes = vec![[0.0; 3]; rows.len()];
         samples.resize(rows.len() * grid.sample_gradients(), 0.0);
@@ -184,15 +233,15 @@ impl DeformationField {
             .zip(samples.par_chunks_mut(lane_rows * grid.sample_gradients()))
             .map(|(((rows, at), slopes), samples)| {
                 let mut sums = self.network.zeros_like();
-                let (mut block, mut outputs) = (Activations::default(), Offsets::default());
-                let (mut scratch, mut features) = (Scratch::default(), Vec::new());
+                let (mut block, mut scratch) = (Activations::default(), Scratch::default());
+                let mut features = Vec::new();
                 let parts = rows.chunks(BLOCK_ROWS).zip(at.chunks(BLOCK_ROWS));
                 let parts = parts.zip(slopes.chunks_mut(BLOCK_ROWS));
                 for (((rows, at), slopes), samples) in
                     parts.zip(samples.chunks_mut(BLOCK_ROWS * grid.sample_gradients()))
                 {
                     self.network.gather(blocks, BLOCK_ROWS, rows, &mut block);
-                    upstream.gather(self.config.sh_coefficients, rows, &mut outputs);
+                    let outputs = upstream.rows(self.config.sh_coefficients, rows);
                     features.resize(block.features.len(), 0.0);
                     self.network.backward(&block, outputs.flat(), &mut sums, &mut scratch, &mut features);
                     grid.backward(&self.bounds, at, &features, slopes, samples);
@@ -249,16 +298,6 @@ impl DeformationField {
         match positions.iter().position(|position| !is_finite(position)) {
             Some(row) => Err(DeformError::position(row, positions[row])),
             None => Ok(()),
-        }
-    }
-
-    fn checked(&self, offsets: Offsets) -> Result<Offsets, DeformError> {
-        match offsets.bad_value(&self.config) {
-            Some((field, row, value)) => Err(DeformError(format!(
-                "row {row}: the offset of `{field}` is {value}: the parameters of the field have diverged; go back to \
-                 an earlier checkpoint or train with lower learning rates"
-            ))),
-            None => Ok(offsets),
         }
     }
 }

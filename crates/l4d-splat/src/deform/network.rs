@@ -2,7 +2,7 @@
 //!
 //! Works on one block of rows at a time, whose intermediate results stay in a near cache.
 
-use super::config::{DeformConfig, Head};
+use super::config::DeformConfig;
 use super::matmul;
 
 /// A linear layer, or its gradient.
@@ -78,7 +78,7 @@ impl Linear {
 pub(super) struct Network {
     /// From the features of the planes to the width of the hidden layers.
     pub(super) trunk: Linear,
-    /// First and last layer of each head, in the order of [`Head::ALL`].
+    /// First and last layer of each head, in the order of [`FIELDS`](crate::gaussians::FIELDS).
     pub(super) heads: [[Linear; 2]; 5],
     is_on: [bool; 5],
 }
@@ -103,11 +103,11 @@ pub(super) type SlicesMut<'a> = [&'a mut [f32]; 5];
 impl Network {
     pub(super) fn zeros(config: &DeformConfig) -> Self {
         let width = config.width;
-        let head = |head: Head| [Linear::zeros(width, width), Linear::zeros(width, head.outputs(config))];
+        let head = |outputs: usize| [Linear::zeros(width, width), Linear::zeros(width, outputs)];
         Self {
             trunk: Linear::zeros(config.features(), width),
-            heads: Head::ALL.map(head),
-            is_on: Head::ALL.map(|head| head.is_on(config)),
+            heads: config.outputs().map(head),
+            is_on: config.is_on(),
         }
     }
 

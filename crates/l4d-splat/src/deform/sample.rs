@@ -5,7 +5,12 @@
 //! a line of texels: two texels per row instead of four, and lines small enough to stay in the nearest cache.
 
 use super::grid::Plane;
-use super::lanes::{LANES, Lanes, add_scaled, lerp, load, minus, sum, times};
+
+/// Channels that are handled together.
+const LANES: usize = 8;
+
+/// Numbers of so many channels.
+type Lanes = [f32; LANES];
 
 /// Samples whose product is a feature: of the planes (x,y), (x,z), (y,z), then of the lines along x, y, z that the
 /// planes (x,t), (y,t), (z,t) are at a time.
@@ -209,6 +214,48 @@ fn add(into: &mut [f32], gradient: &[f32], weight: f32) {
     for (into, gradient) in into.iter_mut().zip(gradient) {
         *into += weight * gradient;
     }
+}
+
+/// The first channels of a list, zeros where it is shorter.
+#[inline(always)]
+fn load(values: &[f32]) -> Lanes {
+    match values.first_chunk() {
+        Some(lanes) => *lanes,
+        None => load_part(values),
+    }
+}
+
+/// Apart, so that the common case stays a single vector instruction.
+#[cold]
+fn load_part(values: &[f32]) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    for (lane, value) in lanes.iter_mut().zip(values) {
+        *lane = *value;
+    }
+    lanes
+}
+
+fn times(a: Lanes, b: Lanes) -> Lanes {
+    std::array::from_fn(|lane| a[lane] * b[lane])
+}
+
+fn minus(a: Lanes, b: Lanes) -> Lanes {
+    std::array::from_fn(|lane| a[lane] - b[lane])
+}
+
+/// `a` where the fraction is 0, `b` where it is 1.
+fn lerp(a: Lanes, b: Lanes, fraction: f32) -> Lanes {
+    std::array::from_fn(|lane| a[lane] + (b[lane] - a[lane]) * fraction)
+}
+
+fn add_scaled(into: &mut Lanes, values: Lanes, scale: f32) {
+    for (into, value) in into.iter_mut().zip(values) {
+        *into += scale * value;
+    }
+}
+
+fn sum([a, b, c, d, e, f, g, h]: Lanes) -> f32 {
+    ((a + e) + (b + f)) + ((c + g) + (d + h))
 }
 
 #[cfg(test)]

@@ -4,93 +4,107 @@
 
 use std::collections::BTreeMap;
 
+use l4d_formats::fault::quoted;
+
 use crate::tensor::Tensor;
 
+use super::DeformError;
 use super::bounds::Bounds;
 use super::config::DeformConfig;
-use super::error::DeformError;
 use super::field::{DeformationField, FieldGradients};
-use super::grid::{Grid, Plane};
+use super::grid::{Grid, PAIRS, Plane};
 use super::network::Network;
 
+/// What everything that a field computes with begins with.
+pub(crate) const PREFIX: &str = "deformation_net.";
+
+/// Corners of the box in which planes are sampled: row 0 is the maximum, row 1 the minimum.
 const BOX: &str = "deformation_net.grid.aabb";
 
-fn plane_name(level: usize, pair: usize) -> String {
-    format!("deformation_net.grid.grids.{level}.{pair}")
+/// Name of a plane.
+pub(crate) fn plane_name(level: usize, pair: usize) -> String {
+    format!("{PREFIX}grid.grids.{level}.{pair}")
 }
 
-/// Names of the layers without `.weight` and `.bias`, in the order of [`Network::layers`].
-fn layer_names() -> impl Iterator<Item = String> {
-    let heads = ["pos", "scales", "rotations", "opacity", "shs"];
-    let layers = heads.into_iter().flat_map(|head| [(head, 1), (head, 3)]);
-    let names = layers.map(|(head, place)| format!("deformation_net.{head}_deform.{place}"));
-    std::iter::once("deformation_net.feature_out.0".to_owned()).chain(names)
+impl DeformConfig {
+    /// Names and shapes of all parameters that a field computes with: box (row 0 the maximum, row 1 the minimum),
+    /// planes, weights \[out\]\[in\] and biases of the linear layers, all five heads among them.
+    fn shapes(&self) -> Vec<(String, Vec<usize>)> {
+        let mut shapes = vec![(BOX.to_owned(), vec![2, 3])];
+        for (level, &multiplier) in self.multires.iter().enumerate() {
+            let axes = self.axes(multiplier);
+            shapes.extend(PAIRS.iter().enumerate().map(|(pair, &(first, second))| {
+                (plane_name(level, pair), vec![1, self.channels, axes[second], axes[first]])
+            }));
+        }
+        let mut linear = |name: String, outputs: usize, inputs: usize| {
+            shapes.push((format!("{PREFIX}{name}.weight"), vec![outputs, inputs]));
+            shapes.push((format!("{PREFIX}{name}.bias"), vec![outputs]));
+        };
+        linear("feature_out.0".to_owned(), self.width, self.features());
+        for (head, outputs) in ["pos", "scales", "rotations", "opacity", "shs"].iter().zip(self.outputs()) {
+            linear(format!("{head}_deform.1"), self.width, self.width);
+            linear(format!("{head}_deform.3"), outputs, self.width);
+        }
+        shapes
+    }
 }
 
 impl DeformationField {
     /// Every parameter by its name in 4DGaussians' `deformation.pth`, the box included. What that file has beyond
     /// them (frequency lists and a time network that is never called) is not part of a field.
     pub fn tensors(&self) -> BTreeMap<String, Tensor> {
-        let mut tensors = tensors(&self.grid, &self.network);
-        let corners = self.bounds().corners().as_flattened().to_vec();
-        tensors.insert(BOX.to_owned(), Tensor { shape: vec![2, 3], data: corners });
+        self.named(self.bounds().corners(), &self.grid, &self.network)
+    }
+
+    /// Every derivative by the name of its parameter.
+    pub fn gradient_tensors(&self, gradients: &FieldGradients) -> BTreeMap<String, Tensor> {
+        let mut tensors = self.named([[0.0; 3]; 2], &gradients.grid, &gradients.network);
+        tensors.remove(BOX);
         tensors
     }
 
-    /// A field with these sizes from the tensors that `lookup` finds by their names in `deformation.pth`.
+    fn named(&self, corners: [[f32; 3]; 2], grid: &Grid, network: &Network) -> BTreeMap<String, Tensor> {
+        let layers = network.layers().flat_map(|layer| layer.lists());
+        let lists = std::iter::once(corners.as_flattened().to_vec())
+            .chain(grid.planes().map(written_plane))
+            .chain(layers.map(<[f32]>::to_vec));
+        let tensor = |((name, shape), data)| (name, Tensor { shape, data });
+        self.config().shapes().into_iter().zip(lists).map(tensor).collect()
+    }
+
+    /// A field with these sizes from tensors by their names in `deformation.pth`; others may be beside them.
     ///
     /// # Errors
-    /// A configuration that cannot be, a box without inside, and a tensor that is missing, has another shape than
-    /// the configuration says, or holds a value that is not finite, by name.
-    pub fn from_tensors<'a>(
+    /// A configuration that cannot be, a box without inside, and a parameter that is missing, unknown, has another
+    /// shape than the configuration says, or holds a value that is not finite, by name.
+    pub fn from_tensors(
         config: DeformConfig,
-        lookup: impl Fn(&str) -> Option<&'a Tensor>,
+        tensors: &BTreeMap<String, Tensor>,
     ) -> Result<Self, DeformError> {
         config.validate()?;
-        let corners = found(&lookup, BOX, &[2, 3])?.as_chunks().0;
-        let bounds = Bounds::new([corners[0], corners[1]])?;
-        let mut field = Self::zeros(config, bounds)?;
-        for (level, planes) in field.grid.levels.iter_mut().enumerate() {
-            for (pair, plane) in planes.iter_mut().enumerate() {
-                let shape = plane_shape(plane);
-                read_plane(found(&lookup, &plane_name(level, pair), &shape)?, plane);
-            }
+        // All shapes first: a field makes room for what its configuration says, and that came from a file too.
+        let shapes = config.shapes();
+        let lists =
+            shapes.iter().map(|(name, shape)| found(tensors, name, shape)).collect::<Result<Vec<_>, _>>()?;
+        let is_known = |name: &str| shapes.iter().any(|(known, _)| known == name);
+        if let Some(name) = tensors.keys().find(|name| name.starts_with(PREFIX) && !is_known(name)) {
+            return Err(DeformError(format!(
+                "parameter {} is no part of a field with this configuration",
+                quoted(name)
+            )));
         }
-        for (name, layer) in layer_names().zip(field.network.layers_mut()) {
-            let shape = [layer.outputs(), layer.inputs()];
-            layer.weight.copy_from_slice(found(&lookup, &format!("{name}.weight"), &shape)?);
-            layer.bias.copy_from_slice(found(&lookup, &format!("{name}.bias"), &shape[..1])?);
+        let mut lists = lists.into_iter();
+        let corners = lists.next().unwrap_or_default().as_chunks().0;
+        let mut field = Self::zeros(config, Bounds::new([corners[0], corners[1]])?)?;
+        for (plane, values) in field.grid.planes_mut().zip(&mut lists) {
+            read_plane(values, plane);
+        }
+        for (list, values) in field.network.layers_mut().flat_map(|layer| layer.lists_mut()).zip(lists) {
+            list.copy_from_slice(values);
         }
         Ok(field)
     }
-}
-
-impl FieldGradients {
-    /// Every derivative by the name of its parameter.
-    pub fn tensors(&self) -> BTreeMap<String, Tensor> {
-        tensors(&self.grid, &self.network)
-    }
-}
-
-fn tensors(grid: &Grid, network: &Network) -> BTreeMap<String, Tensor> {
-    let mut tensors = BTreeMap::new();
-    for (level, planes) in grid.levels.iter().enumerate() {
-        for (pair, plane) in planes.iter().enumerate() {
-            let tensor = Tensor { shape: plane_shape(plane).to_vec(), data: written_plane(plane) };
-            tensors.insert(plane_name(level, pair), tensor);
-        }
-    }
-    for (name, layer) in layer_names().zip(network.layers()) {
-        let shape = vec![layer.outputs(), layer.inputs()];
-        tensors
-            .insert(format!("{name}.bias"), Tensor { shape: shape[..1].to_vec(), data: layer.bias.clone() });
-        tensors.insert(format!("{name}.weight"), Tensor { shape, data: layer.weight.clone() });
-    }
-    tensors
-}
-
-fn plane_shape(plane: &Plane) -> [usize; 4] {
-    [1, plane.channels, plane.rows, plane.columns]
 }
 
 fn written_plane(plane: &Plane) -> Vec<f32> {
@@ -108,32 +122,23 @@ fn read_plane(values: &[f32], plane: &mut Plane) {
     }
 }
 
-/// The numbers of a tensor that must be there, have this shape and be finite.
+/// The numbers of a parameter that must be there, have this shape and be finite.
 fn found<'a>(
-    lookup: &impl Fn(&str) -> Option<&'a Tensor>,
+    tensors: &'a BTreeMap<String, Tensor>,
     name: &str,
     shape: &[usize],
 ) -> Result<&'a [f32], DeformError> {
-    let wrong = |message: String| DeformError(format!("tensor `{name}`: {message}"));
-    let tensor = lookup(name).ok_or_else(|| {
-        wrong("is missing: the file is not a deformation field, or the configuration is another's".to_owned())
-    })?;
+    let wrong = |message: String| Err(DeformError(format!("parameter `{name}`: {message}")));
+    let Some(tensor) = tensors.get(name) else { return wrong("is missing".to_owned()) };
     if tensor.shape != shape {
-        let message = format!(
-            "has the shape {:?}, but the configuration makes it {shape:?}: give the configuration that belongs to the \
-             checkpoint",
-            tensor.shape
-        );
-        return Err(wrong(message));
+        return wrong(format!("has the shape {:?}, but the configuration needs {shape:?}", tensor.shape));
     }
     let numbers: usize = shape.iter().product();
     if tensor.data.len() != numbers {
-        return Err(wrong(format!("has {} numbers, but its shape holds {numbers}", tensor.data.len())));
+        return wrong(format!("has {} numbers, but its shape holds {numbers}", tensor.data.len()));
     }
     match tensor.data.iter().position(|value| !value.is_finite()) {
-        Some(place) => {
-            Err(wrong(format!("value {place} is {}: the checkpoint has diverged", tensor.data[place])))
-        }
+        Some(place) => wrong(format!("value {place} is {}: the checkpoint has diverged", tensor.data[place])),
         None => Ok(&tensor.data),
     }
 }
@@ -188,7 +193,7 @@ mod tests {
     #[test]
     fn tensors_make_the_same_field_again() {
         let tensors = field().tensors();
-        assert_eq!(DeformationField::from_tensors(small(), |name| tensors.get(name)), Ok(field()));
+        assert_eq!(DeformationField::from_tensors(small(), &tensors), Ok(field()));
     }
 
     #[test]
@@ -196,10 +201,13 @@ mod tests {
         let refused = |change: fn(&mut BTreeMap<String, Tensor>)| {
             let mut tensors = field().tensors();
             change(&mut tensors);
-            DeformationField::from_tensors(small(), |name| tensors.get(name)).unwrap_err().to_string()
+            DeformationField::from_tensors(small(), &tensors).unwrap_err().to_string()
         };
         let missing = refused(|tensors| drop(tensors.remove("deformation_net.shs_deform.1.bias")));
-        assert!(missing.starts_with("tensor `deformation_net.shs_deform.1.bias`: is missing"), "{missing}");
+        assert!(
+            missing.starts_with("parameter `deformation_net.shs_deform.1.bias`: is missing"),
+            "{missing}"
+        );
         let misshapen = refused(|tensors| {
             tensors.get_mut("deformation_net.grid.grids.0.0").unwrap().shape = vec![1, 2, 2, 3];
         });

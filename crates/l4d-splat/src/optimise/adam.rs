@@ -2,9 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::error::OptimiseError;
-use super::finite::{check, check_length, length_error};
-use super::rate::LearningRate;
+use super::{LearningRate, OptimiseError, check, check_length};
 
 /// What is kept of the mean gradient and of the mean squared gradient at each step: those of 4DGaussians.
 const DECAYS: [f64; 2] = [0.9, 0.999];
@@ -102,19 +100,10 @@ impl Group {
 
     /// Follows a change of rows: row `k` of every list was row `sources[k]`, or is new and has no past. Rows have
     /// `width` numbers.
-    ///
-    /// # Errors
-    /// A source that there is not. The group is then unchanged.
-    pub fn rearrange(&mut self, width: usize, sources: &[Option<u32>]) -> Result<(), OptimiseError> {
-        let lengths = self.moments.iter().flat_map(|moments| [moments.first.len(), moments.second.len()]);
-        let shortest = lengths.min().unwrap_or_default();
-        let needed = sources.iter().flatten().max().map_or(0, |&last| (last as usize + 1) * width);
-        if needed > shortest {
-            return Err(length_error(&format!("group `{}`", self.name), shortest, needed));
-        }
+    pub(crate) fn rearrange(&mut self, width: usize, sources: &[Option<u32>]) {
         let moved = |list: &[f32]| {
             let mut moved = vec![0.0; sources.len() * width];
-            for (row, source) in moved.chunks_exact_mut(width.max(1)).zip(sources) {
+            for (row, source) in moved.chunks_exact_mut(width).zip(sources) {
                 if let Some(source) = source {
                     row.copy_from_slice(&list[*source as usize * width..][..width]);
                 }
@@ -124,7 +113,6 @@ impl Group {
         for Moments { first, second } in &mut self.moments {
             (*first, *second) = (moved(first), moved(second));
         }
-        Ok(())
     }
 
     fn check(&self, update: &GroupUpdate<'_>) -> Result<(), OptimiseError> {
@@ -133,12 +121,11 @@ impl Group {
         check_length(&format!("gradients of group `{name}`"), update.gradients.len(), self.moments.len())?;
         let lists = update.parameters.iter().zip(&update.gradients).zip(&self.moments).enumerate();
         for (index, ((parameters, gradient), moments)) in lists {
-            let length = moments.first.len();
-            check_length(&format!("list {index} of group `{name}`"), parameters.len(), length)?;
-            check_length(&format!("gradient {index} of group `{name}`"), gradient.len(), length)?;
-            check_length(&format!("second moments {index} of group `{name}`"), moments.second.len(), length)?;
-            check(parameters, || format!("list {index} of group `{name}`"))?;
-            check(gradient, || format!("gradient {index} of group `{name}`"))?;
+            for (what, list) in [("list", &**parameters), ("gradient", gradient)] {
+                let what = || format!("{what} {index} of group `{name}`");
+                check_length(&what(), list.len(), moments.first.len())?;
+                check(list, what)?;
+            }
         }
         Ok(())
     }
@@ -235,13 +222,7 @@ mod tests {
         let mut group = Group::new("means", rate, &[6]);
         group.moments[0] =
             Moments { first: vec![1., 2., 3., 4., 5., 6.], second: vec![10., 20., 30., 40., 50., 60.] };
-        let before = group.clone();
-        assert!(group.rearrange(2, &[Some(3)]).is_err());
-        assert_eq!(group, before);
-        let mut uneven = before.clone();
-        uneven.moments[0].second.truncate(3);
-        assert!(uneven.rearrange(2, &[Some(2)]).is_err());
-        group.rearrange(2, &[Some(2), None, Some(0), Some(2)]).unwrap();
+        group.rearrange(2, &[Some(2), None, Some(0), Some(2)]);
         assert_eq!(group.moments[0].first, [5., 6., 0., 0., 1., 2., 5., 6.]);
         assert_eq!(group.moments[0].second, [50., 60., 0., 0., 10., 20., 50., 60.]);
     }

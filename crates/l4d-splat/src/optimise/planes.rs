@@ -7,8 +7,7 @@ use rayon::prelude::*;
 
 use crate::deform::{DeformationField, FieldGradients, Plane};
 
-use super::error::OptimiseError;
-use super::finite::{check, check_weight};
+use super::{OptimiseError, check};
 
 /// How much each term counts. Values of 4DGaussians for multi-camera video are the default.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,33 +34,16 @@ impl PlaneWeights {
     }
 }
 
-/// The terms before they are weighted: sums over planes of means over texels and channels.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PlanePenalty {
-    /// Mean squared second difference of planes in space.
-    pub space: f64,
-    /// Mean squared second difference along time.
-    pub time: f64,
-    /// Mean absolute difference from 1 of planes in time.
-    pub stillness: f64,
-}
-
-/// The penalty on a field's planes; its weighted gradient is added to `gradients`.
+/// Adds the weighted gradient of the penalty on a field's planes to `gradients`. The penalty is a sum over planes of
+/// means over texels and channels.
 ///
 /// # Errors
-/// Weights and texels that are not finite; gradients of another field.
+/// Texels that are not finite; gradients of another field.
 pub fn plane_penalty(
     field: &DeformationField,
     weights: &PlaneWeights,
     gradients: &mut FieldGradients,
-) -> Result<PlanePenalty, OptimiseError> {
-    for (setting, weight) in [
-        ("weight of planes in space", weights.space),
-        ("weight of planes in time", weights.time),
-        ("weight of stillness", weights.stillness),
-    ] {
-        check_weight(setting, weight)?;
-    }
+) -> Result<(), OptimiseError> {
     let planes: Vec<&Plane> = field.planes().collect();
     let mut into: Vec<&mut Plane> = gradients.planes_mut().collect();
     if planes.len() != into.len() || planes.iter().zip(&into).any(|(a, b)| a.texels.len() != b.texels.len()) {
@@ -70,51 +52,37 @@ pub fn plane_penalty(
     for (index, plane) in planes.iter().enumerate() {
         check(&plane.texels, || format!("plane {} of level {}", index % 6, index / 6))?;
     }
-    let terms: Vec<(bool, f64, f64)> = planes
-        .par_iter()
-        .zip(&mut into)
-        .map(|(plane, gradient)| {
-            let weight = if plane.has_time { weights.time } else { weights.space };
-            let bend = bend(plane, weight, &mut gradient.texels);
-            let deviation =
-                if plane.has_time { deviation(plane, weights.stillness, &mut gradient.texels) } else { 0.0 };
-            (plane.has_time, bend, deviation)
-        })
-        .collect();
-    let mut penalty = PlanePenalty::default();
-    for (has_time, bend, deviation) in terms {
-        *if has_time { &mut penalty.time } else { &mut penalty.space } += bend;
-        penalty.stillness += deviation;
-    }
-    Ok(penalty)
+    planes.par_iter().zip(&mut into).for_each(|(plane, gradient)| {
+        bend(plane, if plane.has_time { weights.time } else { weights.space }, &mut gradient.texels);
+        if plane.has_time {
+            deviation(plane, weights.stillness, &mut gradient.texels);
+        }
+    });
+    Ok(())
 }
 
-/// Mean squared second difference along the rows of texels; 0 where there are fewer than three.
-fn bend(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
+/// By the mean squared second difference along the rows of texels; 0 where there are fewer than three.
+fn bend(plane: &Plane, weight: f32, gradient: &mut [f32]) {
     let row = plane.columns * plane.channels;
     let count = (row * plane.rows.saturating_sub(2)).max(1) as f64;
     let step = (2.0 * f64::from(weight) / count) as f32;
     let mut second = vec![0.0; row];
-    let mut sum = 0.0;
     for start in (0..plane.texels.len().saturating_sub(2 * row)).step_by(row) {
         let three: [&[f32]; 3] = std::array::from_fn(|line| &plane.texels[start + line * row..][..row]);
         for (((second, a), b), c) in second.iter_mut().zip(three[0]).zip(three[1]).zip(three[2]) {
             *second = a - 2.0 * b + c;
         }
-        sum += sum_of(&second, |value| value * value);
         for (line, share) in [1.0, -2.0, 1.0].into_iter().enumerate() {
             for (gradient, second) in gradient[start + line * row..][..row].iter_mut().zip(&second) {
                 *gradient += share * step * second;
             }
         }
     }
-    sum / count
 }
 
-/// Mean absolute difference from 1.
-fn deviation(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
-    let count = plane.texels.len().max(1) as f64;
-    let step = (f64::from(weight) / count) as f32;
+/// By the mean absolute difference from 1.
+fn deviation(plane: &Plane, weight: f32, gradient: &mut [f32]) {
+    let step = (f64::from(weight) / plane.texels.len().max(1) as f64) as f32;
     for (gradient, &texel) in gradient.iter_mut().zip(&plane.texels) {
         *gradient += match texel - 1.0 {
             0.0 => 0.0,
@@ -122,21 +90,4 @@ fn deviation(plane: &Plane, weight: f32, gradient: &mut [f32]) -> f64 {
             _ => -step,
         };
     }
-    sum_of(&plane.texels, |texel| (texel - 1.0).abs()) / count
-}
-
-/// A sum in an order that vector code can take, and that never changes.
-fn sum_of(values: &[f32], of: impl Fn(f32) -> f32) -> f64 {
-    values
-        .chunks(1024)
-        .map(|chunk| {
-            let mut lanes = [0.0_f32; 8];
-            for values in chunk.chunks(lanes.len()) {
-                for (lane, &value) in lanes.iter_mut().zip(values) {
-                    *lane += of(value);
-                }
-            }
-            lanes.iter().copied().map(f64::from).sum::<f64>()
-        })
-        .sum()
 }

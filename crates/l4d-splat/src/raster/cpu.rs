@@ -19,8 +19,8 @@ mod projection;
 use fearless_simd::{Level, Simd};
 
 use super::{
-    Contribution, Drawing, DrawingGradient, Projected, RasterError, RasterSettings, Rasterizer, TILE,
-    check_channels, check_length, check_pixel,
+    Drawing, DrawingGradient, Projected, RasterError, RasterSettings, Rasterizer, TILE, check_channels,
+    check_length,
 };
 use crate::splats::{SplatGradients, Splats};
 use crate::view::View;
@@ -188,24 +188,10 @@ impl Projected for ProjectedScene<'_> {
         Ok(features::gather_features(self, pixels, channels))
     }
 
-    fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError> {
-        check_pixel(&self.view, column, row)?;
-        Ok(features::contributors(self, column as usize, row as usize))
-    }
-
-    fn radii_px(&self) -> Result<Vec<f32>, RasterError> {
-        let mut radii = vec![0.0; self.splats.len()];
-        for footprint in &self.footprints {
-            radii[footprint.index as usize] = footprint.radius;
-        }
-        Ok(radii)
-    }
-
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
         drawing.check(&self.view)?;
         gradient.check(&self.view)?;
-        let sums = backward::gradient_sums(self, drawing, gradient, None);
-        Ok(gradients::splat_gradients(self, &sums))
+        Ok(gradients::splat_gradients(self, &backward::gradient_sums(self, drawing, gradient, None)))
     }
 
     fn backward_for(
@@ -217,7 +203,9 @@ impl Projected for ProjectedScene<'_> {
         drawing.check(&self.view)?;
         gradient.check(&self.view)?;
         check_length("trainable Gaussians", trainable.len(), Some(self.splats.len()))?;
-        let sums = backward::gradient_sums(self, drawing, gradient, Some(trainable));
-        Ok(gradients::splat_gradients(self, &sums))
+        Ok(gradients::splat_gradients(
+            self,
+            &backward::gradient_sums(self, drawing, gradient, Some(trainable)),
+        ))
     }
 }

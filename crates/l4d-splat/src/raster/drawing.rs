@@ -61,14 +61,34 @@ impl<F: Float> Drawing<F> {
     }
 }
 
-impl DrawingGradient {
-    /// The same derivatives in f64.
-    pub fn to_f64(&self) -> DrawingGradient<f64> {
-        let wide = |list: &[f32]| list.iter().copied().map(f64::from).collect();
+impl<F: Copy> Drawing<F> {
+    /// The same with every number changed.
+    pub(super) fn map<G>(self, change: impl Fn(F) -> G + Copy) -> Drawing<G> {
+        let list = |list: Vec<F>| list.into_iter().map(change).collect();
+        Drawing {
+            width: self.width,
+            height: self.height,
+            colour: self.colour.into_iter().map(|row| row.map(change)).collect(),
+            alpha: list(self.alpha),
+            transmittance: list(self.transmittance),
+            depth_sum_m: list(self.depth_sum_m),
+            quantiles: self.quantiles.map(|quantiles| DepthQuantiles {
+                near_m: list(quantiles.near_m),
+                median_m: list(quantiles.median_m),
+                far_m: list(quantiles.far_m),
+            }),
+        }
+    }
+}
+
+impl<F: Copy> DrawingGradient<F> {
+    /// The same with every number changed.
+    pub(crate) fn map<G>(&self, change: impl Fn(F) -> G + Copy) -> DrawingGradient<G> {
+        let list = |list: &[F]| list.iter().copied().map(change).collect();
         DrawingGradient {
-            colour: self.colour.iter().map(|row| row.map(f64::from)).collect(),
-            alpha: wide(&self.alpha),
-            depth_sum_m: wide(&self.depth_sum_m),
+            colour: self.colour.iter().map(|row| row.map(change)).collect(),
+            alpha: list(&self.alpha),
+            depth_sum_m: list(&self.depth_sum_m),
         }
     }
 }

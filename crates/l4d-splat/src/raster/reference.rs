@@ -7,8 +7,8 @@ mod blend;
 mod projection;
 
 use super::{
-    Contribution, DepthQuantiles, Drawing, DrawingGradient, Projected, RasterError, RasterSettings,
-    Rasterizer, TILE, check_channels, check_length, check_pixel,
+    Drawing, DrawingGradient, Projected, RasterError, RasterSettings, Rasterizer, TILE, check_channels,
+    check_length,
 };
 use crate::splats::{SplatGradients, Splats};
 use crate::view::View;
@@ -84,61 +84,26 @@ impl Rasterizer for Reference {
 /// `f32` outside, f64 inside.
 impl Projected for ReferenceScene {
     fn draw(&self) -> Result<Drawing, RasterError> {
-        let drawing = self.draw();
-        Ok(Drawing {
-            width: drawing.width,
-            height: drawing.height,
-            colour: narrow_rows(&drawing.colour),
-            alpha: narrow(&drawing.alpha),
-            transmittance: narrow(&drawing.transmittance),
-            depth_sum_m: narrow(&drawing.depth_sum_m),
-            quantiles: drawing.quantiles.map(|quantiles| DepthQuantiles {
-                near_m: narrow(&quantiles.near_m),
-                median_m: narrow(&quantiles.median_m),
-                far_m: narrow(&quantiles.far_m),
-            }),
-        })
+        Ok(self.draw().map(narrow))
     }
 
     fn splat_features(&self, features: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_channels(channels)?;
         check_length("features", features.len(), self.splats.len().checked_mul(channels))?;
-        Ok(narrow(&self.splat_features(&wide(features), channels)))
+        Ok(self.splat_features(&wide(features), channels).into_iter().map(narrow).collect())
     }
 
     fn gather_features(&self, pixels: &[f32], channels: usize) -> Result<Vec<f32>, RasterError> {
         check_channels(channels)?;
         check_length("pixels", pixels.len(), self.view.pixel_count().checked_mul(channels))?;
-        Ok(narrow(&self.gather_features(&wide(pixels), channels)))
-    }
-
-    fn contributors(&self, column: u32, row: u32) -> Result<Vec<Contribution>, RasterError> {
-        check_pixel(&self.view, column, row)?;
-        let list = self.contributors(column as usize, row as usize);
-        let narrow = |(index, weight)| Contribution { index: index as u32, weight: weight as f32 };
-        Ok(list.into_iter().map(narrow).collect())
-    }
-
-    fn radii_px(&self) -> Result<Vec<f32>, RasterError> {
-        let mut radii = vec![0.0; self.splats.len()];
-        for gaussian in &self.gaussians {
-            radii[gaussian.index] = gaussian.radius as f32;
-        }
-        Ok(radii)
+        Ok(self.gather_features(&wide(pixels), channels).into_iter().map(narrow).collect())
     }
 
     fn backward(&self, drawing: &Drawing, gradient: &DrawingGradient) -> Result<SplatGradients, RasterError> {
         drawing.check(&self.view)?;
-        let gradients = self.backward(&gradient.to_f64())?;
-        Ok(SplatGradients {
-            means: narrow_rows(&gradients.means),
-            scales: narrow_rows(&gradients.scales),
-            rotations: narrow_rows(&gradients.rotations),
-            opacities: narrow(&gradients.opacities),
-            sh: narrow_rows(&gradients.sh),
-            means_ndc: narrow_rows(&gradients.means_ndc),
-            visible: gradients.visible,
-        })
+        let SplatGradients { by, means_ndc, visible } = self.backward(&gradient.map(f64::from))?;
+        let means_ndc = means_ndc.into_iter().map(|row| row.map(narrow)).collect();
+        Ok(SplatGradients { by: by.map(narrow), means_ndc, visible })
     }
 }
 
@@ -146,12 +111,8 @@ fn wide(list: &[f32]) -> Vec<f64> {
     list.iter().copied().map(f64::from).collect()
 }
 
-fn narrow(list: &[f64]) -> Vec<f32> {
-    list.iter().map(|&value| value as f32).collect()
-}
-
-fn narrow_rows<const N: usize>(list: &[[f64; N]]) -> Vec<[f32; N]> {
-    list.iter().map(|row| row.map(|value| value as f32)).collect()
+fn narrow(value: f64) -> f32 {
+    value as f32
 }
 
 #[cfg(test)]

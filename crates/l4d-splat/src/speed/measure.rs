@@ -5,7 +5,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::subject::{Key, Subject};
-use super::variants::{Backends, Variant};
+use super::variants::Variant;
 use super::{Result, plain};
 use crate::clip::{ClipError, Moment};
 use crate::raster::{Drawing, RasterSettings, Rasterizer, Reference};
@@ -58,15 +58,14 @@ impl Truth {
 pub(super) fn measure(
     subject: &Subject,
     truth: &Truth,
-    variants: &[Variant],
-    backends: &Backends,
+    variants: &[Variant<'_>],
     repeats: u32,
     progress: &dyn Fn(),
 ) -> Result<Vec<Measured>> {
-    let run = |variant: &Variant| {
+    let run = |variant: &Variant<'_>| {
         progress();
-        let pass = || pass(subject, variant, backends.rasterizer(variant.backend));
-        backends.pool(variant.backend).map_or_else(pass, |pool| pool.install(pass))
+        let pass = || pass(subject, variant);
+        variant.backend.pool.as_ref().map_or_else(pass, |pool| pool.install(pass))
     };
     let mut measured = Vec::new();
     for variant in variants {
@@ -94,11 +93,8 @@ struct Times {
 }
 
 /// Draws everything once, picture after picture.
-fn pass(
-    subject: &Subject,
-    variant: &Variant,
-    rasterizer: &dyn Rasterizer,
-) -> Result<(Vec<(Key, Drawing)>, Times)> {
+fn pass(subject: &Subject, variant: &Variant<'_>) -> Result<(Vec<(Key, Drawing)>, Times)> {
+    let (rasterizer, settings) = (&variant.backend.rasterizer, RasterSettings::default());
     let mut times = Times::default();
     let mut drawings = Vec::new();
     for Moment { time, views } in subject.moments(variant.size)? {
@@ -108,7 +104,7 @@ fn pass(
         for (key, view) in views {
             let start = Instant::now();
             let drawing = rasterizer
-                .prepare(&splats, &view, &variant.settings)
+                .prepare(&splats, &view, &settings)
                 .and_then(|projected| projected.draw())
                 .map_err(|source| plain(ClipError::Raster { time, source }))?;
             times.draw_ms.push(milliseconds(start));

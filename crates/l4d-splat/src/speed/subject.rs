@@ -141,11 +141,6 @@ impl Subject {
         frames.iter().enumerate().map(moment).collect()
     }
 
-    /// All times of the clip, from 0 to 1.
-    pub(super) fn all_times(&self) -> Vec<f32> {
-        self.all_frames.iter().copied().map(time_of_frame).collect()
-    }
-
     /// Place of a picture in a list of all.
     pub(super) fn place(&self, key: Key) -> usize {
         key.time * self.cameras.len() + key.camera

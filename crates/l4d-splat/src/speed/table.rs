@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::measure::{CLIP_VIEWS, Measured};
-use super::variants::{BASE, Backends, Variant};
+use super::variants::{BASE, Variant};
 use super::{Result, plain};
+use crate::reduce::stored_bytes;
 
 /// From here on no difference is visible, dB.
 pub const INVISIBLE_DB: f64 = 60.0;
@@ -18,12 +19,8 @@ pub struct Row {
     pub gaussians: usize,
     pub dynamic: usize,
     pub sh_degree: u8,
-    pub alpha_min: f32,
-    pub transmittance_min: f32,
-    pub still_below_m: f32,
     pub width: u32,
     pub height: u32,
-    pub stored: String,
     pub megabytes: f64,
     pub rasterizer: String,
     pub pictures: usize,
@@ -43,7 +40,7 @@ impl Row {
         self.setting == BASE
     }
 
-    pub(super) fn new(variant: &Variant, backends: &Backends, measured: &Measured) -> Self {
+    pub(super) fn new(variant: &Variant<'_>, measured: &Measured) -> Self {
         let rounded = |value: f64, digits: i32| (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits);
         Self {
             sweep: variant.sweep.to_owned(),
@@ -51,14 +48,10 @@ impl Row {
             gaussians: variant.model.gaussians.len(),
             dynamic: variant.model.dynamic.len(),
             sh_degree: variant.model.gaussians.sh_degree.get(),
-            alpha_min: variant.settings.alpha_min,
-            transmittance_min: variant.settings.transmittance_min,
-            still_below_m: variant.still_below_m,
             width: variant.size[0],
             height: variant.size[1],
-            stored: variant.stored.to_owned(),
-            megabytes: rounded(variant.bytes as f64 * 1e-6, 3),
-            rasterizer: backends.name(variant.backend),
+            megabytes: rounded(stored_bytes(&variant.model) as f64 * 1e-6, 3),
+            rasterizer: variant.backend.name.clone(),
             pictures: measured.pictures,
             psnr_db: measured.psnr_db.map(|value| rounded(value, 3)),
             reference_psnr_db: rounded(measured.reference_psnr_db, 3),

@@ -71,9 +71,9 @@ fn parts_that_are_no_splats_are_refused() {
 /// A loss that is linear in the splats, so that its gradient is the coefficients.
 fn coefficients() -> SplatGradients {
     let mut gradients = SplatGradients::zeros(&two().activate().unwrap());
-    gradients.scales = vec![[0.3, -1.0, 2.0], [0.7, 0.1, -0.4]];
-    gradients.rotations = vec![[1.0, 2.0, -1.0, 0.5], [-0.2, 0.9, 0.3, -1.1]];
-    gradients.opacities = vec![1.25, -0.8];
+    gradients.by.scales = vec![[0.3, -1.0, 2.0], [0.7, 0.1, -0.4]];
+    gradients.by.rotations = vec![[1.0, 2.0, -1.0, 0.5], [-0.2, 0.9, 0.3, -1.1]];
+    gradients.by.opacities = vec![1.25, -0.8];
     gradients
 }
 
@@ -83,13 +83,13 @@ fn loss(raw: &[[f64; 8]; 2]) -> f64 {
     let mut sum = 0.0;
     for (index, row) in raw.iter().enumerate() {
         let length = row[3..7].iter().map(|value| value * value).sum::<f64>().sqrt();
-        for (&gradient, log_scale) in gradients.scales[index].iter().zip(&row[..3]) {
+        for (&gradient, log_scale) in gradients.by.scales[index].iter().zip(&row[..3]) {
             sum += f64::from(gradient) * log_scale.exp();
         }
-        for (&gradient, value) in gradients.rotations[index].iter().zip(&row[3..7]) {
+        for (&gradient, value) in gradients.by.rotations[index].iter().zip(&row[3..7]) {
             sum += f64::from(gradient) * value / length;
         }
-        sum += f64::from(gradients.opacities[index]) / (1.0 + (-row[7]).exp());
+        sum += f64::from(gradients.by.opacities[index]) / (1.0 + (-row[7]).exp());
     }
     sum
 }
@@ -137,6 +137,6 @@ fn gradients_of_several_pictures_add_up() {
     other.visible[1] = true;
     other.means_ndc[1] = [3.0, -4.0];
     sum.add(&other);
-    assert_eq!(sum.opacities, [2.5, -1.6]);
-    assert_eq!((sum.visible, sum.scales[1][0]), (vec![false, true], 1.4));
+    assert_eq!(sum.by.opacities, [2.5, -1.6]);
+    assert_eq!((sum.visible, sum.by.scales[1][0]), (vec![false, true], 1.4));
 }

@@ -10,13 +10,10 @@ use super::views::unit;
 const REMEDY: &str = "give the points3D.txt or points3D.bin of a COLMAP model";
 
 /// Position (metres) and display colour (0 to 1).
-pub type ColouredPoint = ([f32; 3], [f32; 3]);
+pub(crate) type ColouredPoint = ([f32; 3], [f32; 3]);
 
 /// Positions (metres) and display colours (0 to 1) in `points3D.txt` or `points3D.bin`; the name says which.
-///
-/// # Errors
-/// A file that cannot be read, without points, or with a coordinate that is not finite.
-pub fn read_points(path: &Path) -> Result<Vec<ColouredPoint>, DataError> {
+pub(crate) fn read_points(path: &Path) -> Result<Vec<ColouredPoint>, DataError> {
     let points = colmap::read_points(path)?;
     if points.is_empty() {
         return Err(DataError::invalid(path, "points", "there are none", REMEDY));

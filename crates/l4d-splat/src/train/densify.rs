@@ -66,7 +66,7 @@ pub(super) fn densify(
     let mut sources: Vec<(u32, bool)> = stays.iter().map(|&row| (row, true)).collect();
     sources.extend(refined.iter().map(|&row| (row, false)));
     let place: Vec<usize> = refined.iter().map(|row| stays.partition_point(|stay| stay < row)).collect();
-    *gaussians = gaussians.select(sources.iter().map(|&(row, _)| row as usize));
+    *gaussians = gaussians.select(&sources.iter().map(|&(row, _)| row).collect::<Vec<_>>());
     for (copy, (&first, &splits)) in place.iter().zip(&splits).enumerate() {
         let second = stays.len() + copy;
         if splits {
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn the_faint_and_the_huge_go_and_the_pulled_are_split_or_doubled() {
         let mut gaussians = four();
-        gaussians.append(four().select(std::iter::repeat_n(2, 30)));
+        gaussians.append(four().select(&[2; 30]));
         let count = gaussians.len();
         let mut gradient_norm = vec![0.0; count];
         (gradient_norm[1], gradient_norm[2]) = (1.0, 2.0);

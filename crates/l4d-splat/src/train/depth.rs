@@ -17,7 +17,7 @@ pub(super) fn depths_at(
 ) -> Vec<Vec<f32>> {
     let cameras = views.cameras();
     if views.has_depth() {
-        let measured = |camera: &super::TrainingCamera| {
+        let measured = |camera: &super::views::TrainingCamera| {
             camera.picture(moment).depth_m.iter().map(|depth_m| depth_m.to_f32()).collect()
         };
         return cameras.iter().map(measured).collect();
@@ -62,14 +62,14 @@ fn elsewhere(views: &TrainingViews, camera: usize, moment: usize) -> Vec<usize> 
 mod tests {
     use l4d_data::Timeline;
 
-    use super::super::test_world::{SIZE, World};
+    use super::super::test_world::{SIZE, World, camera};
     use super::*;
 
     #[test]
     fn a_camera_that_moves_alone_is_compared_with_itself() {
         let world = World::EMPTY;
         let still = world.views_without_depth(1);
-        let mut camera = world.camera(0, 0.0);
+        let mut camera = camera(0, 0.0);
         let pose = camera.world_from_camera[0];
         // Numbers of a timeline are places in the list of poses.
         camera.world_from_camera = (0..=96)

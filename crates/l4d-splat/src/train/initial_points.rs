@@ -4,12 +4,12 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::depth::depths_at;
-use super::kd_tree::KdTree;
 use super::motion::{Motion, SurfaceKind};
 use super::pinhole::Pinhole;
 use super::points::{Point, background_points, moving_points, thinned};
 use super::stereo::sweep;
 use super::views::TrainingViews;
+use crate::neighbours::Tree;
 use crate::view::View;
 
 /// Movers are given points so many times closer than backgrounds of the same detail.
@@ -31,7 +31,7 @@ const BACKDROP_SHARE: usize = 16;
 
 /// What the first Gaussians are made of.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub enum InitialPoints {
+pub(crate) enum InitialPoints {
     /// Points on the surfaces that depth shows, as it was measured or found by comparing pictures.
     #[default]
     Depth,
@@ -178,14 +178,15 @@ fn points_along_rays(
 /// Points with what the nearest point on a surface says of normal, spacing and motion.
 fn with_nearest_surface(points: &[([f32; 3], [f32; 3])], surface: &[Point]) -> Vec<Point> {
     let positions: Vec<[f32; 3]> = surface.iter().map(|point| point.position).collect();
-    let tree = KdTree::new(&positions);
-    let dress = |&(position, colour): &([f32; 3], [f32; 3])| {
-        let [(_, nearest)] = tree.nearest::<1>(position, None);
-        match surface.get(nearest as usize) {
-            Some(known) => Point { position, colour, ..*known },
-            None => {
-                Point { position, colour, normal: [0.0, 0.0, 1.0], spacing_m: 0.1, kind: SurfaceKind::Moving }
-            }
+    let tree = Tree::new(positions.as_flattened(), 3);
+    let dress = |&(position, colour): &([f32; 3], [f32; 3])| match tree
+        .nearest(&position, None, 1)
+        .first()
+        .map(|&(_, nearest)| &surface[nearest as usize])
+    {
+        Some(known) => Point { position, colour, ..*known },
+        None => {
+            Point { position, colour, normal: [0.0, 0.0, 1.0], spacing_m: 0.1, kind: SurfaceKind::Moving }
         }
     };
     points.iter().map(dress).collect()

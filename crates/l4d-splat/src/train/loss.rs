@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::optimise::{DepthGradient, RenderedDepth, depth_l1, dssim, l1};
+use crate::optimise::{DepthGradient, RenderedDepth, depth_l1, l1};
 use crate::raster::{DrawingGradient, RasterSettings, Rasterizer};
 use crate::splats::{SplatGradients, Splats};
 use crate::view::View;
@@ -29,7 +29,6 @@ pub(super) struct Target {
 /// How the terms of the loss are weighted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weights {
-    pub(super) dssim: f32,
     /// By metres.
     pub(super) depth: f32,
     /// Metres.
@@ -108,14 +107,7 @@ fn picture_loss(
         *colour = if *marked { *colour } else { *drawn };
     }
     let mut gradient = DrawingGradient::zeros(&target.view);
-    let by_colour = gradient.colour.as_flattened_mut();
-    let mut loss =
-        l1(drawn, &colour, share * (1.0 - weights.dssim), by_colour)? * f64::from(1.0 - weights.dssim);
-    if weights.dssim > 0.0 {
-        let width = target.view.width() as usize;
-        let value = dssim(drawn, &colour, width, 3, share * weights.dssim, by_colour)?;
-        loss += value * f64::from(weights.dssim);
-    }
+    let mut loss = l1(drawn, &colour, share, gradient.colour.as_flattened_mut())?;
     if weights.depth > 0.0 {
         let rendered = RenderedDepth { sum_m: &drawing.depth_sum_m, alpha: &drawing.alpha };
         let into = DepthGradient { sum: &mut gradient.depth_sum_m, alpha: &mut gradient.alpha };

@@ -38,7 +38,7 @@ struct ColourChange {
 
 /// What the background of a pixel does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SurfaceKind {
+pub(crate) enum SurfaceKind {
     /// The same at all times.
     Static,
     /// Stands, but changes colour.
@@ -49,18 +49,18 @@ pub enum SurfaceKind {
 
 /// What a static camera sees where nothing is in the way, row-major.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Background {
+pub(crate) struct Background {
     /// Planar depth, metres; +inf where nothing is hit, NaN where it is unknown.
-    pub depth_m: Vec<f32>,
+    pub(crate) depth_m: Vec<f32>,
     /// Mean display colour over calm moments.
-    pub colour: Vec<[f32; 3]>,
+    pub(crate) colour: Vec<[f32; 3]>,
     /// What it does.
-    pub kind: Vec<SurfaceKind>,
+    pub(crate) kind: Vec<SurfaceKind>,
 }
 
 /// The backgrounds of all cameras.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub(crate) struct Motion {
     /// One per camera; none for a camera that moves.
     backgrounds: Vec<Option<Background>>,
     /// Nothing is known to stand still.
@@ -72,7 +72,7 @@ pub struct Motion {
 impl Motion {
     /// Looks at all pictures. `threshold` is the share of moments at which something has to be contradicted before it
     /// counts as moving; 0 makes everything dynamic, more than 1 nothing.
-    pub fn of(views: &TrainingViews, threshold: f32) -> Self {
+    pub(crate) fn of(views: &TrainingViews, threshold: f32) -> Self {
         if !views.has_depth() {
             return by_colour::motion(views, threshold);
         }
@@ -98,17 +98,17 @@ impl Motion {
     }
 
     /// Whether anything is known to stand still.
-    pub fn tells_apart(&self) -> bool {
+    pub(crate) fn tells_apart(&self) -> bool {
         !self.everything
     }
 
     /// The background of a camera; none if it moves.
-    pub fn background(&self, camera: usize) -> Option<&Background> {
+    pub(crate) fn background(&self, camera: usize) -> Option<&Background> {
         self.backgrounds.get(camera)?.as_ref()
     }
 
     /// Whether what a pixel shows at a moment is something that moves; everything is, for a moving camera.
-    pub fn moves(&self, views: &TrainingViews, camera: usize, moment: usize, pixel: usize) -> bool {
+    pub(crate) fn moves(&self, views: &TrainingViews, camera: usize, moment: usize, pixel: usize) -> bool {
         self.background(camera).is_none_or(|background| {
             if let Some(odd) = &self.odd {
                 return odd[camera][moment].get(pixel);
@@ -119,7 +119,7 @@ impl Motion {
     }
 
     /// Whether what a pixel shows at a moment moves, or has not the colour that its background usually has.
-    pub fn changes(&self, views: &TrainingViews, camera: usize, moment: usize, pixel: usize) -> bool {
+    pub(crate) fn changes(&self, views: &TrainingViews, camera: usize, moment: usize, pixel: usize) -> bool {
         self.moves(views, camera, moment, pixel)
             || self.everything
             || self.background(camera).is_some_and(|background| {

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use crate::gaussians::{Gaussians, ShDegree};
+use crate::neighbours::Tree;
 
-use super::kd_tree::KdTree;
 use super::motion::{Motion, SurfaceKind, tolerance};
 use super::pinhole::Pinhole;
 use super::views::TrainingViews;
@@ -238,11 +238,14 @@ pub(super) fn thinned(points: &[Point], count: usize) -> Vec<Point> {
 /// Gaussians at points: discs on their surfaces, as wide as the way to their neighbours.
 pub(super) fn gaussians(points: &[Point], degree: ShDegree) -> Gaussians {
     let positions: Vec<[f32; 3]> = points.iter().map(|point| point.position).collect();
-    let tree = KdTree::new(&positions);
+    let tree = Tree::new(positions.as_flattened(), 3);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
     for (index, point) in points.iter().enumerate() {
-        let near = tree.nearest::<3>(point.position, Some(index as u32));
-        let mean = (near.iter().map(|(squared, _)| squared).sum::<f32>() / 3.0).sqrt();
+        let near = tree.nearest(&point.position, Some(index as u32), 3);
+        // Alone, it is as wide as its surroundings ask for.
+        let mean =
+            if near.len() < 3 { f32::INFINITY } else { near.iter().map(|one| one.0).sum::<f32>() / 3.0 };
+        let mean = mean.sqrt();
         let along = ALONG * mean.clamp(0.5 * point.spacing_m, 1.5 * point.spacing_m).max(1e-6);
         gaussians.means.push(point.position);
         gaussians.log_scales.push([along.ln(), along.ln(), (ACROSS * along).ln()]);

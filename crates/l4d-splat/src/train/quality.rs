@@ -11,25 +11,25 @@ use super::views::TrainingViews;
 
 /// What of a picture is looked at more closely, row-major.
 #[derive(Debug, Clone, Default)]
-pub struct Region {
+pub(crate) struct Region {
     /// Pixels that show something that moves.
-    pub moving: Vec<bool>,
+    pub(crate) moving: Vec<bool>,
     /// Pixels in which depth counts.
-    pub depth: Vec<bool>,
+    pub(crate) depth: Vec<bool>,
 }
 
 /// Errors over a set of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Quality {
+pub(crate) struct Quality {
     /// Number of pictures.
-    pub pictures: usize,
+    pub(crate) pictures: usize,
     /// Mean over pictures of the peak signal-to-noise ratio of display colour, dB.
-    pub psnr_db: f64,
+    pub(crate) psnr_db: f64,
     /// The ratio over all moving pixels of all pictures; none if nothing moves.
-    pub psnr_moving_db: Option<f64>,
+    pub(crate) psnr_moving_db: Option<f64>,
     /// Median over all pixels in which depth counts of the absolute error of the median depth, metres; a pixel that
     /// shows nothing is infinitely wrong. None if there are no such pixels, or if most show nothing.
-    pub depth_error_m: Option<f64>,
+    pub(crate) depth_error_m: Option<f64>,
 }
 
 struct Errors {
@@ -39,10 +39,7 @@ struct Errors {
 }
 
 /// Draws the pictures `(camera, moment)` of `picks`, except those that were not taken, and compares.
-///
-/// # Errors
-/// A model or a view that cannot be drawn.
-pub fn measure(
+pub(crate) fn measure(
     model: &Model,
     rasterizer: &dyn Rasterizer,
     views: &TrainingViews,

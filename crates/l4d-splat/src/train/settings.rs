@@ -1,11 +1,11 @@
-//! What can be sample about training, and what happens when.
+//! What can be said about training, and what happens when.
 
 use l4d_data::Profile;
 use serde::Serialize;
 
 use crate::deform::{DeformConfig, TimeAxis};
 use crate::gaussians::ShDegree;
-use crate::optimise::{LearningRate, OptimiseError, PlaneWeights, Rates};
+use crate::optimise::{LearningRate, OptimiseError};
 
 /// Everything that a result depends on beside pictures and initial points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,8 +30,6 @@ pub struct Settings {
     pub views: usize,
     /// What an error of depth costs, in units of (display colour) per (typical depth).
     pub depth_weight: f32,
-    /// Weight of 1 - SSIM beside L1.
-    pub dssim_weight: f32,
     /// Training stops after so many looks at the training pictures without progress; 0: never early.
     pub patience: usize,
     /// Channels of the planes.
@@ -54,7 +52,6 @@ impl Default for Settings {
             fine: 4000,
             views: 2,
             depth_weight: 0.1,
-            dssim_weight: 0.0,
             patience: 3,
             channels: 16,
             resolution: 48,
@@ -63,9 +60,20 @@ impl Default for Settings {
     }
 }
 
+/// A learning rate for each group of parameters.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rates {
+    /// In the order of [`FIELDS`](crate::gaussians::FIELDS).
+    pub(super) gaussians: [LearningRate; 5],
+    /// Layers of the deformation field.
+    pub(super) layers: LearningRate,
+    /// Planes of the deformation field.
+    pub(super) planes: LearningRate,
+}
+
 /// What an iteration is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub(crate) enum Stage {
     /// Static Gaussians, without the field.
     Coarse,
     /// The clip up to `reach` moments away from the first one.
@@ -160,21 +168,18 @@ impl Settings {
         }
     }
 
-    /// What keeps the planes smooth.
-    pub(super) fn planes(&self) -> PlaneWeights {
-        PlaneWeights::default()
-    }
-
     /// Learning rates for so many iterations on a scene of this extent: those of 4DGaussians where they concern
     /// Gaussians, steeper ones for the field, which has less time here than there.
     pub(super) fn rates(&self, extent_m: f64, steps: u64) -> Result<Rates, OptimiseError> {
         let falling = |first: f64, last: f64| LearningRate::log_linear(first, last, steps.max(1));
         Ok(Rates {
-            means: falling(1.6e-4 * extent_m, 3.2e-6 * extent_m)?,
-            log_scales: falling(5.0e-3, 1.0e-3)?,
-            rotations: falling(2.0e-3, 5.0e-4)?,
-            opacity_logits: falling(2.5e-2, 5.0e-3)?,
-            sh: falling(5.0e-3, 5.0e-4)?,
+            gaussians: [
+                falling(1.6e-4 * extent_m, 3.2e-6 * extent_m)?,
+                falling(5.0e-3, 1.0e-3)?,
+                falling(2.0e-3, 5.0e-4)?,
+                falling(2.5e-2, 5.0e-3)?,
+                falling(5.0e-3, 5.0e-4)?,
+            ],
             layers: falling(2.0e-3, 1.0e-4)?,
             planes: falling(2.0e-2, 1.0e-3)?,
         })

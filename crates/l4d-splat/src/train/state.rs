@@ -5,12 +5,14 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use crate::checkpoint::own::{Checkpoint, Training};
+use crate::gaussians::FIELDS;
 use crate::model::Model;
-use crate::optimise::{Adam, Group, Moments, Rates, sh_pattern};
+use crate::optimise::{Adam, Group, Moments};
 use crate::tensor::Tensor;
 
 use super::TrainError;
 use super::densify::RowChange;
+use super::settings::Rates;
 
 /// Everything that changes from one iteration to the next.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,18 +49,17 @@ impl DensityStats {
     }
 }
 
-const SPLAT_GROUPS: [(&str, usize); 5] =
-    [("means", 3), ("log_scales", 3), ("rotations", 4), ("opacity_logits", 1), ("sh", 3)];
+/// Coefficients of direction learn this many times slower than the base colour.
+const SH_REST: f32 = 1.0 / 20.0;
 
 impl State {
     pub(super) fn new(model: Model, moves: Vec<bool>, rates: &Rates) -> Self {
         let count = model.gaussians.len();
-        let coefficients = model.gaussians.sh_degree.coefficients();
-        let rates = [rates.means, rates.log_scales, rates.rotations, rates.opacity_logits, rates.sh];
-        let groups = SPLAT_GROUPS.iter().zip(rates).map(|(&(name, _), rate)| {
-            let width = width_of(name, coefficients);
+        let widths = model.gaussians.sh_degree.widths();
+        let groups = FIELDS.iter().zip(widths).zip(rates.gaussians).map(|((&name, width), rate)| {
             let group = Group::new(name, rate, &[count * width]);
-            if name == "sh" { group.with_pattern(sh_pattern(coefficients)) } else { group }
+            let pattern = || (0..width).map(|place| if place < 3 { 1.0 } else { SH_REST }).collect();
+            if name == "sh" { group.with_pattern(pattern()) } else { group }
         });
         Self {
             splats: Adam { groups: groups.collect() },
@@ -85,31 +86,28 @@ impl State {
     }
 
     /// Follows a change of the Gaussians' rows.
-    pub(super) fn follow(&mut self, change: &RowChange) -> Result<(), TrainError> {
-        let coefficients = self.model.gaussians.sh_degree.coefficients();
+    pub(super) fn follow(&mut self, change: &RowChange) {
+        let widths = self.model.gaussians.sh_degree.widths();
         let sources: Vec<Option<u32>> =
             change.sources.iter().map(|&(row, keeps)| keeps.then_some(row)).collect();
-        for group in &mut self.splats.groups {
-            let width = width_of(&group.name, coefficients);
-            group.rearrange(width, &sources)?;
+        for (group, width) in self.splats.groups.iter_mut().zip(widths) {
+            group.rearrange(width, &sources);
         }
         self.moves = change.sources.iter().map(|&(row, _)| self.moves[row as usize]).collect();
         self.stats = DensityStats::new(self.moves.len());
         if self.model.field.is_some() {
             self.model.dynamic = self.dynamic();
         }
-        Ok(())
     }
 
     /// Follows Gaussians that were appended to the first `count`.
-    pub(super) fn follow_more(&mut self, count: usize) -> Result<(), TrainError> {
+    pub(super) fn follow_more(&mut self, count: usize) {
         let sources =
             (0..self.moves.len() as u32).map(|row| (row.min(count as u32 - 1), (row as usize) < count));
         let moves = self.moves.clone();
-        self.follow(&RowChange { sources: sources.collect() })?;
+        self.follow(&RowChange { sources: sources.collect() });
         self.moves = moves;
         self.model.dynamic = self.dynamic();
-        Ok(())
     }
 
     /// Rows that move, ascending.
@@ -147,15 +145,16 @@ impl State {
         Checkpoint {
             iteration: self.iteration,
             training: Training { tensors, values },
-            ..Checkpoint::from(self.model.clone())
+            model: self.model.clone(),
+            ..Checkpoint::default()
         }
     }
 
     /// The state that [`Self::checkpoint`] wrote.
     pub(super) fn restored(checkpoint: Checkpoint, rates: &Rates) -> Result<Self, TrainError> {
-        let Checkpoint { gaussians, dynamic, field, iteration, training, .. } = checkpoint;
+        let Checkpoint { model, iteration, training, .. } = checkpoint;
         let Training { mut tensors, values } = training;
-        let mut state = Self::new(Model { gaussians, dynamic, field }, Vec::new(), rates);
+        let mut state = Self::new(model, Vec::new(), rates);
         state.add_field(rates);
         let number = |name: &'static str| {
             values.get(name).and_then(serde_json::Value::as_u64).ok_or_else(|| missing(name))
@@ -195,10 +194,4 @@ impl State {
 
 fn missing(name: &str) -> TrainError {
     TrainError::Invalid(format!("the state of training lacks `{name}`, or it has another size: train again"))
-}
-
-/// Numbers that a Gaussian has in a group.
-fn width_of(name: &str, coefficients: usize) -> usize {
-    let rows = if name == "sh" { coefficients } else { 1 };
-    rows * SPLAT_GROUPS.iter().find(|(known, _)| *known == name).map_or(1, |&(_, width)| width)
 }

@@ -25,12 +25,21 @@ impl World {
     pub(super) const EMPTY: Self = Self { card: |_, _| None, light: |_, _| 1.0, grain: false };
 
     pub(super) fn views(&self, moments: usize) -> TrainingViews {
+        self.views_of(moments, true)
+    }
+
+    fn views_of(&self, moments: usize, has_depth: bool) -> TrainingViews {
+        let world = Self { grain: self.grain || !has_depth, ..*self };
         let frames =
             (0..moments).map(|moment| (moment * 96 / moments.max(2).saturating_sub(1)) as u32).collect();
         let mut views = TrainingViews::new(SIZE, frames, Timeline::CANONICAL).unwrap();
         for (index, x) in PLACES_M.into_iter().enumerate() {
             let camera = camera(index, x);
-            let pictures = (0..moments).map(|moment| self.picture(&camera, moment, moments)).collect();
+            let picture = |moment| {
+                let picture = world.picture(&camera, moment, moments);
+                if has_depth { picture } else { Picture { depth_m: Vec::new(), ..picture } }
+            };
+            let pictures = (0..moments).map(picture).collect();
             views.add(&camera, SIZE, pictures).unwrap();
         }
         views
@@ -38,20 +47,7 @@ impl World {
 
     /// The same without depth.
     pub(super) fn views_without_depth(&self, moments: usize) -> TrainingViews {
-        let measured = Self { grain: true, ..*self }.views(moments);
-        let whole = Timeline::CANONICAL;
-        let mut views = TrainingViews::new(SIZE, measured.frames().to_vec(), whole).unwrap();
-        for (index, x) in PLACES_M.into_iter().enumerate() {
-            let bare = |picture: &Picture| Picture { depth_m: Vec::new(), ..picture.clone() };
-            let pictures = measured.cameras()[index].pictures().iter().map(bare).collect();
-            views.add(&self.camera(index, x), SIZE, pictures).unwrap();
-        }
-        views
-    }
-
-    /// One that looks at the wall from a place on the x axis.
-    pub(super) fn camera(&self, index: usize, x: f64) -> Camera {
-        camera(index, x)
+        self.views_of(moments, false)
     }
 
     fn picture(&self, camera: &Camera, moment: usize, moments: usize) -> Picture {
@@ -85,7 +81,8 @@ fn grain(at: glam::DVec3) -> f64 {
     0.5 * wave(at.x, at.y) + 0.5 * wave(2.3 * at.y + 0.7, 1.7 * at.x)
 }
 
-fn camera(index: usize, x: f64) -> Camera {
+/// One that looks at the wall from a place on the x axis.
+pub(super) fn camera(index: usize, x: f64) -> Camera {
     let pose = [1., 0., 0., x, 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
     Camera {
         name: Name::new(format!("cam{index:02}")).unwrap(),

@@ -11,7 +11,6 @@ use rayon::prelude::*;
 use crate::checkpoint::own::Checkpoint;
 use crate::deform::{DeformationField, FieldGradients, Init, Trace};
 use crate::model::Model;
-use crate::optimise::Rates;
 use crate::raster::Rasterizer;
 
 use super::TrainError;
@@ -23,7 +22,7 @@ use super::motion::{Motion, SurfaceKind};
 use super::points::{Point, gaussians};
 use super::quality::{Quality, Region, measure};
 use super::scene_stats::{bounds, busiest, typical_depth_m};
-use super::settings::{Schedule, Settings, Stage};
+use super::settings::{Rates, Schedule, Settings, Stage};
 use super::state::State;
 use super::time_span::{Span, repeat_ends};
 use super::views::{TrainingViews, TrainingViewsError};
@@ -39,19 +38,19 @@ const BEGINNING: f32 = 0.75;
 
 /// What came of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Report {
+pub(crate) struct Report {
     /// Which one.
-    pub iteration: u64,
+    pub(crate) iteration: u64,
     /// What it was about.
-    pub stage: Stage,
+    pub(crate) stage: Stage,
     /// Its loss.
-    pub loss: f64,
+    pub(crate) loss: f64,
     /// Errors on training pictures, at some iterations.
-    pub quality: Option<Quality>,
+    pub(crate) quality: Option<Quality>,
 }
 
 /// Training, between two iterations.
-pub struct Trainer<'a> {
+pub(crate) struct Trainer<'a> {
     views: &'a TrainingViews,
     rasterizer: &'a dyn Rasterizer,
     settings: Settings,
@@ -76,10 +75,7 @@ pub struct Trainer<'a> {
 
 impl<'a> Trainer<'a> {
     /// Training from the beginning.
-    ///
-    /// # Errors
-    /// TrainingViews without cameras, settings that cannot be.
-    pub fn new(
+    pub(crate) fn new(
         views: &'a TrainingViews,
         settings: Settings,
         initial: &InitialPoints,
@@ -118,7 +114,6 @@ impl<'a> Trainer<'a> {
             .collect();
         Ok(Self {
             weights: Weights {
-                dssim: settings.dssim_weight,
                 depth: if views.has_depth() { settings.depth_weight } else { 0.0 },
                 typical_depth_m: typical_depth_m(views),
             },
@@ -141,10 +136,7 @@ impl<'a> Trainer<'a> {
     }
 
     /// The same training, where a checkpoint left it. Everything else has to be what it was then.
-    ///
-    /// # Errors
-    /// A checkpoint that lacks something.
-    pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), TrainError> {
+    pub(crate) fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), TrainError> {
         let fine = checkpoint.iteration > self.schedule.fine_start();
         self.state = State::restored(checkpoint, &self.rates[usize::from(fine)])?;
         self.by_field = None;
@@ -152,50 +144,42 @@ impl<'a> Trainer<'a> {
     }
 
     /// Model and state; the caller adds what it knows of scene and inputs.
-    pub fn checkpoint(&self) -> Checkpoint {
+    pub(crate) fn checkpoint(&self) -> Checkpoint {
         self.state.checkpoint()
     }
 
     /// The model as it is.
-    pub fn model(&self) -> &Model {
+    pub(crate) fn model(&self) -> &Model {
         &self.state.model
     }
 
     /// What draws.
-    pub fn rasterizer(&self) -> &'a dyn Rasterizer {
+    pub(crate) fn rasterizer(&self) -> &'a dyn Rasterizer {
         self.rasterizer
     }
 
-    /// What moves.
-    pub fn motion(&self) -> &Motion {
-        &self.motion
-    }
-
     /// Iterations done.
-    pub fn iteration(&self) -> u64 {
+    pub(crate) fn iteration(&self) -> u64 {
         self.state.iteration
     }
 
     /// Iterations in all, unless training settles earlier.
-    pub fn iterations(&self) -> u64 {
+    pub(crate) fn iterations(&self) -> u64 {
         self.schedule.end()
     }
 
     /// What comes next.
-    pub fn stage(&self) -> Stage {
+    pub(crate) fn stage(&self) -> Stage {
         if self.state.settled { Stage::Done } else { self.schedule.at(self.state.iteration) }
     }
 
     /// Whether training ended before its last iteration because it had nothing left to gain.
-    pub fn settled(&self) -> bool {
+    pub(crate) fn settled(&self) -> bool {
         self.state.settled
     }
 
     /// One iteration.
-    ///
-    /// # Errors
-    /// Parameters that have diverged; a rasterizer that fails.
-    pub fn step(&mut self) -> Result<Report, TrainError> {
+    pub(crate) fn step(&mut self) -> Result<Report, TrainError> {
         // Within the pool from the start: each of its many short parallel parts would otherwise wake it anew.
         rayon::scope(|_| self.iterate())
     }
@@ -230,7 +214,7 @@ impl<'a> Trainer<'a> {
             Stage::Done => return Ok(Report { iteration, stage, loss: 0.0, quality: None }),
         };
         self.state.iteration += 1;
-        self.densify(stage, &mut random)?;
+        self.densify(stage, &mut random);
         let quality = if self.state.iteration.is_multiple_of(EVALUATION_PERIOD) {
             Some(self.evaluate(stage)?)
         } else {
@@ -273,7 +257,8 @@ impl<'a> Trainer<'a> {
         let count = self.state.model.gaussians.len();
         self.state.model.gaussians.append(gaussians(&points, self.settings.degree()));
         self.state.moves.resize(count + points.len(), true);
-        self.state.follow_more(count)
+        self.state.follow_more(count);
+        Ok(())
     }
 
     /// Looks at training pictures spread over cameras and clip.
@@ -297,10 +282,7 @@ impl<'a> Trainer<'a> {
     }
 
     /// Errors of the model as it is on training pictures `(camera, moment)`.
-    ///
-    /// # Errors
-    /// As [`measure`].
-    pub fn measure(&self, picks: &[(usize, usize)]) -> Result<Quality, TrainError> {
+    pub(crate) fn measure(&self, picks: &[(usize, usize)]) -> Result<Quality, TrainError> {
         let region = |camera, moment| {
             let moving: Vec<bool> = (0..self.views.pixel_count())
                 .map(|pixel| self.motion.moves(self.views, camera, moment, pixel))
@@ -321,7 +303,6 @@ fn check(views: &TrainingViews, settings: &Settings) -> Result<(), TrainError> {
         ("dynamic_threshold", f64::from(settings.dynamic_threshold), 0.0..=1e6, "at least 0"),
         ("views", settings.views as f64, 1.0..=1e3, "between 1 and 1000"),
         ("depth_weight", f64::from(settings.depth_weight), 0.0..=1e3, "between 0 and 1000"),
-        ("dssim_weight", f64::from(settings.dssim_weight), 0.0..=1.0, "between 0 and 1"),
     ];
     match ranges.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
         Some((setting, value, _, range)) => {

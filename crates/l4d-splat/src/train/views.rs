@@ -11,18 +11,18 @@ use crate::view::View;
 
 /// One camera at one moment; empty if it did not look then.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Picture {
+pub(crate) struct Picture {
     /// Display colour, row-major.
-    pub colour: Vec<[u8; 3]>,
+    pub(crate) colour: Vec<[u8; 3]>,
     /// Planar depth, metres, row-major; +inf where nothing is hit. Empty where there is none.
-    pub depth_m: Vec<f16>,
+    pub(crate) depth_m: Vec<f16>,
 }
 
 /// A clip from one camera.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TrainingCamera {
+pub(crate) struct TrainingCamera {
     /// Name of the camera.
-    pub name: String,
+    pub(crate) name: String,
     /// One for a static camera, or one per moment.
     views: Vec<View>,
     /// One per moment.
@@ -31,7 +31,7 @@ pub struct TrainingCamera {
 
 /// The same clip from all cameras.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TrainingViews {
+pub(crate) struct TrainingViews {
     size: [u32; 2],
     frames: Vec<u32>,
     timeline: Timeline,
@@ -42,7 +42,7 @@ pub struct TrainingViews {
 /// Why pictures cannot be trained on: camera, moment, list, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct TrainingViewsError(String);
+pub(crate) struct TrainingViewsError(String);
 
 impl TrainingViewsError {
     /// Nothing to train on.
@@ -53,10 +53,11 @@ impl TrainingViewsError {
 
 impl TrainingViews {
     /// An empty clip of pictures of `size` (width, height) at these frames of a timeline.
-    ///
-    /// # Errors
-    /// No frames, or frames that do not ascend within the clip.
-    pub fn new(size: [u32; 2], frames: Vec<u32>, timeline: Timeline) -> Result<Self, TrainingViewsError> {
+    pub(crate) fn new(
+        size: [u32; 2],
+        frames: Vec<u32>,
+        timeline: Timeline,
+    ) -> Result<Self, TrainingViewsError> {
         if frames.is_empty() {
             return Err(TrainingViewsError::nothing("frames", "train on at least one"));
         }
@@ -74,11 +75,7 @@ impl TrainingViews {
     }
 
     /// Adds what a camera saw, one picture per frame. `camera_size` is the size that its intrinsics are for.
-    ///
-    /// # Errors
-    /// A camera that cannot be or saw nothing, pictures of another size, depths that are not positive or that some
-    /// pictures have and others lack.
-    pub fn add(
+    pub(crate) fn add(
         &mut self,
         camera: &Camera,
         camera_size: [u32; 2],
@@ -124,48 +121,43 @@ impl TrainingViews {
     }
 
     /// Width and height, pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub(crate) fn size(&self) -> [u32; 2] {
         self.size
     }
 
     /// Pixels of a picture.
-    pub fn pixel_count(&self) -> usize {
+    pub(crate) fn pixel_count(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize
     }
 
     /// Number of moments.
-    pub fn moments(&self) -> usize {
+    pub(crate) fn moments(&self) -> usize {
         self.frames.len()
     }
 
     /// Whether depth was measured. Where it was not, it is found by comparing pictures.
-    pub fn has_depth(&self) -> bool {
+    pub(crate) fn has_depth(&self) -> bool {
         self.has_depth
     }
 
-    /// Frames of the moments.
-    pub fn frames(&self) -> &[u32] {
-        &self.frames
-    }
-
     /// Time of a moment, 0 to 1 over the clip.
-    pub fn time(&self, moment: usize) -> f32 {
+    pub(crate) fn time(&self, moment: usize) -> f32 {
         self.timeline.time(self.frames[moment])
     }
 
     /// Indices of the cameras that saw a moment.
-    pub fn cameras_at(&self, moment: usize) -> impl Iterator<Item = usize> {
+    pub(crate) fn cameras_at(&self, moment: usize) -> impl Iterator<Item = usize> {
         (0..self.cameras.len()).filter(move |&camera| self.cameras[camera].has_picture(moment))
     }
 
     /// What each camera saw.
-    pub fn cameras(&self) -> &[TrainingCamera] {
+    pub(crate) fn cameras(&self) -> &[TrainingCamera] {
         &self.cameras
     }
 
     /// The radius of the cameras about their middle, times 1.1, metres: the scale by which centres learn. At least
     /// 0.1.
-    pub fn extent_m(&self) -> f64 {
+    pub(crate) fn extent_m(&self) -> f64 {
         let middle = self.middle();
         let distance =
             |centre: &[f64; 3]| (0..3).map(|axis| (centre[axis] - middle[axis]).powi(2)).sum::<f64>().sqrt();
@@ -173,7 +165,7 @@ impl TrainingViews {
     }
 
     /// The middle of the cameras, world axes, metres.
-    pub fn middle(&self) -> [f64; 3] {
+    pub(crate) fn middle(&self) -> [f64; 3] {
         let centres = self.centres();
         std::array::from_fn(|axis| {
             centres.iter().map(|centre| centre[axis]).sum::<f64>() / centres.len().max(1) as f64
@@ -185,7 +177,7 @@ impl TrainingViews {
     }
 
     /// Bytes of the pictures.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let of_picture = |picture: &Picture| size_of_val(&*picture.colour) + size_of_val(&*picture.depth_m);
         self.cameras.iter().flat_map(|camera| &camera.pictures).map(of_picture).sum::<usize>() as u64
     }
@@ -193,34 +185,34 @@ impl TrainingViews {
 
 impl TrainingCamera {
     /// The view at a moment.
-    pub fn view(&self, moment: usize) -> &View {
+    pub(crate) fn view(&self, moment: usize) -> &View {
         if self.is_static() { &self.views[0] } else { &self.views[moment] }
     }
 
     /// The picture of a moment.
-    pub fn picture(&self, moment: usize) -> &Picture {
+    pub(crate) fn picture(&self, moment: usize) -> &Picture {
         &self.pictures[moment]
     }
 
     /// Whether the camera looked at a moment.
-    pub fn has_picture(&self, moment: usize) -> bool {
+    pub(crate) fn has_picture(&self, moment: usize) -> bool {
         !self.pictures[moment].colour.is_empty()
     }
 
     /// All pictures, by moment.
-    pub fn pictures(&self) -> &[Picture] {
+    pub(crate) fn pictures(&self) -> &[Picture] {
         &self.pictures
     }
 
     /// Whether the camera is static.
-    pub fn is_static(&self) -> bool {
+    pub(crate) fn is_static(&self) -> bool {
         self.views.len() == 1
     }
 }
 
 impl Picture {
     /// Display colour of a pixel, 0 to 1.
-    pub fn colour_of(&self, pixel: usize) -> [f32; 3] {
+    pub(crate) fn colour_of(&self, pixel: usize) -> [f32; 3] {
         self.colour[pixel].map(unit)
     }
 }

@@ -1,6 +1,6 @@
 //! The folder of a model: a checkpoint while training is under way, then the model and what it came from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use l4d_data::results::Track;
 use l4d_data::{DataError, Name, Profile, StageError, json};
@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 use super::input::Digests;
 use super::report::Report;
 use super::{Result, plain};
-use crate::Model;
 use crate::checkpoint::own::{self, Checkpoint, Sampling};
 use crate::train::Trainer;
 
@@ -59,22 +58,19 @@ pub(super) enum Claim {
 }
 
 /// `<work>/<profile>/<scene>/splats`.
-pub(super) struct SplatsFolder(PathBuf);
+pub(super) struct SplatsFolder(pub(super) PathBuf);
 
 impl SplatsFolder {
-    pub(super) fn new(root: PathBuf) -> Self {
-        Self(root)
-    }
-
-    pub(super) fn root(&self) -> &Path {
-        &self.0
-    }
-
     /// Looks whether this training has been here. What belongs to another one is refused, unless it may go.
     pub(super) fn claim(&self, origin: &Origin, overwrite: bool) -> Result<Claim> {
+        let manifest = self.0.join(MANIFEST);
         if overwrite || !self.0.join(own::CARD).exists() {
-            self.forget_manifest()?;
-            return Ok(Claim::Begin);
+            return match std::fs::remove_file(&manifest) {
+                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                    Err(DataError::io(&manifest, "remove", source).into())
+                }
+                _ => Ok(Claim::Begin),
+            };
         }
         let checkpoint = own::read(&self.0)?;
         let before = checkpoint.training.values.get("origin").cloned().unwrap_or_default();
@@ -91,15 +87,12 @@ impl SplatsFolder {
             ));
         }
         let is_done = checkpoint.training.values.get("done") == Some(&Value::Bool(true));
-        let manifest = self.0.join(MANIFEST);
-        if is_done && manifest.exists() {
-            return Ok(Claim::Done(finished(&manifest, origin)?));
-        }
-        if is_done {
+        Ok(match is_done {
+            true if manifest.exists() => Claim::Done(json::read(&manifest)?),
             // Killed between the two: the last steps are gone, but nothing else is.
-            return Ok(Claim::Begin);
-        }
-        Ok(Claim::Resume(Box::new(checkpoint)))
+            true => Claim::Begin,
+            false => Claim::Resume(Box::new(checkpoint)),
+        })
     }
 
     /// Writes what training needs to go on.
@@ -111,40 +104,15 @@ impl SplatsFolder {
     }
 
     /// Writes the finished model and its manifest, which is returned.
-    pub(super) fn settle(
-        &self,
-        model: &Model,
-        trainer: &Trainer<'_>,
-        origin: &Origin,
-        report: &Report,
-    ) -> Result<Value> {
+    pub(super) fn settle(&self, trainer: &Trainer<'_>, origin: &Origin, report: &Report) -> Result<Value> {
         let manifest = Manifest { schema: SCHEMA, origin, report };
         json::write(&self.0.join(MANIFEST), &manifest)?;
-        let mut checkpoint = Checkpoint { iteration: trainer.iteration(), ..Checkpoint::from(model.clone()) };
+        let (model, iteration) = (trainer.model().clone(), trainer.iteration());
+        let mut checkpoint = Checkpoint { model, iteration, ..Checkpoint::default() };
         name(&mut checkpoint, origin, true)?;
         own::write(&self.0, &checkpoint)?;
         serde_json::to_value(manifest).map_err(plain)
     }
-
-    fn forget_manifest(&self) -> Result<()> {
-        let path = self.0.join(MANIFEST);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(DataError::io(&path, "remove", source).into())
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// The manifest of a training that has ended, and what those of before did not say.
-fn finished(path: &Path, origin: &Origin) -> Result<Value> {
-    let mut manifest: Value = json::read(path)?;
-    if let Some(fields) = manifest.as_object_mut() {
-        fields.entry("saw_depth").or_insert(origin.saw_depth.into());
-        fields.entry("track").or_insert(origin.track.as_str().into());
-    }
-    Ok(manifest)
 }
 
 /// Seconds of training that a checkpoint contains.
@@ -178,23 +146,17 @@ fn short(origin: &Origin) -> Result<Value> {
 /// In what a checkpoint's origin is another one, in words.
 fn difference(before: &Value, inputs: &Digests, origin: &Origin) -> Result<Option<String>> {
     let now = short(origin)?;
+    // Settings one by one, beside everything else.
     let flat = |value: &Value| {
-        let mut flat: Vec<(String, Value)> = Vec::new();
-        for (key, value) in value.as_object().into_iter().flatten() {
-            match value {
-                Value::Object(inner) if key == "settings" => {
-                    flat.extend(inner.iter().map(|(key, value)| (key.clone(), value.clone())));
-                }
-                _ => flat.push((key.clone(), value.clone())),
-            }
-        }
-        flat
+        let mut fields = value.as_object().cloned().unwrap_or_default();
+        let settings = fields.remove("settings").unwrap_or_default();
+        fields.extend(settings.as_object().cloned().unwrap_or_default());
+        fields
     };
     let before = flat(before);
     for (key, value) in flat(&now) {
-        let was = before.iter().find(|(known, _)| *known == key).map(|(_, value)| value);
-        if was != Some(&value) {
-            let was = was.map_or_else(|| "unknown".to_owned(), Value::to_string);
+        if before.get(&key) != Some(&value) {
+            let was = before.get(&key).map_or_else(|| "unknown".to_owned(), Value::to_string);
             return Ok(Some(format!("`{key}` was {was} and is {value} now")));
         }
     }

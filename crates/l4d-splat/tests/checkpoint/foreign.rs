@@ -3,9 +3,10 @@ use std::path::Path;
 
 use l4d_data::json;
 use l4d_splat::Gaussians;
-use l4d_splat::checkpoint::foreign::{self, Save, Stage, keys};
+use l4d_splat::checkpoint::foreign::{self, Save, Stage};
 use l4d_splat::checkpoint::ply;
 use l4d_splat::deform::{DeformConfig, TimeAxis};
+use l4d_splat::gaussians::FIELDS;
 use serde_json::Value;
 
 use super::{digest, fixture};
@@ -35,26 +36,19 @@ fn config() -> DeformConfig {
 
 #[test]
 fn a_model_folder_is_read_to_the_last_bit() {
-    let model = foreign::read(&fixture("model"), None).unwrap();
+    let model = foreign::read(&fixture("model")).unwrap();
     assert_eq!(model.save, SAVE);
     assert_eq!(model.field.config(), &config());
     assert_eq!(model.notes, Vec::<String>::new());
-    assert_eq!(model.table, [true; 5]);
     let expected = expected();
     let gaussians = &model.gaussians;
     assert_eq!(gaussians.len(), 5);
-    for (field, numbers) in [
-        ("means", gaussians.means.as_flattened()),
-        ("log_scales", gaussians.log_scales.as_flattened()),
-        ("rotations", gaussians.rotations.as_flattened()),
-        ("opacity_logits", &gaussians.opacity_logits),
-        ("sh", gaussians.sh.as_flattened()),
-    ] {
+    for (field, numbers) in FIELDS.into_iter().zip(gaussians.flat()) {
         assert_eq!(digest(numbers), expected["gaussians"][field], "{field}");
     }
     let tensors = model.field.tensors();
     let theirs = expected["tensors"].as_object().unwrap();
-    let of_field: Vec<_> = theirs.iter().filter(|(name, _)| name.starts_with(keys::PREFIX)).collect();
+    let of_field: Vec<_> = theirs.iter().filter(|(name, _)| name.starts_with("deformation_net.")).collect();
     assert_eq!(tensors.len(), of_field.len());
     for (name, theirs) in of_field {
         let tensor = &tensors[name];
@@ -62,16 +56,7 @@ fn a_model_folder_is_read_to_the_last_bit() {
         assert_eq!(digest(&tensor.data), theirs["sha256"], "{name}");
     }
     // Row 0 is the larger corner.
-    assert_eq!(tensors[keys::AABB].data, [1.5, 2.25, 3.0, -1.0, -2.0, -0.5]);
-}
-
-#[test]
-fn names_and_shapes_are_those_of_the_field() {
-    let model = foreign::read(&fixture("model"), None).unwrap();
-    let mut listed = keys::field_shapes(&config());
-    listed.sort();
-    let shapes = model.field.tensors().into_iter().map(|(name, tensor)| (name, tensor.shape));
-    assert_eq!(listed, shapes.collect::<Vec<_>>());
+    assert_eq!(tensors["deformation_net.grid.aabb"].data, [1.5, 2.25, 3.0, -1.0, -2.0, -0.5]);
 }
 
 #[test]
@@ -83,24 +68,16 @@ fn the_newest_fine_save_is_read_by_default() {
     {
         copy_folder(&clouds.join("iteration_7"), &clouds.join(name));
     }
-    let coarse = Save { stage: Stage::Coarse, iteration: 3000 };
-    let fine = |iteration| Save { stage: Stage::Fine, iteration };
-    assert_eq!(foreign::saves(folder.path()).unwrap(), [coarse, fine(7), fine(500), fine(14000)]);
-    let newest = foreign::read(folder.path(), None).unwrap();
-    assert_eq!(newest.save, fine(14000));
-    assert!(newest.drawn_field().is_some());
-    assert_eq!(foreign::read(folder.path(), Some(fine(500))).unwrap().save, fine(500));
-    let early = foreign::read(folder.path(), Some(coarse)).unwrap();
-    assert!(early.drawn_field().is_none(), "the coarse stage is drawn without the field");
-    let absent = foreign::read(folder.path(), Some(fine(8))).unwrap_err().to_string();
-    assert!(absent.contains("has no iteration_8, only: coarse_iteration_3000, iteration_7"), "{absent}");
+    let newest = || foreign::read(folder.path()).map(|model| (model.save, model.drawn_field().is_some()));
+    assert_eq!(newest().unwrap(), (Save { stage: Stage::Fine, iteration: 14000 }, true));
     for save in ["iteration_7", "iteration_500", "iteration_14000"] {
         fs::remove_dir_all(clouds.join(save)).unwrap();
     }
-    assert_eq!(foreign::read(folder.path(), None).unwrap().save, coarse);
+    let coarse = Save { stage: Stage::Coarse, iteration: 3000 };
+    assert_eq!(newest().unwrap(), (coarse, false), "the coarse stage is drawn without the field");
     fs::remove_dir_all(clouds.join("coarse_iteration_3000")).unwrap();
-    assert!(foreign::read(folder.path(), None).unwrap_err().to_string().contains("holds no save"));
-    let elsewhere = foreign::read(&clouds, None).unwrap_err();
+    assert!(newest().unwrap_err().to_string().contains("holds no save"));
+    let elsewhere = foreign::read(&clouds).unwrap_err();
     assert!(elsewhere.to_string().contains("folder `point_cloud`: is missing"), "{elsewhere}");
     assert!(elsewhere.hint().unwrap().contains("cfg_args"), "{elsewhere:?}");
 }
@@ -113,7 +90,7 @@ fn options_that_the_parameters_contradict_are_named() {
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replace(from, to)).unwrap();
-        foreign::read(folder.path(), None).unwrap_err().to_string()
+        foreign::read(folder.path()).unwrap_err().to_string()
     };
     for (from, to, why) in [
         ("net_width=4", "net_width=64", "option `net_width`: is `64`, but the parameters have 4"),
@@ -165,7 +142,7 @@ fn options_of_older_runs_stand_at_their_defaults() {
     let folder = copied();
     let path = folder.path().join("cfg_args");
     fs::write(&path, "Namespace(multires=[1, 2])").unwrap();
-    let model = foreign::read(folder.path(), None).unwrap();
+    let model = foreign::read(folder.path()).unwrap();
     assert_eq!(model.field.config(), &DeformConfig { no_do: true, no_dshs: true, ..config() });
 }
 
@@ -174,38 +151,21 @@ fn files_that_do_not_belong_together_are_named() {
     let folder = copied();
     let save = folder.path().join("point_cloud/iteration_7");
     let original = ply::read(&save.join("point_cloud.ply")).unwrap().gaussians;
-    let mut fewer = original.clone();
-    fewer.means.pop();
-    fewer.log_scales.pop();
-    fewer.rotations.pop();
-    fewer.opacity_logits.pop();
-    fewer.sh.truncate(64);
-    ply::write(&save.join("point_cloud.ply"), &fewer).unwrap();
-    let error = foreign::read(folder.path(), None).unwrap_err().to_string();
-    assert!(
-        error.contains(
-            "deformation_table.pth: tensor: has the shape [5], but the Gaussians of point_cloud.ply need [4]"
-        ),
-        "{error}"
-    );
-    fs::remove_file(save.join("deformation_table.pth")).unwrap();
-    assert_eq!(foreign::read(folder.path(), None).unwrap().table, [true; 4]);
-
     // Harmonics of degree 1 under a head that changes degree 3.
     let sh_degree = l4d_splat::ShDegree::new(1).unwrap();
     let low = Gaussians { sh_degree, sh: original.sh[..20].to_vec(), ..original };
     ply::write(&save.join("point_cloud.ply"), &low).unwrap();
     let options = fs::read_to_string(folder.path().join("cfg_args")).unwrap().replace("sh_degree=3, ", "");
     fs::write(folder.path().join("cfg_args"), &options).unwrap();
-    let error = foreign::read(folder.path(), None).unwrap_err().to_string();
+    let error = foreign::read(folder.path()).unwrap_err().to_string();
     assert!(error.contains("changes 16 coefficients a channel, but point_cloud.ply has 4"), "{error}");
     fs::write(folder.path().join("cfg_args"), options.replace("no_dshs=False", "no_dshs=True")).unwrap();
-    assert_eq!(foreign::read(folder.path(), None).unwrap().gaussians, low);
+    assert_eq!(foreign::read(folder.path()).unwrap().gaussians, low);
 
     for file in ["point_cloud.ply", "deformation.pth"] {
         let folder = copied();
         fs::remove_file(folder.path().join("point_cloud/iteration_7").join(file)).unwrap();
-        assert!(foreign::read(folder.path(), None).unwrap_err().to_string().contains(file));
+        assert!(foreign::read(folder.path()).unwrap_err().to_string().contains(file));
     }
 }
 
@@ -225,7 +185,7 @@ fn with_state_dict(from: &str, to: &str) -> Result<Vec<String>, String> {
     let directory = file.windows(4).position(|window| window == b"PK\x01\x02").unwrap();
     file[directory + 16..directory + 20].copy_from_slice(&checksum);
     fs::write(&path, file).unwrap();
-    foreign::read(folder.path(), None).map(|model| model.notes).map_err(|error| error.to_string())
+    foreign::read(folder.path()).map(|model| model.notes).map_err(|error| error.to_string())
 }
 
 fn crc32(bytes: &[u8]) -> [u8; 4] {
@@ -246,13 +206,13 @@ fn parameters_that_are_missing_or_unknown_are_named() {
 #[test]
 fn a_folder_with_a_cut_file_is_refused_by_its_name() {
     let save = Path::new("point_cloud/iteration_7");
-    for file in ["point_cloud.ply", "deformation.pth", "deformation_table.pth"] {
+    for file in ["point_cloud.ply", "deformation.pth"] {
         let folder = copied();
         let path = folder.path().join(save).join(file);
         let whole = fs::read(&path).unwrap();
         for share in 0..4 {
             fs::write(&path, &whole[..whole.len() * share / 4]).unwrap();
-            let error = foreign::read(folder.path(), None).unwrap_err().to_string();
+            let error = foreign::read(folder.path()).unwrap_err().to_string();
             assert!(error.contains(file), "{error}");
         }
     }

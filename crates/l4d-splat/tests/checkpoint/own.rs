@@ -3,21 +3,19 @@ use std::path::Path;
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::{Name, Profile};
-use l4d_splat::Tensor;
 use l4d_splat::checkpoint::foreign;
 use l4d_splat::checkpoint::own::{self, Checkpoint, Training};
+use l4d_splat::{Model, Tensor};
 use serde_json::{Value, json};
 
 use super::fixture;
 
 fn checkpoint() -> Checkpoint {
-    let model = foreign::read(&fixture("model"), None).unwrap();
+    let model = foreign::read(&fixture("model")).unwrap();
     let moments = Tensor { shape: vec![5, 3], data: (0..15).map(|place| 0.1 * place as f32).collect() };
     let Value::Object(values) = json!({"seed": 7, "stage": "fine"}) else { unreachable!() };
     Checkpoint {
-        gaussians: model.gaussians,
-        dynamic: vec![0, 2, 3],
-        field: Some(model.field),
+        model: Model { gaussians: model.gaussians, dynamic: vec![0, 2, 3], field: Some(model.field) },
         iteration: 1200,
         scene: Some(Name::new("room_living_cats").unwrap()),
         profile: Some(Profile::Small),
@@ -36,11 +34,11 @@ fn names(folder: &Path) -> Vec<String> {
 fn a_checkpoint_comes_back_to_the_last_bit() {
     let folder = tempfile::tempdir().unwrap();
     let mut written = checkpoint();
-    written.gaussians.sh[3] = [-0.0, 1e-45, f32::MAX];
+    written.model.gaussians.sh[3] = [-0.0, 1e-45, f32::MAX];
     own::write(folder.path(), &written).unwrap();
     let read = own::read(folder.path()).unwrap();
     assert_eq!(read, written);
-    assert_eq!(read.gaussians.sh[3].map(f32::to_bits), written.gaussians.sh[3].map(f32::to_bits));
+    assert_eq!(read.model.gaussians.sh[3].map(f32::to_bits), written.model.gaussians.sh[3].map(f32::to_bits));
 
     let card: Value = l4d_data::json::read(&folder.path().join("checkpoint.json")).unwrap();
     assert_eq!(card["schema"], "l4d/splats/1");
@@ -69,7 +67,8 @@ fn the_same_checkpoint_gives_the_same_bytes() {
 #[test]
 fn a_still_scene_needs_no_field_and_an_empty_one_no_gaussians() {
     let folder = tempfile::tempdir().unwrap();
-    let still = Checkpoint { field: None, dynamic: vec![], ..checkpoint() };
+    let mut still = checkpoint();
+    (still.model.field, still.model.dynamic) = (None, vec![]);
     own::write(folder.path(), &still).unwrap();
     assert_eq!(own::read(folder.path()).unwrap(), still);
     let empty = Checkpoint::default();
@@ -86,7 +85,8 @@ fn a_kill_between_the_two_files_leaves_the_old_checkpoint() {
     let old_tensors = names(folder.path()).remove(1);
     let bytes = fs::read(folder.path().join(&old_tensors)).unwrap();
 
-    let new = Checkpoint { iteration: 1300, dynamic: vec![1], ..old.clone() };
+    let mut new = Checkpoint { iteration: 1300, ..old.clone() };
+    new.model.dynamic = vec![1];
     own::write(folder.path(), &new).unwrap();
     assert_eq!(names(folder.path()).len(), 2, "the old tensors are gone");
     assert_eq!(own::read(folder.path()).unwrap(), new);
@@ -101,102 +101,79 @@ fn a_kill_between_the_two_files_leaves_the_old_checkpoint() {
 
 #[test]
 fn checkpoints_that_cannot_be_are_not_written() {
-    let refused = |change: fn(&mut Checkpoint)| {
+    let moment = |broken: &mut Checkpoint, change: fn(&mut Tensor)| {
+        change(broken.training.tensors.get_mut("adam/means/first").unwrap());
+    };
+    let cases: [(&dyn Fn(&mut Checkpoint), &str); 7] = [
+        (&|c| c.model.dynamic = vec![0, 5], "field `dynamic`: names Gaussian 5, but there are 5"),
+        (&|c| c.model.dynamic = vec![2, 2], "has 2 before 2, but the list ascends"),
+        (&|c| c.model.field = None, "there is no deformation field"),
+        (&|c| c.model.gaussians.rotations[4][1] = f32::NAN, "Gaussian 4, field `rotations`: is NaN"),
+        (&|c| c.model.gaussians.sh.truncate(9), "field `sh`: has 9 entries, but 5 Gaussians need 80"),
+        (&|c| moment(c, |tensor| tensor.data[2] = f32::INFINITY), "adam/means/first"),
+        (&|c| moment(c, |tensor| tensor.shape = vec![4]), "15 numbers for the shape [4]"),
+    ];
+    for (change, why) in cases {
         let mut broken = checkpoint();
         change(&mut broken);
         let folder = tempfile::tempdir().unwrap();
         let error = own::write(folder.path(), &broken).unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-        error
-    };
-    assert!(
-        refused(|broken| broken.dynamic = vec![0, 5])
-            .contains("field `dynamic`: names Gaussian 5, but there are 5")
-    );
-    assert!(refused(|broken| broken.dynamic = vec![2, 2]).contains("has 2 before 2, but the list ascends"));
-    assert!(refused(|broken| broken.field = None).contains("there is no deformation field"));
-    assert!(
-        refused(|broken| broken.gaussians.rotations[4][1] = f32::NAN)
-            .contains("Gaussian 4, field `rotations`: is NaN")
-    );
-    assert!(
-        refused(|broken| broken.gaussians.sh.truncate(9))
-            .contains("field `sh`: has 9 entries, but 5 Gaussians need 80")
-    );
-    let moment = "adam/means/first";
-    assert!(refused(|broken| broken.training.tensors.get_mut("adam/means/first").unwrap().data[2] = f32::INFINITY).contains(moment));
-    assert!(
-        refused(|broken| broken.training.tensors.get_mut("adam/means/first").unwrap().shape = vec![4])
-            .contains("15 numbers for the shape [4]")
-    );
+    }
 }
 
-/// Writes the checkpoint, lets `change` at its JSON, and says why it is refused.
-fn refused_card(change: impl Fn(&mut Value)) -> String {
+/// Writes the checkpoint, lets `change` at its JSON and folder, and says why it is refused.
+fn refused_card(change: impl Fn(&mut Value, &Path)) -> String {
     let folder = tempfile::tempdir().unwrap();
     own::write(folder.path(), &checkpoint()).unwrap();
     let path = folder.path().join("checkpoint.json");
     let mut card: Value = l4d_data::json::read(&path).unwrap();
-    change(&mut card);
+    change(&mut card, folder.path());
     l4d_data::json::write(&path, &card).unwrap();
     own::read(folder.path()).unwrap_err().to_string()
 }
 
 #[test]
 fn json_that_does_not_fit_is_refused_by_field() {
-    assert!(
-        refused_card(|card| card["schema"] = json!("l4d/splats/2"))
-            .contains("field `schema`: is `l4d/splats/2`, but this l4d reads")
-    );
-    assert!(
-        refused_card(|card| card["gaussians"] = json!(6))
-            .contains("tensor `gaussians/means`: is F32 [5, 3], but checkpoint.json needs F32 [6, 3]")
-    );
-    assert!(refused_card(|card| card["gaussians"] = json!(u64::MAX)).contains("tensor `gaussians/means`"));
-    assert!(refused_card(|card| card["gaussians"] = json!(-1)).contains("field `gaussians`"));
-    assert!(refused_card(|card| card["dynamic"] = json!(2)).contains("tensor `dynamic`"));
-    assert!(
-        refused_card(|card| card["sh_degree"] = json!(4))
-            .contains("field `sh_degree`: is 4, but degrees end at 3")
-    );
-    assert!(refused_card(|card| card["sh_degree"] = json!(2)).contains("tensor `gaussians/sh`"));
-    assert!(refused_card(|card| card["surprise"] = json!(2)).contains("surprise"));
-    assert!(refused_card(|card| card["deformation"] = Value::Null).contains("field `deformation`: is null"));
-    assert!(refused_card(|card| card["deformation"]["width"] = json!(5)).contains("the configuration needs"));
-    assert!(
-        refused_card(|card| card["deformation"]["width"] = json!(1_u64 << 60))
-            .contains("deformation field: deformation config: `width`")
-    );
-    assert!(
-        refused_card(|card| card["deformation"]["spatial_resolution"] = json!([60000, 1, 1]))
-            .contains("grid")
-    );
-    assert!(refused_card(|card| card["tensors"]["bytes"] = json!(1)).contains("digest: is not the file"));
-    for file in
-        ["../../etc/passwd", "/etc/passwd", "splats-0123456789abcdeF.safetensors", "splats-0.safetensors"]
-    {
-        assert!(
-            refused_card(|card| card["tensors"]["file"] = json!(file)).contains("field `tensors.file`"),
-            "{file}"
-        );
+    let file = "field `tensors.file`";
+    for (pointer, value, why) in [
+        ("/schema", json!("l4d/splats/2"), "field `schema`: is `l4d/splats/2`, but this l4d reads"),
+        (
+            "/gaussians",
+            json!(6),
+            "tensor `gaussians/means`: is F32 [5, 3], but checkpoint.json needs F32 [6, 3]",
+        ),
+        ("/gaussians", json!(u64::MAX), "tensor `gaussians/means`"),
+        ("/gaussians", json!(-1), "field `gaussians`"),
+        ("/dynamic", json!(2), "tensor `dynamic`"),
+        ("/sh_degree", json!(4), "field `sh_degree`: is 4, but degrees end at 3"),
+        ("/sh_degree", json!(2), "tensor `gaussians/sh`"),
+        ("/surprise", json!(2), "surprise"),
+        ("/deformation", Value::Null, "field `deformation`: is null"),
+        ("/deformation/width", json!(5), "the configuration needs"),
+        ("/deformation/width", json!(1_u64 << 60), "deformation field: deformation config: `width`"),
+        ("/deformation/spatial_resolution", json!([60000, 1, 1]), "grid"),
+        ("/tensors/bytes", json!(1), "digest: is not the file"),
+        ("/tensors/file", json!("../../etc/passwd"), file),
+        ("/tensors/file", json!("/etc/passwd"), file),
+        ("/tensors/file", json!("splats-0123456789abcdeF.safetensors"), file),
+        ("/tensors/file", json!("splats-0.safetensors"), file),
+        ("/tensors/file", json!("splats-0123456789abcdef.safetensors"), "cannot open"),
+    ] {
+        let (parent, field) = pointer.rsplit_once('/').unwrap();
+        let error = refused_card(|card, _| card.pointer_mut(parent).unwrap()[field] = value.clone());
+        assert!(error.contains(why), "{pointer}: {error}");
     }
-    assert!(
-        refused_card(|card| card["tensors"]["file"] = json!("splats-0123456789abcdef.safetensors"))
-            .contains("cannot open")
-    );
 }
 
 /// Puts other tensors under a checkpoint, with a JSON that vouches for them.
 fn refused_tensors(bytes: &[u8]) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    own::write(folder.path(), &checkpoint()).unwrap();
-    let path = folder.path().join("checkpoint.json");
-    let mut card: Value = l4d_data::json::read(&path).unwrap();
-    card["tensors"]["bytes"] = json!(bytes.len());
-    card["tensors"]["sha256"] = json!(sha256_hex(bytes));
-    fs::write(folder.path().join(card["tensors"]["file"].as_str().unwrap()), bytes).unwrap();
-    l4d_data::json::write(&path, &card).unwrap();
-    own::read(folder.path()).unwrap_err().to_string()
+    refused_card(|card, folder| {
+        card["tensors"]["bytes"] = json!(bytes.len());
+        card["tensors"]["sha256"] = json!(sha256_hex(bytes));
+        fs::write(folder.join(card["tensors"]["file"].as_str().unwrap()), bytes).unwrap();
+    })
 }
 
 fn safetensors(header: &str, data: &[u8]) -> Vec<u8> {
@@ -205,46 +182,34 @@ fn safetensors(header: &str, data: &[u8]) -> Vec<u8> {
 
 #[test]
 fn hostile_safetensors_are_refused() {
-    assert!(refused_tensors(b"").contains("header: is cut"));
-    assert!(refused_tensors(&u64::MAX.to_le_bytes()).contains("claims 18446744073709551615 bytes"));
-    assert!(refused_tensors(&100_u64.to_le_bytes()).contains("claims 100 bytes and is cut"));
-    assert!(refused_tensors(&safetensors("{", &[])).contains("is no JSON"));
-    assert!(refused_tensors(&safetensors(&"[".repeat(100_000), &[])).contains("is no JSON"));
-    let one = |entry: &str, data: &[u8]| refused_tensors(&safetensors(&format!("{{\"w\":{entry}}}"), data));
-    let outside = "tensor `w`: does not lie inside the file";
-    // The sum of what this claims goes over the largest integer.
-    assert!(
-        one(
-            r#"{"dtype":"U8","shape":[18446744073709551615],"data_offsets":[0,18446744073709551615]}"#,
-            &[0; 4]
-        )
-        .contains(outside)
-    );
-    assert!(one(r#"{"dtype":"F32","shape":[2],"data_offsets":[0,8]}"#, &[0; 4]).contains(outside));
-    assert!(one(r#"{"dtype":"F32","shape":[1],"data_offsets":[0]}"#, &[0; 4]).contains(outside));
-    assert!(
-        one(r#"{"dtype":"F32","shape":[1],"data_offsets":[-4,4]}"#, &[0; 4])
-            .contains("no safetensors header")
-    );
-    assert!(
-        one(r#"{"dtype":"F32","shape":[2],"data_offsets":[0,4]}"#, &[0; 4]).contains("no safetensors header")
-    );
-    assert!(
-        one(r#"{"dtype":"F32","shape":[1],"data_offsets":[0,4]}"#, &[0; 8]).contains("no safetensors header")
-    );
-    assert!(
-        one(r#"{"dtype":"F99","shape":[1],"data_offsets":[0,4]}"#, &[0; 4]).contains("no safetensors header")
-    );
-    assert!(
-        one(r#"{"dtype":"F32","shape":[4294967296,4294967296,4],"data_offsets":[0,4]}"#, &[0; 4])
-            .contains("no safetensors header")
-    );
-    assert!(
-        one(r#"{"dtype":"F32","shape":[1],"data_offsets":[0,4]}"#, &[0; 4])
-            .contains("tensor `gaussians/means`: is missing")
-    );
-    let two = r#"{"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},"b":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}"#;
-    assert!(refused_tensors(&safetensors(two, &[0; 4])).contains("no safetensors header"));
+    let (outside, no_header) = ("tensor `w`: does not lie inside the file", "no safetensors header");
+    let one = |dtype: &str, shape: &str, offsets: &str, data: &[u8]| {
+        let header = format!(r#"{{"w":{{"dtype":"{dtype}","shape":{shape},"data_offsets":{offsets}}}}}"#);
+        safetensors(&header, data)
+    };
+    let entry = r#"{"dtype":"F32","shape":[1],"data_offsets":[0,4]}"#;
+    let four = [0; 4];
+    for (bytes, why) in [
+        (Vec::new(), "header: is cut"),
+        (u64::MAX.to_le_bytes().to_vec(), "claims 18446744073709551615 bytes"),
+        (100_u64.to_le_bytes().to_vec(), "claims 100 bytes and is cut"),
+        (safetensors("{", &[]), "is no JSON"),
+        (safetensors(&"[".repeat(100_000), &[]), "is no JSON"),
+        // The sum of what this claims goes over the largest integer.
+        (one("U8", "[18446744073709551615]", "[0,18446744073709551615]", &four), outside),
+        (one("F32", "[2]", "[0,8]", &four), outside),
+        (one("F32", "[1]", "[0]", &four), outside),
+        (one("F32", "[1]", "[-4,4]", &four), no_header),
+        (one("F32", "[2]", "[0,4]", &four), no_header),
+        (one("F32", "[1]", "[0,4]", &[0; 8]), no_header),
+        (one("F99", "[1]", "[0,4]", &four), no_header),
+        (one("F32", "[4294967296,4294967296,4]", "[0,4]", &four), no_header),
+        (one("F32", "[1]", "[0,4]", &four), "tensor `gaussians/means`: is missing"),
+        (safetensors(&format!(r#"{{"a":{entry},"b":{entry}}}"#), &four), no_header),
+    ] {
+        let error = refused_tensors(&bytes);
+        assert!(error.contains(why), "{error} instead of {why}");
+    }
 }
 
 #[test]

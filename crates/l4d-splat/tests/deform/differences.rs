@@ -78,7 +78,7 @@ impl Problem {
     fn small() -> Self {
         let field = small_field(small_config(), 11);
         let positions = positions(600, 5);
-        let mut upstream = Offsets::zeros(field.config(), positions.len());
+        let mut upstream = field.config().zeros(positions.len());
         let mut place = 0_u32;
         for value in upstream.flat_mut().into_iter().flatten() {
             place += 1;
@@ -114,7 +114,7 @@ fn gradients_of_parameters_are_central_differences_of_the_reference() {
     let mut gradients = problem.field.zero_gradients();
     problem.field.backward(&mut trace, &problem.upstream, &mut gradients).unwrap();
     let mut tensors = doubles(&problem.field.tensors());
-    for (name, gradient) in gradients.tensors() {
+    for (name, gradient) in problem.field.gradient_tensors(&gradients) {
         // A few numbers of each tensor, spread over it, and the steepest, since most texels are met by no row.
         let count = gradient.data.len();
         let size = |place: &usize| gradient.data[*place].abs();
@@ -148,9 +148,12 @@ fn gradients_add_up_over_calls_until_they_are_cleared() {
     problem.field.backward(&mut trace, &problem.upstream, &mut once).unwrap();
     let mut twice = once.clone();
     problem.field.backward(&mut trace, &problem.upstream, &mut twice).unwrap();
-    for (name, once) in once.tensors() {
+    for (name, once) in problem.field.gradient_tensors(&once) {
         let doubled: Vec<f64> = once.data.iter().map(|value| 2.0 * f64::from(*value)).collect();
-        assert!(relative_difference(&twice.tensors()[&name].data, &doubled) < 1.0e-5, "`{name}`");
+        assert!(
+            relative_difference(&problem.field.gradient_tensors(&twice)[&name].data, &doubled) < 1.0e-5,
+            "`{name}`"
+        );
     }
     twice.clear();
     assert_eq!(twice, problem.field.zero_gradients());

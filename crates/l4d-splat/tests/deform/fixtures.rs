@@ -61,6 +61,7 @@ impl Lists {
             rotations: narrow(&self.rotations).as_chunks().0.to_vec(),
             opacity_logits: narrow(&self.opacity_logits),
             sh: narrow(&self.sh).as_chunks().0.to_vec(),
+            ..Offsets::default()
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Rows, places, times and numbers at the edges of what there is.
 
-use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, Init, Offsets, Trace};
+use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, Init, Trace};
 
 use crate::fixtures::{positions, relative_difference, small_config, small_field, wide};
 
 #[test]
 fn no_rows_give_no_offsets_and_no_gradients() {
     let field = small_field(small_config(), 1);
-    assert_eq!(field.offsets(&[], 0.5).unwrap(), Offsets::zeros(field.config(), 0));
+    assert_eq!(field.offsets(&[], 0.5).unwrap(), field.config().zeros(0));
     let mut trace = Trace::default();
     let offsets = field.trace(&[], 0.5, &mut trace).unwrap();
     let mut gradients = field.zero_gradients();
@@ -111,7 +111,7 @@ fn the_first_half_of_the_time_axis_is_never_read_from_a_foreign_field() {
     let mut gradients = field.zero_gradients();
     field.backward(&mut trace, &offsets, &mut gradients).unwrap();
     // Plane (x, t) of level 0: 4 channels of 7 times of 5 places. Time 0 lies on the middle row.
-    let plane = &gradients.tensors()["deformation_net.grid.grids.0.2"];
+    let plane = &field.gradient_tensors(&gradients)["deformation_net.grid.grids.0.2"];
     assert_eq!(plane.shape, [1, 4, 7, 5]);
     for (place, value) in plane.data.iter().enumerate() {
         assert_eq!(*value != 0.0, place / 5 % 7 == 3, "value {place} is {value}");
@@ -167,13 +167,16 @@ fn a_standing_field_changes_nothing_until_it_has_learned() {
     let field = DeformationField::new(small_config(), bounds, Init::Identity, 0).unwrap();
     let mut trace = Trace::default();
     let offsets = field.trace(&positions(40, 9), 0.3, &mut trace).unwrap();
-    assert_eq!(offsets, Offsets::zeros(field.config(), 40));
+    assert_eq!(offsets, field.config().zeros(40));
     let mut upstream = offsets;
     upstream.means.fill([1.0; 3]);
     let mut gradients = field.zero_gradients();
     field.backward(&mut trace, &upstream, &mut gradients).unwrap();
     assert!(
-        gradients.tensors()["deformation_net.pos_deform.3.weight"].data.iter().any(|value| *value != 0.0)
+        field.gradient_tensors(&gradients)["deformation_net.pos_deform.3.weight"]
+            .data
+            .iter()
+            .any(|value| *value != 0.0)
     );
 }
 
@@ -216,6 +219,6 @@ fn a_trace_can_be_used_again_for_fewer_and_more_rows() {
         assert_eq!(derive(&mut used, rows, time), derive(&mut Trace::default(), rows, time), "{rows} rows");
     }
     assert!(field.trace(&[[f32::NAN; 3]], 0.5, &mut used).is_err());
-    let nothing = Offsets::zeros(field.config(), 0);
+    let nothing = field.config().zeros(0);
     assert!(field.backward(&mut used, &nothing, &mut field.zero_gradients()).unwrap().is_empty());
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, FieldGradients, Init};
 use l4d_splat::optimise::{
     Adam, DepthGradient, Group, GroupUpdate, LearningRate, OptimiseError, PlaneWeights, RenderedDepth,
-    depth_l1, dssim, l1, plane_penalty,
+    depth_l1, l1, plane_penalty,
 };
 use serde::Deserialize;
 
@@ -16,7 +16,6 @@ use crate::fixtures::{
 #[derive(Debug, Deserialize)]
 struct Fixture {
     l1: Pictures,
-    dssim: Vec<Pictures>,
     depth: Vec<Depths>,
     planes: Planes,
     adam: Steps,
@@ -24,10 +23,6 @@ struct Fixture {
 
 #[derive(Debug, Deserialize)]
 struct Pictures {
-    #[serde(default)]
-    width: usize,
-    #[serde(default)]
-    channels: usize,
     prediction: Vec<f64>,
     target: Vec<f64>,
     value: f64,
@@ -53,7 +48,6 @@ struct Planes {
     multires: Vec<u32>,
     weights: BTreeMap<String, f32>,
     tensors: BTreeMap<String, Named>,
-    terms: BTreeMap<String, f64>,
     gradients: BTreeMap<String, Named>,
 }
 
@@ -74,24 +68,11 @@ fn fixture() -> Fixture {
 
 #[test]
 fn l1_is_that_of_torch() {
-    let Pictures { prediction, target, value, gradient, .. } = fixture().l1;
+    let Pictures { prediction, target, value, gradient } = fixture().l1;
     let mut found = vec![0.0; prediction.len()];
     let loss = l1(&narrow(&prediction), &narrow(&target), 1.0, &mut found).unwrap();
     assert!((loss - value).abs() < 1.0e-7);
     assert!(relative_difference(&found, &gradient) < 1.0e-6);
-}
-
-#[test]
-fn structural_similarity_is_that_of_torch() {
-    let cases = fixture().dssim;
-    assert_eq!(cases.len(), 3);
-    for Pictures { width, channels, prediction, target, value, gradient } in cases {
-        let mut found = vec![0.0; prediction.len()];
-        let loss = dssim(&narrow(&prediction), &narrow(&target), width, channels, 1.0, &mut found).unwrap();
-        assert!((loss - value).abs() < 1.0e-5, "{loss} instead of {value}");
-        let difference = relative_difference(&found, &gradient);
-        assert!(difference < 1.0e-4, "{width} wide: gradients differ by {difference:e}");
-    }
 }
 
 #[test]
@@ -126,20 +107,15 @@ fn plane_penalties_are_those_of_torch() {
     let bounds = Bounds::new([[1.0; 3], [-1.0; 3]]).unwrap();
     let mut tensors = DeformationField::new(config.clone(), bounds, Init::Foreign, 0).unwrap().tensors();
     tensors.extend(crate::fixtures::tensors(&planes.tensors));
-    let field = DeformationField::from_tensors(config, |name| tensors.get(name)).unwrap();
+    let field = DeformationField::from_tensors(config, &tensors).unwrap();
     let weights = PlaneWeights {
         space: planes.weights["space"],
         time: planes.weights["time"],
         stillness: planes.weights["stillness"],
     };
     let mut gradients = field.zero_gradients();
-    let penalty = plane_penalty(&field, &weights, &mut gradients).unwrap();
-    let terms = [("space", penalty.space), ("time", penalty.time), ("stillness", penalty.stillness)];
-    for (name, found) in terms {
-        let expected = planes.terms[name];
-        assert!((found - expected).abs() < 1.0e-5 * expected, "{name}: {found} instead of {expected}");
-    }
-    let found = gradients.tensors();
+    plane_penalty(&field, &weights, &mut gradients).unwrap();
+    let found = field.gradient_tensors(&gradients);
     for (name, expected) in &planes.gradients {
         let difference = relative_difference(&found[name].data, &expected.data);
         assert!(difference < 1.0e-4, "`{name}` differs by {difference:e}");
@@ -172,12 +148,6 @@ fn gradients_are_added_with_their_weight() {
     let value = l1(&prediction, &target, -2.0, &mut gradient).unwrap();
     assert!((value - 0.25).abs() < 1.0e-7);
     assert_eq!(gradient, [1.5, 0.5, 1.0, 0.5]);
-    let (mut single, mut triple) = ([0.0; 4], [1.0; 4]);
-    dssim(&prediction, &target, 2, 1, 1.0, &mut single).unwrap();
-    dssim(&prediction, &target, 2, 1, 3.0, &mut triple).unwrap();
-    for (single, triple) in single.into_iter().zip(triple) {
-        assert!((1.0 + 3.0 * single - triple).abs() < 1.0e-5 && single != 0.0);
-    }
 }
 
 #[test]
@@ -185,30 +155,18 @@ fn equal_pictures_have_no_loss_and_no_gradient() {
     let picture: Vec<f32> = (0..300).map(|place| (place % 7) as f32 / 7.0).collect();
     let mut gradient = vec![0.0; 300];
     assert_eq!(l1(&picture, &picture, 1.0, &mut gradient).unwrap(), 0.0);
-    assert!(dssim(&picture, &picture, 10, 3, 1.0, &mut gradient).unwrap().abs() < 1.0e-6);
-    assert!(gradient.iter().all(|value| value.abs() < 1.0e-6));
+    assert!(gradient.iter().all(|value| *value == 0.0));
 }
 
 #[test]
 fn nothing_to_compare_is_no_loss() {
     assert_eq!(l1(&[], &[], 1.0, &mut []).unwrap(), 0.0);
-    assert_eq!(dssim(&[], &[], 5, 3, 1.0, &mut []).unwrap(), 0.0);
     let nothing_hit = [f32::INFINITY; 2];
     let rendered = RenderedDepth { sum_m: &[1.0; 2], alpha: &[0.5; 2] };
     let (mut sum, mut alpha) = ([0.0; 2], [0.0; 2]);
     let gradient = DepthGradient { sum: &mut sum, alpha: &mut alpha };
     assert_eq!(depth_l1(rendered, &nothing_hit, 0.0, 1.0, gradient).unwrap(), 0.0);
     assert_eq!([sum, alpha], [[0.0; 2]; 2]);
-}
-
-#[test]
-fn flat_and_black_pictures_have_finite_gradients() {
-    for value in [0.0, 1.0] {
-        let mut gradient = vec![0.0; 400];
-        let loss = dssim(&[value; 400], &[0.0; 400], 20, 1, 1.0, &mut gradient).unwrap();
-        assert!((0.0..=2.0).contains(&loss));
-        assert!(gradient.iter().all(|value| value.is_finite()));
-    }
 }
 
 /// Calls with a number that is not finite at this place of the first list, and what they left of the gradient.
@@ -220,8 +178,6 @@ fn poisoned(place: usize, poison: f32) -> Vec<(Result<f64, OptimiseError>, Vec<f
     for (prediction, target) in [(bad, clean), (clean, bad)] {
         let mut gradient = vec![7.0; 24];
         calls.push((l1(&prediction, &target, 1.0, &mut gradient), gradient));
-        let mut gradient = vec![7.0; 24];
-        calls.push((dssim(&prediction, &target, 4, 3, 1.0, &mut gradient), gradient));
     }
     for (sum_m, alpha, target) in [(bad, clean, clean), (clean, bad, clean), (clean, clean, bad)] {
         let (mut sum, mut by_alpha) = (vec![7.0; 24], vec![7.0; 24]);
@@ -238,7 +194,7 @@ fn poisoned(place: usize, poison: f32) -> Vec<(Result<f64, OptimiseError>, Vec<f
 fn poison_is_named_and_touches_no_gradient() {
     for (place, poison) in [(0, f32::NAN), (17, f32::NEG_INFINITY), (23, f32::NAN)] {
         let calls = poisoned(place, poison);
-        assert_eq!(calls.len(), 7);
+        assert_eq!(calls.len(), 5);
         for (result, gradient) in calls {
             let message = result.unwrap_err().to_string();
             let is_named =
@@ -247,19 +203,12 @@ fn poison_is_named_and_touches_no_gradient() {
             assert!(gradient.iter().all(|value| *value == 7.0));
         }
     }
-    for weight in [f32::NAN, f32::INFINITY] {
-        assert!(l1(&[0.0], &[0.0], weight, &mut [0.0]).is_err());
-        assert!(dssim(&[0.0], &[0.0], 1, 1, weight, &mut [0.0]).is_err());
-    }
 }
 
 #[test]
 fn lists_that_do_not_belong_together_are_refused() {
     assert!(l1(&[0.0; 3], &[0.0; 4], 1.0, &mut [0.0; 3]).is_err());
     assert!(l1(&[0.0; 3], &[0.0; 3], 1.0, &mut [0.0; 2]).is_err());
-    for (width, channels) in [(5, 1), (0, 3), (4, 0), (usize::MAX, 3)] {
-        assert!(dssim(&[0.0; 12], &[0.0; 12], width, channels, 1.0, &mut [0.0; 12]).is_err());
-    }
     for target in [0.0, -1.0] {
         let rendered = RenderedDepth { sum_m: &[1.0], alpha: &[0.5] };
         let gradient = DepthGradient { sum: &mut [0.0], alpha: &mut [0.0] };

@@ -1,7 +1,7 @@
 //! The same bytes on one, two and eight threads.
 
 use l4d_splat::deform::{DeformConfig, Trace};
-use l4d_splat::optimise::{Adam, Group, GroupUpdate, LearningRate, PlaneWeights, dssim, plane_penalty};
+use l4d_splat::optimise::{Adam, Group, GroupUpdate, LearningRate, PlaneWeights, plane_penalty};
 
 use crate::fixtures::{positions, small_field};
 
@@ -21,7 +21,7 @@ fn step() -> Vec<u32> {
     let offsets = field.trace(&positions, 0.61, &mut trace).unwrap();
     let mut gradients = field.zero_gradients();
     let slopes = field.backward(&mut trace, &offsets, &mut gradients).unwrap();
-    let penalty = plane_penalty(&field, &PlaneWeights::default(), &mut gradients).unwrap();
+    plane_penalty(&field, &PlaneWeights::default(), &mut gradients).unwrap();
     let rate = LearningRate::constant(1.0e-2).unwrap();
     let lists = gradients.lists();
     let lengths = |lists: &[&[f32]]| lists.iter().map(|list| list.len()).collect::<Vec<_>>();
@@ -36,19 +36,11 @@ fn step() -> Vec<u32> {
         GroupUpdate { parameters: parameters.layers, gradients: lists.layers },
     ];
     adam.step(1, shares).unwrap();
-    let picture: Vec<f32> = slopes.as_flattened().iter().take(3 * 60 * 40).copied().collect();
-    let target = vec![0.5; picture.len()];
-    let mut picture_gradient = vec![0.0; picture.len()];
-    let similarity = dssim(&picture, &target, 60, 3, 1.0, &mut picture_gradient).unwrap();
 
     let bits = |list: &[f32]| list.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     let mut all: Vec<u32> = offsets.flat().into_iter().flat_map(bits).collect();
     all.extend(bits(slopes.as_flattened()));
-    all.extend(bits(&picture_gradient));
-    for value in [similarity, penalty.space, penalty.time, penalty.stillness] {
-        all.extend([value.to_bits() as u32, (value.to_bits() >> 32) as u32]);
-    }
-    for tensor in gradients.tensors().values().chain(field.tensors().values()) {
+    for tensor in field.gradient_tensors(&gradients).values().chain(field.tensors().values()) {
         all.extend(bits(&tensor.data));
     }
     all

@@ -59,7 +59,7 @@ proptest! {
         gradient.depth_sum_m.fill(0.1);
         let gradients = projected.backward(&drawing, &gradient).unwrap();
         // Some of these derivatives are larger than f32 can hold, but none of them is nonsense.
-        for list in gradients.lists() {
+        for list in gradients.by.lists() {
             prop_assert!(!list.iter().any(|value| value.is_nan()), "{:?}", splats);
         }
     }

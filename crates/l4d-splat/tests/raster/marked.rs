@@ -55,7 +55,7 @@ fn marked_pixels_and_what_they_say_are_the_same() {
         }
         assert!(left_out > 100, "{name} {left_out}");
         let (all, some) = (gradients(&*whole, &case, &marks), gradients(&*part, &case, &marks));
-        assert!(some.lists() == all.lists() && some.means_ndc == all.means_ndc, "{name}");
+        assert!(some.by == all.by && some.means_ndc == all.means_ndc, "{name}");
         // What touches no tile with a mark is not visible; nothing else becomes it.
         let visible = |gradients: &SplatGradients| gradients.visible.iter().filter(|seen| **seen).count();
         assert!(visible(&some) <= visible(&all));
@@ -76,7 +76,7 @@ fn gaussians_that_do_not_learn_have_no_gradient_and_the_others_keep_theirs() {
             scene.backward(&drawing, &gradient).unwrap(),
             scene.backward_for(&drawing, &gradient, &trainable).unwrap(),
         );
-        for (some, every) in std::iter::zip(some.lists(), every.lists()) {
+        for (some, every) in std::iter::zip(some.by.lists(), every.by.lists()) {
             let width = some.len() / trainable.len();
             for (index, &is_trainable) in trainable.iter().enumerate() {
                 let (some, every) = (&some[index * width..][..width], &every[index * width..][..width]);
@@ -97,7 +97,6 @@ fn nothing_marked_is_nothing_drawn() {
     let marks = vec![false; case.view.pixel_count()];
     let part = cpu.prepare_marked(&case.splats, &case.view, &case.settings, &marks).unwrap();
     assert!(part.draw().unwrap().alpha.iter().all(|&alpha| alpha == 0.0));
-    assert!(part.radii_px().unwrap().iter().all(|&radius| radius == 0.0));
 }
 
 #[test]

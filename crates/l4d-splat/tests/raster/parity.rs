@@ -102,7 +102,7 @@ fn pictures_and_gradients_are_those_of_pytorch() {
         let Fields { means, scales, rotations, opacities, sh } = &fixture.gradients;
         let names = ["means", "scales", "rotations", "opacities", "sh"];
         let expected = [means, scales, rotations, opacities, sh];
-        for ((name, found), expected) in names.into_iter().zip(gradients.lists()).zip(expected) {
+        for ((name, found), expected) in names.into_iter().zip(gradients.by.lists()).zip(expected) {
             let worst = difference(found, expected, true);
             println!("{} gradient by {name}: {worst:.1e}", rasterizer.name());
             assert!(worst < 1e-5, "{} gradient by {name}: {worst:e}", rasterizer.name());

@@ -48,12 +48,8 @@ impl From<SweepArg> for Sweep {
         match sweep {
             SweepArg::Count => Self::Count,
             SweepArg::Degree => Self::Degree,
-            SweepArg::Cutoffs => Self::Cutoffs,
-            SweepArg::Static => Self::Static,
             SweepArg::Resolution => Self::Resolution,
-            SweepArg::F16 => Self::F16,
             SweepArg::Rasterizer => Self::Rasterizer,
-            SweepArg::Together => Self::Together,
         }
     }
 }

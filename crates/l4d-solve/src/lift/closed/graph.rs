@@ -2,9 +2,8 @@
 //!
 //! Owns the graph of nearest neighbours over trajectories and the smoothing on it. Knows no pixels.
 
+use l4d_splat::neighbours::Tree;
 use rayon::prelude::*;
-
-use crate::lift::tree::Tree;
 
 /// Steps of conjugate gradients at most.
 const MOST_STEPS: usize = 30;

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use l4d_splat::neighbours::Tree;
 use l4d_splat::optimise::{Adam, Group, GroupUpdate, LearningRate};
 use l4d_splat::splats::Splats;
 use rand::{RngExt as _, SeedableRng as _};
@@ -18,7 +19,6 @@ use super::objective::{cross_entropy, divergence};
 use crate::lift::canvas::Canvas;
 use crate::lift::error::LiftError;
 use crate::lift::evidence::{Evidence, Picture};
-use crate::lift::tree::Tree;
 
 /// Lists of partial sums that a gradient is collected in, at most. A constant, not the number of threads: sums would
 /// come out differently with other cuts.

@@ -3,7 +3,8 @@
 
 use l4d_masks::Mask;
 use l4d_splat::Model;
-use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _};
+use l4d_splat::neighbours::Tree;
+use l4d_splat::raster::{Cpu, RasterSettings, Rasterizer as _, Reference};
 use l4d_splat::synthetic::Room;
 use l4d_splat::view::View;
 
@@ -12,7 +13,6 @@ use super::learn::Training;
 use super::{FieldSettings, Network};
 use crate::lift::canvas::Canvas;
 use crate::lift::evidence::{Evidence, EvidenceFrame, EvidenceView};
-use crate::lift::tree::Tree;
 
 const FRAMES: [u32; 3] = [0, 48, 96];
 
@@ -67,12 +67,10 @@ struct Shot {
 fn shot(scene: &Scene, evidence: &Evidence, picture: usize, samples: &[u32]) -> Shot {
     let seen = &evidence.views[picture % 2].frames[picture / 2];
     let splats = scene.model.at(seen.time).unwrap();
-    let cpu = Cpu::new();
-    let projected = cpu.prepare(&splats, &seen.view, &RasterSettings::default()).unwrap();
+    let projected = Reference::scene(&splats.to_f64(), &seen.view, &RasterSettings::default()).unwrap();
     let pixels = (0..15 * 20).map(|pixel| {
         let (column, row) = (pixel % 20, pixel / 20);
-        let shown = projected.contributors(column, row).unwrap();
-        let shown = shown.iter().map(|one| (one.index as usize, f64::from(one.weight))).collect();
+        let shown = projected.contributors(column as usize, row as usize);
         (shown, seen.mask.get(column, row))
     });
     let nearest = Tree::new(splats.means().as_flattened(), 3).neighbours(4, true);

@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 use l4d_formats::fault::quoted;
 use l4d_formats::{Fault, Tensor};
 
-use super::keys;
 use crate::checkpoint::REMEDY_PAIR;
 use crate::checkpoint::cfg_args::{CfgArgs, Literal};
-use crate::deform::{DeformConfig, TimeAxis};
+use crate::deform::{DeformConfig, PREFIX, TimeAxis, plane_name};
 
 /// Levels of planes, and how much finer one may be than the first: four and 8 in the original.
 const MOST_LEVELS: usize = 16;
@@ -42,16 +41,16 @@ pub(super) fn derive(args: &CfgArgs, tensors: &BTreeMap<String, Tensor>) -> Resu
     }
 
     let multires = options.multires()?;
-    let levels = (0..).take_while(|&level| tensors.contains_key(&keys::plane(level, 0))).count();
+    let levels = (0..).take_while(|&level| tensors.contains_key(&plane_name(level, 0))).count();
     if levels != multires.len() {
         let message = format!("has {} levels, but the parameters have {levels}", multires.len());
         return Err(options.fault("multires", message, REMEDY_PAIR));
     }
     let coarsest = multires[0] as usize;
-    let [xy, xz, xt] = [0, 1, 2].map(|pair| axes(tensors, &keys::plane(0, pair), 4));
+    let [xy, xz, xt] = [0, 1, 2].map(|pair| axes(tensors, &plane_name(0, pair), 4));
     let ([_, channels, y, x], [_, _, z, _], [_, _, time_resolution, _]) = (four(xy?), four(xz?), four(xt?));
-    let hidden = axes(tensors, &format!("{}feature_out.0.weight", keys::PREFIX), 2)?;
-    let harmonics = axes(tensors, &format!("{}shs_deform.3.bias", keys::PREFIX), 1)?;
+    let hidden = axes(tensors, &format!("{}feature_out.0.weight", PREFIX), 2)?;
+    let harmonics = axes(tensors, &format!("{}shs_deform.3.bias", PREFIX), 1)?;
     let config = DeformConfig {
         channels,
         spatial_resolution: [x, y, z].map(|samples| samples / coarsest),

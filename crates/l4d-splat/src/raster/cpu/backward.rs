@@ -110,9 +110,7 @@ impl Kernel for BackwardPass<'_> {
             running: [zero; GRADIENT_SUMS],
             sums: self.sums,
         };
-        let groups = self.tile.groups();
-        let mut transmittance = self.tile.transmittance();
-        blend_tile(simd, self.tile, self.scene.limits, &mut transmittance, groups, &mut visitor);
+        blend_tile(simd, self.tile, self.scene.limits, &mut self.tile.transmittance(), &mut visitor);
     }
 }
 
@@ -172,7 +170,7 @@ struct BackwardVisitor<'a, S: Simd> {
 
 impl<S: Simd> Visitor<S> for BackwardVisitor<'_, S> {
     #[inline(always)]
-    fn begin(&mut self, simd: S, _entry: usize, footprint: &Footprint) {
+    fn begin(&mut self, simd: S, footprint: &Footprint) {
         let [red, green, blue] = footprint.colour;
         self.shown = [
             f32x8::splat(simd, red),

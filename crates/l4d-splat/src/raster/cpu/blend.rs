@@ -104,7 +104,7 @@ impl Tile<'_> {
     }
 
     /// A bit for each group with a pixel that is drawn.
-    pub(super) fn groups(&self) -> u32 {
+    fn groups(&self) -> u32 {
         self.mask.iter().enumerate().fold(0, |groups, (row, mask)| {
             let [left, right] = [mask & 0xff, mask >> LANES].map(|half| u32::from(half != 0));
             groups | left << row | right << (TILE + row)
@@ -130,11 +130,11 @@ pub(super) struct BlendStep<S: Simd> {
 
 /// What is done with the weights.
 pub(super) trait Visitor<S: Simd> {
-    /// A Gaussian that may show in the tile: its position in the tile's list.
-    fn begin(&mut self, simd: S, entry: usize, footprint: &Footprint);
+    /// A Gaussian that may show in the tile.
+    fn begin(&mut self, simd: S, footprint: &Footprint);
     /// One group of pixels of that Gaussian.
     fn blend(&mut self, simd: S, group: usize, step: BlendStep<S>);
-    /// All groups of that Gaussian have been visited.
+    /// All groups of that Gaussian have been visited: its position in the tile's list.
     fn end(&mut self, simd: S, entry: usize);
 }
 
@@ -182,17 +182,16 @@ impl RowTerms {
     }
 }
 
-/// Blends the Gaussians of a tile into the groups of pixels in `groups`, front to back, and shows every step to the
-/// visitor. `transmittance` starts as [`Tile::transmittance`]; a finished pixel ends with the sign turned.
+/// Blends the Gaussians of a tile into its pixels, front to back, and shows every step to the visitor. `transmittance` starts as [`Tile::transmittance`]; a finished pixel ends with the sign turned.
 #[inline(always)]
 pub(super) fn blend_tile<S: Simd, V: Visitor<S>>(
     simd: S,
     tile: Tile<'_>,
     limits: Limits,
     transmittance: &mut Plane,
-    mut groups: u32,
     visitor: &mut V,
 ) {
+    let mut groups = tile.groups();
     let zero = f32x8::splat(simd, 0.0);
     let one = f32x8::splat(simd, 1.0);
     let left_columns = f32x8::simd_from(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -205,7 +204,7 @@ pub(super) fn blend_tile<S: Simd, V: Visitor<S>>(
             continue;
         }
         let slopes = [left_columns * across, right_columns * across];
-        visitor.begin(simd, entry, footprint);
+        visitor.begin(simd, footprint);
         while touched != 0 {
             let group = touched.trailing_zeros() as usize % GROUPS;
             touched &= touched - 1;

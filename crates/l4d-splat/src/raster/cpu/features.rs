@@ -3,10 +3,10 @@
 use fearless_simd::{f32x8, prelude::*};
 use rayon::prelude::*;
 
-use super::blend::{BlendStep, GROUPS, LANES, Plane, Tile, Visitor, blend_tile};
+use super::blend::{BlendStep, LANES, Plane, Tile, Visitor, blend_tile};
 use super::projection::Footprint;
 use super::{Kernel, ProjectedScene};
-use crate::raster::{Contribution, TILE};
+use crate::raster::TILE;
 
 /// Channels per pass over the tiles: bounds the memory of many channels.
 const CHANNELS: usize = 16;
@@ -20,8 +20,16 @@ pub(super) fn splat_features(scene: &ProjectedScene<'_>, features: &[f32], chann
             .into_par_iter()
             .map(|index| {
                 let mut planes = vec![Plane::ZERO; block.len()];
-                let visitor = SplatFeatures { planes: &mut planes, features, channels, first, index: 0 };
-                scene.cpu.run(FeaturePass { scene, tile: scene.tile(index), visitor });
+                let (tile, planes_mut) = (scene.tile(index), planes.as_mut_slice());
+                scene.cpu.run(SplatFeatures {
+                    scene,
+                    tile,
+                    planes: planes_mut,
+                    features,
+                    channels,
+                    first,
+                    index: 0,
+                });
                 planes
             })
             .collect();
@@ -47,8 +55,8 @@ pub(super) fn gather_features(scene: &ProjectedScene<'_>, pixels: &[f32], channe
             let tile = scene.tile(index);
             let planes: Vec<Plane> =
                 block.clone().map(|channel| channel_plane(scene, &tile, pixels, channels, channel)).collect();
-            let visitor = GatherFeatures { planes: &planes, sums, running: [[0.0; LANES]; CHANNELS] };
-            scene.cpu.run(FeaturePass { scene, tile, visitor });
+            let running = [[0.0; LANES]; CHANNELS];
+            scene.cpu.run(GatherFeatures { scene, tile, planes: &planes, sums, running });
         });
         for (footprint, total) in scene.footprints.iter().zip(totals.chunks_exact(block.len())) {
             let feature = &mut features[footprint.index as usize * channels..][..channels];
@@ -79,75 +87,9 @@ fn channel_plane(
     plane
 }
 
-/// The Gaussians blended into one pixel.
-pub(super) fn contributors(scene: &ProjectedScene<'_>, column: usize, row: usize) -> Vec<Contribution> {
-    let tile = scene.tile(row / TILE * scene.bins.columns + column / TILE);
-    let (x, y) = (column % TILE, row % TILE);
-    let mut list = Vec::new();
-    let visitor =
-        RecordContributors { group: x / LANES * TILE + y, lane: x % LANES, index: 0, list: &mut list };
-    scene.cpu.run(FeaturePass { scene, tile, visitor });
-    list
-}
-
-/// A visitor that isn't bound to instructions until it runs.
-trait WeightVisitor {
-    /// Groups of pixels that the visitor wants to see.
-    fn groups(&self) -> u32 {
-        u32::MAX
-    }
-
-    fn begin(&mut self, entry: usize, footprint: &Footprint);
-
-    fn blend<S: Simd>(&mut self, simd: S, group: usize, weight: f32x8<S>);
-
-    fn end(&mut self, entry: usize);
-}
-
-struct FeaturePass<'a, B> {
+struct SplatFeatures<'a> {
     scene: &'a ProjectedScene<'a>,
     tile: Tile<'a>,
-    visitor: B,
-}
-
-impl<B: WeightVisitor> Kernel for FeaturePass<'_, B> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
-        let groups = self.tile.groups() & self.visitor.groups();
-        let mut transmittance = self.tile.transmittance();
-        blend_tile(
-            simd,
-            self.tile,
-            self.scene.limits,
-            &mut transmittance,
-            groups,
-            &mut WeightAdapter(&mut self.visitor),
-        );
-    }
-}
-
-struct WeightAdapter<'a, B>(&'a mut B);
-
-impl<S: Simd, B: WeightVisitor> Visitor<S> for WeightAdapter<'_, B> {
-    #[inline(always)]
-    fn begin(&mut self, _simd: S, entry: usize, footprint: &Footprint) {
-        self.0.begin(entry, footprint);
-    }
-
-    #[inline(always)]
-    fn blend(&mut self, simd: S, group: usize, step: BlendStep<S>) {
-        self.0.blend(simd, group, step.weight);
-    }
-
-    #[inline(always)]
-    fn end(&mut self, _simd: S, entry: usize) {
-        self.0.end(entry);
-    }
-}
-
-struct SplatFeatures<'a> {
     planes: &'a mut [Plane],
     features: &'a [f32],
     channels: usize,
@@ -156,25 +98,36 @@ struct SplatFeatures<'a> {
     index: usize,
 }
 
-impl WeightVisitor for SplatFeatures<'_> {
+impl Kernel for SplatFeatures<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn begin(&mut self, _entry: usize, footprint: &Footprint) {
+    fn run<S: Simd>(mut self, simd: S) {
+        blend_tile(simd, self.tile, self.scene.limits, &mut self.tile.transmittance(), &mut self);
+    }
+}
+
+impl<S: Simd> Visitor<S> for SplatFeatures<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _simd: S, footprint: &Footprint) {
         self.index = footprint.index as usize;
     }
 
     #[inline(always)]
-    fn blend<S: Simd>(&mut self, simd: S, group: usize, weight: f32x8<S>) {
+    fn blend(&mut self, simd: S, group: usize, step: BlendStep<S>) {
         let values = &self.features[self.index * self.channels + self.first..];
         for (plane, &feature) in self.planes.iter_mut().zip(values) {
-            plane.add_product(simd, group, weight, f32x8::splat(simd, feature));
+            plane.add_product(simd, group, step.weight, f32x8::splat(simd, feature));
         }
     }
 
     #[inline(always)]
-    fn end(&mut self, _entry: usize) {}
+    fn end(&mut self, _simd: S, _entry: usize) {}
 }
 
 struct GatherFeatures<'a> {
+    scene: &'a ProjectedScene<'a>,
+    tile: Tile<'a>,
     /// One plane per channel.
     planes: &'a [Plane],
     /// For each Gaussian of the tile its sum of each channel.
@@ -182,54 +135,34 @@ struct GatherFeatures<'a> {
     running: [[f32; LANES]; CHANNELS],
 }
 
-impl WeightVisitor for GatherFeatures<'_> {
+impl Kernel for GatherFeatures<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn begin(&mut self, _entry: usize, _footprint: &Footprint) {
+    fn run<S: Simd>(mut self, simd: S) {
+        blend_tile(simd, self.tile, self.scene.limits, &mut self.tile.transmittance(), &mut self);
+    }
+}
+
+impl<S: Simd> Visitor<S> for GatherFeatures<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _simd: S, _footprint: &Footprint) {
         self.running = [[0.0; LANES]; CHANNELS];
     }
 
     #[inline(always)]
-    fn blend<S: Simd>(&mut self, simd: S, group: usize, weight: f32x8<S>) {
+    fn blend(&mut self, simd: S, group: usize, step: BlendStep<S>) {
         for (running, plane) in self.running.iter_mut().zip(self.planes) {
-            let sum = weight.mul_add(plane.load(simd, group), f32x8::load_array_ref(simd, running));
+            let sum = step.weight.mul_add(plane.load(simd, group), f32x8::load_array_ref(simd, running));
             sum.store_array(running);
         }
     }
 
     #[inline(always)]
-    fn end(&mut self, entry: usize) {
+    fn end(&mut self, _simd: S, entry: usize) {
         let channels = self.planes.len();
         for (sum, running) in self.sums[entry * channels..][..channels].iter_mut().zip(self.running) {
             *sum = running.iter().sum();
         }
     }
-}
-
-struct RecordContributors<'a> {
-    group: usize,
-    lane: usize,
-    index: u32,
-    list: &'a mut Vec<Contribution>,
-}
-
-impl WeightVisitor for RecordContributors<'_> {
-    fn groups(&self) -> u32 {
-        1 << (self.group % GROUPS)
-    }
-
-    #[inline(always)]
-    fn begin(&mut self, _entry: usize, footprint: &Footprint) {
-        self.index = footprint.index;
-    }
-
-    #[inline(always)]
-    fn blend<S: Simd>(&mut self, _simd: S, _group: usize, weight: f32x8<S>) {
-        let weight = weight[self.lane];
-        if weight > 0.0 {
-            self.list.push(Contribution { index: self.index, weight });
-        }
-    }
-
-    #[inline(always)]
-    fn end(&mut self, _entry: usize) {}
 }

@@ -18,18 +18,7 @@ struct TileImage {
     transmittance: Plane,
 }
 
-impl TileImage {
-    fn new(tile: &Tile<'_>, quantiles: bool) -> Self {
-        Self {
-            colour: [Plane::ZERO; 3],
-            depth_sum: Plane::ZERO,
-            quantiles: if quantiles { vec![Plane::ZERO; DepthQuantiles::LEVELS.len()] } else { Vec::new() },
-            transmittance: tile.transmittance(),
-        }
-    }
-}
-
-struct ForwardVisitor<'a, S: Simd, const QUANTILES: bool> {
+struct ForwardVisitor<'a, S: Simd> {
     planes: &'a mut [Plane; 3],
     depth_sum: &'a mut Plane,
     quantiles: &'a mut [Plane],
@@ -37,9 +26,9 @@ struct ForwardVisitor<'a, S: Simd, const QUANTILES: bool> {
     depth: f32x8<S>,
 }
 
-impl<S: Simd, const QUANTILES: bool> Visitor<S> for ForwardVisitor<'_, S, QUANTILES> {
+impl<S: Simd> Visitor<S> for ForwardVisitor<'_, S> {
     #[inline(always)]
-    fn begin(&mut self, simd: S, _entry: usize, footprint: &Footprint) {
+    fn begin(&mut self, simd: S, footprint: &Footprint) {
         let [red, green, blue] = footprint.colour;
         self.colour = [f32x8::splat(simd, red), f32x8::splat(simd, green), f32x8::splat(simd, blue)];
         self.depth = f32x8::splat(simd, footprint.depth);
@@ -51,14 +40,11 @@ impl<S: Simd, const QUANTILES: bool> Visitor<S> for ForwardVisitor<'_, S, QUANTI
             self.planes[channel].add_product(simd, group, step.weight, self.colour[channel]);
         }
         self.depth_sum.add_product(simd, group, step.weight, self.depth);
-        if QUANTILES {
-            // The last Gaussian with at least this transmittance in front is the one behind which it is less.
-            let blended = step.weight.simd_gt(0.0);
-            for (plane, level) in self.quantiles.iter_mut().zip(DepthQuantiles::LEVELS) {
-                let depth =
-                    (blended & step.before.simd_ge(level)).select(self.depth, plane.load(simd, group));
-                plane.store(group, depth);
-            }
+        // The last Gaussian with at least this transmittance in front is the one behind which it is less.
+        let blended = step.weight.simd_gt(0.0);
+        for (plane, level) in self.quantiles.iter_mut().zip(DepthQuantiles::LEVELS) {
+            let depth = (blended & step.before.simd_ge(level)).select(self.depth, plane.load(simd, group));
+            plane.store(group, depth);
         }
     }
 
@@ -66,27 +52,26 @@ impl<S: Simd, const QUANTILES: bool> Visitor<S> for ForwardVisitor<'_, S, QUANTI
     fn end(&mut self, _simd: S, _entry: usize) {}
 }
 
-struct ForwardPass<'a, const QUANTILES: bool> {
+struct ForwardPass<'a> {
     scene: &'a ProjectedScene<'a>,
     tile: Tile<'a>,
     images: &'a mut TileImage,
 }
 
-impl<const QUANTILES: bool> Kernel for ForwardPass<'_, QUANTILES> {
+impl Kernel for ForwardPass<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let zero = f32x8::splat(simd, 0.0);
-        let mut visitor = ForwardVisitor::<S, QUANTILES> {
+        let mut visitor = ForwardVisitor {
             planes: &mut self.images.colour,
             depth_sum: &mut self.images.depth_sum,
             quantiles: &mut self.images.quantiles,
             colour: [zero; 3],
             depth: zero,
         };
-        let groups = self.tile.groups();
-        blend_tile(simd, self.tile, self.scene.limits, &mut self.images.transmittance, groups, &mut visitor);
+        blend_tile(simd, self.tile, self.scene.limits, &mut self.images.transmittance, &mut visitor);
     }
 }
 
@@ -95,12 +80,13 @@ pub(super) fn draw(scene: &ProjectedScene<'_>) -> Drawing {
         .into_par_iter()
         .map(|index| {
             let tile = scene.tile(index);
-            let mut images = TileImage::new(&tile, scene.settings.quantiles);
-            if scene.settings.quantiles {
-                scene.cpu.run(ForwardPass::<true> { scene, tile, images: &mut images });
-            } else {
-                scene.cpu.run(ForwardPass::<false> { scene, tile, images: &mut images });
-            }
+            let mut images = TileImage {
+                colour: [Plane::ZERO; 3],
+                depth_sum: Plane::ZERO,
+                quantiles: vec![Plane::ZERO; if scene.settings.quantiles { 3 } else { 0 }],
+                transmittance: tile.transmittance(),
+            };
+            scene.cpu.run(ForwardPass { scene, tile, images: &mut images });
             images
         })
         .collect();

@@ -22,11 +22,11 @@ pub(super) fn splat_gradients(scene: &ProjectedScene<'_>, sums: &[GradientSums])
     }
     let mut gradients = SplatGradients::zeros(splats);
     (
-        &mut gradients.means,
-        &mut gradients.scales,
-        &mut gradients.rotations,
-        &mut gradients.opacities,
-        gradients.sh.par_chunks_mut(splats.sh_degree().coefficients()),
+        &mut gradients.by.means,
+        &mut gradients.by.scales,
+        &mut gradients.by.rotations,
+        &mut gradients.by.opacities,
+        gradients.by.sh.par_chunks_mut(splats.sh_degree().coefficients()),
         &mut gradients.means_ndc,
         &mut gradients.visible,
         &places,

@@ -57,11 +57,9 @@ impl FourGaussians {
     fn new<S: Simd>(simd: S, projection: &Projection, splats: &Splats, first: usize, last: usize) -> Self {
         let indices = [first, last.min(first + 1), last.min(first + 2), last.min(first + 3)];
         let means = splats.means();
-        let offset = [
-            lanes(simd, means, indices, 0) - projection.centre[0],
-            lanes(simd, means, indices, 1) - projection.centre[1],
-            lanes(simd, means, indices, 2) - projection.centre[2],
-        ];
+        let [x, y, z] = lanes(simd, means, indices);
+        let [left, top, back] = projection.centre;
+        let offset = [x - left, y - top, z - back];
         let [right, below, ahead] = projection.rotation;
         let z = along(simd, ahead, offset);
         let per_z = f64x4::splat(simd, 1.0) / z;
@@ -71,14 +69,10 @@ impl FourGaussians {
         let slope_x = tan_x.max(projection.slopes[0][0]).min(projection.slopes[0][1]);
         let slope_y = tan_y.max(projection.slopes[1][0]).min(projection.slopes[1][1]);
 
-        // RowTerms of the map from own, scaled axes to the picture.
+        // Rows of the map from own, scaled axes to the picture.
         let own = rotation(simd, splats, indices);
         let scales = splats.scales();
-        let scale = [
-            lanes(simd, scales, indices, 0),
-            lanes(simd, scales, indices, 1),
-            lanes(simd, scales, indices, 2),
-        ];
+        let scale = lanes(simd, scales, indices);
         let across = row(simd, [right, ahead], slope_x, per_z * projection.focal[0], own, scale);
         let down = row(simd, [below, ahead], slope_y, per_z * projection.focal[1], own, scale);
 
@@ -141,12 +135,7 @@ impl FourGaussians {
             return Err(overflow("scales", largest(splats.scales()[index])));
         }
         let [first_column, end_column, first_row, end_row] = self.tiles;
-        let tiles = [
-            first_column[lane] as u16,
-            end_column[lane] as u16,
-            first_row[lane] as u16,
-            end_row[lane] as u16,
-        ];
+        let tiles = [first_column, end_column, first_row, end_row].map(|edges| edges[lane] as u16);
         if tiles[0] >= tiles[1] || tiles[2] >= tiles[3] {
             return Ok(None);
         }
@@ -173,23 +162,19 @@ fn largest(row: [f32; 3]) -> f32 {
     row.into_iter().fold(0.0, |most: f32, value| if value.abs() > most.abs() { value } else { most })
 }
 
-/// One coordinate of four rows.
+/// The coordinates of four rows.
 #[inline(always)]
-fn lanes<S: Simd, const N: usize>(
-    simd: S,
-    rows: &[[f32; N]],
-    indices: [usize; LANES],
-    axis: usize,
-) -> f64x4<S> {
-    let [a, b, c, d] = indices;
-    let values = [rows[a][axis], rows[b][axis], rows[c][axis], rows[d][axis]];
-    f64x4::simd_from(
-        simd,
-        [f64::from(values[0]), f64::from(values[1]), f64::from(values[2]), f64::from(values[3])],
-    )
+fn lanes<S: Simd, const N: usize>(simd: S, rows: &[[f32; N]], indices: [usize; LANES]) -> [f64x4<S>; N] {
+    let [a, b, c, d] = indices.map(|index| rows[index]);
+    let mut axes = [f64x4::splat(simd, 0.0); N];
+    for (axis, lanes) in axes.iter_mut().enumerate() {
+        let values = [f64::from(a[axis]), f64::from(b[axis]), f64::from(c[axis]), f64::from(d[axis])];
+        *lanes = f64x4::simd_from(simd, values);
+    }
+    axes
 }
 
-/// FourGaussians vectors along one axis.
+/// Four vectors along one axis.
 #[inline(always)]
 fn along<S: Simd>(simd: S, axis: [f64; 3], vectors: [f64x4<S>; 3]) -> f64x4<S> {
     let [a, b, c] = axis;
@@ -234,11 +219,7 @@ fn dot<S: Simd>(a: [f64x4<S>; 3], b: [f64x4<S>; 3]) -> f64x4<S> {
 /// Own to world axes: rows of the matrices of four quaternions.
 #[inline(always)]
 fn rotation<S: Simd>(simd: S, splats: &Splats, indices: [usize; LANES]) -> [[f64x4<S>; 3]; 3] {
-    let rows = splats.rotations();
-    let w = lanes(simd, rows, indices, 0);
-    let x = lanes(simd, rows, indices, 1);
-    let y = lanes(simd, rows, indices, 2);
-    let z = lanes(simd, rows, indices, 3);
+    let [w, x, y, z] = lanes(simd, splats.rotations(), indices);
     let (x2, y2, z2) = (x + x, y + y, z + z);
     let (xx, yy, zz) = (x * x2, y * y2, z * z2);
     let (xy, xz, yz) = (x * y2, x * z2, y * z2);

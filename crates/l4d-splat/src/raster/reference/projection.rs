@@ -39,8 +39,6 @@ pub(super) struct ProjectedGaussian {
     pub(super) determinant: f64,
     pub(super) opacity: f64,
     pub(super) colour: DVec3,
-    /// Half side of the square that decides on tiles, whole pixels.
-    pub(super) radius: f64,
     /// Columns and rows of tiles.
     pub(super) tiles: [Range<usize>; 2],
     /// Colour channels clamped at 0, then slopes clamped: where the derivative jumps.
@@ -171,7 +169,6 @@ impl Projection {
             determinant,
             opacity,
             colour: shade.max(DVec3::ZERO),
-            radius,
             tiles,
             clamped: [dark.test(0), dark.test(1), dark.test(2), camera.clamped[0], camera.clamped[1]],
         }))
@@ -221,17 +218,17 @@ impl Projection {
         let [across, down] = camera.jacobian;
         let by_own = [0, 1, 2].map(|k| world_from_camera * (across * by_first[k] + down * by_second[k]));
         let scales = splats.scales()[index];
-        gradients.scales[index] = [0, 1, 2].map(|k| camera.rotation.col(k).dot(by_own[k]));
+        gradients.by.scales[index] = [0, 1, 2].map(|k| camera.rotation.col(k).dot(by_own[k]));
         let by_rotation = [0, 1, 2].map(|k| by_own[k] * scales[k]);
-        gradients.rotations[index] = rotation_gradient(splats.rotations()[index], by_rotation);
+        gradients.by.rotations[index] = rotation_gradient(splats.rotations()[index], by_rotation);
 
         let mut by_point = self.through_jacobian(&camera, by_jacobian);
         let scale = self.focal / camera.point.z;
         by_point += (scale * gradient.mean).extend(gradient.depth);
         by_point.z -= (scale * gradient.mean).dot(camera.point.truncate() / camera.point.z);
         let by_direction = through_shade(splats, gaussian, camera.offset, gradient.colour, gradients);
-        gradients.means[index] = (world_from_camera * by_point + by_direction).to_array();
-        gradients.opacities[index] = gradient.opacity;
+        gradients.by.means[index] = (world_from_camera * by_point + by_direction).to_array();
+        gradients.by.opacities[index] = gradient.opacity;
         gradients.means_ndc[index] = (0.5 * gradient.mean * self.size).to_array();
         gradients.visible[index] = true;
     }
@@ -269,7 +266,7 @@ fn through_shade(
     let count = degree.coefficients();
     let mut by_direction = DVec3::ZERO;
     for (k, &coefficient) in splats.sh_of(gaussian.index).iter().enumerate() {
-        gradients.sh[gaussian.index * count + k] = open.map(|g| g * values[k]);
+        gradients.by.sh[gaussian.index * count + k] = open.map(|g| g * values[k]);
         by_direction += DVec3::from(slopes[k]) * DVec3::from(open).dot(coefficient.into());
     }
     (by_direction - direction * by_direction.dot(direction)) / offset.length()

@@ -2,14 +2,13 @@
 
 use rand_chacha::ChaCha8Rng;
 
-use super::super::TrainError;
 use super::super::densify::{DensityInput, densify};
 use super::super::loss::LossGradients;
 use super::super::scene_stats::nearest_m;
 use super::super::settings::Stage;
 use super::super::state::State;
 use super::Trainer;
-use crate::deform::Offsets;
+use crate::gaussians::Gaussians;
 
 /// Iterations between changes of the number of Gaussians, and the share of a stage after which there are none.
 const RENEWAL: u64 = 100;
@@ -32,11 +31,10 @@ impl Trainer<'_> {
 
     /// Takes the gradients of the backdrop away: what shines through a surface that is not yet filled would make the
     /// backdrop vanish rather than the surface fill.
-    pub(super) fn freeze_backdrop(&self, by: &mut Offsets) {
+    pub(super) fn freeze_backdrop(&self, by: &mut Gaussians) {
         let gaussians = &self.state.model.gaussians;
-        let coefficients = gaussians.sh_degree.coefficients();
         for row in (0..gaussians.len()).filter(|&row| self.is_backdrop(&gaussians.means[row])) {
-            for (list, width) in by.flat_mut().into_iter().zip([3, 3, 4, 1, 3 * coefficients]) {
+            for (list, width) in by.flat_mut().into_iter().zip(gaussians.sh_degree.widths()) {
                 list[row * width..][..width].fill(0.0);
             }
         }
@@ -58,16 +56,16 @@ impl Trainer<'_> {
     }
 
     /// Changes the number of Gaussians where the schedule has it.
-    pub(super) fn densify(&mut self, stage: Stage, random: &mut ChaCha8Rng) -> Result<(), TrainError> {
+    pub(super) fn densify(&mut self, stage: Stage, random: &mut ChaCha8Rng) {
         let (start, length, reserved) = match stage {
             Stage::Coarse => (0, self.settings.coarse, self.reserved()),
             Stage::Fine => (self.schedule.whole_start(), self.settings.fine, 0),
-            Stage::Unfold { .. } | Stage::Done => return Ok(()),
+            Stage::Unfold { .. } | Stage::Done => return,
         };
         let done = self.state.iteration - start;
         let period = if stage == Stage::Fine { 3 * RENEWAL } else { RENEWAL };
         if !done.is_multiple_of(period) || done as f64 > LAST_RENEWAL * length as f64 {
-            return Ok(());
+            return;
         }
         let backdrop: Vec<bool> =
             self.state.model.gaussians.means.iter().map(|mean| self.is_backdrop(mean)).collect();
@@ -97,6 +95,6 @@ impl Trainer<'_> {
             most,
         };
         let change = densify(&mut model.gaussians, &input, random);
-        self.state.follow(&change)
+        self.state.follow(&change);
     }
 }

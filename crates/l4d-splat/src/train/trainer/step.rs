@@ -9,8 +9,8 @@ use super::super::scene_stats::sample;
 use super::super::state::State;
 use super::super::time_span::Span;
 use super::Trainer;
-use crate::deform::Offsets;
-use crate::optimise::{GroupUpdate, plane_penalty};
+use crate::gaussians::Gaussians;
+use crate::optimise::{GroupUpdate, PlaneWeights, plane_penalty};
 
 /// Every so many fine iterations look at whole pictures, the others at what changes.
 const WHOLE: u64 = 8;
@@ -62,7 +62,7 @@ impl Trainer<'_> {
         if let Some(field) = &model.field {
             let positions: Vec<[f32; 3]> =
                 model.dynamic.iter().map(|&row| model.gaussians.means[row as usize]).collect();
-            field.trace(&positions, time, &mut self.trace)?.add_to(&mut raw, &model.dynamic)?;
+            raw.add_rows(&field.trace(&positions, time, &mut self.trace)?, &model.dynamic)?;
         }
         let splats = raw.activate()?;
         // Parts of pictures are about what moves; static Gaussians there have been learned without the noise of one moment.
@@ -76,8 +76,7 @@ impl Trainer<'_> {
         if let Some(field) = &mut model.field {
             let by_field = self.by_field.get_or_insert_with(|| field.zero_gradients());
             by_field.clear();
-            let mut upstream = Offsets::default();
-            by_gaussians.gather(model.gaussians.sh_degree.coefficients(), &model.dynamic, &mut upstream);
+            let upstream = by_gaussians.select(&model.dynamic);
             let by_positions = field.backward(&mut self.trace, &upstream, by_field)?;
             for (&row, slope) in model.dynamic.iter().zip(by_positions) {
                 for (sum, slope) in by_gaussians.means[row as usize].iter_mut().zip(slope) {
@@ -85,7 +84,7 @@ impl Trainer<'_> {
                 }
             }
             if self.state.iteration.is_multiple_of(SMOOTHING) {
-                plane_penalty(field, &self.settings.planes().times(SMOOTHING as f32), by_field)?;
+                plane_penalty(field, &PlaneWeights::default().times(SMOOTHING as f32), by_field)?;
             }
             let (parameters, gradients) = (field.parameters_mut(), by_field.lists());
             let shares = vec![
@@ -100,7 +99,7 @@ impl Trainer<'_> {
 }
 
 impl State {
-    fn update_gaussians(&mut self, step: u64, by: &Offsets) -> Result<(), TrainError> {
+    fn update_gaussians(&mut self, step: u64, by: &Gaussians) -> Result<(), TrainError> {
         let lists = self.model.gaussians.flat_mut().into_iter().zip(by.flat());
         let update = |(list, by)| GroupUpdate { parameters: vec![list], gradients: vec![by] };
         Ok(self.splats.step(step, lists.map(update).collect())?)

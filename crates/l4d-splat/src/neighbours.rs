@@ -13,7 +13,7 @@ const LEAF: usize = 8;
 const CHUNK: usize = 256;
 
 /// A balanced tree over points.
-pub(super) struct Tree<'a> {
+pub struct Tree<'a> {
     points: &'a [f32],
     axes: usize,
     /// Indices of points; each branch owns a range.
@@ -24,7 +24,7 @@ pub(super) struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     /// A tree over points with `axes` coordinates each.
-    pub(super) fn new(points: &'a [f32], axes: usize) -> Self {
+    pub fn new(points: &'a [f32], axes: usize) -> Self {
         let count = points.len() / axes.max(1);
         let mut tree = Self { points, axes, order: (0..count as u32).collect(), boxes: Vec::new() };
         let mut order = std::mem::take(&mut tree.order);
@@ -65,15 +65,14 @@ impl<'a> Tree<'a> {
     /// For each point its `count` nearest points, itself left out unless `with_itself`, nearest first: squared
     /// distance and index. Equal distances are in the order of their indices, but a point is its own first. Lists
     /// are shorter where there are not so many points.
-    pub(super) fn neighbours(&self, count: usize, with_itself: bool) -> Vec<Vec<(f32, u32)>> {
+    pub fn neighbours(&self, count: usize, with_itself: bool) -> Vec<Vec<(f32, u32)>> {
         let queries: Vec<u32> = (0..self.order.len() as u32).collect();
         let others = count - usize::from(with_itself && count > 0);
         queries
             .par_chunks(CHUNK)
             .flat_map_iter(|chunk| {
                 chunk.iter().map(|&query| {
-                    let mut found = Vec::with_capacity(count + 1);
-                    self.search(0, &self.order, query, others, &mut found);
+                    let mut found = self.nearest(self.point(query), Some(query), others);
                     if others < count {
                         found.insert(0, (0.0, query));
                     }
@@ -83,13 +82,28 @@ impl<'a> Tree<'a> {
             .collect()
     }
 
-    fn search(&self, branch: usize, range: &[u32], query: u32, count: usize, found: &mut Vec<(f32, u32)>) {
-        if count == 0 {
-            return;
+    /// Squared distance and index of the `count` points nearest to a place, `but` left out, nearest first; of equals
+    /// the lower index.
+    pub fn nearest(&self, to: &[f32], but: Option<u32>, count: usize) -> Vec<(f32, u32)> {
+        let mut found = Vec::with_capacity(count + 1);
+        if count > 0 {
+            self.search(0, &self.order, (to, but), count, &mut found);
         }
+        found
+    }
+
+    fn search(
+        &self,
+        branch: usize,
+        range: &[u32],
+        (to, but): (&[f32], Option<u32>),
+        count: usize,
+        found: &mut Vec<(f32, u32)>,
+    ) {
         if range.len() <= LEAF {
-            for &index in range.iter().filter(|&&index| index != query) {
-                let entry = (self.apart(query, index), index);
+            for &index in range.iter().filter(|&&index| but != Some(index)) {
+                let apart = to.iter().zip(self.point(index)).map(|(a, b)| (a - b) * (a - b)).sum();
+                let entry = (apart, index);
                 if found.len() < count || found.last().is_some_and(|last| by_distance(&entry, last).is_lt()) {
                     let place = found.partition_point(|other| by_distance(other, &entry).is_lt());
                     found.insert(place, entry);
@@ -100,14 +114,14 @@ impl<'a> Tree<'a> {
         }
         let (below, above) = range.split_at(range.len() / 2);
         let mut sides = [(2 * branch + 1, below), (2 * branch + 2, above)]
-            .map(|(branch, range)| (self.least(query, branch), branch, range));
+            .map(|(branch, range)| (self.least(to, branch), branch, range));
         if sides[1].0 < sides[0].0 {
             sides.swap(0, 1);
         }
         for (least, branch, range) in sides {
             // Not "less": an equal distance may belong to a lower index.
             if found.len() < count || found.last().is_some_and(|last| least <= last.0) {
-                self.search(branch, range, query, count, found);
+                self.search(branch, range, (to, but), count, found);
             }
         }
     }
@@ -116,15 +130,11 @@ impl<'a> Tree<'a> {
         &self.points[index as usize * self.axes..][..self.axes]
     }
 
-    fn apart(&self, a: u32, b: u32) -> f32 {
-        self.point(a).iter().zip(self.point(b)).map(|(a, b)| (a - b) * (a - b)).sum()
-    }
-
     /// Squared distance to the box of a branch.
-    fn least(&self, query: u32, branch: usize) -> f32 {
+    fn least(&self, to: &[f32], branch: usize) -> f32 {
         let corners = &self.boxes[branch * 2 * self.axes..][..2 * self.axes];
         let (low, high) = corners.split_at(self.axes);
-        let beyond = self.point(query).iter().zip(low).zip(high);
+        let beyond = to.iter().zip(low).zip(high);
         beyond.map(|((value, low), high)| (low - value).max(value - high).max(0.0).powi(2)).sum()
     }
 }
