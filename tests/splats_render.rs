@@ -367,10 +367,10 @@ fn the_bench_of_a_scene_compares_with_its_held_out_pictures() {
         let path = format!("data/tiny/room/frames/cam08/{number:04}.exr");
         write_frame(&dir.path(path), &frame).unwrap();
     }
-    let arguments = ["--profile", "tiny", "--times", "2", "--repeats", "1", "--sweeps", "degree"];
+    let arguments = ["--profile", "tiny", "--times", "2", "--repeats", "1", "--sweeps", "resolution"];
     let run = dir.json(&[&["bench", "splats", "room"], &arguments[..]].concat());
     let rows = run["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 2, "the model as it is, and degree 0 of 1");
+    assert_eq!(rows.len(), 5, "the model as it is, and four sizes");
     let error = |camera: usize, frame: u32| {
         let drawing = draw(camera, frame);
         let values = drawing.colour.as_flattened();

@@ -87,22 +87,11 @@ fn list(names: &[String]) -> String {
 }
 
 /// What ends a job: the adapter, or its input.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
 pub(crate) enum Failure {
-    Gpu(GpuError),
-    Raster(RasterError),
-}
-
-impl From<GpuError> for Failure {
-    fn from(error: GpuError) -> Self {
-        Self::Gpu(error)
-    }
-}
-
-impl From<RasterError> for Failure {
-    fn from(error: RasterError) -> Self {
-        Self::Raster(error)
-    }
+    Gpu(#[from] GpuError),
+    Raster(#[from] RasterError),
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! The rasterizer of 4D Gaussians on graphics hardware, through wgpu.
 //!
 //! [`Gpu`] keeps the contract of [`l4d_splat::raster::Rasterizer`] and passes the same conformance suite as the processor.
-//! Owns the passes, their buffers and the errors of drivers; no other crate knows wgpu. `docs/gpu.md` has the passes,
-//! limits and measured errors.
+//! Owns the passes, their buffers and the errors of drivers; no other crate knows wgpu. `docs/gpu.md` has the rest.
 //!
 //! ```no_run
 //! let gpu = l4d_gpu::Gpu::open(&"best".parse()?)?;

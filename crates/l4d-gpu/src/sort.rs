@@ -102,35 +102,26 @@ mod tests {
         gpu.read_back(&readback).unwrap()
     }
 
-    fn sums_before(numbers: &[u32]) -> Vec<u32> {
-        let mut sum = 0_u32;
-        let before = |&number: &u32| {
-            let before = sum;
-            sum = before.saturating_add(number);
-            before
+    #[test]
+    fn scans_are_sums_of_what_comes_before_and_stay_at_the_largest_number() {
+        let check = |numbers: &[u32]| {
+            let mut sum = 0_u32;
+            let mut expected = vec![0];
+            expected.extend(numbers.iter().map(|&number| {
+                sum = sum.saturating_add(number);
+                sum
+            }));
+            expected.truncate(numbers.len());
+            assert!(scanned(numbers) == expected, "{} numbers", numbers.len());
+            expected.last().copied()
         };
-        numbers.iter().map(before).collect()
-    }
-
-    #[test]
-    fn scans_are_sums_of_what_comes_before() {
         for count in SIZES {
-            let small: Vec<u32> = random_numbers(count, 1).iter().map(|number| number % 1000).collect();
-            assert!(scanned(&small) == sums_before(&small), "{count}");
-            let ones = vec![1; count as usize];
-            assert!(scanned(&ones) == sums_before(&ones), "{count}");
+            check(&random_numbers(count, 1).iter().map(|number| number % 1000).collect::<Vec<_>>());
         }
-    }
-
-    #[test]
-    fn sums_that_do_not_fit_stay_at_the_largest_number() {
         for count in [3, BLOCK + 5, 20 * BLOCK] {
-            let large = random_numbers(count, 2);
-            let expected = sums_before(&large);
-            assert_eq!(expected.last(), Some(&u32::MAX), "the test wants an overflow");
-            assert!(scanned(&large) == expected, "{count}");
+            assert_eq!(check(&random_numbers(count, 2)), Some(u32::MAX), "the test wants an overflow");
         }
-        assert_eq!(scanned(&[u32::MAX, 1, u32::MAX, 7]), [0, u32::MAX, u32::MAX, u32::MAX]);
+        check(&[u32::MAX, 1, u32::MAX, 7]);
     }
 
     fn sorted(keys: &[u32], bits: u32) -> (Vec<u32>, Vec<u32>) {
@@ -144,10 +135,10 @@ mod tests {
         };
         let sorted = sort(&mut commands, entries, count, bits).unwrap();
         let bytes = 4 * u64::from(count);
-        let (keys, values) =
-            (commands.copy_out(&sorted.keys, 0, bytes), commands.copy_out(&sorted.values, 0, bytes));
+        let [keys, values] =
+            [&sorted.keys, &sorted.values].map(|list| commands.copy_out(list, 0, bytes).unwrap());
         commands.submit();
-        (gpu.read_back(&keys.unwrap()).unwrap(), gpu.read_back(&values.unwrap()).unwrap())
+        (gpu.read_back(&keys).unwrap(), gpu.read_back(&values).unwrap())
     }
 
     fn check(keys: &[u32], bits: u32, name: &str) {
@@ -159,29 +150,28 @@ mod tests {
     }
 
     #[test]
-    fn sorting_random_keys_is_that_of_the_standard_library() {
+    fn sorting_is_stable_whatever_the_keys_are_like() {
+        let count = 3 * BLOCK + 29;
+        let keys: [(&str, u32, fn(u32) -> u32); 12] = [
+            ("all zero", 32, |_| 0),
+            ("all the largest", 32, |_| u32::MAX),
+            ("sorted", 32, |i| i),
+            ("reversed", 32, |i| u32::MAX - i),
+            ("two values, one bit", 1, |i| i % 2),
+            ("seven values", 3, |i| i % 7),
+            ("only the highest digit differs", 32, |i| (i % 16) << 28),
+            ("one that differs", 32, |i| if i == 1500 { 0 } else { 5 }),
+            ("many digits, few keys a digit", 32, |i| i.rotate_right(4)),
+            ("depths", 31, |i| (0.2 + (i % 50) as f32 * 0.1).to_bits()),
+            ("higher bits that don't count", 12, |i| i.wrapping_mul(0x9e37_79b9)),
+            ("runs as long as a lane's", 4, |i| i / LANES % 16),
+        ];
+        for (name, bits, key) in keys {
+            check(&(0..count).map(key).collect::<Vec<_>>(), bits, name);
+        }
         for count in SIZES {
             check(&random_numbers(count, 3), 32, "random");
         }
-    }
-
-    #[test]
-    fn sorting_is_stable_whatever_the_keys_are_like() {
-        let count = 3 * BLOCK + 29;
-        let all: Vec<u32> = (0..count).collect();
-        let with = |key: fn(u32) -> u32| all.iter().map(|&i| key(i)).collect::<Vec<u32>>();
-        check(&with(|_| 0), 32, "all zero");
-        check(&with(|_| u32::MAX), 32, "all the largest");
-        check(&with(|i| i), 32, "sorted");
-        check(&with(|i| u32::MAX - i), 32, "reversed");
-        check(&with(|i| i % 2), 1, "two values, one bit");
-        check(&with(|i| i % 7), 3, "seven values");
-        check(&with(|i| (i % 16) << 28), 32, "only the highest digit differs");
-        check(&with(|i| if i == 1500 { 0 } else { 5 }), 32, "one that differs");
-        check(&with(|i| i.rotate_right(4)), 32, "many digits, few keys a digit");
-        check(&with(|i| (0.2 + (i % 50) as f32 * 0.1).to_bits()), 31, "depths");
-        check(&with(|i| i.wrapping_mul(0x9e37_79b9)), 12, "higher bits that don't count");
-        check(&with(|i| i / LANES % 16), 4, "runs as long as a lane's");
     }
 
     #[test]

@@ -4,7 +4,6 @@
 //! PLY of 3D Gaussians ([`ply`]). All numbers are raw, before any activation; `docs/splats.md` is the reference of the
 //! formats.
 
-pub mod cfg_args;
 pub mod foreign;
 pub mod own;
 pub mod ply;

@@ -12,7 +12,6 @@ pub mod model;
 pub mod neighbours;
 pub mod optimise;
 pub mod raster;
-pub mod reduce;
 pub mod source;
 pub mod speed;
 pub mod splats;

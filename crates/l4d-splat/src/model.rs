@@ -42,18 +42,20 @@ impl Model {
     /// # Errors
     /// A time outside the clip; a dynamic row that names no Gaussian; parameters that are not finite.
     pub fn at(&self, time: f32) -> Result<Splats, ModelError> {
-        Ok(self.raw_at(time)?.activate()?)
+        Ok(match &self.field {
+            Some(field) => field.deformed(&self.gaussians, &self.dynamic, time)?.activate()?,
+            None => self.gaussians.activate()?,
+        })
     }
 
-    /// The parameters at a time from 0 to 1, before activation.
-    ///
-    /// # Errors
-    /// As [`Self::at`].
-    pub fn raw_at(&self, time: f32) -> Result<Gaussians, ModelError> {
-        match &self.field {
-            Some(field) => Ok(field.deformed(&self.gaussians, &self.dynamic, time)?),
-            None => Ok(self.gaussians.clone()),
-        }
+    /// The model with these Gaussians alone; indices ascend, those that name none are left out.
+    #[must_use]
+    pub fn keep(&self, indices: &[u32]) -> Self {
+        let count = self.gaussians.len();
+        let rows: Vec<u32> = indices.iter().copied().filter(|&row| (row as usize) < count).collect();
+        let moves = |&(_, row): &(usize, &u32)| self.dynamic.binary_search(row).is_ok();
+        let dynamic = rows.iter().enumerate().filter(moves).map(|(place, _)| place as u32).collect();
+        Self { gaussians: self.gaussians.select(&rows), dynamic, field: self.field.clone() }
     }
 
     /// The model in a folder of [`crate::checkpoint::own`], without what training needs to go on.
@@ -92,6 +94,7 @@ mod tests {
     use super::*;
     use crate::deform::{Bounds, DeformConfig, Init};
     use crate::gaussians::ShDegree;
+    use crate::synthetic::Room;
 
     fn model() -> Model {
         let gaussians = Gaussians {
@@ -127,10 +130,14 @@ mod tests {
     }
 
     #[test]
-    fn a_model_comes_back_from_its_folder() {
-        let folder = tempfile::tempdir().unwrap();
-        model().write(folder.path()).unwrap();
-        assert_eq!(Model::read(folder.path()).unwrap(), model());
+    fn kept_gaussians_keep_their_values_and_whether_they_move() {
+        let model = Room::small(11).model().unwrap();
+        let kept = model.keep(&[0, 7, 299, 300, 305, 9000]);
+        assert_eq!(kept.gaussians.means[1], model.gaussians.means[7]);
+        assert_eq!(kept.gaussians.sh_of(4), model.gaussians.sh_of(305));
+        assert_eq!(kept.dynamic, [3, 4]);
+        assert_eq!(kept.at(0.5).unwrap().means()[4], model.at(0.5).unwrap().means()[305]);
+        assert_eq!(model.keep(&(0..400).collect::<Vec<_>>()), model);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub const TILE: usize = 16;
 
 /// Colours and depths beyond this are refused as overflowing: f32 could not hold the products that a gradient is
 /// made of.
-pub const LARGEST: f32 = 1e30;
+const LARGEST: f32 = 1e30;
 
 /// Something that draws splats.
 pub trait Rasterizer: Send + Sync {
@@ -129,10 +129,7 @@ pub enum RasterError {
 const MOST_CHANNELS: usize = 1 << 12;
 
 /// Whether so many channels can be splatted: without splats, a list of any number of channels has the right length.
-///
-/// # Errors
-/// More than can be splatted.
-pub fn check_channels(channels: usize) -> Result<(), RasterError> {
+fn check_channels(channels: usize) -> Result<(), RasterError> {
     if channels <= MOST_CHANNELS {
         Ok(())
     } else {

@@ -9,7 +9,6 @@ use std::path::Path;
 use l4d_data::digest::sha256_file;
 use l4d_data::{DataError, Name, Profile};
 
-use crate::checkpoint::cfg_args::Literal;
 use crate::checkpoint::own::Sampling;
 use crate::checkpoint::{foreign, own, ply};
 use crate::model::Model;
@@ -111,11 +110,7 @@ impl Source {
         if foreign.drawn_field().is_some() {
             files.push(format!("{save}/deformation.pth"));
         }
-        let background = match foreign.args.get("white_background") {
-            Some(Literal::Bool(true)) => Some([1.0; 3]),
-            Some(Literal::Bool(false)) => Some([0.0; 3]),
-            _ => None,
-        };
+        let background = foreign.background;
         let mut notes = foreign.notes.clone();
         notes.push(format!("drawn from {}", foreign.save));
         let bare = Self::bare(foreign.into(), Family::FourDGaussians, digests(folder, &files)?);
@@ -123,11 +118,11 @@ impl Source {
     }
 
     fn open_ply(file: &Path) -> Result<Self, DataError> {
-        let ply::Decoded { gaussians, notes } = ply::read(file)?;
+        let gaussians = ply::read(file)?;
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let model = Model { gaussians, ..Model::default() };
         let inputs = BTreeMap::from([(name, sha256_file(file)?)]);
-        Ok(Self { notes, ..Self::bare(model, Family::Ply, inputs) })
+        Ok(Self::bare(model, Family::Ply, inputs))
     }
 
     /// A model that says nothing of its origin.

@@ -36,37 +36,29 @@ use crate::view::ViewError;
 pub(crate) use colmap::read_points;
 pub(crate) use initial_points::InitialPoints;
 pub(crate) use motion::Motion;
-pub(crate) use quality::{Quality, Region, measure};
+pub(crate) use quality::{Quality, Region, decibels, measure};
 pub use settings::Settings;
 pub(crate) use settings::Stage;
 pub(crate) use trainer::Trainer;
 pub(crate) use views::{Picture, TrainingViews};
 
-/// What stopped training.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TrainError {
-    /// Pictures that cannot be trained on.
     #[error(transparent)]
     TrainingViews(#[from] views::TrainingViewsError),
     /// A setting, an initial model or a checkpoint that cannot be used: its name, and the remedy.
     #[error("{0}")]
     Invalid(String),
-    /// A part of a view that cannot be drawn.
     #[error(transparent)]
     View(#[from] ViewError),
-    /// A picture that was not drawn.
     #[error("drawing failed")]
     Raster(#[from] RasterError),
-    /// The model has no state at a time.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Gaussians that cannot be drawn.
     #[error("training has diverged")]
     Splat(#[from] SplatError),
-    /// The deformation field cannot be evaluated.
     #[error("training has diverged")]
     Deform(#[from] DeformError),
-    /// A step that cannot be taken.
     #[error("an optimiser step failed")]
     Optimise(#[from] OptimiseError),
 }

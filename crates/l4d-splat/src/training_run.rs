@@ -42,8 +42,6 @@ pub enum Initialisation {
     Depth,
     /// On the surfaces that comparing pictures finds.
     Sweep,
-    /// Anywhere.
-    Random,
     /// On the points of a COLMAP model.
     Points(PathBuf),
 }
@@ -55,7 +53,6 @@ impl std::str::FromStr for Initialisation {
         Ok(match text {
             "depth" => Self::Depth,
             "sweep" => Self::Sweep,
-            "random" => Self::Random,
             path => Self::Points(path.into()),
         })
     }
@@ -66,7 +63,6 @@ impl fmt::Display for Initialisation {
         match self {
             Self::Depth => f.write_str("depth"),
             Self::Sweep => f.write_str("sweep"),
-            Self::Random => f.write_str("random"),
             Self::Points(path) => path.display().fmt(f),
         }
     }
@@ -272,7 +268,6 @@ fn initial_points(init: &Initialisation) -> Result<InitialPoints> {
     Ok(match init {
         // Views without depth are compared.
         Initialisation::Depth | Initialisation::Sweep => InitialPoints::Depth,
-        Initialisation::Random => InitialPoints::Random,
         Initialisation::Points(path) => InitialPoints::Points(read_points(path)?),
     })
 }

@@ -2,15 +2,14 @@
 //!
 //! OpenCV axes (x right, y down, z forward); the centre of pixel (column, row) is (column + 0.5, row + 0.5).
 
-use glam::DMat3;
+use glam::DMat4;
 use l4d_data::Camera;
+use l4d_data::camera::is_rigid;
 
 /// Longest side of a picture, pixels.
 const LONGEST_SIDE: u32 = 1 << 15;
 /// Most pixels of a picture: what one can be asked to allocate for.
 const MOST_PIXELS: u64 = 1 << 26;
-/// How far rows of a rotation may be from orthonormal.
-const ORTHONORMAL_TOLERANCE: f64 = 1e-4;
 
 /// A pinhole camera at one moment. Kept in f64: rasterizers subtract its centre before they round.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +42,22 @@ impl View {
         if !sides_fit || u64::from(width) * u64::from(height) > MOST_PIXELS {
             return Err(size_error(width, height));
         }
-        for (field, value) in [("fx", focal[0]), ("fy", focal[1])] {
-            if !(value.is_finite() && (1e-3..=1e9).contains(&value)) {
-                let remedy = "a focal length is 0.001 to 1e9 pixels";
+        let [[fx, fy], [cx, cy]] = [focal, principal];
+        let (lens, centre) =
+            ("a focal length is 0.001 to 1e9 pixels", "a principal point is finite, below 1e9");
+        for (field, value, range, remedy) in [
+            ("fx", fx, 1e-3..=1e9, lens),
+            ("fy", fy, 1e-3..=1e9, lens),
+            ("cx", cx, -1e9..=1e9, centre),
+            ("cy", cy, -1e9..=1e9, centre),
+        ] {
+            if !range.contains(&value) {
                 return Err(ViewError(format!("field `{field}` of the view is {value}: {remedy}")));
             }
         }
-        for (field, value) in [("cx", principal[0]), ("cy", principal[1])] {
-            if !(value.is_finite() && value.abs() <= 1e9) {
-                let remedy = "a principal point is finite, below 1e9";
-                return Err(ViewError(format!("field `{field}` of the view is {value}: {remedy}")));
-            }
-        }
-        if !is_rigid(&camera_from_world) {
+        let [right, down, ahead] = camera_from_world;
+        let rows = DMat4::from_cols_array_2d(&[right, down, ahead, [0.0, 0.0, 0.0, 1.0]]);
+        if !is_rigid(&rows.transpose()) {
             let message =
                 "field `camera_from_world` of the view is not a rigid motion (rotation and translation)";
             return Err(ViewError(message.to_owned()));
@@ -135,15 +137,6 @@ fn size_error(width: u32, height: u32) -> ViewError {
     ViewError(format!(
         "a picture of {width} x {height} pixels: sides are 1 to {LONGEST_SIDE}, pixels at most {MOST_PIXELS}"
     ))
-}
-
-fn is_rigid(pose: &[[f64; 4]; 3]) -> bool {
-    let world_from_camera = DMat3::from_cols_array_2d(&pose.map(|[x, y, z, _]| [x, y, z]));
-    let squared = world_from_camera.transpose() * world_from_camera;
-    // Comparisons with NaN are false, so a pose that passes has a finite rotation.
-    squared.abs_diff_eq(DMat3::IDENTITY, ORTHONORMAL_TOLERANCE)
-        && world_from_camera.determinant() > 0.0
-        && pose.iter().all(|row| row[3].is_finite())
 }
 
 #[cfg(test)]

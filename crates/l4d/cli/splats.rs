@@ -27,8 +27,8 @@ pub(crate) struct TrainSplatsArgs {
     /// Folder that receives the model; default: <work>/<profile>/<scene>/splats
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Where the first Gaussians stand: depth, sweep (pictures are compared, and depth is not looked at), random, or the path
-    /// of COLMAP's points3D.txt or points3D.bin; default: depth, and sweep where there is none
+    /// Where the first Gaussians stand: depth, sweep (pictures are compared, and depth is not looked at), or the path of
+    /// COLMAP's points3D.txt or points3D.bin; default: depth, and sweep where there is none
     #[arg(long, value_name = "INIT")]
     pub(crate) init: Option<Initialisation>,
     /// Make squares of N x N pixels of a capture's pictures one pixel
@@ -60,7 +60,7 @@ pub(crate) struct TrainSplatsArgs {
     #[arg(long, value_name = "N")]
     pub(crate) views_per_iteration: Option<usize>,
     /// What an error of depth costs beside one of colour; default: 0.1, nothing where there is no depth. With 0, and --init
-    /// random or points, depth is not looked at
+    /// with points, depth is not looked at
     #[arg(long, value_name = "WEIGHT")]
     pub(crate) depth_weight: Option<f32>,
     /// Stop after so many looks at the training pictures (one every 500 iterations) without progress; 0: never early;
@@ -178,8 +178,6 @@ pub(crate) enum BenchCommand {
 pub(crate) enum SweepArg {
     /// Fewer Gaussians: those that show most
     Count,
-    /// Lower degrees of the spherical harmonics
-    Degree,
     /// Smaller pictures, enlarged
     Resolution,
     /// Other instructions, one thread, graphics adapters

@@ -16,7 +16,7 @@ use l4d_data::store::list_folder;
 use l4d_formats::fault::quoted;
 use l4d_formats::{Fault, pickle};
 
-use super::cfg_args::{CfgArgs, Literal};
+use self::config::Options;
 use super::{build_field, ply};
 use crate::deform::{DeformConfig, DeformationField, PREFIX};
 use crate::gaussians::Gaussians;
@@ -71,8 +71,8 @@ pub struct ForeignModel {
     pub gaussians: Gaussians,
     /// The field.
     pub field: DeformationField,
-    /// The options of the run.
-    pub args: CfgArgs,
+    /// What it was trained to show where nothing is, display colour, where the options say so.
+    pub background: Option<[f32; 3]>,
     /// What was ignored or assumed: for people, a sentence each.
     pub notes: Vec<String>,
 }
@@ -98,18 +98,19 @@ pub fn read(model: &Path) -> Result<ForeignModel, DataError> {
     let save = saves.iter().filter_map(|name| Save::parse(name)).max();
     let save = save.ok_or_else(|| missing("holds no save"))?;
     let folder = folder.join(save.to_string());
-    let args = CfgArgs::read(&model.join("cfg_args"))?;
-    let ply::Decoded { gaussians, mut notes } = ply::read(&folder.join("point_cloud.ply"))?;
+    let options = Options::read(&model.join("cfg_args"))?;
+    let gaussians = ply::read(&folder.join("point_cloud.ply"))?;
+    let mut notes = Vec::new();
     let mut tensors = pickle::read_state_dict(&folder.join("deformation.pth"))?;
-    let config = config::derive(&args, &tensors).map_err(|fault| fault.at(model))?;
-    check_harmonics(&args, &gaussians, &config).map_err(|fault| fault.at(model))?;
+    let config = config::derive(&options, &tensors).map_err(|fault| fault.at(model))?;
+    check_harmonics(&gaussians, &config).map_err(|fault| fault.at(model))?;
     let field = build_field(config, &tensors).map_err(|fault| fault.at(model))?;
     tensors.retain(|name, _| !name.starts_with(PREFIX) && !is_unused(name));
     if !tensors.is_empty() {
         let names: Vec<String> = tensors.keys().take(8).map(|name| quoted(name)).collect();
         notes.push(format!("deformation.pth has parameters that 4DGaussians does not: {}", names.join(", ")));
     }
-    Ok(ForeignModel { save, gaussians, field, args, notes })
+    Ok(ForeignModel { save, gaussians, field, background: options.background(), notes })
 }
 
 /// Parameters that the original saves and nothing computes with: tables of powers of two, and a network for time.
@@ -118,16 +119,8 @@ fn is_unused(name: &str) -> bool {
     name.starts_with("timenet.") || tables.contains(&name)
 }
 
-/// The degree is in the options, in the number of `f_rest_*`, and in the head that changes colours.
-fn check_harmonics(args: &CfgArgs, gaussians: &Gaussians, config: &DeformConfig) -> Result<(), Fault> {
-    let degree = gaussians.sh_degree.get();
-    if let Some(said) = args.get("sh_degree")
-        && *said != Literal::Int(degree.into())
-    {
-        let message =
-            format!("is {}, but point_cloud.ply has harmonics of degree {degree}", quoted(&said.to_string()));
-        return Err(Fault::new("cfg_args, option `sh_degree`", message, REMEDY_ONE_SAVE));
-    }
+/// The degree is in the number of `f_rest_*` and in the head that changes colours.
+fn check_harmonics(gaussians: &Gaussians, config: &DeformConfig) -> Result<(), Fault> {
     let (head, stored) = (config.sh_coefficients, gaussians.sh_degree.coefficients());
     if !config.no_dshs && head != stored {
         let message = format!("changes {head} coefficients a channel, but point_cloud.ply has {stored}");

@@ -8,8 +8,7 @@ use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
 
 use l4d_formats::Fault;
-use l4d_formats::fault::quoted;
-use l4d_formats::ply::{self, ElementDef, Ply, PropertyType, ScalarType};
+use l4d_formats::ply::{self, ElementDef, Ply};
 use l4d_formats::tensor::REMEDY_NOT_FINITE;
 
 use crate::checkpoint::{MAX_BYTES, check_gaussians};
@@ -18,20 +17,11 @@ use crate::gaussians::{Gaussians, ShDegree};
 const REMEDY_FOREIGN: &str =
     "export the model as the PLY of 3DGS (x, y, z, f_dc_*, f_rest_*, opacity, scale_*, rot_*)";
 
-/// Gaussians that came from a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Decoded {
-    /// The raw parameters.
-    pub gaussians: Gaussians,
-    /// What the file had beside them, or had differently: for people, a sentence each.
-    pub notes: Vec<String>,
-}
-
 /// Reads a PLY file.
 ///
 /// # Errors
 /// A file that cannot be read, and what [`decode`] refuses.
-pub fn read(path: &Path) -> Result<Decoded, DataError> {
+pub fn read(path: &Path) -> Result<Gaussians, DataError> {
     decode(&read_bounded(path, MAX_BYTES)?).map_err(|fault| fault.at(path))
 }
 
@@ -48,7 +38,7 @@ pub fn write(path: &Path, gaussians: &Gaussians) -> Result<(), DataError> {
 ///
 /// # Errors
 /// Lists, other than 0, 9, 24 or 45 `f_rest_*`, sizes that are not the file's, and values that are not finite.
-pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
+pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
     let file = Ply::open(bytes)?;
     let vertex = file.elements().iter().find(|element| element.name == "vertex").ok_or_else(|| {
         Fault::new("header", "has no element `vertex`, in which Gaussians are stored", REMEDY_FOREIGN)
@@ -56,7 +46,6 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let degree = degree_of(vertex)?;
     let names = parameter_names(degree);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
-    let notes = notes_of(&file, vertex, &names);
     file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
         if let Some((value, name)) = row.iter().zip(&names).find(|(value, _)| !value.is_finite()) {
             return Err(Fault::new(
@@ -68,7 +57,7 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
         push(&mut gaussians, row);
         Ok(())
     })?;
-    Ok(Decoded { gaussians, notes })
+    Ok(gaussians)
 }
 
 /// Gaussians as the bytes of a PLY file: binary little endian, normals zero, the properties in the order of 3DGS.
@@ -77,7 +66,9 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
 /// Lists of different lengths and values that are not finite.
 pub fn encode(gaussians: &Gaussians) -> Result<Vec<u8>, Fault> {
     check_gaussians(gaussians)?;
-    let names = written_names(gaussians.sh_degree);
+    let mut names = parameter_names(gaussians.sh_degree);
+    // Normals: every 3DGS file has them, and they are always zero.
+    names.splice(3..3, ["nx", "ny", "nz"].map(str::to_owned));
     let mut body = Vec::with_capacity(gaussians.len() * names.len() * size_of::<f32>());
     let mut put = |value: f32| body.extend_from_slice(&value.to_le_bytes());
     for index in 0..gaussians.len() {
@@ -109,15 +100,6 @@ fn parameter_names(degree: ShDegree) -> Vec<String> {
     names
 }
 
-fn written_names(degree: ShDegree) -> Vec<String> {
-    let mut names = parameter_names(degree);
-    names.splice(3..3, NORMALS.map(str::to_owned));
-    names
-}
-
-/// Every 3DGS file has them, and they are always zero.
-const NORMALS: [&str; 3] = ["nx", "ny", "nz"];
-
 fn degree_of(vertex: &ElementDef) -> Result<ShDegree, Fault> {
     let rest = vertex.properties.iter().filter(|property| property.name.starts_with("f_rest_")).count();
     (0..=ShDegree::MAX.get())
@@ -130,32 +112,6 @@ fn degree_of(vertex: &ElementDef) -> Result<ShDegree, Fault> {
                 REMEDY_FOREIGN,
             )
         })
-}
-
-fn notes_of(file: &Ply<'_>, vertex: &ElementDef, names: &[String]) -> Vec<String> {
-    let listed = |what: &str, names: Vec<&str>| {
-        let shown: Vec<String> = names.iter().take(8).map(|name| quoted(name)).collect();
-        let more = if names.len() > shown.len() { " and more" } else { "" };
-        (!names.is_empty()).then(|| format!("{what}: {}{more}", shown.join(", ")))
-    };
-    let is_parameter = |name: &str| names.iter().any(|known| known == name);
-    let is_double = |name: &&str| {
-        let property = vertex.get_property(name).map(|property| &property.property_type);
-        matches!(property, Some(PropertyType::Scalar(ScalarType::F64)))
-    };
-    let properties = vertex.properties.iter().map(|property| property.name.as_str());
-    let extra = properties.filter(|name| !NORMALS.contains(name) && !is_parameter(name)).collect();
-    let elements = file.elements().iter().map(|element| element.name.as_str());
-    let others = elements.filter(|name| *name != "vertex").collect();
-    let narrowed = names.iter().map(String::as_str).filter(is_double).collect();
-    [
-        listed("ignored properties", extra),
-        listed("ignored elements", others),
-        listed("rounded from double to float", narrowed),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
 }
 
 /// Takes one row in the order of [`parameter_names`].

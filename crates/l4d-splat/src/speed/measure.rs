@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use image::Rgb32FImage;
+use image::imageops::{FilterType, resize};
 use rayon::prelude::*;
 
 use super::subject::{Key, Subject};
@@ -9,6 +11,7 @@ use super::variants::Variant;
 use super::{Result, plain};
 use crate::clip::{ClipError, Moment};
 use crate::raster::{Drawing, RasterSettings, Rasterizer, Reference};
+use crate::train::decibels;
 
 /// Views that share the state of a moment in a clip.
 pub const CLIP_VIEWS: f64 = 8.0;
@@ -120,7 +123,7 @@ fn measured_of(subject: &Subject, truth: &Truth, drawings: &[(Key, Drawing)]) ->
     let (mut depth_sum, mut depth_count) = (0.0, 0_u64);
     let mut held_out = Vec::new();
     for (key, drawing) in drawings {
-        let (colour, depth_m) = enlarged(&shown(drawing), drawing, subject.size);
+        let (colour, depth_m) = enlarged(drawing, subject.size);
         if let Some((true_colour, true_depth_m)) = truth.pictures.get(subject.place(*key)) {
             for (a, b) in colour.as_flattened().iter().zip(true_colour.as_flattened()) {
                 let error = f64::from((a - b).abs());
@@ -140,7 +143,7 @@ fn measured_of(subject: &Subject, truth: &Truth, drawings: &[(Key, Drawing)]) ->
         if let Some(seen) = seen.and_then(|seen| seen.get(key.time)) {
             let error = |(value, &byte): (&f32, &u8)| f64::from(value - f32::from(byte) / 255.0).powi(2);
             let squares: f64 = colour.as_flattened().iter().zip(seen).map(error).sum();
-            held_out.push(psnr(squares / seen.len() as f64));
+            held_out.push(decibels(squares / seen.len() as f64));
         }
     }
     let mean = |sum: f64, count: u64| sum / count.max(1) as f64;
@@ -149,16 +152,11 @@ fn measured_of(subject: &Subject, truth: &Truth, drawings: &[(Key, Drawing)]) ->
         deform_ms: 0.0,
         draw_ms: 0.0,
         psnr_db: (!held_out.is_empty()).then(|| held_out.iter().sum::<f64>() / held_out.len() as f64),
-        reference_psnr_db: psnr(mean(squares, count)),
+        reference_psnr_db: decibels(mean(squares, count)),
         error_max: largest,
         error_mean: mean(sum, count),
         depth_error_mean_m: (depth_count > 0).then(|| mean(depth_sum, depth_count)),
     }
-}
-
-/// Peak signal-to-noise ratio of values from 0 to 1, dB; at most 200.
-fn psnr(mean_square: f64) -> f64 {
-    -10.0 * mean_square.max(1e-20).log10()
 }
 
 fn shown(drawing: &Drawing) -> (Vec<[f32; 3]>, Vec<f32>) {
@@ -167,42 +165,21 @@ fn shown(drawing: &Drawing) -> (Vec<[f32; 3]>, Vec<f32>) {
     (colour, depth_m.unwrap_or_default())
 }
 
-/// A picture in another size: colours blended between pixel centres, depths of the nearest one.
-fn enlarged(
-    (colour, depth_m): &(Vec<[f32; 3]>, Vec<f32>),
-    drawing: &Drawing,
-    size: [u32; 2],
-) -> (Vec<[f32; 3]>, Vec<f32>) {
-    let from = [drawing.width, drawing.height];
-    if from == size {
-        return (colour.clone(), depth_m.clone());
+/// A drawing in another size: colours blended between pixel centres, depths of the nearest one.
+fn enlarged(drawing: &Drawing, [width, height]: [u32; 2]) -> (Vec<[f32; 3]>, Vec<f32>) {
+    let (colour, depth_m) = shown(drawing);
+    if [drawing.width, drawing.height] == [width, height] {
+        return (colour, depth_m);
     }
-    let pixels = || (0..size[1]).flat_map(|row| (0..size[0]).map(move |column| [column, row]));
-    let place = |pixel: [u32; 2], axis: usize| {
-        let share = (f64::from(pixel[axis]) + 0.5) / f64::from(size[axis]);
-        share * f64::from(from[axis]) - 0.5
-    };
-    let at = |column: f64, row: f64| {
-        let inside = |value: f64, axis: usize| value.clamp(0.0, f64::from(from[axis] - 1)) as usize;
-        inside(row, 1) * from[0] as usize + inside(column, 0)
-    };
-    let blend = |pixel: [u32; 2]| {
-        let (x, y) = (place(pixel, 0), place(pixel, 1));
-        let (left, top) = (x.floor(), y.floor());
-        let (right_share, down_share) = ((x - left) as f32, (y - top) as f32);
-        let corners = [
-            (at(left, top), (1.0 - right_share) * (1.0 - down_share)),
-            (at(left + 1.0, top), right_share * (1.0 - down_share)),
-            (at(left, top + 1.0), (1.0 - right_share) * down_share),
-            (at(left + 1.0, top + 1.0), right_share * down_share),
-        ];
-        std::array::from_fn(|channel| {
-            corners.iter().map(|&(index, weight)| weight * colour[index][channel]).sum()
-        })
-    };
-    let nearest =
-        |pixel: [u32; 2]| depth_m.get(at(place(pixel, 0).round(), place(pixel, 1).round())).copied();
-    (pixels().map(blend).collect(), pixels().filter_map(nearest).collect())
+    let small = Rgb32FImage::from_raw(drawing.width, drawing.height, colour.into_flattened());
+    let large = resize(&small.unwrap_or_default(), width, height, FilterType::Triangle);
+    let near = |place: u32, from: u32, to: u32| ((2 * place + 1) * from / (2 * to)) as usize;
+    let depth_m = (0..height * width).filter_map(|pixel| {
+        let row = near(pixel / width, drawing.height, height);
+        depth_m.get(row * drawing.width as usize + near(pixel % width, drawing.width, width)).copied()
+    });
+    let depth_m = depth_m.collect();
+    (large.into_raw().as_chunks().0.to_vec(), depth_m)
 }
 
 fn milliseconds(since: Instant) -> f64 {
@@ -223,25 +200,26 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::DepthQuantiles;
 
     #[test]
-    fn medians_and_ratios_by_hand() {
+    fn medians_by_hand() {
         assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
         assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
         assert_eq!(median(Vec::new()), 0.0);
-        assert!((psnr(0.01) - 20.0).abs() < 1e-12);
-        assert_eq!(psnr(0.0), 200.0);
     }
 
     #[test]
     fn enlarging_keeps_ramps_and_blends_between_centres() {
-        let drawing = Drawing { width: 2, height: 1, ..Drawing::default() };
-        let picture = (vec![[0.0; 3], [1.0; 3]], vec![1.0, 2.0]);
-        let (colour, depth_m) = enlarged(&picture, &drawing, [4, 2]);
+        let quantiles = DepthQuantiles { median_m: vec![1.0, 2.0], ..DepthQuantiles::default() };
+        let colour = vec![[0.0; 3], [1.0; 3]];
+        let drawing =
+            Drawing { width: 2, height: 1, colour, quantiles: Some(quantiles), ..Drawing::default() };
+        let (colour, depth_m) = enlarged(&drawing, [4, 2]);
         let row: Vec<f32> = colour[..4].iter().map(|pixel| pixel[0]).collect();
         assert_eq!(row, [0.0, 0.25, 0.75, 1.0]);
         assert_eq!(&colour[4..], &colour[..4]);
         assert_eq!(&depth_m[..4], [1.0, 1.0, 2.0, 2.0]);
-        assert_eq!(enlarged(&picture, &drawing, [2, 1]), picture);
+        assert_eq!(enlarged(&drawing, [2, 1]), shown(&drawing));
     }
 }

@@ -1,20 +1,20 @@
 //! The ways of drawing that are compared. Each changes one thing of the model as it is.
 
+use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::subject::Subject;
 use super::{Result, plain};
+use crate::Model;
+use crate::clip::{ClipError, Moment};
+use crate::deform::DeformationField;
 use crate::raster::{Cpu, RasterSettings, Rasterizer};
-use crate::reduce::{keep, strongest, weights, with_sh_degree};
-use crate::{Model, ShDegree};
 
 /// What is changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sweep {
     /// Fewer Gaussians: those that show most.
     Count,
-    /// Lower degrees of the spherical harmonics.
-    Degree,
     /// Smaller pictures, enlarged.
     Resolution,
     /// Other instructions, one thread, graphics adapters.
@@ -85,15 +85,9 @@ pub(super) fn variants<'a>(
         let shown = weights(model, backend.rasterizer.as_ref(), &RasterSettings::default(), &moments);
         let shown = shown.map_err(plain)?;
         list.extend(COUNTS.map(|percent| {
-            let model = keep(model, &strongest(&shown, shown.len() * percent / 100));
+            let model = model.keep(&strongest(&shown, shown.len() * percent / 100));
             Variant { model, ..named("fewer Gaussians", format!("{percent} % of the Gaussians")) }
         }));
-    }
-    if wants(Sweep::Degree) {
-        for degree in (0..model.gaussians.sh_degree.get()).rev() {
-            let model = with_sh_degree(model, ShDegree::new(degree).unwrap_or_default()).map_err(plain)?;
-            list.push(Variant { model, ..named("lower degree", format!("degree {degree}")) });
-        }
     }
     if wants(Sweep::Resolution) {
         list.extend(SIDES.map(|percent| {
@@ -108,4 +102,82 @@ pub(super) fn variants<'a>(
         );
     }
     Ok(list)
+}
+
+/// How much each Gaussian shows: the sum of its blend weights over all pixels of all views.
+fn weights<Key: Sync>(
+    model: &Model,
+    rasterizer: &dyn Rasterizer,
+    settings: &RasterSettings,
+    moments: &[Moment<Key>],
+) -> Result<Vec<f64>, ClipError> {
+    let mut sums = vec![0.0; model.gaussians.len()];
+    for Moment { time, views } in moments {
+        let time = *time;
+        let splats = model.at(time).map_err(|source| ClipError::Model { time, source })?;
+        let seen: Vec<Vec<f32>> = views
+            .par_iter()
+            .map(|(_, view)| {
+                let ones = vec![1.0; view.pixel_count()];
+                let gathered = rasterizer
+                    .prepare(&splats, view, settings)
+                    .and_then(|projected| projected.gather_features(&ones, 1));
+                gathered.map_err(|source| ClipError::Raster { time, source })
+            })
+            .collect::<Result<_, _>>()?;
+        for list in &seen {
+            for (sum, &weight) in sums.iter_mut().zip(list) {
+                *sum += f64::from(weight);
+            }
+        }
+    }
+    Ok(sums)
+}
+
+/// The `count` Gaussians with the largest weights, ascending; of equals the first.
+fn strongest(weights: &[f64], count: usize) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..weights.len() as u32).collect();
+    order.sort_by(|&a, &b| weights[b as usize].total_cmp(&weights[a as usize]));
+    order.truncate(count);
+    order.sort_unstable();
+    order
+}
+
+/// Bytes of a model's numbers.
+pub(super) fn stored_bytes(model: &Model) -> u64 {
+    let gaussians = &model.gaussians;
+    let field = model.field.as_ref().map(DeformationField::tensors).unwrap_or_default();
+    let numbers = (3 + 3 + 4 + 1) * gaussians.len() + 3 * gaussians.sh.len() + model.dynamic.len();
+    4 * (numbers + field.values().map(|tensor| tensor.data.len()).sum::<usize>()) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Room;
+
+    #[test]
+    fn the_strongest_are_kept_in_their_order_and_of_equals_the_first() {
+        assert_eq!(strongest(&[1.0, 3.0, 2.0, 3.0, 2.0], 3), [1, 2, 3]);
+        assert_eq!(strongest(&[1.0], 5), [0]);
+        assert!(strongest(&[], 2).is_empty());
+    }
+
+    #[test]
+    fn weights_add_up_to_what_the_pictures_hold() {
+        let room = Room::small(11);
+        let views: Vec<((), _)> =
+            room.views([32, 24]).unwrap().into_iter().take(3).map(|view| ((), view)).collect();
+        let moments = [Moment { time: 0.25, views: views.clone() }];
+        let settings = RasterSettings::default();
+        let model = room.model().unwrap();
+        let total: f64 = weights(&model, &Cpu::new(), &settings, &moments).unwrap().iter().sum();
+        let splats = model.at(0.25).unwrap();
+        let drawn: f64 = views
+            .iter()
+            .map(|(_, view)| Cpu::new().prepare(&splats, view, &settings).unwrap().draw().unwrap())
+            .flat_map(|drawing| drawing.alpha.into_iter().map(f64::from).collect::<Vec<_>>())
+            .sum();
+        assert!((total - drawn).abs() < 1e-3 * drawn, "{total} and {drawn}");
+    }
 }

@@ -19,7 +19,6 @@ pub(super) struct ChangedRegion {
     bits: Bits,
 }
 
-/// A rectangle of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Crop {
     pub(super) left: usize,
@@ -29,7 +28,6 @@ pub(super) struct Crop {
 }
 
 impl Crop {
-    /// A whole picture.
     pub(super) fn whole([width, height]: [u32; 2]) -> Self {
         Self { left: 0, top: 0, width: width as usize, height: height as usize }
     }
@@ -53,7 +51,6 @@ impl Crop {
         Some(Self { left: from[0], top: from[1], width: to[0] - from[0], height: to[1] - from[1] })
     }
 
-    /// The part of a view.
     pub(super) fn of(&self, view: &View) -> Result<View, ViewError> {
         let [x, y] = view.principal();
         View::new(

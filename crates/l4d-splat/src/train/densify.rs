@@ -18,7 +18,6 @@ const SHARE: f32 = 0.08;
 /// Halves of a split Gaussian are so many times smaller.
 const SMALLER: f32 = 1.6;
 
-/// How the rows change.
 #[derive(Debug, PartialEq)]
 pub(super) struct RowChange {
     /// Row `k` of the next state was row `sources[k].0`; true if it keeps its past.

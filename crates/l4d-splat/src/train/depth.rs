@@ -1,5 +1,7 @@
 //! How far away what the pictures of a moment show is: as it was measured, or found by comparing pictures.
 
+use glam::DVec3;
+
 use super::stereo::{StereoImage, depths};
 use super::views::TrainingViews;
 
@@ -46,11 +48,10 @@ pub(super) fn depths_at(
 fn elsewhere(views: &TrainingViews, camera: usize, moment: usize) -> Vec<usize> {
     let away = ELSEWHERE * views.extent_m();
     let camera = &views.cameras()[camera];
-    let here = camera.view(moment).centre();
+    let here = DVec3::from(camera.view(moment).centre());
     let is_away = |other: &usize| {
-        let there = camera.view(*other).centre();
-        camera.has_picture(*other)
-            && (0..3).map(|axis| (there[axis] - here[axis]).powi(2)).sum::<f64>() >= away * away
+        let there = DVec3::from(camera.view(*other).centre());
+        camera.has_picture(*other) && there.distance_squared(here) >= away * away
     };
     let mut others: Vec<usize> = (0..views.moments()).filter(is_away).collect();
     others.sort_by_key(|&other| (other.abs_diff(moment), other));

@@ -35,7 +35,6 @@ pub(super) struct Weights {
     pub(super) typical_depth_m: f32,
 }
 
-/// What was learned.
 #[derive(Debug)]
 pub(super) struct LossGradients {
     pub(super) gradients: SplatGradients,

@@ -54,7 +54,6 @@ pub(crate) struct Background {
     pub(crate) depth_m: Vec<f32>,
     /// Mean display colour over calm moments.
     pub(crate) colour: Vec<[f32; 3]>,
-    /// What it does.
     pub(crate) kind: Vec<SurfaceKind>,
 }
 

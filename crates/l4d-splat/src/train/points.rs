@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use glam::Vec3;
+
 use crate::gaussians::{Gaussians, ShDegree};
 use crate::neighbours::Tree;
 
@@ -20,12 +22,10 @@ const SKY: f32 = 4.0;
 /// Standard deviation of a new Gaussian along its surface, in distances to its neighbours; across it, in the former.
 const ALONG: f32 = 0.6;
 const ACROSS: f32 = 0.2;
-/// Opacity of a new Gaussian.
 const OPACITY: f32 = 0.8;
 /// Value of the constant spherical harmonic.
 pub(super) const SH_0: f32 = 0.282_094_8;
 
-/// A place on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
     /// World axes, metres.
@@ -36,7 +36,6 @@ pub(super) struct Point {
     pub(super) normal: [f32; 3],
     /// Metres to the next point that the detail of its surroundings asks for.
     pub(super) spacing_m: f32,
-    /// What the surface does.
     pub(super) kind: SurfaceKind,
 }
 
@@ -100,7 +99,6 @@ pub(super) fn moving_points(
     points
 }
 
-/// A picture with depth.
 struct Surface<'a> {
     pinhole: Pinhole,
     size: [usize; 2],
@@ -167,18 +165,17 @@ impl Surface<'_> {
     /// Across the two steps to neighbours on the same surface; towards the camera where there are none.
     fn normal(&self, pixel: usize, position: [f32; 3]) -> [f32; 3] {
         let step = |from: Option<usize>, to: Option<usize>| {
-            let on_surface = |side: Option<usize>| side.filter(|&other| self.joins(pixel, other));
-            let (from, to) = (on_surface(from), on_surface(to));
+            let [from, to] = [from, to].map(|side| side.filter(|&other| self.joins(pixel, other)));
             let place = |side: Option<usize>| {
-                side.map_or(position, |other| {
-                    self.pinhole.world(self.pinhole.centre_of(other), self.depth_of(other))
-                })
+                let at = |other| self.pinhole.world(self.pinhole.centre_of(other), self.depth_of(other));
+                Vec3::from(side.map_or(position, at))
             };
-            (from.is_some() || to.is_some()).then(|| difference(place(to), place(from)))
+            (from.is_some() || to.is_some()).then(|| place(to) - place(from))
         };
+        let unit = |vector: Vec3| (vector.length() > 1e-12).then(|| (vector / vector.length()).to_array());
         let [left, right, above, below] = self.beside(pixel);
-        let towards = difference(self.pinhole.centre(), position);
-        let across = step(left, right).zip(step(above, below)).map(|(x, y)| cross(x, y));
+        let towards = Vec3::from(self.pinhole.centre()) - Vec3::from(position);
+        let across = step(left, right).zip(step(above, below)).map(|(x, y)| x.cross(y));
         across.and_then(unit).or_else(|| unit(towards)).unwrap_or([0.0, 0.0, 1.0])
     }
 }
@@ -265,19 +262,6 @@ fn towards([x, y, z]: [f32; 3]) -> [f32; 4] {
     // Half way between the two: (1 + cos, sin * axis), scaled.
     let length = (2.0 * (1.0 + z)).sqrt();
     [0.5 * length, -y / length, x / length, 0.0]
-}
-
-fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    std::array::from_fn(|axis| a[axis] - b[axis])
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit(vector: [f32; 3]) -> Option<[f32; 3]> {
-    let length = vector.iter().map(|value| value * value).sum::<f32>().sqrt();
-    (length > 1e-12).then(|| vector.map(|value| value / length))
 }
 
 #[cfg(test)]

@@ -21,7 +21,6 @@ pub(crate) struct Region {
 /// Errors over a set of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Quality {
-    /// Number of pictures.
     pub(crate) pictures: usize,
     /// Mean over pictures of the peak signal-to-noise ratio of display colour, dB.
     pub(crate) psnr_db: f64,
@@ -112,7 +111,7 @@ fn compare(
 }
 
 /// Peak signal-to-noise ratio of a mean squared error of values from 0 to 1; equal pictures count as 100 dB.
-fn decibels(mean_square: f64) -> f64 {
+pub(crate) fn decibels(mean_square: f64) -> f64 {
     -10.0 * mean_square.max(1e-10).log10()
 }
 

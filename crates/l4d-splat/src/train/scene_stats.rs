@@ -1,5 +1,6 @@
 //! Facts about views and Gaussians that training is planned by.
 
+use glam::DVec3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
@@ -63,7 +64,7 @@ pub(super) fn sample(from: &[usize], count: usize, random: &mut ChaCha8Rng) -> V
 pub(super) fn nearest_m(mean: &[f32; 3], cameras: &[[f64; 3]]) -> f32 {
     cameras
         .iter()
-        .map(|centre| (0..3).map(|axis| (f64::from(mean[axis]) - centre[axis]).powi(2)).sum::<f64>())
+        .map(|&centre| DVec3::from(mean.map(f64::from)).distance_squared(centre.into()))
         .fold(f64::INFINITY, f64::min)
         .sqrt() as f32
 }

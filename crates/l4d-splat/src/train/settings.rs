@@ -81,13 +81,10 @@ pub(crate) enum Stage {
         /// Moments on either side.
         reach: usize,
     },
-    /// The whole clip.
     Fine,
-    /// Nothing is left to do.
     Done,
 }
 
-/// When which stage is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Schedule {
     coarse: u64,
@@ -126,7 +123,6 @@ impl Schedule {
         self.coarse + self.unfold * self.steps
     }
 
-    /// Iterations in all.
     pub(super) fn end(&self) -> u64 {
         self.whole_start() + self.fine
     }

@@ -7,6 +7,7 @@
 mod cost;
 mod semi_global;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::view::View;
@@ -19,7 +20,6 @@ use semi_global::matched;
 const NEIGHBOURS: usize = 4;
 /// Cosine of the widest angle between the axes of views that are compared.
 const LEAST_COSINE: f64 = 0.5;
-/// Most planes.
 const PLANES: usize = 256;
 /// Parallax of the nearest plane, widths of the picture.
 const NEAREST: f64 = 0.8;
@@ -38,7 +38,7 @@ pub(super) struct StereoImage<'a> {
 
 /// Planes parallel to a picture, even in inverse depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PlaneSweep {
+struct PlaneSweep {
     /// Inverse depth between two planes, 1/m.
     step: f32,
     planes: usize,
@@ -54,18 +54,13 @@ impl PlaneSweep {
     }
 
     /// 1/m; the first plane includes everything that is farther.
-    pub(super) fn inverse_depth(&self, plane: f32) -> f32 {
+    fn inverse_depth(&self, plane: f32) -> f32 {
         (plane + 0.5) * self.step
-    }
-
-    /// How many there are.
-    pub(super) fn planes(&self) -> usize {
-        self.planes
     }
 }
 
 /// The planes for a view among others; none where no other is beside it and looks the same way.
-pub(super) fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
+fn sweep(views: &[&View], of: usize) -> Option<PlaneSweep> {
     let near = neighbours(views, of);
     let (_, baseline_m) = *near.get(near.len() / 2)?;
     Some(PlaneSweep::new(views[of], baseline_m))
@@ -129,19 +124,11 @@ fn agrees(
 
 /// Views that a view can be compared with, and how far they stand from it, metres; the nearest first.
 fn neighbours(views: &[&View], of: usize) -> Vec<(usize, f64)> {
-    let (own, ahead) = (views[of].centre(), views[of].rotation()[2]);
-    let mut near: Vec<(usize, f64)> = views
-        .iter()
-        .enumerate()
-        .filter(|(other, _)| *other != of)
-        .map(|(other, view)| {
-            let centre = view.centre();
-            let away_m = (0..3).map(|axis| (centre[axis] - own[axis]).powi(2)).sum::<f64>().sqrt();
-            let cosine = (0..3).map(|axis| ahead[axis] * view.rotation()[2][axis]).sum::<f64>();
-            (other, away_m, cosine)
-        })
-        .filter(|&(_, away_m, cosine)| away_m > 0.0 && cosine > LEAST_COSINE)
-        .map(|(other, away_m, _)| (other, away_m))
+    let axis = |view: &View| DVec3::from(view.rotation()[2]);
+    let mut near: Vec<(usize, f64)> = (0..views.len())
+        .filter(|&other| other != of && axis(views[of]).dot(axis(views[other])) > LEAST_COSINE)
+        .map(|other| (other, DVec3::from(views[of].centre()).distance(views[other].centre().into())))
+        .filter(|&(_, away_m)| away_m > 0.0)
         .collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     near.truncate(NEIGHBOURS);

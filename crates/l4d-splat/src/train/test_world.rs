@@ -9,7 +9,6 @@ pub(super) const SIZE: [u32; 2] = [48, 32];
 /// Of the cameras, along x.
 const PLACES_M: [f64; 3] = [-0.5, 0.0, 0.5];
 
-/// What happens.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct World {
     /// Left edge of the card at a moment of so many, metres; none if it is not there.
@@ -21,7 +20,6 @@ pub(super) struct World {
 }
 
 impl World {
-    /// Nothing happens.
     pub(super) const EMPTY: Self = Self { card: |_, _| None, light: |_, _| 1.0, grain: false };
 
     pub(super) fn views(&self, moments: usize) -> TrainingViews {

@@ -29,21 +29,16 @@ use super::views::{TrainingViews, TrainingViewsError};
 
 /// Iterations between looks at the training pictures.
 const EVALUATION_PERIOD: u64 = 500;
-/// Pictures of a look.
 const EVALUATION_PICTURES: usize = 12;
 /// Less progress than this is none, dB.
 const PROGRESS_DB: f32 = 0.03;
 /// Share of the budget with which training begins; density control has the rest.
 const BEGINNING: f32 = 0.75;
 
-/// What came of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Report {
-    /// Which one.
     pub(crate) iteration: u64,
-    /// What it was about.
     pub(crate) stage: Stage,
-    /// Its loss.
     pub(crate) loss: f64,
     /// Errors on training pictures, at some iterations.
     pub(crate) quality: Option<Quality>,
@@ -86,11 +81,9 @@ impl<'a> Trainer<'a> {
         let anchor = busiest(views, &motion);
         let beginning = match initial {
             InitialPoints::Depth => (settings.gaussians as f32 * BEGINNING) as usize,
-            InitialPoints::Random | InitialPoints::Points(_) => settings.gaussians,
+            InitialPoints::Points(_) => settings.gaussians,
         };
-        let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
-        random.set_stream(u64::MAX);
-        let (points, backdrop_m) = initial.points(views, &motion, anchor, beginning.max(1), &mut random);
+        let (points, backdrop_m) = initial.points(views, &motion, anchor, beginning.max(1));
         if points.is_empty() {
             let message = "nothing tells how far away things are: no two cameras see the same from different places; \
                            start from the points of a COLMAP model";
@@ -148,17 +141,14 @@ impl<'a> Trainer<'a> {
         self.state.checkpoint()
     }
 
-    /// The model as it is.
     pub(crate) fn model(&self) -> &Model {
         &self.state.model
     }
 
-    /// What draws.
     pub(crate) fn rasterizer(&self) -> &'a dyn Rasterizer {
         self.rasterizer
     }
 
-    /// Iterations done.
     pub(crate) fn iteration(&self) -> u64 {
         self.state.iteration
     }
@@ -168,7 +158,6 @@ impl<'a> Trainer<'a> {
         self.schedule.end()
     }
 
-    /// What comes next.
     pub(crate) fn stage(&self) -> Stage {
         if self.state.settled { Stage::Done } else { self.schedule.at(self.state.iteration) }
     }
@@ -178,7 +167,6 @@ impl<'a> Trainer<'a> {
         self.state.settled
     }
 
-    /// One iteration.
     pub(crate) fn step(&mut self) -> Result<Report, TrainError> {
         // Within the pool from the start: each of its many short parallel parts would otherwise wake it anew.
         rayon::scope(|_| self.iterate())

@@ -4,6 +4,7 @@
 //! pictures or for none; a camera may have missed moments. Knows nothing of files, of what the pictures show, and of
 //! held-out views: those are views of their own.
 
+use glam::DVec3;
 use half::f16;
 use l4d_data::{Camera, Timeline};
 
@@ -18,11 +19,8 @@ pub(crate) struct Picture {
     pub(crate) depth_m: Vec<f16>,
 }
 
-/// A clip from one camera.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TrainingCamera {
-    /// Name of the camera.
-    pub(crate) name: String,
     /// One for a static camera, or one per moment.
     views: Vec<View>,
     /// One per moment.
@@ -45,7 +43,6 @@ pub(crate) struct TrainingViews {
 pub(crate) struct TrainingViewsError(String);
 
 impl TrainingViewsError {
-    /// Nothing to train on.
     pub(super) fn nothing(what: &str, remedy: &str) -> Self {
         Self(format!("there are no {what}: {remedy}"))
     }
@@ -74,63 +71,58 @@ impl TrainingViews {
         Ok(Self { size, frames, timeline, has_depth: false, cameras: Vec::new() })
     }
 
-    /// Adds what a camera saw, one picture per frame. `camera_size` is the size that its intrinsics are for.
+    /// Adds what a camera saw, one picture per frame; an error for a camera that cannot be or saw nothing, and for
+    /// depths that are not positive or that some pictures have and others lack. `camera_size` is the size that the
+    /// camera's intrinsics are for.
     pub(crate) fn add(
         &mut self,
         camera: &Camera,
         camera_size: [u32; 2],
         pictures: Vec<Picture>,
     ) -> Result<(), TrainingViewsError> {
-        let name = camera.name.to_string();
+        let name = &camera.name;
         let poses = if camera.world_from_camera.len() == 1 { &self.frames[..1] } else { &self.frames[..] };
         let views = poses
             .iter()
             .map(|&frame| View::of_camera(camera, frame, camera_size, self.size))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| TrainingViewsError(format!("camera `{name}` is unusable: {error}")))?;
-        let pixels = self.pixel_count();
-        let length = |moment: usize, what: &str, found: usize, expected: usize| {
-            if found == expected {
-                return Ok(());
-            }
-            Err(TrainingViewsError(format!(
-                "camera `{name}`, moment {moment}: {what} has {found} entries where {expected} are needed"
-            )))
-        };
-        length(0, "the clip", pictures.len(), self.frames.len())?;
         let seen = || pictures.iter().enumerate().filter(|(_, picture)| !picture.colour.is_empty());
         let Some((_, first)) = seen().next() else {
             return Err(TrainingViewsError::nothing("pictures of a camera", "leave the camera out"));
         };
         let has_depth = if self.cameras.is_empty() { !first.depth_m.is_empty() } else { self.has_depth };
-        let depths = if has_depth { pixels } else { 0 };
-        for (moment, picture) in seen() {
-            length(moment, "colour", picture.colour.len(), pixels)?;
-            length(moment, "depth", picture.depth_m.len(), depths)?;
+        let (pixels, depths) = (self.pixel_count(), if has_depth { self.pixel_count() } else { 0 });
+        let wrong =
+            |moment, message| Err(TrainingViewsError(format!("camera `{name}`, moment {moment}: {message}")));
+        for (moment, Picture { colour, depth_m }) in seen() {
+            for (what, found, expected) in
+                [("colour", colour.len(), pixels), ("depth", depth_m.len(), depths)]
+            {
+                if found != expected {
+                    return wrong(moment, format!("{what} has {found} entries where {expected} are needed"));
+                }
+            }
             let is_bad = |depth_m: &f16| depth_m.is_nan() || *depth_m <= f16::ZERO;
-            if let Some(pixel) = picture.depth_m.iter().position(is_bad) {
-                let value = picture.depth_m[pixel].to_f32();
-                return Err(TrainingViewsError(format!(
-                    "camera `{name}`, moment {moment}: the depth of pixel {pixel} is {value} m, but depths are positive"
-                )));
+            if let Some(pixel) = depth_m.iter().position(is_bad) {
+                let value = depth_m[pixel];
+                let message = format!("the depth of pixel {pixel} is {value} m, but depths are positive");
+                return wrong(moment, message);
             }
         }
         self.has_depth = has_depth;
-        self.cameras.push(TrainingCamera { name, views, pictures });
+        self.cameras.push(TrainingCamera { views, pictures });
         Ok(())
     }
 
-    /// Width and height, pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Pixels of a picture.
     pub(crate) fn pixel_count(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// Number of moments.
     pub(crate) fn moments(&self) -> usize {
         self.frames.len()
     }
@@ -150,7 +142,6 @@ impl TrainingViews {
         (0..self.cameras.len()).filter(move |&camera| self.cameras[camera].has_picture(moment))
     }
 
-    /// What each camera saw.
     pub(crate) fn cameras(&self) -> &[TrainingCamera] {
         &self.cameras
     }
@@ -158,25 +149,20 @@ impl TrainingViews {
     /// The radius of the cameras about their middle, times 1.1, metres: the scale by which centres learn. At least
     /// 0.1.
     pub(crate) fn extent_m(&self) -> f64 {
-        let middle = self.middle();
-        let distance =
-            |centre: &[f64; 3]| (0..3).map(|axis| (centre[axis] - middle[axis]).powi(2)).sum::<f64>().sqrt();
-        (1.1 * self.centres().iter().map(distance).fold(0.0, f64::max)).max(0.1)
+        let middle = DVec3::from(self.middle());
+        let reach = self.centres().map(|centre| centre.distance(middle)).fold(0.0, f64::max);
+        (1.1 * reach).max(0.1)
     }
 
     /// The middle of the cameras, world axes, metres.
     pub(crate) fn middle(&self) -> [f64; 3] {
-        let centres = self.centres();
-        std::array::from_fn(|axis| {
-            centres.iter().map(|centre| centre[axis]).sum::<f64>() / centres.len().max(1) as f64
-        })
+        (self.centres().sum::<DVec3>() / self.centres().count().max(1) as f64).to_array()
     }
 
-    fn centres(&self) -> Vec<[f64; 3]> {
-        self.cameras.iter().flat_map(|camera| camera.views.iter().map(View::centre)).collect()
+    fn centres(&self) -> impl Iterator<Item = DVec3> {
+        self.cameras.iter().flat_map(|camera| camera.views.iter().map(|view| view.centre().into()))
     }
 
-    /// Bytes of the pictures.
     pub(crate) fn bytes(&self) -> u64 {
         let of_picture = |picture: &Picture| size_of_val(&*picture.colour) + size_of_val(&*picture.depth_m);
         self.cameras.iter().flat_map(|camera| &camera.pictures).map(of_picture).sum::<usize>() as u64
@@ -184,27 +170,22 @@ impl TrainingViews {
 }
 
 impl TrainingCamera {
-    /// The view at a moment.
     pub(crate) fn view(&self, moment: usize) -> &View {
         if self.is_static() { &self.views[0] } else { &self.views[moment] }
     }
 
-    /// The picture of a moment.
     pub(crate) fn picture(&self, moment: usize) -> &Picture {
         &self.pictures[moment]
     }
 
-    /// Whether the camera looked at a moment.
     pub(crate) fn has_picture(&self, moment: usize) -> bool {
         !self.pictures[moment].colour.is_empty()
     }
 
-    /// All pictures, by moment.
     pub(crate) fn pictures(&self) -> &[Picture] {
         &self.pictures
     }
 
-    /// Whether the camera is static.
     pub(crate) fn is_static(&self) -> bool {
         self.views.len() == 1
     }
@@ -252,8 +233,6 @@ mod tests {
     #[test]
     fn pictures_that_do_not_fit_are_refused_with_camera_and_moment() {
         let mut views = clip(&[0, 48]).unwrap();
-        let error = views.add(&camera(), [2, 2], vec![picture()]).unwrap_err().to_string();
-        assert!(error.contains("`cam00`") && error.contains("the clip has 1"), "{error}");
         let mut torn = picture();
         torn.depth_m[3] = f16::NAN;
         let error = views.add(&camera(), [2, 2], vec![picture(), torn]).unwrap_err().to_string();

@@ -49,7 +49,6 @@ struct Manifest<'a> {
 
 /// What a folder holds for a training.
 pub(super) enum Claim {
-    /// Nothing of use.
     Begin,
     /// A part of this training.
     Resume(Box<Checkpoint>),

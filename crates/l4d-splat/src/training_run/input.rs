@@ -16,7 +16,6 @@ const REPORT_THRESHOLD: f32 = 0.05;
 /// SHA-256 by path within the scene's folder.
 pub(super) type Digests = BTreeMap<String, String>;
 
-/// What is trained on.
 pub(super) struct Input {
     pub(super) views: TrainingViews,
     pub(super) digests: Digests,

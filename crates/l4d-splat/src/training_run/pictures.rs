@@ -224,7 +224,7 @@ fn looks_at_depth(order: &Order<'_>) -> bool {
     match &order.init {
         None | Some(Initialisation::Depth) => true,
         Some(Initialisation::Sweep) => false,
-        Some(Initialisation::Random | Initialisation::Points(_)) => order.depth_weight != Some(0.0),
+        Some(Initialisation::Points(_)) => order.depth_weight != Some(0.0),
     }
 }
 

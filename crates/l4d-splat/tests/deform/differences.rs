@@ -1,12 +1,11 @@
-//! Random fields against the slow reference: offsets, and gradients against central differences of the reference.
+//! Random fields against the slow reference, and gradients against their own sums.
 
-use std::collections::BTreeSet;
-
-use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, Init, Offsets, TimeAxis, Trace};
+use l4d_splat::ShDegree;
+use l4d_splat::deform::{Bounds, DeformConfig, DeformationField, Init, TimeAxis, Trace};
 use proptest::prelude::*;
 
-use crate::fixtures::{largest_difference, positions, relative_difference, small_config, small_field};
-use crate::reference::{self, Doubles, doubles};
+use crate::fixtures::{largest_difference, positions, relative_difference, small_config, small_field, wide};
+use crate::reference::{self, doubles};
 
 fn configs() -> impl Strategy<Value = DeformConfig> {
     let sizes =
@@ -66,95 +65,30 @@ proptest! {
     }
 }
 
-/// What the gradients are checked on: more rows than a block has, so that sums over blocks are part of it.
-struct Problem {
-    field: DeformationField,
-    positions: Vec<[f32; 3]>,
-    time: f32,
-    upstream: Offsets,
-}
-
-impl Problem {
-    fn small() -> Self {
-        let field = small_field(small_config(), 11);
-        let positions = positions(600, 5);
-        let mut upstream = field.config().zeros(positions.len());
-        let mut place = 0_u32;
-        for value in upstream.flat_mut().into_iter().flatten() {
-            place += 1;
-            *value = (place as f32 * 0.7).sin();
-        }
-        Self { field, positions, time: 0.3, upstream }
-    }
-
-    /// Sum over rows of upstream gradient times offset: what the gradients are derivatives of.
-    fn loss(&self, tensors: &Doubles, positions: impl Iterator<Item = (usize, [f64; 3])>) -> f64 {
-        let upstream = self.upstream.flat();
-        let row = |(row, position): (usize, [f64; 3])| {
-            let offsets = reference::offsets(self.field.config(), tensors, position, self.time.into());
-            let head = |(upstream, offsets): (&&[f32], &Vec<f64>)| {
-                let upstream = &upstream[row * offsets.len()..][..offsets.len()];
-                upstream.iter().zip(offsets).map(|(slope, offset)| f64::from(*slope) * offset).sum::<f64>()
-            };
-            upstream.iter().zip(&offsets).map(head).sum::<f64>()
-        };
-        positions.map(row).sum()
-    }
-
-    fn wide_positions(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
-        self.positions.iter().map(|position| position.map(f64::from)).enumerate()
-    }
-}
-
 #[test]
-fn gradients_of_parameters_are_central_differences_of_the_reference() {
-    let problem = Problem::small();
-    let mut trace = Trace::default();
-    problem.field.trace(&problem.positions, problem.time, &mut trace).unwrap();
-    let mut gradients = problem.field.zero_gradients();
-    problem.field.backward(&mut trace, &problem.upstream, &mut gradients).unwrap();
-    let mut tensors = doubles(&problem.field.tensors());
-    for (name, gradient) in problem.field.gradient_tensors(&gradients) {
-        // A few numbers of each tensor, spread over it, and the steepest, since most texels are met by no row.
-        let count = gradient.data.len();
-        let size = |place: &usize| gradient.data[*place].abs();
-        let steepest = (0..count).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap();
-        let scale = f64::from(size(&steepest));
-        assert!(scale > 0.0, "`{name}` has no gradient");
-        for place in BTreeSet::from([0, count / 3, count / 2, count - 1, steepest]) {
-            // Steps so small that hardly any ReLU changes its side.
-            let mut side = |step: f64| {
-                let number = &mut tensors.get_mut(&name).unwrap().1[place];
-                let before = *number;
-                *number += step;
-                let loss = problem.loss(&tensors, problem.wide_positions());
-                tensors.get_mut(&name).unwrap().1[place] = before;
-                loss
-            };
-            let expected = (side(1.0e-6) - side(-1.0e-6)) / 2.0e-6;
-            let found = f64::from(gradient.data[place]);
-            let error = (found - expected).abs() / scale;
-            assert!(error < 1.0e-3, "`{name}`[{place}]: {found} instead of {expected}");
-        }
+fn gradients_of_many_rows_are_the_sums_of_those_of_a_few_until_they_are_cleared() {
+    let field = small_field(small_config(), 11);
+    // More rows than a block has.
+    let positions = positions(600, 5);
+    let mut upstream = field.config().zeros(positions.len());
+    for (place, value) in upstream.flat_mut().into_iter().flatten().enumerate() {
+        *value = (place as f32 * 0.7).sin();
     }
-}
-
-#[test]
-fn gradients_add_up_over_calls_until_they_are_cleared() {
-    let problem = Problem::small();
     let mut trace = Trace::default();
-    problem.field.trace(&problem.positions, problem.time, &mut trace).unwrap();
-    let mut once = problem.field.zero_gradients();
-    problem.field.backward(&mut trace, &problem.upstream, &mut once).unwrap();
-    let mut twice = once.clone();
-    problem.field.backward(&mut trace, &problem.upstream, &mut twice).unwrap();
-    for (name, once) in problem.field.gradient_tensors(&once) {
-        let doubled: Vec<f64> = once.data.iter().map(|value| 2.0 * f64::from(*value)).collect();
-        assert!(
-            relative_difference(&problem.field.gradient_tensors(&twice)[&name].data, &doubled) < 1.0e-5,
-            "`{name}`"
-        );
+    let (mut whole, mut parts) = (field.zero_gradients(), field.zero_gradients());
+    field.trace(&positions, 0.3, &mut trace).unwrap();
+    field.backward(&mut trace, &upstream, &mut whole).unwrap();
+    upstream.sh_degree = ShDegree::new(1).unwrap();
+    let rows: Vec<u32> = (0..600).collect();
+    for rows in rows.chunks(7) {
+        let few: Vec<[f32; 3]> = rows.iter().map(|&row| positions[row as usize]).collect();
+        field.trace(&few, 0.3, &mut trace).unwrap();
+        field.backward(&mut trace, &upstream.select(rows), &mut parts).unwrap();
     }
-    twice.clear();
-    assert_eq!(twice, problem.field.zero_gradients());
+    let whole = field.gradient_tensors(&whole);
+    for (name, parts) in field.gradient_tensors(&parts) {
+        assert!(relative_difference(&parts.data, &wide(&whole[&name].data)) < 1.0e-4, "`{name}`");
+    }
+    parts.clear();
+    assert_eq!(parts, field.zero_gradients());
 }

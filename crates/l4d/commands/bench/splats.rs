@@ -47,7 +47,6 @@ impl From<SweepArg> for Sweep {
     fn from(sweep: SweepArg) -> Self {
         match sweep {
             SweepArg::Count => Self::Count,
-            SweepArg::Degree => Self::Degree,
             SweepArg::Resolution => Self::Resolution,
             SweepArg::Rasterizer => Self::Rasterizer,
         }

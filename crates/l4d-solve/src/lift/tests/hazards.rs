@@ -52,7 +52,7 @@ fn a_scene_that_stands_still_and_one_of_nothing_can_be_lifted_onto() {
     let evidence = scene.evidence(3, as_it_is);
     let still = Model { field: None, dynamic: Vec::new(), ..scene.model.clone() };
     let kept = Model { dynamic: Vec::new(), ..scene.model.clone() };
-    let few = l4d_splat::reduce::keep(&still, &[301, 303]);
+    let few = still.keep(&[301, 303]);
     for model in [still, kept, few, Model::default()] {
         let scene = Scene { model, ..Scene::new() };
         for settings in all() {

@@ -1,14 +1,19 @@
-//! Sizes and switches of a field: those that shapes show, those that only `cfg_args` knows, and whether they agree.
+//! Sizes and switches of a field: those that shapes show, and those that only `cfg_args` knows.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
+use l4d_data::DataError;
+use l4d_data::store::read_bounded;
 use l4d_formats::fault::quoted;
+use l4d_formats::python::{Literal, namespace};
 use l4d_formats::{Fault, Tensor};
 
 use crate::checkpoint::REMEDY_PAIR;
-use crate::checkpoint::cfg_args::{CfgArgs, Literal};
 use crate::deform::{DeformConfig, PREFIX, TimeAxis, plane_name};
 
+/// No `cfg_args` is longer, bytes: real ones have about 3000.
+const MAX_OPTIONS_BYTES: u64 = 1 << 16;
 /// Levels of planes, and how much finer one may be than the first: four and 8 in the original.
 const MOST_LEVELS: usize = 16;
 const LARGEST_MULTIPLIER: u32 = 1024;
@@ -17,10 +22,8 @@ const REMEDY_UNSUPPORTED: &str = "train without this option: no configuration of
 
 /// The configuration of the field whose parameters are `tensors`.
 ///
-/// Sizes come from the shapes of the parameters, multipliers and switches from the options; an option that repeats a
-/// size must agree with it.
-pub(super) fn derive(args: &CfgArgs, tensors: &BTreeMap<String, Tensor>) -> Result<DeformConfig, Fault> {
-    let options = Options(args);
+/// Sizes come from the shapes of the parameters, multipliers and switches from the options.
+pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> Result<DeformConfig, Fault> {
     for unsupported in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation"] {
         if options.switch(unsupported, false)? {
             return Err(options.fault(
@@ -51,7 +54,7 @@ pub(super) fn derive(args: &CfgArgs, tensors: &BTreeMap<String, Tensor>) -> Resu
     let ([_, channels, y, x], [_, _, z, _], [_, _, time_resolution, _]) = (four(xy?), four(xz?), four(xt?));
     let hidden = axes(tensors, &format!("{}feature_out.0.weight", PREFIX), 2)?;
     let harmonics = axes(tensors, &format!("{}shs_deform.3.bias", PREFIX), 1)?;
-    let config = DeformConfig {
+    Ok(DeformConfig {
         channels,
         spatial_resolution: [x, y, z].map(|samples| samples / coarsest),
         time_resolution,
@@ -64,33 +67,15 @@ pub(super) fn derive(args: &CfgArgs, tensors: &BTreeMap<String, Tensor>) -> Resu
         no_dshs: options.switch("no_dshs", true)?,
         sh_coefficients: harmonics[0] / 3,
         time_axis: TimeAxis::Half,
-    };
-    options.compare(&config)?;
-    Ok(config)
-}
-
-fn int(value: usize) -> Literal {
-    Literal::Int(i64::try_from(value).unwrap_or(i64::MAX))
-}
-
-/// Samples along x, y, z and t.
-fn resolution(config: &DeformConfig) -> Literal {
-    Literal::List(config.spatial_resolution.into_iter().chain([config.time_resolution]).map(int).collect())
-}
-
-fn find<'a>(tensors: &'a BTreeMap<String, Tensor>, name: &str) -> Result<&'a Tensor, Fault> {
-    tensors.get(name).ok_or_else(|| Fault::new(format!("parameter `{name}`"), "is missing", REMEDY_PAIR))
+    })
 }
 
 /// The shape of a parameter that must have `count` axes, none of them empty.
 fn axes<'a>(tensors: &'a BTreeMap<String, Tensor>, name: &str, count: usize) -> Result<&'a [usize], Fault> {
-    let shape = &find(tensors, name)?.shape;
+    let fault = |message: String| Fault::new(format!("parameter `{name}`"), message, REMEDY_PAIR);
+    let shape = &tensors.get(name).ok_or_else(|| fault("is missing".to_owned()))?.shape;
     if shape.len() != count || shape.contains(&0) {
-        return Err(Fault::new(
-            format!("parameter `{name}`"),
-            format!("has the shape {shape:?}, but {count} axes with numbers belong there"),
-            REMEDY_PAIR,
-        ));
+        return Err(fault(format!("has the shape {shape:?}, but {count} axes with numbers belong there")));
     }
     Ok(shape)
 }
@@ -99,9 +84,31 @@ fn four(shape: &[usize]) -> [usize; 4] {
     std::array::from_fn(|axis| shape.get(axis).copied().unwrap_or(0))
 }
 
-struct Options<'a>(&'a CfgArgs);
+/// `cfg_args`: the options of a run by name, the text that Python prints for an `argparse.Namespace`.
+pub(super) struct Options(Vec<(String, Literal)>);
 
-impl Options<'_> {
+impl Options {
+    pub(super) fn read(path: &Path) -> Result<Self, DataError> {
+        let bytes = read_bounded(path, MAX_OPTIONS_BYTES)?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let place = format!("byte {}", error.valid_up_to());
+            Fault::new(place, "is no UTF-8 text", "give the file that training wrote").at(path)
+        })?;
+        namespace(text).map(Self).map_err(|fault| fault.at(path))
+    }
+
+    fn get(&self, name: &str) -> Option<&Literal> {
+        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+
+    /// What shows where nothing is, display colour.
+    pub(super) fn background(&self) -> Option<[f32; 3]> {
+        match self.get("white_background")? {
+            Literal::Bool(white) => Some([f32::from(u8::from(*white)); 3]),
+            _ => None,
+        }
+    }
+
     fn fault(&self, option: &str, message: impl Into<String>, remedy: &'static str) -> Fault {
         Fault::new(format!("cfg_args, option `{option}`"), message, remedy)
     }
@@ -116,7 +123,7 @@ impl Options<'_> {
 
     /// An option that older runs do not have is at the original's default.
     fn switch(&self, option: &str, default: bool) -> Result<bool, Fault> {
-        match self.0.get(option) {
+        match self.get(option) {
             None => Ok(default),
             Some(Literal::Bool(value)) => Ok(*value),
             Some(other) => Err(self.kind(option, other, "True or False")),
@@ -124,7 +131,7 @@ impl Options<'_> {
     }
 
     fn count(&self, option: &str) -> Result<Option<usize>, Fault> {
-        let Some(value) = self.0.get(option) else { return Ok(None) };
+        let Some(value) = self.get(option) else { return Ok(None) };
         match value {
             Literal::Int(count) => usize::try_from(*count).ok().map(Some),
             _ => None,
@@ -134,7 +141,7 @@ impl Options<'_> {
 
     fn multires(&self) -> Result<Vec<u32>, Fault> {
         const NAME: &str = "multires";
-        let value = self.0.get(NAME).ok_or_else(|| self.fault(NAME, "is missing", REMEDY_PAIR))?;
+        let value = self.get(NAME).ok_or_else(|| self.fault(NAME, "is missing", REMEDY_PAIR))?;
         let Literal::List(items) = value else {
             return Err(self.kind(NAME, value, "a list"));
         };
@@ -142,28 +149,6 @@ impl Options<'_> {
         factors
             .filter(|factors| (1..=MOST_LEVELS).contains(&factors.len()))
             .ok_or_else(|| self.kind(NAME, value, "a list of 1 to 16 factors from 1 to 1024"))
-    }
-
-    /// Holds what the options say of sizes against what the shapes say.
-    fn compare(&self, config: &DeformConfig) -> Result<(), Fault> {
-        self.agree("net_width", self.0.get("net_width"), &int(config.width))?;
-        let Some(planes) = self.0.get("kplanes_config") else { return Ok(()) };
-        if !matches!(planes, Literal::Dict(_)) {
-            return Err(self.kind("kplanes_config", planes, "a dict"));
-        }
-        let channels = planes.get("output_coordinate_dim");
-        self.agree("kplanes_config.output_coordinate_dim", channels, &int(config.channels))?;
-        self.agree("kplanes_config.resolution", planes.get("resolution"), &resolution(config))
-    }
-
-    fn agree(&self, option: &str, said: Option<&Literal>, seen: &Literal) -> Result<(), Fault> {
-        match said {
-            Some(said) if said != seen => {
-                let said = quoted(&said.to_string());
-                Err(self.fault(option, format!("is {said}, but the parameters have {seen}"), REMEDY_PAIR))
-            }
-            _ => Ok(()),
-        }
     }
 }
 

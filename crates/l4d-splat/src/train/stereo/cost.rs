@@ -24,7 +24,7 @@ pub(super) fn costs(
     sweep: &PlaneSweep,
     wanted: &[bool],
 ) -> Vec<u8> {
-    let planes = sweep.planes();
+    let planes = sweep.planes;
     let pinhole = Pinhole::new(image.view);
     let others: Vec<Other<'_>> = others.iter().map(|other| Other::new(image.view, other)).collect();
     let mut volume = vec![DEAREST; wanted.len() * planes];

@@ -18,7 +18,7 @@ pub(super) fn matched(
     sweep: &PlaneSweep,
     wanted: &[bool],
 ) -> Vec<f32> {
-    let planes = sweep.planes();
+    let planes = sweep.planes;
     let mut sums = vec![0_u16; volume.len()];
     for direction in DIRECTIONS {
         add_path(&mut sums, volume, image, planes, wanted, direction);

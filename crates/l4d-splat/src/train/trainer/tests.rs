@@ -80,7 +80,7 @@ fn a_scene_that_stands_still_needs_no_field() {
 #[test]
 fn one_moment_and_absurd_settings() {
     let (views, cpu) = (PASSING.views(1), Cpu::new());
-    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Random, &cpu).unwrap();
+    let mut trainer = Trainer::new(&views, settings(), &InitialPoints::Depth, &cpu).unwrap();
     finish(&mut trainer);
     let refused = |change: fn(&mut Settings)| {
         let mut settings = settings();
