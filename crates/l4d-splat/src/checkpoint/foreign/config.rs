@@ -52,8 +52,8 @@ pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> R
     let coarsest = multires[0] as usize;
     let [xy, xz, xt] = [0, 1, 2].map(|pair| axes(tensors, &plane_name(0, pair), 4));
     let ([_, channels, y, x], [_, _, z, _], [_, _, time_resolution, _]) = (four(xy?), four(xz?), four(xt?));
-    let hidden = axes(tensors, &format!("{}feature_out.0.weight", PREFIX), 2)?;
-    let harmonics = axes(tensors, &format!("{}shs_deform.3.bias", PREFIX), 1)?;
+    let hidden = axes(tensors, &format!("{PREFIX}feature_out.0.weight"), 2)?;
+    let harmonics = axes(tensors, &format!("{PREFIX}shs_deform.3.bias"), 1)?;
     Ok(DeformConfig {
         channels,
         spatial_resolution: [x, y, z].map(|samples| samples / coarsest),
