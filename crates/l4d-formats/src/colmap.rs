@@ -72,19 +72,13 @@ pub struct ModelCamera {
 }
 
 impl ModelCamera {
-    /// `fx, fy, cx, cy` without what bends straight lines.
+    /// `fx, fy, cx, cy` without distortion.
     pub fn pinhole(&self) -> [f64; 4] {
         match (self.model, self.parameters.as_slice()) {
             (CameraModel::Pinhole | CameraModel::OpenCv, &[fx, fy, cx, cy, ..]) => [fx, fy, cx, cy],
             (_, &[f, cx, cy, ..]) => [f, f, cx, cy],
             _ => [f64::NAN; 4],
         }
-    }
-
-    /// Whether a parameter bends straight lines.
-    pub fn is_distorted(&self) -> bool {
-        let first = if matches!(self.model, CameraModel::Pinhole | CameraModel::OpenCv) { 4 } else { 3 };
-        self.parameters.iter().skip(first).any(|&parameter| parameter != 0.0)
     }
 }
 
@@ -387,11 +381,11 @@ mod tests {
     }
 
     #[test]
-    fn intrinsics_lose_only_what_bends() {
+    fn intrinsics_lose_only_distortion() {
         let mut camera = model().cameras.remove(0);
-        assert_eq!((camera.pinhole(), camera.is_distorted()), ([70.1, 70.2, 32.0, 24.0], false));
+        assert_eq!(camera.pinhole(), [70.1, 70.2, 32.0, 24.0]);
         camera.model = CameraModel::SimpleRadial;
         camera.parameters = vec![50.0, 32.0, 24.0, 0.01];
-        assert_eq!((camera.pinhole(), camera.is_distorted()), ([50.0, 50.0, 32.0, 24.0], true));
+        assert_eq!(camera.pinhole(), [50.0, 50.0, 32.0, 24.0]);
     }
 }

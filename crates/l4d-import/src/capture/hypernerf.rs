@@ -1,7 +1,7 @@
 //! Nerfies and HyperNeRF: a file a camera and moment, and lists of what is trained on.
 //!
 //! Cameras move. Pictures whose names begin alike (`left1_`, `right1_`) are one view; moments are those of
-//! `metadata.json`. Lenses are undone.
+//! `metadata.json`. Distortion is removed.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -70,20 +70,16 @@ struct PictureEntry {
 pub(super) fn plan(order: &Order<'_>) -> Result<Plan, DataError> {
     let path = order.input.join("dataset.json");
     let dataset: Dataset = json::read(&path)?;
-    let metadata: BTreeMap<String, Metadata> = json::read(&order.input.join("metadata.json"))?;
+    let metadata_path = order.input.join("metadata.json");
+    let metadata: BTreeMap<String, Metadata> = json::read(&metadata_path)?;
     let (scale, pictures) = picture_folder(order.input)?;
-    let mut plan = Plan::new(vec![path.clone(), order.input.join("metadata.json")]);
+    let mut plan = Plan::new(vec![path.clone(), metadata_path.clone()]);
     let mut found: BTreeMap<String, (Camera, Distortion, Vec<PictureEntry>)> = BTreeMap::new();
     for id in &dataset.ids {
         let card_path = inside(&path, &order.input.join("camera"), &format!("{id}.json"))?;
         let card: Card = json::read(&card_path)?;
         let facts = metadata.get(id).ok_or_else(|| {
-            DataError::invalid(
-                &order.input.join("metadata.json"),
-                format!("entry `{id}`"),
-                "is missing",
-                REMEDY,
-            )
+            DataError::invalid(&metadata_path, format!("entry `{id}`"), "is missing", REMEDY)
         })?;
         let moment = facts.time_id.unwrap_or(facts.warp_id);
         if moment > MOST_MOMENTS {

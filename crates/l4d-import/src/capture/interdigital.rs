@@ -77,10 +77,8 @@ fn rows(path: &Path) -> Result<Vec<Row>, DataError> {
             return Err(wrong("has distortion (d1, d2)".to_owned(), remedy));
         }
         let row: Row = numbers.as_slice().try_into().map_err(|error| {
-            wrong(
-                format!("has {} numbers instead of 12: {error}", numbers.len()),
-                "write twelve numbers a camera",
-            )
+            let message = format!("has {} numbers instead of 12: {error}", numbers.len());
+            wrong(message, "write twelve numbers a camera")
         })?;
         rows.push(row);
     }
@@ -110,12 +108,8 @@ fn pictures(order: &Order<'_>) -> Result<(String, Pictures), DataError> {
     }
     if pictures.is_empty() {
         let remedy = "give the folder that holds cameras_parameters.txt and the PNG files";
-        return Err(DataError::invalid(
-            order.input,
-            "folder",
-            "holds no `<Scene>_undist_<moment>_<camera>.png`",
-            remedy,
-        ));
+        let message = "holds no `<Scene>_undist_<moment>_<camera>.png`";
+        return Err(DataError::invalid(order.input, "folder", message, remedy));
     }
     Ok((scene, pictures))
 }

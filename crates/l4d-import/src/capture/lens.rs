@@ -1,4 +1,4 @@
-//! Lenses that bend straight lines, and pictures without that: ours are of pinholes.
+//! Lens distortion, and its removal: our pictures are of pinholes.
 
 use l4d_data::Camera;
 use l4d_frames::drawn::{Rgb, RgbImage};
@@ -18,7 +18,7 @@ impl Distortion {
     }
 
     /// Where a pinhole's ray goes through the lens; both as x/z and y/z.
-    pub(super) fn bent(self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn distorted(self, [x, y]: [f64; 2]) -> [f64; 2] {
         let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
         let squared = x * x + y * y;
         let radial = 1.0 + squared * (k1 + squared * (k2 + squared * k3));
@@ -29,12 +29,12 @@ impl Distortion {
     }
 
     /// What a pinhole with the same intrinsics would have seen; black where the lens saw nothing.
-    pub(super) fn straightened(self, camera: &Camera, picture: &RgbImage) -> RgbImage {
+    pub(super) fn undistorted(self, camera: &Camera, picture: &RgbImage) -> RgbImage {
         let (width, height) = picture.dimensions();
         RgbImage::from_fn(width, height, |column, row| {
             let x = (f64::from(column) + 0.5 - camera.cx) / camera.fx;
             let y = (f64::from(row) + 0.5 - camera.cy) / camera.fy;
-            let [x, y] = self.bent([x, y]);
+            let [x, y] = self.distorted([x, y]);
             sample(picture, x * camera.fx + camera.cx - 0.5, y * camera.fy + camera.cy - 0.5)
         })
     }
@@ -81,33 +81,33 @@ mod tests {
     }
 
     #[test]
-    fn a_lens_that_bends_nothing_changes_nothing() {
+    fn no_distortion_changes_nothing() {
         let picture = RgbImage::from_fn(80, 60, |x, y| Rgb([x as u8, y as u8, (x ^ y) as u8]));
         assert!(Distortion::default().is_none());
-        assert_eq!(Distortion::default().straightened(&camera(), &picture), picture);
+        assert_eq!(Distortion::default().undistorted(&camera(), &picture), picture);
     }
 
     #[test]
     fn straight_lines_seen_through_a_lens_become_straight() {
         let distortion = Distortion { radial: [-0.2, 0.03, 0.0], tangential: [0.002, -0.001] };
         // A vertical edge of the world at x/z = 0.25, as the lens draws it: painted by searching the ray of each pixel.
-        let unbent = |target: [f64; 2]| {
+        let undo = |target: [f64; 2]| {
             (0..50).fold(target, |guess: [f64; 2], _| {
-                let [x, y] = distortion.bent(guess);
+                let [x, y] = distortion.distorted(guess);
                 [guess[0] + target[0] - x, guess[1] + target[1] - y]
             })
         };
         let seen = RgbImage::from_fn(80, 60, |column, row| {
-            let ray = unbent([(f64::from(column) + 0.5 - 40.0) / 60.0, (f64::from(row) + 0.5 - 30.0) / 60.0]);
+            let ray = undo([(f64::from(column) + 0.5 - 40.0) / 60.0, (f64::from(row) + 0.5 - 30.0) / 60.0]);
             Rgb([if ray[0] > 0.25 { 255 } else { 0 }; 3])
         });
-        let straight = distortion.straightened(&camera(), &seen);
+        let straight = distortion.undistorted(&camera(), &seen);
         let bright = |picture: &RgbImage, row| {
             (0..80).filter(|&x| picture.get_pixel(x, row).0[0] > 127).map(|x| x as i64).min()
         };
         let edges: Vec<i64> = (4..56).filter_map(|row| bright(&straight, row)).collect();
         assert!(edges.iter().all(|edge| (54..=56).contains(edge)), "the edge lies at 55: {edges:?}");
         let bent: Vec<i64> = (4..56).filter_map(|row| bright(&seen, row)).collect();
-        assert!(bent.iter().max().unwrap() - bent.iter().min().unwrap() >= 1, "the lens bends: {bent:?}");
+        assert!(bent.iter().max().unwrap() - bent.iter().min().unwrap() >= 1, "the lens distorts: {bent:?}");
     }
 }

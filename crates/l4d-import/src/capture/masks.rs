@@ -12,7 +12,7 @@ use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Split};
-use l4d_masks::{Mask, Rle, ids};
+use l4d_masks::{Rle, ids};
 
 use super::plan::name_of;
 use crate::annotations::coco::{self, Reading};
@@ -158,12 +158,8 @@ fn place(capture: &Capture, file: &Path, name: &str, picture: AnnotatedPicture) 
     let digits = stem.bytes().rev().take_while(u8::is_ascii_digit).count();
     let (before, number) = stem.split_at(stem.len() - digits);
     let frame = number.parse().ok().ok_or_else(|| {
-        DataError::invalid(
-            file,
-            "name",
-            format!("`{}` does not end in the number of a frame", inert(name)),
-            REMEDY,
-        )
+        let message = format!("`{}` does not end in the number of a frame", inert(name));
+        DataError::invalid(file, "name", message, REMEDY)
     })?;
     let called = before.trim_end_matches(['/', '_', '-']).rsplit('/').next().unwrap_or_default();
     let view = match capture.cameras.iter().find(|camera| camera.name.as_str() == called) {
@@ -216,9 +212,4 @@ fn no_doubles(path: &Path, placed: Vec<Placed>) -> Result<Vec<Placed>, DataError
             Err(DataError::invalid(path, "pictures", message, "keep one annotation a picture"))
         }
     }
-}
-
-/// A mask of an instance, decoded; none where it was not annotated or is not visible.
-pub fn mask_at(set: &MaskSet, instance: &MaskedInstance, view: &str, frame: u32) -> Option<Mask> {
-    instance.mask(view, frame).map(|mask| Mask::from_rle(mask, set.width, set.height))
 }

@@ -52,10 +52,10 @@ impl Plan {
         self.notes.push(note.into());
     }
 
-    /// Says whether lenses are undone, and holds out the views that the order names, or those of `default`.
+    /// Says whether distortion is removed, and holds out the views that the order names, or those of `default`.
     pub(super) fn finish(mut self, order: &Order<'_>, default: &[&str]) -> Result<Self, DataError> {
         if self.views.iter().any(|view| !view.distortion.is_none()) {
-            self.note("lenses are undone: pictures are what pinholes would have seen");
+            self.note("lens distortion is removed: pictures are what pinholes would have seen");
         }
         let wanted: Vec<&str> = match order.held_out {
             [] => default.to_vec(),

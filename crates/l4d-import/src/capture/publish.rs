@@ -95,10 +95,12 @@ fn truth_of(capture: &Capture, set: &MaskSet, scale: Scale) -> Result<Truth, Dat
     let is_annotated = |frame: &u32| keys.contains(&frame_key(*frame));
     let seen = capture.frames.iter().copied().filter(|frame| capture.saw(&view.name, *frame));
     let (frames, unannotated): (Vec<u32>, Vec<u32>) = seen.partition(is_annotated);
-    let mut visible: BTreeMap<Name, Vec<u32>> = BTreeMap::new();
-    for instance in &set.instances {
-        visible.insert(instance.name.clone(), areas(instance, &view.name, &frames));
-    }
+    // Pixels of an instance at each frame.
+    let areas = |one: &MaskedInstance| {
+        let area = |frame: &u32| one.mask(&view.name, *frame).map_or(0, Rle::area);
+        frames.iter().map(|frame| u32::try_from(area(frame)).unwrap_or(u32::MAX)).collect()
+    };
+    let visible = set.instances.iter().map(|one| (one.name.clone(), areas(one))).collect();
     Ok(Truth {
         schema: SCHEMA.to_owned(),
         scene: capture.name.clone(),
@@ -143,10 +145,4 @@ fn instance_truth(instance: &MaskedInstance, view: &Name, frames: &[u32]) -> Ins
         category: instance.category(),
         masks: frames.iter().filter_map(mask).collect(),
     }
-}
-
-/// Pixels of an instance at each frame.
-fn areas(instance: &MaskedInstance, view: &Name, frames: &[u32]) -> Vec<u32> {
-    let area = |frame: &u32| instance.mask(view, *frame).map_or(0, Rle::area);
-    frames.iter().map(|frame| u32::try_from(area(frame)).unwrap_or(u32::MAX)).collect()
 }

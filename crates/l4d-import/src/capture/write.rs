@@ -1,4 +1,4 @@
-//! From a plan to the folder of a capture: pictures without lenses, points, and `capture.json` last.
+//! From a plan to the folder of a capture: pictures without distortion, points, and `capture.json` last.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -168,7 +168,7 @@ fn write_view(
                 let picture = if view.distortion.is_none() {
                     picture
                 } else {
-                    view.distortion.straightened(&view.camera, &picture)
+                    view.distortion.undistorted(&view.camera, &picture)
                 };
                 let bytes = encode_colour(&picture);
                 for (earlier, why) in waiting.drain(..) {

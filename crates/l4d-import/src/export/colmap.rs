@@ -69,7 +69,7 @@ pub(super) fn write(job: &Job<'_>, mut manifest: Manifest) -> Result<Manifest, D
     Ok(manifest)
 }
 
-/// Refuses cameras that the reader of LangSplat would bend: it drops principal points.
+/// Refuses cameras that the reader of LangSplat would change: it drops principal points.
 pub(super) fn check_centres(job: &Job<'_>) -> Result<(), DataError> {
     let off = job.views.training().into_iter().find(|camera| !is_centred(job.views, camera));
     off.map_or(Ok(()), |camera| Err(off_centre(job.views, camera)))

@@ -98,7 +98,10 @@ pub(super) fn check(job: &Job<'_>) -> Result<(), DataError> {
     let [width, height] = views.size;
     let refuse = |field: &str, message: String| Err(limit(views, field, message));
     if width * 3 != height * 4 {
-        return refuse("width", format!("{width}x{height} is not 4:3, and readers would bend the pictures"));
+        return refuse(
+            "width",
+            format!("{width}x{height} is not 4:3, and readers would stretch the pictures"),
+        );
     }
     if views.frames.len() > MOMENTS {
         return refuse("stride", format!("there are more than {MOMENTS} moments, and readers drop the rest"));

@@ -237,13 +237,8 @@ fn by_scene(
     }
     if scenes.is_empty() {
         let hint = "rename the folders after scenes of the benchmark, or give --template and --scenes";
-        report.error(
-            codes::NOTHING_FOUND,
-            &request.root,
-            "folder",
-            "holds nothing for any scene that is meant",
-            hint,
-        );
+        let message = "holds nothing for any scene that is meant";
+        report.error(codes::NOTHING_FOUND, &request.root, "folder", message, hint);
     }
     scenes
 }

@@ -115,13 +115,8 @@ pub(super) fn check(levels: &[(u64, Level)], channels: usize, report: &mut Repor
         if let Some((_, first)) = levels.first().filter(|(_, first)| first.size() != level.size()) {
             let ((w0, h0), (w1, h1)) = (first.size(), level.size());
             let message = format!("is {w1}x{h1}, but {} is {w0}x{h0}", first.path.display());
-            report.error(
-                codes::WRONG_SIZE,
-                &level.path,
-                "shape",
-                message,
-                "render all levels at the same size",
-            );
+            let hint = "render all levels at the same size";
+            report.error(codes::WRONG_SIZE, &level.path, "shape", message, hint);
         }
         let same = levels.iter().find(|(other, earlier)| other < number && earlier.array == level.array);
         if let Some((other, earlier)) = same.filter(|_| level.constant().is_none()) {

@@ -1,7 +1,7 @@
 //! Object masks on the pictures of a capture.
 
 use l4d_formats::npy;
-use l4d_import::capture::masks::{MaskFormat, MaskSet, mask_at, read};
+use l4d_import::capture::masks::{MaskFormat, MaskSet, MaskedInstance, read};
 use l4d_import::capture::{Capture, Source};
 use l4d_masks::{Mask, ids};
 use serde_json::json;
@@ -22,6 +22,11 @@ fn captured() -> (Bench, Capture) {
 
 fn set(bench: &Bench, capture: &Capture, format: MaskFormat, path: &str) -> Result<MaskSet, String> {
     read(capture, &bench.input().join(path), format).map_err(|error| error.to_string())
+}
+
+/// A mask of an instance; none where it was not annotated or is not visible.
+fn mask_at(set: &MaskSet, instance: &MaskedInstance, view: &str, frame: u32) -> Option<Mask> {
+    instance.mask(view, frame).map(|mask| Mask::from_rle(mask, set.width, set.height))
 }
 
 /// A palette picture whose number 3 fills a square of 64 pixels.

@@ -269,7 +269,7 @@ fn points_and_tracks_of_a_model_survive_the_way_in_and_out() {
 }
 
 #[test]
-fn lenses_are_undone() {
+fn distortion_is_removed() {
     let (world, bench) = exported(Format::Colmap);
     let sparse = bench.input().join("sparse/0");
     let mut model = Model::read(&sparse).unwrap();
@@ -279,7 +279,7 @@ fn lenses_are_undone() {
     }
     model.write(&sparse).unwrap();
     let capture = bench.read(Source::Colmap).unwrap();
-    assert!(capture.notes.iter().any(|note| note.contains("lenses are undone")));
+    assert!(capture.notes.iter().any(|note| note.contains("distortion is removed")));
     let shown = l4d_frames::Display::new(world.scene.exposure).picture(&world.frame("cam00", 48));
     let straight = bench.picture(&capture, "cam00", 0);
     // The lens widens: a corner of the pinhole lies outside of what it saw, the middle stays.

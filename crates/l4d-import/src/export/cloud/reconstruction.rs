@@ -53,7 +53,7 @@ impl Reconstruction {
         for point in &model.points {
             if !point.position.is_finite() {
                 let place = format!("point {}", point.id);
-                let message = "lies nowhere";
+                let message = "has a position that is not finite";
                 let remedy = "triangulate the points again";
                 return Err(DataError::invalid(folder, place, message, remedy));
             }
