@@ -4,14 +4,10 @@
 //! refuses to know how a question reaches a model (`l4d-endpoint`), what a predicate means (`l4d-query`) and how a
 //! picture is drawn (`l4d-frames`). Nothing that it writes is part of the benchmark: people carry it there.
 
-mod files;
-mod listing;
+mod answer;
 pub mod queries;
 mod quote;
-mod reason;
-mod run;
 pub mod scenarios;
 
+pub use answer::{AskOptions, Asked};
 pub use quote::printable;
-pub use reason::Reason;
-pub use run::AskOptions;

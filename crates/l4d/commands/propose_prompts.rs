@@ -55,12 +55,12 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     }
     print(&outcomes, out)?;
     for outcome in &outcomes {
-        for note in &outcome.notes {
+        for note in &outcome.asked.notes {
             out.warn(format!("{}: {}", outcome.scene, printable(note)));
         }
     }
     note_spent(&client.spent(), out);
-    if outcomes.iter().any(|outcome| outcome.answer.is_some()) {
+    if outcomes.iter().any(|outcome| outcome.asked.answer.is_some()) {
         out.note(format!("proposals are in {}; none of them is part of the benchmark", folder.display()));
     }
     match report.is_empty() {
@@ -135,8 +135,8 @@ fn print(outcomes: &[SceneOutcome], out: &Printer) -> Result<()> {
     };
     for outcome in outcomes {
         let why: Vec<String> =
-            outcome.reasons.iter().map(|(code, count)| format!("{code} x{count}")).collect();
-        row(&outcome.scene, outcome.answer.unwrap_or("none"), counts(outcome), why.join(" "))?;
+            outcome.asked.reasons.iter().map(|(code, count)| format!("{code} x{count}")).collect();
+        row(&outcome.scene, outcome.asked.answer.unwrap_or("none"), counts(outcome), why.join(" "))?;
     }
     if outcomes.len() > 1 {
         let total = outcomes.iter().map(counts).fold([0; 4], |sum, counts| {
@@ -150,7 +150,7 @@ fn print(outcomes: &[SceneOutcome], out: &Printer) -> Result<()> {
 }
 
 fn counts(outcome: &SceneOutcome) -> [usize; 4] {
-    [outcome.proposed, outcome.candidates, outcome.unproved, outcome.failed]
+    [outcome.asked.proposed, outcome.candidates, outcome.unproved, outcome.asked.failed]
 }
 
 /// What would be asked and what it may cost; nothing is sent.

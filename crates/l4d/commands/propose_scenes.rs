@@ -6,8 +6,8 @@ use anyhow::Result;
 use l4d_data::Progress as _;
 use l4d_data::{Benchmark, Report, Scale};
 use l4d_endpoint::Plan;
-use l4d_propose::printable;
 use l4d_propose::scenarios::{Known, ScaleOutcome, ScenarioProposer};
+use l4d_propose::{Asked, printable};
 use serde_json::json;
 
 use crate::cli::models::ProposeScenesArgs;
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
 fn print(outcomes: &[ScaleOutcome], out: &Printer) -> Result<()> {
     out.data(format!("{:<10}{:<10}{:>10}{:>8}{:>8}", "scale", "answer", "proposed", "taken", "failed"))?;
     for outcome in outcomes {
-        let ScaleOutcome { scale, answer, proposed, scenarios, failed, notes } = outcome;
+        let ScaleOutcome { scale, asked: Asked { answer, proposed, failed, notes, .. }, scenarios } = outcome;
         let (scale, answer, taken) = (scale.as_str(), answer.unwrap_or("none"), scenarios.len());
         out.data(format!("{scale:<10}{answer:<10}{proposed:>10}{taken:>8}{failed:>8}"))?;
         for name in scenarios {

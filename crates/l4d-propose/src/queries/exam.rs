@@ -7,17 +7,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::query::{Provenance, QueryId, text_digest};
 use l4d_data::scene::Scene;
-use l4d_data::{Category, Interval, Name, Profile, Query, Report, Role, Status, Temporal};
+use l4d_data::{Category, Finding, Interval, Name, Profile, Query, Report, Role, Severity, Status, Temporal};
 use l4d_frames::check::visibility_problem;
 use l4d_query::eval::answer_times;
 use l4d_query::prove::{
     Kind, Prover, SceneSet, Vocabulary, form_problem, meaning, plain_events, says_when, words,
 };
 use l4d_query::{Predicate, Times};
-use serde_json::Value;
 
 use super::Proposal;
-use crate::reason::{Reason, reasons_of};
+use crate::answer::Reason;
 
 const FEWEST_WORDS: usize = 3;
 const MOST_WORDS: usize = 20;
@@ -27,7 +26,7 @@ const SHARED_TIME: f64 = 0.3;
 
 /// What became of a proposal.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Outcome {
+pub(super) enum Outcome {
     /// Proved: a line for the benchmark, once people have looked at it.
     Candidate(Query),
     /// Sound as far as it can be seen without a predicate, which a person adds; with what is known about why.
@@ -38,7 +37,7 @@ pub enum Outcome {
 
 /// Examines the proposals of one scene; what was taken counts against those that follow.
 #[derive(Debug)]
-pub struct Exam<'a> {
+pub(super) struct Exam<'a> {
     prover: Prover<'a>,
     set: &'a SceneSet,
     scene: &'a Scene,
@@ -51,7 +50,7 @@ pub struct Exam<'a> {
 
 impl<'a> Exam<'a> {
     /// An exam against the queries that the scene has.
-    pub fn new(set: &'a SceneSet, scene: &'a Scene, vocabulary: Option<&'a Vocabulary>) -> Self {
+    pub(super) fn new(set: &'a SceneSet, scene: &'a Scene, vocabulary: Option<&'a Vocabulary>) -> Self {
         let prover = Prover::new(&set.tracks, set.truth.as_ref(), vocabulary);
         let mut exam = Self {
             prover,
@@ -70,7 +69,7 @@ impl<'a> Exam<'a> {
     }
 
     /// Examines one proposal.
-    pub fn judge(&mut self, proposal: &Proposal, provenance: Provenance) -> Outcome {
+    pub(super) fn judge(&mut self, proposal: &Proposal, provenance: Provenance) -> Outcome {
         let mut reasons = self.wording_problems(proposal);
         let (referents, unknown) = self.referents(proposal);
         reasons.extend(unknown);
@@ -149,12 +148,14 @@ impl<'a> Exam<'a> {
     }
 
     fn look_alike_problem(&self, referents: &[Name]) -> Vec<Reason> {
-        let objects = || self.set.tracks.instances.iter().filter(|instance| instance.role == Role::Object);
-        let of = |name: &Name| objects().find(|object| object.name == *name);
+        let tracks = &self.set.tracks;
         let is_alone = |name: &&Name| {
-            let category = of(name).map(|object| object.category.as_str());
-            !objects()
-                .any(|other| Some(other.category.as_str()) == category && !referents.contains(&other.name))
+            let category = tracks.instance(name).map(|object| &object.category);
+            !tracks.instances.iter().any(|other| {
+                other.role == Role::Object
+                    && Some(&other.category) == category
+                    && !referents.contains(&other.name)
+            })
         };
         let alone = |name: &Name| {
             let message = format!("{name} is the only one of its category");
@@ -177,7 +178,7 @@ impl<'a> Exam<'a> {
                 self.proved_frames(&referents, predicate).unwrap_or_else(|| proposal.frames.clone())
             }
         };
-        let predicate: Option<Value> = predicate.and(proposal.predicate.clone());
+        let predicate = predicate.and(proposal.predicate.clone()).and_then(Result::ok);
         Query {
             id: self.free_id(),
             text_digest: text_digest(&proposal.text, predicate.as_ref()),
@@ -202,16 +203,18 @@ impl<'a> Exam<'a> {
     fn proof_problems(&self, query: &Query) -> Vec<Reason> {
         let mut report = Report::default();
         self.prover.check(Kind::Single, &self.set.paths[1], query, &mut report);
-        let is_news = |reason: &Reason| {
-            // Wording has been looked at already, and a missing predicate is no failure here.
-            let is_wording = reason.code == "L4D214";
-            let is_form = reason.code == "L4D216" && form_problem(&query.text).is_some();
-            let is_gate =
-                reason.code == "L4D215" && !says_when(&query.text) && query.temporal == Temporal::While;
-            let is_missing = reason.code == "L4D203" && query.predicate.is_none();
-            !(is_wording || is_form || is_gate || is_missing)
+        // Wording has been looked at already, and a missing predicate is no failure here.
+        let is_known = |code: &str| match code {
+            "L4D214" => true,
+            "L4D216" => form_problem(&query.text).is_some(),
+            "L4D215" => !says_when(&query.text) && query.temporal == Temporal::While,
+            "L4D203" => query.predicate.is_none(),
+            _ => false,
         };
-        reasons_of(report).into_iter().filter(is_news).collect()
+        let is_news = |finding: &Finding| finding.severity == Severity::Error && !is_known(finding.code);
+        let news = report.into_sorted().into_iter().filter(is_news);
+        news.map(|Finding { code, message, hint, .. }| Reason::new(code, field_of(code), message, hint))
+            .collect()
     }
 
     /// Whether the model saw the thing happen at about the time at which it happens.
@@ -287,17 +290,28 @@ impl<'a> Exam<'a> {
 
 /// The predicate, or why what the model gave is none.
 fn readable_predicate(proposal: &Proposal) -> (Option<Predicate>, Option<Reason>) {
-    let broken = |message: String| {
-        let hint = "write the predicate by hand (docs/queries.md)";
-        (None, Some(Reason::new("L4D567", "predicate", message, hint)))
+    let read = |value| match value {
+        Ok(value) => Predicate::from_json(value),
+        Err(_) => Err("is no list of clauses in JSON".to_owned()),
     };
-    match (&proposal.predicate, &proposal.unreadable_predicate) {
-        (Some(value), _) => match Predicate::from_json(value) {
-            Ok(predicate) => (Some(predicate), None),
-            Err(message) => broken(message),
-        },
-        (None, Some(_)) => broken("is no list of clauses in JSON".to_owned()),
-        (None, None) => (None, None),
+    match proposal.predicate.as_ref().map(|value| read(value.as_ref())) {
+        None => (None, None),
+        Some(Ok(predicate)) => (Some(predicate), None),
+        Some(Err(message)) => {
+            let hint = "write the predicate by hand (docs/queries.md)";
+            (None, Some(Reason::new("L4D567", "predicate", message, hint)))
+        }
+    }
+}
+
+/// The part of a query that a finding of `check-queries` speaks of.
+fn field_of(code: &str) -> &'static str {
+    match code {
+        "L4D202" | "L4D210" => "referents",
+        "L4D206" => "frames",
+        "L4D207" => "category",
+        "L4D213" | "L4D214" | "L4D215" | "L4D216" => "text",
+        _ => "predicate",
     }
 }
 

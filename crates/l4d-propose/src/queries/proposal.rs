@@ -1,37 +1,35 @@
 //! One proposal as a model wrote it, read with as much patience as its meaning allows.
 
 use l4d_data::{Category, Interval, Temporal};
+use l4d_endpoint::is_hidden;
 use serde_json::{Value, json};
 
-use crate::quote::is_hidden;
-use crate::reason::Reason;
+use crate::answer::Reason;
+use crate::quote::excerpt;
 
-const MALFORMED: &str = "L4D561";
 /// No list of numbers or intervals is longer.
 const MOST_NUMBERS: usize = 64;
 
 /// A query as a model proposes it; nothing of it is checked against the scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Proposal {
+pub(super) struct Proposal {
     /// What it says its category is.
-    pub category: Category,
+    pub(super) category: Category,
     /// The sentence, with white space and quotes around it taken off, and a single full stop.
-    pub text: String,
+    pub(super) text: String,
     /// Numbers on the pictures.
-    pub referents: Vec<u32>,
+    pub(super) referents: Vec<u32>,
     /// How the sentence binds time.
-    pub temporal: Temporal,
+    pub(super) temporal: Temporal,
     /// When it says that it holds; empty for `whole`.
-    pub frames: Vec<Interval>,
-    /// The predicate as JSON, if it gave one that is JSON.
-    pub predicate: Option<Value>,
-    /// What it gave as predicate if that is no JSON.
-    pub unreadable_predicate: Option<String>,
+    pub(super) frames: Vec<Interval>,
+    /// The predicate as JSON, or what it gave in its place if that is none.
+    pub(super) predicate: Option<Result<Value, String>>,
 }
 
 /// The shape that an answer should have.
-pub(crate) fn schema() -> Value {
-    let categories: Vec<&str> = Category::ALL.iter().map(|category| category.as_str()).collect();
+pub(super) fn schema() -> Value {
+    let integer = json!({ "type": "integer" });
     json!({
         "type": "object",
         "additionalProperties": false,
@@ -41,11 +39,11 @@ pub(crate) fn schema() -> Value {
             "additionalProperties": false,
             "required": ["category", "text", "referents", "temporal", "frames", "predicate"],
             "properties": {
-                "category": { "type": "string", "enum": categories },
+                "category": { "type": "string", "enum": Category::ALL.map(Category::as_str) },
                 "text": { "type": "string" },
-                "referents": { "type": "array", "items": { "type": "integer" } },
+                "referents": { "type": "array", "items": integer },
                 "temporal": { "type": "string", "enum": ["whole", "while"] },
-                "frames": { "type": "array", "items": { "type": "array", "items": { "type": "integer" } } },
+                "frames": { "type": "array", "items": { "type": "array", "items": integer } },
                 "predicate": { "type": "string" },
             },
         } } },
@@ -53,83 +51,90 @@ pub(crate) fn schema() -> Value {
 }
 
 impl Proposal {
-    /// Reads one item of an answer.
-    ///
-    /// # Errors
-    /// All that is wrong with it.
-    pub fn read(item: &Value) -> Result<Self, Vec<Reason>> {
-        let mut reasons = Vec::new();
-        let mut keep = |reason: Reason| reasons.push(reason);
-        let category = category(&item["category"]).map_err(&mut keep);
-        let text = sentence(&item["text"]).map_err(&mut keep);
-        let referents = numbers(&item["referents"]).map_err(&mut keep);
-        let temporal = temporal(&item["temporal"]).map_err(&mut keep);
-        let frames = match temporal {
-            Ok(Temporal::While) => intervals(&item["frames"]).map_err(&mut keep),
-            _ => Ok(Vec::new()),
-        };
-        let (predicate, unreadable_predicate) = predicate(&item["predicate"]);
-        match (category, text, referents, temporal, frames) {
-            (Ok(category), Ok(text), Ok(referents), Ok(temporal), Ok(frames)) => {
-                Ok(Self { category, text, referents, temporal, frames, predicate, unreadable_predicate })
+    /// Reads one item of an answer; the error is all that is wrong with it.
+    pub(super) fn read(item: &Value) -> Result<Self, Vec<Reason>> {
+        let reasons = &mut Vec::new();
+        let four = "attribute, action, spatial or interaction";
+        let category = field(item, "category", four, reasons, plain).and_then(|text| {
+            let found = Category::ALL.into_iter().find(|category| category.as_str() == text);
+            if found.is_none() {
+                let message = format!("`{}` is no category", excerpt(&text));
+                reasons.push(Reason::new("L4D562", "category", message, format!("wanted: {four}")));
             }
-            _ => Err(reasons),
+            found
+        });
+        let line = "a sentence without control characters or direction marks";
+        let text = field(item, "text", line, reasons, sentence);
+        let numbered = "a list of numbers that are on the pictures";
+        let referents = field(item, "referents", numbered, reasons, numbers);
+        let temporal =
+            field(item, "temporal", "whole or while", reasons, |value| match plain(value)?.as_str() {
+                "whole" => Some(Temporal::Whole),
+                "while" => Some(Temporal::While),
+                _ => None,
+            });
+        let frames = match temporal {
+            Some(Temporal::While) => {
+                field(item, "frames", "[[first, last], ...], ascending", reasons, intervals)
+            }
+            _ => Some(Vec::new()),
+        };
+        let predicate = predicate(&item["predicate"]);
+        match (category, text, referents, temporal, frames) {
+            (Some(category), Some(text), Some(referents), Some(temporal), Some(frames)) => {
+                Ok(Self { category, text, referents, temporal, frames, predicate })
+            }
+            _ => Err(std::mem::take(reasons)),
         }
     }
 }
 
-fn malformed(field: &str, value: &Value, wanted: &str) -> Reason {
-    let found = match value {
-        Value::Null => "is missing".to_owned(),
-        value => {
-            format!("is {}", crate::listing::excerpt(&value.to_string()).chars().take(80).collect::<String>())
-        }
-    };
-    Reason::new(MALFORMED, field, found, format!("wanted: {wanted}"))
+/// A field that can be read, or the reason that it cannot.
+fn field<T>(
+    item: &Value,
+    name: &str,
+    wanted: &str,
+    reasons: &mut Vec<Reason>,
+    read: impl FnOnce(&Value) -> Option<T>,
+) -> Option<T> {
+    let value = &item[name];
+    let found = read(value);
+    if found.is_none() {
+        let message = match value {
+            Value::Null => "is missing".to_owned(),
+            value => format!("is {:.80}", excerpt(&value.to_string())),
+        };
+        reasons.push(Reason::new("L4D561", name, message, format!("wanted: {wanted}")));
+    }
+    found
 }
 
-fn category(value: &Value) -> Result<Category, Reason> {
-    let wanted = "attribute, action, spatial or interaction";
-    let Some(text) = value.as_str() else { return Err(malformed("category", value, wanted)) };
-    let text = text.trim().to_lowercase();
-    let found = Category::ALL.into_iter().find(|category| category.as_str() == text);
-    found.ok_or_else(|| {
-        let message = format!("`{}` is no category", crate::listing::excerpt(&text));
-        Reason::new("L4D562", "category", message, format!("wanted: {wanted}"))
-    })
+fn plain(value: &Value) -> Option<String> {
+    Some(value.as_str()?.trim().to_lowercase())
 }
 
-fn sentence(value: &Value) -> Result<String, Reason> {
-    let Some(text) = value.as_str() else { return Err(malformed("text", value, "a sentence")) };
-    let quotes = ['"', '\'', '“', '”', '‘', '’'];
-    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let text = text.trim_matches(quotes).trim();
+fn sentence(value: &Value) -> Option<String> {
+    let text = value.as_str()?.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = text.trim_matches(['"', '\'', '“', '”', '‘', '’']).trim();
     let text = text.strip_suffix('.').filter(|rest| !rest.ends_with('.')).unwrap_or(text);
-    if text.chars().any(is_hidden) {
-        let message = "has control characters or direction marks in it";
-        return Err(Reason::new(MALFORMED, "text", message, "wanted: a plain sentence"));
-    }
-    Ok(text.to_owned())
+    (!text.chars().any(is_hidden)).then(|| text.to_owned())
 }
 
-fn numbers(value: &Value) -> Result<Vec<u32>, Reason> {
-    let wanted = "a list of numbers that are on the pictures";
+/// Numbers, each once; a single one needs no list.
+fn numbers(value: &Value) -> Option<Vec<u32>> {
     let items = match value {
-        Value::Array(items) => items.as_slice(),
+        Value::Array(items) if items.len() <= MOST_NUMBERS => items.as_slice(),
         Value::Number(_) | Value::String(_) => std::slice::from_ref(value),
-        _ => return Err(malformed("referents", value, wanted)),
+        _ => return None,
     };
-    if items.len() > MOST_NUMBERS {
-        return Err(malformed("referents", value, wanted));
-    }
     let mut numbers: Vec<u32> = Vec::new();
     for item in items {
-        let number = whole_number(item).ok_or_else(|| malformed("referents", value, wanted))?;
+        let number = whole_number(item)?;
         if !numbers.contains(&number) {
             numbers.push(number);
         }
     }
-    Ok(numbers)
+    Some(numbers)
 }
 
 /// A number, also as text, with `#` before it, or with a point and zeros behind it.
@@ -143,49 +148,34 @@ fn whole_number(value: &Value) -> Option<u32> {
     fits.then_some(number as u32)
 }
 
-fn temporal(value: &Value) -> Result<Temporal, Reason> {
-    match value.as_str().map(|text| text.trim().to_lowercase()).as_deref() {
-        Some("whole") => Ok(Temporal::Whole),
-        Some("while") => Ok(Temporal::While),
-        _ => Err(malformed("temporal", value, "whole or while")),
-    }
-}
-
-/// Ascending intervals that do not overlap; a single `[first, last]` will do.
-fn intervals(value: &Value) -> Result<Vec<Interval>, Reason> {
-    let wanted = "[[first, last], ...], ascending";
-    let refuse = || malformed("frames", value, wanted);
-    let Value::Array(items) = value else { return Err(refuse()) };
-    if items.len() > MOST_NUMBERS {
-        return Err(refuse());
-    }
+/// Intervals that do not overlap, sorted; a single `[first, last]` will do.
+fn intervals(value: &Value) -> Option<Vec<Interval>> {
+    let items = value.as_array().filter(|items| (1..=MOST_NUMBERS).contains(&items.len()))?;
     let pair = |pair: &[Value]| match pair {
         [first, last] => Interval::new(whole_number(first)?, whole_number(last)?).ok(),
         _ => None,
     };
-    let is_single = items.iter().all(|item| !item.is_array());
-    let found: Option<Vec<Interval>> = if is_single {
-        pair(items).map(|interval| vec![interval])
-    } else {
-        items.iter().map(|item| item.as_array().and_then(|item| pair(item))).collect()
+    let mut found: Vec<Interval> = match items.iter().all(|item| !item.is_array()) {
+        true => vec![pair(items)?],
+        false => items.iter().map(|item| pair(item.as_array()?)).collect::<Option<_>>()?,
     };
-    let mut found = found.ok_or_else(refuse)?;
     found.sort_unstable();
-    let is_ascending = found.windows(2).all(|pair| pair[0].last() < pair[1].first());
-    if is_ascending && !found.is_empty() { Ok(found) } else { Err(refuse()) }
+    found.windows(2).all(|pair| pair[0].last() < pair[1].first()).then_some(found)
 }
 
-/// The predicate as JSON, written as such or inside a string; what is no JSON comes back as it is.
-fn predicate(value: &Value) -> (Option<Value>, Option<String>) {
+/// The predicate as JSON, written as such or inside a string.
+fn predicate(value: &Value) -> Option<Result<Value, String>> {
+    let unreadable = |text: &str| Some(Err(text.chars().take(2000).collect()));
     match value {
-        Value::Array(clauses) if !clauses.is_empty() => (Some(value.clone()), None),
-        Value::String(text) if matches!(text.trim(), "" | "null" | "none" | "[]") => (None, None),
+        Value::Null => None,
+        Value::Array(clauses) if clauses.is_empty() => None,
+        Value::Array(_) => Some(Ok(value.clone())),
+        Value::String(text) if matches!(text.trim(), "" | "null" | "none" | "[]") => None,
         Value::String(text) => match serde_json::from_str::<Value>(text) {
-            Ok(inner @ Value::Array(_)) => (Some(inner), None),
-            _ => (None, Some(text.chars().take(2000).collect())),
+            Ok(inner @ Value::Array(_)) => Some(Ok(inner)),
+            _ => unreadable(text),
         },
-        Value::Null | Value::Array(_) => (None, None),
-        other => (None, Some(other.to_string().chars().take(2000).collect())),
+        other => unreadable(&other.to_string()),
     }
 }
 
@@ -193,29 +183,19 @@ fn predicate(value: &Value) -> (Option<Value>, Option<String>) {
 mod tests {
     use super::*;
 
-    fn item() -> Value {
-        json!({
+    fn with(field: &str, value: Value) -> Result<Proposal, Vec<Reason>> {
+        let mut item = json!({
             "category": "action", "text": "The cat that jumps", "referents": [2], "temporal": "whole",
             "frames": [], "predicate": r#"[{"category":"cat"},{"does":{"verb":"jump"}}]"#,
-        })
-    }
-
-    fn with(field: &str, value: Value) -> Value {
-        let mut item = item();
+        });
         item[field] = value;
-        item
-    }
-
-    fn reasons(field: &str, value: Value) -> Vec<(&'static str, String)> {
-        let reasons = Proposal::read(&with(field, value)).unwrap_err();
-        reasons.into_iter().map(|reason| (reason.code, reason.field)).collect()
+        Proposal::read(&item)
     }
 
     #[test]
     fn small_slips_are_forgiven() {
-        let plain = Proposal::read(&item()).unwrap();
-        assert_eq!(plain.text, "The cat that jumps");
-        assert_eq!(plain.predicate.as_ref().unwrap()[1]["does"]["verb"], "jump");
+        let plain = with("referents", json!([2])).unwrap();
+        assert_eq!(plain.predicate.as_ref().unwrap().as_ref().unwrap()[1]["does"]["verb"], "jump");
         for (field, value) in [
             ("category", json!(" Action ")),
             ("text", json!(" \"The cat  that\njumps.\" ")),
@@ -227,17 +207,20 @@ mod tests {
             ("frames", json!("all of them")),
             ("predicate", json!([{"category": "cat"}, {"does": {"verb": "jump"}}])),
         ] {
-            assert_eq!(Proposal::read(&with(field, value.clone())).unwrap(), plain, "{field} {value}");
+            assert_eq!(with(field, value.clone()).unwrap(), plain, "{field} {value}");
         }
+        for missing in [json!(""), json!(null), json!("null"), json!([])] {
+            assert_eq!(with("predicate", missing).unwrap().predicate, None);
+        }
+        let broken = with("predicate", json!("cat(x) and jump(x)")).unwrap();
+        assert_eq!(broken.predicate, Some(Err("cat(x) and jump(x)".to_owned())));
     }
 
     #[test]
     fn gated_frames_are_intervals() {
         let frames = |frames: Value| {
-            let mut item = with("temporal", json!("while"));
-            item["frames"] = frames;
-            let read = Proposal::read(&item).ok()?;
-            Some(read.frames.into_iter().map(<[u32; 2]>::from).collect::<Vec<_>>())
+            let found = intervals(&frames)?;
+            Some(found.into_iter().map(<[u32; 2]>::from).collect::<Vec<_>>())
         };
         assert_eq!(frames(json!([[10, 30]])), Some(vec![[10, 30]]));
         assert_eq!(frames(json!([10, 30.0])), Some(vec![[10, 30]]));
@@ -258,26 +241,20 @@ mod tests {
 
     #[test]
     fn what_cannot_be_read_is_named() {
-        assert_eq!(reasons("category", json!("colour")), [("L4D562", "category".into())]);
-        assert_eq!(reasons("category", json!(3)), [("L4D561", "category".into())]);
-        assert_eq!(reasons("text", json!(["The cat"])), [("L4D561", "text".into())]);
-        assert_eq!(reasons("text", json!("The \u{1b}[31mcat")), [("L4D561", "text".into())]);
-        assert_eq!(reasons("referents", json!(["the cat"])), [("L4D561", "referents".into())]);
-        assert_eq!(reasons("referents", json!([1e300])), [("L4D561", "referents".into())]);
-        assert_eq!(reasons("referents", json!(vec![1; 65])), [("L4D561", "referents".into())]);
-        assert_eq!(reasons("temporal", json!("sometimes")), [("L4D561", "temporal".into())]);
-        let nothing = Proposal::read(&json!("a string")).unwrap_err();
-        assert_eq!(nothing.len(), 4, "{nothing:?}");
-    }
-
-    #[test]
-    fn a_predicate_may_be_missing_or_broken() {
-        for missing in [json!(""), json!(null), json!("null"), json!([])] {
-            let read = Proposal::read(&with("predicate", missing)).unwrap();
-            assert_eq!((read.predicate, read.unreadable_predicate), (None, None));
+        for (code, field, value) in [
+            ("L4D562", "category", json!("colour")),
+            ("L4D561", "category", json!(3)),
+            ("L4D561", "text", json!(["The cat"])),
+            ("L4D561", "text", json!("The \u{1b}[31mcat")),
+            ("L4D561", "referents", json!(["the cat"])),
+            ("L4D561", "referents", json!([1e300])),
+            ("L4D561", "referents", json!(vec![1; 65])),
+            ("L4D561", "temporal", json!("sometimes")),
+        ] {
+            let reasons = with(field, value.clone()).unwrap_err();
+            assert_eq!((reasons[0].code, reasons[0].field.as_str()), (code, field), "{value}");
+            assert_eq!(reasons.len(), 1);
         }
-        let broken = Proposal::read(&with("predicate", json!("cat(x) and jump(x)"))).unwrap();
-        assert_eq!(broken.predicate, None);
-        assert_eq!(broken.unreadable_predicate.unwrap(), "cat(x) and jump(x)");
+        assert_eq!(Proposal::read(&json!("a string")).unwrap_err().len(), 4);
     }
 }

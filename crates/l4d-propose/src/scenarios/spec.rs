@@ -8,140 +8,128 @@ use l4d_data::{Category, DataError, Interval, Scale, Temporal, json};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
-use crate::listing::excerpt;
-use crate::reason::Reason;
+use crate::answer::Reason;
+use crate::quote::excerpt;
 
 /// Schema tag of a scenario file.
-pub const SCHEMA: &str = "l4d/scenario/1";
+pub(super) const SCHEMA: &str = "l4d/scenario/1";
 
 /// A scenario as a model proposes it; what it leaves out or adds is no matter of form.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Draft {
+pub(super) struct Draft {
     /// `<scale>_<what>`.
-    pub name: String,
-    /// Spatial scale.
-    pub scale: Scale,
-    /// Where it is.
-    pub environment: Environment,
+    pub(super) name: String,
+    pub(super) scale: Scale,
+    pub(super) environment: Environment,
     /// What happens, in a sentence or two.
-    pub story: String,
+    pub(super) story: String,
     /// What queries may refer to, by category.
-    pub groups: Vec<Group>,
+    pub(super) groups: Vec<Group>,
     /// What relations may name.
     #[serde(default)]
-    pub landmarks: Vec<Landmark>,
+    pub(super) landmarks: Vec<Landmark>,
     /// What happens, in canonical frames.
-    pub events: Vec<DraftEvent>,
+    pub(super) events: Vec<DraftEvent>,
     /// What could be asked.
-    pub queries: Vec<Sketch>,
+    pub(super) queries: Vec<Sketch>,
 }
 
 /// The place that a scene is in.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Environment {
-    /// What kind of place.
-    pub place: String,
+pub(super) struct Environment {
+    pub(super) place: String,
     /// Where the light comes from.
-    pub light: String,
+    pub(super) light: String,
     /// What things rest on.
-    pub ground: String,
+    pub(super) ground: String,
 }
 
 /// Objects of one category.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Group {
-    /// Common noun.
-    pub category: String,
-    /// Two to five of them.
-    pub members: Vec<Member>,
+pub(super) struct Group {
+    pub(super) category: String,
+    pub(super) members: Vec<Member>,
 }
 
 /// One object.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Member {
+pub(super) struct Member {
     /// Category and role.
-    pub name: String,
+    pub(super) name: String,
     /// What it looks like: feature -> value.
     #[serde(deserialize_with = "features")]
-    pub features: BTreeMap<String, String>,
+    pub(super) features: BTreeMap<String, String>,
 }
 
 /// A thing that relations may name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Landmark {
-    /// Unique in the scene.
-    pub name: String,
-    /// Common noun.
-    pub category: String,
+pub(super) struct Landmark {
+    pub(super) name: String,
+    pub(super) category: String,
 }
 
 /// Something that happens.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DraftEvent {
-    /// Who acts.
-    pub subject: String,
-    /// Base form.
-    pub verb: String,
+pub(super) struct DraftEvent {
+    pub(super) subject: String,
+    pub(super) verb: String,
     /// To whom; null for actions.
     #[serde(default, deserialize_with = "something")]
-    pub object: Option<String>,
-    /// When.
-    pub frames: Interval,
+    pub(super) object: Option<String>,
+    pub(super) frames: Interval,
     /// How often it repeats in a second; 0 for what happens once.
     #[serde(default)]
-    pub loop_hz: f64,
+    pub(super) loop_hz: f64,
 }
 
 /// A query in outline.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Sketch {
+pub(super) struct Sketch {
     /// What tells the referent from its look-alikes.
-    pub category: Category,
-    /// The sentence.
-    pub text: String,
+    pub(super) category: Category,
+    pub(super) text: String,
     /// The object meant.
-    pub referent: String,
+    pub(super) referent: String,
     /// How the sentence binds time.
-    pub temporal: Temporal,
+    pub(super) temporal: Temporal,
 }
 
 /// A scenario file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Scenario {
-    /// [`SCHEMA`].
-    pub schema: &'static str,
-    /// The scenario.
+pub(super) struct Scenario {
+    pub(super) schema: &'static str,
     #[serde(flatten)]
-    pub draft: Draft,
-    /// Who proposed it.
-    pub provenance: Provenance,
+    pub(super) draft: Draft,
+    pub(super) provenance: Provenance,
 }
 
 impl Draft {
-    /// Reads one item of an answer.
-    ///
-    /// # Errors
-    /// The first field of another form.
-    pub fn read(item: &Value) -> Result<Self, Reason> {
+    /// Reads one item of an answer; the error is the first field of another form.
+    pub(super) fn read(item: &Value) -> Result<Self, Reason> {
         let bytes = item.to_string().into_bytes();
         json::parse(Path::new("answer"), None, &bytes).map_err(|error| {
             let (field, message) = match error {
                 DataError::Format { location, message, .. } => (location, message),
                 other => (String::new(), other.to_string()),
             };
-            let field = field.trim_start_matches("field ").trim_matches('`').to_owned();
-            Reason::new(
-                "L4D571",
-                field,
-                excerpt(&message),
-                "see docs/proposing.md for the form of a scenario",
-            )
+            let field = field.trim_start_matches("field ").trim_matches('`');
+            let hint = "see docs/proposing.md for the form of a scenario";
+            Reason::new("L4D571", field, excerpt(&message), hint)
         })
     }
 
     /// Every object with its category.
-    pub fn objects(&self) -> impl Iterator<Item = (&Group, &Member)> {
+    pub(super) fn objects(&self) -> impl Iterator<Item = (&Group, &Member)> {
         self.groups.iter().flat_map(|group| group.members.iter().map(move |member| (group, member)))
+    }
+}
+
+impl DraftEvent {
+    /// The event in a message.
+    pub(super) fn place(&self) -> String {
+        let Self { subject, verb, object, .. } = self;
+        let object = object.as_ref().map_or_else(String::new, |object| format!(" {object}"));
+        excerpt(&format!("event {subject} {verb}{object}"))
     }
 }
 
@@ -200,7 +188,7 @@ pub(super) fn schema() -> Value {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// The example of the instructions: a spec in which nothing is wrong.
@@ -211,53 +199,38 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn both_forms_of_features_and_of_nobody_are_read() {
+    fn both_forms_of_features_and_of_nobody_are_read_and_a_file_is_read_again() {
         let draft = Draft::read(&bakery()).unwrap();
         assert_eq!(draft.groups[0].members[0].features["crust"], "dark");
-        assert_eq!(
-            (draft.events[2].object.as_deref(), draft.events[0].object.as_deref()),
-            (None, Some("loaf_carried"))
-        );
+        assert_eq!(draft.events[0].object.as_deref(), Some("loaf_carried"));
+        assert_eq!(draft.events[2].object, None);
         let mut other = bakery();
         other["groups"][0]["members"][0]["features"] = json!({ "crust": "dark", "shape": "round" });
         other["events"][2]["object"] = Value::Null;
         other["events"][2].as_object_mut().unwrap().remove("loop_hz");
         other["remark"] = json!("I like bread");
         assert_eq!(Draft::read(&other).unwrap(), draft);
+        let provenance = Provenance { source: "model".to_owned(), note: "tiny".to_owned() };
+        let file = Scenario { schema: SCHEMA, draft: draft.clone(), provenance };
+        assert_eq!(Draft::read(&serde_json::to_value(file).unwrap()).unwrap(), draft);
     }
 
     #[test]
     fn what_has_another_form_is_named_by_its_field() {
-        let cases = [
+        for (pointer, value, field) in [
             ("/scale", json!("galaxy"), "scale"),
             ("/events/0/frames", json!([30, 8]), "events[0].frames"),
             ("/events/0/frames", json!([8]), "events[0].frames"),
             ("/events/1/loop_hz", json!("fast"), "events[1].loop_hz"),
             ("/queries/0/category", json!("colour"), "queries[0].category"),
             ("/groups/0/members", json!("three loaves"), "groups[0].members"),
-        ];
-        for (pointer, value, field) in cases {
+        ] {
             let mut item = bakery();
             *item.pointer_mut(pointer).unwrap() = value;
             let reason = Draft::read(&item).unwrap_err();
-            assert_eq!(
-                (reason.code, reason.field.as_str()),
-                ("L4D571", field),
-                "{pointer}: {}",
-                reason.message
-            );
+            assert_eq!((reason.code, reason.field.as_str()), ("L4D571", field), "{}", reason.message);
         }
         assert_eq!(Draft::read(&json!([1])).unwrap_err().code, "L4D571");
-    }
-
-    #[test]
-    fn a_file_can_be_read_again() {
-        let draft = Draft::read(&bakery()).unwrap();
-        let provenance = Provenance { source: "model".to_owned(), note: "tiny".to_owned() };
-        let file =
-            serde_json::to_value(Scenario { schema: SCHEMA, draft: draft.clone(), provenance }).unwrap();
-        assert_eq!((&file["schema"], &file["name"]), (&json!(SCHEMA), &json!("room_bakery")));
-        assert_eq!(Draft::read(&file).unwrap(), draft);
     }
 
     #[test]

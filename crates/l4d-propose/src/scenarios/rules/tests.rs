@@ -1,4 +1,4 @@
-use l4d_data::Name;
+use l4d_data::Benchmark;
 use serde_json::{Value, json};
 
 use super::*;
@@ -40,7 +40,7 @@ fn the_example_of_the_instructions_keeps_every_rule() {
 
 #[test]
 fn names_explain_themselves() {
-    for name in [
+    let scenes = [
         "room_gym",
         "bakery",
         "tabletop_bakery",
@@ -48,14 +48,11 @@ fn names_explain_themselves() {
         "room_bakery_2",
         "../room_bakery",
         "room_scene",
-    ] {
-        assert_eq!(with(&[("/name", json!(name))]), ["L4D572"], "{name}");
-    }
-    for name in ["loaf", "loaf_a", "loaf_1", "object_left_alone", "loaf carried", "a/../b"] {
-        let renamed = with(&[("/groups/0/members/1/name", json!(name))]);
-        assert_eq!(renamed, ["L4D572"], "{name}");
-    }
-    assert_eq!(with(&[("/landmarks/0/name", json!("loaf_rolling"))]), ["L4D572"], "twice");
+    ];
+    each_breaks("L4D572", &scenes.map(|name| ("/name", json!(name))));
+    let things = ["loaf", "loaf_a", "loaf_1", "object_left_alone", "loaf carried", "a/../b"];
+    each_breaks("L4D572", &things.map(|name| ("/groups/0/members/1/name", json!(name))));
+    each_breaks("L4D572", &[("/landmarks/0/name", json!("loaf_rolling"))]);
 }
 
 #[test]
@@ -105,31 +102,32 @@ fn features_that_go_together_do_not_cross() {
     );
 }
 
+/// Asserts that each change alone breaks one rule of this code.
+fn each_breaks(code: &str, cases: &[(&str, Value)]) {
+    for (pointer, value) in cases {
+        assert_eq!(with(&[(pointer, value.clone())]), [code], "{pointer} {value}");
+    }
+}
+
 #[test]
 fn events_are_possible() {
-    let cases = [
-        ("/events/0/verb", json!("teleport")),
-        ("/events/0/subject", json!("nobody")),
-        ("/events/0/object", json!("loaf_of_yesterday")),
-        ("/events/0/object", json!("baker_hand")),
-        ("/events/2/frames", json!([40, 51])),
-        ("/events/2/frames", json!([80, 97])),
-        ("/events/2/loop_hz", json!(3.5)),
-        ("/events/2/loop_hz", json!(-1)),
-    ];
-    for (pointer, value) in cases {
-        assert_eq!(with(&[(pointer, value.clone())]), ["L4D574"], "{pointer} {value}");
-    }
-    assert_eq!(
-        with(&[("/events/2/loop_hz", json!(3.0)), ("/events/2/frames", json!([40, 52]))]),
-        Vec::<&str>::new()
+    each_breaks(
+        "L4D574",
+        &[
+            ("/events/0/verb", json!("teleport")),
+            ("/events/0/subject", json!("nobody")),
+            ("/events/0/object", json!("loaf_of_yesterday")),
+            ("/events/0/object", json!("baker_hand")),
+            ("/events/2/frames", json!([40, 51])),
+            ("/events/2/frames", json!([80, 97])),
+            ("/events/2/loop_hz", json!(3.5)),
+            ("/events/2/loop_hz", json!(-1)),
+        ],
     );
-    let whole = json!([0, 96]);
-    assert_eq!(
-        with(&[("/events/0/frames", whole.clone()), ("/events/2/frames", whole)]),
-        ["L4D574"],
-        "no time"
-    );
+    let least = [("/events/2/loop_hz", json!(3.0)), ("/events/2/frames", json!([40, 52]))];
+    assert_eq!(with(&least), Vec::<&str>::new());
+    let whole = [("/events/0/frames", json!([0, 96])), ("/events/2/frames", json!([0, 96]))];
+    assert_eq!(with(&whole), ["L4D574"], "no time");
     let mut twice = bakery();
     let event = twice["events"][2].clone();
     twice["events"].as_array_mut().unwrap().push(event);
@@ -142,17 +140,17 @@ fn events_are_possible() {
 
 #[test]
 fn sketches_are_worth_asking() {
-    let cases = [
-        ("/queries/0/category", json!("spatial")),
-        ("/queries/0/referent", json!("shelf")),
-        ("/queries/0/text", json!("Loaf")),
-        ("/queries/0/text", json!("The loaf to the left of the shelf")),
-        ("/queries/0/text", json!("The loaf that rolls")),
-        ("/queries/3/text", json!("The loaf that a hand carries")),
-    ];
-    for (pointer, value) in cases {
-        assert_eq!(with(&[(pointer, value.clone())]), ["L4D575"], "{pointer} {value}");
-    }
+    each_breaks(
+        "L4D575",
+        &[
+            ("/queries/0/category", json!("spatial")),
+            ("/queries/0/referent", json!("shelf")),
+            ("/queries/0/text", json!("Loaf")),
+            ("/queries/0/text", json!("The loaf to the left of the shelf")),
+            ("/queries/0/text", json!("The loaf that rolls")),
+            ("/queries/3/text", json!("The loaf that a hand carries")),
+        ],
+    );
     let only_hands =
         with(&[("/events/2/subject", json!("baker_hand")), ("/events/2/object", json!("shelf"))]);
     assert_eq!(only_hands, ["L4D575"], "an action, but no loaf acts");
@@ -160,9 +158,11 @@ fn sketches_are_worth_asking() {
 
 #[test]
 fn texts_are_bounded() {
-    assert_eq!(with(&[("/story", json!(""))]), ["L4D571"]);
-    assert_eq!(with(&[("/story", json!("y".repeat(601)))]), ["L4D571"]);
-    assert_eq!(with(&[("/environment/light", json!("sun\u{1b}[2J"))]), ["L4D571"]);
+    let long = json!("y".repeat(601));
+    each_breaks(
+        "L4D571",
+        &[("/story", json!("")), ("/story", long), ("/environment/light", json!("sun\u{1b}[2J"))],
+    );
 }
 
 #[test]
@@ -172,5 +172,4 @@ fn the_benchmark_lends_its_names_and_verbs() {
     assert!(known.scenes.contains("room_living_cats"));
     assert!(known.verbs.contains("hold"), "of the lexicon");
     assert!(known.verbs.contains("wave"), "of a scene");
-    assert!(known.scenes.iter().all(|scene| Name::new(scene.as_str()).is_ok()));
 }
