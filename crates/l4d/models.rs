@@ -57,7 +57,7 @@ pub(crate) fn manner(args: &AskArgs) -> AskOptions {
 
 /// Whom it was about, without anything secret.
 pub(crate) fn about(endpoint: &Endpoint) -> serde_json::Value {
-    json!({ "model": endpoint.model, "base_url": endpoint.base_url.as_str() })
+    json!({ "model": endpoint.model, "base_url": endpoint.base_url })
 }
 
 /// What was spent, in one line of talk.

@@ -12,8 +12,7 @@ use crate::client::Client;
 use crate::config::Endpoint;
 use crate::coordinates::{BoxPx, Convention, WrittenBox, written_boxes};
 use crate::error::{EndpointError, excerpt};
-use crate::message::{Image, Message, Part};
-use crate::request::Request;
+use crate::request::{Image, Message, Part, Request};
 
 /// Below this mean overlap a convention does not fit.
 const LEAST_IOU: f64 = 0.5;
@@ -77,6 +76,7 @@ pub fn calibrate(client: &Client, samples: &[Sample], max_tokens: u32) -> Result
     let mut keys: Vec<&str> = Convention::all().iter().map(|convention| convention.key.as_str()).collect();
     keys.sort_unstable();
     keys.dedup();
+    let squares = samples.iter().map(|sample| sample.squares.len()).sum::<usize>();
     let mut failures = Vec::new();
     let mut best: BTreeMap<&str, Score> = BTreeMap::new();
     for key in keys {
@@ -88,7 +88,6 @@ pub fn calibrate(client: &Client, samples: &[Sample], max_tokens: u32) -> Result
                 Err(error) => failures.push(format!("asked for `{key}`: {error}")),
             }
         }
-        let asked: usize = samples.iter().map(|sample| sample.squares.len()).sum();
         for convention in Convention::all() {
             let overlap: f64 = written.iter().map(|(sample, boxes)| overlap(convention, sample, boxes)).sum();
             // An empty sum of floats is -0.
@@ -96,7 +95,7 @@ pub fn calibrate(client: &Client, samples: &[Sample], max_tokens: u32) -> Result
             let score = Score {
                 convention: convention.name.clone(),
                 key: key.to_owned(),
-                mean_iou: if asked == 0 { 0.0 } else { overlap / asked as f64 },
+                mean_iou: overlap / squares.max(1) as f64,
             };
             let best = best.entry(&convention.name).or_insert_with(|| score.clone());
             // At a tie the field name of the convention itself is the better one.
@@ -106,7 +105,6 @@ pub fn calibrate(client: &Client, samples: &[Sample], max_tokens: u32) -> Result
             }
         }
     }
-    let squares = samples.iter().map(|sample| sample.squares.len()).sum();
     // In the order of the table first, so that ties fall the same way each time.
     let mut scores: Vec<Score> =
         Convention::all().iter().filter_map(|convention| best.remove(convention.name.as_str())).collect();
@@ -142,16 +140,13 @@ fn overlap(convention: &Convention, sample: &Sample, boxes: &[WrittenBox]) -> f6
 /// What is remembered of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Remembered {
-    /// Root of the server's protocol.
-    pub base_url: String,
-    /// The model.
-    pub model: String,
-    /// The convention that fits.
+struct Remembered {
+    base_url: String,
+    model: String,
     #[serde(flatten)]
-    pub winner: Score,
-    /// Width and height of the pictures that were shown, pixels: send others of this size.
-    pub size: (u32, u32),
+    winner: Score,
+    /// Width and height of the pictures that were shown, pixels: others of this size are to be sent.
+    size: (u32, u32),
 }
 
 /// The file of all calibrations: endpoint id -> what is remembered.
@@ -175,23 +170,12 @@ impl Calibrations {
         json::write(path, self)
     }
 
-    /// What is remembered about this endpoint and model.
-    pub fn of(&self, endpoint: &Endpoint) -> Option<&Remembered> {
-        self.0.get(&endpoint.id())
-    }
-
     /// Remembers a winner, or forgets the last one if none fits any more.
     pub fn note(&mut self, endpoint: &Endpoint, winner: Option<&Score>, size: (u32, u32)) {
-        match winner {
-            None => {
-                self.0.remove(&endpoint.id());
-            }
-            Some(winner) => {
-                let base_url = endpoint.base_url.to_string();
-                let remembered =
-                    Remembered { base_url, model: endpoint.model.clone(), winner: winner.clone(), size };
-                self.0.insert(endpoint.id(), remembered);
-            }
+        self.0.remove(&endpoint.id());
+        if let Some(winner) = winner.cloned() {
+            let (base_url, model) = (endpoint.base_url.to_string(), endpoint.model.clone());
+            self.0.insert(endpoint.id(), Remembered { base_url, model, winner, size });
         }
     }
 }
@@ -202,10 +186,8 @@ impl Endpoint {
     /// # Errors
     /// If neither is known.
     pub fn convention(&self, calibrations: &Calibrations) -> Result<&'static Convention, EndpointError> {
-        let name = self.coordinates.as_deref();
-        let name =
-            name.or_else(|| calibrations.of(self).map(|remembered| remembered.winner.convention.as_str()));
-        match name {
+        let remembered = || Some(calibrations.0.get(&self.id())?.winner.convention.as_str());
+        match self.coordinates.as_deref().or_else(remembered) {
             Some(name) => Convention::named(name),
             None => Err(EndpointError::not_asked(
                 "coordinates",

@@ -6,13 +6,13 @@ use std::path::Path;
 use crate::budget::{Budget, Ledger, Plan, Spent, estimate};
 use crate::config::Endpoint;
 use crate::error::EndpointError;
-use crate::exchange::{Call, Exchanges, Response};
+use crate::exchange::{Call, Exchanges, Link, Response};
+use crate::http::Http;
 use crate::openai;
 use crate::reply::{Origin, Reply};
 use crate::request::Request;
 use crate::retry::with_retries;
 use crate::secret::Environment;
-use crate::transport::{Link, Transport};
 
 /// How the cache takes part.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -24,12 +24,23 @@ pub enum CacheUse {
     Refresh,
 }
 
+/// Where answers come from, and where they go.
+#[derive(Debug)]
+enum Source {
+    Server(Http),
+    /// What answers of it are kept in this folder.
+    Cached(Http, Exchanges, CacheUse),
+    /// Everything that it says is kept in this folder.
+    Recorded(Http, Exchanges),
+    /// This folder, and no network at all.
+    Recording(Exchanges),
+}
+
 /// A way to ask one model. Threads share it by reference.
 #[derive(Debug)]
 pub struct Client {
     endpoint: Endpoint,
-    transport: Transport,
-    cache: Option<(Exchanges, CacheUse)>,
+    source: Source,
     ledger: Ledger,
 }
 
@@ -52,20 +63,24 @@ impl Client {
         environment: Environment<'_>,
     ) -> Result<Self, EndpointError> {
         endpoint.check("endpoint")?;
-        Ok(Self {
-            transport: Transport::open(&endpoint, link, environment)?,
-            ledger: Ledger::new(Budget::default(), endpoint.prices)?,
-            cache: None,
-            endpoint,
-        })
+        let source = match link {
+            Link::Live => Source::Server(Http::open(&endpoint, environment)?),
+            Link::Record(folder) => {
+                let http = Http::open(&endpoint, environment)?;
+                endpoint.record(folder)?;
+                Source::Recorded(http, Exchanges::new(folder))
+            }
+            Link::Replay(folder) => Source::Recording(Exchanges::new(folder)),
+        };
+        Ok(Self { ledger: Ledger::new(Budget::default(), endpoint.prices)?, source, endpoint })
     }
 
     /// Keeps answers in a folder, which several endpoints may share. Recording and replaying do without: a
     /// recording must be whole.
     #[must_use]
     pub fn with_cache(mut self, folder: &Path, cache: CacheUse) -> Self {
-        if matches!(self.transport, Transport::Live(_)) {
-            self.cache = Some((Exchanges::new(folder.join(self.endpoint.id())), cache));
+        if let Source::Server(http) = self.source {
+            self.source = Source::Cached(http, Exchanges::new(folder.join(self.endpoint.id())), cache);
         }
         self
     }
@@ -90,15 +105,17 @@ impl Client {
     /// If the budget does not cover the question, a recording lacks it, or the server gives no answer.
     pub fn ask(&self, request: &Request) -> Result<Reply, EndpointError> {
         let call = openai::chat(&self.endpoint, request);
-        let mut reply = match self.kept(&call) {
+        let kept = match &self.source {
+            Source::Recording(exchanges) => {
+                let reply = openai::read_chat(&call, &exchanges.recorded(&call)?)?;
+                Some(Reply { origin: Origin::Recording, ..reply })
+            }
+            _ => self.kept(&call),
+        };
+        let mut reply = match kept {
             Some(reply) => {
                 self.ledger.book_kept();
                 reply
-            }
-            None if matches!(self.transport, Transport::Replay(_)) => {
-                let (reply, _) = self.send(&call, |response| openai::read_chat(&call, response))?;
-                self.ledger.book_kept();
-                Reply { origin: Origin::Recording, ..reply }
             }
             None => self.fetch(&call, request)?,
         };
@@ -112,7 +129,7 @@ impl Client {
     /// If the server gives no list.
     pub fn models(&self) -> Result<Vec<String>, EndpointError> {
         let call = openai::models(&self.endpoint);
-        self.send(&call, |response| openai::read_models(&call, response)).map(|(models, _)| models)
+        self.send(&call, |response| openai::read_models(&call, response))
     }
 
     /// Forgets a kept answer, so that the question is asked anew.
@@ -120,9 +137,9 @@ impl Client {
     /// # Errors
     /// If the file cannot be deleted.
     pub fn forget(&self, request: &Request) -> Result<(), EndpointError> {
-        match &self.cache {
-            Some((exchanges, _)) => Ok(exchanges.remove(&openai::chat(&self.endpoint, request))?),
-            None => Ok(()),
+        match &self.source {
+            Source::Cached(_, exchanges, _) => Ok(exchanges.remove(&openai::chat(&self.endpoint, request))?),
+            _ => Ok(()),
         }
     }
 
@@ -133,14 +150,15 @@ impl Client {
         for request in requests {
             let call = openai::chat(&self.endpoint, request);
             plan.questions += 1;
-            let is_repeated = self.cache.is_some() && !planned.insert(call.digest.clone());
+            let is_repeated =
+                matches!(self.source, Source::Cached(..)) && !planned.insert(call.digest.clone());
             if is_repeated || self.kept(&call).is_some() {
                 plan.kept += 1;
                 continue;
             }
             plan.images += request.images().count() as u64;
             plan.bytes += call.body.as_ref().map_or(0, Vec::len) as u64;
-            plan.tokens = plan.tokens.plus(estimate(&self.endpoint, request));
+            plan.tokens = plan.tokens.plus(estimate(request));
         }
         plan.cost = self.ledger.cost(plan.tokens);
         plan
@@ -151,27 +169,27 @@ impl Client {
         self.ledger.spent()
     }
 
-    /// Asks the server within budget, and keeps its answer if it is whole: another may come out better next time.
-    /// A full disk costs the cache, not the answer.
+    /// Asks the server within budget.
     fn fetch(&self, call: &Call, request: &Request) -> Result<Reply, EndpointError> {
-        let needed = estimate(&self.endpoint, request);
+        let needed = estimate(request);
         self.ledger.set_aside(needed)?;
-        let result = self.send(call, |response| openai::read_chat(call, response));
-        let (reply, response) = match result {
-            Ok(answer) => answer,
-            Err(error) => {
-                self.ledger.book_failure(needed, &error);
-                return Err(error);
+        let result = self.send(call, |response| {
+            let reply = openai::read_chat(call, response)?;
+            // Only a whole answer is kept: another may come out better next time.
+            if let Source::Cached(_, exchanges, _) = &self.source
+                && reply.whole().is_ok()
+                && let Err(error) = exchanges.write(call, response)
+            {
+                // A full disk costs the cache, not the answer.
+                tracing::warn!("an answer could not be kept: {error}");
             }
-        };
-        self.ledger.book_answer(needed, &reply.usage, &reply.text);
-        if let Some((exchanges, _)) = &self.cache
-            && reply.whole().is_ok()
-            && let Err(error) = exchanges.write(call, &response)
-        {
-            tracing::warn!("an answer could not be kept: {error}");
+            Ok(reply)
+        });
+        match &result {
+            Ok(reply) => self.ledger.book_answer(needed, &reply.usage, &reply.text),
+            Err(error) => self.ledger.book_failure(needed, error),
         }
-        Ok(reply)
+        result
     }
 
     /// Sends until the response can be read, or it fails for good.
@@ -179,22 +197,25 @@ impl Client {
         &self,
         call: &Call,
         read: impl Fn(&Response) -> Result<T, EndpointError>,
-    ) -> Result<(T, Response), EndpointError> {
-        let mut retry = self.endpoint.retry;
-        if matches!(self.transport, Transport::Replay(_)) {
-            retry.tries = 1;
-        }
+    ) -> Result<T, EndpointError> {
+        let (http, recording) = match &self.source {
+            Source::Recording(exchanges) => return read(&exchanges.recorded(call)?),
+            Source::Recorded(http, exchanges) => (http, Some(exchanges)),
+            Source::Server(http) | Source::Cached(http, ..) => (http, None),
+        };
         // The digest as a seed: questions that failed together do not come back together.
         let seed = u64::from_str_radix(&call.digest[..16], 16).unwrap_or(0);
-        with_retries(&retry, &self.endpoint.timeouts, seed, std::thread::sleep, |patience| {
-            let response = self.transport.send(call, patience)?;
-            Ok((read(&response)?, response))
+        let Endpoint { retry, timeouts, .. } = &self.endpoint;
+        with_retries(retry, timeouts, seed, std::thread::sleep, |patience| {
+            let response = http.send(call, patience)?;
+            recording.map_or(Ok(()), |exchanges| exchanges.record(call, &response))?;
+            read(&response)
         })
     }
 
     /// The answer in the cache. What cannot be read there is asked again.
     fn kept(&self, call: &Call) -> Option<Reply> {
-        let (exchanges, CacheUse::Take) = self.cache.as_ref()? else { return None };
+        let Source::Cached(_, exchanges, CacheUse::Take) = &self.source else { return None };
         let response = match exchanges.read(call) {
             Ok(response) => response?,
             Err(error) => {

@@ -1,6 +1,8 @@
 //! An endpoint: where a server runs, which model is meant, and how it is to be asked.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::net::IpAddr;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -8,14 +10,14 @@ use l4d_data::digest::sha256_hex;
 use l4d_data::store::read_bounded;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use ureq::http::HeaderName;
+use ureq::http::{HeaderName, Uri};
 
-use crate::base_url::BaseUrl;
 use crate::budget::Prices;
 use crate::error::EndpointError;
 
 const MAX_CONFIG_BYTES: u64 = 1 << 20;
-/// Fields of a question that an endpoint may leave out.
+/// Fields of a question that l4d sets itself, and those of them that an endpoint may leave out.
+const OWN: [&str; 3] = ["model", "messages", "stream"];
 const OPTIONAL: [&str; 3] = ["temperature", "seed", "response_format"];
 /// Kinds of servers, and what their users should know.
 const SERVERS: [(&str, &str); 9] = [
@@ -35,6 +37,74 @@ const SERVERS: [(&str, &str); 9] = [
     ("transformers", "`transformers serve` ignores the schema"),
     ("dashscope", "base_url https://dashscope-intl.aliyuncs.com/compatible-mode/v1"),
 ];
+
+/// Root of a server's protocol: `http` or `https`, no user or password, no query, no slash at the end. People write
+/// keys into it by mistake, so its errors never quote it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct BaseUrl(Uri, String);
+
+impl BaseUrl {
+    /// Host and port.
+    pub fn authority(&self) -> &str {
+        self.0.authority().map_or("", |authority| authority.as_str())
+    }
+
+    /// Whether the server runs on this machine.
+    pub(crate) fn is_local(&self) -> bool {
+        let host = self.0.host().unwrap_or_default().trim_matches(['[', ']']);
+        host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+    }
+
+    /// Whether a key would cross a network unencrypted.
+    pub(crate) fn exposes_keys(&self) -> bool {
+        self.0.scheme_str() != Some("https") && !self.is_local()
+    }
+}
+
+impl fmt::Display for BaseUrl {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.1)
+    }
+}
+
+impl From<BaseUrl> for String {
+    fn from(url: BaseUrl) -> Self {
+        url.1
+    }
+}
+
+impl FromStr for BaseUrl {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, &'static str> {
+        text.to_owned().try_into()
+    }
+}
+
+impl TryFrom<String> for BaseUrl {
+    type Error = &'static str;
+
+    fn try_from(text: String) -> Result<Self, &'static str> {
+        let text = text.trim().trim_end_matches('/');
+        let uri: Uri = text.parse().map_err(|_why| "is no URL")?;
+        if !matches!(uri.scheme_str(), Some("http" | "https")) {
+            return Err("is neither http nor https");
+        }
+        if uri.authority().is_some_and(|authority| authority.as_str().contains('@')) {
+            return Err(
+                "holds a user name or password: put the key into an environment variable and name that in `api_key_env`",
+            );
+        }
+        if uri.query().is_some() || text.contains('#') {
+            return Err("holds a query or fragment: keys and options do not belong there");
+        }
+        if uri.host().is_none_or(str::is_empty) {
+            return Err("names no host");
+        }
+        Ok(Self(uri, text.to_owned()))
+    }
+}
 
 /// Everything about an endpoint except its key, which is in an environment variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,9 +138,6 @@ pub struct Endpoint {
     /// How often to try.
     #[serde(default)]
     pub retry: Retry,
-    /// How much to take.
-    #[serde(default)]
-    pub limits: Limits,
     /// What tokens cost.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prices: Option<Prices>,
@@ -80,9 +147,7 @@ pub struct Endpoint {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Timeouts {
-    /// For a connection.
-    pub connect_seconds: f64,
-    /// For one try, from the first byte sent to the last byte received.
+    /// For one try, from the connection to the last byte received.
     pub request_seconds: f64,
     /// For an answer, all tries and pauses together.
     pub total_seconds: f64,
@@ -90,12 +155,12 @@ pub struct Timeouts {
 
 impl Default for Timeouts {
     fn default() -> Self {
-        Self { connect_seconds: 10.0, request_seconds: 300.0, total_seconds: 900.0 }
+        Self { request_seconds: 300.0, total_seconds: 900.0 }
     }
 }
 
-/// How often to try, and how long to pause between tries: `first_pause_seconds * 2^n`, at most
-/// `longest_pause_seconds`, and a random part of that once more.
+/// How often to try, and how long to pause between tries: `first_pause_seconds * 2^n`, and a random part of that
+/// once more.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Retry {
@@ -103,29 +168,11 @@ pub struct Retry {
     pub tries: u32,
     /// The first pause.
     pub first_pause_seconds: f64,
-    /// The longest pause.
-    pub longest_pause_seconds: f64,
 }
 
 impl Default for Retry {
     fn default() -> Self {
-        Self { tries: 6, first_pause_seconds: 1.0, longest_pause_seconds: 60.0 }
-    }
-}
-
-/// How much to take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Limits {
-    /// Bytes of one answer.
-    pub response_bytes: u64,
-    /// Pixels that cost one token, for estimates before anything is asked.
-    pub pixels_per_token: u32,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self { response_bytes: 8 << 20, pixels_per_token: 28 * 28 }
+        Self { tries: 6, first_pause_seconds: 1.0 }
     }
 }
 
@@ -134,13 +181,12 @@ impl Endpoint {
     ///
     /// # Errors
     /// If the URL or the name of the model is unsound.
-    pub fn new(base_url: &str, model: impl Into<String>) -> Result<Self, EndpointError> {
-        let base_url = base_url.parse().map_err(|message: &str| {
-            EndpointError::not_asked("base_url", message, "write it like http://localhost:8000/v1")
-        })?;
+    pub fn new(base_url: &str, model: &str) -> Result<Self, EndpointError> {
         let endpoint = Self {
-            base_url,
-            model: model.into(),
+            base_url: base_url.parse().map_err(|message: &str| {
+                EndpointError::not_asked("base_url", message, "write it like http://localhost:8000/v1")
+            })?,
+            model: model.to_owned(),
             api_key_env: None,
             server: generic(),
             header_env: BTreeMap::new(),
@@ -149,7 +195,6 @@ impl Endpoint {
             coordinates: None,
             timeouts: Timeouts::default(),
             retry: Retry::default(),
-            limits: Limits::default(),
             prices: None,
         };
         endpoint.check("endpoint")?;
@@ -186,18 +231,17 @@ impl Endpoint {
     /// Names the first field that is unsound.
     pub fn check(&self, place: &str) -> Result<(), EndpointError> {
         let day = 86_400.0;
-        let Timeouts { connect_seconds, request_seconds, total_seconds } = self.timeouts;
-        let timeouts = [connect_seconds, request_seconds, total_seconds];
-        let pauses = [self.retry.first_pause_seconds, self.retry.longest_pause_seconds];
-        let variables = || self.api_key_env.iter().chain(self.header_env.values());
-        let names: Vec<&str> = SERVERS.iter().map(|(name, _)| *name).collect();
-        let fields_of_l4d = ["model", "messages", "stream"];
+        let Timeouts { request_seconds, total_seconds } = self.timeouts;
+        let Retry { tries, first_pause_seconds } = self.retry;
+        let mut variables = self.api_key_env.iter().chain(self.header_env.values());
+        let servers = SERVERS.map(|(name, _)| name);
+        let one_of = |names: &[&str]| format!("use one of {}", names.join(", "));
         let rules = [
             (
-                names.contains(&self.server.as_str()),
+                servers.contains(&self.server.as_str()),
                 "server",
                 "is no kind of server that l4d knows",
-                format!("use one of {}", names.join(", ")),
+                one_of(&servers),
             ),
             (
                 !self.model.trim().is_empty() && !self.model.chars().any(char::is_control),
@@ -206,7 +250,7 @@ impl Endpoint {
                 "name one that the server lists".to_owned(),
             ),
             (
-                variables().all(|name| is_variable(name)),
+                variables.all(|name| is_variable(name)),
                 "api_key_env or header_env",
                 "is not the name of an environment variable",
                 "name the variable (capitals, digits, `_`) that holds the key, never the key itself"
@@ -219,7 +263,7 @@ impl Endpoint {
                 "use letters, digits and `-`".to_owned(),
             ),
             (
-                !fields_of_l4d.iter().any(|field| self.body.contains_key(*field)),
+                !OWN.iter().any(|field| self.body.contains_key(*field)),
                 "body",
                 "must not set `model`, `messages` or `stream`",
                 "l4d sets these fields itself".to_owned(),
@@ -228,25 +272,19 @@ impl Endpoint {
                 self.omit.iter().all(|field| OPTIONAL.contains(&field.as_str())),
                 "omit",
                 "names a field that cannot be left out",
-                format!("use {}", OPTIONAL.join(", ")),
+                one_of(&OPTIONAL),
             ),
             (
-                timeouts.iter().all(|&seconds| seconds > 0.0 && seconds <= day),
+                [request_seconds, total_seconds].iter().all(|&seconds| seconds > 0.0 && seconds <= day),
                 "timeouts",
                 "must be more than 0 and at most 86400 seconds",
                 "choose a waiting time".to_owned(),
             ),
             (
-                self.retry.tries > 0 && pauses.iter().all(|seconds| (0.0..=day).contains(seconds)),
+                tries > 0 && (0.0..=day).contains(&first_pause_seconds),
                 "retry",
                 "`tries` must be at least 1, pauses 0 to 86400 seconds",
                 "use 1 to never try again".to_owned(),
-            ),
-            (
-                self.limits.pixels_per_token > 0 && self.limits.response_bytes > 0,
-                "limits",
-                "must be at least 1",
-                "leave the field out for its default".to_owned(),
             ),
             (
                 self.prices.is_none_or(|prices| prices.is_sound()),
@@ -268,13 +306,8 @@ impl Endpoint {
         SERVERS.iter().find(|(name, _)| *name == self.server).map_or("", |(_, note)| note)
     }
 
-    /// The field that limits the length of an answer: OpenAI's newer models insist on the newer one.
-    pub(crate) fn max_tokens_field(&self) -> &'static str {
-        if self.server == "openai" { "max_completion_tokens" } else { "max_tokens" }
-    }
-
     /// The URL of a route of the protocol.
-    pub fn url(&self, route: &str) -> String {
+    pub(crate) fn url(&self, route: &str) -> String {
         format!("{}/{route}", self.base_url)
     }
 
@@ -308,4 +341,101 @@ fn without_values(message: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    const BASE: &str = "base_url = \"http://localhost:8000/v1\"\nmodel = \"m\"\n";
+
+    fn read(text: &str) -> Result<Endpoint, EndpointError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("endpoint.toml");
+        std::fs::write(&path, text).unwrap();
+        Endpoint::read(&path)
+    }
+
+    #[test]
+    fn a_file_says_everything_and_defaults_say_the_rest() {
+        let endpoint = read(
+            r#"
+            base_url = "https://gpu.example.org:8443/v1/"
+            model = "Qwen/Qwen3-VL-8B-Instruct"
+            api_key_env = "LAB_KEY"
+            server = "vllm"
+            coordinates = "rel1000_xyxy"
+            omit = ["seed"]
+            header_env = { x-organisation = "LAB_ORGANISATION" }
+            timeouts = { request_seconds = 60 }
+            prices = { prompt_per_million = 0.5, completion_per_million = 1.5 }
+            [body]
+            chat_template_kwargs = { enable_thinking = false }
+            "#,
+        )
+        .unwrap();
+        assert_eq!(endpoint.url("chat/completions"), "https://gpu.example.org:8443/v1/chat/completions");
+        assert_eq!(endpoint.timeouts, Timeouts { request_seconds: 60.0, ..Timeouts::default() });
+        assert_eq!(endpoint.body["chat_template_kwargs"]["enable_thinking"], false);
+        assert!(endpoint.note().contains("VLLM") && !endpoint.base_url.exposes_keys());
+        assert_eq!(read(BASE).unwrap(), Endpoint::new("http://localhost:8000/v1", "m").unwrap());
+    }
+
+    #[test]
+    fn ids_tell_endpoints_and_models_apart() {
+        let pairs = [("http://a:1/v1", "m"), ("http://a:1/v2", "m"), ("http://a:1/v1", "../../m")];
+        let ids = pairs.map(|(url, model)| Endpoint::new(url, model).unwrap().id());
+        assert!(ids[0] != ids[1] && ids[1] != ids[2] && ids[0] != ids[2], "{ids:?}");
+        assert!(ids.iter().all(|id| l4d_data::Name::new(id.as_str()).is_ok()), "{ids:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_field_and_remedy() {
+        let cases = [
+            ("model = \"m\"".to_owned(), "base_url"),
+            ("base_url = \"http://localhost\"".to_owned(), "model"),
+            (BASE.replace("\"m\"", "\" \""), "model"),
+            (BASE.replace("http:", "ftp:"), "neither http nor https"),
+            (BASE.replace("localhost:8000/v1", "h/v1?x=1"), "query"),
+            (BASE.replace("http://localhost:8000", ""), "base_url"),
+            (format!("{BASE}server = \"vlm\""), "no kind of server"),
+            (format!("{BASE}[retry]\ntries = 0"), "tries"),
+            (format!("{BASE}[retry]\nfirst_pause_seconds = nan"), "pauses"),
+            (format!("{BASE}[timeouts]\nrequest_seconds = -1"), "timeouts"),
+            (format!("{BASE}[timeouts]\nrequest_minutes = 1"), "timeouts"),
+            (format!("{BASE}[prices]\nprompt_per_million = -1\ncompletion_per_million = 1"), "prices"),
+            (format!("{BASE}[body]\nstream = true"), "must not set"),
+            (format!("{BASE}omit = [\"messages\"]"), "cannot be left out"),
+            (format!("{BASE}[header_env]\n\"a b\" = \"C\""), "no HTTP header"),
+            (format!("{BASE}unknown = 1"), "unknown"),
+            ("base_url = ".to_owned(), "line 1"),
+        ];
+        for (text, words) in cases {
+            let error = read(&text).unwrap_err();
+            assert!(error.to_string().contains(words), "{text}\n{error}");
+            assert!(!error.hint().is_empty());
+        }
+    }
+
+    #[test]
+    fn secrets_in_the_wrong_place_are_refused_and_not_quoted() {
+        let cases = [
+            "base_url = \"https://me:sk-canary@host/v1\"\nmodel = \"m\"".to_owned(),
+            "base_url = \"https://sk-canary@host/v1\"\nmodel = \"m\"".to_owned(),
+            "base_url = \"https://host/v1?key=sk-canary\"\nmodel = \"m\"".to_owned(),
+            format!("{BASE}api_key = \"sk-canary\""),
+            format!("{BASE}api_key_env = \"sk-canary\""),
+            format!("{BASE}api_key_env = [\"sk-canary\"]"),
+            format!("{BASE}header_env = \"sk-canary\""),
+            format!("{BASE}server = \"sk-canary\""),
+            format!("{BASE}timeouts = \"sk-canary \\\" sk-canary\""),
+            format!("{BASE}[headers]\nx-api-key = \"sk-canary\""),
+            format!("{BASE}[header_env]\nx-api-key = \"sk-canary\""),
+            format!("{BASE}api_key = sk-canary"),
+            format!("{BASE}api_key = \"sk-canary"),
+        ];
+        for text in cases {
+            let error = read(&text).unwrap_err();
+            let told = format!("{error} {error:?} {}", error.hint());
+            assert!(!told.contains("canary"), "{told}");
+        }
+        assert!(!format!("{:?}", Endpoint::new("https://sk-canary@host", "m")).contains("canary"));
+    }
+}

@@ -29,7 +29,8 @@ impl BoxPx {
         intersection / (self.area() + other.area() - intersection)
     }
 
-    fn area(&self) -> f64 {
+    /// Square pixels.
+    pub fn area(&self) -> f64 {
         (self.x1 - self.x0) * (self.y1 - self.y0)
     }
 }
@@ -140,59 +141,47 @@ impl Convention {
     /// Where a box lies in a picture of `width` x `height`. Corners may come in any order; what sticks out is cut
     /// off; `None` if nothing is left, or if a number is none.
     pub fn pixels(&self, numbers: [f64; 4], size: (u32, u32)) -> Option<BoxPx> {
-        let [a, b, c, d] = numbers;
-        let [x0, y0] = self.point([a, b], size)?;
-        let [x1, y1] = self.point([c, d], size)?;
+        let [x0, y0, x1, y1] = self.in_order(numbers);
+        let [width, height] = self.full(size);
+        let x = |number: f64| (number / width).clamp(0.0, 1.0) * f64::from(size.0);
+        let y = |number: f64| (number / height).clamp(0.0, 1.0) * f64::from(size.1);
+        let [x0, x1, y0, y1] = [x(x0), x(x1), y(y0), y(y1)];
         let cut = BoxPx { x0: x0.min(x1), y0: y0.min(y1), x1: x0.max(x1), y1: y0.max(y1) };
-        (cut.x0 < cut.x1 && cut.y0 < cut.y1).then_some(cut)
-    }
-
-    /// Where a point lies in a picture of `width` x `height`: column and row, pixels. One that sticks out is moved to
-    /// the border; `None` if a number is none.
-    pub fn point(&self, numbers: [f64; 2], (width, height): (u32, u32)) -> Option<[f64; 2]> {
-        let [a, b] = numbers;
-        let [x, y] = match self.order {
-            Order::Xyxy => [a, b],
-            Order::Yxyx => [b, a],
-        };
-        let [full_width, full_height] = self.full((width, height));
-        let place = |number: f64, full: f64, side: u32| (number / full).clamp(0.0, 1.0) * f64::from(side);
-        let is_finite = a.is_finite() && b.is_finite();
-        is_finite.then(|| [place(x, full_width, width), place(y, full_height, height)])
+        let is_sound = numbers.iter().all(|number| number.is_finite()) && cut.x0 < cut.x1 && cut.y0 < cut.y1;
+        is_sound.then_some(cut)
     }
 
     /// Whether all of the numbers lie in the range that the convention has for a picture of this size.
     pub fn holds(&self, numbers: [f64; 4], size: (u32, u32)) -> bool {
-        let [full_width, full_height] = self.full(size);
-        let limits = match self.order {
-            Order::Xyxy => [full_width, full_height, full_width, full_height],
-            Order::Yxyx => [full_height, full_width, full_height, full_width],
-        };
-        numbers.iter().zip(limits).all(|(number, limit)| (0.0..=limit).contains(number))
+        let [width, height] = self.full(size);
+        let limits = [width, height, width, height];
+        self.in_order(numbers).iter().zip(limits).all(|(number, limit)| (0.0..=limit).contains(number))
+    }
+
+    /// What a model of this convention writes for a box; the inverse of [`Convention::pixels`].
+    pub fn numbers(&self, place: BoxPx, size: (u32, u32)) -> [f64; 4] {
+        let [width, height] = self.full(size);
+        let x = |pixels: f64| pixels / f64::from(size.0) * width;
+        let y = |pixels: f64| pixels / f64::from(size.1) * height;
+        self.in_order([x(place.x0), y(place.y0), x(place.x1), y(place.y1)])
+    }
+
+    /// Left, upper, right, lower from numbers of the convention, and back.
+    fn in_order(&self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+        match self.order {
+            Order::Xyxy => [a, b, c, d],
+            Order::Yxyx => [b, a, d, c],
+        }
     }
 
     /// What the far corner of a picture of `width` x `height` is written as.
     fn full(&self, (width, height): (u32, u32)) -> [f64; 2] {
-        match self.scale {
-            Scale::Relative(range) => [range, range],
-            Scale::Pixels => [f64::from(width), f64::from(height)],
-            Scale::Resized(resize) => {
-                let (width, height) = resize.size(width, height);
-                [f64::from(width), f64::from(height)]
-            }
-        }
-    }
-
-    /// What a model of this convention writes for a box; the inverse of [`Convention::pixels`].
-    pub fn numbers(&self, place: BoxPx, (width, height): (u32, u32)) -> [f64; 4] {
-        let [full_width, full_height] = self.full((width, height));
-        let x = |pixels: f64| pixels / f64::from(width) * full_width;
-        let y = |pixels: f64| pixels / f64::from(height) * full_height;
-        let [x0, y0, x1, y1] = [x(place.x0), y(place.y0), x(place.x1), y(place.y1)];
-        match self.order {
-            Order::Xyxy => [x0, y0, x1, y1],
-            Order::Yxyx => [y0, x0, y1, x1],
-        }
+        let (width, height) = match self.scale {
+            Scale::Relative(range) => return [range, range],
+            Scale::Pixels => (width, height),
+            Scale::Resized(resize) => resize.size(width, height),
+        };
+        [f64::from(width), f64::from(height)]
     }
 }
 
@@ -271,37 +260,40 @@ mod tests {
 
     use super::*;
 
-    fn resized(factor: u32, min_pixels: u32, max_pixels: u32, width: u32, height: u32) -> (u32, u32) {
-        Resize { factor, min_pixels, max_pixels }.size(width, height)
-    }
-
     #[test]
     fn sizes_are_those_of_the_models_own_processor() {
         // transformers 5.23.0, smart_resize of qwen2_vl; tests/endpoint_server/resize.py prints them.
-        let small = |width, height| resized(28, 3_136, 12_845_056, width, height);
-        assert_eq!(small(714, 490), (728, 504));
-        assert_eq!(small(640, 480), (644, 476));
-        assert_eq!(small(630, 518), (616, 504));
-        assert_eq!(small(10, 10), (56, 56));
-        assert_eq!(small(8000, 6000), (4116, 3080));
-        let large = |width, height| resized(32, 65_536, 16_777_216, width, height);
-        assert_eq!(large(714, 490), (704, 480));
-        assert_eq!(large(200, 120), (352, 224));
-        assert_eq!(large(16_384, 2_048), (11_584, 1_440));
+        let small = Resize { factor: 28, min_pixels: 3_136, max_pixels: 12_845_056 };
+        let large = Resize { factor: 32, min_pixels: 65_536, max_pixels: 16_777_216 };
+        for (resize, (width, height), expected) in [
+            (small, (714, 490), (728, 504)),
+            (small, (640, 480), (644, 476)),
+            (small, (630, 518), (616, 504)),
+            (small, (10, 10), (56, 56)),
+            (small, (8000, 6000), (4116, 3080)),
+            (large, (714, 490), (704, 480)),
+            (large, (200, 120), (352, 224)),
+            (large, (16_384, 2_048), (11_584, 1_440)),
+        ] {
+            assert_eq!(resize.size(width, height), expected);
+        }
     }
 
     #[test]
     fn each_convention_puts_its_numbers_where_they_belong() {
-        let pixels =
-            |name: &str, numbers| Convention::named(name).unwrap().pixels(numbers, (714, 490)).unwrap();
         let expected = BoxPx { x0: 71.4, y0: 98.0, x1: 357.0, y1: 245.0 };
-        let close = |place: BoxPx| place.iou(&expected) > 1.0 - 1e-9;
-        assert!(close(pixels("rel1000_xyxy", [100.0, 200.0, 500.0, 500.0])));
-        assert!(close(pixels("rel1000_yxyx", [200.0, 100.0, 500.0, 500.0])));
-        assert!(close(pixels("abs_px_xyxy", [71.4, 98.0, 357.0, 245.0])));
-        assert!(close(pixels("abs_px_resized28_xyxy", [72.8, 100.8, 364.0, 252.0])));
-        assert!(close(pixels("abs_px_resized32_xyxy", [70.4, 96.0, 352.0, 240.0])));
-        assert!(close(pixels("rel1_xyxy", [0.1, 0.2, 0.5, 0.5])));
+        for (name, numbers) in [
+            ("rel1000_xyxy", [100.0, 200.0, 500.0, 500.0]),
+            ("rel1000_yxyx", [200.0, 100.0, 500.0, 500.0]),
+            ("abs_px_xyxy", [71.4, 98.0, 357.0, 245.0]),
+            ("abs_px_resized28_xyxy", [72.8, 100.8, 364.0, 252.0]),
+            ("abs_px_resized32_xyxy", [70.4, 96.0, 352.0, 240.0]),
+            ("rel1_xyxy", [0.1, 0.2, 0.5, 0.5]),
+        ] {
+            let convention = Convention::named(name).unwrap();
+            let place = convention.pixels(numbers, (714, 490)).unwrap();
+            assert!(place.iou(&expected) > 1.0 - 1e-9, "{name}: {place:?}");
+        }
     }
 
     #[test]
@@ -320,17 +312,13 @@ mod tests {
     }
 
     #[test]
-    fn points_follow_the_order_and_numbers_beyond_the_range_are_told() {
-        let named = |name| Convention::named(name).unwrap();
-        assert_eq!(named("rel1000_xyxy").point([500.0, 250.0], (200, 100)), Some([100.0, 25.0]));
-        assert_eq!(named("rel1000_yxyx").point([500.0, 250.0], (200, 100)), Some([50.0, 50.0]));
-        assert_eq!(named("rel1_xyxy").point([7.0, -1.0], (200, 100)), Some([200.0, 0.0]));
-        assert_eq!(named("rel1_xyxy").point([f64::NAN, 0.0], (200, 100)), None);
-        assert!(named("rel1000_xyxy").holds([0.0, 0.0, 1000.0, 1000.0], (20, 10)));
-        assert!(!named("rel1000_xyxy").holds([0.0, 0.0, 1000.5, 10.0], (20, 10)));
-        assert!(named("abs_px_xyxy").holds([0.0, 0.0, 20.0, 10.0], (20, 10)));
-        assert!(!named("abs_px_xyxy").holds([0.0, 0.0, 10.0, 20.0], (20, 10)));
-        assert!(!named("abs_px_xyxy").holds([-1.0, 0.0, 10.0, 5.0], (20, 10)));
+    fn numbers_beyond_the_range_are_told() {
+        let holds = |name, numbers| Convention::named(name).unwrap().holds(numbers, (20, 10));
+        assert!(holds("rel1000_xyxy", [0.0, 0.0, 1000.0, 1000.0]));
+        assert!(!holds("rel1000_xyxy", [0.0, 0.0, 1000.5, 10.0]));
+        assert!(holds("abs_px_xyxy", [0.0, 0.0, 20.0, 10.0]));
+        assert!(!holds("abs_px_xyxy", [0.0, 0.0, 10.0, 20.0]));
+        assert!(!holds("abs_px_xyxy", [-1.0, 0.0, 10.0, 5.0]));
     }
 
     #[test]

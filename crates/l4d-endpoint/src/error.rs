@@ -23,30 +23,18 @@ pub enum EndpointError {
     /// The server was not reached, or what it sent is no answer.
     #[error(transparent)]
     Server(#[from] Failure),
-    /// The model or its server declined.
-    #[error("the model refused: {message}")]
-    Refused {
-        /// Its words.
-        message: String,
-    },
-    /// The answer ends at the limit of tokens or in the middle of its JSON.
-    #[error("the answer is cut off: ...{excerpt}")]
-    Truncated {
-        /// Its last characters.
-        excerpt: String,
-    },
-    /// The answer holds no JSON.
-    #[error("the answer holds no JSON: {excerpt}")]
-    NoJson {
-        /// Its first characters.
-        excerpt: String,
-    },
-    /// The answer is empty, or its JSON is not of the shape that was asked for.
-    #[error("the answer is not what was asked for: {message}")]
-    Unfit {
-        /// Field and fault.
-        message: String,
-    },
+    /// The model or its server declined, in these words.
+    #[error("the model refused: {0}")]
+    Refused(String),
+    /// The answer ends at the limit of tokens or in the middle of its JSON; its last characters.
+    #[error("the answer is cut off: ...{0}")]
+    Truncated(String),
+    /// The answer holds no JSON; its first characters.
+    #[error("the answer holds no JSON: {0}")]
+    NoJson(String),
+    /// The answer is empty, or its JSON is not of the shape that was asked for: field and fault.
+    #[error("the answer is not what was asked for: {0}")]
+    Unfit(String),
 }
 
 /// A failure of a server, or on the way to it.
@@ -96,9 +84,9 @@ impl EndpointError {
             Self::Data(error) => return error.hint().unwrap_or_default(),
             Self::NotAsked { remedy, .. } => return remedy.clone(),
             Self::Server(failure) => failure.remedy,
-            Self::Refused { .. } => "reword the question, or use another model",
-            Self::Truncated { .. } => "raise the limit of tokens, or use a model that thinks less",
-            Self::NoJson { .. } | Self::Unfit { .. } => {
+            Self::Refused(_) => "reword the question, or use another model",
+            Self::Truncated(_) => "raise the limit of tokens, or use a model that thinks less",
+            Self::NoJson(_) | Self::Unfit(_) => {
                 "use a server that keeps to a schema (`l4d endpoint check` tells), or a larger model"
             }
         }
@@ -110,21 +98,28 @@ const EXCERPT_CHARS: usize = 200;
 
 /// The first characters of a text, on one line.
 pub(crate) fn excerpt(text: &str) -> String {
-    let text = text.trim();
-    let more = if text.chars().count() > EXCERPT_CHARS { "..." } else { "" };
-    text.chars().take(EXCERPT_CHARS).map(without_control).chain(more.chars()).collect()
+    one_line(text, EXCERPT_CHARS)
 }
 
 /// The last characters of a text, on one line.
 pub(crate) fn tail(text: &str) -> String {
-    let text = text.trim();
+    let text = text.trim_end();
     let skipped = text.chars().count().saturating_sub(EXCERPT_CHARS);
-    text.chars().skip(skipped).map(without_control).collect()
+    one_line(&text.chars().skip(skipped).collect::<String>(), EXCERPT_CHARS)
 }
 
-/// Control characters could move the cursor of a terminal or forge lines of a log.
-fn without_control(letter: char) -> char {
-    if letter.is_control() { ' ' } else { letter }
+/// The beginning of a text of others on one line, without anything that steers a terminal or forges lines of a log.
+pub fn one_line(text: &str, longest: usize) -> String {
+    let shown = text.replace(|letter: char| is_hidden(letter) && !letter.is_whitespace(), "");
+    let line = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+    let more = if line.chars().count() > longest { "..." } else { "" };
+    line.chars().take(longest).chain(more.chars()).collect()
+}
+
+/// Whether a letter steers a terminal or hides its neighbours.
+pub fn is_hidden(letter: char) -> bool {
+    let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+    letter.is_control() || is_mark
 }
 
 #[cfg(test)]
@@ -133,9 +128,9 @@ mod tests {
 
     #[test]
     fn excerpts_are_one_short_harmless_line() {
-        assert_eq!(excerpt(" a\n\u{1b}[31mb "), "a  [31mb");
+        assert_eq!(excerpt(" a\n\u{1b}[31mb\u{202e} "), "a [31mb");
         assert_eq!(excerpt(&"ä".repeat(300)).chars().count(), 203);
-        assert_eq!(tail(&format!("{}end", "ä".repeat(300))).chars().count(), 200);
-        assert!(tail("the end").ends_with("end"));
+        let end = tail(&format!("{}end", "ä".repeat(300)));
+        assert!(end.chars().count() == 200 && end.ends_with("end"));
     }
 }

@@ -1,10 +1,12 @@
-//! One HTTP exchange as data, and folders of them: a cache or a recording.
+//! One HTTP exchange as data, folders of them (a cache or a recording), and where answers come from: a server, a
+//! server that is recorded, or a recording.
 //!
 //! The raw response is kept, so that a better parser reads old answers for free.
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
 use l4d_data::DataError;
@@ -13,6 +15,10 @@ use l4d_data::json::{self, canonical};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::config::Endpoint;
+use crate::error::EndpointError;
+
+const ENDPOINT_FILE: &str = "endpoint.json";
 const FORMAT: &str = "l4d-exchange 1";
 
 /// What is sent, without the key.
@@ -72,7 +78,7 @@ struct Exchange {
 /// A folder of exchanges, one file per question, named by its digest.
 #[derive(Debug)]
 pub(crate) struct Exchanges {
-    pub(crate) folder: PathBuf,
+    folder: PathBuf,
     /// Two threads that write one exchange would share its temporary file.
     writing: Mutex<()>,
 }
@@ -101,6 +107,27 @@ impl Exchanges {
         Ok(Some(exchange.response))
     }
 
+    /// The same, where there has to be one.
+    pub(crate) fn recorded(&self, call: &Call) -> Result<Response, EndpointError> {
+        self.read(call)?.ok_or_else(|| {
+            EndpointError::not_asked(
+                self.folder.display().to_string(),
+                format!("holds no answer to question {}", call.digest),
+                "the question differs from the recorded one (pictures, text, model, settings): record it with \
+                 record:<folder>",
+            )
+        })
+    }
+
+    /// A failure of the server does not replace what it said before.
+    pub(crate) fn record(&self, call: &Call, response: &Response) -> Result<(), DataError> {
+        let kept = self.read(call).ok().flatten();
+        if response.is_success() || !kept.is_some_and(|kept| kept.is_success()) {
+            self.write(call, response)?;
+        }
+        Ok(())
+    }
+
     pub(crate) fn write(&self, call: &Call, response: &Response) -> Result<(), DataError> {
         let exchange = Exchange {
             format: FORMAT.to_owned(),
@@ -126,6 +153,50 @@ impl Exchanges {
     }
 }
 
+/// Where answers come from: `live`, `record:<folder>` or `replay:<folder>`.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Link {
+    /// The server.
+    #[default]
+    Live,
+    /// The server, and everything that it says is kept in a folder.
+    Record(PathBuf),
+    /// Such a folder, and no network at all.
+    Replay(PathBuf),
+}
+
+impl FromStr for Link {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "live" => Ok(Self::Live),
+            Some(("record", folder)) if !folder.is_empty() => Ok(Self::Record(folder.into())),
+            Some(("replay", folder)) if !folder.is_empty() => Ok(Self::Replay(folder.into())),
+            _ => Err("write `live`, `record:<folder>` or `replay:<folder>`".to_owned()),
+        }
+    }
+}
+
+impl Endpoint {
+    /// The endpoint that a recording was made of.
+    ///
+    /// # Errors
+    /// If `endpoint.json` in the folder is missing or unsound.
+    pub fn recorded(folder: &Path) -> Result<Self, EndpointError> {
+        let path = folder.join(ENDPOINT_FILE);
+        let endpoint: Self = json::read(&path)?;
+        endpoint.check(&path.display().to_string())?;
+        Ok(endpoint)
+    }
+
+    /// Begins a recording. Names of variables that hold keys are of no use to its readers.
+    pub(crate) fn record(&self, folder: &Path) -> Result<(), DataError> {
+        let open = Self { api_key_env: None, header_env: BTreeMap::new(), ..self.clone() };
+        json::write(&folder.join(ENDPOINT_FILE), &open)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::json;
@@ -133,26 +204,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_exchange_is_found_by_its_question_and_a_damaged_file_is_refused() {
+    fn a_damaged_file_is_refused_by_its_name() {
         let folder = tempfile::tempdir().unwrap();
         let exchanges = Exchanges::new(folder.path());
-        let call = |text: &str| Call::new(String::new(), None, json!({ "text": text }));
+        let call = Call::new(String::new(), None, json!({ "text": "a" }));
         let response = Response { status: 200, headers: BTreeMap::new(), body: "A".to_owned() };
-        exchanges.write(&call("a"), &response).unwrap();
-        assert_eq!(exchanges.read(&call("a")).unwrap(), Some(response.clone()));
-        assert_eq!(exchanges.read(&call("b")).unwrap(), None);
-
-        let path = exchanges.path(&call("a").digest);
+        exchanges.write(&call, &response).unwrap();
+        assert_eq!(exchanges.read(&call).unwrap(), Some(response));
+        let path = exchanges.path(&call.digest);
         let whole = fs::read_to_string(&path).unwrap();
         for damage in
             [whole[..40].to_owned(), whole.replace("\"a\"", "\"b\""), whole.replace(FORMAT, "other")]
         {
             fs::write(&path, damage).unwrap();
-            let error = exchanges.read(&call("a")).unwrap_err();
-            assert!(error.to_string().contains(&call("a").digest), "{error}");
+            let error = exchanges.read(&call).unwrap_err();
+            assert!(error.to_string().contains(&call.digest), "{error}");
         }
-        exchanges.remove(&call("a")).unwrap();
-        exchanges.remove(&call("a")).unwrap();
-        assert_eq!(exchanges.read(&call("a")).unwrap(), None);
+    }
+
+    #[test]
+    fn links_are_read_from_text() {
+        assert_eq!("live".parse(), Ok(Link::Live));
+        assert_eq!("replay:a:b/c".parse(), Ok(Link::Replay("a:b/c".into())));
+        assert_eq!("record:x".parse(), Ok(Link::Record("x".into())));
+        for bad in ["", "replay", "replay:", "tape:x"] {
+            assert!(bad.parse::<Link>().is_err(), "{bad}");
+        }
     }
 }

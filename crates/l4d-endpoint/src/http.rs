@@ -4,35 +4,35 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::time::Duration;
 
-use ureq::Agent;
-use ureq::http::{HeaderName, HeaderValue};
+use ureq::http::{HeaderName, HeaderValue, Request, Response};
+use ureq::{Agent, AsSendBody, Body};
 
 use crate::config::Endpoint;
 use crate::error::{EndpointError, Failure};
-use crate::exchange::{Call, Response};
+use crate::exchange::{self, Call};
 use crate::secret::{Environment, Redactor, Secret};
+
+const LONGEST_CONNECTING: Duration = Duration::from_secs(10);
+/// No answer of a model is longer.
+const MAX_RESPONSE_BYTES: u64 = 8 << 20;
 
 /// A server behind a URL.
 pub(crate) struct Http {
     agent: Agent,
     headers: Vec<(HeaderName, HeaderValue)>,
     redactor: Redactor,
-    response_bytes: u64,
 }
 
 impl Http {
     /// Reads the keys that the endpoint names from the environment.
     pub(crate) fn open(endpoint: &Endpoint, environment: Environment<'_>) -> Result<Self, EndpointError> {
+        let key = endpoint.api_key_env.iter().map(|variable| ("authorization", "Bearer ", variable));
+        let others = endpoint.header_env.iter().map(|(name, variable)| (name.as_str(), "", variable));
         let mut secrets = Vec::new();
         let mut headers = Vec::new();
-        if let Some(variable) = &endpoint.api_key_env {
-            let key = Secret::read(variable, environment)?;
-            headers.push(header("authorization", &format!("Bearer {}", key.expose()))?);
-            secrets.push(key);
-        }
-        for (name, variable) in &endpoint.header_env {
+        for (name, prefix, variable) in key.chain(others) {
             let secret = Secret::read(variable, environment)?;
-            headers.push(header(name, secret.expose())?);
+            headers.push(header(name, &format!("{prefix}{}", secret.expose()))?);
             secrets.push(secret);
         }
         let mut config = Agent::config_builder()
@@ -41,52 +41,50 @@ impl Http {
             // A server that ends an idle connection makes the next question on it fail, and questions take so long
             // that a new connection for each costs nothing.
             .max_idle_connections(0)
-            .timeout_connect(Some(Duration::from_secs_f64(endpoint.timeouts.connect_seconds)))
+            .timeout_connect(Some(LONGEST_CONNECTING))
             .user_agent(concat!("l4d/", env!("CARGO_PKG_VERSION")));
         if endpoint.base_url.is_local() {
             // A proxy of the environment would look for this machine's servers on its own.
             config = config.proxy(None);
         }
-        Ok(Self {
-            agent: config.build().new_agent(),
-            headers,
-            redactor: Redactor::new(&secrets),
-            response_bytes: endpoint.limits.response_bytes,
-        })
+        Ok(Self { agent: config.build().new_agent(), headers, redactor: Redactor::new(&secrets) })
     }
 
     /// Sends once and waits for no longer than `patience`.
-    pub(crate) fn send(&self, call: &Call, patience: Duration) -> Result<Response, Failure> {
+    pub(crate) fn send(&self, call: &Call, patience: Duration) -> Result<exchange::Response, Failure> {
         self.exchange(call, patience).map_err(|error| self.failure(call, &error))
     }
 
-    fn exchange(&self, call: &Call, patience: Duration) -> Result<Response, ureq::Error> {
+    fn exchange(&self, call: &Call, patience: Duration) -> Result<exchange::Response, ureq::Error> {
+        let mut request = Request::builder().uri(&call.url);
+        for (name, value) in &self.headers {
+            request = request.header(name, value);
+        }
         let mut response = match &call.body {
             Some(body) => {
-                let mut request = self.agent.post(&call.url).header("content-type", "application/json");
-                for (name, value) in &self.headers {
-                    request = request.header(name, value);
-                }
-                request.config().timeout_global(Some(patience)).build().send(body)?
+                let request = request.method("POST").header("content-type", "application/json");
+                self.run(request.body(body.as_slice())?, patience)?
             }
-            None => {
-                let mut request = self.agent.get(&call.url);
-                for (name, value) in &self.headers {
-                    request = request.header(name, value);
-                }
-                request.config().timeout_global(Some(patience)).build().call()?
-            }
+            None => self.run(request.body(())?, patience)?,
         };
-        let body = response.body_mut().with_config().limit(self.response_bytes).read_to_vec()?;
+        let body = response.body_mut().with_config().limit(MAX_RESPONSE_BYTES).read_to_vec()?;
         let header = |name: &&str| {
             let value = response.headers().get(*name)?.to_str().ok()?;
             Some(((*name).to_owned(), self.redactor.text(value)))
         };
-        Ok(Response {
+        Ok(exchange::Response {
             status: response.status().as_u16(),
-            headers: Response::HEADERS.iter().filter_map(header).collect(),
+            headers: exchange::Response::HEADERS.iter().filter_map(header).collect(),
             body: self.redactor.body(&String::from_utf8_lossy(&body)),
         })
+    }
+
+    fn run(
+        &self,
+        request: Request<impl AsSendBody>,
+        patience: Duration,
+    ) -> Result<Response<Body>, ureq::Error> {
+        self.agent.run(self.agent.configure_request(request).timeout_global(Some(patience)).build())
     }
 
     fn failure(&self, call: &Call, error: &ureq::Error) -> Failure {
@@ -104,7 +102,7 @@ impl Http {
             Error::BodyExceedsLimit(limit) => Failure {
                 message: format!("the answer is larger than {limit} bytes"),
                 may_have_cost: true,
-                ..lasting("check that `base_url` is a model server, or raise `limits.response_bytes`")
+                ..lasting("check that `base_url` is a model server, and ask for less")
             },
             Error::Protocol(_) | Error::Http(_) | Error::LargeResponseHeader(..) => {
                 let failure = lasting("check `base_url`: it is not that of a model server");

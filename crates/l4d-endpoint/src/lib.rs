@@ -5,7 +5,6 @@
 //! logs raw bytes through the `log` facade at its finest level: a program that installs a logger for that facade
 //! must keep `ureq` and `ureq_proto` out of it.
 
-mod base_url;
 mod budget;
 pub mod calibration;
 mod client;
@@ -13,25 +12,20 @@ mod config;
 pub mod coordinates;
 mod error;
 mod exchange;
-mod extract;
 mod http;
-mod message;
 mod openai;
 pub mod probe;
 mod reply;
 mod request;
 mod retry;
 mod secret;
-mod transport;
 
-pub use base_url::BaseUrl;
 pub use budget::{Budget, Plan, Prices, Spent, Tokens};
 pub use calibration::Calibrations;
 pub use client::{CacheUse, Client};
-pub use config::Endpoint;
+pub use config::{BaseUrl, Endpoint};
 pub use coordinates::{BoxPx, Convention};
-pub use error::{EndpointError, Failure};
-pub use message::{Image, Message, Part, Role};
-pub use reply::{Finish, Origin, Reply, Usage};
-pub use request::{Request, Schema};
-pub use transport::Link;
+pub use error::{EndpointError, Failure, is_hidden, one_line};
+pub use exchange::Link;
+pub use reply::{Finish, Origin, Reply, Usage, documents};
+pub use request::{Image, Message, Part, Request, Schema};

@@ -8,10 +8,8 @@ use ureq::http::Uri;
 use crate::config::Endpoint;
 use crate::error::{EndpointError, Failure, excerpt};
 use crate::exchange::{Call, Response};
-use crate::extract::without_thinking;
-use crate::message::{Image, Message, Part};
-use crate::reply::{Finish, Origin, Reply, Usage};
-use crate::request::Request;
+use crate::reply::{Finish, Origin, Reply, Usage, without_thinking};
+use crate::request::{Image, Message, Part, Request};
 use crate::retry::{is_passing, retry_after};
 
 /// The call that asks a question.
@@ -35,21 +33,24 @@ pub(crate) fn models(endpoint: &Endpoint) -> Call {
 
 fn body(endpoint: &Endpoint, request: &Request, picture: &dyn Fn(&Image) -> String) -> Value {
     let messages: Vec<Value> = request.messages.iter().map(|message| written(message, picture)).collect();
+    // OpenAI's newer models insist on the newer name.
+    let max_tokens = if endpoint.server == "openai" { "max_completion_tokens" } else { "max_tokens" };
     let mut body = Map::new();
-    body.insert("model".to_owned(), endpoint.model.as_str().into());
-    body.insert("messages".to_owned(), messages.into());
-    body.insert(endpoint.max_tokens_field().to_owned(), request.max_tokens.into());
+    let mut set = |name: &str, value: Value| body.insert(name.to_owned(), value);
+    set("model", endpoint.model.as_str().into());
+    set("messages", messages.into());
+    set(max_tokens, request.max_tokens.into());
     if let Some(temperature) = request.temperature {
-        body.insert("temperature".to_owned(), temperature.into());
+        set("temperature", temperature.into());
     }
     if let Some(seed) = request.seed {
-        body.insert("seed".to_owned(), seed.into());
+        set("seed", seed.into());
     }
     if let Some(schema) = &request.schema {
         let schema = json!({ "name": schema.name, "strict": true, "schema": schema.value });
-        body.insert("response_format".to_owned(), json!({ "type": "json_schema", "json_schema": schema }));
+        set("response_format", json!({ "type": "json_schema", "json_schema": schema }));
     }
-    body.insert("stream".to_owned(), false.into());
+    set("stream", false.into());
     for field in &endpoint.omit {
         body.shift_remove(field);
     }
@@ -67,7 +68,7 @@ fn written(message: &Message, picture: &dyn Fn(&Image) -> String) -> Value {
         [Part::Text(text)] => text.as_str().into(),
         parts => parts.iter().map(written_part).collect(),
     };
-    json!({ "role": message.role.as_str(), "content": content })
+    json!({ "role": message.role, "content": content })
 }
 
 /// Reads what a model said.
@@ -128,7 +129,8 @@ fn read_json(call: &Call, response: &Response) -> Result<Value, Failure> {
         return Err(failure(call, response));
     }
     if is_web_page(response) {
-        let message = format!("HTTP {}: the server sent {}", response.status, web_page(&response.body));
+        let message =
+            format!("HTTP {}: the server sent a web page: {}", response.status, excerpt(&response.body));
         return Err(Failure::lasting(
             &call.url,
             message,
@@ -159,7 +161,6 @@ fn failure(call: &Call, response: &Response) -> Failure {
     }
     let message = match serde_json::from_str(&response.body) {
         Ok(document) => error_in(&document).map_or_else(|| excerpt(&response.body), |(message, _)| message),
-        Err(_) if is_web_page(response) => web_page(&response.body),
         Err(_) => excerpt(&response.body),
     };
     let remedy = match status {
@@ -220,18 +221,6 @@ fn is_web_page(response: &Response) -> bool {
         || start.starts_with("<html")
 }
 
-/// A web page, called by its title.
-fn web_page(page: &str) -> String {
-    // Lowered letter by letter, so that places in both texts agree.
-    let lower = page.to_ascii_lowercase();
-    let title = lower.find("<title").and_then(|start| {
-        let start = start + lower[start..].find('>')? + 1;
-        let end = start + lower[start..].find("</title")?;
-        Some(excerpt(&page[start..end])).filter(|title| !title.is_empty())
-    });
-    title.map_or_else(|| "a web page".to_owned(), |title| format!("a web page (\"{title}\")"))
-}
-
 /// Scheme and host alone: the rest of such a URL may be a secret of its own.
 fn target(response: &Response) -> String {
     let uri = response.header("location").and_then(|target| target.parse::<Uri>().ok());
@@ -246,8 +235,6 @@ mod tests {
     #[test]
     fn errors_are_found_in_every_wrapping() {
         let cases = [
-            (json!({"error": {"message": "boom", "code": 503}}), Some(("boom", Some(503)))),
-            (json!({"error": "boom"}), Some(("boom", None))),
             (
                 json!([{"error": {"message": "boom", "status": "UNAVAILABLE", "code": "429"}}]),
                 Some(("boom", Some(429))),
@@ -266,13 +253,5 @@ mod tests {
             let expected = expected.map(|(message, code)| (message.to_owned(), code));
             assert_eq!(error_in(&document), expected, "{document}");
         }
-    }
-
-    #[test]
-    fn titles_are_found_whatever_their_case() {
-        let page = "<HTML><Title a=b>\n502 Bad Gateway\n</TITLE>";
-        assert_eq!(web_page(page), "a web page (\"502 Bad Gateway\")");
-        assert_eq!(web_page("<title>never ends"), "a web page");
-        assert_eq!(web_page("İ<title>ä</title>"), "a web page (\"ä\")");
     }
 }

@@ -1,13 +1,12 @@
 //! What a server supports, found by asking it: one short question per thing that l4d may want.
 
-use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::client::Client;
-use crate::error::{EndpointError, excerpt};
-use crate::message::{Image, Message, Part};
+use crate::error::{EndpointError, excerpt, one_line};
 use crate::reply::{Finish, Reply};
-use crate::request::{Request, Schema};
+use crate::request::{Image, Message, Part, Request, Schema};
 
 /// Whether one thing works.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -43,8 +42,12 @@ fn finding(state: State, found: impl Into<String>, remedy: &str) -> Finding {
     (state, found.into(), remedy.to_owned())
 }
 
-fn lacking(error: &EndpointError) -> Finding {
+fn lacking(error: EndpointError) -> Finding {
     (State::Lacking, error.to_string(), error.hint())
+}
+
+fn judged<T>(answer: Result<T, EndpointError>, judge: impl FnOnce(&T) -> Finding) -> Finding {
+    answer.map_or_else(lacking, |answer| judge(&answer))
 }
 
 /// Longest answer to a probe, tokens: room for some thinking.
@@ -62,7 +65,7 @@ pub fn probe(client: &Client, picture: (&Image, &str), mut next: impl FnMut(&'st
     };
     add("key", &|| key(client));
     add("models", &|| models(client));
-    let reply = ask(client, vec![Part::text("Reply with the single word: ready")]);
+    let reply = client.ask(&request("Reply with the single word: ready"));
     add("chat", &|| chat(&reply));
     if let Ok(reply) = &reply {
         add("usage", &|| usage(reply));
@@ -79,10 +82,14 @@ fn ask(client: &Client, parts: Vec<Part>) -> Result<Reply, EndpointError> {
     client.ask(&Request::new(vec![Message::user(parts)]).with_max_tokens(MAX_TOKENS))
 }
 
+fn request(text: &str) -> Request {
+    Request::new(vec![Message::user(vec![Part::text(text)])]).with_max_tokens(MAX_TOKENS)
+}
+
 fn key(client: &Client) -> Finding {
     let endpoint = client.endpoint();
-    let variables: Vec<&str> =
-        endpoint.api_key_env.iter().chain(endpoint.header_env.values()).map(String::as_str).collect();
+    let variables: Vec<String> =
+        endpoint.api_key_env.iter().chain(endpoint.header_env.values()).cloned().collect();
     let found = format!("from {}", variables.join(", "));
     match (variables.is_empty(), endpoint.base_url.exposes_keys()) {
         (true, _) => finding(State::Ok, "none is sent", ""),
@@ -99,7 +106,7 @@ fn models(client: &Client) -> Finding {
     let model = &client.endpoint().model;
     let models = match client.models() {
         Ok(models) => models,
-        Err(error) => return lacking(&error),
+        Err(error) => return lacking(error),
     };
     // Ollama lists `name:latest` for what is asked as `name`.
     if models.iter().any(|listed| listed == model || listed.strip_suffix(":latest") == Some(model)) {
@@ -107,7 +114,7 @@ fn models(client: &Client) -> Finding {
     }
     let names: Vec<String> = models.iter().take(SHOWN).map(|name| excerpt(name)).collect();
     let more = if models.len() > SHOWN { ", ..." } else { "" };
-    let remedy = match models.is_empty() {
+    let remedy = match names.is_empty() {
         true => "load a model into the server".to_owned(),
         false => format!("the server lists {}{more}", names.join(", ")),
     };
@@ -129,7 +136,7 @@ fn chat(reply: &Result<Reply, EndpointError>) -> Finding {
         Finish::Refused(words) => {
             finding(State::Unclear, format!("refused: {}", excerpt(words)), "use another model")
         }
-        Finish::Stop => finding(State::Ok, format!("\"{}\"{model}", shown(&reply.text)), ""),
+        Finish::Stop => finding(State::Ok, format!("\"{}\"{model}", shown(reply)), ""),
     }
 }
 
@@ -144,17 +151,16 @@ fn usage(reply: &Reply) -> Finding {
 
 fn one_picture(client: &Client, (image, colour): (&Image, &str)) -> Finding {
     let text = Part::text("Which colour fills this picture? Answer with one word.");
-    match ask(client, vec![Part::Image(image.clone()), text]) {
-        Err(error) => lacking(&error),
-        Ok(reply) if reply.text.to_lowercase().contains(colour) => {
-            finding(State::Ok, format!("a {colour} picture was called {}", shown(&reply.text)), "")
+    judged(ask(client, vec![Part::Image(image.clone()), text]), |reply| {
+        if reply.text.to_lowercase().contains(colour) {
+            return finding(State::Ok, format!("a {colour} picture was called {}", shown(reply)), "");
         }
-        Ok(reply) => finding(
+        finding(
             State::Unclear,
-            format!("was taken, but a {colour} picture was called \"{}\"", shown(&reply.text)),
+            format!("was taken, but a {colour} picture was called \"{}\"", shown(reply)),
             "check that the model can see (llama.cpp: --mmproj), and that it follows instructions",
-        ),
-    }
+        )
+    })
 }
 
 fn several_pictures(client: &Client, image: &Image) -> Finding {
@@ -162,41 +168,23 @@ fn several_pictures(client: &Client, image: &Image) -> Finding {
     let labels = ["<0.0 seconds>", "<1.0 seconds>", "<2.0 seconds>"];
     let mut parts: Vec<Part> = labels.into_iter().flat_map(picture).collect();
     parts.push(Part::text("How many pictures do you see? Answer with one number."));
-    match ask(client, parts) {
-        Ok(reply) if !reply.notes.is_empty() => finding(
-            State::Unclear,
-            reply.notes.join("; "),
-            "raise the context of the server, or send fewer pictures",
-        ),
-        Ok(reply) if reply.text.contains('3') || reply.text.to_lowercase().contains("three") => {
-            finding(State::Ok, "three at once, and all were seen", "")
-        }
-        Ok(reply) => finding(
-            State::Unclear,
-            format!("three were taken, but counted as \"{}\"", shown(&reply.text)),
-            "check that the model takes several pictures, and that it follows instructions",
-        ),
-        Err(error) => finding(
-            State::Lacking,
-            error.to_string(),
-            "raise the server's limit (vLLM: --limit-mm-per-prompt, mistral.rs: --max-num-images)",
-        ),
+    let more = "raise the server's limit (vLLM: --limit-mm-per-prompt, mistral.rs: --max-num-images)";
+    let reply = match ask(client, parts) {
+        Ok(reply) => reply,
+        Err(error) => return finding(State::Lacking, error.to_string(), more),
+    };
+    if !reply.notes.is_empty() {
+        let remedy = "raise the context of the server, or send fewer pictures";
+        return finding(State::Unclear, reply.notes.join("; "), remedy);
     }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-#[expect(dead_code, reason = "the presence of the fields is what is looked at")]
-struct Weather {
-    sky: Sky,
-    warm: bool,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Sky {
-    Clear,
-    Cloudy,
+    if reply.text.contains('3') || reply.text.to_lowercase().contains("three") {
+        return finding(State::Ok, "three at once, and all were seen", "");
+    }
+    finding(
+        State::Unclear,
+        format!("three were taken, but counted as \"{}\"", shown(&reply)),
+        "check that the model takes several pictures, and that it follows instructions",
+    )
 }
 
 fn schema(client: &Client) -> Finding {
@@ -207,33 +195,28 @@ fn schema(client: &Client) -> Finding {
         "required": ["sky", "warm"],
         "additionalProperties": false,
     });
-    let question = Message::user(vec![Part::text("How is the weather on a fine day in July?")]);
-    let request = Request::new(vec![question]).with_schema(Schema::new("weather", schema));
-    match client.ask(&request.with_max_tokens(MAX_TOKENS)) {
-        Err(error) => lacking(&error),
-        Ok(reply) if serde_json::from_str::<Weather>(&reply.text).is_ok() => {
-            finding(State::Ok, "the answer keeps to it", "")
+    let question = request("How is the weather on a fine day in July?");
+    judged(client.ask(&question.with_schema(Schema::new("weather", schema))), |reply| {
+        let weather: Value = serde_json::from_str(&reply.text).unwrap_or_default();
+        let is_sky = matches!(weather["sky"].as_str(), Some("clear" | "cloudy"));
+        if is_sky && weather["warm"].is_boolean() && weather.as_object().is_some_and(|all| all.len() == 2) {
+            return finding(State::Ok, "the answer keeps to it", "");
         }
-        Ok(reply) => finding(
+        finding(
             State::Lacking,
-            format!("taken, but ignored: \"{}\"", shown(&reply.text)),
+            format!("taken, but ignored: \"{}\"", shown(reply)),
             "answers are searched for JSON all the same; a small model may need a server with a grammar (vLLM, llama.cpp)",
-        ),
-    }
+        )
+    })
 }
 
 fn seed(client: &Client) -> Finding {
     let say = |seed: u32, repeat: u32| {
-        let question = Message::user(vec![Part::text("Write down five random words.")]);
-        let request = Request::new(vec![question]).with_max_tokens(48);
-        client.ask(&Request { temperature: Some(1.0), seed: Some(seed), repeat, ..request })
+        let question = request("Write down five random words.").with_max_tokens(48);
+        client.ask(&Request { temperature: Some(1.0), seed: Some(seed), repeat, ..question })
     };
     let answers = say(1, 0).and_then(|first| Ok([first, say(1, 1)?, say(2, 0)?]));
-    let [first, again, other] = match answers {
-        Ok(answers) => answers,
-        Err(error) => return lacking(&error),
-    };
-    match (first.text == again.text, first.text == other.text) {
+    judged(answers, |[first, again, other]| match (first.text == again.text, first.text == other.text) {
         (true, false) => finding(State::Ok, "one seed, one answer; another seed, another answer", ""),
         (true, true) => finding(
             State::Unclear,
@@ -245,14 +228,10 @@ fn seed(client: &Client) -> Finding {
             "one seed, two answers",
             "keep temperature at 0, and record what must be repeatable (record:<folder>)",
         ),
-    }
+    })
 }
 
-fn shown(text: &str) -> String {
-    const CHARS: usize = 40;
-    let short = excerpt(text);
-    match short.chars().count() {
-        0..=CHARS => short,
-        _ => short.chars().take(CHARS).chain("...".chars()).collect(),
-    }
+/// The beginning of an answer.
+fn shown(reply: &Reply) -> String {
+    one_line(&reply.text, 40)
 }

@@ -3,7 +3,6 @@
 #![allow(dead_code, clippy::allow_attributes, reason = "each test target uses its own part of it")]
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,10 +47,8 @@ pub(crate) enum Turn {
     Last(String),
     /// Nothing for so long, then the next one.
     Late(Duration, Box<Turn>),
-    /// Bytes without end.
-    Flood,
-    /// The same, one at a time.
-    Trickle,
+    /// A body without end: so many bytes at a time, with a pause after each.
+    Endless(usize, Duration),
 }
 
 /// A success with this body.
@@ -136,8 +133,7 @@ impl Drop for Server {
 
 fn serve(mut stream: TcpStream, turn: Turn, log: &Mutex<Vec<Seen>>) -> std::io::Result<()> {
     if matches!(turn, Turn::Reset) {
-        let mut first = [0];
-        stream.read_exact(&mut first)?;
+        stream.read_exact(&mut [0])?;
         log.lock().unwrap().push(Seen { line: String::new(), headers: BTreeMap::new(), body: String::new() });
         return Ok(());
     }
@@ -147,24 +143,22 @@ fn serve(mut stream: TcpStream, turn: Turn, log: &Mutex<Vec<Seen>>) -> std::io::
 }
 
 fn play(stream: &mut TcpStream, turn: Turn, seen: &Seen) -> std::io::Result<()> {
+    let mut answer = |status: u16, more: &str, length: usize, body: &str| {
+        let head = format!("HTTP/1.1 {status} X\r\ncontent-length: {length}\r\n{more}\r\n");
+        stream.write_all((head + body).as_bytes())
+    };
     match turn {
         Turn::Say(status, headers, body) => {
-            let mut head =
-                format!("HTTP/1.1 {status} X\r\ncontent-length: {}\r\nconnection: close\r\n", body.len());
-            for (name, value) in headers {
-                write!(head, "{name}: {value}\r\n").unwrap();
-            }
-            stream.write_all(format!("{head}\r\n{body}").as_bytes())
+            let headers: String =
+                headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
+            answer(status, &format!("connection: close\r\n{headers}"), body.len(), &body)
         }
         Turn::Think(think) => play(stream, think(seen), seen),
         Turn::Raw(bytes) => stream.write_all(&bytes),
-        Turn::Cut => {
-            stream.write_all(b"HTTP/1.1 200 OK\r\ncontent-length: 1000\r\n\r\n{\"choices\": [{\"mess")
-        }
+        Turn::Cut => answer(200, "", 1000, "{\"choices\": [{\"mess"),
         Turn::Reset => Ok(()),
         Turn::Last(body) => {
-            let head = format!("HTTP/1.1 200 OK\r\ncontent-length: {}\r\n\r\n", body.len());
-            stream.write_all(format!("{head}{body}").as_bytes())?;
+            answer(200, "", body.len(), &body)?;
             stream.set_read_timeout(Some(Duration::from_secs(5)))?;
             stream.read_exact(&mut [0])
         }
@@ -172,17 +166,11 @@ fn play(stream: &mut TcpStream, turn: Turn, seen: &Seen) -> std::io::Result<()> 
             std::thread::sleep(pause);
             play(stream, *turn, seen)
         }
-        Turn::Trickle => {
+        Turn::Endless(bytes, pause) => {
             stream.write_all(b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n")?;
             loop {
-                stream.write_all(b" ")?;
-                std::thread::sleep(Duration::from_millis(20));
-            }
-        }
-        Turn::Flood => {
-            stream.write_all(b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n{\"choices\": \"")?;
-            loop {
-                stream.write_all(&[b'x'; 1 << 16])?;
+                stream.write_all(&vec![b' '; bytes])?;
+                std::thread::sleep(pause);
             }
         }
     }
