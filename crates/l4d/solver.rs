@@ -1,7 +1,6 @@
 //! What the flags of a solver mean: grounders, and the rest of a method.
 
 mod model;
-mod segmenter;
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //!
 //! What drew it, and what only the truth knows, is not part of it.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use l4d_data::{Camera, Timeline};
 use l4d_frames::drawn::{DepthMap, RgbImage};
 
@@ -50,10 +50,5 @@ impl ViewClip {
         let position = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let has_depth = depth_m.is_finite() && depth_m > 0.0;
         has_depth.then(|| self.camera.unproject(seen.frame, position, f64::from(depth_m)))
-    }
-
-    /// Pose at a frame, metres.
-    pub fn world_from_camera(&self, frame: u32) -> DMat4 {
-        self.camera.world_from_camera(frame)
     }
 }

@@ -103,7 +103,7 @@ fn read_json(path: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeM
         return Err(DataError::invalid(path, "field `size`", message, remedy));
     }
     let mut masks = BTreeMap::new();
-    for frame in clip.frame_numbers().filter(|&frame| question.asks_about(frame)) {
+    for frame in question.frames(clip) {
         let key = frame_key(frame);
         let place = format!("frame `{key}`");
         let mask = match file.frames.get(&key) {
@@ -122,7 +122,7 @@ fn read_json(path: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeM
 /// The masks of a clip's frames from one picture each; other files are left alone.
 fn read_pngs(folder: &Path, clip: &ViewClip, question: &Question) -> Result<BTreeMap<u32, Mask>, DataError> {
     let mut masks = BTreeMap::new();
-    for frame in clip.frame_numbers().filter(|&frame| question.asks_about(frame)) {
+    for frame in question.frames(clip) {
         let path = folder.join(format!("{}.png", frame_key(frame)));
         if !path.is_file() {
             let remedy = "write a picture of 0 where nothing is to be seen";

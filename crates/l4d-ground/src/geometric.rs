@@ -1,6 +1,6 @@
 //! The grounder that needs nothing: no model, no truth, no file.
 //!
-//! It reads the sentence with a grammar, finds things by [`Classical`] perception, and asks which of them the sentence
+//! It reads the sentence with a grammar, finds things by classical perception, and asks which of them the sentence
 //! describes. One view at a time: what it gets wrong it gets wrong for this view, and other views may vote it down.
 
 mod classical;
@@ -19,23 +19,20 @@ mod stage;
 mod surface;
 #[cfg(test)]
 mod tests;
-mod vocabulary;
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use l4d_data::digest::sha256_hex;
-use l4d_masks::Mask;
 use serde_json::{Value, json};
 
-use self::classical::Classical;
+use self::classical::perceive;
+use self::lab::LabTable;
 use self::lexicon::Lexicon;
 use self::parse::{Parsed, parse};
 use self::perceive::Perceived;
-use self::settings::ReasonSettings;
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
-use crate::unread::Unread;
+use crate::unreadable::Unreadable;
 
 /// Clips whose findings are kept: the views of one scene and some more.
 const REMEMBERED: usize = 16;
@@ -43,8 +40,7 @@ const REMEMBERED: usize = 16;
 /// The geometric grounder.
 #[derive(Debug, Default)]
 pub struct Geometric {
-    perception: Classical,
-    settings: ReasonSettings,
+    table: LabTable,
     /// Digest of a clip -> what is seen in it; the latest last.
     remembered: Mutex<Vec<(String, Arc<Perceived>)>>,
 }
@@ -60,7 +56,7 @@ impl Geometric {
         if let Some(seen) = known(&self.remembered.lock().unwrap_or_else(PoisonError::into_inner)) {
             return seen;
         }
-        let seen = Arc::new(self.perception.perceive(clip));
+        let seen = Arc::new(perceive(clip, &self.table));
         let mut entries = self.remembered.lock().unwrap_or_else(PoisonError::into_inner);
         if entries.len() >= REMEMBERED {
             entries.remove(0);
@@ -74,20 +70,24 @@ impl Grounder for Geometric {
     fn identity(&self) -> Value {
         json!({
             "kind": "geometric",
-            "version": 1,
+            "version": 2,
             "words": Lexicon::shipped_digest(),
-            "perception": self.perception.identity(),
-            "reasoning": self.settings,
         })
     }
 
-    fn reads(&self, text: &str) -> Result<(), Unread> {
+    fn reads(&self, text: &str) -> Result<(), Unreadable> {
         // A damaged lexicon is an error of every view, and no fault of the sentence.
         Lexicon::shipped().map_or(Ok(()), |lexicon| understood(lexicon, text).map(|_| ()))
     }
 
     fn knows(&self) -> Option<String> {
-        Lexicon::shipped().ok().map(vocabulary::summary)
+        let lexicon = Lexicon::shipped().ok()?;
+        Some(format!(
+            "colours, patterns, materials, shapes, sizes, places, {} kinds of things and {} verbs such as walk, run, jump, \
+             carry, lift (docs/panopticquery.md#words)",
+            lexicon.kind_count(),
+            lexicon.verb_count()
+        ))
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
@@ -100,19 +100,15 @@ impl Grounder for Geometric {
             Err(unread) => return Grounding::without_answer(Outcome::Unsupported(unread)),
         };
         let seen = self.perceived(clip);
-        let answer = reason::answer(&seen, lexicon, &self.settings, &parsed);
-        let mut masks: BTreeMap<u32, Mask> = BTreeMap::new();
-        for (frame, mask) in answer.masks {
-            if question.range.is_none_or(|range| range.contains(frame)) {
-                masks.insert(frame, mask);
-            }
-        }
+        let answer = reason::answer(&seen, lexicon, &parsed);
+        let is_asked = |frame: u32| question.range.is_none_or(|range| range.contains(frame));
+        let masks = answer.masks.into_iter().filter(|(frame, _)| is_asked(*frame)).collect();
         Grounding::of_masks(clip, masks, answer.notes)
     }
 }
 
 /// What a sentence means, if that can be looked for.
-fn understood(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unread> {
+fn understood(lexicon: &Lexicon, text: &str) -> Result<Parsed, Unreadable> {
     let parsed = parse(lexicon, text)?;
     match reason::unmeasured(lexicon, &parsed) {
         Some(unread) => Err(unread),

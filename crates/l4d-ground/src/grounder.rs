@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::clip::ViewClip;
-use crate::unread::Unread;
+use crate::unreadable::Unreadable;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,9 +31,55 @@ impl From<&Query> for Question {
 }
 
 impl Question {
-    /// Whether the user asks about a frame.
-    pub fn asks_about(&self, frame: u32) -> bool {
-        self.range.is_none_or(|range| range.contains(frame))
+    /// The frames of a clip that the user asks about.
+    pub(crate) fn frames<'c>(&self, clip: &'c ViewClip) -> impl Iterator<Item = u32> + use<'c> {
+        let range = self.range;
+        clip.frame_numbers().filter(move |frame| range.is_none_or(|range| range.contains(*frame)))
+    }
+}
+
+/// Longer texts are no sentence about a clip, characters.
+const LONGEST_SENTENCE: usize = 2000;
+
+/// The sentence without blanks around it, if a model can be asked it.
+pub(crate) fn sentence(text: &str) -> Result<&str, Unreadable> {
+    let sentence = text.trim();
+    let length = sentence.chars().count();
+    match length {
+        0 => Err(Unreadable::whole("the sentence is empty")),
+        1..=LONGEST_SENTENCE => Ok(sentence),
+        _ => Err(Unreadable::whole(format!(
+            "the sentence has {length} characters, and at most {LONGEST_SENTENCE} are sent"
+        ))),
+    }
+}
+
+/// A question that a model can be asked about a clip.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct CheckedQuestion<'a> {
+    /// The sentence without blanks around it.
+    pub(crate) sentence: &'a str,
+    /// The frames of the clip that are asked about, ascending; at least one.
+    pub(crate) frames: Vec<u32>,
+    /// What is asked about, in canonical frames.
+    pub(crate) range: Interval,
+}
+
+impl<'a> CheckedQuestion<'a> {
+    /// Checks question and clip; the outcome says why there is nothing to ask.
+    pub(crate) fn new(clip: &ViewClip, question: &'a Question) -> Result<Self, Outcome> {
+        let sentence = sentence(&question.text).map_err(Outcome::Unsupported)?;
+        if !Mask::is_sane_size(clip.width, clip.height) {
+            let (width, height) = (clip.width, clip.height);
+            let why = format!("the clip has pictures of {width}x{height} pixels, which cannot be sent");
+            return Err(Outcome::Error(why));
+        }
+        let frames: Vec<u32> = question.frames(clip).collect();
+        let ends = frames.first().zip(frames.last()).map(|(first, last)| Interval::new(*first, *last));
+        let Some(Ok(whole)) = ends else {
+            return Err(Outcome::Error("the clip has no frame that is asked about".to_owned()));
+        };
+        Ok(Self { sentence, frames, range: question.range.unwrap_or(whole) })
     }
 }
 
@@ -54,7 +100,7 @@ pub enum Outcome {
     /// The model would not say.
     Refused(String),
     /// The grounder cannot read the sentence, and never will.
-    Unsupported(Unread),
+    Unsupported(Unreadable),
     /// No reply: the connection, the process, the file.
     Error(String),
 }
@@ -145,7 +191,7 @@ pub trait Grounder: Sync {
     ///
     /// # Errors
     /// What it cannot read.
-    fn reads(&self, _text: &str) -> Result<(), Unread> {
+    fn reads(&self, _text: &str) -> Result<(), Unreadable> {
         Ok(())
     }
 

@@ -9,17 +9,16 @@ pub mod clip;
 pub mod files;
 pub mod geometric;
 pub mod grounder;
-mod nearest;
+mod grounder_file;
 pub mod oracle;
 mod plan;
-mod question;
 #[cfg(test)]
 mod testing;
-mod unread;
+mod unreadable;
 pub mod vlm;
 pub mod worker;
 
 pub use clip::{ClipFrame, ViewClip};
 pub use grounder::{Grounder, Grounding, Outcome, Question};
-pub use nearest::nearest;
-pub use unread::{Reason, Unread, Word};
+pub use grounder_file::GrounderFile;
+pub use unreadable::{Reason, Unreadable};

@@ -4,91 +4,57 @@
 //! It sees what the renderer knew of the training views, never the held-out one. What is made of its answers is marked
 //! as using the truth. How views are compared is not known here.
 //!
-//! - [`noise`]: which errors, how often;
-//! - [`target`]: what a query means;
-//! - [`ids`]: which pixels show what;
+//! - `noise`: which errors, how often;
+//! - `target`: what a query means;
+//! - `ids`: which pixels show what;
 //! - `draws`: which view errs, from the seed.
 
 mod draws;
-pub mod ids;
-pub mod noise;
-pub mod target;
+mod ids;
+mod noise;
+mod target;
 #[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use l4d_data::Name;
 use l4d_data::digest::sha256_hex;
 use l4d_data::json::canonical;
-use l4d_data::{DataError, Name, QueryId};
 use l4d_masks::{Mask, morphology};
 use serde_json::{Value, json};
 
 use self::draws::{Draws, Meant};
-pub use self::ids::{DrawnIds, IdSource, RenderedIds, TrainingIds};
-pub use self::noise::{Blobs, CORRELATIONS, NoiseModel, NoisePreset, Span, Swap};
-pub use self::target::Target;
+pub use self::ids::{IdSource, open_ids};
+pub use self::noise::{CORRELATIONS, NoiseModel, NoisePreset, Swap};
+pub use self::target::{Target, UnknownReferent};
 use crate::clip::ViewClip;
 use crate::grounder::{Grounder, Grounding, Outcome, Question};
 
 /// The truth about the queries of one scene, with stated errors.
-#[derive(Debug)]
-pub struct Oracle<S> {
+pub struct Oracle {
     scene: Name,
-    ids: S,
+    ids: Arc<dyn IdSource>,
     targets: BTreeMap<Name, Target>,
     preset: NoisePreset,
 }
 
-/// Why there is no oracle, or no answer of it.
-#[derive(Debug, thiserror::Error)]
-pub enum OracleError {
-    /// A number of the noise that is no share, or no length.
-    #[error("`{field}` is {found}, but {allowed}")]
-    Noise {
-        /// Field, as in the file.
-        field: String,
-        /// What it says.
-        found: String,
-        /// What it may say.
-        allowed: String,
-    },
-    /// A referent that the scene does not have.
-    #[error("query {query} refers to `{name}`, which is no object of its scene: run `l4d check-queries`")]
-    Referent {
-        /// The query.
-        query: QueryId,
-        /// The referent.
-        name: Name,
-    },
-    /// A question that it cannot be asked, with the remedy.
-    #[error("{0}")]
-    Question(String),
-    /// A picture that cannot be read.
-    #[error(transparent)]
-    Picture(#[from] DataError),
-}
-
-impl<S: IdSource> Oracle<S> {
+impl Oracle {
     /// The oracle of a scene, which knows queries by their numbers.
-    ///
-    /// # Errors
-    /// A number of the noise cannot be.
     pub fn new(
         scene: Name,
-        ids: S,
+        ids: Arc<dyn IdSource>,
         targets: BTreeMap<Name, Target>,
         preset: NoisePreset,
-    ) -> Result<Self, OracleError> {
-        preset.check()?;
-        Ok(Self { scene, ids, targets, preset })
+    ) -> Self {
+        Self { scene, ids, targets, preset }
     }
 
-    fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, OracleError> {
-        let refuse = |message: String| Err(OracleError::Question(message));
-        let scene = &self.scene;
-        if question.scene != *scene {
-            let asked = &question.scene;
+    fn answer(&self, clip: &ViewClip, question: &Question) -> Result<Grounding, Outcome> {
+        let refuse = |message: String| Err(Outcome::Error(message));
+        let (scene, asked) = (&self.scene, &question.scene);
+        if asked != scene {
             return refuse(format!(
                 "the oracle knows scene {scene}, but is asked about {asked}: ask the oracle of that scene"
             ));
@@ -116,36 +82,33 @@ impl<S: IdSource> Oracle<S> {
             Meant::LookAlikes(ids) => ids,
         };
         let mut masks = BTreeMap::new();
-        for frame in clip.frame_numbers().filter(|&frame| question.asks_about(frame)) {
+        for frame in question.frames(clip) {
             let mut mask = Mask::empty(clip.width, clip.height);
             if target.holds_at(frame) && !draws.flickers(&noise, view, frame) {
                 mask = self.pixels(clip, frame, shown)?;
                 mask = edged(&mask, draws.edge_px(&noise, view, frame));
-            }
-            if let Some(blob) = draws.blob(&noise.blobs, mask.size(), view, frame) {
-                mask.union_with(&blob);
             }
             masks.insert(frame, mask);
         }
         Ok(Grounding::of_masks(clip, masks, vec![note(&meant, target)]))
     }
 
-    fn pixels(&self, clip: &ViewClip, frame: u32, ids: &[u32]) -> Result<Mask, OracleError> {
+    fn pixels(&self, clip: &ViewClip, frame: u32, ids: &[u32]) -> Result<Mask, Outcome> {
         let view = &clip.camera.name;
-        let mask = self.ids.pixels_of(view, frame, ids)?;
+        let mask = self.ids.pixels_of(view, frame, ids).map_err(|error| Outcome::of_data_error(&error))?;
         let size = (clip.width, clip.height);
-        if mask.size() != size {
-            let ((clip_width, clip_height), (width, height)) = (size, mask.size());
-            return Err(OracleError::Question(format!(
-                "the clip is {clip_width}x{clip_height}, but ids of view {view} at frame {frame} are {width}x{height}: \
-                 draw clips at the size of the rendered frames"
-            )));
+        if mask.size() == size {
+            return Ok(mask);
         }
-        Ok(mask)
+        let ((clip_width, clip_height), (width, height)) = (size, mask.size());
+        Err(Outcome::Error(format!(
+            "the clip is {clip_width}x{clip_height}, but ids of view {view} at frame {frame} are {width}x{height}: \
+             draw clips at the size of the rendered frames"
+        )))
     }
 }
 
-impl<S: IdSource> Grounder for Oracle<S> {
+impl Grounder for Oracle {
     fn identity(&self) -> Value {
         json!({
             "kind": "oracle",
@@ -161,12 +124,7 @@ impl<S: IdSource> Grounder for Oracle<S> {
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
-        self.answer(clip, question).unwrap_or_else(|error| {
-            Grounding::without_answer(match error {
-                OracleError::Picture(error) => Outcome::of_data_error(&error),
-                other => Outcome::Error(other.to_string()),
-            })
-        })
+        self.answer(clip, question).unwrap_or_else(Grounding::without_answer)
     }
 }
 

@@ -4,14 +4,12 @@
 //! This module owns the couplings of the two, which the paper leaves open. How a question travels is known to
 //! `l4d-endpoint`, how masks are made to [`crate::worker`]. One view at a time, one question each (`pick`: two).
 
-mod coupling;
-mod ground;
-mod pick;
-mod pictures;
-mod request;
+mod prompt;
 #[cfg(test)]
 mod tests;
+mod view;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use l4d_data::digest::sha256_hex;
@@ -19,15 +17,35 @@ use l4d_endpoint::{Calibrations, Client, Convention, Endpoint, EndpointError, Pl
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-pub use coupling::Coupling;
-
-use self::ground::NoMasks;
-use self::request::SentFrames;
+use self::prompt::Template;
+use self::view::View;
 use crate::clip::ViewClip;
-use crate::grounder::{Grounder, Grounding, Outcome, Question};
-use crate::question::{self, CheckedQuestion};
-use crate::unread::Unread;
+use crate::grounder::{Grounder, Grounding, Outcome, Question, sentence};
+use crate::unreadable::Unreadable;
 use crate::worker::{Segmenter, WorkerError};
+
+/// What a model hands to a segmenter. The paper does not say; `text` fits what it does say best.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coupling {
+    /// A rewritten expression, to a segmenter of text.
+    Text,
+    /// Boxes in some frames, to a segmenter that follows them through all frames.
+    Box,
+    /// The kind of thing, to a segmenter of text; the model then chooses among what was found.
+    Pick,
+}
+
+impl Coupling {
+    /// The prompts that it uses; with the first one a plan is asked for.
+    fn templates(self) -> &'static [Template] {
+        match self {
+            Self::Text => &[Template::TEXT],
+            Self::Box => &[Template::BOX],
+            Self::Pick => &[Template::NOUN, Template::PICK],
+        }
+    }
+}
 
 /// How a model is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -46,8 +64,6 @@ pub struct Settings {
     pub seed: Option<u32>,
     /// Which asking this is, from 0: others are asked anew instead of being taken from the cache.
     pub repeat: u32,
-    /// Whether masks are emptied where the model says that the query does not hold.
-    pub gate: bool,
 }
 
 impl Default for Settings {
@@ -59,7 +75,6 @@ impl Default for Settings {
             temperature: Some(0.0),
             seed: Some(0),
             repeat: 0,
-            gate: false,
         }
     }
 }
@@ -126,7 +141,7 @@ impl Vlm {
         if settings.answer_tokens == 0 {
             return refuse("answer_tokens", "must be at least 1");
         }
-        segmenter.takes(coupling.prompt_kind())?;
+        segmenter.takes(if coupling == Coupling::Box { "box" } else { "text" })?;
         let convention = match coupling {
             Coupling::Box => client.endpoint().convention(calibrations)?,
             // No coordinates are asked for.
@@ -152,18 +167,17 @@ impl Vlm {
         let mut total = Plan::default();
         for (clip, question) in questions {
             // What cannot be asked costs nothing.
-            let Ok(asked) = CheckedQuestion::new(clip, question) else { continue };
-            let sent = SentFrames::choose(clip, &asked, &self.settings);
-            let mut requests = Vec::new();
-            if self.coupling == Coupling::Pick {
-                requests.push(self.noun_request(&asked));
-            }
-            let pictures = pictures::plain(&sent)?;
-            requests.push(match self.coupling {
-                Coupling::Pick => pick::request(&asked, &sent, pictures, 1, &self.settings),
-                Coupling::Text | Coupling::Box => self.plan_request(&asked, &sent, pictures),
-            });
-            total += self.client.plan(&requests);
+            let Ok(view) = View::new(self, clip, question) else { continue };
+            let pictures = view.plain()?;
+            total += match self.coupling {
+                Coupling::Pick => {
+                    let noun = view.plan_request(Template::NOUN, Vec::new());
+                    self.client.plan(&[noun, view.choice_request(pictures, 1)])
+                }
+                Coupling::Text | Coupling::Box => {
+                    self.client.plan([&view.plan_request(self.coupling.templates()[0], pictures)])
+                }
+            };
         }
         Ok(total)
     }
@@ -172,8 +186,7 @@ impl Vlm {
 impl Grounder for Vlm {
     fn identity(&self) -> Value {
         let endpoint = self.client.endpoint();
-        let prompts: Vec<Value> =
-            self.coupling.templates().iter().map(|template| template.identity()).collect();
+        let prompts: Vec<Value> = self.coupling.templates().iter().map(Template::identity).collect();
         json!({
             "grounder": "vlm",
             "version": 1,
@@ -190,17 +203,19 @@ impl Grounder for Vlm {
         })
     }
 
-    fn reads(&self, text: &str) -> Result<(), Unread> {
-        question::sentence(text).map(|_| ())
+    fn reads(&self, text: &str) -> Result<(), Unreadable> {
+        sentence(text).map(|_| ())
     }
 
     fn ground(&self, clip: &ViewClip, question: &Question) -> Grounding {
-        match self.try_ground(clip, question) {
-            Ok(grounding) => grounding,
-            Err(NoMasks { outcome: Outcome::Absent, notes }) => {
-                Grounding::of_masks(clip, Default::default(), notes)
-            }
-            Err(NoMasks { outcome, notes }) => Grounding { notes, ..Grounding::without_answer(outcome) },
+        let mut view = match View::new(self, clip, question) {
+            Ok(view) => view,
+            Err(outcome) => return Grounding::without_answer(outcome),
+        };
+        match view.masks() {
+            Ok(found) => Grounding::of_masks(clip, found.union(), view.notes),
+            Err(Outcome::Absent) => Grounding::of_masks(clip, BTreeMap::new(), view.notes),
+            Err(outcome) => Grounding { notes: view.notes, ..Grounding::without_answer(outcome) },
         }
     }
 }

@@ -4,7 +4,6 @@
 //! dies, hangs, floods or says what cannot be. It knows nothing of what runs inside a worker and where prompts come
 //! from.
 
-mod answer;
 mod error;
 mod frames;
 mod process;
@@ -12,8 +11,8 @@ mod protocol;
 mod segmenter;
 #[cfg(test)]
 mod tests;
-mod text;
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -21,10 +20,10 @@ use std::time::Duration;
 
 pub use error::WorkerError;
 pub use frames::{FrameStore, Frames};
-pub use protocol::{Hello, TextKind, Weights};
-pub use segmenter::{ClipPrompt, Object, Segmented, Segmenter};
+pub use protocol::{Hello, TextKind};
+pub(crate) use segmenter::{ClipPrompt, Object, Segmented};
+pub use segmenter::{Segmenter, TextGrounder};
 use serde_json::Value;
-pub use text::TextGrounder;
 
 use self::process::Process;
 use self::protocol::Segment;
@@ -41,7 +40,7 @@ pub struct Launch {
     /// Its arguments.
     pub arguments: Vec<OsString>,
     /// Variables that are set for it beside those of this process.
-    pub environment: Vec<(String, OsString)>,
+    pub environment: BTreeMap<String, OsString>,
 }
 
 /// How long a worker is waited for.
@@ -96,7 +95,7 @@ impl Worker {
     }
 
     /// What it says of itself.
-    pub fn hello(&self) -> &Hello {
+    fn hello(&self) -> &Hello {
         &self.hello
     }
 
@@ -137,11 +136,8 @@ impl Worker {
     fn running<'a>(&self, state: &'a mut State) -> Result<&'a mut Process, WorkerError> {
         if state.process.is_none() {
             if state.failures_in_a_row >= FAILURES_IN_A_ROW {
-                return Err(WorkerError::given_up(
-                    &self.hello.name,
-                    state.failures_in_a_row,
-                    &state.last_failure,
-                ));
+                let State { failures_in_a_row: failures, last_failure: last, .. } = state;
+                return Err(WorkerError::given_up(&self.hello.name, *failures, last));
             }
             let started = Process::start(&self.launch, self.patience).and_then(|process| {
                 // Answers are kept under the hello of the first one.

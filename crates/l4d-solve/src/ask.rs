@@ -12,7 +12,7 @@ use l4d_data::store::write_atomic;
 use l4d_data::{Interval, Name, Progress, Rig, StageError, Timeline, Workspace};
 use l4d_frames::drawn::encode_colour;
 use l4d_frames::moving_picture::{self, Pace};
-use l4d_ground::{Question, Unread};
+use l4d_ground::{Question, Unreadable};
 use l4d_splat::raster::Rasterizer;
 use serde_json::{Value, json};
 
@@ -152,7 +152,7 @@ fn answer(
     let mut solved = method.solve(&scene, &question, &dir, &|| progress.advance(1))?;
     progress.finish();
 
-    let unread = |unread: &Unread| Answer::unread(unread, &question.text, known, grounder.as_ref());
+    let unread = |unread: &Unreadable| Answer::unread(unread, &question.text, known, grounder.as_ref());
     let missing = Answer::missing(&solved, unread);
     let is_shown = missing.as_ref().is_none_or(Answer::has_masks);
     // Taken out of what is kept: it may be large.

@@ -159,7 +159,7 @@ mod tests {
 
     use l4d_data::{Name, Timeline};
     use l4d_frames::drawn::{DepthMap, RgbImage};
-    use l4d_ground::{ClipFrame, Reason, Unread, Word};
+    use l4d_ground::{ClipFrame, Reason, Unreadable};
 
     use super::*;
     use crate::testing::camera;
@@ -208,8 +208,7 @@ mod tests {
 
     #[test]
     fn what_is_final_is_asked_once_and_everything_else_again() {
-        let word = Word { text: "zorple".to_owned(), bytes: [4, 10] };
-        let unread = Unread::words(Reason::Unknown, [&word]);
+        let unread = Unreadable::words(Reason::Unknown, [&"zorple".to_owned()]);
         for outcome in [Outcome::Found, Outcome::Absent, Outcome::Unsupported(unread)] {
             let (groundings, asked) = ask_twice(outcome.clone());
             assert_eq!(asked, 2, "{outcome:?}");

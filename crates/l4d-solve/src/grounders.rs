@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use l4d_data::layout::SceneDir;
-use l4d_data::{At as _, Query, StageError};
+use l4d_data::{Query, StageError};
 use l4d_ground::Grounder;
 use l4d_ground::files::Files;
-use l4d_ground::oracle::{NoisePreset, Oracle, Target, TrainingIds};
+use l4d_ground::oracle::{NoisePreset, Oracle, Target, open_ids};
 use l4d_ground::vlm::Vlm;
 
 use crate::clips::Plan;
@@ -52,7 +52,7 @@ impl Grounders {
             Self::Files(root) => Arc::new(Files::open(root, scene.name.clone())?),
             Self::Oracle(noise) => {
                 let Plan { size, camera_size, .. } = scene.plan;
-                let ids = TrainingIds::open(place.clone(), scene.profile, size, camera_size)?;
+                let ids = open_ids(place.clone(), scene.profile, size, camera_size)?;
                 let instances = ids.instances();
                 let target = |query: &Query| {
                     let target =
@@ -60,8 +60,7 @@ impl Grounders {
                     Ok((query.id.number.clone(), target))
                 };
                 let targets = queries.iter().map(target).collect::<Result<BTreeMap<_, _>, StageError>>()?;
-                let oracle = Oracle::new(scene.name.clone(), ids, targets, noise.clone());
-                Arc::new(oracle.map_err(|error| StageError::of(&error, None)).at("--noise")?)
+                Arc::new(Oracle::new(scene.name.clone(), Arc::clone(&ids), targets, noise.clone()))
             }
         })
     }
@@ -76,7 +75,7 @@ impl Grounders {
 
     /// Model servers that are asked.
     pub fn endpoints(&self) -> Vec<String> {
-        self.vlm().map(|vlm| vlm.endpoint().base_url.as_str().to_owned()).into_iter().collect()
+        self.vlm().map(|vlm| vlm.endpoint().base_url.to_string()).into_iter().collect()
     }
 
     /// Whether the truth of training views is looked at.

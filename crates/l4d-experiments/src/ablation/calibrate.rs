@@ -8,13 +8,14 @@ mod search;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use l4d_data::digest::sha256_hex;
 use l4d_data::published::{self, Published};
 use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::{At as _, Category, DataError, Name, Progress, Query, json};
+use l4d_data::{At as _, Category, Name, Progress, Query, json};
 use l4d_frames::drawn::DepthMap;
-use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, TrainingIds};
+use l4d_ground::oracle::{IdSource, NoisePreset, Oracle, Target, open_ids};
 use l4d_ground::{Grounder as _, Grounding, Outcome, Question};
 use l4d_masks::Mask;
 use l4d_solve::lift::{Evidence, lift};
@@ -189,10 +190,10 @@ fn said(searches: &BTreeMap<Category, Search>) -> String {
     parts.join(", ")
 }
 
-/// A scene with what the oracle knows of it.
+/// A scene with what the oracle knows of it. Many oracles share its ids, so that pictures are read once.
 struct Subject<'a> {
     judged: JudgedScene<'a>,
-    ids: TrainingIds,
+    ids: Arc<dyn IdSource>,
     targets: BTreeMap<Name, Target>,
 }
 
@@ -204,7 +205,7 @@ impl<'a> Subject<'a> {
             frame.depth = DepthMap::empty(0, 0);
         }
         let SolveScene { profile, plan, .. } = &judged.scene;
-        let ids = TrainingIds::open(judged.places.data.clone(), *profile, plan.size, plan.camera_size)?;
+        let ids = open_ids(judged.places.data.clone(), *profile, plan.size, plan.camera_size)?;
         let instances = ids.instances();
         let target =
             |query: &Query| Ok((query.id.number.clone(), Target::of(instances, query).map_err(plain)?));
@@ -212,23 +213,9 @@ impl<'a> Subject<'a> {
         Ok(Self { targets, ids, judged })
     }
 
-    fn oracle(&self, preset: &NoisePreset) -> Result<Oracle<Shared<'_>>> {
+    fn oracle(&self, preset: &NoisePreset) -> Oracle {
         let scene = self.judged.scene.name.clone();
-        let oracle = Oracle::new(scene, Shared(&self.ids), self.targets.clone(), preset.clone());
-        oracle.map_err(plain).at("--noise")
-    }
-}
-
-/// Pictures of ids that many oracles share, so that they are read once.
-struct Shared<'a>(&'a TrainingIds);
-
-impl IdSource for Shared<'_> {
-    fn identity(&self) -> Value {
-        self.0.identity()
-    }
-
-    fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
-        self.0.pixels_of(view, frame, ids)
+        Oracle::new(scene, Arc::clone(&self.ids), self.targets.clone(), preset.clone())
     }
 }
 
@@ -250,7 +237,7 @@ impl Trials<'_> {
     ) -> Result<BTreeMap<Category, f64>> {
         let mut sums: BTreeMap<Category, (f64, usize)> = BTreeMap::new();
         for subject in subjects {
-            let oracle = subject.oracle(preset)?;
+            let oracle = subject.oracle(preset);
             for query in subject.judged.queries() {
                 let miou = self.miou(subject, &oracle, query).at(&query.id)?;
                 self.progress.advance(1);
@@ -264,12 +251,7 @@ impl Trials<'_> {
         Ok(sums.into_iter().map(|(category, (sum, count))| (category, sum / count as f64)).collect())
     }
 
-    fn miou(
-        &mut self,
-        subject: &Subject<'_>,
-        oracle: &Oracle<Shared<'_>>,
-        query: &Query,
-    ) -> Result<Option<f64>> {
+    fn miou(&mut self, subject: &Subject<'_>, oracle: &Oracle, query: &Query) -> Result<Option<f64>> {
         let question = Question::from(query);
         let clips = &subject.judged.scene.clips;
         let groundings: Vec<Grounding> = clips.iter().map(|clip| oracle.ground(clip, &question)).collect();

@@ -66,14 +66,6 @@ fn json_and_pngs_say_the_same() {
 }
 
 #[test]
-fn nothing_in_any_frame_is_absent() {
-    let folder = Folder::new();
-    folder.put("cam01.json", json_of(&[("0000", None), ("0012", None), ("0024", None)]));
-    let grounding = folder.ask();
-    assert_eq!((grounding.outcome, grounding.masks.len()), (Outcome::Absent, 3));
-}
-
-#[test]
 fn what_is_missing_is_named() {
     let folder = Folder::new();
     let why = folder.complaint();
@@ -89,14 +81,15 @@ fn what_is_missing_is_named() {
 
 #[test]
 fn a_wrong_size_names_both() {
-    let folder = Folder::new();
-    folder.put("cam01.json", r#"{"size":[96,128],"frames":{}}"#);
-    let why = folder.complaint();
-    assert!(why.contains("128x96") && why.contains("6x4"), "{why}");
-    let pngs = Folder::new();
-    pngs.put("cam01/0000.png", png::encode(&Mask::empty(5, 4)));
-    let why = pngs.complaint();
-    assert!(why.contains("5x4") && why.contains("6x4") && why.contains("size of the clip"), "{why}");
+    for (name, bytes, found) in [
+        ("cam01.json", br#"{"size":[96,128],"frames":{}}"#.to_vec(), "128x96"),
+        ("cam01/0000.png", png::encode(&Mask::empty(5, 4)), "5x4"),
+    ] {
+        let folder = Folder::new();
+        folder.put(name, bytes);
+        let why = folder.complaint();
+        assert!(why.contains(found) && why.contains("6x4") && why.contains("size of the clip"), "{why}");
+    }
 }
 
 #[test]
@@ -146,22 +139,24 @@ fn only_frames_that_are_asked_about_are_needed_and_shown() {
 
 #[test]
 fn other_scenes_and_own_sentences_are_refused() {
-    let folder = Folder::new();
-    let clip = blank_clip("cam01", 6, 4, &FRAMES);
-    let other = folder.files().ground(&clip, &question("barn", "001"));
-    assert!(matches!(other.outcome, Outcome::Error(why) if why.contains("yard") && why.contains("barn")));
     let own = Question { number: None, ..question("yard", "001") };
-    assert!(matches!(folder.files().ground(&clip, &own).outcome, Outcome::Error(_)));
+    for (asked, words) in [(question("barn", "001"), "of yard, not of barn"), (own, "this sentence has none")]
+    {
+        let outcome = Folder::new().files().ground(&blank_clip("cam01", 6, 4, &FRAMES), &asked).outcome;
+        assert!(matches!(&outcome, Outcome::Error(why) if why.contains(words)), "{outcome:?}");
+    }
 }
 
 #[test]
-fn other_masks_are_another_identity() {
+fn other_masks_are_another_identity_and_nothing_in_any_frame_is_absent() {
     let folder = Folder::new();
     let none = folder.files().identity();
     folder.put("cam01.json", json_of(&[]));
     let one = folder.files().identity();
-    folder.put("cam01.json", json_of(&[("0000", None)]));
+    folder.put("cam01.json", json_of(&[("0000", None), ("0012", None), ("0024", None)]));
     let changed = folder.files().identity();
     assert!(none != one && one != changed);
     assert_eq!(changed, folder.files().identity());
+    let Grounding { outcome, masks, .. } = folder.ask();
+    assert_eq!((outcome, masks.len()), (Outcome::Absent, 3));
 }

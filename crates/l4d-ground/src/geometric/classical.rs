@@ -2,66 +2,49 @@
 
 use glam::DVec2;
 use l4d_data::Scale;
-use serde_json::{Value, json};
 
 use super::lab::LabTable;
 use super::link::{Chain, link};
 use super::perceive::{Perceived, Track, median};
 use super::segment::{Level, segments};
-use super::settings::PerceptionSettings;
+use super::settings::{MOST_TRACKS, SAME_IOU, SCALE_DEPTH_M};
 use super::surface::{Backdrop, Surface};
 use crate::clip::ViewClip;
 
-/// Segments from depth, colour and motion, linked over time within one view.
-#[derive(Debug, Default)]
-pub(crate) struct Classical {
-    settings: PerceptionSettings,
-    table: LabTable,
-}
-
-impl Classical {
-    /// Everything that its findings depend on beside the clip.
-    pub(super) fn identity(&self) -> Value {
-        json!({ "perception": "classical", "version": 1, "settings": self.settings })
+/// The things of a clip: segments from depth, colour and motion, linked over time within one view. Never fails: what
+/// it cannot make out is not there.
+pub(super) fn perceive(clip: &ViewClip, table: &LabTable) -> Perceived {
+    let frames: Vec<u32> = clip.frame_numbers().collect();
+    let surfaces: Vec<Surface> = clip.frames.iter().map(|seen| Surface::new(clip, seen, table)).collect();
+    let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
+    let median_depth_m =
+        median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect());
+    let footprint = 1.0 / clip.camera.fx.max(1e-9) as f32;
+    let backdrop = Backdrop::new(clip, &surfaces, median_depth_m);
+    let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
+    let mut chains = Vec::new();
+    for level in Level::ALL {
+        let found = surfaces.iter().map(|surface| segments(surface, &backdrop, level, footprint));
+        chains.extend(link(found.collect(), &seconds));
     }
-
-    /// The things of a clip. Never fails: what it cannot make out is not there.
-    pub(super) fn perceive(&self, clip: &ViewClip) -> Perceived {
-        let settings = &self.settings;
-        let frames: Vec<u32> = clip.frame_numbers().collect();
-        let surfaces: Vec<Surface> =
-            clip.frames.iter().map(|seen| Surface::new(clip, seen, &self.table, settings)).collect();
-        let depths = surfaces.iter().take(1).flat_map(|surface| surface.depth_m.iter().step_by(7));
-        let median_depth_m =
-            median(depths.filter(|depth_m| depth_m.is_finite()).map(|&depth_m| f64::from(depth_m)).collect());
-        let footprint = 1.0 / clip.camera.fx.max(1e-9) as f32;
-        let backdrop = Backdrop::new(clip, &surfaces, median_depth_m, settings);
-        let seconds: Vec<f64> = frames.iter().map(|&frame| clip.timeline.seconds(frame)).collect();
-        let mut chains = Vec::new();
-        for level in Level::ALL {
-            let found =
-                surfaces.iter().map(|surface| segments(surface, &backdrop, level, settings, footprint));
-            chains.extend(link(found.collect(), &seconds, settings));
-        }
-        let spacing_m = median_depth_m * f64::from(footprint);
-        let levels_m = backdrop.levels_m.iter().map(|&level| f64::from(level)).collect();
-        let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
-        let eye = clip.camera.unproject(middle, DVec2::ZERO, 0.0);
-        Perceived {
-            tracks: distinct(chains, settings),
-            frames,
-            timeline: clip.timeline,
-            scale: scale_of(median_depth_m, settings),
-            spacing_m,
-            eye,
-            focus: backdrop.focus(&surfaces, settings),
-            levels_m,
-        }
+    let spacing_m = median_depth_m * f64::from(footprint);
+    let levels_m = backdrop.levels_m.iter().map(|&level| f64::from(level)).collect();
+    let middle = frames.get(frames.len() / 2).copied().unwrap_or(0);
+    let eye = clip.camera.unproject(middle, DVec2::ZERO, 0.0);
+    Perceived {
+        tracks: distinct(chains),
+        frames,
+        timeline: clip.timeline,
+        scale: scale_of(median_depth_m),
+        spacing_m,
+        eye,
+        focus: backdrop.focus(&surfaces),
+        levels_m,
     }
 }
 
-fn scale_of(median_depth_m: f64, settings: &PerceptionSettings) -> Scale {
-    let [table, room] = settings.scale_depth_m;
+fn scale_of(median_depth_m: f64) -> Scale {
+    let [table, room] = SCALE_DEPTH_M;
     if median_depth_m <= table {
         Scale::Tabletop
     } else if median_depth_m <= room {
@@ -72,7 +55,7 @@ fn scale_of(median_depth_m: f64, settings: &PerceptionSettings) -> Scale {
 }
 
 /// Chains that last, the same pixels not twice, those with most pixels.
-fn distinct(chains: Vec<Chain>, settings: &PerceptionSettings) -> Vec<Track> {
+fn distinct(chains: Vec<Chain>) -> Vec<Track> {
     let count = chains.first().map_or(0, Vec::len);
     let least = (count / 12).clamp(1, 4);
     let pixels = |chain: &Chain| chain.iter().flatten().map(|glimpse| glimpse.area_px).sum::<u64>();
@@ -85,13 +68,12 @@ fn distinct(chains: Vec<Chain>, settings: &PerceptionSettings) -> Vec<Track> {
     chains.sort_by_key(|(pixels, _)| std::cmp::Reverse(*pixels));
     let mut kept: Vec<(u64, Chain)> = Vec::new();
     for (area, chain) in chains {
-        let mut rivals =
-            kept.iter().rev().take_while(|(other, _)| area as f64 >= settings.same_iou * *other as f64);
-        let is_known = rivals.any(|(other, kept)| iou(&chain, kept, area + other) >= settings.same_iou);
+        let mut rivals = kept.iter().rev().take_while(|(other, _)| area as f64 >= SAME_IOU * *other as f64);
+        let is_known = rivals.any(|(other, kept)| iou(&chain, kept, area + other) >= SAME_IOU);
         if !is_known {
             kept.push((area, chain));
         }
-        if kept.len() == settings.most_tracks {
+        if kept.len() == MOST_TRACKS {
             break;
         }
     }

@@ -7,7 +7,10 @@ use super::lexicon::{Lexicon, Noun};
 use super::motion::Kinematics;
 use super::parse::ANY_PERSON;
 use super::perceive::{Glimpse, Perceived, Track};
-use super::settings::ReasonSettings;
+use super::settings::{
+    CLOSED_POWER, CUT_COST, FILL_POWER, FOCUS_POWER, FOCUS_REACH, FOCUS_SHARE, LIFELESS, SEEN_POWER,
+    SIZE_DEVIATION, STAND_SHARE, UNSUPPORTED,
+};
 
 /// Two things are alike in size if their sides differ by this much: standard deviation of the logarithm.
 const ALIKE_DEVIATION: f64 = 0.15;
@@ -19,7 +22,6 @@ pub(crate) fn fits(
     moves: &Kinematics,
     noun: &str,
     lexicon: &Lexicon,
-    settings: &ReasonSettings,
 ) -> f64 {
     let noun = match (noun, seen.scale) {
         (ANY_PERSON, Scale::Tabletop) => "hand",
@@ -27,17 +29,12 @@ pub(crate) fn fits(
         _ => noun,
     };
     let Some(noun) = lexicon.noun(noun) else { return 0.0 };
-    let moves = moves.ever_moves(settings);
-    let alive = if noun.live { settings.lifeless + (1.0 - settings.lifeless) * moves } else { 1.0 };
-    let held = f64::max(moves, stands(seen, track, settings));
-    let held = settings.unsupported + (1.0 - settings.unsupported) * held;
-    let cut = if noun.live { 1.0 } else { 1.0 - settings.cut_cost * cut_share(track) };
-    size_fit(track, noun, settings)
-        * whole(track, settings)
-        * alive
-        * held
-        * cut
-        * near_focus(seen, track, settings)
+    let moves = moves.ever_moves();
+    let alive = if noun.live { LIFELESS + (1.0 - LIFELESS) * moves } else { 1.0 };
+    let held = f64::max(moves, stands(seen, track));
+    let held = UNSUPPORTED + (1.0 - UNSUPPORTED) * held;
+    let cut = if noun.live { 1.0 } else { 1.0 - CUT_COST * cut_share(track) };
+    size_fit(track, noun) * whole(track) * alive * held * cut * near_focus(seen, track)
 }
 
 /// Share of the frames in which the border of the picture cuts it: arms reach in, things lie inside.
@@ -72,30 +69,30 @@ pub(crate) fn alike(seen: &Perceived) -> Vec<f64> {
 }
 
 /// Whether it stands on a level surface.
-fn stands(seen: &Perceived, track: &Track, settings: &ReasonSettings) -> f64 {
+fn stands(seen: &Perceived, track: &Track) -> f64 {
     let height_m = track.median(|seen| seen.high.z - seen.low.z);
     let bottom_m = track.median(|seen| seen.low.z);
     let off = seen.levels_m.iter().map(|level| (bottom_m - level).abs()).fold(f64::INFINITY, f64::min);
-    (-off / (settings.stand_share * height_m.max(seen.spacing_m))).exp()
+    (-off / (STAND_SHARE * height_m.max(seen.spacing_m))).exp()
 }
 
 /// Whether it is where things happen.
-fn near_focus(seen: &Perceived, track: &Track, settings: &ReasonSettings) -> f64 {
+fn near_focus(seen: &Perceived, track: &Track) -> f64 {
     let Some((focus, spread_m)) = seen.focus else { return 1.0 };
     let nearest_m = track
         .seen()
         .map(|(_, seen)| focus.clamp(seen.low, seen.high).distance(focus))
         .fold(f64::INFINITY, f64::min);
-    let around_m = spread_m.max(settings.focus_share * seen.eye.distance(focus));
-    let reach_m = settings.focus_reach * around_m.max(1e-6);
-    1.0 / (1.0 + (nearest_m / reach_m).powf(settings.focus_power))
+    let around_m = spread_m.max(FOCUS_SHARE * seen.eye.distance(focus));
+    let reach_m = FOCUS_REACH * around_m.max(1e-6);
+    1.0 / (1.0 + (nearest_m / reach_m).powf(FOCUS_POWER))
 }
 
 /// Whether its size is usual for the kind.
-fn size_fit(track: &Track, noun: &Noun, settings: &ReasonSettings) -> f64 {
+fn size_fit(track: &Track, noun: &Noun) -> f64 {
     let longest_m = track.median(|seen| seen.longest_m());
     let tall_m = track.median(|seen| seen.high.z - seen.low.z);
-    within(longest_m, noun.size, settings.size_deviation) * within(tall_m, noun.tall, settings.size_deviation)
+    within(longest_m, noun.size, SIZE_DEVIATION) * within(tall_m, noun.tall, SIZE_DEVIATION)
 }
 
 /// 1 inside the range, fading with the logarithm outside.
@@ -112,7 +109,7 @@ fn within(value: f64, [from, to]: [f64; 2], deviation: f64) -> f64 {
 }
 
 /// Whether it looks like all of a thing rather than a piece of one, and is there for long.
-fn whole(track: &Track, settings: &ReasonSettings) -> f64 {
+fn whole(track: &Track) -> f64 {
     let closed = track.median(|seen| seen.closed);
     let seen = track.seen().count() as f64 / track.glimpses.len().max(1) as f64;
     let fill = |seen: &Glimpse| {
@@ -121,7 +118,5 @@ fn whole(track: &Track, settings: &ReasonSettings) -> f64 {
             * u64::from(bounds.last_row - bounds.first_row + 1);
         seen.area_px as f64 / spans as f64
     };
-    closed.powf(settings.closed_power)
-        * track.median(fill).powf(settings.fill_power)
-        * seen.powf(settings.seen_power)
+    closed.powf(CLOSED_POWER) * track.median(fill).powf(FILL_POWER) * seen.powf(SEEN_POWER)
 }

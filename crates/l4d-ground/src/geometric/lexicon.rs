@@ -88,8 +88,6 @@ impl Motion {
 pub(crate) struct Verb {
     /// Base form as predicates spell it.
     pub(crate) name: String,
-    /// Base forms that mean it, with their particles.
-    pub(crate) words: Vec<String>,
     /// What it looks like.
     pub(crate) motion: Motion,
 }
@@ -97,10 +95,8 @@ pub(crate) struct Verb {
 /// Form of a verb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Form {
-    /// walk
-    Base,
-    /// walks
-    Third,
+    /// walk, walks
+    Finite,
     /// walking
     Ing,
     /// walked, held, taken
@@ -246,7 +242,7 @@ impl Lexicon {
     fn add_verb(&mut self, key: String, entry: VerbEntry) {
         let verb = self.verbs.len();
         let name = entry.name.unwrap_or(key);
-        self.verbs.push(Verb { name, words: entry.words.clone(), motion: entry.motion });
+        self.verbs.push(Verb { name, motion: entry.motion });
         for phrase in &entry.words {
             let mut words = phrase.split(' ').map(str::to_owned);
             let Some(head) = words.next() else { continue };
@@ -254,7 +250,7 @@ impl Lexicon {
             let irregular = entry.irregular.iter().filter_map(|line| line.split_once(' '));
             let irregular: Vec<&str> =
                 irregular.filter(|(_, base)| *base == head).map(|(form, _)| form).collect();
-            let mut forms = vec![(head.clone(), Form::Base), (third(&head), Form::Third)];
+            let mut forms = vec![(head.clone(), Form::Finite), (third(&head), Form::Finite)];
             forms.extend(ing(&head).into_iter().map(|form| (form, Form::Ing)));
             for form in &irregular {
                 let kind = if form.ends_with("ing") { Form::Ing } else { Form::Past };
@@ -283,14 +279,14 @@ impl Lexicon {
         self.nouns.get(name)
     }
 
-    /// All kinds of things by name, and the other words for each.
-    pub(crate) fn kinds(&self) -> impl Iterator<Item = (&str, &[String])> {
-        self.nouns.iter().map(|(name, noun)| (name.as_str(), noun.words.as_slice()))
+    /// How many kinds of things are known.
+    pub(crate) fn kind_count(&self) -> usize {
+        self.nouns.len()
     }
 
-    /// All verbs, by name; "move" and "move something" are two.
-    pub(crate) fn verbs(&self) -> &[Verb] {
-        &self.verbs
+    /// How many verbs are known; "move" and "move something" are two.
+    pub(crate) fn verb_count(&self) -> usize {
+        self.verbs.len()
     }
 
     /// Readings of a word as a verb.
@@ -312,22 +308,6 @@ impl Lexicon {
     /// Property and value that an adjective means.
     pub(crate) fn attribute(&self, word: &str) -> Option<(&str, &str)> {
         self.attributes.get(word).map(|(key, value)| (key.as_str(), value.as_str()))
-    }
-
-    /// Properties -> values -> words, by name.
-    #[cfg(test)]
-    pub(super) fn properties(&self) -> BTreeMap<&str, BTreeMap<&str, Vec<&str>>> {
-        let mut properties: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
-        for (word, (key, value)) in &self.attributes {
-            properties.entry(key).or_default().entry(value).or_default().push(word);
-        }
-        properties
-    }
-
-    /// Other words for colours, each with the colour.
-    #[cfg(test)]
-    pub(super) fn colour_words(&self) -> &BTreeMap<String, String> {
-        &self.colour_words
     }
 
     /// What can be seen of a property.
@@ -367,21 +347,11 @@ impl Lexicon {
     pub(crate) fn specimens(&self, colour: &str) -> &[[u8; 3]] {
         self.colours.get(colour).map_or(&[], Vec::as_slice)
     }
-
-    /// All colours with their specimens, by name.
-    #[cfg(test)]
-    pub(crate) fn colours(&self) -> impl Iterator<Item = (&str, &[[u8; 3]])> {
-        self.colours.iter().map(|(name, specimens)| (name.as_str(), specimens.as_slice()))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn words(text: &str) -> Vec<String> {
-        text.split(' ').map(str::to_owned).collect()
-    }
 
     #[test]
     fn the_shipped_words_are_sound() {
@@ -402,14 +372,13 @@ mod tests {
             let readings = lexicon.verbs_at(surface).iter();
             readings.clone().any(|reading| lexicon.verbs[reading.verb].name == name && reading.form == form)
         };
-        assert!(has("carries", "carry", Form::Third) && has("carried", "carry", Form::Past));
+        assert!(has("carries", "carry", Form::Finite) && has("carried", "carry", Form::Past));
         assert!(has("patting", "pet", Form::Ing) && has("stroking", "pet", Form::Ing));
         assert!(has("held", "hold", Form::Past) && has("lying", "lie", Form::Ing));
-        assert!(has("running", "run", Form::Ing) && has("catches", "catch", Form::Third));
+        assert!(has("running", "run", Form::Ing) && has("catches", "catch", Form::Finite));
         assert!(!has("holded", "hold", Form::Past));
-        assert_eq!(lexicon.noun_at(&words("toy cars roll")), Some(("toy_car", true, 2)));
-        assert_eq!(lexicon.noun_at(&words("teddies")), Some(("teddy", true, 1)));
-        assert_eq!(lexicon.noun_at(&words("flurb")), None);
+        assert_eq!(lexicon.noun_at(&["toy", "cars", "roll"].map(str::to_owned)), Some(("toy_car", true, 2)));
+        assert_eq!(lexicon.noun_at(&["teddies".to_owned()]), Some(("teddy", true, 1)));
         assert_eq!(lexicon.colour("cream-coloured"), Some("cream"));
         assert_eq!(lexicon.motion("move", true), Some(Motion::Carrying));
         assert_eq!(lexicon.motion("move", false), Some(Motion::Move));

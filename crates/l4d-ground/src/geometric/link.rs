@@ -2,7 +2,7 @@
 
 use super::lab::distance;
 use super::perceive::Glimpse;
-use super::settings::PerceptionSettings;
+use super::settings::{LINK_AFFINITY, LINK_SPEED};
 
 /// Frames of the clip after which a track that isn't seen is given up for new segments at once.
 const PATIENCE: usize = 3;
@@ -22,7 +22,7 @@ const STITCH_COST: f64 = 0.05;
 pub(crate) type Chain = Vec<Option<Glimpse>>;
 
 /// Links segments over the frames; `seconds` are the times of the frames.
-pub(crate) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64], settings: &PerceptionSettings) -> Vec<Chain> {
+pub(crate) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64]) -> Vec<Chain> {
     let count = frames.len();
     let mut chains: Vec<Chain> = Vec::new();
     let mut last_seen: Vec<usize> = Vec::new();
@@ -34,11 +34,8 @@ pub(crate) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64], settings: &Percep
             }
             let Some(before) = chains[chain][last].as_ref() else { continue };
             let pause = seconds[index] - seconds[last];
-            let offer =
-                |(segment, now): (usize, &Glimpse)| (affinity(before, now, pause, settings), chain, segment);
-            offers.extend(
-                segments.iter().enumerate().map(offer).filter(|offer| offer.0 >= settings.link_affinity),
-            );
+            let offer = |(segment, now): (usize, &Glimpse)| (affinity(before, now, pause), chain, segment);
+            offers.extend(segments.iter().enumerate().map(offer).filter(|offer| offer.0 >= LINK_AFFINITY));
         }
         offers.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut owners: Vec<Option<usize>> = vec![None; segments.len()];
@@ -59,13 +56,13 @@ pub(crate) fn link(frames: Vec<Vec<Glimpse>>, seconds: &[f64], settings: &Percep
             last_seen[chain] = index;
         }
     }
-    stitch(chains, seconds, settings)
+    stitch(chains, seconds)
 }
 
 /// How readily a segment goes on with what was seen before; at most 1.
-fn affinity(before: &Glimpse, now: &Glimpse, pause_s: f64, settings: &PerceptionSettings) -> f64 {
+fn affinity(before: &Glimpse, now: &Glimpse, pause_s: f64) -> f64 {
     let size = before.longest_m().max(now.longest_m()).max(1e-6);
-    let reach = size * (0.3 + settings.link_speed * pause_s);
+    let reach = size * (0.3 + LINK_SPEED * pause_s);
     let near = (-before.centre.distance(now.centre) / reach).exp();
     let colour = f64::from(distance(before.colour, now.colour)) / COLOUR_COST;
     if near < 0.05 || colour > 1.0 {
@@ -79,7 +76,7 @@ fn affinity(before: &Glimpse, now: &Glimpse, pause_s: f64, settings: &Perception
 }
 
 /// Joins chains that end to those that begin later at the same place with the same looks; the readiest first.
-fn stitch(chains: Vec<Chain>, seconds: &[f64], settings: &PerceptionSettings) -> Vec<Chain> {
+fn stitch(chains: Vec<Chain>, seconds: &[f64]) -> Vec<Chain> {
     let ends: Vec<_> = chains.iter().map(last_of).collect();
     let starts: Vec<_> = chains.iter().map(first_of).collect();
     let mut offers = Vec::new();
@@ -91,8 +88,8 @@ fn stitch(chains: Vec<Chain>, seconds: &[f64], settings: &PerceptionSettings) ->
             }
             // However long it was away, it can't have become another.
             let pause = (seconds[*start] - seconds[*end]).min(LONGEST_PAUSE_S);
-            let value = affinity(before, now, pause, settings) - STITCH_COST;
-            if value >= settings.link_affinity {
+            let value = affinity(before, now, pause) - STITCH_COST;
+            if value >= LINK_AFFINITY {
                 offers.push((value, first, second));
             }
         }

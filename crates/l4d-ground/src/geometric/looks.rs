@@ -3,7 +3,7 @@
 use super::lab::lab_of;
 use super::lexicon::{Lexicon, Look};
 use super::perceive::Track;
-use super::settings::ReasonSettings;
+use super::settings::COLOUR_DEVIATION;
 
 /// Colours that are looked at of a track.
 const SAMPLES: usize = 400;
@@ -27,18 +27,12 @@ pub(crate) fn tells_colour(lexicon: &Lexicon, key: &str, value: &str) -> bool {
 }
 
 /// How much a track looks like it; unless it is a colour, only the order among rivals means something.
-pub(crate) fn likeness(
-    track: &Track,
-    lexicon: &Lexicon,
-    key: &str,
-    value: &str,
-    settings: &ReasonSettings,
-) -> f64 {
+pub(crate) fn likeness(track: &Track, lexicon: &Lexicon, key: &str, value: &str) -> f64 {
     if let Some(colours) = colours_of(lexicon, value) {
         // The colour of a part need not be everywhere.
         let share = if key == "colour" && colours.len() == 1 { 0.7 } else { 0.3 };
         let samples = samples(track);
-        let worth = colours.iter().map(|colour| coloured(&samples, &[*colour], lexicon, share, settings));
+        let worth = colours.iter().map(|colour| coloured(&samples, &[*colour], lexicon, share));
         return worth.product::<f64>().powf(1.0 / colours.len() as f64);
     }
     let ratio = || {
@@ -54,7 +48,7 @@ pub(crate) fn likeness(
         (Look::Pattern, _) => variety(&samples(track)),
         (Look::Material, _) => {
             let names = material_colours(value).unwrap_or_default();
-            coloured(&samples(track), names, lexicon, 0.6, settings)
+            coloured(&samples(track), names, lexicon, 0.6)
         }
         (Look::Shape, "tall" | "slim" | "deep") => ratio(),
         (Look::Shape, _) => 1.0 / ratio().max(0.05),
@@ -88,13 +82,7 @@ fn samples(track: &Track) -> Vec<[f32; 3]> {
 }
 
 /// How near the best `share` of the samples is to any specimen of the colours.
-fn coloured(
-    samples: &[[f32; 3]],
-    names: &[&str],
-    lexicon: &Lexicon,
-    share: f64,
-    settings: &ReasonSettings,
-) -> f64 {
+fn coloured(samples: &[[f32; 3]], names: &[&str], lexicon: &Lexicon, share: f64) -> f64 {
     let specimens: Vec<[f32; 3]> =
         names.iter().flat_map(|name| lexicon.specimens(name)).map(|rgb| lab_of(*rgb)).collect();
     let near = |sample: &[f32; 3]| {
@@ -103,7 +91,7 @@ fn coloured(
             ((LIGHTNESS_WEIGHT * l).powi(2) + a * a + b * b).sqrt()
         };
         let nearest = specimens.iter().map(off).fold(f32::INFINITY, f32::min);
-        (-(f64::from(nearest) / settings.colour_deviation).powi(2)).exp()
+        (-(f64::from(nearest) / COLOUR_DEVIATION).powi(2)).exp()
     };
     let mut worth: Vec<f64> = samples.iter().map(near).collect();
     worth.sort_by(|a, b| b.total_cmp(a));

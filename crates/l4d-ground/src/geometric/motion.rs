@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::lexicon::Motion;
 use super::perceive::{Glimpse, Perceived, Track};
-use super::settings::ReasonSettings;
+use super::settings::{DASH_SPEED_M, STIR_SHARE, TRAVEL_SPEED};
 
 /// Time over which speed is measured, either way, seconds.
 const WINDOW_S: f64 = 0.25;
@@ -54,32 +54,32 @@ impl Kinematics {
     }
 
     /// 0 to 1: whether it moves at any time.
-    pub(crate) fn ever_moves(&self, settings: &ReasonSettings) -> f64 {
+    pub(crate) fn ever_moves(&self) -> f64 {
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let travels = most(&mut (0..self.velocity.len()).map(|index| self.travels(index, settings)));
-        let stirs = most(&mut self.change.iter().map(|change| rise(*change, 2.0 * settings.stir_share)));
+        let travels = most(&mut (0..self.velocity.len()).map(|index| self.travels(index)));
+        let stirs = most(&mut self.change.iter().map(|change| rise(*change, 2.0 * STIR_SHARE)));
         f64::max(travels, stirs)
     }
 
-    fn travels(&self, index: usize, settings: &ReasonSettings) -> f64 {
-        rise(self.velocity[index].length() / self.size_m, settings.travel_speed)
+    fn travels(&self, index: usize) -> f64 {
+        rise(self.velocity[index].length() / self.size_m, TRAVEL_SPEED)
     }
 
     /// How much it looks like this at each frame, 0 to 1.
-    pub(crate) fn looks_like(&self, motion: Motion, settings: &ReasonSettings) -> Vec<f64> {
+    pub(crate) fn looks_like(&self, motion: Motion) -> Vec<f64> {
         let grade = |index: usize| {
             if !self.is_seen[index] {
                 return 0.0;
             }
-            let travel = self.travels(index, settings);
-            let stir = rise(self.change[index], settings.stir_share);
+            let travel = self.travels(index);
+            let stir = rise(self.change[index], STIR_SHARE);
             let upwards = self.velocity[index].z / self.size_m;
             match motion {
                 Motion::Travel => travel,
-                Motion::Dash => travel * rise(self.velocity[index].length(), settings.dash_speed_m),
-                Motion::Hop => rise(upwards.abs(), settings.travel_speed),
-                Motion::Rise => rise(upwards, settings.travel_speed),
-                Motion::Sink => rise(-upwards, settings.travel_speed),
+                Motion::Dash => travel * rise(self.velocity[index].length(), DASH_SPEED_M),
+                Motion::Hop => rise(upwards.abs(), TRAVEL_SPEED),
+                Motion::Rise => rise(upwards, TRAVEL_SPEED),
+                Motion::Sink => rise(-upwards, TRAVEL_SPEED),
                 Motion::Turn | Motion::Stir => stir * (1.0 - 0.7 * travel),
                 Motion::Move => travel.max(0.5 * stir),
                 Motion::Still => 1.0 - travel,
@@ -108,31 +108,31 @@ pub(crate) struct Encounter<'s> {
 
 impl Encounter<'_> {
     /// How much it looks like this, 0 to 1.
-    pub(crate) fn looks_like(&self, motion: Motion, settings: &ReasonSettings) -> f64 {
+    pub(crate) fn looks_like(&self, motion: Motion) -> f64 {
         let contact = (-self.gap_m / self.contact_m).exp();
         let (own, others) = (self.agent.1.velocity[self.index], self.other.1.velocity[self.index]);
         let size_m = self.other.1.size_m;
-        let travel = rise(others.length() / size_m, settings.travel_speed);
+        let travel = rise(others.length() / size_m, TRAVEL_SPEED);
         let together = own.normalize_or_zero().dot(others.normalize_or_zero()).max(0.0);
         let upwards = others.z / size_m;
         let towards = (self.other.0.centre - self.agent.0.centre).normalize_or_zero();
         match motion {
             Motion::Holding => contact,
             Motion::Carrying => contact * travel * (0.3 + 0.7 * together),
-            Motion::Lifting => contact * rise(upwards, settings.travel_speed),
-            Motion::Lowering => contact * rise(-upwards, settings.travel_speed),
-            Motion::Touching => contact * (0.5 + 0.5 * self.agent.1.looks_like_at(self.index, settings)),
+            Motion::Lifting => contact * rise(upwards, TRAVEL_SPEED),
+            Motion::Lowering => contact * rise(-upwards, TRAVEL_SPEED),
+            Motion::Touching => contact * (0.5 + 0.5 * self.agent.1.looks_like_at(self.index)),
             Motion::Pouring => {
                 let above = rise(self.agent.0.high.z - self.other.0.centre.z, 0.3 * size_m);
                 (-self.gap_m / (3.0 * self.contact_m)).exp() * above * (1.0 - 0.7 * travel)
             }
             Motion::Following => {
-                let goes = rise(own.length() / self.agent.1.size_m, settings.travel_speed);
+                let goes = rise(own.length() / self.agent.1.size_m, TRAVEL_SPEED);
                 goes * (0.2 + 0.8 * own.normalize_or_zero().dot(towards).max(0.0))
             }
             Motion::Approaching => {
                 let closing = (own - others).dot(towards) / self.agent.1.size_m;
-                rise(closing, settings.travel_speed)
+                rise(closing, TRAVEL_SPEED)
             }
             Motion::Watching => 0.5,
             _ => 0.0,
@@ -141,8 +141,8 @@ impl Encounter<'_> {
 }
 
 impl Kinematics {
-    fn looks_like_at(&self, index: usize, settings: &ReasonSettings) -> f64 {
-        self.travels(index, settings).max(rise(self.change[index], settings.stir_share))
+    fn looks_like_at(&self, index: usize) -> f64 {
+        self.travels(index).max(rise(self.change[index], STIR_SHARE))
     }
 }
 

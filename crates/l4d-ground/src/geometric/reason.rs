@@ -19,8 +19,8 @@ use super::looks::is_visible;
 use super::motion::Kinematics;
 use super::parse::Parsed;
 use super::perceive::{Perceived, Track};
-use super::settings::ReasonSettings;
-use crate::unread::{Reason, Unread, Word};
+use super::settings::{ALIKE_POWER, FLOOR, GATE_SHARE, LEAST_SCORE, PLURAL_SHARE};
+use crate::unreadable::{Reason, Unreadable};
 
 /// Most candidates that are looked at closely.
 const MOST_CANDIDATES: usize = 50;
@@ -54,7 +54,6 @@ struct Candidate {
 struct Reasoner<'s> {
     seen: &'s Perceived,
     lexicon: &'s Lexicon,
-    settings: &'s ReasonSettings,
     moves: Vec<Kinematics>,
     alike: Vec<f64>,
     same: RefCell<BTreeMap<(usize, usize), bool>>,
@@ -62,18 +61,18 @@ struct Reasoner<'s> {
 
 /// The words on which the whole answer depends although nothing measured tells of them; none if something else can
 /// decide.
-pub(crate) fn unmeasured(lexicon: &Lexicon, parsed: &Parsed) -> Option<Unread> {
+pub(crate) fn unmeasured(lexicon: &Lexicon, parsed: &Parsed) -> Option<Unreadable> {
     let predicate = &parsed.predicate;
     if predicate.discriminating().any(|clause| can_judge(lexicon, clause)) {
         return None;
     }
     let clauses = predicate.clauses();
-    let is_meant = |word: &&Word| clauses.iter().any(|clause| says(lexicon, &word.text, clause));
-    let mut words: Vec<&Word> = parsed.words.iter().filter(is_meant).collect();
+    let is_meant = |word: &&String| clauses.iter().any(|clause| says(lexicon, word, clause));
+    let mut words: Vec<&String> = parsed.words.iter().filter(is_meant).collect();
     if words.is_empty() {
         words.extend(&parsed.words);
     }
-    Some(Unread::words(Reason::Unmeasured, words))
+    Some(Unreadable::words(Reason::Unmeasured, words))
 }
 
 /// Whether a property comes from this word: "closed" of (state, shut), "knob" and "wooden" of (knob, wood), "ponytail"
@@ -96,14 +95,9 @@ fn can_judge(lexicon: &Lexicon, clause: &Clause) -> bool {
 }
 
 /// Answers a sentence.
-pub(crate) fn answer(
-    seen: &Perceived,
-    lexicon: &Lexicon,
-    settings: &ReasonSettings,
-    parsed: &Parsed,
-) -> Answer {
+pub(crate) fn answer(seen: &Perceived, lexicon: &Lexicon, parsed: &Parsed) -> Answer {
     let moves = seen.tracks.iter().map(|track| Kinematics::new(track, seen)).collect();
-    let reasoner = Reasoner { seen, lexicon, settings, moves, alike: alike(seen), same: RefCell::default() };
+    let reasoner = Reasoner { seen, lexicon, moves, alike: alike(seen), same: RefCell::default() };
     reasoner.answer(parsed)
 }
 
@@ -120,15 +114,13 @@ impl Reasoner<'_> {
         for scored in ranked.iter().take(3) {
             notes.push(self.describe(scored));
         }
-        let Some(best) = ranked.first().filter(|best| best.score >= self.settings.least_score) else {
+        let Some(best) = ranked.first().filter(|best| best.score >= LEAST_SCORE) else {
             notes.push("nothing fits well enough: absent".to_owned());
             return Answer { masks: Vec::new(), notes };
         };
         let mut chosen = vec![best];
         if parsed.is_plural {
-            for other in
-                ranked.iter().skip(1).filter(|other| other.score >= self.settings.plural_share * best.score)
-            {
+            for other in ranked.iter().skip(1).filter(|other| other.score >= PLURAL_SHARE * best.score) {
                 if chosen.iter().all(|taken| !self.is_same(taken.candidate.track, other.candidate.track)) {
                     chosen.push(other);
                 }
@@ -155,7 +147,7 @@ impl Reasoner<'_> {
     fn ranked(&self, predicate: &Predicate, is_while: bool) -> Vec<Scored> {
         let mut candidates = self.candidates(predicate.noun());
         for candidate in &mut candidates {
-            candidate.prior *= self.alike[candidate.track].max(0.2).powf(self.settings.alike_power);
+            candidate.prior *= self.alike[candidate.track].max(0.2).powf(ALIKE_POWER);
         }
         let clauses: Vec<&Clause> =
             predicate.discriminating().filter(|clause| can_judge(self.lexicon, clause)).collect();
@@ -170,8 +162,7 @@ impl Reasoner<'_> {
             let together = (0..count)
                 .map(|frame| grades.iter().map(|grades| grades[index][frame]).fold(1.0, f64::min))
                 .collect();
-            let score = of_clause.iter().map(|grade| grade.max(self.settings.floor)).product::<f64>()
-                * candidate.prior;
+            let score = of_clause.iter().map(|grade| grade.max(FLOOR)).product::<f64>() * candidate.prior;
             Scored { candidate: *candidate, score, of_clause, together }
         };
         let mut ranked: Vec<Scored> = candidates.iter().enumerate().map(scored).collect();
@@ -183,7 +174,7 @@ impl Reasoner<'_> {
     fn candidates(&self, noun: &str) -> Vec<Candidate> {
         let fit = |(track, seen): (usize, &Track)| Candidate {
             track,
-            prior: fits(self.seen, seen, &self.moves[track], noun, self.lexicon, self.settings),
+            prior: fits(self.seen, seen, &self.moves[track], noun, self.lexicon),
         };
         let mut candidates: Vec<Candidate> = self.seen.tracks.iter().enumerate().map(fit).collect();
         candidates.sort_by(|a, b| b.prior.total_cmp(&a.prior).then(a.track.cmp(&b.track)));
@@ -209,8 +200,7 @@ impl Reasoner<'_> {
     /// Where a clause that gates holds: most of its best, holes of one frame closed.
     fn gate(&self, together: &[f64]) -> Vec<bool> {
         let best = best_of(together);
-        let mut open: Vec<bool> =
-            together.iter().map(|grade| *grade >= self.settings.gate_share * best).collect();
+        let mut open: Vec<bool> = together.iter().map(|grade| *grade >= GATE_SHARE * best).collect();
         for index in 1..open.len().saturating_sub(1) {
             if open[index - 1] && open[index + 1] {
                 open[index] = true;

@@ -8,7 +8,9 @@ use l4d_masks::mask::PixelBox;
 
 use super::lab::distance;
 use super::perceive::Glimpse;
-use super::settings::PerceptionSettings;
+use super::settings::{
+    COLOUR_K, GAP_FOOTPRINTS, LEAST_PX, LEAST_SHARE, MOST_SEGMENTS, MOST_SHARE, MOVING_SHARE,
+};
 use super::surface::{Backdrop, Surface, precise};
 
 /// What holds a segment together.
@@ -38,13 +40,7 @@ const WEIGHT_STEPS: usize = 256;
 const STEPS_A_UNIT: f32 = 4.0;
 
 /// The segments of a frame at a level.
-pub(crate) fn segments(
-    surface: &Surface,
-    backdrop: &Backdrop,
-    level: Level,
-    settings: &PerceptionSettings,
-    footprint: f32,
-) -> Vec<Glimpse> {
+pub(crate) fn segments(surface: &Surface, backdrop: &Backdrop, level: Level, footprint: f32) -> Vec<Glimpse> {
     let pixels = surface.points.len();
     let moves = matches!(level, Level::Mover | Level::MovingPart);
     if moves && backdrop.depth_m.is_none() {
@@ -53,18 +49,18 @@ pub(crate) fn segments(
     let is_thing = |index: usize| {
         surface.is_known(index)
             && (if moves {
-                backdrop.is_before(surface, index, settings.moving_share)
+                backdrop.is_before(surface, index, MOVING_SHARE)
             } else {
                 !backdrop.is_support(surface, index)
             })
     };
     let things: Vec<bool> = (0..pixels).map(is_thing).collect();
     let labels = match level {
-        Level::Lump | Level::Mover => lumps(surface, &things, settings, footprint),
-        Level::Part | Level::MovingPart => parts(surface, &things, settings, footprint),
+        Level::Lump | Level::Mover => lumps(surface, &things, footprint),
+        Level::Part | Level::MovingPart => parts(surface, &things, footprint),
     };
-    let mut found = gather(surface, &labels, settings);
-    let ends = Ends { surface, backdrop, reach: settings.gap_footprints * footprint };
+    let mut found = gather(surface, &labels);
+    let ends = Ends { surface, backdrop, reach: GAP_FOOTPRINTS * footprint };
     found.iter_mut().for_each(|glimpse| glimpse.closed = ends.share(&glimpse.mask));
     found
 }
@@ -106,12 +102,7 @@ impl Forest {
 }
 
 /// Neighbouring pixels of things whose surface goes on from one to the other.
-fn neighbours(
-    surface: &Surface,
-    things: &[bool],
-    settings: &PerceptionSettings,
-    footprint: f32,
-) -> Vec<(u32, u32)> {
+fn neighbours(surface: &Surface, things: &[bool], footprint: f32) -> Vec<(u32, u32)> {
     let (width, height) = (surface.width, surface.height);
     let mut pairs = Vec::new();
     for row in 0..height {
@@ -121,8 +112,7 @@ fn neighbours(
                 continue;
             }
             let mut link = |there: usize| {
-                let reach =
-                    settings.gap_footprints * footprint * surface.depth_m[here].min(surface.depth_m[there]);
+                let reach = GAP_FOOTPRINTS * footprint * surface.depth_m[here].min(surface.depth_m[there]);
                 if things[there] && surface.points[here].distance(surface.points[there]) <= reach {
                     pairs.push((here as u32, there as u32));
                 }
@@ -138,9 +128,9 @@ fn neighbours(
     pairs
 }
 
-fn lumps(surface: &Surface, things: &[bool], settings: &PerceptionSettings, footprint: f32) -> Vec<u32> {
+fn lumps(surface: &Surface, things: &[bool], footprint: f32) -> Vec<u32> {
     let mut forest = Forest::new(things.len());
-    for (here, there) in neighbours(surface, things, settings, footprint) {
+    for (here, there) in neighbours(surface, things, footprint) {
         let (a, b) = (forest.root(here), forest.root(there));
         if a != b {
             forest.join(a, b, 0.0);
@@ -151,8 +141,8 @@ fn lumps(surface: &Surface, things: &[bool], settings: &PerceptionSettings, foot
 
 /// Felzenszwalb and Huttenlocher 2004: two sets join if their difference is not above the spread within both plus a
 /// slack that fades with size.
-fn parts(surface: &Surface, things: &[bool], settings: &PerceptionSettings, footprint: f32) -> Vec<u32> {
-    let pairs = neighbours(surface, things, settings, footprint);
+fn parts(surface: &Surface, things: &[bool], footprint: f32) -> Vec<u32> {
+    let pairs = neighbours(surface, things, footprint);
     let mut by_weight: Vec<Vec<(u32, u32)>> = vec![Vec::new(); WEIGHT_STEPS];
     for (here, there) in pairs {
         let difference = distance(surface.colours[here as usize], surface.colours[there as usize]);
@@ -164,9 +154,8 @@ fn parts(surface: &Surface, things: &[bool], settings: &PerceptionSettings, foot
         let weight = step as f32 / STEPS_A_UNIT;
         for &(here, there) in pairs {
             let (a, b) = (forest.root(here), forest.root(there));
-            let slack = |root: u32| {
-                forest.spread[root as usize] + settings.colour_k / forest.size[root as usize] as f32
-            };
+            let slack =
+                |root: u32| forest.spread[root as usize] + COLOUR_K / forest.size[root as usize] as f32;
             if a != b && weight <= slack(a).min(slack(b)) {
                 forest.join(a, b, weight);
             }
@@ -214,10 +203,10 @@ impl Ends<'_> {
 }
 
 /// Labels -> glimpses, the largest first.
-fn gather(surface: &Surface, labels: &[u32], settings: &PerceptionSettings) -> Vec<Glimpse> {
+fn gather(surface: &Surface, labels: &[u32]) -> Vec<Glimpse> {
     let pixels = labels.len();
-    let least = settings.least_px.max((pixels as f64 * settings.least_share) as usize);
-    let most = (pixels as f64 * settings.most_share) as usize;
+    let least = LEAST_PX.max((pixels as f64 * LEAST_SHARE) as usize);
+    let most = (pixels as f64 * MOST_SHARE) as usize;
     let mut counts = vec![0_u32; pixels + 1];
     labels.iter().for_each(|&label| counts[label as usize] += 1);
     let mut members: Vec<Vec<u32>> = Vec::new();
@@ -235,7 +224,7 @@ fn gather(surface: &Surface, labels: &[u32], settings: &PerceptionSettings) -> V
     }
     // The sort is stable: among equals the one that begins farther up comes first.
     members.sort_by_key(|members| std::cmp::Reverse(members.len()));
-    members.truncate(settings.most_segments);
+    members.truncate(MOST_SEGMENTS);
     members.iter().map(|members| glimpse(surface, members)).collect()
 }
 

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::lab::LabTable;
 use super::perceive::median;
-use super::settings::PerceptionSettings;
+use super::settings::{LEAST_ALPHA, LEAST_PX, MOVING_SHARE, SUPPORT_SHARE, SUPPORT_THICKNESS};
 use crate::clip::{ClipFrame, ViewClip};
 
 /// Steepest support: the upward part of its normal.
@@ -32,17 +32,11 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub(crate) fn new(
-        clip: &ViewClip,
-        seen: &ClipFrame,
-        table: &LabTable,
-        settings: &PerceptionSettings,
-    ) -> Self {
+    pub(crate) fn new(clip: &ViewClip, seen: &ClipFrame, table: &LabTable) -> Self {
         let (width, height) = (clip.width as usize, clip.height as usize);
         let pixels = width * height;
-        let is_filled = |index: usize| {
-            seen.depth.alpha.get(index).is_none_or(|alpha| alpha.to_f32() >= settings.least_alpha)
-        };
+        let is_filled =
+            |index: usize| seen.depth.alpha.get(index).is_none_or(|alpha| alpha.to_f32() >= LEAST_ALPHA);
         let depth = |index: usize| {
             let depth_m = seen.depth.depth_m.get(index).copied().unwrap_or(f32::INFINITY);
             if depth_m.is_finite() && depth_m > 0.0 && is_filled(index) { depth_m } else { f32::INFINITY }
@@ -106,16 +100,11 @@ pub(crate) struct Backdrop {
 }
 
 impl Backdrop {
-    pub(crate) fn new(
-        clip: &ViewClip,
-        surfaces: &[Surface],
-        median_depth_m: f64,
-        settings: &PerceptionSettings,
-    ) -> Self {
+    pub(crate) fn new(clip: &ViewClip, surfaces: &[Surface], median_depth_m: f64) -> Self {
         let stands = clip.camera.world_from_camera.windows(2).all(|pair| pair[0] == pair[1]);
         let depth_m = (stands && surfaces.len() > 2).then(|| farthest(surfaces));
-        let thickness_m = (median_depth_m * settings.support_thickness) as f32;
-        let levels_m = levels(surfaces, thickness_m, settings.support_share);
+        let thickness_m = (median_depth_m * SUPPORT_THICKNESS) as f32;
+        let levels_m = levels(surfaces, thickness_m, SUPPORT_SHARE);
         Self { depth_m, levels_m, thickness_m }
     }
 
@@ -137,17 +126,16 @@ impl Backdrop {
 
 impl Backdrop {
     /// Median of the points before the background, and their median distance from it, metres.
-    pub(crate) fn focus(&self, surfaces: &[Surface], settings: &PerceptionSettings) -> Option<(DVec3, f64)> {
+    pub(crate) fn focus(&self, surfaces: &[Surface]) -> Option<(DVec3, f64)> {
         let points: Vec<Vec3> = surfaces
             .iter()
             .flat_map(|surface| {
-                let is_mover = |index: &usize| {
-                    surface.is_known(*index) && self.is_before(surface, *index, settings.moving_share)
-                };
+                let is_mover =
+                    |index: &usize| surface.is_known(*index) && self.is_before(surface, *index, MOVING_SHARE);
                 (0..surface.points.len()).step_by(3).filter(is_mover).map(|index| surface.points[index])
             })
             .collect();
-        if points.len() < settings.least_px {
+        if points.len() < LEAST_PX {
             return None;
         }
         let middle = |axis: usize| median(points.iter().map(|point| f64::from(point[axis])).collect());

@@ -4,13 +4,12 @@
 
 use l4d_data::Name;
 use l4d_data::digest::sha256;
-use l4d_masks::Mask;
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Gamma, Open01};
 
-use super::noise::{Blobs, NoiseModel, Span, Swap};
+use super::noise::{NoiseModel, Swap};
 use super::target::Target;
 
 /// Changes whenever the same seed would draw something else.
@@ -50,10 +49,7 @@ impl Draws<'_> {
         if count == 0 {
             return Meant::NothingElse;
         }
-        let mut random = self.of_view("look-alike", view);
-        if happens(&mut random, swap.agreement) {
-            random = self.of_query("look-alike");
-        }
+        let mut random = self.of_query("look-alike");
         let mut alike = target.look_alikes.clone();
         let mut chosen = alike.partial_shuffle(&mut random, count).0.to_vec();
         chosen.sort_unstable();
@@ -91,25 +87,6 @@ impl Draws<'_> {
     pub(super) fn edge_px(&self, noise: &NoiseModel, view: &Name, frame: u32) -> i32 {
         let [inwards, outwards] = noise.edge_px;
         self.of_frame("edge", view, frame).random_range(inwards..=outwards)
-    }
-
-    /// The spot at a frame, if there is one, in a picture of `size` (width, height).
-    pub(super) fn blob(&self, blobs: &Blobs, size: (u32, u32), view: &Name, frame: u32) -> Option<Mask> {
-        let mut random = match blobs.span {
-            Span::Frame => self.of_frame("blob", view, frame),
-            Span::Clip => self.of_view("blob", view),
-        };
-        if !happens(&mut random, blobs.probability) || size.0 == 0 || size.1 == 0 {
-            return None;
-        }
-        let [smallest, largest] = blobs.radius_px;
-        let radius_px = random.random_range(smallest..=largest);
-        let centre = (random.random_range(0..size.0), random.random_range(0..size.1));
-        let is_near = |col: u32, row: u32| {
-            let square = |a: u32, b: u32| u64::from(a.abs_diff(b)).pow(2);
-            square(col, centre.0) + square(row, centre.1) <= u64::from(radius_px).pow(2)
-        };
-        Some(Mask::from_fn(size.0, size.1, is_near))
     }
 
     fn of_query(&self, purpose: &str) -> ChaCha8Rng {

@@ -15,10 +15,15 @@ use l4d_frames::truth::Observation;
 use l4d_masks::Mask;
 use serde_json::{Value, json};
 
+use self::drawn::DrawnIds;
+
 /// Which pixels show which instance.
-pub trait IdSource: Sync {
+pub trait IdSource: Send + Sync {
     /// What the ids depend on.
     fn identity(&self) -> Value;
+
+    /// What ids mean.
+    fn instances(&self) -> &[Instance];
 
     /// The pixels of a picture that show any of these instances.
     ///
@@ -27,58 +32,26 @@ pub trait IdSource: Sync {
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError>;
 }
 
-pub use self::drawn::DrawnIds;
-
-/// The ids of one scene.
-#[derive(Debug)]
-pub enum TrainingIds {
-    /// Of a rendered scene.
-    Rendered(RenderedIds),
-    /// Of a capture.
-    Drawn(DrawnIds),
-}
-
-impl TrainingIds {
-    /// Opens a scene. Clips have `size` (width, height) pixels, and show `of` of the pictures' ones, which are at least as
-    /// many.
-    ///
-    /// # Errors
-    /// A scene that is not there; a capture without masks on a training view.
-    pub fn open(dir: SceneDir, profile: Profile, size: [u32; 2], of: [u32; 2]) -> Result<Self, DataError> {
-        Ok(match profile.is_rendered() {
-            true => Self::Rendered(RenderedIds::open(dir)?),
-            false => Self::Drawn(DrawnIds::open(dir, size, of)?),
-        })
-    }
-
-    /// What ids mean.
-    pub fn instances(&self) -> &[Instance] {
-        match self {
-            Self::Rendered(ids) => &ids.scene.instances,
-            Self::Drawn(ids) => ids.instances(),
-        }
-    }
-}
-
-impl IdSource for TrainingIds {
-    fn identity(&self) -> Value {
-        match self {
-            Self::Rendered(ids) => ids.identity(),
-            Self::Drawn(ids) => ids.identity(),
-        }
-    }
-
-    fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {
-        match self {
-            Self::Rendered(source) => source.pixels_of(view, frame, ids),
-            Self::Drawn(source) => source.pixels_of(view, frame, ids),
-        }
-    }
+/// The ids of a scene, rendered or a capture. Clips have `size` (width, height) pixels, and show `of` of the pictures'
+/// ones, which are at least as many.
+///
+/// # Errors
+/// A scene that is not there; a capture without masks on a training view.
+pub fn open_ids(
+    dir: SceneDir,
+    profile: Profile,
+    size: [u32; 2],
+    of: [u32; 2],
+) -> Result<Arc<dyn IdSource>, DataError> {
+    Ok(match profile.is_rendered() {
+        true => Arc::new(RenderedIds::open(dir)?),
+        false => Arc::new(DrawnIds::open(dir, size, of)?),
+    })
 }
 
 /// The id channel of the rendered training views of one scene. Pictures are read once and kept as run lengths.
 #[derive(Debug)]
-pub struct RenderedIds {
+pub(super) struct RenderedIds {
     dir: SceneDir,
     scene: Scene,
     scene_sha256: String,
@@ -87,10 +60,7 @@ pub struct RenderedIds {
 
 impl RenderedIds {
     /// Opens a rendered scene.
-    ///
-    /// # Errors
-    /// `scene.json` cannot be read.
-    pub fn open(dir: SceneDir) -> Result<Self, DataError> {
+    pub(super) fn open(dir: SceneDir) -> Result<Self, DataError> {
         let path = dir.scene();
         let scene = Scene::read(&path)?;
         let scene_sha256 = sha256_file(&path)?;
@@ -119,6 +89,10 @@ impl IdSource for RenderedIds {
     /// The digest of `scene.json`, which holds those of all id channels.
     fn identity(&self) -> Value {
         json!({ "scene_json_sha256": self.scene_sha256 })
+    }
+
+    fn instances(&self) -> &[Instance] {
+        &self.scene.instances
     }
 
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {

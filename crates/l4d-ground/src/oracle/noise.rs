@@ -5,20 +5,19 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::store::read_bounded;
 use l4d_data::{Category, DataError};
 use serde::{Deserialize, Serialize};
 
-use super::OracleError;
+use crate::grounder_file::read_toml;
 
 /// Correlations of the ablation of consensus.
 pub const CORRELATIONS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
-/// Widest edge error and blob, pixels: beyond any profile's objects.
+/// Widest edge error, pixels: beyond any profile's objects.
 const MAX_PX: u32 = 512;
 
 /// The errors of the oracle. Applied in this order: a dropped view says nothing else; a swap decides what is shown;
-/// then each frame flickers, has its edges moved, and gains blobs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// then each frame flickers and has its edges moved. Without any it is what the training views show, pixel for pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NoiseModel {
     /// Views that mean another object.
@@ -30,112 +29,21 @@ pub struct NoiseModel {
     /// Pixels by which outlines move, from the first to the second number, uniformly and anew in each frame: below 0
     /// inwards, above 0 outwards. Small objects may vanish.
     pub edge_px: [i32; 2],
-    /// Spots that nothing in the scene explains.
-    pub blobs: Blobs,
 }
 
-/// Views that show a look-alike in place of the referent.
+/// Views that show a look-alike in place of the referent, all of a query the same one.
 ///
 /// The views of a query share a chance of being swapped, which is drawn from Beta(a, b) with
 /// a = p (1 / rho - 1), b = (1 - p) (1 / rho - 1); given that, views are independent. The number of swapped views
 /// among n is then beta-binomial: mean n p, variance n p (1 - p) (1 + (n - 1) rho), and rho is the correlation of any
 /// two views. At rho = 0 all queries have the chance p; at rho = 1 all views are swapped or none.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Swap {
     /// Share of views that are swapped (p), 0 to 1.
     pub probability: f64,
     /// Correlation of any two views of a query (rho), 0 to 1.
     pub correlation: f64,
-    /// Share of the swapped views that show the same look-alike, the query's, 0 to 1; the others draw their own,
-    /// which may happen to be that one.
-    pub agreement: f64,
-}
-
-/// Round spots added to masks.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Blobs {
-    /// Share of frames, or of views, that have one, 0 to 1.
-    pub probability: f64,
-    /// Smallest and largest radius, pixels; centres lie anywhere in the picture.
-    pub radius_px: [u32; 2],
-    /// How long one stays.
-    pub span: Span,
-}
-
-/// How long an error lasts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Span {
-    /// A frame.
-    #[default]
-    Frame,
-    /// The whole clip of a view, at the same place.
-    Clip,
-}
-
-impl NoiseModel {
-    /// No error at all: what the training views show, pixel for pixel.
-    pub const fn none() -> Self {
-        Self {
-            swap: Swap { probability: 0.0, correlation: 0.0, agreement: 1.0 },
-            dropped_views: 0.0,
-            flicker: 0.0,
-            edge_px: [0, 0],
-            blobs: Blobs { probability: 0.0, radius_px: [0, 0], span: Span::Frame },
-        }
-    }
-
-    /// Swaps alone, all to the same look-alike: what the ablation of consensus varies.
-    pub const fn swaps(probability: f64, correlation: f64) -> Self {
-        Self { swap: Swap { probability, correlation, agreement: 1.0 }, ..Self::none() }
-    }
-
-    /// Whether every number is one that can be.
-    ///
-    /// # Errors
-    /// The first that cannot.
-    pub(super) fn check(&self) -> Result<(), OracleError> {
-        for (field, share) in [
-            ("swap.probability", self.swap.probability),
-            ("swap.correlation", self.swap.correlation),
-            ("swap.agreement", self.swap.agreement),
-            ("dropped_views", self.dropped_views),
-            ("flicker", self.flicker),
-            ("blobs.probability", self.blobs.probability),
-        ] {
-            check_share(field, share)?;
-        }
-        let [inwards, outwards] = self.edge_px;
-        let is_far = |pixels: i32| pixels.unsigned_abs() > MAX_PX;
-        if inwards > outwards || is_far(inwards) || is_far(outwards) {
-            return Err(range_error("edge_px", &self.edge_px, &format!("-{MAX_PX}")));
-        }
-        let [smallest, largest] = self.blobs.radius_px;
-        if smallest > largest || largest > MAX_PX {
-            return Err(range_error("blobs.radius_px", &self.blobs.radius_px, "0"));
-        }
-        Ok(())
-    }
-}
-
-impl Default for NoiseModel {
-    fn default() -> Self {
-        Self::none()
-    }
-}
-
-impl Default for Swap {
-    fn default() -> Self {
-        NoiseModel::none().swap
-    }
-}
-
-impl Default for Blobs {
-    fn default() -> Self {
-        NoiseModel::none().blobs
-    }
 }
 
 /// A noise model for a whole benchmark, as a TOML file holds it: one for all queries, but for the share of swaps,
@@ -164,29 +72,36 @@ impl NoisePreset {
     /// # Errors
     /// The file cannot be read, or a number in it cannot be.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let bytes = read_bounded(path, 1 << 20)?;
-        let format = |message: String| DataError::Format {
-            path: path.to_owned(),
-            location: "noise preset".to_owned(),
-            message,
-        };
-        let text = std::str::from_utf8(&bytes).map_err(|error| format(error.to_string()))?;
-        let preset: Self = toml::from_str(text).map_err(|error| format(error.to_string()))?;
-        let refuse = |error: OracleError| {
-            DataError::invalid(path, "noise preset", error.to_string(), "write a number of that range")
-        };
-        preset.check().map_err(refuse)?;
-        Ok(preset)
+        let preset: Self = read_toml(path, "noise preset")?;
+        match preset.problem() {
+            Some(message) => {
+                Err(DataError::invalid(path, "noise preset", message, "write a number of that range"))
+            }
+            None => Ok(preset),
+        }
     }
 
-    /// Whether every number is one that can be.
-    ///
-    /// # Errors
-    /// The first that cannot.
-    pub(super) fn check(&self) -> Result<(), OracleError> {
-        self.noise.check()?;
-        self.swap_probability.iter().try_for_each(|(category, &share)| {
-            check_share(&format!("swap_probability.{}", category.as_str()), share)
+    /// The first number that cannot be.
+    fn problem(&self) -> Option<String> {
+        let NoiseModel { swap, dropped_views, flicker, edge_px: [inwards, outwards] } = self.noise;
+        let mut shares = vec![
+            ("swap.probability".to_owned(), swap.probability),
+            ("swap.correlation".to_owned(), swap.correlation),
+            ("dropped_views".to_owned(), dropped_views),
+            ("flicker".to_owned(), flicker),
+        ];
+        let of_categories = self.swap_probability.iter();
+        shares.extend(
+            of_categories.map(|(kind, share)| (format!("swap_probability.{}", kind.as_str()), *share)),
+        );
+        if let Some((field, share)) = shares.into_iter().find(|(_, share)| !(0.0..=1.0).contains(share)) {
+            return Some(format!("`{field}` is {share}, but a share lies between 0 and 1"));
+        }
+        let is_far = |pixels: i32| pixels.unsigned_abs() > MAX_PX;
+        (inwards > outwards || is_far(inwards) || is_far(outwards)).then(|| {
+            format!(
+                "`edge_px` is [{inwards}, {outwards}], but it is [smallest, largest] in pixels, from -{MAX_PX} to {MAX_PX}"
+            )
         })
     }
 
@@ -196,19 +111,6 @@ impl NoisePreset {
         let probability = stated.copied().reduce(f64::max).unwrap_or(self.noise.swap.probability);
         NoiseModel { swap: Swap { probability, ..self.noise.swap }, ..self.noise }
     }
-}
-
-fn check_share(field: &str, share: f64) -> Result<(), OracleError> {
-    if (0.0..=1.0).contains(&share) {
-        return Ok(());
-    }
-    let allowed = "a share lies between 0 and 1".to_owned();
-    Err(OracleError::Noise { field: field.to_owned(), found: share.to_string(), allowed })
-}
-
-fn range_error(field: &str, found: &impl std::fmt::Debug, least: &str) -> OracleError {
-    let allowed = format!("it is [smallest, largest] in pixels, from {least} to {MAX_PX}");
-    OracleError::Noise { field: field.to_owned(), found: format!("{found:?}"), allowed }
 }
 
 #[cfg(test)]
@@ -222,13 +124,12 @@ mod tests {
         let text = "seed = 7\n\
             [noise]\ndropped_views = 0.1\nedge_px = [-2, 1]\n\
             [noise.swap]\ncorrelation = 0.6\nprobability = 0.05\n\
-            [noise.blobs]\nspan = \"clip\"\n\
             [swap_probability]\naction = 0.2\nspatial = 0.3\n";
         std::fs::write(&path, text).unwrap();
         let preset = NoisePreset::read(&path).unwrap();
         assert_eq!((preset.seed, preset.noise.dropped_views, preset.noise.flicker), (7, 0.1, 0.0));
-        assert_eq!((preset.noise.edge_px, preset.noise.blobs.span), ([-2, 1], Span::Clip));
-        assert_eq!(preset.noise.swap, Swap { probability: 0.05, correlation: 0.6, agreement: 1.0 });
+        assert_eq!(preset.noise.edge_px, [-2, 1]);
+        assert_eq!(preset.noise.swap, Swap { probability: 0.05, correlation: 0.6 });
         let share = |categories: &[Category]| preset.of_categories(categories).swap.probability;
         assert_eq!(share(&[Category::Attribute]), 0.05);
         assert_eq!(share(&[Category::Action]), 0.2);
@@ -245,10 +146,8 @@ mod tests {
         for (text, words) in [
             ("seed = 0\n[noise.swap]\nprobability = 1.5", "`swap.probability` is 1.5"),
             ("seed = 0\n[noise.swap]\ncorrelation = nan", "`swap.correlation` is NaN"),
-            ("seed = 0\n[noise.swap]\nagreement = -0.1", "`swap.agreement` is -0.1"),
             ("seed = 0\n[noise]\nedge_px = [1, 0]", "`edge_px` is [1, 0]"),
             ("seed = 0\n[noise]\nedge_px = [-2147483648, 0]", "`edge_px`"),
-            ("seed = 0\n[noise.blobs]\nradius_px = [1, 100000]", "`blobs.radius_px`"),
             ("seed = 0\n[swap_probability]\naction = 2.0", "`swap_probability.action` is 2"),
             ("seed = 0\n[noise]\nflickr = 0.1", "flickr"),
             ("seed = 0\n[swap_probability]\ncolour = 0.1", "colour"),
@@ -258,6 +157,5 @@ mod tests {
             let error = NoisePreset::read(&path).unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");
         }
-        assert!(NoiseModel::none().check().is_ok());
     }
 }

@@ -1,10 +1,16 @@
 //! What a query means, as ids: the referents, what could be taken for them, and when they count.
 
 use l4d_data::scene::{Instance, Role};
-use l4d_data::{Category, Interval, Query};
+use l4d_data::{Category, Interval, Name, Query, QueryId};
 use serde::{Deserialize, Serialize};
 
-use super::OracleError;
+/// A referent that the scene does not have.
+#[derive(Debug, thiserror::Error)]
+#[error("query {query} refers to `{name}`, which is no object of its scene: run `l4d check-queries`")]
+pub struct UnknownReferent {
+    query: QueryId,
+    name: Name,
+}
 
 /// The truth about one query.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,14 +31,14 @@ impl Target {
     ///
     /// # Errors
     /// A referent is no object of the scene.
-    pub fn of(instances: &[Instance], query: &Query) -> Result<Self, OracleError> {
+    pub fn of(instances: &[Instance], query: &Query) -> Result<Self, UnknownReferent> {
         let objects = || instances.iter().filter(|instance| instance.role == Role::Object);
         let meant: Vec<&Instance> = query
             .referents
             .iter()
             .map(|name| {
                 let found = objects().find(|instance| instance.name == *name);
-                found.ok_or_else(|| OracleError::Referent { query: query.id.clone(), name: name.clone() })
+                found.ok_or_else(|| UnknownReferent { query: query.id.clone(), name: name.clone() })
             })
             .collect::<Result<_, _>>()?;
         let is_meant = |id: u32| meant.iter().any(|instance| instance.id == id);
@@ -61,8 +67,8 @@ impl Target {
 mod tests {
     use std::collections::BTreeMap;
 
+    use l4d_data::Status;
     use l4d_data::query::{Provenance, Temporal, text_digest};
-    use l4d_data::{Name, Status};
 
     use super::*;
 

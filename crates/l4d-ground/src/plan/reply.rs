@@ -3,15 +3,14 @@
 //! Models are asked for one shape and answer in many: a bare list instead of an object, `bbox_2d` beside or above the
 //! time, times as text, prose and fences around it. Whatever says the same is read the same way.
 
-use l4d_data::Interval;
 use l4d_endpoint::coordinates::WrittenBox;
-use l4d_endpoint::{Convention, EndpointError, Reply};
+use l4d_endpoint::{BoxPx, Convention, EndpointError, Reply, one_line};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
+use super::GroundingPlan;
 use super::clock::Clock;
 use super::objects::numbered;
-use super::{GroundingPlan, Keyframe, Reading};
 use crate::grounder::Outcome;
 
 /// Longest words that are passed on, characters; the rest is cut.
@@ -26,7 +25,7 @@ const EXCERPT: usize = 160;
 pub(crate) enum Wanted {
     /// An expression or a noun phrase.
     Words,
-    /// A box or a point in at least one frame.
+    /// A box in at least one frame.
     Boxes,
 }
 
@@ -43,22 +42,21 @@ pub(crate) struct SentPictures<'a> {
     pub(crate) convention: &'a Convention,
 }
 
-/// Reads a plan.
-pub(crate) fn read(reply: &Reply, wanted: Wanted, pictures: &SentPictures<'_>) -> Reading {
+/// Reads a plan. The outcome is found if it can be carried out, and absent if the model says that the view does not
+/// show it; otherwise the plan is without use.
+pub(crate) fn read(reply: &Reply, wanted: Wanted, pictures: &SentPictures<'_>) -> (Outcome, GroundingPlan) {
     let mut plan = GroundingPlan::default();
-    let outcome = match document(reply) {
-        Ok(document) => {
-            plan.expression = words(&document, &["expression", "referring_expression", "description"]);
-            plan.noun_phrase = words(&document, &["noun_phrase", "noun", "phrase"]);
-            plan.intervals = intervals(&document, pictures.clock, &mut plan.notes);
-            match wanted {
-                Wanted::Words => read_words(&document, &mut plan),
-                Wanted::Boxes => read_boxes(&document, pictures, &mut plan),
-            }
-        }
-        Err(outcome) => outcome,
+    let document = match document(reply) {
+        Ok(document) => document,
+        Err(outcome) => return (outcome, plan),
     };
-    Reading { outcome, plan }
+    plan.expression = words(&document, &["expression", "referring_expression", "description"]);
+    plan.noun_phrase = words(&document, &["noun_phrase", "noun", "phrase"]);
+    let outcome = match wanted {
+        Wanted::Words => read_words(&document, &mut plan),
+        Wanted::Boxes => read_boxes(&document, pictures, &mut plan),
+    };
+    (outcome, plan)
 }
 
 /// The JSON of a reply: an object, or a list of objects.
@@ -66,23 +64,12 @@ pub(crate) fn document(reply: &Reply) -> Result<Value, Outcome> {
     match reply.json::<Document>() {
         Ok(Document(document)) => Ok(document),
         Err(EndpointError::Truncated { .. }) => Err(Outcome::Truncated),
-        Err(EndpointError::Refused { message }) => Err(Outcome::Refused(clean(&message, EXCERPT))),
+        Err(EndpointError::Refused(message)) => Err(Outcome::Refused(one_line(&message, EXCERPT))),
         Err(EndpointError::NoJson { .. }) if is_refusal(&reply.text) => {
-            Err(Outcome::Refused(clean(&reply.text, EXCERPT)))
+            Err(Outcome::Refused(one_line(&reply.text, EXCERPT)))
         }
-        Err(error) => Err(Outcome::Unparsed(clean(&error.to_string(), 2 * EXCERPT))),
+        Err(error) => Err(Outcome::Unparsed(one_line(&error.to_string(), 2 * EXCERPT))),
     }
-}
-
-/// Text of a model on one line, without anything that steers a terminal.
-pub(crate) fn clean(text: &str, longest: usize) -> String {
-    let is_hidden = |letter: char| {
-        let steers = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
-        steers || letter.is_control()
-    };
-    let shown: String = text.chars().filter(|letter| letter.is_whitespace() || !is_hidden(*letter)).collect();
-    let line = shown.split_whitespace().collect::<Vec<_>>().join(" ");
-    line.chars().take(longest).collect()
 }
 
 /// What a reply's JSON may be. Numbers in brackets, as prose has them, are passed over.
@@ -96,11 +83,8 @@ impl<'de> Deserialize<'de> for Document {
             Value::Array(items) => items.iter().all(Value::is_object),
             _ => false,
         };
-        if is_document {
-            Ok(Self(value))
-        } else {
-            Err(serde::de::Error::custom("is no object and no list of objects"))
-        }
+        let error = || serde::de::Error::custom("is no object and no list of objects");
+        if is_document { Ok(Self(value)) } else { Err(error()) }
     }
 }
 
@@ -157,8 +141,7 @@ fn read_boxes(document: &Value, pictures: &SentPictures<'_>, plan: &mut Groundin
 /// Whether the answer is a list of nothing, with or without an object around it.
 fn is_empty_list(document: &Value) -> bool {
     let is_empty = |value: &Value| value.as_array().is_some_and(Vec::is_empty);
-    let of_boxes = |(name, value): (&String, &Value)| name != "intervals" && is_empty(value);
-    is_empty(document) || document.as_object().is_some_and(|fields| fields.iter().any(of_boxes))
+    is_empty(document) || document.as_object().is_some_and(|fields| fields.values().any(is_empty))
 }
 
 fn visible(document: &Value) -> Option<bool> {
@@ -176,24 +159,7 @@ fn visible(document: &Value) -> Option<bool> {
 
 fn words(document: &Value, keys: &[&str]) -> String {
     let text = keys.iter().find_map(|key| document.get(*key)?.as_str()).unwrap_or_default();
-    clean(text, LONGEST_WORDS)
-}
-
-/// The intervals that an answer speaks of.
-pub(crate) fn intervals(document: &Value, clock: &Clock, notes: &mut Vec<String>) -> Vec<Interval> {
-    let Some(items) = document.get("intervals").and_then(Value::as_array) else { return Vec::new() };
-    let ends = |item: &Value| -> Option<Interval> {
-        let [start, end] = match item.as_array().map(Vec::as_slice) {
-            Some([start, end]) => [start, end],
-            _ => [item.get("start")?, item.get("end")?],
-        };
-        clock.interval(start, end)
-    };
-    let read: Vec<Interval> = items.iter().take(MOST_PLACES).filter_map(ends).collect();
-    if read.len() < items.len() {
-        notes.push(format!("{} of {} intervals cannot be read", items.len() - read.len(), items.len()));
-    }
-    read
+    one_line(text, LONGEST_WORDS)
 }
 
 /// Which picture a part of an answer speaks of.
@@ -207,10 +173,10 @@ enum When {
     Nowhere,
 }
 
-/// Boxes and points of an answer, in whatever place.
+/// Boxes of an answer, in whatever place.
 struct Places<'a> {
     pictures: &'a SentPictures<'a>,
-    found: Vec<Keyframe>,
+    found: Vec<(u32, BoxPx)>,
     seen: usize,
     outside: usize,
     unusable: usize,
@@ -225,9 +191,7 @@ impl Places<'_> {
             Value::Object(fields) => {
                 let when = self.time(fields).unwrap_or(when);
                 if let Some(written) = WrittenBox::of(value) {
-                    self.take_box(written.numbers, when);
-                } else if let Some(point) = point(fields) {
-                    self.take_point(point, when);
+                    self.take(written.numbers, when);
                 } else {
                     for (name, field) in fields {
                         // Some answers use the time as a key.
@@ -246,28 +210,16 @@ impl Places<'_> {
         Some(self.pictures.clock.frame(time).map_or(When::Nowhere, When::At))
     }
 
-    fn take_box(&mut self, numbers: [f64; 4], when: When) {
+    fn take(&mut self, numbers: [f64; 4], when: When) {
         let Some(frame) = self.admit(when) else { return };
         let SentPictures { size: sent, clip, convention, .. } = *self.pictures;
         self.outside += usize::from(!convention.holds(numbers, sent));
-        let Some(place) = convention.pixels(numbers, sent) else {
+        let Some(BoxPx { x0, y0, x1, y1 }) = convention.pixels(numbers, sent) else {
             self.unusable += 1;
             return;
         };
         let [x, y] = [f64::from(clip.0) / f64::from(sent.0), f64::from(clip.1) / f64::from(sent.1)];
-        let box_px = Some([place.x0 * x, place.y0 * y, place.x1 * x, place.y1 * y]);
-        self.found.push(Keyframe { frame, object: 0, box_px, points_px: Vec::new() });
-    }
-
-    fn take_point(&mut self, numbers: [f64; 2], when: When) {
-        let Some(frame) = self.admit(when) else { return };
-        let SentPictures { size: sent, clip, convention, .. } = *self.pictures;
-        let Some([x, y]) = convention.point(numbers, sent) else {
-            self.unusable += 1;
-            return;
-        };
-        let point = [x * f64::from(clip.0) / f64::from(sent.0), y * f64::from(clip.1) / f64::from(sent.1)];
-        self.found.push(Keyframe { frame, object: 0, box_px: None, points_px: vec![point] });
+        self.found.push((frame, BoxPx { x0: x0 * x, y0: y0 * y, x1: x1 * x, y1: y1 * y }));
     }
 
     /// The frame of one more place, if it is known and there is room.
@@ -276,7 +228,7 @@ impl Places<'_> {
         if self.seen > MOST_PLACES {
             return None;
         }
-        let frame = match (when, self.pictures.clock.sent()) {
+        let frame = match (when, self.pictures.clock.0.as_slice()) {
             (When::At(frame), _) => Some(frame),
             // There is no other that could be meant.
             (When::Unsaid, [only]) => Some(*only),
@@ -308,26 +260,12 @@ impl Places<'_> {
     }
 }
 
-fn point(fields: &Map<String, Value>) -> Option<[f64; 2]> {
-    let numbers = ["point_2d", "point"].iter().find_map(|key| fields.get(*key)?.as_array())?;
-    match numbers.as_slice() {
-        [x, y] => Some([x.as_f64()?, y.as_f64()?]),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn words_of_a_model_are_tamed() {
-        assert_eq!(clean(" the\n\u{1b}[31mred\u{202e} cup ", 300), "the [31mred cup");
-        assert_eq!(clean(&"ä".repeat(500), 300).chars().count(), 300);
-    }
-
-    #[test]
-    fn refusals_in_words_are_known_by_their_opening() {
+    fn refusals_are_known_by_their_opening() {
         assert!(is_refusal("I'm sorry, but I can't help with identifying people."));
         assert!(is_refusal("I can’t do that."));
         assert!(!is_refusal("The cup is sorry to see."));

@@ -4,7 +4,6 @@
 mod scripted;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use l4d_endpoint::{CacheUse, Link};
@@ -51,10 +50,11 @@ fn segmenter(name: &str, folder: &Path) -> Arc<Segmenter> {
         "scripted" => vec![here.join("tests/worker/scripted.py").into_os_string(), "plain".into()],
         name => vec!["-m".into(), "l4d_workers".into(), name.into()],
     };
-    let environment = vec![
+    let environment = [
         ("PYTHONPATH".to_owned(), here.join("workers").into_os_string()),
         ("PYTHONDONTWRITEBYTECODE".to_owned(), "1".into()),
-    ];
+    ]
+    .into();
     let launch = Launch { program: "python3".into(), arguments, environment };
     let patience = Patience { answer: Duration::from_secs(60), ..Patience::default() };
     let worker = Worker::start(launch, patience).unwrap();
@@ -110,10 +110,7 @@ fn boxes_of_a_reply_become_masks() {
     let text = parts[6]["text"].as_str().unwrap();
     assert_eq!(parts.len(), 7, "the words come last");
     assert!(text.contains(r#"the query "the cup that \"tips\" 🥤""#), "{text}");
-    assert!(
-        text.contains("3 moments") && text.contains("4.0 seconds") && !text.contains("intervals"),
-        "{text}"
-    );
+    assert!(text.contains("3 moments") && text.contains("4.0 seconds"), "{text}");
     assert!(
         !text.contains("{count}") && text.contains(r#""boxes":[{"time":0.0,"bbox_2d":[400,400,600,600]}]"#)
     );
@@ -160,7 +157,7 @@ fn outcomes_without_masks_are_told_apart() {
         ("prose", "unparsed"),
         ("cut", "truncated"),
         ("refused", "refused"),
-        ("points", "error"),
+        ("points", "unparsed"),
         ("down", "error"),
     ] {
         let Grounding { outcome, masks, notes } = ask(text);
@@ -170,25 +167,6 @@ fn outcomes_without_masks_are_told_apart() {
     let Outcome::Error(message) = ask("down").outcome else { panic!("no error") };
     assert!(message.contains("no memory") && message.contains("log"), "{message}");
     assert!(matches!(ask("").outcome, Outcome::Unsupported(_)));
-}
-
-#[test]
-fn views_whose_question_fails_do_not_stop_the_others() {
-    let folder = tempfile::tempdir().unwrap();
-    let count = AtomicUsize::new(0);
-    let server = serve(move |_| match count.fetch_add(1, Ordering::SeqCst) % 2 {
-        0 => says(PLAN),
-        _ => status(503, &json!({ "error": { "message": "overloaded" } })),
-    });
-    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
-    let outcomes: Vec<&str> = std::thread::scope(|scope| {
-        let views: Vec<_> = (0..8)
-            .map(|_| scope.spawn(|| vlm.ground(&view(), &sentence("the cup")).outcome.word()))
-            .collect();
-        views.into_iter().map(|view| view.join().unwrap()).collect()
-    });
-    let count = |word| outcomes.iter().filter(|outcome| **outcome == word).count();
-    assert_eq!((count("found"), count("error")), (4, 4), "{outcomes:?}");
 }
 
 #[test]
@@ -207,22 +185,6 @@ fn answers_are_kept_and_replies_without_sense_are_not() {
         assert_eq!(vlm.ground(&view(), &sentence("prose")).outcome.word(), "unparsed");
     }
     assert_eq!(server.seen().len(), 3, "a reply without sense is asked for again");
-}
-
-#[test]
-fn a_recording_stands_in_for_the_server() {
-    let folder = tempfile::tempdir().unwrap();
-    let tape = folder.path().join("tape");
-    let recorded = {
-        let server = serve(|_| says(PLAN));
-        let client = Client::open(endpoint(&server.url()), &Link::Record(tape.clone())).unwrap();
-        vlm(client, "box", Coupling::Box, small(), folder.path()).ground(&view(), &sentence("the cup"))
-    };
-    let replay = || Client::open(Endpoint::recorded(&tape).unwrap(), &Link::Replay(tape.clone())).unwrap();
-    let vlm = vlm(replay(), "box", Coupling::Box, small(), folder.path());
-    assert_eq!(vlm.ground(&view(), &sentence("the cup")), recorded);
-    let other = vlm.ground(&view(), &sentence("the plate"));
-    assert!(matches!(&other.outcome, Outcome::Error(why) if why.contains("holds no answer")), "{other:?}");
 }
 
 #[test]
@@ -249,17 +211,12 @@ fn chooses(phrase: &'static str, choice: &'static str) -> Server {
 #[test]
 fn a_choice_among_numbered_candidates_becomes_masks() {
     let folder = tempfile::tempdir().unwrap();
-    let server = chooses("things", r#"{"numbers":[2],"intervals":[{"start":1.0,"end":2.0}]}"#);
-    let settings = Settings { gate: true, ..small() };
-    let vlm = vlm(live(&server), "scripted", Coupling::Pick, settings, folder.path());
+    let server = chooses("things", r#"{"numbers":[2]}"#);
+    let vlm = vlm(live(&server), "scripted", Coupling::Pick, small(), folder.path());
     let grounding = vlm.ground(&view(), &sentence("the cup that is pushed"));
     assert_eq!(grounding.outcome, Outcome::Found, "{:?}", grounding.notes);
-    // Half way from picture 0 (frame 0) to picture 1 (frame 48) the query begins to hold.
     let expected = Mask::from_fn(32, 24, |column, _| (10..20).contains(&column));
-    for (frame, mask) in &grounding.masks {
-        let expected = if *frame >= 24 { expected.clone() } else { Mask::empty(32, 24) };
-        assert_eq!(*mask, expected, "frame {frame}");
-    }
+    assert!(grounding.masks.values().all(|mask| *mask == expected));
     let seen = questions(&server);
     assert_eq!(seen.len(), 2);
     assert!(seen[0]["messages"][0]["content"].is_string(), "words alone");
@@ -289,20 +246,6 @@ fn a_choice_of_nothing_is_absent_and_one_of_others_has_no_sense() {
 }
 
 #[test]
-fn an_estimate_sends_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let server = serve(|_| says(PLAN));
-    let vlm = vlm(live(&server), "box", Coupling::Box, small(), folder.path());
-    let (view, questions) = (view(), [sentence("the cup"), sentence(""), sentence("the plate")]);
-    let plan = vlm.estimate(questions.iter().map(|question| (&view, question))).unwrap();
-    assert_eq!((plan.questions, plan.kept, plan.images), (2, 0, 6));
-    assert_eq!(plan.tokens.completion, 2 * 2048);
-    // 32x24 is enlarged twice, to about 4096 pixels: 4 tokens of 784 pixels and 8 a part.
-    assert!(plan.tokens.prompt > 6 * 12 && plan.bytes > 6 * 500, "{plan:?}");
-    assert!(server.seen().is_empty());
-}
-
-#[test]
 fn an_identity_names_everything_that_answers_depend_on() {
     let folder = tempfile::tempdir().unwrap();
     let server = serve(|_| says(PLAN));
@@ -316,7 +259,6 @@ fn an_identity_names_everything_that_answers_depend_on() {
     assert!(!identity.to_string().contains("127.0.0.1"), "{identity}");
     for other in [
         open(Coupling::Box, "box", Settings { seed: Some(1), ..small() }),
-        open(Coupling::Box, "box", Settings { gate: true, ..small() }),
         open(Coupling::Box, "null", small()),
         open(Coupling::Pick, "null", small()),
     ] {

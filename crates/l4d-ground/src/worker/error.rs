@@ -5,7 +5,7 @@ use std::time::Duration;
 use l4d_data::DataError;
 
 use crate::grounder::Outcome;
-use crate::unread::Unread;
+use crate::unreadable::Unreadable;
 
 /// An error of a worker, its process or its answer.
 #[derive(Debug, thiserror::Error)]
@@ -89,7 +89,7 @@ impl WorkerError {
     pub fn outcome(&self) -> Outcome {
         match self {
             Self::Refused { kind, message, .. } if kind == "bad_text" => {
-                Outcome::Unsupported(Unread::whole(message))
+                Outcome::Unsupported(Unreadable::whole(message))
             }
             Self::Data(error) => Outcome::of_data_error(error),
             error => Outcome::Error(format!("{error}; {}", error.hint())),

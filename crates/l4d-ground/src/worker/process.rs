@@ -10,14 +10,13 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use l4d_data::error::inert;
+use l4d_endpoint::one_line;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use super::answer::PartialAnswer;
 use super::error::WorkerError;
-use super::protocol::{Hello, PROTOCOL, Part, Request, Segment, WorkerLine, read_line, write_line};
-use super::segmenter::Segmented;
+use super::protocol::{Hello, PROTOCOL, Request, Segment, WorkerLine, write_line};
+use super::segmenter::{PartialAnswer, Segmented};
 use super::{Launch, Patience};
-use crate::plan::clean;
 
 /// A line that is longer holds no mask of a clip.
 const LONGEST_LINE: u64 = 16 << 20;
@@ -49,7 +48,7 @@ impl Process {
     pub(super) fn start(launch: &Launch, patience: Patience) -> Result<Self, WorkerError> {
         let program = launch.program.display().to_string();
         let mut command = Command::new(&launch.program);
-        command.args(&launch.arguments).envs(launch.environment.iter().map(|(name, value)| (name, value)));
+        command.args(&launch.arguments).envs(&launch.environment);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // A group of its own: what it starts must not outlive it, and a Ctrl-C is for l4d to answer.
         command.process_group(0);
@@ -91,15 +90,15 @@ impl Process {
         loop {
             let rest = deadline.saturating_duration_since(Instant::now());
             match self.next_line(rest, "was not ready", waited)? {
-                WorkerLine::Alive => {}
-                WorkerLine::Hello(hello) if hello.protocol == PROTOCOL => return Ok(*hello),
-                WorkerLine::Hello(hello) => {
+                WorkerLine::Alive { .. } => {}
+                WorkerLine::Hello { hello } if hello.protocol == PROTOCOL => return Ok(*hello),
+                WorkerLine::Hello { hello } => {
                     let theirs = hello.protocol;
                     let message =
                         format!("it speaks version {theirs} of the protocol, l4d speaks {PROTOCOL}");
                     return Err(WorkerError::breaks_protocol(&self.name, &message));
                 }
-                WorkerLine::About(..) => {
+                _ => {
                     return Err(WorkerError::breaks_protocol(&self.name, "it answers before its hello"));
                 }
             }
@@ -119,29 +118,29 @@ impl Process {
             } else {
                 self.next_line(silence, "said nothing", silence)?
             };
-            let part = match line {
-                WorkerLine::Alive => continue,
-                WorkerLine::Hello(_) => {
-                    return Err(WorkerError::breaks_protocol(&self.name, "it says hello twice"));
-                }
+            match line.id() {
                 // A request that was given up: late lines do no harm.
-                WorkerLine::About(id, _) if id < segment.id => continue,
-                WorkerLine::About(id, _) if id > segment.id => {
+                Some(id) if id < segment.id => continue,
+                Some(id) if id > segment.id => {
                     let message = format!("it answers request {id}, which was not asked");
                     return Err(WorkerError::breaks_protocol(&self.name, &message));
                 }
-                WorkerLine::About(_, part) => part,
-            };
-            match part {
-                Part::Mask(line) => {
+                _ => {}
+            }
+            match line {
+                WorkerLine::Alive { .. } => {}
+                WorkerLine::Hello { .. } => {
+                    return Err(WorkerError::breaks_protocol(&self.name, "it says hello twice"));
+                }
+                WorkerLine::Mask(line) => {
                     if let Err(message) = answer.add(&line) {
                         self.send(&Request::Cancel { id: segment.id });
                         return Err(WorkerError::Answer { worker: self.name.clone(), message });
                     }
                 }
-                Part::Done { skipped } => return Ok(answer.finish(&skipped)),
-                Part::Failed { kind, message } => {
-                    let (kind, message) = (clean(&kind, 40), clean(&message, 500));
+                WorkerLine::Done { skipped, .. } => return Ok(answer.finish(&skipped)),
+                WorkerLine::Failed { error, .. } => {
+                    let (kind, message) = (one_line(&error.kind, 40), one_line(&error.msg, 500));
                     return Err(WorkerError::Refused { worker: self.name.clone(), kind, message });
                 }
             }
@@ -220,7 +219,7 @@ fn read_lines(stdout: ChildStdout, lines: &SyncSender<Result<WorkerLine, String>
             Ok(0) | Err(_) => return,
             Ok(_) if line.len() as u64 == LONGEST_LINE => Err("a line without end".to_owned()),
             Ok(_) if line.trim_ascii().is_empty() => continue,
-            Ok(_) => read_line(&line).map_err(|error| {
+            Ok(_) => serde_json::from_slice(&line).map_err(|error| {
                 let excerpt: String = String::from_utf8_lossy(&line).chars().take(80).collect();
                 format!("{error}: {}", inert(excerpt.trim()))
             }),

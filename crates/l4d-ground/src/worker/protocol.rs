@@ -11,36 +11,22 @@ use super::frames::Frames;
 /// Version of the protocol that this crate speaks.
 pub(super) const PROTOCOL: u32 = 1;
 
-/// What a worker says of itself when it is ready.
+/// What a worker says of itself when it is ready. All of it is part of the identity of every answer.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
     /// Version of the protocol.
-    pub protocol: u32,
+    pub(super) protocol: u32,
     /// Its name.
     pub name: String,
-    /// Its version.
-    pub version: String,
-    /// Kinds of prompts that it takes: `box`, `point`, `text`.
+    /// Kinds of prompts that it takes: `box`, `text`.
     #[serde(default)]
-    pub prompts: Vec<String>,
+    pub(super) prompts: Vec<String>,
     /// What kind of text it understands; none if it takes no text.
     #[serde(default)]
     pub text: Option<TextKind>,
-    /// Longest text, in tokens of its own.
-    #[serde(default)]
-    pub text_max_tokens: Option<u32>,
-    /// Where it computes: `cpu`, `cuda`, ...
-    #[serde(default)]
-    pub device: Option<String>,
-    /// What its model is.
-    #[serde(default)]
-    pub weights: Option<Weights>,
-    /// Libraries and their versions.
-    #[serde(default)]
-    pub deps: BTreeMap<String, String>,
-    /// What else its answers depend on.
-    #[serde(default)]
-    pub settings: BTreeMap<String, Value>,
+    /// Its version, where it computes, its weights, its libraries, its settings.
+    #[serde(flatten)]
+    rest: BTreeMap<String, Value>,
 }
 
 /// What kind of text a segmenter understands.
@@ -51,15 +37,6 @@ pub enum TextKind {
     Phrase,
     /// A sentence that tells one thing from others.
     Sentence,
-}
-
-/// What a model is, wherever its files are.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Weights {
-    /// Name of its folder or file.
-    pub id: String,
-    /// Digest of its files.
-    pub sha256: String,
 }
 
 /// A request for masks.
@@ -85,29 +62,54 @@ pub(super) enum Request<'a> {
 }
 
 /// What a worker writes, one per line.
-#[derive(Debug)]
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
 pub(super) enum WorkerLine {
-    Hello(Box<Hello>),
-    /// It is at work.
-    Alive,
-    /// About the request of this id.
-    About(u64, Part),
-}
-
-/// A part of an answer.
-#[derive(Debug)]
-pub(super) enum Part {
+    Hello {
+        hello: Box<Hello>,
+    },
+    Failed {
+        id: u64,
+        error: Failure,
+    },
     Mask(MaskLine),
-    Done { skipped: Vec<String> },
-    Failed { kind: String, message: String },
+    Done {
+        id: u64,
+        #[serde(rename = "done")]
+        _done: bool,
+        #[serde(default)]
+        skipped: Vec<String>,
+    },
+    Alive {
+        #[serde(rename = "alive")]
+        _alive: bool,
+    },
 }
 
-#[derive(Debug)]
+#[derive(Debug, Deserialize)]
+pub(super) struct Failure {
+    pub(super) kind: String,
+    pub(super) msg: String,
+}
+
+#[derive(Debug, Deserialize)]
 pub(super) struct MaskLine {
+    id: u64,
     pub(super) frame: u32,
-    pub(super) object: u32,
+    pub(super) obj: u32,
     pub(super) rle: Rle,
     pub(super) score: Option<f64>,
+}
+
+impl WorkerLine {
+    /// The request that it is about.
+    pub(super) fn id(&self) -> Option<u64> {
+        match self {
+            Self::Hello { .. } | Self::Alive { .. } => None,
+            Self::Failed { id, .. } | Self::Done { id, .. } => Some(*id),
+            Self::Mask(line) => Some(line.id),
+        }
+    }
 }
 
 /// A mask as COCO's compressed run lengths.
@@ -129,48 +131,6 @@ impl Rle {
     }
 }
 
-#[derive(Deserialize)]
-struct Line {
-    hello: Option<Box<Hello>>,
-    alive: Option<bool>,
-    id: Option<u64>,
-    frame: Option<u32>,
-    obj: Option<u32>,
-    rle: Option<Rle>,
-    score: Option<f64>,
-    done: Option<bool>,
-    #[serde(default)]
-    skipped: Vec<String>,
-    error: Option<Failure>,
-}
-
-#[derive(Deserialize)]
-struct Failure {
-    kind: String,
-    msg: String,
-}
-
-/// Reads a line; the error says what is wrong with it.
-pub(super) fn read_line(bytes: &[u8]) -> Result<WorkerLine, String> {
-    let line: Line = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
-    if let Some(hello) = line.hello {
-        return Ok(WorkerLine::Hello(hello));
-    }
-    let Some(id) = line.id else {
-        let is_alive = line.alive == Some(true);
-        return if is_alive { Ok(WorkerLine::Alive) } else { Err("a line without an id".to_owned()) };
-    };
-    let part = match (line.error, line.done, line.frame, line.obj, line.rle) {
-        (Some(Failure { kind, msg }), ..) => Part::Failed { kind, message: msg },
-        (None, Some(true), ..) => Part::Done { skipped: line.skipped },
-        (None, _, Some(frame), Some(object), Some(rle)) => {
-            Part::Mask(MaskLine { frame, object, rle, score: line.score })
-        }
-        _ => return Err("a line that is neither mask nor end nor error".to_owned()),
-    };
-    Ok(WorkerLine::About(id, part))
-}
-
 /// A line for a worker.
 pub(super) fn write_line(request: &Request<'_>) -> Result<String, serde_json::Error> {
     let mut line = serde_json::to_string(request)?;
@@ -180,6 +140,8 @@ pub(super) fn write_line(request: &Request<'_>) -> Result<String, serde_json::Er
 
 #[cfg(test)]
 mod tests {
+    use l4d_endpoint::BoxPx;
+
     use super::*;
     use crate::worker::ClipPrompt;
 
@@ -187,10 +149,9 @@ mod tests {
     fn requests_are_spelled_as_documented() {
         let frames = Frames { dir: "/clip".into(), files: vec!["a.png".into()], width: 4, height: 3 };
         let prompts = [
-            ClipPrompt::Box { object: 1, frame: 12, box_px: [1.0, 0.5, 2.0, 3.0] },
-            ClipPrompt::Point { object: 2, frame: 12, point_px: [1.0, 2.0] },
+            ClipPrompt::Box { object: 1, frame: 12, place: BoxPx { x0: 1.0, y0: 0.5, x1: 2.0, y1: 3.0 } },
             ClipPrompt::Text("a \"cup\"\n".into()),
-            ClipPrompt::Point { object: 2, frame: 24, point_px: [1.0, 2.0] },
+            ClipPrompt::Box { object: 2, frame: 24, place: BoxPx { x0: 1.0, y0: 0.5, x1: 2.0, y1: 3.0 } },
         ];
         let index = |frame: u32| (frame == 12).then_some(0);
         let prompts: Vec<Value> = prompts.iter().filter_map(|prompt| prompt.indexed(index)).collect();
@@ -200,7 +161,7 @@ mod tests {
             line,
             concat!(
                 r#"{"op":"segment","id":7,"frames":{"dir":"/clip","files":["a.png"],"width":4,"height":3},"#,
-                r#""prompts":[{"obj":1,"frame":0,"box_px":[1.0,0.5,2.0,3.0]},{"obj":2,"frame":0,"point_px":[1.0,2.0]},"#,
+                r#""prompts":[{"obj":1,"frame":0,"box_px":[1.0,0.5,2.0,3.0]},"#,
                 r#"{"obj":1,"text":"a \"cup\"\n"}],"range":[0,0],"threshold":0.5}"#,
                 "\n"
             )
@@ -211,31 +172,20 @@ mod tests {
 
     #[test]
     fn lines_are_told_apart_and_others_are_refused() {
-        let mask = br#"{"id":7,"frame":1,"obj":2,"rle":{"size":[2,3],"counts":"132"},"score":0.5}"#;
-        let Ok(WorkerLine::About(7, Part::Mask(line))) = read_line(mask) else { panic!("no mask") };
-        assert_eq!((line.frame, line.object, line.score), (1, 2, Some(0.5)));
+        let read = |line: &str| serde_json::from_str::<WorkerLine>(line);
+        let mask = r#"{"id":7,"frame":1,"obj":2,"rle":{"size":[2,3],"counts":"132"},"score":0.5}"#;
+        let Ok(WorkerLine::Mask(line)) = read(mask) else { panic!("no mask") };
+        assert_eq!((line.id, line.frame, line.obj, line.score), (7, 1, 2, Some(0.5)));
         assert_eq!(line.rle.decode(3, 2).unwrap().area(), 3);
         assert!(line.rle.decode(2, 3).unwrap_err().contains("3x2"));
-        for (line, expected) in [
-            (r#"{"alive":true}"#, "Ok(Alive)"),
-            (r#"{"id":7,"done":true,"more":1}"#, "Ok(About(7, Done { skipped: [] }))"),
-            (
-                r#"{"id":7,"error":{"kind":"oom","msg":"x"}}"#,
-                r#"Ok(About(7, Failed { kind: "oom", message: "x" }))"#,
-            ),
-        ] {
-            assert_eq!(format!("{:?}", read_line(line.as_bytes())), expected);
-        }
-        for bad in [
-            "",
-            "loading...",
-            "[]",
-            "{}",
-            r#"{"id":7}"#,
-            r#"{"id":-1,"done":true}"#,
-            r#"{"id":7,"frame":1,"obj":1}"#,
-        ] {
-            assert!(read_line(bad.as_bytes()).is_err(), "{bad}");
+        assert!(matches!(read(r#"{"alive":true}"#), Ok(WorkerLine::Alive { .. })));
+        let done = read(r#"{"id":7,"done":true,"more":1}"#);
+        assert!(matches!(done, Ok(WorkerLine::Done { id: 7, skipped, .. }) if skipped.is_empty()));
+        let failed = read(r#"{"id":7,"error":{"kind":"oom","msg":"x"}}"#);
+        assert!(matches!(failed, Ok(WorkerLine::Failed { id: 7, error }) if error.kind == "oom"));
+        let halves = [r#"{"id":7}"#, r#"{"id":-1,"done":true}"#, r#"{"id":7,"frame":1,"obj":1}"#];
+        for bad in ["", "loading...", "[]", "{}"].into_iter().chain(halves) {
+            assert!(read(bad).is_err(), "{bad}");
         }
     }
 }

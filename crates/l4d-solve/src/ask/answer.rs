@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use l4d_data::error::inert_name;
-use l4d_ground::{Grounder, Grounding, Outcome, Reason, Unread};
+use l4d_ground::{Grounder, Grounding, Outcome, Reason, Unreadable};
 use serde::Serialize;
 
 use super::known::Known;
@@ -49,7 +49,7 @@ impl Answer {
     }
 
     /// Why there is none; nothing where there is one.
-    pub(super) fn missing(solved: &Solved, unread: impl FnOnce(&Unread) -> Self) -> Option<Self> {
+    pub(super) fn missing(solved: &Solved, unread: impl FnOnce(&Unreadable) -> Self) -> Option<Self> {
         if !solved.consensus.evidence.is_empty() {
             return None;
         }
@@ -72,7 +72,7 @@ impl Answer {
     }
 
     /// The sentence cannot be read.
-    pub(super) fn unread(unread: &Unread, text: &str, known: &Known, grounder: &dyn Grounder) -> Self {
+    pub(super) fn unread(unread: &Unreadable, text: &str, known: &Known, grounder: &dyn Grounder) -> Self {
         let nearest = known.nearest(text, |sentence| grounder.reads(sentence).is_ok());
         let mut message = format!("no answer: {unread}");
         let is_about_words = matches!(unread.reason, Reason::Unknown | Reason::Grammar | Reason::Bare);
@@ -83,7 +83,7 @@ impl Answer {
             message += &format!("; nearest sentence that it reads: \"{nearest}\"");
         }
         Self {
-            unread_words: unread.texts().into_iter().map(str::to_owned).collect(),
+            unread_words: unread.words.clone(),
             nearest: nearest.map(str::to_owned),
             ..Self::new(Status::Unread, &message)
         }
@@ -154,8 +154,6 @@ fn failures(groundings: &[Grounding], others_deny: bool) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use l4d_ground::Word;
-
     use super::*;
     use crate::account::Account;
     use crate::consensus::{Preset, consensus};
@@ -172,7 +170,7 @@ mod tests {
     }
 
     fn missing(outcomes: &[Outcome]) -> (Status, String) {
-        let unread = |unread: &Unread| Answer::new(Status::Unread, &format!("no answer: {unread}"));
+        let unread = |unread: &Unreadable| Answer::new(Status::Unread, &format!("no answer: {unread}"));
         let answer = Answer::missing(&solved(outcomes, &[], Preset::Robust), unread).unwrap();
         assert!(!answer.is_there());
         (answer.status, answer.message)
@@ -185,8 +183,7 @@ mod tests {
     #[test]
     fn without_evidence_it_says_why() {
         use Outcome::{Absent, Found, Truncated, Unsupported};
-        let unread =
-            || Unsupported(Unread::words(Reason::Unknown, [&Word { text: "flurb".into(), bytes: [0, 5] }]));
+        let unread = || Unsupported(Unreadable::words(Reason::Unknown, [&"flurb".to_owned()]));
         let cases = [
             (vec![Found, Found, Absent], Status::Disagreement, "no answer: the views disagree"),
             (vec![Found, error("gone")], Status::Disagreement, "no answer: the views disagree"),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::error::inert_name;
 use l4d_data::{Benchmark, Name, Query, StageError, Status};
-use l4d_ground::nearest;
+use strsim::sorensen_dice;
 
 /// All sentences that the benchmark has about a scene; none without a benchmark.
 pub(super) struct Known {
@@ -32,12 +32,14 @@ impl Known {
         found.map(|query| query.id.number.clone())
     }
 
-    /// The sentence with the most words in common, of those that mean something in the scene and can be read.
+    /// The sentence that is spelled the most like it, of those that mean something in the scene and can be read.
     pub(super) fn nearest(&self, text: &str, can_be_read: impl Fn(&str) -> bool) -> Option<&str> {
         let means_something =
             |query: &&Query| !query.referents.is_empty() && query.status != Status::Rejected;
-        let sentences = self.queries.iter().filter(means_something).map(|query| query.text.as_str());
-        nearest(text, sentences.filter(|sentence| can_be_read(sentence)))
+        let likeness = |query: &&Query| sorensen_dice(&text.to_lowercase(), &query.text.to_lowercase());
+        let can_be_asked = |query: &&Query| means_something(query) && can_be_read(&query.text);
+        let candidates = self.queries.iter().filter(can_be_asked);
+        candidates.max_by(|a, b| likeness(a).total_cmp(&likeness(b))).map(|query| query.text.as_str())
     }
 
     /// Why a grounder that answers these sentences alone is not asked another one.

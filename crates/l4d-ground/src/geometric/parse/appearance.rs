@@ -29,7 +29,7 @@ impl Reader<'_> {
         let part = self.word().to_owned();
         self.lexicon.part(&part)?;
         self.advance(1);
-        self.take_any(&["is", "are"])?;
+        self.take_any("is|are")?;
         let is_negated = self.take("not");
         self.skip(FILLERS);
         let value = self.value()?;
@@ -47,8 +47,7 @@ impl Reader<'_> {
             self.take("metal");
             return Some(vec![attribute(&key, &value)]);
         }
-        let preposition =
-            self.take_any(&["with no", "without", "with", "wearing", "in", "has", "having", "has got"])?;
+        let preposition = self.take_any("with no|without|with|wearing|in|has|having|has got")?;
         let is_negated = matches!(preposition, "with no" | "without");
         if let Some(clause) = self.attempt(Self::carries_on_top) {
             return Some(vec![if is_negated { Clause::Not(Box::new(clause)) } else { clause }]);
@@ -71,16 +70,8 @@ impl Reader<'_> {
     /// "(with) another block standing on it".
     fn carries_on_top(&mut self) -> Option<Clause> {
         let other = self.party()?;
-        self.take_any(&["standing", "sitting", "lying", "resting"]);
-        let kind = match self.take_any(&[
-            "on top of it",
-            "on it",
-            "in it",
-            "inside it",
-            "under it",
-            "beside it",
-            "next to it",
-        ])? {
+        self.take_any("standing|sitting|lying|resting");
+        let kind = match self.take_any("on top of it|on it|in it|inside it|under it|beside it|next to it")? {
             "on top of it" | "on it" | "in it" | "inside it" => Relation::Under,
             "under it" => Relation::On,
             _ => Relation::Beside,
@@ -96,10 +87,10 @@ impl Reader<'_> {
 
     /// "a wooden knob on its lid", "the checked shirt", "pink".
     fn part_phrase(&mut self, is_worn: bool) -> Option<Vec<Clause>> {
-        self.take_any(&["the", "an", "a", "two", "its", "his", "her"]);
+        self.take_any("the|an|a|two|its|his|her");
         let mut values = Vec::new();
         loop {
-            self.skip(&[","]);
+            self.skip(",");
             while self.is_possessive(self.at) {
                 self.advance(1);
             }
@@ -165,18 +156,9 @@ impl Reader<'_> {
 
     /// Where a part is: of no use to whom sees no parts.
     fn loose_tail(&mut self) {
-        const PLACES: &[&str] = &["on either side", "on both sides", "on it", "in it"];
-        const PARTS: &[&str] = &[
-            "on its",
-            "around its",
-            "round its",
-            "along the",
-            "along its",
-            "at the",
-            "down to the",
-            "at its",
-            "on the",
-        ];
+        const PLACES: &str = "on either side|on both sides|on it|in it";
+        const PARTS: &str = "on its|around its|round its|along the|along its|at the|down to the|\
+             at its|on the";
         for _ in 0..3 {
             let read = self.attempt(|reader| {
                 if reader.take_any(PLACES).is_some() {

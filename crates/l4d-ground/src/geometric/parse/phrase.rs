@@ -6,59 +6,13 @@ use l4d_query::{Clause, Party};
 use super::places::FILLERS;
 use super::{ANY_PERSON, MAX_NESTING, Order, Phrase, Reader};
 
-const ARTICLES: &[&str] = &[
-    "one of the",
-    "the other two",
-    "the other",
-    "the same",
-    "the two",
-    "the",
-    "an other",
-    "another",
-    "an",
-    "a",
-    "any other",
-    "any",
-    "some",
-    "this",
-    "that",
-    "these",
-    "those",
-    "its own",
-    "its",
-    "his",
-    "her",
-    "their",
-    "each",
-    "every",
-    "both",
-    "two",
-];
-const INDEFINITE: &[&str] = &[
-    "another",
-    "an other",
-    "an",
-    "a",
-    "any other",
-    "any",
-    "some",
-    "the other two",
-    "each",
-    "every",
-    "two",
-    "one of the",
-];
-const SHADES: &[&str] = &["light", "dark", "pale", "bright"];
-const WHILES: &[&str] = &[
-    "whenever",
-    "while",
-    "when",
-    "as long as",
-    "during the time when",
-    "at the moment when",
-    "the moment",
-    "as",
-];
+const ARTICLES: &str = "one of the|the other two|the other|the same|the two|the|an other|another|an|a|\
+     any other|any|some|this|that|these|those|its own|its|his|her|their|each|every|\
+     both|two";
+const INDEFINITE: &str = "another|an other|an|a|any other|any|some|the other two|each|every|two|one of the";
+const SHADES: &str = "light|dark|pale|bright";
+const WHILES: &str = "whenever|while|when|as long as|during the time when|at the moment when|\
+     the moment|as";
 
 impl Reader<'_> {
     /// A noun with all that is said of it. `is_head`: of the sentence, not of another one within it.
@@ -76,7 +30,7 @@ impl Reader<'_> {
         let article = self.take_any(ARTICLES);
         let mut phrase = Phrase {
             noun: String::new(),
-            is_definite: article.is_none_or(|article| !INDEFINITE.contains(&article)),
+            is_definite: article.is_none_or(|article| !INDEFINITE.split('|').any(|one| one == article)),
             is_plural: false,
             clauses: Vec::new(),
             temporal: Temporal::Whole,
@@ -98,13 +52,13 @@ impl Reader<'_> {
     /// Adjectives, extremes, ordinals.
     fn before_noun(&mut self, phrase: &mut Phrase) {
         loop {
-            self.skip(&[",", "very"]);
+            self.skip(",|very");
             if self.at + 1 < self.words.len() && self.noun_length().is_some_and(|length| length > 1) {
                 return; // "toy car", "wooden stand": a noun of several words wins over its adjectives
             }
             if let Some(extreme) = self.extreme() {
                 phrase.clauses.push(extreme);
-                self.take_any(&["of the two", "of the"]);
+                self.take_any("of the two|of the");
             } else if self.take("first") {
                 phrase.order = Some(Order::First);
                 self.take("of the");
@@ -154,7 +108,7 @@ impl Reader<'_> {
     /// Name of a colour, or of two.
     pub(super) fn colour(&mut self) -> Option<String> {
         self.attempt(|reader| {
-            let shade = SHADES.iter().copied().find(|shade| reader.take(shade));
+            let shade = SHADES.split('|').find(|shade| reader.take(shade));
             let name = reader.lexicon.colour(reader.word())?.to_owned();
             // An orange is a fruit unless it is the colour of something.
             let is_noun = reader.lexicon.noun_at(std::slice::from_ref(&name)).is_some();
@@ -193,8 +147,8 @@ impl Reader<'_> {
             self.advance(length);
             return Some(is_plural);
         }
-        let is_plural = self.take_any(&["ones", "others"]).is_some();
-        let stands_for_another = is_plural || self.take_any(&["one", "other"]).is_some();
+        let is_plural = self.take_any("ones|others").is_some();
+        let stands_for_another = is_plural || self.take_any("one|other").is_some();
         if stands_for_another {
             phrase.noun = self.nouns.last().cloned().unwrap_or_else(|| "thing".to_owned());
             return Some(is_plural);
@@ -230,7 +184,7 @@ impl Reader<'_> {
     fn after_noun(&mut self, phrase: &mut Phrase) {
         loop {
             let from = self.at;
-            self.skip(&[","]);
+            self.skip(",");
             if !self.after_noun_once(phrase) || self.at == from {
                 return;
             }
@@ -246,19 +200,10 @@ impl Reader<'_> {
         if self.order_tail(phrase) || self.while_clause(phrase) || self.earlier_clause(phrase) {
             return true;
         }
-        self.take_any(&[
-            "and then",
-            "and afterwards",
-            "and later",
-            "and also",
-            "but also",
-            "although",
-            "though",
-            "and",
-            "but",
-            "yet",
-            "then",
-        ]);
+        self.take_any(
+            "and then|and afterwards|and later|and also|but also|although|though|and|but|\
+             yet|then",
+        );
         let joined = self
             .attempt(Self::relative)
             .or_else(|| self.attempt(Self::whose))
@@ -292,23 +237,18 @@ impl Reader<'_> {
         let order = if self.take("first") {
             Order::First
         } else if self
-            .take_any(&[
-                "last",
-                "after another one",
-                "after the others",
-                "after the other one",
-                "after the other",
-            ])
+            .take_any(
+                "last|after another one|after the others|after the other one|\
+                 after the other",
+            )
             .is_some()
         {
             Order::Last
         } else if self
-            .take_any(&[
-                "before the others",
-                "before the other one",
-                "before the other",
-                "before another one",
-            ])
+            .take_any(
+                "before the others|before the other one|before the other|\
+                 before another one",
+            )
             .is_some()
         {
             Order::First
@@ -324,7 +264,7 @@ impl Reader<'_> {
         let clauses = self.attempt(|reader| {
             reader.take_any(WHILES)?;
             let clauses = reader.attempt(|reader| {
-                reader.take_any(&["it", "she", "he", "they"]);
+                reader.take_any("it|she|he|they");
                 reader.predicate()
             });
             clauses
@@ -344,9 +284,9 @@ impl Reader<'_> {
         let is_read = is_place
             && self
                 .attempt(|reader| {
-                    reader.take_any(&["before", "until"])?;
+                    reader.take_any("before|until")?;
                     reader.attempt(Self::done_to_it).or_else(|| {
-                        reader.take_any(&["it", "she", "he", "they"]);
+                        reader.take_any("it|she|he|they");
                         reader.predicate()
                     })
                 })
@@ -360,12 +300,12 @@ impl Reader<'_> {
 
     /// "that walks", "which the woman lifts", "in which a spoon is stirred".
     fn relative(&mut self) -> Option<Vec<Clause>> {
-        if self.take_any(&["in which", "into which", "on which"]).is_some() {
+        if self.take_any("in which|into which|on which").is_some() {
             let by = self.party()?;
-            self.take_any(&["is being", "is", "are", "gets"])?;
+            self.take_any("is being|is|are|gets")?;
             return self.participle(Some(by)).map(|clause| vec![clause]);
         }
-        let is_said = self.take_any(&["that", "which", "who", "whom"]).is_some();
+        let is_said = self.take_any("that|which|who|whom").is_some();
         if is_said && let Some(clauses) = self.attempt(Self::predicate) {
             return Some(clauses);
         }
@@ -381,7 +321,7 @@ impl Reader<'_> {
 
     /// "a cook stirs (it)", "nobody carries (it)", "a jug is emptied into".
     fn done_by_another(&mut self) -> Option<Clause> {
-        let is_negated = self.take_any(&["nobody", "no one", "no-one"]).is_some();
+        let is_negated = self.take_any("nobody|no one|no-one").is_some();
         let by = if is_negated { Party::Category(ANY_PERSON.to_owned()) } else { self.party()? };
         let clause = self.done_by(by)?;
         Some(if is_negated { Clause::Not(Box::new(clause)) } else { clause })

@@ -4,161 +4,48 @@ use l4d_query::{Clause, Relation, Superlative};
 
 use super::Reader;
 
-/// Prepositions of relations, longest first.
-const RELATIONS: &[(&str, Relation)] = &[
+/// Prepositions of relations; of those with the same beginning the longest first.
+const RELATIONS: [(&str, Relation); 12] = [
     ("in front of", Relation::InFrontOf),
-    ("on top of", Relation::On),
-    ("up on", Relation::On),
-    ("inside of", Relation::In),
-    ("next to", Relation::Beside),
-    ("close to", Relation::Beside),
-    ("leaning against", Relation::Touching),
-    ("turned towards", Relation::Facing),
-    ("closest to", Relation::ClosestTo),
-    ("nearest to", Relation::ClosestTo),
-    ("closer to", Relation::ClosestTo),
-    ("nearer to", Relation::ClosestTo),
-    ("nearest", Relation::ClosestTo),
-    ("nearer", Relation::ClosestTo),
-    ("farthest away from", Relation::FarthestFrom),
-    ("furthest away from", Relation::FarthestFrom),
-    ("farther away from", Relation::FarthestFrom),
-    ("further away from", Relation::FarthestFrom),
-    ("farthest from", Relation::FarthestFrom),
-    ("furthest from", Relation::FarthestFrom),
-    ("farther from", Relation::FarthestFrom),
-    ("further from", Relation::FarthestFrom),
-    ("on", Relation::On),
-    ("upon", Relation::On),
-    ("inside", Relation::In),
-    ("within", Relation::In),
-    ("in", Relation::In),
-    ("underneath", Relation::Under),
-    ("beneath", Relation::Under),
-    ("below", Relation::Under),
-    ("under", Relation::Under),
-    ("beside", Relation::Beside),
-    ("alongside", Relation::Beside),
-    ("near", Relation::Beside),
-    ("by", Relation::Beside),
+    ("on top of|up on|on|upon", Relation::On),
+    ("inside of|inside|within|in", Relation::In),
+    ("underneath|beneath|below|under", Relation::Under),
+    ("next to|close to|beside|alongside|near|by", Relation::Beside),
+    ("leaning against|touching|against", Relation::Touching),
+    ("turned towards|facing", Relation::Facing),
     ("between", Relation::Between),
     ("behind", Relation::Behind),
-    ("touching", Relation::Touching),
-    ("against", Relation::Touching),
-    ("facing", Relation::Facing),
+    ("closest to|nearest to|closer to|nearer to|nearest|nearer", Relation::ClosestTo),
+    ("farthest away from|furthest away from|farther away from|further away from", Relation::FarthestFrom),
+    ("farthest from|furthest from|farther from|further from", Relation::FarthestFrom),
 ];
 
-const EXTREMES: &[(&str, Superlative)] = &[
-    ("biggest", Superlative::Largest),
-    ("bigger", Superlative::Largest),
-    ("largest", Superlative::Largest),
-    ("larger", Superlative::Largest),
-    ("smallest", Superlative::Smallest),
-    ("smaller", Superlative::Smallest),
-    ("tallest", Superlative::Tallest),
-    ("taller", Superlative::Tallest),
-    ("highest", Superlative::Highest),
-    ("higher", Superlative::Highest),
-    ("lowest", Superlative::Lowest),
-    ("lower", Superlative::Lowest),
+const EXTREMES: [(&str, Superlative); 5] = [
+    ("biggest|bigger|largest|larger", Superlative::Largest),
+    ("smallest|smaller", Superlative::Smallest),
+    ("tallest|taller", Superlative::Tallest),
+    ("highest|higher", Superlative::Highest),
+    ("lowest|lower", Superlative::Lowest),
 ];
 
-const STARTS: &[&str] = &[
-    "at the very beginning",
-    "at the very start",
-    "at the beginning",
-    "at the start",
-    "at the outset",
-    "in the beginning",
-    "to begin with",
-    "when the clip begins",
-    "when the clip starts",
-    "when the video begins",
-    "when the video starts",
-    "when the scene begins",
-    "when the scene starts",
-    "initially",
-    "at first",
-];
+const STARTS: &str = "at the very beginning|at the very start|at the beginning|at the start|\
+     at the outset|in the beginning|to begin with|when the clip begins|\
+     when the clip starts|when the video begins|when the video starts|\
+     when the scene begins|when the scene starts|initially|at first";
 
-const ENDS: &[&str] = &[
-    "at the very end",
-    "at the end",
-    "in the end",
-    "when the clip ends",
-    "when the video ends",
-    "when the scene ends",
-    "when the clip is over",
-    "finally",
-    "at last",
-];
+const ENDS: &str = "at the very end|at the end|in the end|when the clip ends|when the video ends|\
+     when the scene ends|when the clip is over|finally|at last";
 
 /// Words that bind nothing: always, still, slowly.
-pub(super) const FILLERS: &[&str] = &[
-    "all the time",
-    "the whole time",
-    "throughout the clip",
-    "throughout the video",
-    "for the whole clip",
-    "during the whole clip",
-    "throughout",
-    "always",
-    "still",
-    "also",
-    "later",
-    "afterwards",
-    "later on",
-    "just",
-    "slowly",
-    "quickly",
-    "gently",
-    "again",
-    "at all",
-    "ever",
-    "only",
-    "itself",
-    "together",
-    "once",
-    "very",
-];
+pub(super) const FILLERS: &str = "all the time|the whole time|throughout the clip|throughout the video|\
+     for the whole clip|during the whole clip|throughout|always|still|\
+     also|later|afterwards|later on|just|slowly|quickly|gently|again|\
+     at all|ever|only|itself|together|once|very";
 
 /// Ways on which something moves: said for colour, they tell nothing apart.
-const WAYS: &[&str] = &[
-    "away from",
-    "out of",
-    "off of",
-    "off",
-    "along",
-    "across",
-    "over",
-    "through",
-    "from",
-    "into",
-    "onto",
-    "past",
-    "around",
-    "round",
-    "about",
-    "towards",
-    "toward",
-    "to and fro",
-    "back and forth",
-    "up",
-    "down",
-    "to",
-    "away",
-    "back",
-    "with",
-    "in the air",
-    "on",
-    "in",
-    "at",
-    "by",
-    "out",
-    "against",
-    "under",
-    "for",
-];
+const WAYS: &str = "away from|out of|off of|off|along|across|over|through|from|into|onto|past|\
+     around|round|about|towards|toward|to and fro|back and forth|up|down|to|away|\
+     back|with|in the air|on|in|at|by|out|against|under|for";
 
 /// Which end of the clip is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -180,12 +67,6 @@ impl ClipEnd {
     }
 }
 
-/// How relations and extremes are spelled.
-#[cfg(test)]
-pub(in super::super) fn place_words() -> impl Iterator<Item = &'static str> {
-    RELATIONS.iter().map(|(text, _)| *text).chain(EXTREMES.iter().map(|(text, _)| *text))
-}
-
 impl Reader<'_> {
     /// "at the beginning", "when the clip ends".
     pub(super) fn clip_end(&mut self) -> Option<ClipEnd> {
@@ -194,16 +75,15 @@ impl Reader<'_> {
         } else {
             self.take_any(ENDS).map(|_| ClipEnd::End)?
         };
-        self.take_any(&["of the clip", "of the video", "of the scene"]);
+        self.take_any("of the clip|of the video|of the scene");
         Some(end)
     }
 
     /// A relation with its parties: "between the lamp and the post".
     pub(super) fn relation(&mut self) -> Option<Clause> {
         self.attempt(|reader| {
-            let spellings: Vec<&str> = RELATIONS.iter().map(|(text, _)| *text).collect();
-            let spelling = reader.take_any(&spellings)?;
-            let kind = RELATIONS.iter().find(|(text, _)| *text == spelling).map(|(_, kind)| *kind)?;
+            let (_, kind) =
+                RELATIONS.into_iter().find(|(spellings, _)| reader.take_any(spellings).is_some())?;
             let first = reader.party()?;
             let mut of = vec![first];
             if kind.arity() == 2 {
@@ -216,10 +96,10 @@ impl Reader<'_> {
 
     /// "highest up", "the tallest of the cups": the kind of extreme without what follows it.
     pub(super) fn extreme(&mut self) -> Option<Clause> {
-        let spellings: Vec<&str> = EXTREMES.iter().map(|(text, _)| *text).collect();
-        let spelling = self.take_any(&spellings)?;
-        self.take_any(&["up", "down", "of all", "of them all", "one"]);
-        EXTREMES.iter().find(|(text, _)| *text == spelling).map(|(_, extreme)| Clause::Superlative(*extreme))
+        let found = EXTREMES.into_iter().find(|(spellings, _)| self.take_any(spellings).is_some());
+        let (_, extreme) = found?;
+        self.take_any("up|down|of all|of them all|one");
+        Some(Clause::Superlative(extreme))
     }
 
     /// Reads over ways and means: "along the hob", "from the spoon", "with its nose".
@@ -233,7 +113,7 @@ impl Reader<'_> {
                 reader.take_any(WAYS)?;
                 reader.attempt(|reader| {
                     let is_part = reader.attempt(|reader| {
-                        reader.take_any(&["its", "his", "her", "the", "their"])?;
+                        reader.take_any("its|his|her|the|their")?;
                         reader.lexicon.part(reader.word())?;
                         reader.advance(1);
                         Some(())
@@ -241,9 +121,7 @@ impl Reader<'_> {
                     is_part
                         .or_else(|| {
                             reader.attempt(|reader| {
-                                reader
-                                    .take_any(&["its place", "place", "the air", "it", "the ground"])
-                                    .map(|_| ())
+                                reader.take_any("its place|place|the air|it|the ground").map(|_| ())
                             })
                         })
                         .or_else(|| reader.party().map(|_| ()))

@@ -7,54 +7,21 @@ use super::phrase::{attribute, is_plain_event};
 use super::places::{ClipEnd, FILLERS};
 use super::{ANY_PERSON, Order, Reader};
 
-const BEING: &[&str] = &[
-    "is being",
-    "are being",
-    "was being",
-    "is",
-    "are",
-    "was",
-    "were",
-    "being",
-    "be",
-    "has been",
-    "gets",
-    "get",
-    "got",
-    "getting",
-];
-const AT_END: &[&str] = &["ends up", "end up", "ended up", "winds up"];
-const AT_START: &[&str] = &["starts out", "starts off", "start out", "begins", "starts", "started out"];
+const BEING: &str = "is being|are being|was being|is|are|was|were|being|be|has been|gets|get|got|\
+     getting";
+const AT_END: &str = "ends up|end up|ended up|winds up";
+const AT_START: &str = "starts out|starts off|start out|begins|starts|started out";
 /// Verbs that only say that another one begins or goes on.
-const ASPECTS: &[&str] = &[
-    "starts to",
-    "start to",
-    "starts",
-    "start",
-    "starting to",
-    "begins to",
-    "begin to",
-    "begins",
-    "keeps on",
-    "keeps",
-    "goes on",
-    "goes",
-    "gets to",
-    "is seen",
-    "be seen",
-    "is about to",
-    "has to",
-    "does",
-    "do",
-];
+const ASPECTS: &str = "starts to|start to|starts|start|starting to|begins to|begin to|begins|keeps on|\
+     keeps|goes on|goes|gets to|is seen|be seen|is about to|has to|does|do";
 impl Reader<'_> {
     /// A verb phrase whose subject is what is described: "walks", "is not on the tray", "ends up under the bench".
     pub(super) fn predicate(&mut self) -> Option<Vec<Clause>> {
         let mut clauses = self.simple_predicate()?;
         let then = self.attempt(|reader| {
             reader.clip_end();
-            reader.skip(&[","]);
-            reader.take_any(&["and then", "and afterwards", "and later", "then", "before"])?;
+            reader.skip(",");
+            reader.take_any("and then|and afterwards|and later|then|before")?;
             reader.simple_predicate()
         });
         if let Some(mut after) = then {
@@ -81,7 +48,7 @@ impl Reader<'_> {
         }) {
             return Some(clauses);
         }
-        let is_negated = self.take_any(&["never", "does not", "doesn't", "do not", "don't"]).is_some();
+        let is_negated = self.take_any("never|does not|doesn't|do not|don't").is_some();
         let clauses = self
             .attempt(Self::being)
             .or_else(|| self.attempt(Self::having))
@@ -96,7 +63,7 @@ impl Reader<'_> {
     fn state_at(&mut self, end: ClipEnd) -> Option<Vec<Clause>> {
         self.skip(FILLERS);
         let is_negated = self.take("not");
-        self.take_any(&["standing", "sitting", "lying", "resting", "being", "up"]);
+        self.take_any("standing|sitting|lying|resting|being|up");
         let placed = self.attempt(Self::appearance_of_place).or_else(|| self.relation());
         let clause = placed.or_else(|| self.attempt(Self::extreme)).or_else(|| {
             let clauses = self.attempt(Self::doing)?;
@@ -119,7 +86,7 @@ impl Reader<'_> {
     fn being(&mut self) -> Option<Vec<Clause>> {
         let verb = self.take_any(BEING)?;
         self.skip(FILLERS);
-        let is_negated = self.take_any(&["not", "never", "no longer"]).is_some();
+        let is_negated = self.take_any("not|never|no longer").is_some();
         self.skip(FILLERS);
         self.take("being");
         let clauses = self.complement(verb)?;
@@ -139,7 +106,7 @@ impl Reader<'_> {
             return Some(vec![clause]);
         }
         let extreme = self.attempt(|reader| {
-            reader.take_any(&["the", "one of the"]);
+            reader.take_any("the|one of the");
             let clause = reader.extreme()?;
             reader.attempt(|reader| {
                 reader.take("of the").then_some(())?;
@@ -174,7 +141,7 @@ impl Reader<'_> {
     /// "(is) the last to be tilted".
     fn ordinal_complement(&mut self) -> Option<Vec<Clause>> {
         self.take("the");
-        let order = match self.take_any(&["first", "last"])? {
+        let order = match self.take_any("first|last")? {
             "first" => Order::First,
             _ => Order::Last,
         };
@@ -195,7 +162,7 @@ impl Reader<'_> {
 
     /// "(gets) its tea from the tall pot".
     fn filled(&mut self) -> Option<Clause> {
-        self.take_any(&["its", "some", "the"]);
+        self.take_any("its|some|the");
         if !self.lexicon.is_material(self.word()) {
             return None;
         }
@@ -207,7 +174,7 @@ impl Reader<'_> {
     /// "has tea poured into it", "has a lid".
     fn having(&mut self) -> Option<Vec<Clause>> {
         let poured = self.attempt(|reader| {
-            reader.take_any(&["has", "have", "having"])?;
+            reader.take_any("has|have|having")?;
             reader.party()?;
             reader.participle(None)
         });
@@ -224,11 +191,11 @@ impl Reader<'_> {
         let verb = self.lexicon.verb(reading.verb)?;
         let (name, motion) = (verb.name.clone(), verb.motion);
         let by_other = self.attempt(|reader| {
-            reader.take_any(&["by", "from"])?;
+            reader.take_any("by|from")?;
             reader.party()
         });
         let held_in = self.attempt(|reader| {
-            reader.take_any(&["in", "into", "with"])?;
+            reader.take_any("in|into|with")?;
             let party = reader.party()?;
             reader.is_live(&party).then_some(party)
         });
@@ -253,18 +220,18 @@ impl Reader<'_> {
     /// Something that somebody else does to what is described; the object is a gap or a pronoun.
     pub(super) fn done_by(&mut self, by: Party) -> Option<Clause> {
         self.skip(FILLERS);
-        let is_negated = self.take_any(&["never", "does not", "doesn't"]).is_some();
+        let is_negated = self.take_any("never|does not|doesn't").is_some();
         let is_passive = self.attempt(|reader| {
-            reader.take_any(&["is being", "are being", "is", "are", "gets"])?;
+            reader.take_any("is being|are being|is|are|gets")?;
             reader.participle(Some(by.clone()))
         });
         let clause = match is_passive {
             Some(clause) => clause,
             None => {
-                self.take_any(&["is", "are"]);
-                self.take_any(&["starts to", "starts"]);
+                self.take_any("is|are");
+                self.take_any("starts to|starts");
                 let reading = self.reading(|_| true, true)?;
-                self.take_any(&["it", "him", "her", "them"]);
+                self.take_any("it|him|her|them");
                 self.particles_after(&reading);
                 self.ways();
                 // "while the cat plays": another one's doing alone says nothing of this one.
@@ -325,7 +292,7 @@ impl Reader<'_> {
         self.skip(FILLERS);
         if motion == Motion::Still {
             // "stands in front of the gate" says where, not what is done.
-            self.take_any(&["up", "down"]);
+            self.take_any("up|down");
             let place = self.attempt(Self::extreme).or_else(|| self.relation());
             if let Some(place) = place {
                 return Some(vec![place]);

@@ -7,6 +7,7 @@ use l4d_query::{Clause, Party, Relation, Slack, Superlative, World};
 use super::super::lexicon::Motion;
 use super::super::looks::{likeness, tells_colour};
 use super::super::motion::{Encounter, gap_m};
+use super::super::settings::{ALONE_SHARE, CONTACT_FOOTPRINTS, KIND_SHARE, MOST_STRETCH, SURE_SHARE};
 use super::super::stage::{name_of, stage};
 use super::parties::Member;
 use super::{Candidate, Grades, Reasoner, best_of};
@@ -47,7 +48,7 @@ impl Reasoner<'_> {
     fn stretched(&self, candidates: &[Candidate], grades: Vec<Grades>) -> Vec<Grades> {
         let rivals = (0..grades.len()).filter(|&index| self.is_rival(candidates, index));
         let best = rivals.map(|index| best_of(&grades[index])).fold(0.0, f64::max);
-        let factor = (1.0 / best.max(1e-9)).min(self.settings.most_stretch);
+        let factor = (1.0 / best.max(1e-9)).min(MOST_STRETCH);
         grades
             .into_iter()
             .map(|grades| grades.into_iter().map(|grade| (grade * factor).min(1.0)).collect())
@@ -59,7 +60,7 @@ impl Reasoner<'_> {
             Clause::Category(_) => vec![vec![1.0; self.frames()]; candidates.len()],
             Clause::Attribute { key, value } => {
                 let like = |candidate: &Candidate| {
-                    likeness(&self.seen.tracks[candidate.track], self.lexicon, key, value, self.settings)
+                    likeness(&self.seen.tracks[candidate.track], self.lexicon, key, value)
                 };
                 let values: Vec<f64> = candidates.iter().map(like).collect();
                 // Something is red or isn't, but only patterned or wide beside others.
@@ -69,8 +70,7 @@ impl Reasoner<'_> {
             Clause::Superlative(extreme) => self.extreme(*extreme, candidates),
             Clause::Does { verb, to: None } => {
                 let motion = self.lexicon.motion(verb, false).unwrap_or(Motion::Move);
-                let looks =
-                    |candidate: &Candidate| self.moves[candidate.track].looks_like(motion, self.settings);
+                let looks = |candidate: &Candidate| self.moves[candidate.track].looks_like(motion);
                 candidates.iter().map(looks).collect()
             }
             Clause::Does { verb, to: Some(party) } => self.encounters(verb, party, candidates, true),
@@ -102,7 +102,7 @@ impl Reasoner<'_> {
     /// Whether a candidate is sure enough of its kind for others to be compared with it.
     fn is_rival(&self, candidates: &[Candidate], index: usize) -> bool {
         let best = candidates.first().map_or(0.0, |best| best.prior);
-        candidates[index].prior >= self.settings.kind_share * best
+        candidates[index].prior >= KIND_SHARE * best
     }
 
     /// Values as shares of the largest among the rivals.
@@ -174,12 +174,12 @@ impl Reasoner<'_> {
     }
 
     fn encounter(&self, motion: Motion, track: usize, members: &[Member], is_agent: bool) -> Grades {
-        let contact_m = self.settings.contact_footprints * self.seen.spacing_m;
+        let contact_m = CONTACT_FOOTPRINTS * self.seen.spacing_m;
         // What is lifted rises, whether or not the lifter is seen.
         let mut grades = match alone(motion, is_agent) {
             Some(looks) => {
-                let own = self.moves[track].looks_like(looks, self.settings);
-                own.into_iter().map(|grade| grade * self.settings.alone_share).collect()
+                let own = self.moves[track].looks_like(looks);
+                own.into_iter().map(|grade| grade * ALONE_SHARE).collect()
             }
             None => vec![0.0_f64; self.frames()],
         };
@@ -197,7 +197,7 @@ impl Reasoner<'_> {
                     gap_m: gap_m(first, second),
                     contact_m,
                 };
-                *grade = grade.max(met.looks_like(motion, self.settings) * member.weight.sqrt());
+                *grade = grade.max(met.looks_like(motion) * member.weight.sqrt());
             }
         }
         grades
@@ -225,9 +225,9 @@ impl Reasoner<'_> {
     /// Distance to the nearest member that is surely one, metres.
     fn distance_m(&self, candidate: &Candidate, members: &[Member], index: usize) -> Option<f64> {
         let own = self.seen.tracks[candidate.track].nearest(index)?;
-        let others = members.iter().filter(|member| {
-            member.weight >= self.settings.sure_share && !self.is_same(member.track, candidate.track)
-        });
+        let others = members
+            .iter()
+            .filter(|member| member.weight >= SURE_SHARE && !self.is_same(member.track, candidate.track));
         let distance = |member: &Member| Some(gap_m(own, self.seen.tracks[member.track].nearest(index)?));
         others.filter_map(distance).min_by(f64::total_cmp)
     }

@@ -1,5 +1,6 @@
 //! The others that a clause speaks of.
 
+use super::super::settings::MOST_MEMBERS;
 use l4d_query::{Clause, Party, Predicate};
 
 use super::{Reasoner, noun_of};
@@ -25,7 +26,7 @@ impl Reasoner<'_> {
         let best = scores.first().map_or(0.0, |(_, score)| *score);
         let mut members: Vec<Member> = Vec::new();
         for (track, score) in scores {
-            if members.len() == self.settings.most_members || score < 0.1 * best {
+            if members.len() == MOST_MEMBERS || score < 0.1 * best {
                 break;
             }
             if members.iter().all(|member| !self.is_same(member.track, track)) {

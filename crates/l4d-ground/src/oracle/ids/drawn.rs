@@ -17,7 +17,7 @@ use super::IdSource;
 
 /// Masks on the training views of one capture.
 #[derive(Debug)]
-pub struct DrawnIds {
+pub(super) struct DrawnIds {
     path: PathBuf,
     set: MaskSet,
     set_sha256: String,
@@ -30,11 +30,9 @@ pub struct DrawnIds {
 }
 
 impl DrawnIds {
-    /// Opens the masks of a capture, for clips of `size` that show `of` of its pictures.
-    ///
-    /// # Errors
-    /// No masks, or none on a training view.
-    pub fn open(dir: SceneDir, size: [u32; 2], of: [u32; 2]) -> Result<Self, DataError> {
+    /// Opens the masks of a capture, for clips of `size` that show `of` of its pictures; an error if there are none on a
+    /// training view.
+    pub(super) fn open(dir: SceneDir, size: [u32; 2], of: [u32; 2]) -> Result<Self, DataError> {
         let path = dir.root().join(MASKS);
         let remedy = "draw on pictures of training views and run `l4d import-scene ... --masks-only`, or choose another grounder";
         if !path.exists() {
@@ -67,11 +65,6 @@ impl DrawnIds {
         Ok(Self { path, set_sha256, instances, training, set, size, of })
     }
 
-    /// What was drawn.
-    pub(super) fn instances(&self) -> &[Instance] {
-        &self.instances
-    }
-
     /// A mask of a picture as clips show it: a pixel is what is at its centre.
     fn shown(&self, mask: &Mask) -> Mask {
         let from = |place: u32, axis: usize| nearest(place, self.of[axis], self.size[axis]);
@@ -83,6 +76,10 @@ impl DrawnIds {
 impl IdSource for DrawnIds {
     fn identity(&self) -> Value {
         json!({ "masks_json_sha256": self.set_sha256 })
+    }
+
+    fn instances(&self) -> &[Instance] {
+        &self.instances
     }
 
     fn pixels_of(&self, view: &Name, frame: u32, ids: &[u32]) -> Result<Mask, DataError> {

@@ -7,6 +7,7 @@ use l4d_data::{Camera, Profile, Scale, Scene, Split};
 use l4d_frames::exr::write_frame;
 use l4d_frames::{Frame, Surfaces};
 
+use super::super::ids::RenderedIds;
 use super::*;
 
 /// A scene of two training views and the held-out one, of which a picture each was rendered: a stripe of id 1
@@ -71,7 +72,7 @@ fn a_picture_that_is_not_there_is_the_error_of_its_view() {
     let folder = tempfile::tempdir().unwrap();
     let ids = RenderedIds::open(write_scene(folder.path())).unwrap();
     let targets = BTreeMap::from([(name("001"), target())]);
-    let oracle = Oracle::new(name("yard"), ids, targets, NoisePreset::none()).unwrap();
+    let oracle = Oracle::new(name("yard"), Arc::new(ids), targets, NoisePreset::none());
     let answer = oracle.ground(&blank_clip("cam01", 128, 96, &[0]), &question("yard", "001"));
     assert_eq!((answer.outcome, answer.masks[&0].area()), (Outcome::Found, 192));
     let later = oracle.ground(&blank_clip("cam01", 128, 96, &[0, 12]), &question("yard", "001"));

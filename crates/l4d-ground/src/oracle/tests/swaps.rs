@@ -44,7 +44,7 @@ fn swapped_views_are_beta_binomial() {
     let (queries, n) = (4000, 8);
     for p in [0.05, 0.2, 0.4] {
         for rho in CORRELATIONS {
-            let counts = histogram(Swap { probability: p, correlation: rho, agreement: 1.0 }, queries, n);
+            let counts = histogram(Swap { probability: p, correlation: rho }, queries, n);
             let chances = beta_binomial(n, p, rho);
             assert!((chances.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             assert_eq!(misfit(&counts, &chances), None, "p {p}, rho {rho}: {counts:?}");
@@ -62,13 +62,14 @@ fn correlations_next_to_one_and_shares_of_nothing_and_all_are_drawn() {
     for (probability, correlation) in
         [(0.3, 1.0 - 1e-12), (1e-9, 0.999_999), (1.0 - 1e-9, 0.5), (0.3, 1e-300)]
     {
-        let counts = histogram(Swap { probability, correlation, agreement: 1.0 }, 400, 4);
+        let counts = histogram(Swap { probability, correlation }, 400, 4);
         let mean = counts.iter().enumerate().map(|(k, &count)| (k * count) as f64).sum::<f64>() / 1600.0;
         assert!((mean - probability).abs() < 0.1, "p {probability}, rho {correlation}: {mean}");
     }
     for (probability, swapped) in [(0.0, 0), (1.0, 4)] {
-        assert_eq!(histogram(Swap { probability, correlation: 0.5, agreement: 1.0 }, 50, 4)[swapped], 50);
-    } // At a correlation of 1 all views are swapped or none.
-    let counts = histogram(Swap { probability: 0.3, correlation: 1.0, agreement: 1.0 }, 2000, 8);
+        assert_eq!(histogram(Swap { probability, correlation: 0.5 }, 50, 4)[swapped], 50);
+    }
+    // At a correlation of 1 all views are swapped or none.
+    let counts = histogram(Swap { probability: 0.3, correlation: 1.0 }, 2000, 8);
     assert_eq!(counts[1..8], [0; 7]);
 }
