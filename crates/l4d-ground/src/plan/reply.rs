@@ -141,7 +141,9 @@ fn read_boxes(document: &Value, pictures: &SentPictures<'_>, plan: &mut Groundin
 /// Whether the answer is a list of nothing, with or without an object around it.
 fn is_empty_list(document: &Value) -> bool {
     let is_empty = |value: &Value| value.as_array().is_some_and(Vec::is_empty);
-    is_empty(document) || document.as_object().is_some_and(|fields| fields.values().any(is_empty))
+    // Times at which nothing holds say nothing about places.
+    let of_boxes = |(name, value): (&String, &Value)| name != "intervals" && is_empty(value);
+    is_empty(document) || document.as_object().is_some_and(|fields| fields.iter().any(of_boxes))
 }
 
 fn visible(document: &Value) -> Option<bool> {
