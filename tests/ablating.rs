@@ -72,7 +72,6 @@ fn consensus_is_compared_query_by_query_for_each_correlation() {
         "| *paper, another data set:* w/o MVSC | 76.24 | 67.20 |",
         "cannot be ranked",
         "## What consensus changes",
-        "## Where consensus loses",
         "fewer than 8 scenes",
     ] {
         assert!(run.stdout.contains(part), "no `{part}` in\n{}", run.stdout);

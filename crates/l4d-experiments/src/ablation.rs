@@ -21,7 +21,7 @@ use l4d_splat::raster::Rasterizer;
 use serde_json::Value;
 
 use self::calibrate::{noises_as_given, noises_as_in_paper};
-use self::gain::{Gain, gains, losing_scenes};
+use self::gain::{Gain, gains};
 pub use self::grid::Grid;
 use self::grid::{correlations, runs};
 use self::markdown::Page;
@@ -115,7 +115,6 @@ pub fn ablate(order: &Ablation<'_>, progress: &dyn Progress) -> Result<Ablated> 
         columns: &columns,
         cells: &cells,
         gains: &gains,
-        losing_scenes: &losing_scenes(&runs.pairs, &rows),
         left_out: &runs.left_out,
     };
     let text = page.text();

@@ -96,7 +96,7 @@ impl Estimate {
 }
 
 /// What a ratio gains query by query, percentage points, with the scene of each.
-pub fn gains<'a>(
+pub(crate) fn gains<'a>(
     before: impl IntoIterator<Item = &'a QueryTally>,
     after: impl IntoIterator<Item = &'a QueryTally>,
     ratio: impl Fn(&Ratios) -> Option<f64>,

@@ -161,8 +161,8 @@ fn answer(
     if is_shown {
         masks = solved.account.of(Stage::Masks, || scene.masks(order.rasterizer, lifted.as_ref(), &plan))?;
         write_masks(&folder, &plan, &masks)?;
-        let (rasterizer, answer) = (order.rasterizer, lifted.as_ref());
-        let shown = Shown { rasterizer, scene: &scene, answer, plan: &plan, masks: &masks };
+        let rasterizer = order.rasterizer;
+        let shown = Shown { rasterizer, scene: &scene, plan: &plan, masks: &masks };
         write_atomic(&folder.join(SHEET), &encode_colour(&shown.sheet(&question.text)?))?;
         let times = plan.instants.first().zip(plan.instants.last());
         let share = times.map_or(0.0, |(first, last)| f64::from(last.time - first.time));

@@ -1,13 +1,12 @@
 //! 4D lifting (paper, section 4, "4D Grounding Lifting"): masks of a few views in, an answer in four dimensions out.
 //!
 //! Owns evidence, everything that turns it into an answer ([`closed`], [`field`]), and what can be done with one:
-//! masks from any camera at any time, edited scenes, a folder on disk. Refuses to know how masks were found, which
+//! masks from any camera at any time, a folder on disk. Refuses to know how masks were found, which
 //! views were trusted, and where cameras and models come from.
 
 mod answer;
 mod canvas;
 mod closed;
-pub(crate) mod edit;
 mod error;
 mod evidence;
 mod field;

@@ -1,14 +1,10 @@
 //! What consensus changes: differences of two runs, query by query, on the same queries and the same errors.
 
-use std::collections::BTreeMap;
-
-use l4d_data::Name;
 use l4d_data::published::{self, Published};
 use l4d_score::Estimate;
-use l4d_score::cluster;
 use l4d_score::metrics::QueryTally;
 
-use super::grid::{Pair, WITH, WITHOUT};
+use super::grid::{Pair, WITHOUT};
 use super::measure::Measured;
 use super::table::{Cell, Column, Metric};
 
@@ -22,16 +18,6 @@ pub(super) struct Gain {
     /// mIoU of the paper, from its two rows.
     pub(super) published: Option<f64>,
     used_truth: bool,
-}
-
-/// A scene in which consensus loses.
-#[derive(Debug, Clone)]
-pub(super) struct LosingScene {
-    pub(super) correlation: Option<f64>,
-    pub(super) scene: Name,
-    /// Mean over its queries, mIoU, percentage points.
-    pub(super) points: f64,
-    pub(super) queries: usize,
 }
 
 impl Gain {
@@ -78,26 +64,4 @@ pub(super) fn gains(
         }
     }
     gains
-}
-
-/// The scenes that lose with consensus as users get it, worst first.
-pub(super) fn losing_scenes(pairs: &[Pair], rows: &[Measured]) -> Vec<LosingScene> {
-    let mut losing = Vec::new();
-    for pair in pairs.iter().filter(|pair| pair.row == WITH) {
-        let (without, with) = (&rows[pair.without].tallies, &rows[pair.with].tallies);
-        let mut scenes: BTreeMap<&Name, Vec<f64>> = BTreeMap::new();
-        for (scene, points) in cluster::gains(without, with, |ratios| ratios.miou) {
-            scenes.entry(scene).or_default().push(points);
-        }
-        let scenes = scenes.into_iter().map(|(scene, points)| LosingScene {
-            correlation: pair.correlation,
-            scene: scene.clone(),
-            points: points.iter().sum::<f64>() / points.len() as f64,
-            queries: points.len(),
-        });
-        let mut of_pair: Vec<LosingScene> = scenes.filter(|scene| scene.points < 0.0).collect();
-        of_pair.sort_by(|a, b| a.points.total_cmp(&b.points));
-        losing.extend(of_pair);
-    }
-    losing
 }

@@ -5,11 +5,9 @@ use std::iter::once;
 use l4d_score::Estimate;
 use l4d_score::cluster::{FEW_SCENES, RESAMPLES};
 
-use super::gain::{Gain, LosingScene};
+use super::gain::Gain;
 use super::table::{Cell, Column, Metric, Source, cell, settings};
 
-/// Losing scenes that are named, for each correlation.
-const NAMED_SCENES: usize = 3;
 /// After rows that looked at the truth.
 const TRUTH_MARK: &str = " †";
 
@@ -21,7 +19,6 @@ pub(super) struct Page<'a> {
     pub(super) columns: &'a [Column],
     pub(super) cells: &'a [Cell],
     pub(super) gains: &'a [Gain],
-    pub(super) losing_scenes: &'a [LosingScene],
     pub(super) left_out: &'a [String],
 }
 
@@ -33,7 +30,6 @@ impl Page<'_> {
         self.intervals(&mut text);
         if !self.gains.is_empty() {
             self.changes(&mut text);
-            self.losses(&mut text);
         }
         text
     }
@@ -156,24 +152,6 @@ impl Page<'_> {
             );
         }
         text.push('\n');
-    }
-
-    fn losses(&self, text: &mut String) {
-        text.push_str("## Where consensus loses\n\n");
-        if self.losing_scenes.is_empty() {
-            text.push_str("In no scene, by mean mIoU.\n");
-        }
-        for scenes in self.losing_scenes.chunk_by(|a, b| a.correlation == b.correlation) {
-            let rho = scenes[0].correlation.map(|rho| format!(" at rho {rho}")).unwrap_or_default();
-            let named = scenes
-                .iter()
-                .take(NAMED_SCENES)
-                .map(|scene| format!("{} {:+.2} ({} queries)", scene.scene, scene.points, scene.queries));
-            let named = named.collect::<Vec<_>>().join(", ");
-            let more = if scenes.len() > NAMED_SCENES { ", worst first" } else { "" };
-            let count = scenes.len();
-            text.push_str(&format!("- Scenes with a lower mean mIoU{rho}: {count}{more}: {named}.\n"));
-        }
     }
 }
 

@@ -53,8 +53,6 @@ pub struct Layer {
     pub values: Vec<f32>,
     /// Pixels whose blend lies above this belong to the answer.
     pub cut: f32,
-    /// Which Gaussians belong to the answer themselves, whatever pixels they are blended into.
-    pub members: Vec<bool>,
 }
 
 #[derive(Serialize)]

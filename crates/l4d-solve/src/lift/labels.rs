@@ -32,9 +32,8 @@ impl Labels {
     }
 
     pub(super) fn layer(&self, time: f32) -> Layer {
-        let members: Vec<bool> = self.at(time).iter().map(|&number| number > self.threshold).collect();
-        let values = members.iter().map(|&member| f32::from(u8::from(member))).collect();
-        Layer { values, cut: HALF, members }
+        let is_member = |number: &f32| f32::from(u8::from(*number > self.threshold));
+        Layer { values: self.at(time).iter().map(is_member).collect(), cut: HALF }
     }
 }
 
@@ -53,7 +52,6 @@ mod tests {
         for (time, state) in [(0.74, 0), (0.75, 0), (0.76, 1)] {
             assert_eq!(labels.at(time), labels.states[state]);
         }
-        let layer = labels.layer(0.0);
-        assert_eq!((layer.values, layer.members), (vec![1.0, 0.0, 1.0], vec![true, false, true]));
+        assert_eq!(labels.layer(0.0).values, [1.0, 0.0, 1.0]);
     }
 }

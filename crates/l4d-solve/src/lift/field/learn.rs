@@ -213,11 +213,11 @@ impl<'a> Training<'a> {
         if blocks.len() < count {
             blocks.resize_with(count, Scratch::default);
         }
-        rows.list
-            .par_chunks(BLOCK_ROWS)
-            .zip(logits.par_chunks_mut(BLOCK_ROWS))
-            .zip(blocks)
-            .for_each(|((rows, logits), block)| collapsed.logits(network, places, rows, block, logits));
+        rows.list.par_chunks(BLOCK_ROWS).zip(logits.par_chunks_mut(BLOCK_ROWS)).zip(blocks).for_each(
+            |((rows, logits), block)| {
+                collapsed.logits(network, places, rows, block, logits);
+            },
+        );
         logits
     }
 

@@ -95,14 +95,13 @@ impl Network {
         let collapsed = Collapsed::new(self, time);
         let mut values = vec![0.0; means.len()];
         let rows: Vec<u32> = (0..means.len() as u32).collect();
-        rows.par_chunks(BLOCK_ROWS)
-            .zip(values.par_chunks_mut(BLOCK_ROWS))
-            .for_each_init(Scratch::default, |scratch, (rows, values)| {
-                collapsed.logits(self, &places, rows, scratch, values)
-            });
-        let bias = self.bias();
-        let members = values.iter().map(|logit| logit + bias > 0.0).collect();
-        Layer { values, cut: -bias, members }
+        rows.par_chunks(BLOCK_ROWS).zip(values.par_chunks_mut(BLOCK_ROWS)).for_each_init(
+            Scratch::default,
+            |scratch, (rows, values)| {
+                collapsed.logits(self, &places, rows, scratch, values);
+            },
+        );
+        Layer { values, cut: -self.bias() }
     }
 
     /// Difference of the convolution's biases.
