@@ -1,5 +1,6 @@
 //! What the set is like: one row per scene, per query and per word, and the table that compares datasets.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Role, Status, Temporal};
@@ -7,12 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::ast::Predicate;
 use crate::obb::Obb;
-use crate::prove::{SceneSet, Vocabulary, path_length_m};
+use crate::prove::{SceneSet, Vocabulary, path_length_m, words};
 use crate::world::World;
-
-mod words;
-
-pub use words::WordRow;
 
 /// A dataset among others, as papers compare them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,6 +88,19 @@ pub struct QueryRow {
     pub visible_percent: Option<f64>,
 }
 
+/// A word of the sentences.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct WordRow {
+    /// Lower case.
+    pub word: String,
+    /// As `vocabulary.txt` says: noun, verb, preposition, adjective, adverb or other.
+    pub kind: String,
+    /// Occurrences in queries of one and of two categories.
+    pub count: usize,
+    /// Scenes in whose sentences it occurs.
+    pub scenes: usize,
+}
+
 /// Everything that `l4d stats` shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SetStats {
@@ -126,7 +136,7 @@ pub fn measure(
     let events = sets.iter().flat_map(|set| &set.tracks.events);
     let mut event_frames: Vec<u32> = events.map(|event| event.frames.frame_count()).collect();
     event_frames.sort_unstable();
-    Ok(SetStats { datasets, scenes: rows, queries, words: words::count(&sets, &vocabulary), event_frames })
+    Ok(SetStats { datasets, scenes: rows, queries, words: word_rows(&sets, &vocabulary), event_frames })
 }
 
 /// A table as CSV.
@@ -220,7 +230,7 @@ fn query_row(
         scale: set.tracks.scale.as_str(),
         category: query.categories.first()?.as_str(),
         temporal: if query.temporal == Temporal::Whole { "whole" } else { "while" },
-        words: crate::prove::words(&query.text).len(),
+        words: words(&query.text).len(),
         candidates: world.objects().filter(|object| object.category == noun).count(),
         frames: frames.len() as u32,
         size_m: round(world.median(referent, Obb::diagonal), 1e3),
@@ -234,6 +244,29 @@ fn query_row(
             .filter(|counts| !counts.is_empty())
             .map(|counts| round(100.0 * shown(counts) / counts.len() as f64, 1e1)),
     })
+}
+
+/// Words by falling frequency, then alphabet.
+fn word_rows(sets: &[SceneSet], vocabulary: &Vocabulary) -> Vec<WordRow> {
+    let mut counts: BTreeMap<String, (usize, Vec<usize>)> = BTreeMap::new();
+    for (index, set) in sets.iter().enumerate() {
+        let composites = set.composites.iter().filter(|query| query.status != Status::Rejected);
+        let queries = set.scored().map(|(query, _)| query).chain(composites);
+        for word in queries.flat_map(|query| words(&query.text)) {
+            let (count, scenes) = counts.entry(word).or_default();
+            *count += 1;
+            if scenes.last() != Some(&index) {
+                scenes.push(index);
+            }
+        }
+    }
+    let row = |(word, (count, scenes)): (String, (usize, Vec<usize>))| {
+        let kind = vocabulary.kind(&word).to_owned();
+        WordRow { word, kind, count, scenes: scenes.len() }
+    };
+    let mut rows: Vec<WordRow> = counts.into_iter().map(row).collect();
+    rows.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| a.word.cmp(&b.word)));
+    rows
 }
 
 fn round(value: f64, per_unit: f64) -> f64 {

@@ -1,5 +1,4 @@
 //! What is demanded of the shipped set beyond its counts: `docs/queries.md`, The set.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop where it stands")]
 
 use std::collections::BTreeSet;
 use std::path::Path;
