@@ -2,9 +2,10 @@
 //! of ASCII where there are no colours.
 
 use l4d_frames::closeup::{Closeup, Stroke};
+use ratatui::buffer::Cell;
+use ratatui::style::Color;
 
 use crate::look::{Colours, Look};
-use crate::picture::ArtCell;
 
 /// How many pixels a cell shows, columns and rows.
 pub(crate) fn grain(look: &Look) -> (u32, u32) {
@@ -12,7 +13,7 @@ pub(crate) fn grain(look: &Look) -> (u32, u32) {
 }
 
 /// The cells of a closeup that has [`grain`] pixels for each, row by row.
-pub(crate) fn cells(closeup: &Closeup, look: &Look) -> Vec<ArtCell> {
+pub(crate) fn cells(closeup: &Closeup, look: &Look) -> Vec<Cell> {
     let (wide, high) = grain(look);
     let cell = match (wide, look.colours) {
         (2, _) => quarters,
@@ -24,11 +25,20 @@ pub(crate) fn cells(closeup: &Closeup, look: &Look) -> Vec<ArtCell> {
     places.map(|(column, row)| cell(closeup, column * wide, row * high)).collect()
 }
 
+/// A symbol and the colour behind it; none leaves the terminal's own.
+fn art_cell(symbol: char, ink: Option<[u8; 3]>, paper: Option<[u8; 3]>) -> Cell {
+    let colour =
+        |rgb: Option<[u8; 3]>| rgb.map_or(Color::Reset, |[red, green, blue]| Color::Rgb(red, green, blue));
+    let mut cell = Cell::default();
+    cell.set_char(symbol).set_fg(colour(ink)).set_bg(colour(paper));
+    cell
+}
+
 /// Quarter blocks by which of top right, bottom left, bottom right have the ink's colour; top left never has.
 const QUARTERS: [char; 8] = [' ', '▝', '▖', '▞', '▗', '▐', '▄', '▟'];
 
 /// The split of four pixels into two colours that changes them least.
-fn quarters(closeup: &Closeup, left: u32, top: u32) -> ArtCell {
+fn quarters(closeup: &Closeup, left: u32, top: u32) -> Cell {
     let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| {
         let (column, row) = (left + right, top + down);
         let weight = if closeup.stroke(column, row) == Stroke::Light { 4.0 } else { 1.0 };
@@ -57,17 +67,17 @@ fn quarters(closeup: &Closeup, left: u32, top: u32) -> ArtCell {
     }
     let (_, split, [paper, ink]) = best;
     let byte = |colour: [f32; 3]| colour.map(|channel| channel.round() as u8);
-    ArtCell { symbol: QUARTERS[split], ink: (split > 0).then(|| byte(ink)), paper: Some(byte(paper)) }
+    art_cell(QUARTERS[split], (split > 0).then(|| byte(ink)), Some(byte(paper)))
 }
 
-fn plain(closeup: &Closeup, column: u32, row: u32) -> ArtCell {
-    ArtCell { symbol: ' ', ink: None, paper: Some(closeup.picture().get_pixel(column, row).0) }
+fn plain(closeup: &Closeup, column: u32, row: u32) -> Cell {
+    art_cell(' ', None, Some(closeup.picture().get_pixel(column, row).0))
 }
 
 /// Characters from dark to bright; `#` is left for outlines.
 const SHADES: [char; 7] = [' ', '.', ':', '-', '=', '+', '*'];
 
-fn shade(closeup: &Closeup, column: u32, row: u32) -> ArtCell {
+fn shade(closeup: &Closeup, column: u32, row: u32) -> Cell {
     let [red, green, blue] = closeup.picture().get_pixel(column, row).0.map(f32::from);
     // In [0, 1).
     let bright = (0.299 * red + 0.587 * green + 0.114 * blue) / 256.0;
@@ -76,7 +86,7 @@ fn shade(closeup: &Closeup, column: u32, row: u32) -> ArtCell {
         Stroke::Dark => ' ',
         Stroke::None => SHADES[(bright * SHADES.len() as f32) as usize % SHADES.len()],
     };
-    ArtCell { symbol, ink: None, paper: None }
+    art_cell(symbol, None, None)
 }
 
 #[cfg(test)]
@@ -99,11 +109,11 @@ mod tests {
     #[test]
     fn quarter_blocks_split_four_pixels_into_two_colours() {
         let (dark, red) = ([10; 3], [200, 0, 0]);
-        let cell = |pixels: [[u8; 3]; 4]| cells(&closeup(2, &pixels), &look(true, Colours::Full))[0];
-        assert_eq!(cell([dark; 4]), ArtCell { symbol: ' ', ink: None, paper: Some(dark) });
-        let expected = ArtCell { symbol: '▐', ink: Some(red), paper: Some(dark) };
+        let cell = |pixels: [[u8; 3]; 4]| cells(&closeup(2, &pixels), &look(true, Colours::Full)).remove(0);
+        assert_eq!(cell([dark; 4]), art_cell(' ', None, Some(dark)));
+        let expected = art_cell('▐', Some(red), Some(dark));
         assert_eq!(cell([dark, red, dark, red]), expected);
-        let expected = ArtCell { symbol: '▟', ink: Some(dark), paper: Some(red) };
+        let expected = art_cell('▟', Some(dark), Some(red));
         assert_eq!(cell([red, dark, dark, dark]), expected);
     }
 
@@ -112,7 +122,7 @@ mod tests {
         let greys: Vec<[u8; 3]> = (0..=255).map(|value| [value; 3]).collect();
         for unicode in [false, true] {
             let shades = cells(&closeup(16, &greys), &look(unicode, Colours::None));
-            assert_eq!((shades[0].symbol, shades[255].symbol), (' ', '*'));
+            assert_eq!((shades[0].symbol(), shades[255].symbol()), (" ", "*"));
         }
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::UVec2;
 use l4d_data::Name;
 use l4d_masks::mask::PixelBox;
+use ratatui::buffer::Cell;
 use ratatui::layout::{Position, Size};
 use ratatui_image::protocol::Protocol;
 
@@ -57,22 +58,12 @@ pub(crate) struct Label {
     pub(crate) at: Position,
 }
 
-/// A cell of a picture that is made of characters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ArtCell {
-    pub(crate) symbol: char,
-    /// Its colour; none leaves the terminal's own.
-    pub(crate) ink: Option<[u8; 3]>,
-    /// Colour behind it; none leaves the terminal's own.
-    pub(crate) paper: Option<[u8; 3]>,
-}
-
 /// How a picture is put on the screen.
 pub(crate) enum Art {
     /// Characters, row by row; the numbers are written over them.
     Cells {
         /// Row-major.
-        cells: Vec<ArtCell>,
+        cells: Vec<Cell>,
         labels: Vec<Label>,
     },
     /// Pixels, by the terminal's own means; the numbers are part of them.

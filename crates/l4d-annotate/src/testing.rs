@@ -168,7 +168,7 @@ impl Driver {
                     }
                 }
                 Effect::Record { .. } if self.disk_is_full => {
-                    self.tell(Message::Recorded(Err(FULL.to_owned())))
+                    self.tell(Message::Recorded(Err(FULL.to_owned())));
                 }
                 Effect::Record { item, event, seen, elapsed } => {
                     self.events.push((item.clone(), event.clone(), seen.clone(), elapsed));

@@ -23,8 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use l4d_data::{Category, Name};
 use serde::Serialize;
 
-pub use self::bootstrap::Estimate;
-use self::bootstrap::{DRAWS, bootstrap};
+use self::bootstrap::{DRAWS, Estimate, bootstrap};
 use self::coefficients::{NO_VOTES, ac1, alpha, raw};
 use crate::control::{self, Consistency};
 use crate::key::Key;

@@ -37,7 +37,7 @@ impl Consistency {
 }
 
 /// Answers to the sentences whose right answer is known.
-pub fn gold(key: &Key, given: &Responses) -> Consistency {
+pub(crate) fn gold(key: &Key, given: &Responses) -> Consistency {
     let mut consistency = Consistency::default();
     for (item, source) in key.entries() {
         match source {
@@ -52,7 +52,7 @@ pub fn gold(key: &Key, given: &Responses) -> Consistency {
 
 /// Answers to the prompts that are asked twice. The same objects, or the same refusal, are the same choice; why
 /// something is ambiguous may be worded anew, and frames may differ.
-pub fn repeats(key: &Key, given: &Responses) -> Consistency {
+pub(crate) fn repeats(key: &Key, given: &Responses) -> Consistency {
     let mut consistency = Consistency::default();
     for (item, source) in key.entries() {
         if let ItemSource::Repeat { of } = source {

@@ -157,7 +157,7 @@ impl Verdicts {
 
 /// Judges every query of a round by the responses of its annotators, in their order. `changes` are those since the round was opened ([`crate::key::changes`]); an item
 /// that is missing there did not change.
-pub fn judge(
+pub(crate) fn judge(
     round: &Round,
     key: &Key,
     responses: &[Responses],
@@ -215,10 +215,7 @@ pub fn judge(
 }
 
 /// Refuses ballots that are not sealed: who looks at votes early can tell others what to vote.
-///
-/// # Errors
-/// A ballot is not sealed.
-pub fn require_sealed(round: &Round, responses: &[Responses]) -> Result<(), DataError> {
+pub(crate) fn require_sealed(round: &Round, responses: &[Responses]) -> Result<(), DataError> {
     let unsealed = unsealed(responses);
     if unsealed.is_empty() {
         return Ok(());

@@ -62,17 +62,6 @@ fn signals_and_a_lost_terminal_end_the_session_with_a_reason() {
 }
 
 #[test]
-fn control_c_ends_the_session_from_anywhere() {
-    let fixture = Fixture::new();
-    let (send, inputs) = mpsc::channel();
-    let mut session = session(&fixture, &send);
-    send.send(key(KeyCode::Char('a'))).unwrap();
-    let interrupt = KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL);
-    send.send(Input::Event(TerminalEvent::Key(interrupt))).unwrap();
-    session.serve(&mut Terminal::new(TestBackend::new(80, 24)).unwrap(), &inputs).unwrap();
-}
-
-#[test]
 fn a_terminal_of_another_size_than_expected_is_drawn_in_its_own() {
     let fixture = Fixture::new();
     let (send, inputs) = mpsc::channel();

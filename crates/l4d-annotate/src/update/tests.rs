@@ -2,7 +2,6 @@ use std::time::Duration;
 
 use l4d_data::Interval;
 use l4d_votes::{Answer, Choice, Event};
-use ratatui::crossterm::event::Event as TerminalEvent;
 use ratatui::layout::Size;
 
 use crate::look::Colours;
@@ -239,19 +238,6 @@ fn zoom_goes_to_what_is_chosen_and_back() {
     assert!((1..27).contains(&region.first_row) && (54..80).contains(&region.last_row), "{region:?}");
     driver.keys("z");
     assert!(driver.model.viewport.is_whole());
-}
-
-#[test]
-fn a_screen_that_is_too_small_says_so_and_growing_heals_it() {
-    let mut driver = Fixture::new().drive();
-    driver.keys("1");
-    driver.event(TerminalEvent::Resize(40, 10));
-    let text = driver.text();
-    assert!(text.contains("40 columns and 10 rows") && text.contains("80 and 20"), "{text}");
-    assert_eq!(driver.model.requested, None);
-    driver.event(TerminalEvent::Resize(100, 30));
-    assert_eq!(driver.model.draft.numbers().collect::<Vec<usize>>(), [1]);
-    assert!(driver.model.picture().is_some() && !driver.model.is_loading());
 }
 
 #[test]

@@ -1,8 +1,7 @@
 //! The picture, with the numbers over it where it is made of characters.
 
-use ratatui::buffer::Buffer;
+use ratatui::buffer::{Buffer, Cell};
 use ratatui::layout::Rect;
-use ratatui::style::Color;
 use ratatui::text::Line;
 use ratatui::widgets::Widget as _;
 use ratatui_image::Image;
@@ -10,7 +9,7 @@ use ratatui_image::Image;
 use super::theme;
 use crate::layout::{width, wrap};
 use crate::model::Model;
-use crate::picture::{Art, ArtCell, Label, Picture};
+use crate::picture::{Art, Label, Picture};
 
 pub(super) fn draw(model: &Model, pane: Rect, buffer: &mut Buffer) {
     if let Some(why) = &model.picture_error {
@@ -32,13 +31,12 @@ pub(super) fn draw(model: &Model, pane: Rect, buffer: &mut Buffer) {
     }
 }
 
-fn characters(art: &[ArtCell], columns: u16, area: Rect, buffer: &mut Buffer) {
-    let colour =
-        |rgb: Option<[u8; 3]>| rgb.map_or(Color::Reset, |[red, green, blue]| Color::Rgb(red, green, blue));
-    for (y, row) in art.chunks_exact(usize::from(columns.max(1))).take(usize::from(area.height)).enumerate() {
-        for (x, source) in row.iter().take(usize::from(area.width)).enumerate() {
-            let Some(cell) = buffer.cell_mut((area.x + x as u16, area.y + y as u16)) else { continue };
-            cell.set_char(source.symbol).set_fg(colour(source.ink)).set_bg(colour(source.paper));
+fn characters(art: &[Cell], columns: u16, area: Rect, buffer: &mut Buffer) {
+    for (row, cells) in area.rows().zip(art.chunks_exact(usize::from(columns.max(1)))) {
+        for (place, source) in row.columns().zip(cells) {
+            if let Some(cell) = buffer.cell_mut(place.as_position()) {
+                cell.clone_from(source);
+            }
         }
     }
 }

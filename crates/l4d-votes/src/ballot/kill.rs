@@ -32,7 +32,7 @@ fn voter(mut command: Command, dir: &RoundDir) -> (Child, impl Iterator<Item = S
     (child, lines)
 }
 
-fn acknowledged(line: &String) -> Option<u32> {
+fn acknowledged(line: &str) -> Option<u32> {
     line.strip_prefix("took ").map(|number| number.parse().unwrap())
 }
 
@@ -76,7 +76,7 @@ fn a_full_disk_takes_neither_vote_nor_seal_and_the_file_stays_whole() {
     assert!(child.wait().unwrap().success(), "{lines:?}");
     let refused = lines.iter().find(|line| line.contains("so it does not count")).unwrap();
     assert!(refused.ends_with("sealed: false"), "{refused}");
-    let last = lines.iter().filter_map(acknowledged).last().unwrap();
+    let last = lines.iter().rev().find_map(|line| acknowledged(line)).unwrap();
     assert_eq!(kept(&dir, &round), (last, Vec::new()));
 }
 

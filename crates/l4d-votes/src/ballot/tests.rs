@@ -64,15 +64,6 @@ fn a_torn_line_is_cut_off_and_said() {
 }
 
 #[test]
-fn an_unknown_annotator_gets_the_list_of_those_who_may_vote() {
-    let (_folder, dir) = folder();
-    let error = Ballot::open(&dir, &round(), &name("eve")).unwrap_err();
-    assert!(error.to_string().contains("does not name `eve`"), "{error}");
-    assert_eq!(error.hint().as_deref(), Some("vote as one of ada, ben"));
-    assert!(!dir.votes().exists());
-}
-
-#[test]
 fn what_is_edited_or_no_file_is_refused_and_left_alone() {
     let (_folder, dir) = folder();
     let (mut ballot, _) = open(&dir).unwrap();

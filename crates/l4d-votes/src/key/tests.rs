@@ -36,13 +36,6 @@ fn item_of(key: &Key, is_meant: impl Fn(&ItemSource) -> bool) -> ItemId {
     key.entries().iter().find(|(_, source)| is_meant(source)).unwrap().0.clone()
 }
 
-#[test]
-fn nothing_changes_before_anything_is_edited() {
-    let Kit { bench, round, key, _folder, .. } = kit();
-    let all = changes(&round, &key, &bench).unwrap();
-    assert!(all.len() == round.items.len() && all.values().all(|change| *change == Change::No), "{all:?}");
-}
-
 /// What of the round changed with an edit of a file.
 fn changed(kit: &Kit, path: &std::path::Path, edit: impl Fn(&str) -> String) -> Vec<ItemId> {
     let before = fs::read_to_string(path).unwrap();
