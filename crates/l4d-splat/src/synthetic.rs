@@ -5,7 +5,8 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
+use l4d_data::camera::looking_at;
 use l4d_data::name::NameError;
 use l4d_data::{Camera, Name, Split};
 use rand::{RngExt as _, SeedableRng as _};
@@ -88,15 +89,9 @@ impl Room {
         let camera = |index: usize| {
             let angle = index as f64 * std::f64::consts::TAU / 9.0 + 0.3;
             let stands = DVec3::new(1.7 * angle.cos(), 1.3 * angle.sin(), 1.5 + 0.2 * (3.0 * angle).sin());
-            Ok(Camera {
-                name: Name::new(format!("cam{index:02}"))?,
-                split: if index == 8 { Split::Test } else { Split::Train },
-                fx: 200.0,
-                fy: 200.0,
-                cx: 128.0,
-                cy: 96.0,
-                world_from_camera: vec![looking_at(stands, DVec3::new(0.0, 0.0, 0.7))],
-            })
+            let pose = looking_at(stands, DVec3::new(0.0, 0.0, 0.7));
+            let camera = Camera::new(Name::new(format!("cam{index:02}"))?, CAMERA_SIZE, 200.0, pose);
+            Ok(Camera { split: if index == 8 { Split::Test } else { Split::Train }, ..camera })
         };
         (0..9).map(camera).collect()
     }
@@ -212,23 +207,6 @@ impl Room {
         }
         Ok(field)
     }
-}
-
-/// Row-major pose of a camera at one place that looks at another, upright.
-fn looking_at(stands: DVec3, target: DVec3) -> [f64; 16] {
-    let forward = (target - stands).normalize();
-    let right = forward.cross(DVec3::Z).normalize();
-    let down = forward.cross(right);
-    let rotation = DMat3::from_cols(right, down, forward);
-    let mut pose = [0.0; 16];
-    for row in 0..3 {
-        for column in 0..3 {
-            pose[4 * row + column] = rotation.col(column)[row];
-        }
-        pose[4 * row + 3] = stands[row];
-    }
-    pose[15] = 1.0;
-    pose
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A world for tests: a wall at z = 4 m, before it a card at z = 3 m that moves along x, seen by three cameras.
 
 use half::f16;
-use l4d_data::{Camera, Name, Split, Timeline};
+use l4d_data::{Camera, Name, Timeline};
 
 use super::views::{Picture, TrainingViews};
 
@@ -81,14 +81,6 @@ fn grain(at: glam::DVec3) -> f64 {
 
 /// One that looks at the wall from a place on the x axis.
 pub(super) fn camera(index: usize, x: f64) -> Camera {
-    let pose = [1., 0., 0., x, 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
-    Camera {
-        name: Name::new(format!("cam{index:02}")).unwrap(),
-        split: Split::Train,
-        fx: 40.0,
-        fy: 40.0,
-        cx: 24.0,
-        cy: 16.0,
-        world_from_camera: vec![pose],
-    }
+    let pose = glam::DMat4::from_translation(glam::DVec3::X * x);
+    Camera::new(Name::new(format!("cam{index:02}")).unwrap(), SIZE, 40.0, pose)
 }

@@ -205,21 +205,14 @@ pub(super) fn unit(byte: u8) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use l4d_data::{Interval, Name, Split};
+    use glam::DMat4;
+    use l4d_data::{Interval, Name};
 
     use super::*;
 
     fn camera() -> Camera {
-        let pose = [1., 0., 0., 3., 0., 1., 0., 4., 0., 0., 1., 0., 0., 0., 0., 1.];
-        Camera {
-            name: Name::new("cam00").unwrap(),
-            split: Split::Train,
-            fx: 4.0,
-            fy: 4.0,
-            cx: 1.0,
-            cy: 1.0,
-            world_from_camera: vec![pose],
-        }
+        let pose = DMat4::from_translation(DVec3::new(3.0, 4.0, 0.0));
+        Camera::new(Name::new("cam00").unwrap(), [2, 2], 4.0, pose)
     }
 
     fn clip(frames: &[u32]) -> Result<TrainingViews, TrainingViewsError> {
