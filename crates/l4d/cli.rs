@@ -1,4 +1,4 @@
-//! The grammar of the command line, and nothing else. What all groups of verbs share stands here.
+//! The grammar of the command line, and nothing else. What all groups of verbs share is here.
 
 pub(crate) mod annotation;
 pub(crate) mod interop;
@@ -11,8 +11,11 @@ pub(crate) mod splats;
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use l4d_data::Profile;
+use serde::de::value::Error as ValueError;
+use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use self::annotation::{CheckQueriesArgs, OpenRoundArgs, StatsArgs, VerdictArgs, VerifyPromptsArgs};
 use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
@@ -125,7 +128,7 @@ impl Command {
     }
 }
 
-/// Where the benchmark stands and what of it is meant.
+/// Where the benchmark is and what of it is meant.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArgs {
     /// Folder of the benchmark
@@ -137,6 +140,21 @@ pub(crate) struct BenchArgs {
     /// Only these scenes (comma-separated or repeated); default: all
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) scenes: Vec<String>,
+}
+
+impl BenchArgs {
+    /// How scenes get where a verb looks for them.
+    pub(crate) fn build_hint(&self) -> String {
+        format!("run `l4d build-scenes --profile {}` first, or choose another --data", self.profile)
+    }
+}
+
+/// Parses one of some names as what a library calls so in its files.
+pub(crate) fn one_of<T>(names: impl Into<PossibleValuesParser>) -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    names.into().try_map(|name| T::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name)))
 }
 
 /// A profile of renderings: what verbs take that have no use for captures.

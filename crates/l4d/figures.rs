@@ -21,30 +21,20 @@ mod left_out {
     use std::path::{Path, PathBuf};
 
     use anyhow::Result;
-    use l4d_experiments::{ablation::Ablated, lift::Benched};
-    use l4d_query::stats::SetStats;
-    use l4d_splat::speed::Speed;
+    use l4d_experiments::lift::Benched;
 
     use crate::out::Printer;
 
-    fn none(out: &Printer) -> Result<Vec<PathBuf>> {
+    pub(crate) fn publish_lift(_: &Benched, _: &str, folder: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
+        publish_nothing(&(), folder, out)
+    }
+
+    pub(crate) fn publish_nothing<T>(_: &T, _: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
         out.note("no figures: this l4d was built without the feature `board` (cargo build --features board)");
         Ok(Vec::new())
     }
 
-    pub(crate) fn publish_lift(_: &Benched, _: &str, _: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
-        none(out)
-    }
-
-    pub(crate) fn publish_splats(_: &Speed, _: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
-        none(out)
-    }
-
-    pub(crate) fn publish_views(_: &Ablated, _: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
-        none(out)
-    }
-
-    pub(crate) fn publish_stats(_: &SetStats, _: &Path, out: &Printer) -> Result<Vec<PathBuf>> {
-        none(out)
-    }
+    pub(crate) use publish_nothing as publish_splats;
+    pub(crate) use publish_nothing as publish_stats;
+    pub(crate) use publish_nothing as publish_views;
 }

@@ -7,7 +7,7 @@ use l4d_propose::AskOptions;
 use serde_json::json;
 
 use crate::cli::models::{AskArgs, EndpointArgs, ServerArgs};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer, refusal, table};
 
 impl EndpointArgs {
     /// The endpoint that file and flags name, or the one that a recording was made of.
@@ -57,7 +57,7 @@ pub(crate) fn manner(args: &AskArgs) -> AskOptions {
 
 /// Whom it was about, without anything secret.
 pub(crate) fn about(endpoint: &Endpoint) -> serde_json::Value {
-    json!({ "model": endpoint.model, "base_url": endpoint.base_url })
+    json!({ "base_url": endpoint.base_url, "model": endpoint.model, "server": endpoint.server })
 }
 
 /// What was spent, in one line of talk.
@@ -82,35 +82,22 @@ pub(crate) fn print_estimate(
     let mut total = Plan::default();
     plans.iter().for_each(|(_, plan)| total += *plan);
     if as_json {
-        let failed = report.has_errors();
         let rows: Vec<_> = plans.iter().map(|(name, plan)| json!({ what: name, "plan": plan })).collect();
-        out.json(&json!({
-            "dry_run": true,
-            "endpoint": about(endpoint),
-            "plans": rows,
-            "total": total,
-            "findings": report.into_sorted(),
-        }))?;
-        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
+        let document = json!({ "dry_run": true, "endpoint": about(endpoint), "plans": rows, "total": total });
+        return out.document(document, report);
     }
-    let width = plans.iter().map(|(name, _)| name.len()).max().unwrap_or(0).max(what.len());
-    out.data(format!(
-        "{what:width$}{:>11}{:>10}{:>10}{:>12}{:>16}{:>16}{:>12}",
-        "questions", "kept", "pictures", "bytes", "question tokens", "answer tokens", "cost up to"
-    ))?;
     let row = |name: &str, plan: &Plan| {
-        let cost = plan.cost.map_or_else(|| "?".to_owned(), |cost| format!("{cost:.4}"));
         let Plan { questions, kept, images, bytes, tokens, .. } = plan;
-        let (prompt, completion) = (tokens.prompt, tokens.completion);
-        out.data(format!(
-            "{name:width$}{questions:>11}{kept:>10}{images:>10}{bytes:>12}{prompt:>16}{completion:>16}{cost:>12}"
-        ))
+        let cost = plan.cost.map_or_else(|| "?".to_owned(), |cost| format!("{cost:.4}"));
+        let numbers = [*questions, *kept, *images].map(|count| count.to_string()).into_iter();
+        let sizes = [*bytes, tokens.prompt, tokens.completion].map(|count| count.to_string());
+        [name.to_owned()].into_iter().chain(numbers).chain(sizes).chain([cost]).collect::<Vec<String>>()
     };
-    plans.iter().try_for_each(|(name, plan)| row(name, plan))?;
-    row("all", &total)?;
+    let head = ["questions", "kept", "pictures", "bytes", "question tokens", "answer tokens", "cost up to"];
+    let mut rows = vec![[what].into_iter().chain(head).map(str::to_owned).collect::<Vec<String>>()];
+    rows.extend(plans.iter().map(|(name, plan)| row(name, plan)));
+    rows.push(row("all", &total));
+    out.data(table(&rows))?;
     out.note("nothing was sent; tokens are estimates, those of answers the most that they may have");
-    match report.is_empty() {
-        true => Ok(ExitStatus::Success),
-        false => out.findings(report, false),
-    }
+    out.any_findings(report)
 }

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use l4d_data::{DataError, Progress, Report, StageError};
 use l4d_endpoint::EndpointError;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// How a verb ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,6 +95,28 @@ impl Printer {
         if report.has_errors() { ExitStatus::Findings } else { ExitStatus::Success }
     }
 
+    /// A JSON document with the findings in it, and how a check ends that found them.
+    pub(crate) fn document(&self, mut document: Value, report: Report) -> anyhow::Result<ExitStatus> {
+        let status = Self::status(&report);
+        document["findings"] = json!(report.into_sorted());
+        self.json(&document)?;
+        Ok(status)
+    }
+
+    /// Prints findings, if there are any, and tells the exit status.
+    pub(crate) fn any_findings(&self, report: Report) -> anyhow::Result<ExitStatus> {
+        if report.is_empty() { Ok(ExitStatus::Success) } else { self.findings(report, false) }
+    }
+
+    /// Prints findings as warnings, and tells the exit status.
+    pub(crate) fn warnings(&self, report: Report) -> ExitStatus {
+        let status = Self::status(&report);
+        for finding in report.into_sorted() {
+            self.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
+        }
+        status
+    }
+
     /// Prints findings, one per line or as JSON, and tells the exit status.
     pub(crate) fn findings(&self, report: Report, as_json: bool) -> anyhow::Result<ExitStatus> {
         let status = Self::status(&report);
@@ -172,6 +194,25 @@ pub(crate) fn init_logging(verbose: bool) {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new(default));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).without_time().init();
+}
+
+/// Rows of a table, the first of them its head, in columns as wide as they need; columns of numbers end at the right.
+pub(crate) fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.first().map_or(0, Vec::len);
+    let cells = |column: usize| rows.iter().map(move |row| row[column].as_str());
+    let width = |column| cells(column).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let is_number =
+        |cell: &str| cell.starts_with(|first: char| first.is_ascii_digit() || "+-?".contains(first));
+    let layout: Vec<(usize, bool)> =
+        (0..columns).map(|column| (width(column), cells(column).skip(1).all(is_number))).collect();
+    let line = |row: &Vec<String>| {
+        let padded = row.iter().zip(&layout).map(|(cell, &(width, to_right))| match to_right {
+            true => format!("{cell:>width$}"),
+            false => format!("{cell:<width$}"),
+        });
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// Whether the reader of our output went away (`l4d ... | head`).

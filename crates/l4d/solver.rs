@@ -9,32 +9,24 @@ use l4d_data::workspace::SharedWork;
 use l4d_data::{Draw, Profile, Workspace};
 use l4d_ground::geometric::Geometric;
 use l4d_ground::oracle::NoisePreset;
-use l4d_solve::consensus::Preset;
 use l4d_solve::grounders::Grounders;
-use l4d_solve::method::{LiftChoice, MethodChoice, QuerySet};
+use l4d_solve::method::MethodChoice;
 
-use crate::cli::solver::{GrounderArg, LiftArg, MethodArgs, PresetArg, QuerySetArg, WorkArgs};
+use crate::cli::solver::{GrounderArg, MethodArgs, WorkArgs};
 use crate::out::{Printer, refusal};
 
 impl MethodArgs {
     /// Everything about the method but its grounder.
     pub(crate) fn choice(&self) -> MethodChoice {
         MethodChoice {
-            preset: match self.preset {
-                PresetArg::Robust => Preset::Robust,
-                PresetArg::Paper => Preset::Paper,
-            },
+            preset: self.preset,
             views: self.views as usize,
             view_seed: self.view_seed,
             clip_size: self.clip_size.map(|size| size.0),
             clip_every: self.clip_every,
             consensus: !self.no_consensus,
             abstain: self.abstain,
-            lift: self.lift.map(|lift| match lift {
-                LiftArg::Closed => LiftChoice::Closed,
-                LiftArg::Vote => LiftChoice::Vote,
-                LiftArg::Field => LiftChoice::Field,
-            }),
+            lift: self.lift,
         }
     }
 }
@@ -42,16 +34,6 @@ impl MethodArgs {
 impl WorkArgs {
     pub(crate) fn space(&self, profile: Profile, draw: Draw) -> Workspace {
         Workspace::new(profile, draw).with_data(self.data.as_deref()).with_work(&self.work)
-    }
-}
-
-impl From<QuerySetArg> for QuerySet {
-    fn from(set: QuerySetArg) -> Self {
-        match set {
-            QuerySetArg::Queries => Self::Queries,
-            QuerySetArg::Composites => Self::Composites,
-            QuerySetArg::Absents => Self::Absents,
-        }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Contact sheets: rows are views (the held-out one first), columns are moments; below them a legend and the
 //! queries. A person sees at a glance whether a scene is worth showing and its queries are right.
 
-mod cards;
 mod legend;
 mod overview;
 
@@ -23,7 +22,6 @@ use crate::exr::{FrameError, read_frame};
 use crate::overlay::{Mark, annotated, marks};
 use crate::text::{Style, Weight};
 
-pub use cards::{Card, MOST_CARDS, cards};
 pub use overview::{Rendered, overview};
 
 /// Pictures are enlarged by a whole factor until they are about this wide, pixels.

@@ -21,6 +21,7 @@ use std::path::Path;
 
 use l4d_data::layout::{CaptureDir, SceneDir};
 use l4d_data::{Camera, DataError};
+use serde::Deserialize;
 use strum::VariantNames as _;
 
 pub use self::manifest::{Called, Exported, MANIFEST, Manifest};
@@ -95,8 +96,9 @@ impl Format {
 }
 
 /// What an export may show of the held-out camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::Display)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::Display, Deserialize)]
 #[strum(serialize_all = "lowercase")]
+#[serde(rename_all = "lowercase")]
 pub enum HeldOut {
     /// Nothing, not even where it is.
     Nothing,

@@ -17,13 +17,15 @@ use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::Deserialize;
 
 use crate::exam::Exam;
 use crate::results::PROTOCOL;
 use crate::truth::SceneTruth;
 
 /// A way to answer every query without looking at a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Baseline {
     /// The truth itself.
     Oracle,

@@ -1,6 +1,7 @@
 //! A method as users choose it: preset, views, consensus, lift, and the name that its results have by default.
 
 use l4d_data::Interval;
+use serde::Deserialize;
 
 use crate::consensus::Preset;
 use crate::consensus::settings::Undecided;
@@ -12,7 +13,8 @@ use crate::solve::SolveSettings;
 const USUAL_VIEWS: usize = 8;
 
 /// How masks become an answer in four dimensions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LiftChoice {
     /// The closed form of the preset `robust`: SIRT, a graph, time.
     Closed,
@@ -103,7 +105,8 @@ impl MethodChoice {
 }
 
 /// Which sentences are asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum QuerySet {
     /// The queries that count.
     Queries,

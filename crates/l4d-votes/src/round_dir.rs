@@ -58,9 +58,4 @@ impl RoundDir {
     pub fn refine(&self) -> PathBuf {
         self.0.join("refine.jsonl")
     }
-
-    /// `rejected.png`: contact sheet of the rejected prompts.
-    pub fn rejected(&self) -> PathBuf {
-        self.0.join("rejected.png")
-    }
 }

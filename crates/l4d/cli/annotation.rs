@@ -130,9 +130,6 @@ pub(crate) struct VerdictArgs {
     /// Folder of the benchmark
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// Folder of the rendered scenes, for the contact sheet; default: data/<profile of the round>
-    #[arg(long, value_name = "DIR")]
-    pub(crate) data: Option<PathBuf>,
     /// Only look, before all ballots are sealed: nothing is written
     #[arg(long, conflicts_with = "check")]
     pub(crate) unsealed: bool,

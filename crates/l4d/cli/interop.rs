@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use l4d_data::{Name, Profile};
+use clap::Args;
+use l4d_data::{Name, Profile, Scale};
 use l4d_import::capture::Source;
-use l4d_import::export::{DEFAULT_POINTS, Format};
+use l4d_import::capture::masks::MaskFormat;
+use l4d_import::export::{DEFAULT_POINTS, Format, HeldOut};
+use l4d_import::results::codec::Codec;
 
-use super::BenchArgs;
+use super::{BenchArgs, one_of};
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
@@ -67,8 +69,8 @@ pub(crate) struct ImportFilesArgs {
     #[arg(long, value_name = "TEXT")]
     pub(crate) ignore: Vec<String>,
     /// What a file holds
-    #[arg(long, value_enum)]
-    pub(crate) codec: Option<CodecArg>,
+    #[arg(long, value_parser = one_of::<Codec>(["picture", "array", "latents", "coco-rle"]))]
+    pub(crate) codec: Option<Codec>,
     /// What of a picture or array is inside: mask, nonzero, "above 127", "index 3", selected, "relative 0.4", "langsplat 0.4",
     /// "4d-langsplat 0.4"
     #[arg(long, value_name = "RULE")]
@@ -110,14 +112,6 @@ pub(crate) struct ImportEncodersArgs {
     pub(crate) time_decoder: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CodecArg {
-    Picture,
-    Array,
-    Latents,
-    CocoRle,
-}
-
 fn choice(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((field, value)) if !field.is_empty() && !value.is_empty() => {
@@ -125,17 +119,6 @@ fn choice(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("write <field>=<value>, for example iteration=30000".to_owned()),
     }
-}
-
-/// What an export may show of the held-out camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum HeldOutArg {
-    /// Nothing, not even where it stands
-    Nothing,
-    /// Where it stands; grey where a reader insists on a picture
-    Pose,
-    /// Its pictures, in the test split
-    Pictures,
 }
 
 #[derive(Debug, Args)]
@@ -158,9 +141,10 @@ pub(crate) struct ExportArgs {
     /// Folder of the benchmark: which draw is meant, and truth for the formats that hold it
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// What is shown of the held-out camera
-    #[arg(long, value_enum, default_value = "pose")]
-    pub(crate) held_out: HeldOutArg,
+    /// What is shown of the held-out camera: nothing; where it is, with grey where a reader insists on a picture (pose); or
+    /// its pictures, in the test split
+    #[arg(long, default_value = "pose", value_parser = one_of::<HeldOut>(["nothing", "pose", "pictures"]))]
+    pub(crate) held_out: HeldOut,
     /// Only these frames (comma-separated or repeated); default: all that the scene has
     #[arg(long, value_name = "FRAME", value_delimiter = ',')]
     pub(crate) frames: Vec<u32>,
@@ -173,29 +157,6 @@ pub(crate) struct ExportArgs {
     /// Print the manifest as JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-/// What people drew object masks with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MaskFormatArg {
-    /// COCO instances: one JSON file
-    Coco,
-    /// A data set folder of 4D LangSplat
-    #[value(name = "4d-langsplat")]
-    FourDLangSplat,
-    /// PNG with a number an object
-    Png,
-}
-
-/// How large a scene is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ScaleArg {
-    /// Tens of metres
-    Outdoor,
-    /// A few metres
-    Room,
-    /// About a metre
-    Tabletop,
 }
 
 #[derive(Debug, Args)]
@@ -219,15 +180,15 @@ pub(crate) struct ImportSceneArgs {
     /// Object masks that people drew on the pictures
     #[arg(long, value_name = "PATH", requires = "masks_format")]
     pub(crate) masks: Option<PathBuf>,
-    /// What they drew with
-    #[arg(long, value_enum)]
-    pub(crate) masks_format: Option<MaskFormatArg>,
+    /// What they drew with: a JSON file of COCO instances, a data set folder of 4D LangSplat, or PNG with a number an object
+    #[arg(long, value_parser = one_of::<MaskFormat>(["coco", "4d-langsplat", "png"]))]
+    pub(crate) masks_format: Option<MaskFormat>,
     /// Folder of a benchmark of real scenes that receives the truth of the masks on the held-out view, to be asked about
     #[arg(long, value_name = "DIR", requires = "masks", requires = "scale")]
     pub(crate) bench: Option<PathBuf>,
-    /// Scale of the scene in tables of scores
-    #[arg(long, value_enum)]
-    pub(crate) scale: Option<ScaleArg>,
+    /// Scale of the scene in tables of scores: tens of metres, a few metres, or about a metre
+    #[arg(long, value_parser = one_of::<Scale>(["outdoor", "room", "tabletop"]))]
+    pub(crate) scale: Option<Scale>,
     /// Only add masks to a capture that is in --out
     #[arg(long, requires = "masks")]
     pub(crate) masks_only: bool,

@@ -2,35 +2,23 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use l4d_score::Protocol;
+use clap::Args;
 use l4d_score::protocols::UnknownProtocol;
 use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
+use l4d_score::{Baseline, Missing, Protocol, QuerySet};
 
-use super::BenchArgs;
+use super::{BenchArgs, one_of};
 
-/// Results that bracket the scale, made from truth and seed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BaselineName {
-    /// The truth itself
-    Oracle,
-    /// Nothing anywhere
-    None,
-    /// Every pixel of every frame
-    All,
-    /// The right object in all frames, blind to time
-    TimeAgnostic,
-    /// One random object of the referent's category
-    RandomLookAlike,
-    /// All objects of the referent's category
-    LookAlikeUnion,
-}
+const BASELINES: [&str; 6] =
+    ["oracle", "none", "all", "time-agnostic", "random-look-alike", "look-alike-union"];
+const SETS: [&str; 2] = ["queries", "composites"];
 
 #[derive(Debug, Args)]
 pub(crate) struct BaselineArgs {
-    /// Which baselines; default: all of them
-    #[arg(value_enum)]
-    pub(crate) names: Vec<BaselineName>,
+    /// Which baselines; default: all of them. The truth itself (oracle), nothing anywhere, every pixel of every frame, the
+    /// right object in all frames (time-agnostic), one random object or all objects of the referent's category
+    #[arg(value_parser = one_of::<Baseline>(BASELINES))]
+    pub(crate) names: Vec<Baseline>,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     /// Folder that receives one folder a baseline
@@ -52,34 +40,14 @@ pub(crate) struct CheckResultsArgs {
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     /// Which sentences are judged
-    #[arg(long, value_enum, default_value = "queries")]
-    pub(crate) set: JudgedSetArg,
+    #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(SETS))]
+    pub(crate) set: QuerySet,
     /// Most bytes of masks that a method may have, in MB; one with more is not read
     #[arg(long, value_name = "MB", default_value_t = MOST_BYTES / MEGABYTE)]
     pub(crate) max_megabytes: u64,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-/// Which sentences are judged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum JudgedSetArg {
-    /// The queries that count: the headline
-    Queries,
-    /// Queries of two categories
-    Composites,
-}
-
-/// What a missing mask means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MissingArg {
-    /// An error
-    Error,
-    /// An empty mask
-    Zero,
-    /// Not scored; the method is marked partial
-    Skip,
 }
 
 /// Whose evaluation judges.
@@ -108,8 +76,8 @@ pub(crate) struct ScoreArgs {
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     /// Which sentences are judged
-    #[arg(long, value_enum, default_value = "queries")]
-    pub(crate) set: JudgedSetArg,
+    #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(SETS))]
+    pub(crate) set: QuerySet,
     /// Whose evaluation judges: l4d, or the sums of another one done again (langsplat, 4d-langsplat, davis, mevis,
     /// gaussian-grouping), which is never ranked
     #[arg(long, value_name = "NAME", default_value = "l4d", value_parser = protocol)]
@@ -122,9 +90,9 @@ pub(crate) struct ScoreArgs {
     /// is appended
     #[arg(long, value_name = "DIR")]
     pub(crate) scores: Option<PathBuf>,
-    /// What a missing mask means
-    #[arg(long, value_enum, default_value = "error")]
-    pub(crate) missing: MissingArg,
+    /// What a missing mask means: an error, an empty mask (zero), or that the frame is not scored and the method partial (skip)
+    #[arg(long, default_value = "error", value_parser = one_of::<Missing>(["error", "zero", "skip"]))]
+    pub(crate) missing: Missing,
     /// A frame is hit when its IoU is above this
     #[arg(long, value_name = "IOU", default_value_t = 0.0)]
     pub(crate) hit_iou: f64,
@@ -155,8 +123,8 @@ pub(crate) struct LeaderboardArgs {
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     /// Which sentences were judged
-    #[arg(long, value_enum, default_value = "queries")]
-    pub(crate) set: JudgedSetArg,
+    #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(SETS))]
+    pub(crate) set: QuerySet,
     /// Folder that receives tables and figures; default: leaderboard, or leaderboard-composites
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,

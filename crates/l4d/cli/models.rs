@@ -6,7 +6,8 @@ use clap::{Args, Subcommand};
 use l4d_data::{Scale, Shard};
 use l4d_endpoint::Link;
 
-use super::BenchArgs;
+use super::splats::PixelSize;
+use super::{BenchArgs, one_of};
 
 /// Which model of which server is meant: a file, flags, or flags that override the file.
 #[derive(Debug, Clone, Args)]
@@ -57,7 +58,7 @@ pub(crate) struct EndpointCalibrateArgs {
     pub(crate) pictures: u32,
     /// Width and height of the pictures, pixels; the default tells all conventions apart
     #[arg(long, value_name = "WxH", default_value = "714x490")]
-    pub(crate) size: PictureSize,
+    pub(crate) size: PixelSize,
     /// Longest answer, tokens
     #[arg(long, value_name = "TOKENS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=65536))]
     pub(crate) answer_tokens: u32,
@@ -67,25 +68,6 @@ pub(crate) struct EndpointCalibrateArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-/// Width and height of a picture, pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct PictureSize {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-}
-
-impl std::str::FromStr for PictureSize {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let side = |text: &str| text.parse().ok().filter(|side| (96..=4096).contains(side));
-        let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
-        let (width, height) =
-            sides.ok_or("write <width>x<height> with sides of 96 to 4096 pixels, for example 714x490")?;
-        Ok(Self { width, height })
-    }
 }
 
 /// Which model is asked, what may be spent, and what becomes of its answers.
@@ -171,8 +153,8 @@ pub(crate) struct ProposeScenesArgs {
     /// Folder that receives the scenarios
     #[arg(long, short, value_name = "DIR", default_value = "work/scenarios")]
     pub(crate) out: PathBuf,
-    /// Only these scales (comma-separated or repeated): outdoor, room, tabletop; default: all
-    #[arg(long, value_name = "SCALE", value_delimiter = ',', value_parser = scale)]
+    /// Only these scales (comma-separated or repeated); default: all
+    #[arg(long, value_name = "SCALE", value_delimiter = ',', value_parser = one_of::<Scale>(["outdoor", "room", "tabletop"]))]
     pub(crate) scales: Vec<Scale>,
     /// Scenarios of each scale
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=20))]
@@ -183,9 +165,4 @@ pub(crate) struct ProposeScenesArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-fn scale(text: &str) -> Result<Scale, String> {
-    let found = Scale::ALL.into_iter().find(|scale| scale.as_str() == text);
-    found.ok_or_else(|| format!("`{text}` is no scale: use outdoor, room or tabletop"))
 }

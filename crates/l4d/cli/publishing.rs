@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use l4d_data::Profile;
+use l4d_data::results::Track;
 use l4d_release::Day;
 
-use super::rendered;
+use super::{one_of, rendered};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReleaseArgs {
@@ -16,7 +17,7 @@ pub(crate) struct ReleaseArgs {
     /// Day of publication, YYYY-MM-DD
     #[arg(long, value_name = "DAY", required_unless_present = "check")]
     pub(crate) date: Option<Day>,
-    /// Page where the data set will stand
+    /// Page of the data set
     #[arg(long, value_name = "URL", required_unless_present = "check")]
     pub(crate) url: Option<String>,
     /// Who made it (repeated for several)
@@ -73,16 +74,6 @@ pub(crate) struct HostArgs {
     pub(crate) json: bool,
 }
 
-/// Methods that are ranked with each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TrackArg {
-    /// Those that did not learn from rendered depth
-    Colour,
-    /// Those that did
-    #[value(name = "colour+depth")]
-    ColourDepth,
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct CompetitionArgs {
     #[command(flatten)]
@@ -93,9 +84,10 @@ pub(crate) struct CompetitionArgs {
     /// Last day; default: no end
     #[arg(long, value_name = "DAY")]
     pub(crate) until: Option<Day>,
-    /// Whose methods compete: platforms rank all that they take with each other
-    #[arg(long, value_enum, default_value = "colour")]
-    pub(crate) track: TrackArg,
+    /// Whose methods compete, since platforms rank all that they take with each other: those that did not learn from
+    /// rendered depth, or those that did
+    #[arg(long, default_value = "colour", value_parser = one_of::<Track>(["colour", "colour+depth"]))]
+    pub(crate) track: Track,
     /// Page of the data set
     #[arg(long, value_name = "URL")]
     pub(crate) url: String,

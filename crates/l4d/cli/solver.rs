@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use l4d_data::{Profile, Shard};
+use l4d_experiments::ablation::Grid;
+use l4d_solve::consensus::Preset;
+use l4d_solve::method::{LiftChoice, QuerySet};
 
-use super::BenchArgs;
 use super::models::ServerArgs;
 use super::splats::{AdapterArgs, PixelSize};
+use super::{BenchArgs, one_of};
 
 /// Who finds in one view what a sentence means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -33,26 +36,6 @@ impl GrounderArg {
     }
 }
 
-/// Rules and constants that belong together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PresetArg {
-    /// What holds up where the paper is silent
-    Robust,
-    /// As the paper writes it: summed depth, an identity field of 2000 iterations
-    Paper,
-}
-
-/// How masks become an answer in four dimensions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LiftArg {
-    /// The closed form of the preset `robust`: SIRT, a graph, time
-    Closed,
-    /// Sums of blend weights and a threshold
-    Vote,
-    /// The identity field of the paper
-    Field,
-}
-
 /// A method of the reference solver.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
@@ -70,9 +53,10 @@ pub(crate) struct MethodArgs {
     pub(crate) grounder_file: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) server: ServerArgs,
-    /// Rules and constants that belong together
-    #[arg(long, value_enum, default_value = "robust")]
-    pub(crate) preset: PresetArg,
+    /// Rules and constants that belong together: what holds up where the paper is silent (robust), or as the paper writes
+    /// it, with summed depth and an identity field of 2000 iterations (paper)
+    #[arg(long, default_value = "robust", value_parser = one_of::<Preset>(["robust", "paper"]))]
+    pub(crate) preset: Preset,
     /// Views that are looked at, at most (the paper's V)
     #[arg(long, value_name = "V", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) views: u32,
@@ -91,14 +75,15 @@ pub(crate) struct MethodArgs {
     /// Give no answer where the votes of the views decide nothing; default of the preset robust: lift all candidate masks
     #[arg(long, conflicts_with = "no_consensus")]
     pub(crate) abstain: bool,
-    /// How masks become an answer; default: what the preset says
-    #[arg(long, value_enum)]
-    pub(crate) lift: Option<LiftArg>,
+    /// How masks become an answer; default: what the preset says. SIRT, a graph, time (closed); sums of blend weights and a
+    /// threshold (vote); the identity field of the paper (field)
+    #[arg(long, value_parser = one_of::<LiftChoice>(["closed", "vote", "field"]))]
+    pub(crate) lift: Option<LiftChoice>,
     #[command(flatten)]
     pub(crate) adapter: AdapterArgs,
 }
 
-/// Where scenes and models stand.
+/// Where scenes and models are.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct WorkArgs {
     /// Folder of the scenes, of which only the cameras are read; default: data/<profile>, or data/captures
@@ -109,17 +94,6 @@ pub(crate) struct WorkArgs {
     pub(crate) work: PathBuf,
 }
 
-/// Which sentences.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum QuerySetArg {
-    /// The queries that count
-    Queries,
-    /// Queries of two categories
-    Composites,
-    /// Sentences that nothing satisfies
-    Absents,
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct SolveArgs {
     #[command(flatten)]
@@ -128,9 +102,9 @@ pub(crate) struct SolveArgs {
     pub(crate) method: MethodArgs,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
-    /// Which sentences
-    #[arg(long, value_enum, default_value = "queries")]
-    pub(crate) set: QuerySetArg,
+    /// Which sentences: those that count, those of two categories, those that nothing satisfies
+    #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(["queries", "composites", "absents"]))]
+    pub(crate) set: QuerySet,
     /// Only these queries, e.g. room_living_cats/003 (comma-separated or repeated)
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub(crate) queries: Vec<String>,
@@ -212,26 +186,12 @@ pub(crate) struct QueryArgs {
     pub(crate) json: bool,
 }
 
-/// A grid of the paper's ablations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum GridArg {
-    /// With and without consensus; with the oracle once for each correlation of its errors
-    Mvsc,
-    /// Numbers of views, as far as there are so many training views
-    Views,
-    /// Models and couplings, a row for each of --grounder-files
-    Vlm,
-    /// Queries of two categories
-    Composites,
-    /// Outdoor, room, tabletop
-    Scales,
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct AblateArgs {
-    /// Which table
-    #[arg(value_enum)]
-    pub(crate) grid: GridArg,
+    /// Which table: with and without consensus, with the oracle once for each correlation of its errors (mvsc); numbers of
+    /// views; models and couplings, a row for each of --grounder-files (vlm); queries of two categories; scales
+    #[arg(value_parser = one_of::<Grid>(["mvsc", "views", "vlm", "composites", "scales"]))]
+    pub(crate) grid: Grid,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     #[command(flatten)]

@@ -2,32 +2,31 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use l4d_data::Profile;
+use l4d_solve::clips::{DepthFormat, DepthKind};
+use l4d_splat::speed::Sweep;
 use l4d_splat::training_run::Initialisation;
 
-use super::solver::BenchLiftArgs;
+use super::one_of;
+use super::solver::{BenchLiftArgs, WorkArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct TrainSplatsArgs {
     /// Scene to learn
     pub(crate) scene: String,
-    /// Pictures that are trained on, and where things stand by default: tiny, small or full; real for captures
+    /// Pictures that are trained on, and where things are by default: tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
     /// Folder of the benchmark: it says which draw of the scenes is meant
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// Folder of the scenes; default: data/<profile>, or data/captures
-    #[arg(long, value_name = "DIR")]
-    pub(crate) data: Option<PathBuf>,
-    /// Folder for what can be remade
-    #[arg(long, value_name = "DIR", default_value = "work")]
-    pub(crate) work: PathBuf,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
     /// Folder that receives the model; default: <work>/<profile>/<scene>/splats
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Where the first Gaussians stand: depth, sweep (pictures are compared, and depth is not looked at), or the path of
+    /// Where the first Gaussians are: depth, sweep (pictures are compared, and depth is not looked at), or the path of
     /// COLMAP's points3D.txt or points3D.bin; default: depth, and sweep where there is none
     #[arg(long, value_name = "INIT")]
     pub(crate) init: Option<Initialisation>,
@@ -83,40 +82,16 @@ pub(crate) struct TrainSplatsArgs {
     pub(crate) json: bool,
 }
 
-/// Which depth is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DepthArg {
-    /// Where half of the pixel is filled: keeps edges
-    Median,
-    /// Mean of the depths that a pixel shows
-    Expected,
-    /// Sum of depth x weight, as 4DGaussians: too near wherever a pixel is not filled
-    Sum,
-}
-
-/// How depth is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DepthFormatArg {
-    /// OpenEXR: depth in metres, alpha, spread
-    Exr,
-    /// 16-bit PNG in millimetres
-    Png,
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct RenderSplatsArgs {
     /// Scene whose model, cameras and size are meant; not needed with --model and --cameras
     #[arg(required_unless_present_all = ["model", "cameras"])]
     pub(crate) scene: Option<String>,
-    /// Frames that are drawn, and where things stand by default: tiny, small or full; real for captures
+    /// Frames that are drawn, and where things are by default: tiny, small or full; real for captures
     #[arg(long, default_value = "small")]
     pub(crate) profile: Profile,
-    /// Folder of the scenes; default: data/<profile>, or data/captures
-    #[arg(long, value_name = "DIR")]
-    pub(crate) data: Option<PathBuf>,
-    /// Folder for what can be remade
-    #[arg(long, value_name = "DIR", default_value = "work")]
-    pub(crate) work: PathBuf,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
     /// A checkpoint of train-splats, a model folder of 4DGaussians, or a PLY of 3DGS; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH")]
     pub(crate) model: Option<PathBuf>,
@@ -135,12 +110,13 @@ pub(crate) struct RenderSplatsArgs {
     /// Width and height of the pictures, pixels; default: those of the cameras, or those that the model was trained on
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<PixelSize>,
-    /// Which depth is written
-    #[arg(long, value_enum, default_value = "median")]
-    pub(crate) depth: DepthArg,
-    /// How depth is stored
-    #[arg(long, value_enum, default_value = "exr")]
-    pub(crate) depth_format: DepthFormatArg,
+    /// Which depth is written: where half of the pixel is filled, which keeps edges (median); the mean of the depths that a
+    /// pixel shows; or sum of depth x weight, as 4DGaussians, which is too near wherever a pixel is not filled
+    #[arg(long, default_value = "median", value_parser = one_of::<DepthKind>(["median", "expected", "sum"]))]
+    pub(crate) depth: DepthKind,
+    /// How depth is stored: OpenEXR with depth in metres, alpha and spread, or 16-bit PNG in millimetres
+    #[arg(long, default_value = "exr", value_parser = one_of::<DepthFormat>(["exr", "png"]))]
+    pub(crate) depth_format: DepthFormat,
     /// What shows where nothing is: black, white or red,green,blue from 0 to 1; default: what the model says, or black
     #[arg(long, value_name = "COLOUR")]
     pub(crate) background: Option<Background>,
@@ -173,16 +149,7 @@ pub(crate) enum BenchCommand {
     Lift(BenchLiftArgs),
 }
 
-/// What a benchmark of drawing changes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(crate) enum SweepArg {
-    /// Fewer Gaussians: those that show most
-    Count,
-    /// Smaller pictures, enlarged
-    Resolution,
-    /// Other instructions, one thread, graphics adapters
-    Rasterizer,
-}
+const SWEEPS: [&str; 3] = ["count", "resolution", "rasterizer"];
 
 #[derive(Debug, Args)]
 pub(crate) struct BenchSplatsArgs {
@@ -191,12 +158,8 @@ pub(crate) struct BenchSplatsArgs {
     /// tiny, small or full
     #[arg(long, default_value = "small", value_parser = super::rendered)]
     pub(crate) profile: Profile,
-    /// Folder of the rendered scenes; default: data/<profile>
-    #[arg(long, value_name = "DIR")]
-    pub(crate) data: Option<PathBuf>,
-    /// Folder for what can be remade
-    #[arg(long, value_name = "DIR", default_value = "work")]
-    pub(crate) work: PathBuf,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
     /// The model; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH", requires = "scene")]
     pub(crate) model: Option<PathBuf>,
@@ -209,9 +172,10 @@ pub(crate) struct BenchSplatsArgs {
     /// Width and height of the pictures, pixels; default: those of the scene, 256x192 for the room
     #[arg(long, value_name = "WxH", conflicts_with = "scene")]
     pub(crate) size: Option<PixelSize>,
-    /// Only these sweeps (comma-separated or repeated); default: all
-    #[arg(long, value_enum, value_name = "SWEEP", value_delimiter = ',')]
-    pub(crate) sweeps: Vec<SweepArg>,
+    /// Only these changes (comma-separated or repeated); default: all. Fewer Gaussians (count), smaller pictures (resolution),
+    /// other instructions, one thread or graphics adapters (rasterizer)
+    #[arg(long, value_name = "SWEEP", value_delimiter = ',', value_parser = one_of::<Sweep>(SWEEPS))]
+    pub(crate) sweeps: Vec<Sweep>,
     /// Views, the held-out one among them
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub(crate) views: u32,

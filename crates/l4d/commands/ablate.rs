@@ -9,7 +9,7 @@ use l4d_ground::oracle::NoisePreset;
 use l4d_score::Exam;
 use serde_json::json;
 
-use crate::cli::solver::{AblateArgs, GridArg, GrounderArg, MethodArgs};
+use crate::cli::solver::{AblateArgs, GrounderArg, MethodArgs};
 use crate::out::{ExitStatus, Printer, hint_of, refusal};
 use crate::{figures, rasterizer, solver};
 
@@ -18,14 +18,12 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     if args.method.noise.is_some() && !is_oracle {
         return Err(refusal("--noise belongs to the oracle", "add --grounder oracle, or leave it out"));
     }
-    let grid = Grid::from(args.grid);
+    let grid = args.grid;
     let bench = Benchmark::open(&args.bench.bench)?;
     let space = args.work.space(args.bench.profile, bench.manifest.draw());
     let mut report = Report::default();
     let exam = Exam::open(bench, args.bench.profile, grid.set(), &args.bench.scenes, &mut report)?;
-    for finding in report.into_sorted() {
-        out.warn(format!("{} {}", finding.path, finding.message));
-    }
+    out.warnings(report);
     let noise = args.method.noise.as_deref().map(NoisePreset::read).transpose()?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let folder = args.out.clone().unwrap_or_else(|| space.ablation(grid.table()));
@@ -80,16 +78,4 @@ pub(crate) fn run(args: &AblateArgs, out: &Printer) -> Result<ExitStatus> {
     }
     paths.iter().for_each(|path| out.note(path.display()));
     Ok(ExitStatus::Success)
-}
-
-impl From<GridArg> for Grid {
-    fn from(grid: GridArg) -> Self {
-        match grid {
-            GridArg::Mvsc => Self::Mvsc,
-            GridArg::Views => Self::Views,
-            GridArg::Vlm => Self::Vlm,
-            GridArg::Composites => Self::Composites,
-            GridArg::Scales => Self::Scales,
-        }
-    }
 }

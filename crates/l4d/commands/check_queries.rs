@@ -4,7 +4,6 @@ use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_query::check_set;
 use l4d_query::probes::Probe;
-use serde_json::json;
 
 use crate::cli::annotation::CheckQueriesArgs;
 use crate::out::{ExitStatus, Printer};
@@ -15,11 +14,7 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
     let mut report = Report::default();
     let summary = check_set(&bench, args.bench.profile, &scenes, &mut report);
     if args.json {
-        let failed = report.has_errors();
-        let mut document = serde_json::to_value(&summary)?;
-        document["findings"] = json!(report.into_sorted());
-        out.json(&document)?;
-        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
+        return out.document(serde_json::to_value(&summary)?, report);
     }
     out.data(format!("{:<14}{:>8}", "scenes", summary.scenes))?;
     for (scale, count) in &summary.scales {

@@ -11,7 +11,7 @@ use crate::out::{ExitStatus, Printer};
 pub(crate) fn run(args: &CheckResultsArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let mut exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    let mut exam = Exam::open(bench, args.bench.profile, args.set, &args.bench.scenes, &mut report)?;
     exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     let methods = check_results(&args.results, &exam, &mut report)?;
     out.note(format!("checked {methods} method{}", if methods == 1 { "" } else { "s" }));

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::cli::BenchArgs;
 use crate::cli::scenes::CheckScenesArgs;
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer, refusal, table};
 
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
@@ -29,9 +29,7 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     }
     out.finish();
     if args.json {
-        let status = Printer::status(&report);
-        out.json(&json!({ "scenes": stats, "findings": report.into_sorted() }))?;
-        return Ok(status);
+        return out.document(json!({ "scenes": stats }), report);
     }
     print_table(&stats, out)?;
     out.findings(report, false)
@@ -59,17 +57,11 @@ fn scenes_to_check(
         }
     }
     if scenes.is_empty() {
-        return Err(refusal(
-            format!("no scene is in {}", space.data().display()),
-            format!("run `l4d build-scenes --profile {}` first, or choose another --data", args.profile),
-        ));
+        return Err(refusal(format!("no scene is in {}", space.data().display()), args.build_hint()));
     }
     if !absent.is_empty() {
-        out.note(format!(
-            "not built, so not checked: {} of {} scenes",
-            absent.len(),
-            bench.manifest.scenes.len()
-        ));
+        let all = bench.manifest.scenes.len();
+        out.note(format!("not built, so not checked: {} of {all} scenes", absent.len()));
     }
     Ok(scenes)
 }
@@ -82,30 +74,34 @@ fn known_scene(scene: &str, bench: &Benchmark, stands: &impl Fn(&Name) -> bool) 
 }
 
 fn print_table(stats: &[SceneStats], out: &Printer) -> Result<()> {
-    let width = stats.iter().map(|stats| stats.scene.len()).max().unwrap_or(0).max("scene".len());
-    out.data(format!(
-        "{:width$}  views  frames  compared px  |z - z'| median    p95    p99      max mm  beyond 1 mm + 1e-4 z  ids agree",
-        "scene"
-    ))?;
-    for stats in stats {
-        let start = format!("{:width$}  {:5}  {:6}", stats.scene, stats.views, stats.frames);
-        let line = match &stats.cross_view {
-            None => format!("{start}  no two views could be compared"),
+    let head = [
+        "scene",
+        "views",
+        "frames",
+        "compared px",
+        "|z - z'| median",
+        "p95",
+        "p99",
+        "max mm",
+        "% beyond 1 mm + 1e-4 z",
+        "% ids agree",
+    ];
+    let row = |stats: &SceneStats| {
+        let mut row = vec![stats.scene.to_string(), stats.views.to_string(), stats.frames.to_string()];
+        match &stats.cross_view {
+            // No two views could be compared.
+            None => row.resize(head.len(), "-".to_owned()),
             Some(cross) => {
                 let spread = &cross.residual_mm;
-                format!(
-                    "{start}  {:11}  {:15.3}  {:5.2}  {:5.2}  {:10.1}  {:19.3} %  {:7.3} %",
-                    cross.compared,
-                    spread.median,
-                    spread.p95,
-                    spread.p99,
-                    spread.max,
-                    cross.beyond * 100.0,
-                    cross.id_agreement * 100.0
-                )
+                row.push(cross.compared.to_string());
+                row.extend([spread.median, spread.p95, spread.p99].map(|mm| format!("{mm:.3}")));
+                row.push(format!("{:.1}", spread.max));
+                row.extend([cross.beyond, cross.id_agreement].map(|share| format!("{:.3}", 100.0 * share)));
             }
-        };
-        out.data(line)?;
-    }
-    Ok(())
+        }
+        row
+    };
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    rows.extend(stats.iter().map(row));
+    Ok(out.data(table(&rows))?)
 }

@@ -40,13 +40,12 @@ impl Line {
         Self { name, state: State::Ok, found: found.into(), remedy: String::new() }
     }
 
-    fn lacking(
-        name: &'static str,
-        state: State,
-        found: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Self { name, state, found: found.into(), remedy: remedy.into() }
+    fn optional(name: &'static str, found: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { name, state: State::Optional, found: found.into(), remedy: remedy.into() }
+    }
+
+    fn missing(name: &'static str, found: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { state: State::Missing, ..Self::optional(name, found, remedy) }
     }
 }
 
@@ -55,11 +54,9 @@ pub(crate) fn run(args: &DoctorArgs, out: &Printer) -> Result<ExitStatus> {
         BlenderEnv::find_or_make(&args.python.choice(), out)?;
     }
     let mut lines = python_lines(args);
-    lines.push(benchmark_line());
-    lines.push(adapter_line());
-    lines.push(terminal_line());
-    lines.push(cores_line());
-    lines.push(disk_line(&args.python.work));
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let cores = Line::ok("cores", cores.to_string());
+    lines.extend([benchmark_line(), adapter_line(), terminal_line(), cores, disk_line(&args.python.work)]);
     if args.json {
         out.json(&json!({ "doctor": lines }))?;
     } else {
@@ -86,18 +83,18 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
         Ok(python) => python,
         Err(error) => {
             let remedy = "run l4d in the project's root folder, or name the folder with --blender-scripts";
-            return vec![Line::lacking("python", State::Missing, format!("{error:#}"), remedy)];
+            return vec![Line::missing("python", format!("{error:#}"), remedy)];
         }
     };
     if !python.exists() && args.python.python.is_none() {
         let remedy = "nothing to do: `l4d build-scenes` makes it, or --setup now (needs Python 3.11 or uv, and about 1 GB)";
-        return vec![Line::lacking("python", State::Optional, "no Blender environment yet", remedy)];
+        return vec![Line::optional("python", "no Blender environment yet", remedy)];
     }
     match probe(&python) {
         Ok(probe) => probe_lines(&python, &probe),
         Err(error) => {
             let remedy = "name a working Python 3.11 with --python, or delete the environment so that it is made again";
-            vec![Line::lacking("python", State::Missing, format!("{error:#}"), remedy)]
+            vec![Line::missing("python", format!("{error:#}"), remedy)]
         }
     }
 }
@@ -105,7 +102,7 @@ fn python_lines(args: &DoctorArgs) -> Vec<Line> {
 fn probe_lines(python: &Path, probe: &Probe) -> Vec<Line> {
     let modules = [("bpy", "bpy"), ("OpenEXR", "OpenEXR"), ("usd-core", "pxr"), ("numpy", "numpy")];
     let module_line = |(name, module): (&'static str, &str)| match probe.errors.get(module) {
-        Some(error) => Line::lacking(name, State::Missing, error.clone(), import_remedy(module, error)),
+        Some(error) => Line::missing(name, error.clone(), import_remedy(module, error)),
         None => Line::ok(name, probe.modules.get(module).cloned().unwrap_or_default()),
     };
     let python = Line::ok("python", format!("{} ({})", probe.version, python.display()));
@@ -121,9 +118,8 @@ fn benchmark_line() -> Line {
                 format!("{} {}, {} scenes", manifest.name, manifest.version, manifest.scenes.len()),
             )
         }
-        Err(error) => Line::lacking(
+        Err(error) => Line::missing(
             "benchmark",
-            State::Missing,
             format!("{:#}", anyhow::Error::from(error)),
             "run l4d in the project's root folder",
         ),
@@ -136,7 +132,7 @@ fn adapter_line() -> Line {
     let found = l4d_gpu::adapters();
     if found.is_empty() {
         let remedy = "the processor draws instead; to use graphics hardware install its Vulkan driver (in software: apt-get install mesa-vulkan-drivers)";
-        return Line::lacking("gpu", State::Optional, "no Vulkan adapter", remedy);
+        return Line::optional("gpu", "no Vulkan adapter", remedy);
     }
     let numbered = |(place, adapter): (usize, &l4d_gpu::AdapterReport)| format!("{place}: {adapter}");
     Line::ok("gpu", found.iter().enumerate().map(numbered).collect::<Vec<_>>().join("; "))
@@ -145,59 +141,45 @@ fn adapter_line() -> Line {
 #[cfg(not(feature = "gpu"))]
 fn adapter_line() -> Line {
     let remedy = "the processor draws instead; `cargo build --release --features gpu` adds graphics hardware";
-    Line::lacking("gpu", State::Optional, "not built in", remedy)
+    Line::optional("gpu", "not built in", remedy)
 }
 
 fn terminal_line() -> Line {
     let var = |name: &str| std::env::var(name).unwrap_or_default();
-    let program = var("TERM_PROGRAM").to_lowercase();
-    let term = var("TERM");
-    let protocol = if !var("KITTY_WINDOW_ID").is_empty() || term.contains("kitty") || program == "ghostty" {
-        Some("kitty graphics")
-    } else if program == "iterm.app" || program == "wezterm" {
-        Some("iTerm2 graphics")
-    } else if term.contains("sixel") || term.starts_with("foot") || term.starts_with("mlterm") {
-        Some("sixel")
-    } else {
-        None
-    };
+    let (program, term) = (var("TERM_PROGRAM").to_lowercase(), var("TERM"));
+    let protocols = [
+        (
+            "kitty graphics",
+            !var("KITTY_WINDOW_ID").is_empty() || term.contains("kitty") || program == "ghostty",
+        ),
+        ("iTerm2 graphics", program == "iterm.app" || program == "wezterm"),
+        ("sixel", ["sixel", "foot", "mlterm"].iter().any(|name| term.contains(name))),
+    ];
+    let protocol = protocols.into_iter().find_map(|(name, is_there)| is_there.then_some(name));
     let colours =
         if var("COLORTERM").contains("truecolor") { "24-bit colour" } else { "256 colours or fewer" };
     match protocol {
         Some(protocol) => Line::ok("terminal", format!("{protocol}, {colours}")),
-        None => Line::lacking(
+        None => Line::optional(
             "terminal",
-            State::Optional,
             format!("no graphics protocol seen, {colours}"),
             "pictures are drawn in half blocks; kitty, WezTerm, iTerm2 or foot show them in full",
         ),
     }
 }
 
-fn cores_line() -> Line {
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    Line::ok("cores", format!("{cores}"))
-}
-
 fn disk_line(work: &Path) -> Line {
     let existing =
         work.ancestors().find(|folder| folder.exists()).filter(|folder| !folder.as_os_str().is_empty());
     let folder = existing.unwrap_or(Path::new("."));
-    match rustix::fs::statvfs(folder) {
-        Ok(stat) => {
-            let free_gib = stat.f_bavail * stat.f_frsize / (1 << 30);
-            let found = format!("{free_gib} GiB free");
-            if free_gib >= WANTED_DISK_GIB {
-                Line::ok("disk", found)
-            } else {
-                let remedy = format!(
-                    "profile full wants {WANTED_DISK_GIB} GiB; --data and --work may stand elsewhere"
-                );
-                Line::lacking("disk", State::Optional, found, remedy)
-            }
-        }
-        Err(error) => {
-            Line::lacking("disk", State::Optional, error.to_string(), "check that the folder is readable")
-        }
+    let free_gib = match rustix::fs::statvfs(folder) {
+        Ok(stat) => stat.f_bavail * stat.f_frsize / (1 << 30),
+        Err(error) => return Line::optional("disk", error.to_string(), "check that the folder is readable"),
+    };
+    let found = format!("{free_gib} GiB free");
+    if free_gib >= WANTED_DISK_GIB {
+        return Line::ok("disk", found);
     }
+    let remedy = format!("profile full wants {WANTED_DISK_GIB} GiB; --data and --work may be elsewhere");
+    Line::optional("disk", found, remedy)
 }

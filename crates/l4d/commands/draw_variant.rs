@@ -18,7 +18,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::scenes::DrawVariantArgs;
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer, refusal, table};
 
 /// What became of the sentences of a scene.
 #[derive(Debug, Default, Serialize)]
@@ -127,13 +127,14 @@ fn print(outcomes: &[Outcome], args: &DrawVariantArgs, out: &Printer) -> Result<
     if args.json {
         return out.json(&json!({ "out": args.out, "variant": args.variant, "scenes": outcomes }));
     }
-    let width = outcomes.iter().map(|outcome| outcome.scene.len()).max().unwrap_or(0).max("scene".len());
-    out.data(format!("{:width$}  asked  grounded", "scene"))?;
-    for outcome in outcomes {
-        out.data(format!("{:width$}  {:5}  {:8}", outcome.scene, outcome.asked, outcome.grounded))?;
-        for Ungrounded { query, text, why } in &outcome.ungrounded {
-            out.data(format!("    {query} \"{text}\" {why}"))?;
-        }
+    let row = |outcome: &Outcome| {
+        vec![outcome.scene.clone(), outcome.asked.to_string(), outcome.grounded.to_string()]
+    };
+    let mut rows = vec![["scene", "asked", "grounded"].map(str::to_owned).to_vec()];
+    rows.extend(outcomes.iter().map(row));
+    out.data(table(&rows))?;
+    for Ungrounded { query, text, why } in outcomes.iter().flat_map(|outcome| &outcome.ungrounded) {
+        out.data(format!("{query} \"{text}\" {why}"))?;
     }
     Ok(())
 }

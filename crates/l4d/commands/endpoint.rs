@@ -10,6 +10,7 @@ use l4d_frames::targets::Targets;
 use serde_json::json;
 
 use crate::cli::models::{EndpointCalibrateArgs, EndpointCheckArgs, EndpointCommand};
+use crate::models::about;
 use crate::out::{ExitStatus, Printer};
 
 const PROBES: u64 = 7;
@@ -38,9 +39,7 @@ fn check(args: &EndpointCheckArgs, out: &Printer) -> Result<ExitStatus> {
     out.finish();
     let endpoint = client.endpoint();
     if args.json {
-        let about =
-            json!({ "base_url": endpoint.base_url, "model": endpoint.model, "server": endpoint.server });
-        out.json(&json!({ "endpoint": about, "check": lines }))?;
+        out.json(&json!({ "endpoint": about(endpoint), "check": lines }))?;
     } else {
         out.note(format!("{} at {} ({})", endpoint.model, endpoint.base_url, endpoint.note()));
         for line in &lines {
@@ -62,7 +61,8 @@ fn run_calibrate(args: &EndpointCalibrateArgs, out: &Printer) -> Result<ExitStat
     let client = Client::open(args.endpoint.resolve()?, &args.endpoint.link)?;
     let path = SharedWork::new(&args.work).endpoints();
     let mut calibrations = Calibrations::read(&path)?;
-    let size = (args.size.width, args.size.height);
+    let [width, height] = args.size.0.map(|side| side.max(Targets::MIN_SIDE));
+    let size = (width, height);
     let samples: Result<Vec<Sample>> = (0..args.pictures).map(|number| sample(size, number)).collect();
     out.note(format!("asking {} about {} pictures", client.endpoint().model, args.pictures));
     let found = calibrate(&client, &samples?, args.answer_tokens)?;
@@ -95,9 +95,8 @@ fn sample(size: (u32, u32), number: u32) -> Result<Sample> {
 }
 
 fn document(client: &Client, found: &Calibration, (width, height): (u32, u32)) -> serde_json::Value {
-    let endpoint = client.endpoint();
     json!({
-        "endpoint": { "base_url": endpoint.base_url, "model": endpoint.model, "server": endpoint.server },
+        "endpoint": about(client.endpoint()),
         "size": [width, height],
         "squares": found.squares,
         "scores": found.scores,

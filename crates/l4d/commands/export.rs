@@ -7,9 +7,9 @@ use l4d_data::query::{Query, read_queries};
 use l4d_data::truth::Truth;
 use l4d_data::{Benchmark, Name, Workspace};
 use l4d_import::annotations::Judged;
-use l4d_import::export::{HeldOut, Order, Origin, export, picture_count};
+use l4d_import::export::{Order, Origin, export, picture_count};
 
-use crate::cli::interop::{ExportArgs, HeldOutArg};
+use crate::cli::interop::ExportArgs;
 use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ExportArgs, out: &Printer) -> Result<ExitStatus> {
         format: args.format,
         out: &args.out,
         frames: &args.frames,
-        held_out: args.held_out.into(),
+        held_out: args.held_out,
         points: args.points,
         points_from: args.points_from.as_deref(),
         judged: judged.as_ref(),
@@ -55,14 +55,4 @@ fn space(args: &ExportArgs) -> Workspace {
 fn answers(args: &ExportArgs, name: &Name) -> Result<(Truth, Vec<Query>)> {
     let bench = BenchDir::new(&args.bench);
     Ok((Truth::read(&bench.truth(args.profile, name))?, read_queries(&bench.queries(name), name)?))
-}
-
-impl From<HeldOutArg> for HeldOut {
-    fn from(held_out: HeldOutArg) -> Self {
-        match held_out {
-            HeldOutArg::Nothing => Self::Nothing,
-            HeldOutArg::Pose => Self::Pose,
-            HeldOutArg::Pictures => Self::Pictures,
-        }
-    }
 }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use l4d_data::results::Track;
 use l4d_data::store::list_folder;
 use l4d_data::workspace::default_hosting;
 use l4d_data::{Benchmark, Category, DataError, Report};
@@ -11,7 +10,7 @@ use l4d_release::host::{Competition, Entry, Files, Hosted, codabench, huggingfac
 use l4d_score::{QuerySet, Summary};
 use serde_json::json;
 
-use crate::cli::publishing::{CompetitionArgs, HostArgs, HostCommand, TrackArg};
+use crate::cli::publishing::{CompetitionArgs, HostArgs, HostCommand};
 use crate::out::{ExitStatus, Printer, refusal};
 use crate::published_votes::{publication, votes_of_people};
 
@@ -35,16 +34,7 @@ fn competition(args: &CompetitionArgs) -> Result<Competition> {
     if let Some(until) = args.until.as_ref().filter(|until| **until < args.date) {
         return Err(refusal(format!("{until} comes before {}", args.date), "mend --date or --until"));
     }
-    Ok(Competition { publication, until: args.until.clone(), track: args.track.into() })
-}
-
-impl From<TrackArg> for Track {
-    fn from(track: TrackArg) -> Self {
-        match track {
-            TrackArg::Colour => Self::Colour,
-            TrackArg::ColourDepth => Self::ColourDepth,
-        }
-    }
+    Ok(Competition { publication, until: args.until.clone(), track: args.track })
 }
 
 fn require_hub_name(text: &str) -> Result<()> {

@@ -16,7 +16,7 @@ use l4d_import::results::relevancy::TextsFile;
 use serde_json::{Value, json};
 
 use self::recount::{Recounted, recount};
-use crate::cli::interop::{CodecArg, ImportArgs, ImportEncodersArgs};
+use crate::cli::interop::{ImportArgs, ImportEncodersArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
@@ -45,12 +45,10 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
         is_written.then(|| write(&args.results, &identity, &request, &imported, args.force)).transpose()?;
     let recounted = recount(&imported, &request, &identity.name)?;
     if args.json {
-        let status = Printer::status(&report);
-        out.json(&summary(&imported, &recounted, folder.as_deref(), report))?;
-        return Ok(status);
+        return out.document(summary(&imported, &recounted, folder.as_deref()), report);
     }
     tell(&imported, &recounted, &request, out)?;
-    let status = if report.is_empty() { ExitStatus::Success } else { out.findings(report, false)? };
+    let status = out.any_findings(report)?;
     match folder {
         Some(folder) => out.data(folder.display())?,
         None => out.note("nothing was written: mend what was found, or pass --partial"),
@@ -62,7 +60,7 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
     let files = &args.files;
     let mut preset = Preset::find(&args.format)?;
     preset.template = files.template.clone().unwrap_or(preset.template);
-    preset.codec = files.codec.map_or(preset.codec, Codec::from);
+    preset.codec = files.codec.unwrap_or(preset.codec);
     preset.ignore.extend(files.ignore.iter().cloned());
     if (preset.codec == Codec::Latents) != preset.latents.is_some() {
         return Err(refusal(
@@ -121,7 +119,7 @@ fn tell(imported: &Imported, recounted: &Recounted, request: &Request<'_>, out: 
     Ok(())
 }
 
-fn summary(imported: &Imported, recounted: &Recounted, folder: Option<&Path>, report: Report) -> Value {
+fn summary(imported: &Imported, recounted: &Recounted, folder: Option<&Path>) -> Value {
     let answers: usize = imported.answers.values().map(BTreeMap::len).sum();
     json!({
         "results": folder.map(|folder| folder.display().to_string()),
@@ -131,17 +129,5 @@ fn summary(imported: &Imported, recounted: &Recounted, folder: Option<&Path>, re
         "inputs": imported.inputs,
         "claimed": imported.claimed,
         "recounted": recounted.to_json(),
-        "findings": report.into_sorted(),
     })
-}
-
-impl From<CodecArg> for Codec {
-    fn from(codec: CodecArg) -> Self {
-        match codec {
-            CodecArg::Picture => Self::Picture,
-            CodecArg::Array => Self::Array,
-            CodecArg::Latents => Self::Latents,
-            CodecArg::CocoRle => Self::CocoRle,
-        }
-    }
 }

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_data::Progress as _;
-use l4d_data::{Draw, Name, Profile, Scale, Workspace};
-use l4d_import::capture::masks::{self, MaskFormat, MaskSet};
+use l4d_data::{Draw, Name, Profile, Workspace};
+use l4d_import::capture::masks::{self, MaskSet};
 use l4d_import::capture::publish::{Published, publish};
 use l4d_import::capture::{CAPTURE, Capture, Order, import};
 use serde_json::json;
 
-use crate::cli::interop::{ImportSceneArgs, MaskFormatArg, ScaleArg};
+use crate::cli::interop::ImportSceneArgs;
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &ImportSceneArgs, out: &Printer) -> Result<ExitStatus> {
     let drawn = masks_of(args, &capture, out)?;
     let masks = drawn.as_ref().map(|set| set.write(&folder)).transpose()?;
     let published = match (&args.bench, args.scale, &drawn) {
-        (Some(bench), Some(scale), Some(set)) => Some(publish(&capture, set, scale.into(), bench)?),
+        (Some(bench), Some(scale), Some(set)) => Some(publish(&capture, set, scale, bench)?),
         _ => None,
     };
     if let Some(published) = &published {
@@ -86,7 +86,7 @@ fn read(args: &ImportSceneArgs, name: &Name, folder: &Path, out: &Printer) -> Re
 
 fn masks_of(args: &ImportSceneArgs, capture: &Capture, out: &Printer) -> Result<Option<MaskSet>> {
     let (Some(path), Some(format)) = (&args.masks, args.masks_format) else { return Ok(None) };
-    let set = masks::read(capture, path, format.into())?;
+    let set = masks::read(capture, path, format)?;
     set.notes.iter().for_each(|note| out.note(note));
     Ok(Some(set))
 }
@@ -109,24 +109,4 @@ fn scene_name(args: &ImportSceneArgs) -> Result<Name> {
     }
     let folder = args.input.file_name().unwrap_or_default().to_string_lossy();
     Name::new(folder.clone()).map_err(|error| refusal(error.to_string(), "name the scene with --name"))
-}
-
-impl From<MaskFormatArg> for MaskFormat {
-    fn from(format: MaskFormatArg) -> Self {
-        match format {
-            MaskFormatArg::Coco => Self::Coco,
-            MaskFormatArg::FourDLangSplat => Self::FourDLangSplat,
-            MaskFormatArg::Png => Self::Png,
-        }
-    }
-}
-
-impl From<ScaleArg> for Scale {
-    fn from(scale: ScaleArg) -> Self {
-        match scale {
-            ScaleArg::Outdoor => Self::Outdoor,
-            ScaleArg::Room => Self::Room,
-            ScaleArg::Tabletop => Self::Tabletop,
-        }
-    }
 }

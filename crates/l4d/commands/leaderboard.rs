@@ -9,7 +9,7 @@ use l4d_board::board::Method;
 use l4d_board::{Board, BoardError, ProtocolTable, gather, publish, text_statistics, text_table};
 use l4d_data::workspace::{default_leaderboard, default_scores};
 use l4d_data::{Benchmark, Report};
-use l4d_score::{Exam, QuerySet};
+use l4d_score::Exam;
 use serde_json::{Value, json};
 
 use crate::cli::judging::LeaderboardArgs;
@@ -18,7 +18,7 @@ use crate::out::{ExitStatus, Printer, refusal};
 pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let set: QuerySet = args.set.into();
+    let set = args.set;
     let exam = Exam::open(bench, args.bench.profile, set, &args.bench.scenes, &mut report)?;
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(set.as_str(), None));
     let output = args.output.clone().unwrap_or_else(|| default_leaderboard(set.as_str()));
@@ -29,9 +29,7 @@ pub(crate) fn run(args: &LeaderboardArgs, out: &Printer) -> Result<ExitStatus> {
         paths.push(page::write(args, &exam, &board, &output, out)?);
     }
 
-    for finding in report.into_sorted() {
-        out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
-    }
+    out.warnings(report);
     if args.json {
         out.json(&as_json(&board))?;
     } else {

@@ -143,15 +143,7 @@ fn refuse_to_replace(dir: &RoundDir, force: bool) -> Result<()> {
 
 /// Removes what a round without votes left; everything else in the folder stays.
 fn clear(dir: &RoundDir) -> Result<()> {
-    for path in [
-        dir.settings(),
-        dir.items(),
-        dir.key(),
-        dir.verdicts(),
-        dir.agreement(),
-        dir.refine(),
-        dir.rejected(),
-    ] {
+    for path in [dir.settings(), dir.items(), dir.key(), dir.verdicts(), dir.agreement(), dir.refine()] {
         if path.exists() {
             std::fs::remove_file(&path).map_err(|error| l4d_data::DataError::io(&path, "replace", error))?;
         }

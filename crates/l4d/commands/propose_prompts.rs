@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::cli::models::ProposePromptsArgs;
 use crate::models::{about, manner, note_spent, open_client, print_estimate};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer, refusal, table};
 
 pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
@@ -42,16 +42,14 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     }
     let (outcomes, report) = propose_all(&asking, &scenes, &client, args.jobs as usize, out)?;
     if args.json {
-        let failed = report.has_errors();
-        out.json(&json!({
+        let document = json!({
             "profile": profile,
             "out": folder,
             "endpoint": about(client.endpoint()),
             "scenes": outcomes,
             "spent": client.spent(),
-            "findings": report.into_sorted(),
-        }))?;
-        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
+        });
+        return out.document(document, report);
     }
     print(&outcomes, out)?;
     for outcome in &outcomes {
@@ -63,10 +61,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     if outcomes.iter().any(|outcome| outcome.asked.answer.is_some()) {
         out.note(format!("proposals are in {}; none of them is part of the benchmark", folder.display()));
     }
-    match report.is_empty() {
-        true => Ok(ExitStatus::Success),
-        false => out.findings(report, false),
-    }
+    out.any_findings(report)
 }
 
 /// The scenes of the selection and shard that have been rendered.
@@ -82,15 +77,10 @@ fn chosen_scenes(
     }
     let is_rendered = |name: &Name| space.scene(name).scene().is_file();
     let (rendered, missing): (Vec<Name>, Vec<Name>) = chosen.into_iter().partition(is_rendered);
-    let hint =
-        || format!("run `l4d build-scenes --profile {}` first, or choose another --data", args.bench.profile);
+    let data = space.data().display();
     match missing.first() {
-        Some(scene) if !args.bench.scenes.is_empty() => {
-            Err(refusal(format!("{scene} is not rendered in {}", space.data().display()), hint()))
-        }
-        Some(scene) if rendered.is_empty() => {
-            let message = format!("no scene is rendered in {}, {scene} for one", space.data().display());
-            Err(refusal(message, hint()))
+        Some(scene) if rendered.is_empty() || !args.bench.scenes.is_empty() => {
+            Err(refusal(format!("{scene} is not rendered in {data}"), args.bench.build_hint()))
         }
         Some(_) => {
             out.note(format!("not rendered, so not asked about: {} scenes", missing.len()));
@@ -125,32 +115,17 @@ fn propose_all(
 }
 
 fn print(outcomes: &[SceneOutcome], out: &Printer) -> Result<()> {
-    let width = outcomes.iter().map(|outcome| outcome.scene.len()).max().unwrap_or(0).max("scene".len());
-    let columns = ["proposed", "candidates", "unproved", "failed"];
-    let header: String = columns.iter().map(|column| format!("{column:>12}")).collect();
-    out.data(format!("{:width$}  {:<10}{header}  why", "scene", "answer"))?;
-    let row = |name: &str, answer: &str, counts: [usize; 4], why: String| {
-        let counts: String = counts.iter().map(|count| format!("{count:>12}")).collect();
-        out.data(format!("{name:width$}  {answer:<10}{counts}  {why}").trim_end())
+    let head = ["scene", "answer", "proposed", "candidates", "unproved", "failed", "why"];
+    let row = |outcome: &SceneOutcome| {
+        let SceneOutcome { scene, asked, candidates, unproved, .. } = outcome;
+        let why: Vec<String> = asked.reasons.iter().map(|(code, count)| format!("{code} x{count}")).collect();
+        let counts = [&asked.proposed, candidates, unproved, &asked.failed].map(|count| count.to_string());
+        let start = [scene.to_string(), asked.answer.unwrap_or("none").to_owned()].into_iter();
+        start.chain(counts).chain([why.join(" ")]).collect::<Vec<String>>()
     };
-    for outcome in outcomes {
-        let why: Vec<String> =
-            outcome.asked.reasons.iter().map(|(code, count)| format!("{code} x{count}")).collect();
-        row(&outcome.scene, outcome.asked.answer.unwrap_or("none"), counts(outcome), why.join(" "))?;
-    }
-    if outcomes.len() > 1 {
-        let total = outcomes.iter().map(counts).fold([0; 4], |sum, counts| {
-            let mut sum = sum;
-            sum.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
-            sum
-        });
-        row("all", "", total, String::new())?;
-    }
-    Ok(())
-}
-
-fn counts(outcome: &SceneOutcome) -> [usize; 4] {
-    [outcome.asked.proposed, outcome.candidates, outcome.unproved, outcome.asked.failed]
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    rows.extend(outcomes.iter().map(row));
+    Ok(out.data(table(&rows))?)
 }
 
 /// What would be asked and what it may cost; nothing is sent.

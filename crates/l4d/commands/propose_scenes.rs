@@ -43,25 +43,16 @@ pub(crate) fn run(args: &ProposeScenesArgs, out: &Printer) -> Result<ExitStatus>
     }
     out.finish();
     if args.json {
-        let failed = report.has_errors();
-        out.json(&json!({
-            "out": args.out,
-            "endpoint": about(client.endpoint()),
-            "scales": outcomes,
-            "spent": client.spent(),
-            "findings": report.into_sorted(),
-        }))?;
-        return Ok(if failed { ExitStatus::Findings } else { ExitStatus::Success });
+        let (endpoint, spent) = (about(client.endpoint()), client.spent());
+        let document = json!({ "out": args.out, "endpoint": endpoint, "scales": outcomes, "spent": spent });
+        return out.document(document, report);
     }
     print(&outcomes, out)?;
     note_spent(&client.spent(), out);
     if outcomes.iter().any(|outcome| !outcome.scenarios.is_empty()) {
         out.note(format!("scenarios are in {}; people build scenes from them", args.out.display()));
     }
-    match report.is_empty() {
-        true => Ok(ExitStatus::Success),
-        false => out.findings(report, false),
-    }
+    out.any_findings(report)
 }
 
 fn print(outcomes: &[ScaleOutcome], out: &Printer) -> Result<()> {

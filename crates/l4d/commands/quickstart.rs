@@ -2,7 +2,7 @@
 
 mod endings;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
@@ -30,9 +30,9 @@ pub(crate) fn run(
     let started = Instant::now();
     let source = Benchmark::open(&args.bench)?;
     let scene = source.scene(&args.scene)?.clone();
-    let folders = Folders::in_folder(&args.out);
-    copy_queries(&source, &scene, &BenchDir::new(&folders.bench))?;
-    for (what, verb) in steps(args, &scene, &folders) {
+    let folder = args.out.as_path();
+    copy_queries(&source, &scene, &BenchDir::new(&folder.join("benchmark")))?;
+    for (what, verb) in steps(args, &scene, folder) {
         let line: Vec<String> = std::iter::once("l4d".to_owned()).chain(verb).collect();
         out.note(format!("\n# {what}\n$ {}", line.join(" ")));
         let cli = Cli::try_parse_from(&line).context("a step of the quickstart does not parse")?;
@@ -42,46 +42,23 @@ pub(crate) fn run(
         }
     }
     let mut report = Report::default();
-    let bench = Benchmark::open(&folders.bench)?;
+    let bench = Benchmark::open(folder.join("benchmark"))?;
     let exam = Exam::open(bench, Profile::Tiny, QuerySet::default(), &[], &mut report)?;
-    let work = WorkDir::new(&folders.work, Profile::Tiny, &scene);
-    let endings = endings(&exam, &scene, &Name::new(METHOD)?, &work, &folders.scores)?;
+    let work = WorkDir::new(&folder.join("work"), Profile::Tiny, &scene);
+    let endings = endings(&exam, &scene, &Name::new(METHOD)?, &work, &folder.join("scores"))?;
     tell_endings(&endings, out);
-    tell_what_is_next(&endings, &scene, &folders, started.elapsed().as_secs_f64(), out);
+    tell_what_is_next(&endings, &scene, folder, started.elapsed().as_secs_f64(), out);
     Ok(ExitStatus::Success)
 }
 
-/// Where everything goes.
-struct Folders {
-    bench: PathBuf,
-    data: PathBuf,
-    work: PathBuf,
-    results: PathBuf,
-    scores: PathBuf,
-    board: PathBuf,
-}
-
-impl Folders {
-    fn in_folder(root: &Path) -> Self {
-        Self {
-            bench: root.join("benchmark"),
-            data: root.join("data"),
-            work: root.join("work"),
-            results: root.join("results"),
-            scores: root.join("scores"),
-            board: root.join("leaderboard"),
-        }
-    }
-}
-
 /// What is done, in order: a sentence and the command line.
-fn steps(args: &QuickstartArgs, scene: &Name, folders: &Folders) -> Vec<(&'static str, Vec<String>)> {
-    let [data, work, results, scores, board] =
-        [&folders.data, &folders.work, &folders.results, &folders.scores, &folders.board]
-            .map(|path| text(path));
+fn steps(args: &QuickstartArgs, scene: &Name, folder: &Path) -> Vec<(&'static str, Vec<String>)> {
+    let [bench, data, work, results, scores, board] =
+        ["benchmark", "data", "work", "results", "scores", "leaderboard"]
+            .map(|name| text(&folder.join(name)));
     let common = |verb: &str, extra: &[&str]| -> Vec<String> {
         let head = [verb].into_iter().chain(extra.iter().copied()).map(str::to_owned);
-        let tail = ["--bench".to_owned(), text(&folders.bench), "--profile".to_owned(), "tiny".to_owned()];
+        let tail = ["--bench", &bench, "--profile", "tiny"].map(str::to_owned);
         head.chain(tail).collect()
     };
     let [scripts, blender] = [&args.python.blender_scripts, &args.python.work].map(|path| text(path));
@@ -145,16 +122,19 @@ fn tell_endings(endings: &[Ending<'_>], out: &Printer) {
     ));
 }
 
-fn tell_what_is_next(endings: &[Ending<'_>], scene: &Name, folders: &Folders, seconds: f64, out: &Printer) {
+fn tell_what_is_next(endings: &[Ending<'_>], scene: &Name, folder: &Path, seconds: f64, out: &Printer) {
     let program = std::env::args().next().unwrap_or_else(|| "l4d".to_owned());
     out.note(format!("\ndone in {seconds:.0} s. Where to look:"));
     let places = [
-        (folders.board.join("index.html"), "the page: ranking, queries, every mask; open it in a browser"),
         (
-            folders.data.join(scene.as_str()).join("sheet.png"),
+            folder.join("leaderboard/index.html"),
+            "the page: ranking, queries, every mask; open it in a browser",
+        ),
+        (
+            folder.join("data").join(scene.as_str()).join("sheet.png"),
             "what the cameras saw, with outlines and queries",
         ),
-        (folders.work.join("tiny").join(scene.as_str()), "the model, its clips, and what led to each answer"),
+        (folder.join("work/tiny").join(scene.as_str()), "the model, its clips, and what led to each answer"),
     ];
     for (path, what) in places {
         out.note(format!("  {:<44} {what}", path.display()));
@@ -163,7 +143,7 @@ fn tell_what_is_next(endings: &[Ending<'_>], scene: &Name, folders: &Folders, se
     if !proposed.is_empty() {
         out.note("\nAsk it yourself; these are answered rightly:");
     }
-    let [bench, data, work] = [&folders.bench, &folders.data, &folders.work].map(|path| path.display());
+    let [bench, data, work] = ["benchmark", "data", "work"].map(|name| text(&folder.join(name)));
     for query in proposed {
         out.note(format!(
             "  {program} query {scene} \"{}\" --profile tiny --bench {bench} --data {data} --work {work}",

@@ -78,22 +78,14 @@ fn tell(plan: &Plan, files: usize, args: &ReleaseArgs, out: &Printer) {
         "{verified} of {judged} scored queries are verified by people, {rejected} were rejected"
     ));
     if args.since.is_some() {
-        out.note(format!("{} since the earlier release", how_many(plan.changes.len())));
+        out.note(format!("changes since the earlier release: {}", plan.changes.len()));
         plan.changes
             .iter()
             .take(20)
             .for_each(|change| out.note(format!("  {}: {}", change.step, change.what)));
     }
     if plan.is_there {
-        out.note("it stood there already, made of the same files: nothing was written");
-    }
-}
-
-fn how_many(changes: usize) -> String {
-    match changes {
-        0 => "no change".to_owned(),
-        1 => "1 change".to_owned(),
-        more => format!("{more} changes"),
+        out.note("it was there already, made of the same files: nothing was written");
     }
 }
 
@@ -114,24 +106,13 @@ fn check(release: &Path, args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus
         ));
     }
     let mut report = Report::default();
-    let meter = Meter::new(out, bytes_below(release), "checking");
+    let meter = Meter::new(out, 0, "checking");
     let contents = inspect(release, &|bytes| meter.add(bytes), &mut report);
     out.finish();
     if let Some(contents) = contents.filter(|_| report.is_empty()) {
         out.note(format!("{} {} is whole", contents.name, contents.version));
     }
     out.findings(report, args.json)
-}
-
-/// What a check will read, for its progress bar alone.
-fn bytes_below(folder: &Path) -> u64 {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let size = |entry: std::fs::DirEntry| match entry.file_type() {
-        Ok(kind) if kind.is_dir() => bytes_below(&entry.path()),
-        Ok(kind) if kind.is_file() => entry.metadata().map_or(0, |metadata| metadata.len()),
-        _ => 0,
-    };
-    entries.map(size).sum()
 }
 
 /// Progress in megabytes, fed with bytes from many threads.

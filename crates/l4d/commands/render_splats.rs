@@ -3,20 +3,17 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use l4d_data::{Draw, Name, Progress as _, Timeline, Workspace};
+use l4d_data::{Draw, Name, Progress as _, Timeline};
 use l4d_frames::moving_picture::{self, Pace};
-use l4d_solve::clips::{
-    self, ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, Order, Overwrite, Preview, Wanted,
-};
+use l4d_solve::clips::{self, ClipsFolder, DepthEntry, Look, Order, Overwrite, Preview, Wanted};
 
-use crate::cli::splats::{DepthArg, DepthFormatArg, RenderSplatsArgs};
+use crate::cli::splats::RenderSplatsArgs;
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
 
 pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let scene = args.scene.as_deref().map(Name::new).transpose()?;
-    let space =
-        Workspace::new(args.profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    let space = args.work.space(args.profile, Draw::default());
     let wanted = Wanted {
         scene: scene.as_ref(),
         space: &space,
@@ -38,7 +35,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         width: plan.size[0],
         height: plan.size[1],
         background: args.background.map(|colour| colour.0).or(source.background).unwrap_or_default(),
-        depth: DepthEntry::new(args.depth.into(), args.depth_format.into()),
+        depth: DepthEntry::new(args.depth, args.depth_format),
     };
     let overwrite = if args.overwrite { Overwrite::Always } else { Overwrite::Never };
     let folder = ClipsFolder::claim(root, look, &plan, overwrite)?;
@@ -69,23 +66,4 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
 fn pace(instants: &[clips::Instant], timeline: Timeline) -> Pace {
     let share = instants.first().zip(instants.last()).map_or(0.0, |(first, last)| last.time - first.time);
     Pace::over(instants.len(), f64::from(share) * timeline.duration_s())
-}
-
-impl From<DepthArg> for DepthKind {
-    fn from(kind: DepthArg) -> Self {
-        match kind {
-            DepthArg::Median => Self::Median,
-            DepthArg::Expected => Self::Expected,
-            DepthArg::Sum => Self::Sum,
-        }
-    }
-}
-
-impl From<DepthFormatArg> for DepthFormat {
-    fn from(format: DepthFormatArg) -> Self {
-        match format {
-            DepthFormatArg::Exr => Self::Exr,
-            DepthFormatArg::Png => Self::Png,
-        }
-    }
 }

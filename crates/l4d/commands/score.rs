@@ -10,12 +10,10 @@ use l4d_data::workspace::default_scores;
 use l4d_data::{Benchmark, DataError, Report};
 use l4d_score::results::MEGABYTE;
 use l4d_score::score::{counts_path, tallies_of_counts};
-use l4d_score::{
-    Exam, Group, Missing, Options, QuerySet, Scored, Summary, counts, groups, score_results, table,
-};
+use l4d_score::{Exam, Group, Options, QuerySet, Scored, Summary, counts, groups, score_results, table};
 use serde_json::Value;
 
-use crate::cli::judging::{JudgedSetArg, MissingArg, ProtocolArg, ScoreArgs};
+use crate::cli::judging::{ProtocolArg, ScoreArgs};
 use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
@@ -26,18 +24,14 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         ));
     }
     let options = Options {
-        missing: match args.missing {
-            MissingArg::Error => Missing::Error,
-            MissingArg::Zero => Missing::Zero,
-            MissingArg::Skip => Missing::Skip,
-        },
+        missing: args.missing,
         hit_iou: args.hit_iou,
         verified_only: args.verified_only,
         resize: args.resize,
     };
     let mut report = Report::default();
     let bench = Benchmark::open(&args.bench.bench)?;
-    let mut exam = Exam::open(bench, args.bench.profile, args.set.into(), &args.bench.scenes, &mut report)?;
+    let mut exam = Exam::open(bench, args.bench.profile, args.set, &args.bench.scenes, &mut report)?;
     exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     if let ProtocolArg::Other(protocol) = args.protocol {
         return protocol::run(args, protocol, &exam, &options, report, out);
@@ -68,9 +62,7 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
         }
         out.data(footer(&summaries, &exam))?;
     }
-    if !report.is_empty() {
-        out.findings(report, false)?;
-    }
+    out.any_findings(report)?;
     if !summaries.is_empty() {
         out.note(format!("counts and summaries are in {}/<method>/", scores.display()));
     }
@@ -98,15 +90,6 @@ fn add_groups(document: &mut Value, grouped: &[Vec<Group>]) -> Result<()> {
         method["groups"] = serde_json::to_value(groups)?;
     }
     Ok(())
-}
-
-impl From<JudgedSetArg> for QuerySet {
-    fn from(set: JudgedSetArg) -> Self {
-        match set {
-            JudgedSetArg::Queries => Self::Queries,
-            JudgedSetArg::Composites => Self::Composites,
-        }
-    }
 }
 
 /// What the numbers rest on.

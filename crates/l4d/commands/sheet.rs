@@ -61,20 +61,12 @@ fn draw_overview(args: &SheetArgs, space: &Workspace, out: &Printer) -> Result<P
         })
         .collect::<Result<_>>()?;
     if scenes.is_empty() {
-        return Err(refusal(
-            format!("no scene of the benchmark is in {}", space.data().display()),
-            format!(
-                "run `l4d build-scenes --profile {}` first, or choose another --data",
-                args.bench.profile
-            ),
-        ));
+        let message = format!("no scene of the benchmark is in {}", space.data().display());
+        return Err(refusal(message, args.bench.build_hint()));
     }
     if scenes.len() < chosen.len() {
-        out.note(format!(
-            "not built, so not shown: {} of {} scenes",
-            chosen.len() - scenes.len(),
-            chosen.len()
-        ));
+        let missing = chosen.len() - scenes.len();
+        out.note(format!("not built, so not shown: {missing} of {} scenes", chosen.len()));
     }
     let frames = if args.frames.is_empty() { OVERVIEW_FRAMES.to_vec() } else { args.frames.clone() };
     let path = args.output.clone().unwrap_or_else(|| space.overview());

@@ -13,14 +13,13 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
     let selected = bench.select(&args.bench.scenes)?;
     let ids = args.queries.iter().map(|id| Ok(id.parse()?)).collect::<Result<Vec<QueryId>>>()?;
-    let set = args.set.into();
-    let picked = pick(&bench, set, &selected, &ids, args.shard)?;
+    let picked = pick(&bench, args.set, &selected, &ids, args.shard)?;
     let space = args.work.space(args.bench.profile, bench.manifest.draw());
     let grounders = solver::open_grounders(&args.method, &space.shared(), out)?;
     let opened = rasterizer::open(&args.method.adapter.adapter)?;
     let method = args.method.choice();
     let default_name =
-        || method.default_name(args.method.grounder.as_str(), args.method.noise.is_some(), set);
+        || method.default_name(args.method.grounder.as_str(), args.method.noise.is_some(), args.set);
     let batch = Batch {
         name: Name::new(args.name.clone().unwrap_or_else(default_name))?,
         space,

@@ -9,7 +9,7 @@ use l4d_query::stats::{DatasetRow, SetStats, csv_of, measure};
 
 use crate::cli::annotation::StatsArgs;
 use crate::figures;
-use crate::out::{ExitStatus, Printer};
+use crate::out::{ExitStatus, Printer, table};
 
 /// Words of a kind that the terminal shows.
 const MOST_WORDS: usize = 12;
@@ -37,11 +37,7 @@ pub(crate) fn run(args: &StatsArgs, out: &Printer) -> Result<ExitStatus> {
     } else {
         print(&stats, out)?;
     }
-    let status = Printer::status(&report);
-    for finding in report.into_sorted() {
-        out.warn(format!("{}: {}; {}", finding.path, finding.message, finding.hint));
-    }
-    Ok(status)
+    Ok(out.warnings(report))
 }
 
 fn print(stats: &SetStats, out: &Printer) -> Result<()> {
@@ -92,21 +88,13 @@ fn spread(out: &Printer, what: &str, mut values: Vec<f64>) -> Result<()> {
 fn dataset_table(rows: &[DatasetRow]) -> String {
     let count = |count: Option<usize>| count.map_or_else(|| "-".to_owned(), |count| count.to_string());
     let cells = |row: &DatasetRow| {
-        let numbers = [row.scenes.to_string(), count(row.prompts), count(row.objects)];
-        let [scenes, prompts, objects] = numbers;
+        let [scenes, prompts, objects] = [row.scenes.to_string(), count(row.prompts), count(row.objects)];
         [&row.dataset, &row.kind, &row.scale, &scenes, &row.setup, &prompts, &objects, &row.ambiguous]
             .map(String::to_owned)
+            .to_vec()
     };
     let head = ["dataset", "type", "scale", "scenes", "setup", "prompts", "objects", "ambiguous"];
-    let mut lines = vec![head.map(str::to_owned)];
+    let mut lines = vec![head.map(str::to_owned).to_vec()];
     lines.extend(rows.iter().map(cells));
-    let widths: Vec<usize> = (0..head.len())
-        .map(|column| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0))
-        .collect();
-    let padded = lines.iter().map(|line| {
-        let cells: Vec<String> =
-            line.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
-        cells.join("  ").trim_end().to_owned()
-    });
-    padded.collect::<Vec<_>>().join("\n")
+    table(&lines)
 }

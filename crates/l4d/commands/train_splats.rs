@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use l4d_data::results::Track;
-use l4d_data::{Benchmark, Name, Workspace};
+use l4d_data::{Benchmark, Name};
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::training_run::{Order, Settings, train_scene};
 
@@ -13,7 +13,7 @@ use crate::rasterizer;
 pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let name = Name::new(&args.scene)?;
     let draw = Benchmark::open(&args.bench).map(|bench| bench.manifest.draw()).unwrap_or_default();
-    let space = Workspace::new(args.profile, draw).with_data(args.data.as_deref()).with_work(&args.work);
+    let space = args.work.space(args.profile, draw);
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let order = Order {
         scene: &name,

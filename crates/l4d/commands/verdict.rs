@@ -1,7 +1,5 @@
 //! `l4d verdict`: what the votes of a round say, and what follows from it for the queries.
 
-mod rejected;
-
 use anyhow::Result;
 use l4d_data::{Benchmark, Finding, Severity};
 use l4d_votes::judged::{Judged, files, render, status_line, statuses};
@@ -36,11 +34,9 @@ pub(crate) fn run(args: &VerdictArgs, out: &Printer) -> Result<ExitStatus> {
         out.note("only a look: nothing was written, and no status was set");
     } else {
         files::write(&judged, &agreement, &bench)?;
-        let sheet = rejected::draw(args, &judged, &bench, out)?;
         files::pronounce(&judged)?;
-        let sheet = if sheet { ", rejected.png" } else { "" };
         let folder = judged.dir.root().display();
-        out.note(format!("verdicts.csv, agreement.json, refine.jsonl{sheet} are in {folder}"));
+        out.note(format!("verdicts.csv, agreement.json and refine.jsonl are in {folder}"));
         statuses::apply(&changes)?;
         out.note(status_line(&judged, &changes));
     }

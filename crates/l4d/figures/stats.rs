@@ -22,47 +22,52 @@ fn all(stats: &SetStats) -> Vec<Chart> {
     let chart = |name, title: &str, note: &str, panels| Chart {
         name,
         title: title.to_owned(),
-        notes: [of.as_str(), note]
-            .iter()
-            .filter(|line| !line.is_empty())
-            .map(|line| (*line).to_owned())
-            .collect(),
+        notes: vec![of.clone(), note.to_owned()],
         panels,
     };
-    vec![
-        chart("words", "Words of the sentences", "most frequent first", words(stats)),
-        chart(
-            "sizes",
-            "How large referents are",
-            "diagonal of the box, metres; each bin from its label to the next",
-            per_scale(stats, &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2], |row| Some(row.size_m)),
-        ),
-        chart(
-            "pixels",
-            "Pixels of referents in the held-out view",
-            "mean over the frames in which the query holds and they show; each bin from its label to the next",
-            per_scale(stats, &[75.0, 150.0, 300.0, 600.0, 1200.0, 2400.0, 4800.0], |row| row.pixels),
-        ),
-        chart(
-            "visibility",
-            "How long the held-out view shows referents",
-            "share of the frames in which the query holds, percent; each bin from its label to the next",
-            per_scale(stats, &[50.0, 60.0, 70.0, 80.0, 90.0, 100.0], |row| row.visible_percent),
-        ),
-        chart(
-            "motion",
-            "How far referents move while the query holds",
-            "path of the box centre, metres; each bin from its label to the next",
-            per_scale(stats, &[0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0], |row| Some(row.path_m)),
-        ),
-        chart(
-            "intervals",
-            "How long things last",
-            "canonical frames, 24 a second; each bin from its label to the next",
-            intervals(stats),
-        ),
-    ]
+    let mut charts = vec![chart("words", "Words of the sentences", "most frequent first", words(stats))];
+    for (name, title, what, edges, value) in SPREADS {
+        let note = format!("{what}; each bin from its label to the next");
+        charts.push(chart(name, title, &note, per_scale(stats, edges, value)));
+    }
+    let note = "canonical frames, 24 a second; each bin from its label to the next";
+    charts.push(chart("intervals", "How long things last", note, intervals(stats)));
+    charts
 }
+
+/// A chart of queries, a panel a scale: name, title, what is counted, edges of the bins, value of a query.
+type Spread = (&'static str, &'static str, &'static str, &'static [f64], fn(&QueryRow) -> Option<f64>);
+
+const SPREADS: [Spread; 4] = [
+    (
+        "sizes",
+        "How large referents are",
+        "diagonal of the box, metres",
+        &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2],
+        |row| Some(row.size_m),
+    ),
+    (
+        "pixels",
+        "Pixels of referents in the held-out view",
+        "mean over the frames in which the query holds and they show",
+        &[75.0, 150.0, 300.0, 600.0, 1200.0, 2400.0, 4800.0],
+        |row| row.pixels,
+    ),
+    (
+        "visibility",
+        "How long the held-out view shows referents",
+        "share of the frames in which the query holds, percent",
+        &[50.0, 60.0, 70.0, 80.0, 90.0, 100.0],
+        |row| row.visible_percent,
+    ),
+    (
+        "motion",
+        "How far referents move while the query holds",
+        "path of the box centre, metres",
+        &[0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0],
+        |row| Some(row.path_m),
+    ),
+];
 
 fn words(stats: &SetStats) -> Vec<Panel> {
     let kinds =

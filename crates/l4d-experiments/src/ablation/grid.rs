@@ -9,12 +9,14 @@ use l4d_ground::oracle::{CORRELATIONS, NoisePreset};
 use l4d_score::QuerySet;
 use l4d_solve::consensus::settings::Undecided;
 use l4d_solve::method::MethodChoice;
+use serde::Deserialize;
 
 use super::Ablation;
 use crate::{Result, plain};
 
 /// A table of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Grid {
     /// With and without consensus; with the oracle once for each correlation of its errors.
     Mvsc,

@@ -13,6 +13,7 @@ use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Split};
 use l4d_masks::{Rle, ids};
+use serde::Deserialize;
 
 use super::plan::name_of;
 use crate::annotations::coco::{self, Reading};
@@ -25,11 +26,13 @@ const REMEDY: &str =
 const MAX_BYTES: u64 = 64 << 20;
 
 /// What people drew with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum MaskFormat {
     /// One JSON file, COCO instances.
     Coco,
     /// A dataset folder of 4D LangSplat.
+    #[serde(rename = "4d-langsplat")]
     FourDLangSplat,
     /// A PNG per picture, palette or grey; a number is an object.
     Png,

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Deserialize;
 
 use super::subject::Subject;
 use super::{Result, plain};
@@ -11,7 +12,8 @@ use crate::deform::DeformationField;
 use crate::raster::{Cpu, RasterSettings, Rasterizer};
 
 /// What is changed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Sweep {
     /// Fewer Gaussians: those that show most.
     Count,

@@ -1,11 +1,11 @@
 //! `l4d bench splats`: milliseconds against PSNR of ways to draw a model.
 
 use anyhow::Result;
-use l4d_data::{Draw, Name, Workspace};
-use l4d_splat::speed::{Backend, Order, Sweep, measure_speed, text};
+use l4d_data::{Draw, Name};
+use l4d_splat::speed::{Backend, Order, measure_speed, text};
 use serde_json::json;
 
-use crate::cli::splats::{BenchSplatsArgs, SweepArg};
+use crate::cli::splats::BenchSplatsArgs;
 use crate::figures;
 use crate::out::{ExitStatus, Printer};
 use crate::rasterizer;
@@ -13,10 +13,8 @@ use crate::rasterizer;
 pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
     let adapters: Vec<Backend> =
         args.adapters.iter().map(|adapter| rasterizer::backend(adapter)).collect::<Result<_>>()?;
-    let space =
-        Workspace::new(args.profile, Draw::default()).with_data(args.data.as_deref()).with_work(&args.work);
+    let space = args.work.space(args.profile, Draw::default());
     let scene = args.scene.as_deref().map(Name::new).transpose()?;
-    let sweeps: Vec<Sweep> = args.sweeps.iter().copied().map(Sweep::from).collect();
     let folder = args.out.clone().unwrap_or_else(|| space.shared().bench("splats"));
     let order = Order {
         scene: scene.as_ref(),
@@ -25,7 +23,7 @@ pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         gaussians: args.gaussians as usize,
         seed: args.seed,
         size: args.size.map(|size| size.0),
-        sweeps: &sweeps,
+        sweeps: &args.sweeps,
         views: args.views as usize,
         times: args.times as usize,
         repeats: args.repeats,
@@ -41,14 +39,4 @@ pub(crate) fn run(args: &BenchSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         out.note(path.display());
     }
     Ok(ExitStatus::Success)
-}
-
-impl From<SweepArg> for Sweep {
-    fn from(sweep: SweepArg) -> Self {
-        match sweep {
-            SweepArg::Count => Self::Count,
-            SweepArg::Resolution => Self::Resolution,
-            SweepArg::Rasterizer => Self::Rasterizer,
-        }
-    }
 }

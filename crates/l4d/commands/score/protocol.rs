@@ -42,9 +42,7 @@ pub(super) fn run(
     if !judged.sheets.is_empty() {
         out.data(render(protocol, &judged.sheets))?;
     }
-    if !report.is_empty() {
-        out.findings(report, false)?;
-    }
+    out.any_findings(report)?;
     if !judged.sheets.is_empty() {
         out.note(format!("values of every query are in {}/<method>/", scores.display()));
     }

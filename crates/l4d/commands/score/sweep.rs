@@ -20,9 +20,8 @@ pub(super) fn run(
     let folder = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), Some("sweep")));
     let progress = |name: &str| out.note(format!("read {name}"));
     let sweeps = sweep_results(&args.results, exam, options, &folder, &mut report, progress)?;
-    let status = Printer::status(&report);
     if args.json {
-        out.json(&json!({
+        let document = json!({
             "sweep": LABEL,
             "is_headline": false,
             "profile": exam.profile,
@@ -30,16 +29,13 @@ pub(super) fn run(
             "benchmark_version": exam.bench.manifest.version,
             "truth_digest": exam.truth_digest,
             "methods": sweeps,
-            "findings": report.into_sorted(),
-        }))?;
-        return Ok(status);
+        });
+        return out.document(document, report);
     }
     if !sweeps.is_empty() {
         out.data(render(&sweeps))?;
     }
-    if !report.is_empty() {
-        out.findings(report, false)?;
-    }
+    let status = out.any_findings(report)?;
     if !sweeps.is_empty() {
         out.note(format!("all thresholds are in {}/<method>/sweep.csv", folder.display()));
     }
