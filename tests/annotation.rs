@@ -7,47 +7,34 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use l4d_data::query::text_digest;
-use l4d_data::{Benchmark, Interval, Name, QueryId, Status};
+use l4d_data::{Benchmark, Interval, Name, QueryId, Status, json};
 use l4d_votes::key::ItemSource;
 use l4d_votes::{Answer, Ballot, Choice, Event, ItemId, Key, Round, RoundDir, ShownFrames};
 use serde_json::{Value, json};
 
-use crate::support::{Dir, Run, root};
+use crate::support::{Dir, Run};
 
 const SCENES: [&str; 2] = ["room_living_cats", "tabletop_mouse_cups"];
 const PANEL: [&str; 5] = ["ada", "ben", "cyd", "dee", "eve"];
 
 /// A folder with a benchmark of two shipped scenes.
 pub(crate) fn bench() -> Dir {
-    let dir = Dir::new();
-    for scene in SCENES {
-        for file in [
-            "scenes/{}.json",
-            "queries/{}.jsonl",
-            "queries/{}.composite.jsonl",
-            "queries/{}.absent.jsonl",
-            "truth/tiny/{}.json",
-        ] {
-            let file = format!("benchmark/{}", file.replace("{}", scene));
-            dir.write(&file, std::fs::read(root().join(&file)).unwrap());
-        }
-    }
-    dir.write("benchmark/vocabulary.txt", std::fs::read(root().join("benchmark/vocabulary.txt")).unwrap());
-    let scenes = SCENES.map(|scene| format!("\"{scene}\"")).join(", ");
-    let manifest =
-        format!("name = \"Two\"\nversion = \"0.1.0\"\nlicence = \"CC0-1.0\"\nscenes = [{scenes}]\n");
-    dir.write("benchmark/panoptic-l4d.toml", manifest);
-    dir
+    let files = [
+        "scenes/{}.json",
+        "queries/{}.jsonl",
+        "queries/{}.composite.jsonl",
+        "queries/{}.absent.jsonl",
+        "truth/tiny/{}.json",
+    ];
+    Dir::with_shipped("Two", &SCENES, &files)
 }
 
-fn open_round(dir: &Dir, name: &str, more: &[&str]) -> Run {
-    let annotators = PANEL.join(",");
-    dir.run(&[&["open-round", name, "--profile", "tiny", "--annotators", &annotators], more].concat())
+fn open_round(dir: &Dir, name: &str, more: &str) -> Run {
+    dir.run(format!("open-round {name} --profile tiny --annotators {} {more}", PANEL.join(",")))
 }
 
-pub(crate) fn opened(dir: &Dir, name: &str, more: &[&str]) -> (RoundDir, Round, Key) {
-    let run = open_round(dir, name, more);
-    assert_eq!(run.code, 0, "{}", run.stderr);
+pub(crate) fn opened(dir: &Dir, name: &str, more: &str) -> (RoundDir, Round, Key) {
+    open_round(dir, name, more).says(0, &[]);
     read_round(dir, name)
 }
 
@@ -112,36 +99,43 @@ fn count(dir: &Dir, status: Status) -> usize {
     statuses(dir).values().filter(|&&found| found == status).count()
 }
 
+/// The files of the queries.
+fn query_files(dir: &Dir) -> [String; 2] {
+    SCENES.map(|scene| dir.read(&format!("benchmark/queries/{scene}.jsonl")))
+}
+
 fn file_of(query: &QueryId) -> String {
     format!("benchmark/queries/{}.jsonl", query.scene)
 }
 
 /// Writes another text, and the digest that belongs to it.
 fn edit_text(dir: &Dir, query: &QueryId, text: &str) {
-    let file = file_of(query);
-    let lines: Vec<String> = dir
-        .read(&file)
-        .lines()
-        .map(|line| {
-            let mut value: Value = serde_json::from_str(line).unwrap();
-            if value["id"] == query.to_string() {
-                value["text"] = text.into();
-                value["text_digest"] = text_digest(text, Some(&value["predicate"])).into();
-            }
-            value.to_string()
-        })
-        .collect();
-    dir.write(&file, lines.join("\n") + "\n");
+    let mut lines = dir.lines(&file_of(query));
+    let value = lines.iter_mut().find(|value| value["id"] == query.to_string()).unwrap();
+    value["text"] = text.into();
+    value["text_digest"] = text_digest(text, Some(&value["predicate"])).into();
+    json::write_lines(&dir.path(file_of(query)), &lines).unwrap();
+}
+
+/// The queries that a new round asks about.
+fn asked_next(dir: &Dir, name: &str, more: &str) -> BTreeSet<QueryId> {
+    let (_, _, key) = opened(dir, name, more);
+    queries(&key).into_iter().map(|(_, query)| query).collect()
 }
 
 fn verdict(dir: &Dir, round: &str) -> Value {
-    dir.json(&["verdict", "--round", round])
+    dir.json(format!("verdict --round {round}"))
+}
+
+/// `verdict --check` of a round.
+fn check(dir: &Dir, round: &str) -> Run {
+    dir.run(format!("verdict --round {round} --check"))
 }
 
 #[test]
 fn what_five_people_agree_on_is_verified_and_the_rest_is_asked_again_once_edited() {
     let dir = bench();
-    let (_, round, key) = opened(&dir, "pilot", &[]);
+    let (_, round, key) = opened(&dir, "pilot", "");
     let asked = queries(&key);
     let total = asked.len();
     assert!(total > 20 && round.items.len() > total, "{total} of {} items", round.items.len());
@@ -151,7 +145,7 @@ fn what_five_people_agree_on_is_verified_and_the_rest_is_asked_again_once_edited
     let otherwise = BTreeMap::from([(wrong.0.clone(), nothing), (unclear.0.clone(), ambiguous)]);
     panel_votes(&dir, "pilot", "cyd", &otherwise);
 
-    let before = SCENES.map(|scene| dir.read(&format!("benchmark/queries/{scene}.jsonl"))).join("");
+    let before = query_files(&dir);
     let document = verdict(&dir, "pilot");
     assert_eq!(document["outcomes"], json!({"valid": total - 2, "rejected": 2, "incomplete": 0, "stale": 0}));
     assert_eq!(document["status"].as_array().unwrap().len(), total);
@@ -161,13 +155,8 @@ fn what_five_people_agree_on_is_verified_and_the_rest_is_asked_again_once_edited
         assert_eq!(status == Status::Rejected, rejected.contains(&query), "{query}");
     }
     // Nothing but the one word changed in the files.
-    let after = SCENES.map(|scene| dir.read(&format!("benchmark/queries/{scene}.jsonl"))).join("");
-    let word = |text: &str| {
-        text.replace("\"status\":\"verified\"", "")
-            .replace("\"status\":\"rejected\"", "")
-            .replace("\"status\":\"candidate\"", "")
-    };
-    assert_eq!(word(&before), word(&after));
+    let without_word = |text: &String| text.replace("verified", "candidate").replace("rejected", "candidate");
+    assert_eq!(before.each_ref().map(without_word), query_files(&dir).each_ref().map(without_word));
 
     // What was left behind says who said what.
     let table = dir.read("annotation/rounds/pilot/verdicts.csv");
@@ -176,37 +165,31 @@ fn what_five_people_agree_on_is_verified_and_the_rest_is_asked_again_once_edited
     let refine = dir.read("annotation/rounds/pilot/refine.jsonl");
     assert_eq!(refine.lines().count(), 2);
     assert!(refine.contains("cyd called it ambiguous: either could be meant"), "{refine}");
-    let agreement: Value = serde_json::from_str(&dir.read("annotation/rounds/pilot/agreement.json")).unwrap();
+    let agreement = dir.value("annotation/rounds/pilot/agreement.json");
     let ceiling = agreement["overall"]["ceiling"]["value"].as_f64().unwrap();
     assert!((ceiling - (5 * total - 2) as f64 / (5 * total) as f64).abs() < 1e-9, "{ceiling}");
-    dir.succeed(&["verdict", "--round", "pilot", "--check"]);
+    check(&dir, "pilot").says(0, &[]);
     assert_eq!(verdict(&dir, "pilot")["status"], json!([]), "the second time nothing is left to change");
 
     // The scored set and every count follow.
-    dir.succeed(&["baseline", "oracle", "--profile", "tiny"]);
-    let scores = dir.json(&["score", "--profile", "tiny"]);
+    dir.succeed("baseline oracle --profile tiny");
+    let scores = dir.json("score --profile tiny");
     let oracle = &scores["methods"][0];
-    let counts = ["asked_queries", "verified_queries", "rejected_queries"]
-        .map(|count| oracle[count].as_u64().unwrap());
-    assert_eq!(counts, [total - 2, total - 2, 2].map(|count| count as u64));
-    let run = dir.succeed(&["score", "--profile", "tiny", "--verified-only"]);
-    assert!(run.stdout.contains("Left out: 2 prompts that people rejected."), "{}", run.stdout);
-    let set = dir.json(&["check-queries", "--profile", "tiny"]);
+    let counts = ["asked_queries", "verified_queries", "rejected_queries"].map(|count| &oracle[count]);
+    assert_eq!(counts, [total - 2, total - 2, 2]);
+    let left_out = "Left out: 2 prompts that people rejected.";
+    dir.run("score --profile tiny --verified-only").says(0, &[left_out]);
+    let set = dir.json("check-queries --profile tiny");
     let scored: u64 = set["queries"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!((scored, set["rejected"].as_u64()), (total as u64 - 2, Some(2)));
 
     // The same words are not asked again, edited ones are.
-    let refused = open_round(&dir, "second", &["--from", "pilot"]);
-    assert_eq!(refused.code, 2, "{}", refused.stderr);
-    for id in &rejected {
-        assert!(refused.stderr.contains(&id.to_string()), "{}", refused.stderr);
-    }
+    let ids: Vec<String> = rejected.iter().map(QueryId::to_string).collect();
+    open_round(&dir, "second", "--from pilot").says(2, &[&ids[0], &ids[1]]);
     edit_text(&dir, &wrong.1, "The one that is really meant here");
-    let refused = open_round(&dir, "second", &["--from", "pilot"]);
-    assert!(refused.code == 2 && !refused.stderr.contains(&wrong.1.to_string()), "{}", refused.stderr);
-    let (_, _, key) =
-        opened(&dir, "second", &["--from", "pilot", "--edited-only", "--gold", "0", "--repeats", "0"]);
-    let asked: Vec<QueryId> = queries(&key).into_iter().map(|(_, query)| query).collect();
+    let refused = open_round(&dir, "second", "--from pilot");
+    assert!(refused.code == 2 && !refused.stderr.contains(&wrong.1.to_string()), "{refused}");
+    let asked = asked_next(&dir, "second", "--from pilot --edited-only --gold 0 --repeats 0");
     assert!(asked.iter().eq([&wrong.1]), "{asked:?}");
     panel_votes(&dir, "second", "", &BTreeMap::new());
     let document = verdict(&dir, "second");
@@ -214,15 +197,15 @@ fn what_five_people_agree_on_is_verified_and_the_rest_is_asked_again_once_edited
     assert_eq!((count(&dir, Status::Verified), count(&dir, Status::Rejected)), (total - 1, 1));
 
     // The first verdict stays what it was, and still follows from its votes.
-    dir.succeed(&["verdict", "--round", "pilot", "--check"]);
+    check(&dir, "pilot").says(0, &[]);
     assert_eq!(verdict(&dir, "pilot")["status"], json!([]));
     assert_eq!(dir.read("annotation/rounds/pilot/verdicts.csv"), table);
 }
 
 #[test]
-fn nobody_looks_before_all_have_sealed() {
+fn a_verdict_waits_until_all_have_sealed() {
     let dir = bench();
-    let (folder, round, key) = opened(&dir, "pilot", &["--sample", "8"]);
+    let (folder, round, key) = opened(&dir, "pilot", "--sample 8");
     let untouched = statuses(&dir);
     for annotator in &PANEL[..4] {
         vote(&dir, "pilot", annotator, &BTreeMap::new());
@@ -232,16 +215,10 @@ fn nobody_looks_before_all_have_sealed() {
     ballot.record(&first, choose(right(&key, &first)), ShownFrames::default(), Duration::ZERO).unwrap();
     drop(ballot);
 
-    let refused = dir.run(&["verdict", "--round", "pilot"]);
-    assert_eq!(refused.code, 2, "{}", refused.stdout);
-    assert!(
-        refused.stderr.contains("not sealed yet: eve") && refused.stderr.contains("hint:"),
-        "{}",
-        refused.stderr
-    );
-    let look = dir.succeed(&["verdict", "--round", "pilot", "--unsealed"]);
+    dir.refuses("verdict --round pilot", &["not sealed yet: eve"]);
+    let look = dir.succeed("verdict --round pilot --unsealed");
     let fits = look.stdout.lines().all(|line| line.chars().count() <= 100);
-    assert!(look.stdout.starts_with("Only a look") && fits, "{}", look.stdout);
+    assert!(look.stdout.starts_with("Only a look") && fits, "{look}");
     for file in ["verdicts.csv", "agreement.json", "refine.jsonl"] {
         assert!(!dir.path(format!("annotation/rounds/pilot/{file}")).exists(), "{file}");
     }
@@ -249,46 +226,9 @@ fn nobody_looks_before_all_have_sealed() {
 }
 
 #[test]
-fn an_edited_log_does_not_count_and_is_named() {
-    let dir = bench();
-    opened(&dir, "pilot", &["--sample", "8"]);
-    panel_votes(&dir, "pilot", "", &BTreeMap::new());
-    let log = "annotation/rounds/pilot/votes/dee.jsonl";
-    let good = dir.read(log);
-    let lines: Vec<&str> = good.lines().collect();
-    let last_answer = lines.len() - 2;
-    let cases = [
-        // Another choice, a vote less, a line of somebody else, the seal cut off.
-        lines
-            .iter()
-            .enumerate()
-            .map(|(at, line)| {
-                if at == 1 {
-                    line.replace("\"elapsed_ms\":5000", "\"elapsed_ms\":4000")
-                } else {
-                    (*line).to_owned()
-                }
-            })
-            .collect::<Vec<_>>(),
-        lines.iter().enumerate().filter(|(at, _)| *at != 2).map(|(_, line)| (*line).to_owned()).collect(),
-        lines.iter().map(|line| line.replacen("\"annotator\":\"dee\"", "\"annotator\":\"ada\"", 1)).collect(),
-        lines[..=last_answer].iter().map(|line| (*line).to_owned()).collect(),
-    ];
-    for (case, edited) in cases.into_iter().enumerate() {
-        dir.write(log, edited.join("\n") + "\n");
-        let run = dir.run(&["verdict", "--round", "pilot"]);
-        assert_eq!(run.code, 2, "case {case}: {}", run.stdout);
-        assert!(run.stderr.contains("dee"), "case {case}: {}", run.stderr);
-    }
-    assert_eq!(count(&dir, Status::Candidate), statuses(&dir).len());
-    dir.write(log, good);
-    dir.succeed(&["verdict", "--round", "pilot"]);
-}
-
-#[test]
 fn votes_on_words_that_were_edited_do_not_count() {
     let dir = bench();
-    let (_, _, key) = opened(&dir, "pilot", &["--sample", "8"]);
+    let (_, _, key) = opened(&dir, "pilot", "--sample 8");
     let asked = queries(&key);
     edit_text(&dir, &asked[0].1, "Something else altogether");
     panel_votes(&dir, "pilot", "", &BTreeMap::new());
@@ -299,129 +239,108 @@ fn votes_on_words_that_were_edited_do_not_count() {
 
     // A verified prompt that is edited is a candidate again; so is one that somebody calls verified by hand.
     edit_text(&dir, &asked[1].1, "Yet another thing");
-    let check = dir.run(&["verdict", "--round", "pilot", "--check"]);
-    assert!(check.code == 1 && check.stdout.contains("L4D531"), "{}", check.stdout);
+    check(&dir, "pilot").says(1, &["L4D531"]);
     let changes = verdict(&dir, "pilot")["status"].clone();
     assert_eq!(changes, json!([{"query": asked[1].1, "from": "verified", "to": "candidate"}]));
-    dir.succeed(&["verdict", "--round", "pilot", "--check"]);
+    check(&dir, "pilot").says(0, &[]);
     // The next round asks both, and no option says which.
-    let (_, _, key) = opened(&dir, "second", &["--from", "pilot"]);
-    let again: Vec<QueryId> = queries(&key).into_iter().map(|(_, query)| query).collect();
-    assert_eq!(BTreeSet::from_iter(again), BTreeSet::from([asked[0].1.clone(), asked[1].1.clone()]));
-}
-
-#[test]
-fn who_skips_leaves_a_prompt_undecided() {
-    let dir = bench();
-    let (_, _, key) = opened(&dir, "pilot", &["--sample", "6"]);
-    let (item, query) = queries(&key)[0].clone();
-    panel_votes(&dir, "pilot", "ben", &BTreeMap::from([(item, Event::Skip)]));
-    let document = verdict(&dir, "pilot");
-    assert_eq!(document["outcomes"], json!({"valid": 5, "rejected": 0, "incomplete": 1, "stale": 0}));
-    assert_eq!(statuses(&dir)[&query], Status::Candidate);
-    let (_, _, key) = opened(&dir, "second", &["--from", "pilot"]);
-    assert_eq!(queries(&key).len(), 1);
+    let again = asked_next(&dir, "second", "--from pilot");
+    assert_eq!(again, [&asked[0], &asked[1]].map(|(_, query)| query.clone()).into());
 }
 
 #[test]
 fn no_second_panel_overrules_a_rejection_of_the_same_words() {
     let dir = bench();
     // Both rounds are open before either is judged.
-    let (_, _, key) = opened(&dir, "first", &["--sample", "6"]);
-    opened(&dir, "second", &["--sample", "6"]);
+    let (_, _, key) = opened(&dir, "first", "--sample 6");
+    opened(&dir, "second", "--sample 6");
     let (item, query) = queries(&key)[0].clone();
     panel_votes(&dir, "first", "ada", &BTreeMap::from([(item, choose(Choice::None))]));
     panel_votes(&dir, "second", "", &BTreeMap::new());
     for _ in 0..2 {
         for round in ["first", "second"] {
-            dir.succeed(&["verdict", "--round", round]);
+            dir.succeed(format!("verdict --round {round}"));
             assert_eq!(statuses(&dir)[&query], Status::Rejected, "after {round}");
         }
     }
-    let refused = open_round(&dir, "third", &["--queries", "rejected"]);
-    assert!(refused.code == 2 && refused.stderr.contains("in round first"), "{}", refused.stderr);
+    open_round(&dir, "third", "--queries rejected").says(2, &["in round first"]);
 }
 
 #[test]
 fn programs_verify_nothing() {
     let dir = bench();
-    let (_, round, key) = opened(&dir, "play", &["--sample", "8", "--simulated"]);
+    let (_, round, key) = opened(&dir, "play", "--sample 8 --simulated");
     assert!(round.simulated);
-    let untouched = SCENES.map(|scene| dir.read(&format!("benchmark/queries/{scene}.jsonl")));
+    let untouched = query_files(&dir);
     let (item, query) = queries(&key)[0].clone();
     panel_votes(&dir, "play", "ada", &BTreeMap::from([(item, choose(Choice::None))]));
-    let run = dir.succeed(&["verdict", "--round", "play"]);
-    assert!(run.stdout.starts_with("SIMULATED"), "{}", run.stdout);
-    assert!(run.stderr.contains("no query has another status"), "{}", run.stderr);
+    let run = dir.succeed("verdict --round play");
+    assert!(run.stdout.starts_with("SIMULATED"), "{run}");
+    run.says(0, &["no query has another status"]);
     assert!(dir.path("annotation/rounds/play/verdicts.csv").exists());
-    assert_eq!(SCENES.map(|scene| dir.read(&format!("benchmark/queries/{scene}.jsonl"))), untouched);
-    dir.succeed(&["verdict", "--round", "play", "--check"]);
+    assert_eq!(query_files(&dir), untouched);
+    check(&dir, "play").says(0, &[]);
     // Their list is worked off like any other, but people may still be asked.
-    let refused = open_round(&dir, "play2", &["--from", "play", "--simulated"]);
-    assert!(refused.code == 2 && refused.stderr.contains(&query.to_string()), "{}", refused.stderr);
-    let (_, _, key) = opened(&dir, "people", &[]);
-    assert!(queries(&key).iter().any(|(_, asked)| *asked == query));
+    open_round(&dir, "play2", "--from play --simulated").says(2, &[&query.to_string()]);
+    assert!(asked_next(&dir, "people", "").contains(&query));
 }
 
 #[test]
 fn derived_files_and_statuses_are_checked_to_the_byte() {
     let dir = bench();
-    let (_, _, key) = opened(&dir, "pilot", &["--sample", "6"]);
+    let (_, _, key) = opened(&dir, "pilot", "--sample 6");
     panel_votes(&dir, "pilot", "", &BTreeMap::new());
-    let missing = dir.run(&["verdict", "--round", "pilot", "--check"]);
-    assert!(missing.code == 1 && missing.stdout.contains("error[L4D530]"), "{}", missing.stdout);
-    dir.succeed(&["verdict", "--round", "pilot"]);
-    dir.succeed(&["verdict", "--round", "pilot", "--check"]);
+    check(&dir, "pilot").says(1, &["error[L4D530]"]);
+    dir.succeed("verdict --round pilot");
+    check(&dir, "pilot").says(0, &[]);
 
     let table = dir.read("annotation/rounds/pilot/verdicts.csv");
     dir.write("annotation/rounds/pilot/verdicts.csv", table.replacen(",5,5,", ",4,5,", 1));
-    let run = dir.run(&["verdict", "--round", "pilot", "--check"]);
-    assert!(run.code == 1 && run.stdout.contains("are not what the votes give"), "{}", run.stdout);
+    check(&dir, "pilot").says(1, &["are not what the votes give"]);
     dir.write("annotation/rounds/pilot/verdicts.csv", table);
 
     let query = &queries(&key)[0].1;
-    let line =
-        dir.read(&file_of(query)).lines().find(|line| line.contains(&query.to_string())).unwrap().to_owned();
-    dir.edit(&file_of(query), &line, &line.replace("\"verified\"", "\"candidate\""));
-    let document = dir.json(&["verdict", "--round", "pilot", "--check"]);
-    assert_eq!(document["findings"][0]["code"], "L4D531");
+    let text = dir.read(&file_of(query));
+    let line = text.lines().find(|line| line.contains(&query.to_string())).unwrap();
+    dir.edit(&file_of(query), line, &line.replace("\"verified\"", "\"candidate\""));
+    check(&dir, "pilot").says(1, &["L4D531"]);
 }
 
 #[test]
 fn rounds_that_cannot_be_opened_say_why() {
     let dir = bench();
-    let refused = |run: Run, message: &str| {
-        assert_eq!(run.code, 2, "{message}: {}", run.stdout);
-        assert!(run.stderr.contains(message) && run.stderr.contains("hint:"), "{message}: {}", run.stderr);
-    };
-    refused(dir.run(&["open-round", "r", "--annotators", "ada,ben"]), "annotators");
-    refused(open_round(&dir, "r", &["--gold", "2"]), "--gold 2");
-    refused(open_round(&dir, "r", &["--queries", "rejected"]), "no query to ask about");
-    refused(open_round(&dir, "r", &["--from", "nowhere"]), "there is no such round");
-    refused(open_round(&dir, "r", &["--scenes", "nowhere"]), "has no scene `nowhere`");
-    refused(dir.run(&["verdict", "--round", "nowhere"]), "there is no such round");
-    let escape = open_round(&dir, "../r", &[]);
-    assert!(escape.code == 2 && escape.stderr.contains("is not a name"), "{}", escape.stderr);
+    for (more, message) in [
+        ("--gold 2", "--gold 2"),
+        ("--queries rejected", "no query to ask about"),
+        ("--from nowhere", "there is no such round"),
+        ("--scenes nowhere", "has no scene `nowhere`"),
+    ] {
+        open_round(&dir, "r", more).refused(&[message]);
+    }
+    dir.refuses("open-round r --annotators ada,ben", &["annotators"]);
+    dir.refuses("verdict --round nowhere", &["there is no such round"]);
+    open_round(&dir, "../r", "").says(2, &["is not a name"]);
     assert!(!dir.path("annotation").exists());
 
-    opened(&dir, "r", &["--sample", "6"]);
-    refused(open_round(&dir, "r", &["--sample", "6"]), "there is such a round already");
-    opened(&dir, "r", &["--sample", "7", "--force"]);
+    opened(&dir, "r", "--sample 6");
+    open_round(&dir, "r", "--sample 6").refused(&["there is such a round already"]);
+    opened(&dir, "r", "--sample 7 --force");
     let (folder, round, _) = read_round(&dir, "r");
     let unknown = Ballot::open(&folder, &round, &Name::new("zoe").unwrap()).unwrap_err();
     assert!(unknown.to_string().contains("zoe") && unknown.hint().unwrap().contains("ada"), "{unknown}");
     vote(&dir, "r", "ada", &BTreeMap::new());
-    refused(open_round(&dir, "r", &["--force"]), "people have voted in this round");
-    refused(dir.run(&["verify-prompts", "--round", "nowhere", "--as", "ada"]), "there is no such round");
-    refused(dir.run(&["verify-prompts", "--round", "r", "--as", "zoe"]), "zoe");
+    open_round(&dir, "r", "--force").refused(&["people have voted in this round"]);
+    dir.refuses("verify-prompts --round nowhere --as ada", &["there is no such round"]);
+    dir.refuses("verify-prompts --round r --as zoe", &["zoe"]);
 }
 
 #[test]
-fn annotators_are_told_nothing_by_the_files_that_they_open() {
+fn files_that_annotators_open_hold_no_answers() {
     let dir = bench();
-    let (folder, _, key) = opened(&dir, "pilot", &["--composites"]);
-    let shown = std::fs::read_to_string(folder.items()).unwrap()
-        + &std::fs::read_to_string(folder.settings()).unwrap();
+    let (_, _, key) = opened(&dir, "pilot", "--composites");
+    let shown =
+        ["items.jsonl", "round.toml"].map(|file| dir.read(&format!("annotation/rounds/pilot/{file}")));
+    let shown = shown.concat();
     for source in key.entries().values() {
         if let ItemSource::Query { query, meaning, .. } = source {
             assert!(!shown.contains(&query.to_string()));

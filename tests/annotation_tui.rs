@@ -27,23 +27,8 @@ impl Desk {
     fn new() -> Self {
         let dir = data::dir();
         let annotators = PANEL.join(",");
-        dir.succeed(&[
-            "open-round",
-            "r1",
-            "--profile",
-            "tiny",
-            "--annotators",
-            &annotators,
-            "--sample",
-            "18",
-            "--gold",
-            "0.2",
-            "--repeats",
-            "0.1",
-            "--views",
-            "3",
-            "--simulated",
-        ]);
+        let shares = "--sample 18 --gold 0.2 --repeats 0.1 --views 3 --simulated";
+        dir.succeed(format!("open-round r1 --profile tiny --annotators {annotators} {shares}"));
         Self { dir, tmux: Tmux::new() }
     }
 
@@ -127,13 +112,18 @@ impl Desk {
                 item_on(screen).map_or_else(|| screen.contains("items:"), |next| next != item)
             });
         }
-        self.tmux.text(annotator, "S");
-        self.tmux.wait(annotator, "the question", |screen| screen.contains("Seal the ballot?"));
-        self.tmux.text(annotator, "y");
-        self.tmux.wait(annotator, "the seal", |screen| screen.contains("The ballot is sealed."));
-        self.tmux.text(annotator, "q");
-        self.tmux.wait_for_end(annotator);
+        seal(&self.tmux, annotator);
     }
+}
+
+/// Seals the ballot from the summary on, and leaves.
+fn seal(tmux: &Tmux, annotator: &str) {
+    tmux.text(annotator, "S");
+    tmux.wait(annotator, "the question", |screen| screen.contains("Seal the ballot?"));
+    tmux.text(annotator, "y");
+    tmux.wait(annotator, "the seal", |screen| screen.contains("The ballot is sealed."));
+    tmux.text(annotator, "q");
+    tmux.wait_for_end(annotator);
 }
 
 fn kill(signal: &str, process: &str) {
@@ -173,7 +163,7 @@ fn five_annotators_complete_a_round_by_keys_alone() {
         assert_eq!(desk.answered(annotator), round.items.len());
     }
     // Five people who saw different numbers meant the same objects.
-    let verdict = desk.dir.json(&["verdict", "--round", "r1"]);
+    let verdict = desk.dir.json("verdict --round r1");
     assert_eq!(verdict["outcomes"]["valid"].as_u64(), Some(18), "{verdict:#}");
 }
 
@@ -209,63 +199,6 @@ fn killing_the_process_loses_no_vote_that_the_screen_acknowledged() {
         assert!(desk.answered("ada") >= acknowledged);
     }
     assert!(acknowledged > 3, "the noise answered only {acknowledged} items");
-}
-
-#[test]
-fn an_interrupted_annotator_goes_on_at_the_same_item() {
-    let desk = Desk::new();
-    desk.sit_down("ben", USUAL, "LANG=C.UTF-8");
-    desk.tmux.keys("ben", &["n", "Enter"]);
-    let screen = desk.tmux.wait("ben", "the second item", |screen| screen.contains("item 2 of"));
-    let item = item_on(&screen).unwrap();
-    desk.tmux.keys("ben", &["1"]);
-    desk.tmux.keys("ben", &["C-c"]);
-    desk.tmux.wait_for_end("ben");
-    desk.tmux.close("ben");
-    desk.sit_down("ben", LARGE, "LANG=C.UTF-8");
-    assert_eq!(item_on(&desk.tmux.screen("ben")), Some(item));
-}
-
-#[test]
-fn two_windows_of_one_annotator_refuse_each_other() {
-    let desk = Desk::new();
-    desk.sit_down("cyd", USUAL, "LANG=C.UTF-8");
-    let second = desk.dir.run(&["verify-prompts", "--round", "r1", "--as", "cyd"]);
-    assert_eq!(second.code, 2);
-    assert!(second.stderr.contains("another window is open"), "{}", second.stderr);
-    // Somebody else is not in the way: they only lack a terminal here.
-    let other = desk.dir.run(&["verify-prompts", "--round", "r1", "--as", "dee"]);
-    assert!(
-        other.stderr.contains("needs a terminal") || other.stderr.contains("cannot place text"),
-        "{}",
-        other.stderr
-    );
-}
-
-#[test]
-fn a_full_disk_shows_that_the_vote_is_not_taken() {
-    let desk = Desk::new();
-    // A limit on the size of files acts as a full disk; 1 is 512 bytes, or 1024 for some shells.
-    let limited = format!("trap '' XFSZ; ulimit -f 1; LANG=C.UTF-8 exec {}", desk.command("ada"));
-    desk.tmux.start("ada", USUAL, desk.dir.path("").as_path(), &limited);
-    desk.tmux.wait("ada", "an item", |screen| item_on(screen).is_some());
-    let mut taken = 0;
-    let refused = loop {
-        desk.tmux.keys("ada", &["n", "Enter"]);
-        let screen = desk.tmux.wait("ada", "an outcome", |screen| {
-            screen.contains("NOT SAVED") || answered_on(screen) > Some(taken)
-        });
-        if screen.contains("NOT SAVED") {
-            break screen;
-        }
-        taken = answered_on(&screen).unwrap();
-        assert!(taken < 10, "the limit never bit");
-    };
-    assert_eq!(answered_on(&refused), Some(taken), "{refused}");
-    assert!(refused.contains("none (not saved yet)"), "{refused}");
-    desk.tmux.keys("ada", &["C-c"]);
-    desk.tmux.wait_for_end("ada");
-    assert_eq!(desk.answered("ada"), taken);
 }
 
 #[test]
@@ -327,18 +260,6 @@ fn a_panic_gives_the_terminal_back() {
 }
 
 #[test]
-fn small_terminals_say_so_and_growing_heals_them() {
-    let desk = Desk::new();
-    desk.sit_down("ada", USUAL, "LANG=C.UTF-8");
-    desk.tmux.keys("ada", &["2"]);
-    desk.tmux.resize("ada", (50, 12));
-    let small = desk.tmux.wait("ada", "the refusal", |screen| screen.contains("50 columns and 12 rows"));
-    assert!(small.contains("80 and 20"), "{small}");
-    desk.tmux.resize("ada", LARGE);
-    desk.tmux.wait("ada", "the item", |screen| screen.contains("2 (not saved yet)"));
-}
-
-#[test]
 fn plain_locales_and_terminals_without_colour_get_what_they_understand() {
     let desk = Desk::new();
     desk.sit_down("ada", USUAL, "LC_ALL=C");
@@ -362,24 +283,19 @@ fn plain_locales_and_terminals_without_colour_get_what_they_understand() {
 #[test]
 fn what_cannot_work_is_refused_before_the_terminal_is_touched() {
     let desk = Desk::new();
-    let refused = |arguments: &[&str]| {
-        let run = desk.dir.run(&[&["verify-prompts"], arguments].concat());
-        assert_eq!(run.code, 2, "{arguments:?}");
-        assert!(!run.stdout.contains('\u{1b}') && run.stderr.contains("hint:"), "{}", run.stderr);
-        run.stderr
+    let refused = |arguments: &str, parts: &[&str]| {
+        let run = desk.dir.run(format!("verify-prompts {arguments}"));
+        run.refused(parts);
+        assert!(!run.stdout.contains('\u{1b}'), "{run}");
     };
-    let unknown_round = refused(&["--round", "r9", "--as", "ada"]);
-    assert!(unknown_round.contains("no such round") && unknown_round.contains("r1"), "{unknown_round}");
-    let unknown = refused(&["--round", "r1", "--as", "mallory"]);
-    assert!(unknown.contains("ada"), "{unknown}");
+    refused("--round r9 --as ada", &["no such round", "r1"]);
+    refused("--round r1 --as mallory", &["ada"]);
     // Missing pictures: the command that makes them is named.
     std::fs::remove_file(frame_of(&desk, "tabletop_mouse_cups")).unwrap();
-    std::fs::remove_dir_all(desk.dir.path("data/tiny/room_office")).unwrap();
-    let missing = refused(&["--round", "r1", "--as", "ada"]);
-    assert!(missing.contains("tabletop_mouse_cups lacks 1 picture"), "{missing}");
-    assert!(missing.contains("room_office is not rendered"), "{missing}");
+    desk.dir.remove("data/tiny/room_office");
     let remedy = "l4d build-scenes --profile tiny --scenes room_office,tabletop_mouse_cups";
-    assert!(missing.contains(remedy), "{missing}");
+    let missing = ["tabletop_mouse_cups lacks 1 picture", "room_office is not rendered", remedy];
+    refused("--round r1 --as ada", &missing);
 }
 
 fn frame_of(desk: &Desk, scene: &str) -> PathBuf {
@@ -399,4 +315,37 @@ fn an_annotators_process_opens_neither_the_key_nor_other_ballots() {
     desk.sit_down("ada", USUAL, "LANG=C.UTF-8");
     desk.tmux.keys("ada", &["n", "Enter"]);
     desk.tmux.wait("ada", "the next item", |screen| answered_on(screen) == Some(1));
+}
+
+#[test]
+fn people_verify_prompts_on_the_pictures_of_a_capture() {
+    let dir = crate::real_scenes::authored();
+    let round = "open-round r1 --annotators ada --panel 1 --gold 0 --repeats 0";
+    dir.succeed(format!("{round} --bench captures --profile real"));
+    let tmux = Tmux::new();
+    let command =
+        format!("exec {} verify-prompts --round r1 --as ada --picture halfblocks", env!("CARGO_BIN_EXE_l4d"));
+    tmux.start("ada", (100, 30), dir.path("").as_path(), &command);
+    // Two objects under numbers drawn by lot: taking the first for both is right once.
+    let screen = tmux.wait("ada", "the picture", |screen| screen.contains("q000"));
+    assert!(screen.contains("whole clip"), "{screen}");
+    let other = if screen.contains("q0001") { "q0002" } else { "q0001" };
+    tmux.keys("ada", &["1", "Enter", "Enter"]);
+    tmux.wait("ada", "the next item", |screen| screen.contains(other));
+    tmux.keys("ada", &["1", "Enter", "Enter"]);
+    tmux.wait("ada", "the summary", |screen| screen.contains("items:"));
+    seal(&tmux, "ada");
+    // One of the two is number 1: exactly one of the queries is understood.
+    let outcomes = dir.json("verdict --round r1 --bench captures")["outcomes"].clone();
+    assert_eq!([&outcomes["valid"], &outcomes["rejected"]], [1, 1]);
+    let queries = dir.read("captures/queries/table.jsonl");
+    assert_eq!(
+        [queries.matches("verified").count(), queries.matches("rejected").count()],
+        [1, 1],
+        "{queries}"
+    );
+    // Drawing the masks anew is another scene: votes on the old one do not count.
+    dir.edit("captures/truth/real/table.json", "\"variant\":0", "\"variant\":1");
+    let check = dir.run("verdict --round r1 --bench captures --check");
+    check.says(1, &["L4D531", "it is candidate"]);
 }

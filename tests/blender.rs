@@ -2,6 +2,8 @@
 //!
 //! The environment is made once in the project's `work/` folder and shared by all tests.
 
+mod scenes;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -14,14 +16,14 @@ use l4d_frames::exr::read_frame;
 use l4d_frames::frame::Frame;
 use serde_json::Value;
 
-use crate::support::{blender_python, l4d, root, succeed};
+use crate::support::{Run, blender_python, l4d, root, succeed};
 
 const SCENE: &str = "tabletop_mouse_cups";
 /// The default of `quickstart`.
 const FIRST_SCENE: &str = "room_playroom";
 
 fn build(data: &Path, bench: &Path, more: &[&str]) -> Command {
-    let mut command = l4d(&["build-scenes", "--profile", "tiny", "--scenes", SCENE]);
+    let mut command = l4d(&format!("build-scenes --profile tiny --scenes {SCENE}"));
     command.arg("--data").arg(data).arg("--bench").arg(bench).args(more);
     command
 }
@@ -52,7 +54,7 @@ fn the_python_suite_passes() {
 fn the_quickstart_ends_with_a_leaderboard() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("quickstart");
-    let mut quickstart = l4d(&["quickstart", "--out"]);
+    let mut quickstart = l4d("quickstart --out");
     quickstart.arg(&out);
     let said = succeed(&mut quickstart);
     for file in ["data/room_playroom/sheet.png", "leaderboard/leaderboard.csv", "leaderboard/index.html"] {
@@ -105,7 +107,7 @@ fn proposed_sentences_are_answered(said: &str) {
 }
 
 fn methods(out: &Path) -> BTreeMap<String, Value> {
-    let mut score = l4d(&["score", "--profile", "tiny", "--json", "--bench"]);
+    let mut score = l4d("score --profile tiny --json --bench");
     score.arg(out.join("benchmark")).arg("--scores").arg(out.join("scores")).arg(out.join("results"));
     let output = score.output().unwrap();
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -226,22 +228,14 @@ fn torn_frames_are_rendered_again_and_good_ones_kept() {
 fn requests_that_cannot_be_served_say_why() {
     let folder = tempfile::tempdir().unwrap();
     let bench = bench_copy(folder.path());
-    let refused = |command: &mut Command, words: &[&str]| {
-        let output = command.output().unwrap();
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{command:?}\n{stderr}");
-        for word in words.iter().chain(&["hint: "]) {
-            assert!(stderr.contains(word), "{command:?} does not say {word:?}:\n{stderr}");
-        }
-    };
-    refused(&mut l4d(&["build-scenes", "--scenes", "moon_base"]), &["no scene `moon_base`", SCENE]);
-    refused(&mut l4d(&["build-scenes", "--scenes", "../evil"]), &["no scene `../evil`"]);
-    refused(
-        &mut build(&folder.path().join("data"), &bench, &["--python", "/nonexistent"]),
-        &["/nonexistent", "--python"],
-    );
+    let refused = |command: &mut Command, words: &[&str]| Run::from(command.output().unwrap()).refused(words);
+    refused(&mut l4d("build-scenes --scenes moon_base"), &["no scene `moon_base`", SCENE]);
+    refused(&mut l4d("build-scenes --scenes ../evil"), &["no scene `../evil`"]);
+    let data = folder.path().join("data");
+    let python = ["/nonexistent", "--python"];
+    refused(&mut build(&data, &bench, &["--python", "/nonexistent"]), &python);
     let file = folder.path().join("file");
     std::fs::write(&file, "").unwrap();
     refused(&mut build(&file.join("data"), &bench, &[]), &["file"]);
-    refused(&mut l4d(&["build-scenes", "--blender-scripts", "/nonexistent"]), &["--blender-scripts"]);
+    refused(&mut l4d("build-scenes --blender-scripts /nonexistent"), &["--blender-scripts"]);
 }

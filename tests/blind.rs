@@ -6,48 +6,30 @@ use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image};
 use exr::prelude::{LineOrder, WritableImage as _};
 use glam::UVec2;
-use l4d_data::query::text_digest;
 use l4d_frames::exr::read_frame;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::solving::world;
-use crate::support::Dir;
+use crate::support::{Dir, query};
 use crate::world::SCENE;
 
-const PLACE: [&str; 4] = ["--profile", "tiny", "--data", "data"];
+const SOLVE: &str = "solve --profile tiny --data data";
 const METHOD: &str = "panopticquery-geometric";
 
-fn run<'a>(verb: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&[verb], &PLACE[..], more].concat()
-}
-
-fn masks(dir: &Dir) -> Vec<String> {
-    ["001", "002", "003"]
-        .map(|number| dir.read(&format!("results/{METHOD}/masks/{SCENE}/{number}.json")))
-        .into()
-}
-
-/// Takes away all that knows more than a camera with a depth sensor.
+/// Takes away all that knows more than a camera with a depth sensor, and what was drawn before.
 fn blind(dir: &Dir) {
-    std::fs::remove_dir_all(dir.path("benchmark/truth")).unwrap();
+    dir.remove("benchmark/truth");
+    dir.remove(&format!("work/tiny/{SCENE}/clips"));
     for file in ["tracks.json", "plan.json", "scene.usdc"] {
         assert!(!dir.path(format!("data/{SCENE}/{file}")).exists(), "the made-up scene has no {file}");
     }
-    let path = format!("data/{SCENE}/scene.json");
-    let mut scene: Value = serde_json::from_str(&dir.read(&path)).unwrap();
-    for field in ["instances", "events"] {
-        scene[field] = json!([]);
-    }
-    scene["digests"] = json!({});
-    dir.write(&path, scene.to_string());
-    let mut pictures = 0;
-    for view in std::fs::read_dir(dir.path(format!("data/{SCENE}/frames"))).unwrap() {
-        for file in std::fs::read_dir(view.unwrap().path()).unwrap() {
-            drop_ids(&file.unwrap().path());
-            pictures += 1;
-        }
-    }
-    assert_eq!(pictures, 5 * 9);
+    dir.change(&format!("data/{SCENE}/scene.json"), |scene| {
+        (scene["instances"], scene["events"], scene["digests"]) = (json!([]), json!([]), json!({}));
+    });
+    let frames = format!("data/{SCENE}/frames");
+    let pictures: Vec<String> = dir.tree(&frames).into_keys().filter(|name| name.ends_with(".exr")).collect();
+    assert_eq!(pictures.len(), 5 * 9);
+    pictures.iter().for_each(|picture| drop_ids(&dir.path(&frames).join(picture)));
 }
 
 /// Writes a picture anew, without the channel `id`.
@@ -74,45 +56,42 @@ fn drop_ids(path: &Path) {
 
 #[test]
 fn truth_tracks_and_ids_make_no_difference() {
+    let masks = |dir: &Dir| dir.tree(&format!("results/{METHOD}/masks/{SCENE}"));
     let seeing = world();
-    seeing.succeed(&run("solve", &[]));
-    let found = masks(&seeing).iter().filter(|masks| masks.contains(":\"")).count();
-    assert!(found > 0, "geometry alone finds one of two balls");
+    seeing.succeed(SOLVE);
+    let has_pixels = |file: &Vec<u8>| String::from_utf8_lossy(file).contains(":\"");
+    assert!(masks(&seeing).values().any(has_pixels), "geometry alone finds one of two balls");
 
     let dir = world();
     blind(&dir);
-    let oracle = dir.run(&run("solve", &["--grounder", "oracle"]));
-    assert!(oracle.code == 2 && oracle.stderr.contains("ball_a"), "{}", oracle.stderr);
-    let solved = dir.succeed(&run("solve", &[]));
-    assert!(solved.stderr.contains("3 queries"), "{}", solved.stderr);
+    dir.run(format!("{SOLVE} --grounder oracle")).says(2, &["ball_a"]);
+    dir.run(SOLVE).says(0, &["3 queries"]);
     assert_eq!(masks(&dir), masks(&seeing));
-    let query = ["query", SCENE, "The ball that rolls"];
-    let ask = |dir: &Dir| dir.json(&[&query[..], &PLACE, &["--out", "asked"]].concat());
-    let (blindly, seeingly) = (ask(&dir), ask(&seeing));
-    assert_eq!((&blindly["frames"], &blindly["decision"]), (&seeingly["frames"], &seeingly["decision"]));
+    let ask = |dir: &Dir| {
+        let asked = dir.json("query ball 'The ball that rolls' --profile tiny --data data --out asked");
+        (asked["frames"].clone(), asked["decision"].clone())
+    };
+    assert_eq!(ask(&dir), ask(&seeing));
 
     // Who made masks without the truth cannot be judged by another; beside the truth the card is completed.
-    let card = || serde_json::from_str::<Value>(&dir.read(&format!("results/{METHOD}/method.json"))).unwrap();
-    assert_eq!(card()["truth_digest"], "");
-    std::fs::create_dir_all(dir.path("benchmark/truth/tiny")).unwrap();
+    let digest = || dir.value(&format!("results/{METHOD}/method.json"))["truth_digest"].clone();
+    assert_eq!(digest(), "");
     let truth = format!("benchmark/truth/tiny/{SCENE}.json");
-    std::fs::copy(seeing.path(&truth), dir.path(&truth)).unwrap();
-    let run_score = dir.run(&["score", "results", "--profile", "tiny"]);
-    assert_eq!(run_score.code, 1, "{}{}", run_score.stdout, run_score.stderr);
-    assert!(run_score.stdout.contains("is no truth") || run_score.stderr.contains("is no truth"));
-    dir.succeed(&run("solve", &[]));
-    assert_eq!(card()["truth_digest"].as_str().unwrap().len(), 64);
-    dir.succeed(&["score", "results", "--profile", "tiny"]);
+    dir.write(&truth, seeing.bytes(&truth));
+    dir.run("score results --profile tiny").says(1, &["is no truth"]);
+    dir.succeed(SOLVE);
+    assert_eq!(digest().as_str().unwrap().len(), 64);
+    dir.succeed("score results --profile tiny");
 }
 
 #[test]
 fn a_model_is_learned_without_ids() {
-    let brief = ["--gaussians", "300", "--coarse", "6", "--unfold", "2", "--fine", "4", "--out", "brief"];
+    let brief = "--gaussians 300 --coarse 6 --unfold 2 --fine 4 --out brief";
     let learned = |dir: &Dir| {
-        dir.succeed(&[&["train-splats", SCENE], &PLACE[..], &brief].concat());
-        let files = std::fs::read_dir(dir.path("brief")).unwrap().map(|file| file.unwrap().path());
-        let tensors = files.filter(|path| path.extension().is_some_and(|ending| ending == "safetensors"));
-        tensors.map(|path| std::fs::read(path).unwrap()).collect::<Vec<_>>()
+        dir.succeed(format!("train-splats {SCENE} --profile tiny --data data {brief}"));
+        let mut files = dir.tree("brief");
+        files.retain(|name, _| name.ends_with(".safetensors"));
+        files
     };
     let (seeing, dir) = (world(), world());
     blind(&dir);
@@ -124,23 +103,14 @@ fn a_model_is_learned_without_ids() {
 #[test]
 fn what_nothing_satisfies_is_absent_or_beyond_its_words() {
     let dir = world();
-    let sentence = |number: &str, text: &str| {
-        json!({
-            "id": format!("{SCENE}/{number}"), "text": text, "categories": ["attribute"], "referents": [],
-            "temporal": "whole", "frames": [[0, 96]], "predicate": null,
-            "text_digest": text_digest(text, None), "provenance": { "source": "author" }, "status": "candidate",
-        })
-    };
-    let sentences = [
-        sentence("901", "The blue ball"),
-        sentence("902", "The zorple"),
-        sentence("903", "The ball with the ponytail"),
-    ];
-    let lines: Vec<String> = sentences.iter().map(Value::to_string).collect();
-    dir.write(&format!("benchmark/queries/{SCENE}.absent.jsonl"), lines.join("\n") + "\n");
-    let run_solve = dir.succeed(&run("solve", &["--set", "absents"]));
-    assert!(run_solve.stderr.contains("8 unsupported"), "{}", run_solve.stderr);
-    assert!(!run_solve.stderr.contains("did not answer"), "{}", run_solve.stderr);
+    let sentences = [("901", "The blue ball"), ("902", "The zorple"), ("903", "The ball with the ponytail")];
+    let lines = sentences.map(|(number, text)| {
+        format!("{}\n", query(&format!("{SCENE}/{number}"), text, "attribute", &[], "whole", [0, 96]))
+    });
+    dir.write(&format!("benchmark/queries/{SCENE}.absent.jsonl"), lines.concat());
+    let solved = dir.succeed(format!("{SOLVE} --set absents"));
+    solved.says(0, &["8 unsupported"]);
+    assert!(!solved.stderr.contains("did not answer"), "{solved}");
     let name = "panopticquery-geometric-absents";
     for number in ["902", "903"] {
         let masks = dir.read(&format!("results/{name}/masks/{SCENE}/{number}.json"));
@@ -149,10 +119,10 @@ fn what_nothing_satisfies_is_absent_or_beyond_its_words() {
     assert!(!dir.path(format!("results/{METHOD}")).exists(), "sets are not mixed under one name");
 
     // Its last word is not asked for again.
-    let said = dir.path(format!("work/tiny/{SCENE}/answers/{name}/902/grounded/cam00.json"));
-    let manifest = dir.path(format!("work/tiny/{SCENE}/answers/{name}/902/manifest.json"));
-    let written = || [&said, &manifest].map(|path| std::fs::metadata(path).unwrap().modified().unwrap());
+    let answer = dir.path(format!("work/tiny/{SCENE}/answers/{name}/902"));
+    let files = ["grounded/cam00.json", "manifest.json"].map(|file| answer.join(file));
+    let written = || files.each_ref().map(|path| path.metadata().unwrap().modified().unwrap());
     let before = written();
-    dir.succeed(&run("solve", &["--set", "absents"]));
+    dir.succeed(format!("{SOLVE} --set absents"));
     assert_eq!(written(), before);
 }

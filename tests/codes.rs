@@ -3,16 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::support::root;
+use crate::support::{files_below, root, shipped};
 
 /// `"L4D` and three digits.
 const DIGITS: std::ops::Range<usize> = 3..6;
 
 #[test]
 fn every_code_is_documented_and_emitted() {
-    let mut sources = String::new();
-    gather(&root().join("crates"), &mut sources);
-    let findings = std::fs::read_to_string(root().join("docs/findings.md")).unwrap();
+    let sources = sources();
+    let findings = shipped("docs/findings.md");
     let documented: BTreeSet<&str> =
         findings.lines().filter_map(|line| code_at(line.strip_prefix("| ")?)).collect();
     let constants: BTreeMap<&str, &str> = sources.lines().filter_map(constant).collect();
@@ -21,28 +20,29 @@ fn every_code_is_documented_and_emitted() {
 
     let undocumented: Vec<_> = written.difference(&documented).collect();
     assert!(undocumented.is_empty(), "not in docs/findings.md: {undocumented:?}");
+    let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
+    for word in sources.split(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_')) {
+        *uses.entry(word).or_default() += 1;
+    }
     // A constant is written once where it is defined; it has to be named somewhere else as well.
-    let is_emitted = |code: &str| {
-        let is_named = |name: &&str| words(&sources).filter(|word| word == name).count() > 1;
-        written.contains(code) && constants.get(code).is_none_or(is_named)
-    };
+    let is_emitted =
+        |code: &str| written.contains(code) && constants.get(code).is_none_or(|name| uses[name] > 1);
     let never: Vec<_> = documented.iter().filter(|code| !is_emitted(code)).collect();
     assert!(never.is_empty(), "documented, and never emitted: {never:?}");
 }
 
-/// The text of all sources below a folder, without tests.
-fn gather(folder: &Path, into: &mut String) {
-    for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
-        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        if path.is_dir() {
-            if !["tests", "examples", "target"].contains(&name.as_str()) {
-                gather(&path, into);
-            }
-        } else if name.ends_with(".rs") && name != "tests.rs" {
-            let text = std::fs::read_to_string(&path).unwrap();
-            into.push_str(text.split("#[cfg(test)]").next().unwrap_or_default());
-        }
-    }
+/// The text of all sources, without tests.
+fn sources() -> String {
+    let is_source = |path: &Path| {
+        let is_apart =
+            ["tests", "examples", "target"].iter().any(|folder| path.iter().any(|part| part == *folder));
+        path.extension().is_some_and(|end| end == "rs") && !is_apart && !path.ends_with("tests.rs")
+    };
+    let crates = root().join("crates");
+    let files = files_below(&crates).into_iter();
+    let files = files.filter(|path| is_source(path.strip_prefix(&crates).unwrap()));
+    let text = |path| std::fs::read_to_string(path).unwrap();
+    files.map(|path| text(path).split("#[cfg(test)]").next().unwrap_or_default().to_owned()).collect()
 }
 
 /// The code that a text begins with.
@@ -55,8 +55,4 @@ fn code_at(text: &str) -> Option<&str> {
 fn constant(line: &str) -> Option<(&str, &str)> {
     let (head, value) = line.split_once(": &str = \"")?;
     Some((code_at(value)?, head.rsplit(' ').next()?))
-}
-
-fn words(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_'))
 }

@@ -1,11 +1,13 @@
 //! `l4d endpoint`: against a scripted server, and (slow) against real ones with a tiny random model.
 
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
+use l4d_endpoint::coordinates::written_boxes;
 use l4d_endpoint::{
     BoxPx, CacheUse, Client, Convention, Endpoint, EndpointError, Finish, Image, Link, Message, Origin, Part,
     Request, Schema,
@@ -14,76 +16,63 @@ use l4d_frames::targets::Targets;
 use serde_json::{Value, json};
 
 use crate::proposing::scripted::{Server, Turn, ok, says, status, thinks};
-use crate::support::{Dir, Run, root};
+use crate::support::{Dir, Run, named, root};
 
 const KEY: &str = "sk-canary/7Yq+0123456789";
 
-fn flags<'a>(server: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&["endpoint"], &more[..1], &["--base-url", server, "--model", "tiny"], &more[1..]].concat()
+/// A command line about a server: `check` or `calibrate` and more.
+fn endpoint(server: &str, line: &str) -> String {
+    format!("endpoint {line} --base-url {server} --model tiny")
 }
 
-/// States by name, from `check --json`.
-fn states(document: &Value) -> Vec<(String, String)> {
-    let text = |value: &Value| value.as_str().unwrap().to_owned();
-    let lines = document["check"].as_array().unwrap();
-    lines.iter().map(|line| (text(&line["name"]), text(&line["state"]))).collect()
+/// Demands these states of `check --json`.
+fn expect_states(document: &Value, states: &[(&str, &str)]) {
+    for (name, state) in states {
+        assert_eq!(named(&document["check"], name)["state"], *state, "{document:#}");
+    }
 }
 
 #[test]
-fn check_tells_what_works_and_exits_by_it() {
+fn check_says_what_works_and_exits_by_it() {
     let dir = Dir::new();
     let server = Server::start(vec![says("ready")]);
-    let run = dir.succeed(&flags(&server.url(), &["check"]));
-    assert!(run.stdout.lines().any(|line| line.starts_with("ok      chat")), "{}", run.stdout);
-    let document = dir.json(&flags(&server.url(), &["check"]));
+    let run = dir.succeed(endpoint(&server.url(), "check"));
+    assert!(run.stdout.lines().any(|line| line.starts_with("ok      chat")), "{run}");
+    let document = dir.json(endpoint(&server.url(), "check"));
     assert_eq!(document["endpoint"]["model"], "tiny");
-    assert!(states(&document).contains(&("schema".to_owned(), "lacking".to_owned())), "{document}");
+    expect_states(&document, &[("schema", "lacking")]);
 
     let down = Server::start(vec![says("x")]).url();
-    let run = dir.run(&flags(&down, &["check"]));
-    assert_eq!(run.code, 1, "{}", run.stderr);
-    assert!(run.stdout.contains("FAILED  chat") && run.stdout.contains("start the server"), "{}", run.stdout);
+    dir.run(endpoint(&down, "check")).says(1, &["FAILED  chat", "start the server"]);
 }
 
 #[test]
 fn a_server_on_this_machine_is_asked_without_a_proxy() {
     let server = Server::start(vec![says("ready")]);
     let dir = Dir::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_l4d"));
+    let mut command = dir.command(endpoint(&server.url(), "check"));
     for variable in ["HTTP_PROXY", "http_proxy", "ALL_PROXY"] {
         command.env(variable, "http://127.0.0.1:9");
     }
-    for variable in ["NO_PROXY", "no_proxy"] {
-        command.env_remove(variable);
-    }
-    let url = server.url();
-    let output = command.args(flags(&url, &["check"])).current_dir(dir.path("")).output().unwrap();
-    assert_eq!(Run::from(output).code, 0);
+    command.env_remove("NO_PROXY").env_remove("no_proxy");
+    Run::from(command.output().unwrap()).says(0, &[]);
 }
 
 #[test]
-fn an_endpoint_must_be_named_and_soundly() {
+fn an_endpoint_that_is_not_named_or_not_sound_is_refused() {
     let dir = Dir::new();
     dir.write("bad.toml", "base_url = \"http://localhost:1/v1\"\nmodel = \"m\"\napi_key = \"sk-canary\"\n");
-    let cases: [(&[&str], &str); 6] = [
-        (&["endpoint", "check"], "--base-url"),
-        (
-            &["endpoint", "check", "--base-url", "http://me:sk-canary@h/v1", "--model", "m"],
-            "user name or password",
-        ),
-        (
-            &["endpoint", "check", "--base-url", "http://h/v1", "--model", "m", "--api-key-env", "sk-canary"],
-            "never the key",
-        ),
-        (&["endpoint", "check", "--base-url", "http://h/v1", "--model", "m", "--server", "vlm"], "llama-cpp"),
-        (&["endpoint", "check", "--endpoint", "bad.toml"], "unknown field"),
-        (&["endpoint", "check", "--link", "replay:nowhere"], "nowhere/endpoint.json"),
-    ];
-    for (arguments, words) in cases {
-        let run = dir.run(arguments);
-        assert_eq!(run.code, 2, "{arguments:?}");
-        assert!(run.stderr.contains(words) && run.stderr.contains("hint:"), "{arguments:?}: {}", run.stderr);
-        assert!(!run.stderr.contains("canary"), "{}", run.stderr);
+    for (more, words) in [
+        ("", "--base-url"),
+        ("--base-url http://me:sk-canary@h/v1 --model m", "user name or password"),
+        ("--base-url http://h/v1 --model m --api-key-env sk-canary", "never the key"),
+        ("--base-url http://h/v1 --model m --server vlm", "llama-cpp"),
+        ("--endpoint bad.toml", "unknown field"),
+        ("--link replay:nowhere", "nowhere/endpoint.json"),
+    ] {
+        let run = dir.run(format!("endpoint check {more}"));
+        run.refused(&[words]);
+        assert!(!run.stderr.contains("canary"), "{run}");
     }
 }
 
@@ -92,32 +81,16 @@ fn a_recorded_check_replays_without_its_server() {
     let dir = Dir::new();
     let recorded = {
         let server = Server::start(vec![says("ready")]);
-        dir.succeed(&flags(&server.url(), &["check", "--link", "record:tape"]))
+        dir.succeed(endpoint(&server.url(), "check --link record:tape"))
     };
-    let replayed = dir.succeed(&["endpoint", "check", "--link", "replay:tape"]);
-    assert_eq!(replayed.stdout, recorded.stdout);
-    assert_eq!(replayed.stderr, recorded.stderr);
-    let lost = dir.succeed(&["endpoint", "calibrate", "--help"]);
-    assert!(lost.stdout.contains("--pictures"));
-    let run = dir.run(&["endpoint", "calibrate", "--link", "replay:tape"]);
-    assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("tape: holds no answer") && run.stderr.contains("record:"), "{}", run.stderr);
-}
-
-fn files_under(folder: &Path) -> String {
-    let mut contents = String::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => contents += &files_under(&path),
-            false => contents += &String::from_utf8_lossy(&std::fs::read(&path).unwrap()),
-        }
-    }
-    contents
+    let replayed = dir.succeed("endpoint check --link replay:tape");
+    assert_eq!((replayed.stdout, replayed.stderr), (recorded.stdout, recorded.stderr));
+    let lost = "endpoint calibrate --link replay:tape";
+    dir.run(lost).says(2, &["tape: holds no answer", "record:"]);
 }
 
 #[test]
-fn a_key_is_told_to_its_server_alone_even_when_everything_is_logged() {
+fn a_key_goes_to_its_server_alone_even_when_everything_is_logged() {
     let echo = |code: u16| {
         thinks(move |seen| {
             let header = seen.headers.get("authorization").cloned().unwrap_or_default();
@@ -131,27 +104,21 @@ fn a_key_is_told_to_its_server_alone_even_when_everything_is_logged() {
         let server = Server::start(vec![echo(code)]);
         let dir = Dir::new();
         let base_url = server.url();
-        dir.write(
-            "e.toml",
-            format!("base_url = \"{base_url}\"\nmodel = \"tiny\"\napi_key_env = \"L4D_CANARY\"\n"),
-        );
-        let output = Command::new(env!("CARGO_BIN_EXE_l4d"))
-            .args(["-v", "endpoint", "check", "--endpoint", "e.toml", "--link", "record:tape"])
-            .current_dir(dir.path(""))
-            .env("RUST_LOG", "trace,ureq=trace,ureq_proto=trace,rustls=trace")
-            .env("L4D_CANARY", KEY)
-            .output()
-            .unwrap();
-        let run = Run::from(output);
+        let text = format!("base_url = \"{base_url}\"\nmodel = \"tiny\"\napi_key_env = \"L4D_CANARY\"\n");
+        dir.write("e.toml", text);
+        let mut command = dir.command("-v endpoint check --endpoint e.toml --link record:tape");
+        command.env("RUST_LOG", "trace,ureq=trace,ureq_proto=trace,rustls=trace").env("L4D_CANARY", KEY);
+        let run = Run::from(command.output().unwrap());
         assert_eq!(run.code, i32::from(code != 200), "{}", run.stderr);
         let sent = format!("Bearer {KEY}");
         assert!(server.seen().iter().all(|seen| seen.headers["authorization"] == sent));
-        let output = format!("{}{}{}", run.stdout, run.stderr, files_under(&dir.path("")));
+        let files: Vec<u8> = dir.tree("").into_values().flatten().collect();
+        let output = format!("{run}{}", String::from_utf8_lossy(&files));
         assert!(output.contains("[redacted]"), "nothing was echoed:\n{output}");
         assert!(!output.contains("canary"), "{output}");
         // Its bytes in the tables of a wire log would pass the test above.
-        assert!(!run.stderr.to_lowercase().contains("authorization"), "{}", run.stderr);
-        assert!(!run.stderr.contains("ureq"), "{}", run.stderr);
+        let log = run.stderr.to_lowercase();
+        assert!(!log.contains("authorization") && !log.contains("ureq"), "{run}");
     }
 }
 
@@ -175,20 +142,20 @@ fn calibrate_finds_and_remembers_the_convention() {
     let dir = Dir::new();
     for convention in Convention::all() {
         let server = Server::start(vec![sighted(convention, (714, 490), 2)]);
-        let document = dir.json(&flags(&server.url(), &["calibrate"]));
+        let document = dir.json(endpoint(&server.url(), "calibrate"));
         assert_eq!(document["winner"]["convention"], convention.name.as_str(), "{document}");
         assert_eq!(document["squares"], 8);
         assert!(document["winner"]["mean_iou"].as_f64().unwrap() > 0.99, "{document}");
     }
-    let remembered: Value = serde_json::from_str(&dir.read("work/endpoints.json")).unwrap();
-    assert_eq!(remembered.as_object().unwrap().len(), Convention::all().len());
-    assert!(remembered.as_object().unwrap().values().all(|one| one["size"] == json!([714, 490])));
+    let remembered = dir.value("work/endpoints.json");
+    let remembered = remembered.as_object().unwrap();
+    assert_eq!(remembered.len(), Convention::all().len());
+    assert!(remembered.values().all(|one| one["size"] == json!([714, 490])));
 
     // In a picture whose sides are multiples of 28, resizing by 28 changes nothing: two conventions fit.
     let server = Server::start(vec![sighted(Convention::named("abs_px_xyxy").unwrap(), (700, 504), 1)]);
-    let run = dir.run(&flags(&server.url(), &["calibrate", "--size", "700x504", "--pictures", "1"]));
-    assert_eq!(run.code, 1);
-    assert!(run.stderr.contains("fit about as well") && run.stderr.contains("coordinates"), "{}", run.stderr);
+    let run = dir.run(endpoint(&server.url(), "calibrate --size 700x504 --pictures 1"));
+    run.says(1, &["fit about as well", "coordinates"]);
 }
 
 #[test]
@@ -198,21 +165,16 @@ fn calibrate_says_when_nothing_fits_and_forgets_what_did() {
     turns.push(says(r#"[{"bbox_2d": [1, 2, 3, 4], "label": "red"}]"#));
     let server = Server::start(turns);
     let url = server.url();
-    let calibrate = flags(&url, &["calibrate", "--pictures", "1"]);
+    let calibrate = endpoint(&url, "calibrate --pictures 1");
     dir.succeed(&calibrate);
     assert!(dir.read("work/endpoints.json").contains("rel1000_xyxy"));
-    let run = dir.run(&calibrate);
-    assert_eq!(run.code, 1);
-    assert!(run.stderr.contains("no convention fits") && run.stderr.contains("hint:"), "{}", run.stderr);
+    dir.run(&calibrate).says(1, &["no convention fits", "hint:"]);
     assert_eq!(dir.read("work/endpoints.json").trim(), "{}");
-    let bad_size = dir.run(&flags(&url, &["calibrate", "--size", "714"]));
-    assert_eq!(bad_size.code, 2);
+    dir.run(endpoint(&url, "calibrate --size 714")).says(2, &[]);
 
     // An error of the server is an error, not a model that sees nothing.
     let server = Server::start(vec![ok(&json!({"error": "out of memory"}))]);
-    let run = dir.run(&flags(&server.url(), &["calibrate"]));
-    assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("out of memory"), "{}", run.stderr);
+    dir.run(endpoint(&server.url(), "calibrate")).says(2, &["out of memory"]);
 }
 
 /// A server process; ends with the test.
@@ -222,18 +184,27 @@ pub(crate) struct Process {
 }
 
 impl Process {
-    /// Starts one and waits until it answers.
-    pub(crate) fn start(mut command: Command, port: u16) -> Self {
-        let log = Stdio::null;
-        let child = command.stdin(Stdio::null()).stdout(log()).stderr(log()).spawn().unwrap();
+    /// Starts a program of [`environment`], with what it needs to know of a port, and waits until it answers.
+    pub(crate) fn start(program: &str, arguments: impl FnOnce(&str) -> Vec<String>) -> Self {
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let mut command = Command::new(environment().join("bin").join(program));
+        command.args(arguments(&port.to_string())).env("HF_HUB_OFFLINE", "1").env("OMP_NUM_THREADS", "1");
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let child = command.spawn().unwrap();
         let mut process = Self { child, base_url: format!("http://127.0.0.1:{port}/v1") };
         let deadline = Instant::now() + Duration::from_secs(300);
-        while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
+        while TcpStream::connect(("127.0.0.1", port)).is_err() {
             assert!(process.child.try_wait().unwrap().is_none(), "{command:?} ended");
             assert!(Instant::now() < deadline, "{command:?} does not answer");
             std::thread::sleep(Duration::from_millis(200));
         }
         process
+    }
+
+    /// The server of `tests/endpoint_server`, which keeps to a schema.
+    pub(crate) fn with_grammar() -> Self {
+        let script = root().join("tests/endpoint_server/serve.py").display().to_string();
+        Self::start("python", |port| vec![script, tiny_model(), port.to_owned()])
     }
 }
 
@@ -244,27 +215,22 @@ impl Drop for Process {
     }
 }
 
-pub(crate) fn free_port() -> u16 {
-    std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
-}
-
-/// The folder of the environment that `tests/endpoint_server/setup.sh` makes, and a tiny model in it.
-pub(crate) fn environment() -> &'static Path {
-    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
+/// The folder of the environment that `tests/endpoint_server/setup.sh` makes.
+fn environment() -> &'static Path {
+    static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
         let folder = std::env::var_os("L4D_ENDPOINT_SERVER").map(PathBuf::from);
         let folder = folder.unwrap_or_else(|| root().join("work/endpoint-server"));
         let script = root().join("tests/endpoint_server/setup.sh");
         let made = Command::new("bash").arg(script).arg(&folder).status().unwrap();
         assert!(made.success(), "tests/endpoint_server/setup.sh failed");
         folder
-    })
+    });
+    &FOLDER
 }
 
-pub(crate) fn python(folder: &Path, program: &str) -> Command {
-    let mut command = Command::new(folder.join("bin").join(program));
-    command.env("HF_HUB_OFFLINE", "1").env("OMP_NUM_THREADS", "1");
-    command
+/// A tiny model in it.
+fn tiny_model() -> String {
+    environment().join("tiny").display().to_string()
 }
 
 fn with_pictures(schema: Option<Value>) -> Request {
@@ -304,25 +270,16 @@ fn boxes_schema() -> Value {
 #[test]
 #[ignore = "slow: makes a Python environment with a model server"]
 fn a_real_server_with_a_grammar() {
-    let folder = environment();
-    let port = free_port();
-    let mut command = python(folder, "python");
-    command.arg(root().join("tests/endpoint_server/serve.py")).arg(folder.join("tiny")).arg(port.to_string());
-    let server = Process::start(command, port);
+    let server = Process::with_grammar();
     let dir = Dir::new();
 
-    let document = dir.json(&flags(&server.base_url, &["check"]));
-    let states = states(&document);
-    for (name, state) in
-        [("models", "ok"), ("usage", "ok"), ("schema", "ok"), ("seed", "ok"), ("picture", "unclear")]
-    {
-        assert!(states.contains(&(name.to_owned(), state.to_owned())), "{document:#}");
-    }
+    let document = dir.json(endpoint(&server.base_url, "check"));
+    let states =
+        [("models", "ok"), ("usage", "ok"), ("schema", "ok"), ("seed", "ok"), ("picture", "unclear")];
+    expect_states(&document, &states);
     // Random weights see nothing.
-    let calibrated =
-        dir.run(&flags(&server.base_url, &["calibrate", "--pictures", "1", "--answer-tokens", "64"]));
-    assert_eq!(calibrated.code, 1, "{}", calibrated.stderr);
-    assert!(calibrated.stderr.contains("no convention fits"));
+    let calibrated = dir.run(endpoint(&server.base_url, "calibrate --pictures 1 --answer-tokens 64"));
+    calibrated.says(1, &["no convention fits"]);
 
     let endpoint = Endpoint::new(&server.base_url, "tiny").unwrap();
     let open = || {
@@ -335,10 +292,7 @@ fn a_real_server_with_a_grammar() {
         (reply.json::<Value>().unwrap(), reply)
     };
     let (value, reply) = ask();
-    assert_eq!(
-        l4d_endpoint::coordinates::written_boxes(&value).len(),
-        value["boxes"].as_array().unwrap().len()
-    );
+    assert_eq!(written_boxes(&value).len(), value["boxes"].as_array().unwrap().len());
     // 320x240 becomes 320x256: 10 x 8 tokens a picture, as the server counts.
     assert!(reply.usage.prompt_tokens.unwrap() >= 3 * 80, "{:?}", reply.usage);
     assert!(reply.notes.is_empty() && reply.finish == Finish::Stop, "{reply:?}");
@@ -363,12 +317,10 @@ fn a_real_server_with_a_grammar() {
 #[test]
 #[ignore = "slow: makes a Python environment with a model server"]
 fn a_real_server_of_transformers() {
-    let folder = environment();
-    let port = free_port();
-    let model = folder.join("tiny").display().to_string();
-    let mut command = python(folder, "transformers");
-    command.args(["serve", &model, "--device", "cpu", "--port", &port.to_string()]);
-    let server = Process::start(command, port);
+    let model = tiny_model();
+    let server = Process::start("transformers", |port| {
+        ["serve", &model, "--device", "cpu", "--port", port].map(str::to_owned).into()
+    });
     let dir = Dir::new();
     let mut endpoint = Endpoint::new(&server.base_url, &model).unwrap();
     endpoint.server = "transformers".to_owned();
@@ -386,12 +338,8 @@ fn a_real_server_of_transformers() {
     replayed.origin = Origin::Server;
     assert_eq!(replayed, reply);
 
-    let arguments =
-        ["endpoint", "check", "--base-url", &server.base_url, "--model", &model, "--server", "transformers"];
-    let document = dir.json(&arguments);
-    let states = states(&document);
-    for (name, state) in [("chat", "unclear"), ("usage", "ok"), ("schema", "lacking"), ("picture", "unclear")]
-    {
-        assert!(states.contains(&(name.to_owned(), state.to_owned())), "{document:#}");
-    }
+    let check = format!("endpoint check --base-url {} --model {model}", server.base_url);
+    let document = dir.json(format!("{check} --server transformers"));
+    let states = [("chat", "unclear"), ("usage", "ok"), ("schema", "lacking"), ("picture", "unclear")];
+    expect_states(&document, &states);
 }

@@ -1,6 +1,7 @@
 //! Results that somebody sends to do harm: `l4d check-results` and `l4d score` tell what is wrong, in bounded time and
 //! memory, and touch nothing outside.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::File;
 use std::os::unix::ffi::OsStrExt as _;
@@ -10,19 +11,13 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::{Dir, QUERIES, Run, SCENES};
+use crate::support::{self, Dir, QUERIES, Run, SCENES};
 
 const MASK: &str = "results/oracle/masks/room_discs/001.json";
 const CARD: &str = "results/oracle/method.json";
 /// Address space that is enough for whatever comes, KiB.
 const MEMORY_KIB: u32 = 1_500_000;
 const SECONDS: u32 = 60;
-
-fn oracle() -> Dir {
-    let dir = Dir::with_benchmark();
-    dir.succeed(&["baseline", "oracle", "--profile", "tiny"]);
-    dir
-}
 
 /// Runs the binary with little memory and time.
 fn bounded(dir: &Dir, arguments: &str) -> Run {
@@ -42,40 +37,29 @@ fn bounded(dir: &Dir, arguments: &str) -> Run {
 /// Both verbs must find exactly these codes, and nothing may be scored.
 fn expect(dir: &Dir, what: &str, codes: &[&str]) -> Vec<Value> {
     let check = bounded(dir, "check-results --json");
-    assert_eq!(check.code, 1, "{what}: {}\n{}", check.stdout, check.stderr);
-    let found: Value = serde_json::from_str(&check.stdout).unwrap();
-    let findings = found["findings"].as_array().unwrap().clone();
-    let mut found: Vec<&str> = findings.iter().map(|finding| finding["code"].as_str().unwrap()).collect();
-    found.sort_unstable();
-    found.dedup();
-    assert_eq!(found, codes, "{what}: {}", check.stdout);
+    let document = check.value();
+    let found: BTreeSet<&str> = support::codes(&document).into_iter().collect();
+    assert!(check.code == 1 && found.iter().eq(codes), "{what}: {check}");
     let score = bounded(dir, "score --json");
-    assert_eq!(score.code, 1, "{what}: {}\n{}", score.stdout, score.stderr);
+    assert_eq!(score.code, 1, "{what}: {score}");
     assert!(!dir.path("scores/oracle/counts.csv").exists(), "{what} was scored");
-    findings
+    document["findings"].as_array().unwrap().clone()
 }
 
 fn pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
-fn remove(path: &Path) {
-    match path.is_dir() {
-        true => std::fs::remove_dir_all(path).unwrap(),
-        false => std::fs::remove_file(path).unwrap(),
-    }
-}
-
 #[test]
 fn files_of_ten_gigabytes() {
     let sparse = |path: &Path| File::create(path).unwrap().set_len(10 << 30).unwrap();
     for (path, code) in [(CARD, "L4D302"), (MASK, "L4D314")] {
-        let dir = oracle();
+        let dir = Dir::with_oracle();
         sparse(&dir.path(path));
         expect(&dir, path, &[code]);
     }
-    let dir = oracle();
-    std::fs::remove_file(dir.path(MASK)).unwrap();
+    let dir = Dir::with_oracle();
+    dir.remove(MASK);
     dir.write("results/oracle/masks/room_discs/001/0000.png", "");
     sparse(&dir.path("results/oracle/masks/room_discs/001/0000.png"));
     expect(&dir, "a picture", &["L4D314"]);
@@ -96,12 +80,12 @@ fn json_without_end() {
         (CARD, deep.as_str(), "L4D302"),
         (CARD, card.as_str(), "L4D302"),
     ] {
-        let dir = oracle();
+        let dir = Dir::with_oracle();
         dir.write(path, text);
         expect(&dir, &text[..40], &[code]);
     }
     // A billion runs are a file that is never read.
-    let dir = oracle();
+    let dir = Dir::with_oracle();
     dir.write(MASK, format!("{{\"size\":[96,128],\"frames\":{{\"0000\":\"{}\"}}}}", "0".repeat(1 << 20)));
     expect(&dir, "more run lengths than pixels", &["L4D314"]);
 }
@@ -117,33 +101,29 @@ fn links_out_of_the_folder() {
         ("results/oracle/masks/room_discs/001", "."),
         ("results/other", "/"),
     ] {
-        let dir = oracle();
-        let path = dir.path(at);
-        if path.exists() {
-            remove(&path);
+        let dir = Dir::with_oracle();
+        if dir.path(at).exists() {
+            dir.remove(at);
         }
-        symlink(to, &path).unwrap();
+        symlink(to, dir.path(at)).unwrap();
         let check = bounded(&dir, "check-results --json");
-        assert!(check.code == 1 && check.stdout.contains("L4D313"), "{at}: {}", check.stdout);
+        check.says(1, &["L4D313"]);
         assert!(!check.stdout.contains("root:"), "{at} was followed");
-        let score = bounded(&dir, "score");
-        assert!(score.code == 1 && score.stdout.contains("L4D313"), "{at}: {}", score.stdout);
+        bounded(&dir, "score").says(1, &["L4D313"]);
     }
 }
 
 #[test]
-fn pipes_that_nobody_writes_into() {
+fn pipes_without_a_writer() {
     for at in [CARD, MASK, "results/oracle/masks", "results/oracle/masks/room_discs", "results/oracle"] {
-        let dir = oracle();
-        remove(&dir.path(at));
+        let dir = Dir::with_oracle();
+        dir.remove(at);
         pipe(&dir.path(at));
-        let check = bounded(&dir, "check-results --json");
-        assert!(check.code == 1 && check.stdout.contains("L4D313"), "{at}: {}{}", check.stdout, check.stderr);
-        let score = bounded(&dir, "score");
-        assert!(score.code == 1 && score.stdout.contains("L4D313"), "{at}: {}{}", score.stdout, score.stderr);
+        bounded(&dir, "check-results --json").says(1, &["L4D313"]);
+        bounded(&dir, "score").says(1, &["L4D313"]);
     }
-    let dir = oracle();
-    std::fs::remove_file(dir.path(MASK)).unwrap();
+    let dir = Dir::with_oracle();
+    dir.remove(MASK);
     std::fs::create_dir(dir.path("results/oracle/masks/room_discs/001")).unwrap();
     pipe(&dir.path("results/oracle/masks/room_discs/001/0000.png"));
     expect(&dir, "a picture", &["L4D313"]);
@@ -162,7 +142,7 @@ fn a_million_files() {
 
 fn refused_with_files(count: u32) {
     let folder = |at: &str| {
-        let dir = oracle();
+        let dir = Dir::with_oracle();
         std::fs::create_dir_all(dir.path(at)).unwrap();
         (0..count).for_each(|index| drop(File::create(dir.path(at).join(format!("{index}"))).unwrap()));
         dir
@@ -174,13 +154,12 @@ fn refused_with_files(count: u32) {
     let beside = folder("results/oracle/more");
     assert_eq!(bounded(&beside, "check-results").code, 0);
     let methods = folder("results");
-    let check = bounded(&methods, "check-results");
-    assert!(check.code == 1 && check.stdout.contains("L4D315"), "{}", check.stdout);
+    bounded(&methods, "check-results").says(1, &["L4D315"]);
 }
 
 #[test]
 fn more_bytes_than_are_taken_in() {
-    let dir = oracle();
+    let dir = Dir::with_oracle();
     // Each file is sound and padded: together they are between one and two megabytes.
     for (scene, _) in SCENES {
         for query in QUERIES {
@@ -193,16 +172,16 @@ fn more_bytes_than_are_taken_in() {
     }
     for verb in ["check-results", "score", "score --protocol davis", "score --sweep"] {
         let run = bounded(&dir, &format!("{verb} --json --max-megabytes 1"));
-        let found: Value = serde_json::from_str(&run.stdout).unwrap();
-        let findings = found["findings"].as_array().unwrap();
-        assert_eq!((run.code, findings.len()), (1, 1), "{verb}: {}", run.stdout);
-        assert_eq!(findings[0]["code"], "L4D316", "{verb}");
-        assert!(findings[0]["message"].as_str().unwrap().contains("2 MB"), "{}", run.stdout);
-        let folders = ["scores", "scores-davis", "scores-sweep"].map(|folder| dir.path(folder));
-        assert!(folders.iter().all(|folder| !folder.exists()), "{verb} wrote");
-        assert_eq!(bounded(&dir, &format!("{verb} --max-megabytes 2")).code, 0, "{verb}");
-        assert_eq!(folders.iter().any(|folder| folder.exists()), verb != "check-results", "{verb}");
-        folders.iter().filter(|folder| folder.exists()).for_each(|folder| remove(folder));
+        run.says(1, &["2 MB"]);
+        assert_eq!(support::codes(&run.value()), ["L4D316"], "{verb}");
+        let written = || {
+            let folders = ["scores", "scores-davis", "scores-sweep"];
+            folders.into_iter().filter(|folder| dir.path(folder).exists()).collect::<Vec<_>>()
+        };
+        assert!(written().is_empty(), "{verb} wrote");
+        bounded(&dir, &format!("{verb} --max-megabytes 2")).says(0, &[]);
+        assert_eq!(written().len(), usize::from(verb != "check-results"), "{verb}");
+        written().into_iter().for_each(|folder| dir.remove(folder));
     }
     // What is refused for its own size is not read, so it doesn't count.
     File::options().write(true).open(dir.path(MASK)).unwrap().set_len(10 << 40).unwrap();
@@ -210,8 +189,8 @@ fn more_bytes_than_are_taken_in() {
 }
 
 #[test]
-fn more_findings_than_anybody_reads() {
-    let dir = oracle();
+fn more_findings_than_are_listed() {
+    let dir = Dir::with_oracle();
     for index in 0..12_000 {
         File::create(dir.path(format!("results/oracle/masks/room_discs/{index}.zip"))).unwrap();
     }
@@ -222,7 +201,7 @@ fn more_findings_than_anybody_reads() {
 
 #[test]
 fn names_that_are_no_text_or_steer_terminals() {
-    let dir = oracle();
+    let dir = Dir::with_oracle();
     let scene = dir.path("results/oracle/masks/room_discs");
     for name in [&b"\xff\xfe.json"[..], b"001\xff", b"\x1b]0;gotcha\x07.json", b"00\n1.json", b"..json"] {
         File::create(scene.join(OsStr::from_bytes(name))).unwrap();
@@ -231,11 +210,7 @@ fn names_that_are_no_text_or_steer_terminals() {
     let findings = expect(&dir, "names", &["L4D305", "L4D306"]);
     assert_eq!(findings.len(), 5, "hidden names are not looked at");
     let check = bounded(&dir, "check-results");
-    assert!(
-        !check.stdout.contains('\u{1b}') && !check.stdout.contains('\u{9b}'),
-        "{}",
-        check.stdout.escape_debug()
-    );
+    assert!(!check.stdout.contains(['\u{1b}', '\u{9b}']), "{}", check.stdout.escape_debug());
     // Nor may a name or a word pass for a line of its own.
     dir.edit(CARD, "\"protocol\": \"l4d\"", "\"protocol\": \"\\u001b[2J\\n0 findings\"");
     dir.edit(CARD, "\"truth_digest\": \"", "\"truth_digest\": \"\\u001b[2J\\n");

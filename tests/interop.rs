@@ -9,6 +9,8 @@ use serde_json::json;
 
 use crate::support::Dir;
 
+const EXPORT: &str = "export wall --profile tiny --out out --format";
+
 /// A folder with the scene `wall` in profile tiny: three cameras before a wall, the second is held out.
 fn folder() -> Dir {
     let dir = Dir::new();
@@ -27,39 +29,29 @@ fn folder() -> Dir {
     dir
 }
 
-fn export(format: &str, out: &str) -> Vec<String> {
-    let words = ["export", "wall", "--profile", "tiny", "--format", format, "--out", out];
-    words.map(str::to_owned).to_vec()
-}
-
 #[test]
-fn export_prints_where_the_manifest_stands_and_says_what_a_reader_must_know() {
+fn export_prints_where_the_manifest_is_and_says_what_a_reader_must_know() {
     let dir = folder();
-    let arguments = export("4dgaussians", "out");
-    let run = dir.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
-    assert_eq!(run.code, 0, "{}", run.stderr);
+    let run = dir.succeed(format!("{EXPORT} 4dgaussians"));
     assert_eq!(run.stdout.trim(), "out/l4d-export.json");
-    assert!(run.stderr.contains("pose of cam01 with grey pictures"), "{}", run.stderr);
+    run.says(0, &["pose of cam01 with grey pictures"]);
     assert!(dir.path("out/ims/2/000008.png").is_file());
-    let manifest = dir.json(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    let manifest = dir.json(format!("{EXPORT} 4dgaussians"));
     assert_eq!(manifest["complete"], true);
     assert_eq!(manifest["cameras"][2], json!({"name": "cam01", "held_out": true, "called": "ims/2"}));
 }
 
 #[test]
-fn export_refuses_with_exit_code_2_and_a_hint() {
+fn exports_that_cannot_be_made_are_refused() {
     let dir = folder();
-    let refused = |format: &str, more: &[&str], said: &str| {
-        let arguments = export(format, "refused");
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(more.iter().copied()).collect();
-        let run = dir.run(&arguments);
-        assert_eq!(run.code, 2, "{}", run.stdout);
-        assert!(run.stderr.contains(said), "`{said}` is not in: {}", run.stderr);
-    };
-    refused("blender", &[], "4dgaussians-dynerf");
-    refused("colmap", &["--frames", "13"], "frame 13 is not rendered");
-    refused("colmap", &["--held-out", "pictures"], "cam01");
-    refused("lerf-ovs", &[], "truth/tiny/wall.json");
+    for (format, reason) in [
+        ("blender", "4dgaussians-dynerf"),
+        ("colmap --frames 13", "frame 13 is not rendered"),
+        ("colmap --held-out pictures", "cam01"),
+        ("lerf-ovs", "truth/tiny/wall.json"),
+    ] {
+        dir.run(format!("{EXPORT} {format}")).says(2, &[reason]);
+    }
 }
 
 #[test]
@@ -72,29 +64,15 @@ fn a_capture_comes_in_with_the_masks_that_people_drew() {
     let document = json!({"w": 32, "h": 24, "fl_x": 30.0, "frames": [frame("left"), frame("right")]});
     dir.write("shelf/transforms.json", document.to_string());
     dir.write("ids/right/0.png", ids::encode_palette(32, 24, &[3; 32 * 24]));
-    let run = dir.json(&[
-        "import-scene",
-        "nerfstudio",
-        "shelf",
-        "--held-out",
-        "right",
-        "--masks",
-        "ids",
-        "--masks-format",
-        "png",
-    ]);
-    assert_eq!(run["views"], 2);
-    assert_eq!(run["depth"], "absent");
-    assert_eq!(run["masks"], "data/captures/shelf/masks.json");
-    let masks: serde_json::Value = serde_json::from_str(&dir.read("data/captures/shelf/masks.json")).unwrap();
+    let import = "import-scene nerfstudio shelf --masks ids";
+    let run = dir.json(format!("{import} --held-out right --masks-format png"));
+    let masks = json!("data/captures/shelf/masks.json");
+    assert_eq!([&run["views"], &run["depth"], &run["masks"]], [&json!(2), &json!("absent"), &masks]);
+    let masks = dir.value("data/captures/shelf/masks.json");
     assert_eq!(masks["instances"][0]["name"], "object_3");
-    let capture: serde_json::Value =
-        serde_json::from_str(&dir.read("data/captures/shelf/capture.json")).unwrap();
-    assert_eq!(capture["cameras"][1]["split"], "test");
+    assert_eq!(dir.value("data/captures/shelf/capture.json")["cameras"][1]["split"], "test");
 
-    let run = dir.run(&["import-scene", "colmap", "shelf", "--out", "elsewhere"]);
-    assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("hint: give the folder that holds `sparse` and `images`"), "{}", run.stderr);
-    let run = dir.run(&["import-scene", "nerfstudio", "shelf", "--masks", "ids"]);
-    assert_eq!(run.code, 2, "masks without their format");
+    let colmap = "import-scene colmap shelf --out elsewhere";
+    dir.refuses(colmap, &["hint: give the folder that holds `sparse` and `images`"]);
+    assert_eq!(dir.run(import).code, 2, "masks without their format");
 }

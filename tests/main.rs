@@ -23,7 +23,6 @@ mod real_scenes;
 mod real_solving;
 mod releasing;
 mod results;
-mod scenes;
 mod score;
 mod solving;
 mod splats;

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use serde_json::{Value, json};
 
 use crate::proposing::scripted::{Server, says, status, thinks};
-use crate::solving::{refused, world};
-use crate::support::{Dir, root};
+use crate::solving::world;
+use crate::support::{Dir, root, shipped};
 
 /// The left half of the first picture.
 const PLAN: &str = r#"{"visible":true,"expression":"the ball that rolls","noun_phrase":"ball","boxes":[{"time":0.0,"bbox_2d":[0,0,500,1000]}]}"#;
@@ -32,11 +32,8 @@ fn grounder(dir: &Dir, worker: &str, package: &str) {
     dir.write("grounder.toml", format!("coupling = \"box\"\n{segmenter}{model}"));
 }
 
-fn solve<'a>(more: &[&'a str]) -> Vec<&'a str> {
-    let base =
-        ["solve", "--profile", "tiny", "--data", "data", "--queries", "ball/001", "--grounder", "model"];
-    [&base[..], &["--grounder-file", "grounder.toml", "--endpoint", "endpoint.toml"], more].concat()
-}
+const SOLVE: &str = "solve --profile tiny --data data --queries ball/001 --grounder model \
+                     --grounder-file grounder.toml --endpoint endpoint.toml";
 
 #[test]
 fn a_server_that_fails_for_half_of_the_views_is_asked_for_those_again() {
@@ -49,26 +46,23 @@ fn a_server_that_fails_for_half_of_the_views_is_asked_for_those_again() {
         }
     })]);
     let dir = stage(&server);
-    let plan = |dir: &Dir| dir.json(&solve(&["--dry-run"]));
+    let plan = |dir: &Dir| dir.json(format!("{SOLVE} --dry-run"));
     let first = plan(&dir);
     let total = &first["total"];
     assert_eq!((&total["questions"], &total["kept"], &total["images"]), (&json!(4), &json!(0), &json!(12)));
     assert!(total["tokens"]["prompt"].as_u64().unwrap() > 100, "{first}");
     assert!(total["cost"].as_f64().unwrap() > 0.1, "{first}");
     assert_eq!((&first["dry_run"], &first["plans"][0]["scene"]), (&json!(true), &json!("ball")));
-    let table = dir.succeed(&solve(&["--dry-run"])).stdout;
+    let table = dir.succeed(format!("{SOLVE} --dry-run")).stdout;
     assert!(table.contains("questions") && table.contains("cost up to"), "{table}");
     assert_eq!(server.count(), 0, "a plan sends nothing");
     assert!(!dir.path("results").exists(), "a plan answers nothing");
 
-    let run = dir.succeed(&solve(&[]));
-    assert!(run.stderr.contains("views: 2 error, 2 found"), "{}", run.stderr);
-    assert!(run.stderr.contains("did not answer"), "{}", run.stderr);
+    dir.run(SOLVE).says(0, &["views: 2 error, 2 found", "did not answer"]);
     assert!(dir.path("results/panopticquery-model/masks/ball/001.json").is_file(), "the others go on");
     assert_eq!(plan(&dir)["total"]["questions"], 2, "what answered is not asked again");
     is_well.store(true, Ordering::SeqCst);
-    let run = dir.succeed(&solve(&[]));
-    assert!(run.stderr.contains("views: 4 found"), "{}", run.stderr);
+    dir.run(SOLVE).says(0, &["views: 4 found"]);
     assert_eq!((server.count(), &plan(&dir)["total"]["questions"]), (6, &json!(0)));
 }
 
@@ -77,24 +71,22 @@ fn a_worker_of_ours_runs_in_an_environment_that_is_made_once() {
     let server = Server::start(vec![says(PLAN)]);
     let dir = stage(&server);
     // The real package, but for the networks and what they need: the worker that fills boxes takes the place of SAM 2.
-    let package = root().join("crates/l4d-ground/workers/l4d_workers");
-    for file in ["__init__.py", "__main__.py", "protocol.py", "rle.py", "box.py"] {
-        dir.write(&format!("package/l4d_workers/{file}"), std::fs::read(package.join(file)).unwrap());
+    for (file, place) in ["__init__", "__main__", "protocol", "rle", "box"]
+        .map(|file| (file, file))
+        .into_iter()
+        .chain([("box", "sam2_hf")])
+    {
+        let text = shipped(&format!("crates/l4d-ground/workers/l4d_workers/{file}.py"));
+        dir.write(&format!("package/l4d_workers/{place}.py"), text);
     }
-    dir.write("package/l4d_workers/sam2_hf.py", std::fs::read(package.join("box.py")).unwrap());
     dir.write("package/requirements.txt", "# nothing\n");
     grounder(&dir, "worker = \"sam2-hf\"", "package");
-    let run = dir.succeed(&solve(&[]));
-    assert!(run.stderr.contains("making the environment of the segmenter workers"), "{}", run.stderr);
-    assert!(run.stderr.contains("views: 4 found"), "{}", run.stderr);
-    let kinds: Vec<_> = std::fs::read_dir(dir.path("work/workers-env"))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.is_dir())
-        .collect();
+    dir.run(SOLVE).says(0, &["making the environment of the segmenter workers", "views: 4 found"]);
+    let kinds = std::fs::read_dir(dir.path("work/workers-env")).unwrap().map(|entry| entry.unwrap().path());
+    let kinds: Vec<_> = kinds.filter(|path| path.is_dir()).collect();
     assert_eq!(kinds.len(), 1);
     assert!(kinds[0].join("complete").is_file() && kinds[0].join("bin/python").exists());
-    let again = dir.succeed(&solve(&["--overwrite"]));
+    let again = dir.succeed(format!("{SOLVE} --overwrite"));
     assert!(!again.stderr.contains("making"), "{}", again.stderr);
 }
 
@@ -106,18 +98,13 @@ fn models_and_couplings_are_rows_of_a_table() {
     let no_vlm = dir.read("grounder.toml").replace("\"box\"", "\"null\"");
     dir.write("no_vlm.toml", no_vlm.replace("coupling = \"null\"", "coupling = \"no-vlm\""));
     let published = "benchmark/published/vlm.csv";
-    dir.write(published, std::fs::read(root().join(published)).unwrap());
-    let files = ["--grounder-files", "boxes.toml,no_vlm.toml", "--endpoint", "endpoint.toml"];
-    let grid = [&["ablate", "vlm", "--profile", "tiny", "--data", "data"], &files[..]].concat();
-    let document = dir.json(&grid);
-    let rows: Vec<&Value> = document["rows"].as_array().unwrap().iter().collect();
+    dir.write(published, shipped(published));
+    let grid = "ablate vlm --profile tiny --data data --grounder-files";
+    let document = dir.json(format!("{grid} boxes.toml,no_vlm.toml --endpoint endpoint.toml"));
+    let rows = document["rows"].as_array().unwrap();
     let miou = |setting: &str| {
-        let is_meant = |row: &&&Value| {
-            row["source"] == "measured"
-                && row["setting"] == setting
-                && row["column"] == "all"
-                && row["metric"] == "miou"
-        };
+        let wanted = [("source", "measured"), ("setting", setting), ("column", "all"), ("metric", "miou")];
+        let is_meant = |row: &&Value| wanted.iter().all(|(field, value)| row[*field] == **value);
         let row = rows.iter().find(is_meant).unwrap_or_else(|| panic!("no {setting} in {document}"));
         assert_eq!(row["used_truth"], false);
         row["value"].as_f64().unwrap()
@@ -126,19 +113,15 @@ fn models_and_couplings_are_rows_of_a_table() {
     assert_eq!(miou("no_vlm"), 0.0);
     assert!(rows.iter().any(|row| row["source"] == "published"));
     assert_eq!(server.count(), 4 * 3, "a question a view and query, by one of the rows");
-    let card = |name: &str| -> Value {
-        let path = format!("work/tiny/ablations/vlm/results/{name}/method.json");
-        serde_json::from_str(&dir.read(&path)).unwrap()
+    let endpoints = |name: &str| {
+        let card = dir.value(&format!("work/tiny/ablations/vlm/results/{name}/method.json"));
+        card["used"]["endpoints"].clone()
     };
-    assert_eq!(card("boxes")["used"]["endpoints"], json!([server.url()]));
-    assert_eq!(card("no_vlm")["used"]["endpoints"], json!([]));
-    let refuse = |files: &str, parts: &[&str]| {
-        let grid = ["ablate", "vlm", "--profile", "tiny", "--data", "data", "--grounder-files", files];
-        refused(&dir.run(&grid), parts);
-    };
+    assert_eq!((endpoints("boxes"), endpoints("no_vlm")), (json!([server.url()]), json!([])));
     dir.write("other/boxes.toml", dir.read("boxes.toml"));
-    refuse("boxes.toml,other/boxes.toml", &["two of --grounder-files are called `boxes`"]);
-    refuse("missing.toml", &["missing.toml"]);
+    let twice = "two of --grounder-files are called `boxes`";
+    dir.refuses(format!("{grid} boxes.toml,other/boxes.toml"), &[twice]);
+    dir.refuses(format!("{grid} missing.toml"), &["missing.toml"]);
 }
 
 #[test]
@@ -154,11 +137,11 @@ fn a_file_that_names_no_worker_is_refused() {
         ("program = \"python3\"", ["segmenter.package", "leave it out"]),
     ] {
         grounder(&dir, worker, &shipped);
-        refused(&dir.run(&solve(&[])), &parts);
+        dir.refuses(SOLVE, &parts);
     }
     grounder(&dir, "worker = \"box\"", "nowhere");
-    refused(&dir.run(&solve(&[])), &["nowhere", "not there", "`package`"]);
-    let geometric = ["solve", "--profile", "tiny", "--data", "data", "--dry-run"];
-    refused(&dir.run(&geometric), &["geometric asks no model server"]);
+    dir.refuses(SOLVE, &["nowhere", "not there", "`package`"]);
+    let geometric = "solve --profile tiny --data data --dry-run";
+    dir.refuses(geometric, &["geometric asks no model server"]);
     assert_eq!(server.count(), 0);
 }

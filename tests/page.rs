@@ -1,89 +1,124 @@
 //! The leaderboard's page in a real browser: what a person can do with it, by mouse, by keys and by ear.
 
 mod browser;
-mod crowd;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use l4d_data::truth::Truth;
 use l4d_frames::Display;
 use l4d_masks::Mask;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use self::browser::Browser;
 use crate::annotation_tui::data;
-use crate::support::{Dir, root};
+use crate::leaderboard::{add_contestant, copies, scored};
+use crate::real_scenes::{authored, authored_on};
+use crate::support::{Dir, named, root};
 
-const PROFILE: [&str; 2] = ["--profile", "tiny"];
-/// The buttons in the heads of the board.
+const MAKE: &str = "leaderboard --html --profile tiny";
+const REAL: &str = "--bench captures --profile real";
+/// The table of the board.
 const BOARD: &str = "document.querySelector('[aria-labelledby=ranking]')";
 
-/// A page of scored baselines and a contestant.
+/// A page of scored baselines and a contestant, made once.
 fn page() -> Dir {
-    let dir = crate::leaderboard::scored();
-    make(&dir);
-    dir
+    static PAGE: LazyLock<Dir> = LazyLock::new(|| {
+        let dir = scored();
+        dir.succeed(MAKE);
+        dir
+    });
+    PAGE.copy()
 }
 
-fn make(dir: &Dir) {
-    dir.succeed(&[&["leaderboard", "--html"], &PROFILE[..]].concat());
-}
-
-fn file(dir: &Dir) -> PathBuf {
-    dir.path("leaderboard/index.html")
+/// The same masks under the rules of others, beside the scores.
+fn judge(dir: &Dir, protocols: &[&str]) {
+    for protocol in protocols {
+        dir.succeed(format!("score --protocol {protocol} --profile tiny"));
+    }
+    dir.succeed(MAKE);
 }
 
 fn open(dir: &Dir, address: &str) -> Browser {
     let mut browser = Browser::start(1280, 900);
-    browser.open(&file(dir), address);
+    browser.open(dir, address);
     browser
 }
 
-/// The names of the methods in the order of the table.
-fn order(browser: &mut Browser) -> Vec<String> {
-    let names = browser.evaluate(&format!(
-        "[...{BOARD}.querySelectorAll('tbody th.name > :first-child')].map((cell) => cell.textContent)"
-    ));
-    serde_json::from_value(names).unwrap()
-}
+impl Browser {
+    /// The text of the first element that a selector finds.
+    fn text_of(&mut self, selector: &str) -> String {
+        self.text(&format!("document.querySelector({selector:?}).textContent"))
+    }
 
-fn click(browser: &mut Browser, selector: &str) {
-    let clicked = browser.evaluate(&format!(
-        "(() => {{ const found = document.querySelector({selector:?}); found?.focus(); found?.click(); return found !== null; }})()"
-    ));
-    assert_eq!(clicked, true, "{selector} is not there");
-}
+    /// The text of the board, or of a part of it.
+    fn board(&mut self, selector: &str) -> String {
+        let part = if selector.is_empty() { String::new() } else { format!(".querySelector({selector:?})") };
+        self.text(&format!("{BOARD}{part}.textContent"))
+    }
 
-/// Chooses an option as a person does: the value changes and the page gets the event.
-fn choose(browser: &mut Browser, label: &str, value: &str) {
-    browser.evaluate(&format!(
-        "{{ const label = [...document.querySelectorAll('label')].find((label) => label.textContent.startsWith({label:?}));
-           const field = label.control;
-           field.value = {value:?};
-           field.dispatchEvent(new Event(field.tagName === 'SELECT' ? 'change' : 'input', {{ bubbles: true }})); }}"
-    ));
-}
+    /// What an expression makes of each element of the board that a selector finds, `one`.
+    fn each(&mut self, selector: &str, expression: &str) -> Value {
+        self.evaluate(&format!("[...{BOARD}.querySelectorAll({selector:?})].map((one) => {expression})"))
+    }
 
-/// The first cell of that kind in the row of a method.
-fn first_number(browser: &mut Browser, kind: &str, name: &str) -> String {
-    browser.text(&format!(
-        "[...{BOARD}.querySelectorAll('tbody tr')].find((row) => row.querySelector('th.name')?.firstElementChild.textContent === {name:?}).querySelector('{kind}').textContent"
-    ))
-}
+    /// The names of the methods in the order of the table.
+    fn order(&mut self) -> Vec<String> {
+        serde_json::from_value(self.each("tbody th.name > :first-child", "one.textContent")).unwrap()
+    }
 
-fn h1(browser: &mut Browser) -> String {
-    browser.text("document.querySelector('h1').textContent")
-}
+    /// Whether, and how, the board is sorted by a column.
+    fn sorting(&mut self, key: &str) -> String {
+        self.text(&format!("{BOARD}.querySelector('[data-sort={key}]').closest('th').ariaSort"))
+    }
 
-/// Waits until a scene is unpacked.
-fn ready(browser: &mut Browser) {
-    browser.until("!document.getElementById('main').textContent.includes('Unpacking')");
-}
+    fn click(&mut self, selector: &str) {
+        let clicked = self.evaluate(&format!(
+            "(() => {{ const found = document.querySelector({selector:?}); found?.focus(); found?.click(); return found !== null; }})()"
+        ));
+        assert_eq!(clicked, true, "{selector} is not there");
+    }
 
-fn assert_quiet(browser: &mut Browser) {
-    assert_eq!(browser.complaints(), Vec::<String>::new());
+    /// Chooses an option as a person does: the value changes and the page gets the event.
+    fn choose(&mut self, label: &str, value: &str) {
+        self.evaluate(&format!(
+            "{{ const label = [...document.querySelectorAll('label')].find((label) => label.textContent.startsWith({label:?}));
+               const field = label.control;
+               field.value = {value:?};
+               field.dispatchEvent(new Event(field.tagName === 'SELECT' ? 'change' : 'input', {{ bubbles: true }})); }}"
+        ));
+    }
+
+    /// The first cell of that kind in the row of a method.
+    fn first_number(&mut self, kind: &str, name: &str) -> String {
+        self.text(&format!(
+            "[...{BOARD}.querySelectorAll('tbody tr')].find((row) => row.querySelector('th.name')?.firstElementChild.textContent === {name:?}).querySelector('{kind}').textContent"
+        ))
+    }
+
+    /// Demands that what a selector finds first has these texts in it.
+    fn shows(&mut self, selector: &str, parts: &[&str]) {
+        let text = self.text_of(selector);
+        for part in parts {
+            assert!(text.contains(part), "no `{part}` in {selector}: {text}");
+        }
+    }
+
+    /// Waits until a query is drawn.
+    fn drawn(&mut self) {
+        self.until("document.querySelector('.stage canvas')?.width > 200");
+    }
+
+    fn h1(&mut self) -> String {
+        self.text_of("h1")
+    }
+
+    /// Waits until a scene is unpacked.
+    fn ready(&mut self) {
+        self.until("!document.getElementById('main').textContent.includes('Unpacking')");
+    }
 }
 
 #[test]
@@ -91,28 +126,24 @@ fn the_head_of_a_column_sorts_by_click_and_by_key() {
     let dir = page();
     let mut browser = open(&dir, "");
     // Ranked first, whatever the order: the contestant. Baselines below it.
-    let start = order(&mut browser);
+    let start = browser.order();
     assert_eq!(start.len(), 6, "{start:?}");
     assert_eq!(start[0], "contestant");
     assert!(start.contains(&"oracle".to_owned()));
-    let state = |browser: &mut Browser, key: &str| {
-        browser.text(&format!("{BOARD}.querySelector('[data-sort={key}]').closest('th').ariaSort"))
-    };
-    assert_eq!(state(&mut browser, "miou"), "descending");
+    assert_eq!(browser.sorting("miou"), "descending");
 
-    click(&mut browser, "[data-sort=name]");
-    assert_eq!(state(&mut browser, "name"), "ascending");
-    assert_eq!(state(&mut browser, "miou"), "none");
-    let mut sorted = order(&mut browser);
+    browser.click("[data-sort=name]");
+    assert_eq!(browser.sorting("name"), "ascending");
+    assert_eq!(browser.sorting("miou"), "none");
+    let mut sorted = browser.order();
     assert!(sorted[0] == "contestant" && sorted[1..].is_sorted(), "{sorted:?}");
     browser.press("Enter");
     // The head kept the focus through the redraw, so the key pressed it again.
-    assert_eq!(state(&mut browser, "name"), "descending");
+    assert_eq!(browser.sorting("name"), "descending");
     sorted[1..].reverse();
-    assert_eq!(order(&mut browser), sorted);
+    assert_eq!(browser.order(), sorted);
     assert!(browser.text("location.hash").contains("sort=-name"));
-    assert!(browser.text("document.getElementById('said').textContent").contains("Sorted by Method"));
-    assert_quiet(&mut browser);
+    browser.shows("#said", &["Sorted by Method"]);
 }
 
 #[test]
@@ -121,25 +152,24 @@ fn filters_show_the_numbers_of_the_tables() {
     let mut browser = open(&dir, "");
     let tables = [("per_category.csv", "Category", "action"), ("per_scale.csv", "Scale", "room")];
     for (table, label, group) in tables {
-        choose(&mut browser, label, group);
+        browser.choose(label, group);
         let csv = dir.read(&format!("leaderboard/{table}"));
         for line in csv.lines().filter(|line| line.contains(&format!(",{group},"))) {
             let fields: Vec<&str> = line.split(',').collect();
             let expected = format!("{:.2}", fields[5].parse::<f64>().unwrap());
-            let cell = first_number(&mut browser, "td.number > span", fields[2]);
+            let cell = browser.first_number("td.number > span", fields[2]);
             // The first number of an unranked row is its miou as well: its rank is a dash without a span.
             assert_eq!(cell, expected, "{line}");
         }
-        choose(&mut browser, label, "");
+        browser.choose(label, "");
     }
-    choose(&mut browser, "Category", "spatial");
-    choose(&mut browser, "Scale", "outdoor");
-    assert_eq!(browser.text("document.querySelector('.count').textContent"), "6 methods, 1 query");
-    choose(&mut browser, "Method", "TIME");
-    assert_eq!(order(&mut browser), ["time-agnostic"]);
-    choose(&mut browser, "Method", "no such");
-    assert!(browser.text(&format!("{BOARD}.textContent")).contains("No method matches"));
-    assert_quiet(&mut browser);
+    browser.choose("Category", "spatial");
+    browser.choose("Scale", "outdoor");
+    assert_eq!(browser.text_of(".count"), "6 methods, 1 query");
+    browser.choose("Method", "TIME");
+    assert_eq!(browser.order(), ["time-agnostic"]);
+    browser.choose("Method", "no such");
+    assert!(browser.board("").contains("No method matches"));
 }
 
 #[test]
@@ -150,112 +180,81 @@ fn tracks_are_apart_and_have_their_own_best() {
     assert!(browser.evaluate(&format!("{BOARD}.querySelector('.best') === null")) == true);
     for (baseline, name, depth) in [("none", "blank", false), ("oracle", "deep", true), ("all", "flat", true)]
     {
-        crate::leaderboard::contestant(&dir, baseline, name, depth);
+        add_contestant(&dir, baseline, name, depth);
     }
-    dir.succeed(&[&["score"], &PROFILE[..]].concat());
-    make(&dir);
-    browser.open(&file(&dir), "#a=contestant&b=deep");
-    assert_eq!(order(&mut browser)[..4], ["contestant", "blank", "deep", "flat"]);
-    let heads =
-        browser.evaluate(&format!("[...{BOARD}.querySelectorAll('tr.rule')].map((one) => one.textContent)"));
-    assert_eq!(
-        heads,
-        serde_json::json!(["Track: colour", "Track: colour + depth", "Not ranked, shown for scale"])
-    );
-    let best = browser.evaluate(&format!(
-        "[...new Set([...{BOARD}.querySelectorAll('.best')].map((one) => one.closest('tbody').rows[0].textContent))]"
-    ));
-    assert_eq!(best, serde_json::json!(["Track: colour", "Track: colour + depth"]));
-    let verdict = browser.text("document.querySelector('.verdict').textContent");
-    assert!(verdict.contains("methods of two tracks are not compared"), "{verdict}");
-    click(&mut browser, "[data-sort=name]");
-    assert_eq!(
-        order(&mut browser)[..4],
-        ["blank", "contestant", "deep", "flat"],
-        "groups stay apart in any order"
-    );
-    browser.open(&file(&dir), "#method=deep");
-    let facts = browser.text("document.querySelector('.facts').textContent");
-    assert!(facts.contains("Rank1") && facts.contains("Trackcolour + depth"), "{facts}");
-    assert_quiet(&mut browser);
+    dir.succeed("score --profile tiny");
+    dir.succeed(MAKE);
+    browser.open(&dir, "#a=contestant&b=deep");
+    assert_eq!(browser.order()[..4], ["contestant", "blank", "deep", "flat"]);
+    let heads = browser.each("tr.rule", "one.textContent");
+    assert_eq!(heads, json!(["Track: colour", "Track: colour + depth", "Not ranked, shown for scale"]));
+    let best = browser.each(".best", "one.closest('tbody').rows[0].textContent");
+    let best: BTreeSet<&str> = best.as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(best, BTreeSet::from(["Track: colour", "Track: colour + depth"]));
+    browser.shows(".verdict", &["methods of two tracks are not compared"]);
+    browser.click("[data-sort=name]");
+    let order = browser.order();
+    assert_eq!(order[..4], ["blank", "contestant", "deep", "flat"], "groups stay apart in any order");
+    browser.open(&dir, "#method=deep");
+    browser.shows(".facts", &["Rank1", "Trackcolour + depth"]);
 }
 
 #[test]
-fn what_few_scenes_cannot_say_is_told() {
+fn what_few_scenes_cannot_say_is_written_there() {
     let dir = page();
     let mut browser = open(&dir, "#a=oracle&b=none");
-    let range = browser.text(&format!("{BOARD}.querySelector('.range').textContent"));
+    let range = browser.board(".range");
     assert!(range.ends_with(" ! of fewer than 8 scenes"), "{range}");
-    let verdict = browser.text("document.querySelector('.verdict').textContent");
-    assert!(verdict.contains("100.00 points higher than that of none"), "{verdict}");
-    assert!(verdict.contains("no outcome could have had p below 0.05"), "{verdict}");
-    assert!(!verdict.contains("four times in five"), "{verdict}");
-    browser.open(&file(&dir), "#a=oracle&b=time-agnostic");
-    let verdict = browser.text("document.querySelector('.verdict').textContent");
-    assert!(verdict.contains("They do not differ in any scene."), "{verdict}");
-    assert_quiet(&mut browser);
+    let verdict = ["100.00 points higher than that of none", "no outcome could have had p below 0.05"];
+    browser.shows(".verdict", &verdict);
+    assert!(!browser.text_of(".verdict").contains("four times in five"));
+    browser.open(&dir, "#a=oracle&b=time-agnostic");
+    browser.shows(".verdict", &["They do not differ in any scene."]);
 }
 
 #[test]
-fn methods_that_were_scored_on_something_else_stand_behind_the_filter_of_protocols() {
+fn methods_that_were_scored_on_something_else_are_behind_the_filter_of_protocols() {
     let dir = page();
-    dir.succeed(&["score", "results/all", "--profile", "tiny", "--hit-iou", "0.5"]);
-    make(&dir);
+    dir.succeed("score results/all --profile tiny --hit-iou 0.5");
+    dir.succeed(MAKE);
     let mut browser = open(&dir, "");
-    assert!(!order(&mut browser).contains(&"all".to_owned()));
-    choose(&mut browser, "Protocol", "0");
-    assert_eq!(order(&mut browser), ["all"]);
-    assert!(browser.text(&format!("{BOARD}.textContent")).contains("with hits above IoU 0.5"));
-    assert_quiet(&mut browser);
-}
-
-/// The same masks under the rules of others, beside the scores.
-fn judge(dir: &Dir, protocols: &[&str]) {
-    for protocol in protocols {
-        dir.succeed(&[&["score", "--protocol", protocol], &PROFILE[..]].concat());
-    }
+    assert!(!browser.order().contains(&"all".to_owned()));
+    browser.choose("Protocol", "0");
+    assert_eq!(browser.order(), ["all"]);
+    assert!(browser.board("").contains("with hits above IoU 0.5"));
 }
 
 #[test]
 fn a_protocol_of_others_has_a_table_of_its_own_down_to_the_query() {
     let dir = page();
     judge(&dir, &["davis", "4d-langsplat"]);
-    make(&dir);
     let mut browser = open(&dir, "");
-    let ours = browser.text(&format!("{BOARD}.textContent"));
-    assert!(!ours.contains("J&F"), "a protocol is mixed into the ranking");
-    choose(&mut browser, "Protocol", "davis");
-    assert_eq!(order(&mut browser).len(), 6);
+    assert!(!browser.board("").contains("J&F"), "a protocol is mixed into the ranking");
+    browser.choose("Protocol", "davis");
+    assert_eq!(browser.order().len(), 6);
     assert!(browser.text("location.hash").contains("board=davis"));
-    let table = browser.text(&format!("{BOARD}.textContent"));
+    let table = browser.board("");
     assert!(table.contains("protocol davis (DAVIS 2017, semi-supervised)"), "{table}");
     assert!(table.contains("never ranked") && !table.contains("mIoU"), "{table}");
     // Every head of a number names the protocol, so that a picture of a part cannot be taken for another table.
-    let heads = browser.evaluate(&format!(
-        "[...{BOARD}.querySelectorAll('thead th.number .over')].map((one) => one.textContent)"
-    ));
-    assert_eq!(heads, serde_json::json!(vec!["davis"; 7]));
-    let said = browser.text("document.getElementById('said').textContent");
-    assert!(said.contains("Under the rules of others: davis"), "{said}");
-    assert!(browser.text("document.querySelector('main .notice').textContent").contains("never ranked"));
-    let left_out = browser.text("document.querySelector('ul.plain').textContent");
-    assert!(left_out.contains("Every method: 12 frames of 6 queries are first or last"), "{left_out}");
+    assert_eq!(browser.each("thead th.number .over", "one.textContent"), json!(vec!["davis"; 7]));
+    browser.shows("#said", &["Under the rules of others: davis"]);
+    browser.shows("main .notice", &["never ranked"]);
+    browser.shows("ul.plain", &["Every method: 12 frames of 6 queries are first or last"]);
 
     // The numbers are those of the files, whole and in a group.
-    let kept: Value = l4d_data::json::read(&dir.path("scores-davis/contestant/protocol-davis.json")).unwrap();
-    let printed = |value: &Value| value.as_f64().map_or("–".to_owned(), |value| format!("{value:.2}"));
-    assert_eq!(first_number(&mut browser, "td.number", "contestant"), printed(&kept["measures"]["j_and_f"]));
-    choose(&mut browser, "Scale", "room");
-    assert_eq!(
-        first_number(&mut browser, "td.number", "contestant"),
-        printed(&kept["scenes"]["room_discs"]["j_and_f"])
-    );
-    choose(&mut browser, "Scale", "");
+    let kept = dir.value("scores-davis/contestant/protocol-davis.json");
+    for (scale, measures) in [("", &kept["measures"]), ("room", &kept["scenes"]["room_discs"])] {
+        browser.choose("Scale", scale);
+        let printed = measures["j_and_f"].as_f64().map_or("–".to_owned(), |value| format!("{value:.2}"));
+        assert_eq!(browser.first_number("td.number", "contestant"), printed, "{scale}");
+    }
+    browser.choose("Scale", "");
 
     // Down to a scene, a query and its frames.
-    browser.open(&file(&dir), "#board=davis&method=contestant");
-    assert_eq!(h1(&mut browser), "contestant under davis");
-    click(&mut browser, "a[href*='scene=room_discs']");
+    browser.open(&dir, "#board=davis&method=contestant");
+    assert_eq!(browser.h1(), "contestant under davis");
+    browser.click("a[href*='scene=room_discs']");
     browser.until("document.querySelectorAll('tbody tr').length === 4");
     let csv = dir.read("scores-davis/contestant/protocol-davis.csv");
     let line = csv.lines().find(|line| line.contains(",room_discs,001,")).unwrap();
@@ -264,28 +263,26 @@ fn a_protocol_of_others_has_a_table_of_its_own_down_to_the_query() {
         "[...document.querySelectorAll('tbody tr')].find((row) => row.cells[0].textContent === '001').cells[3].textContent",
     );
     assert_eq!(cells, format!("{value:.2}"));
-    click(&mut browser, "a[href*='query=001']");
+    browser.click("a[href*='query=001']");
     browser.until("document.querySelector('.stage canvas')");
-    let facts = browser.text("document.querySelector('.facts').textContent");
-    assert!(facts.contains(&format!("davis: J&F{value:.2}")), "{facts}");
+    browser.shows(".facts", &[&format!("davis: J&F{value:.2}")]);
     // Methods that a protocol never judged, and scenes that are none, are nothing.
     for address in ["#board=davis&method=nobody", "#board=davis&method=contestant&scene=nowhere"] {
-        browser.open(&file(&dir), address);
-        assert_eq!(h1(&mut browser), "There is nothing at this address");
+        browser.open(&dir, address);
+        assert_eq!(browser.h1(), "There is nothing at this address");
     }
     // From a method of the board to what others would say of it.
-    browser.open(&file(&dir), "#method=contestant");
-    click(&mut browser, "a[href*='board=4d-langsplat']");
+    browser.open(&dir, "#method=contestant");
+    browser.click("a[href*='board=4d-langsplat']");
     browser.until("document.querySelector('h1').textContent === 'contestant under 4d-langsplat'");
-    assert_quiet(&mut browser);
 }
 
 #[test]
 fn a_query_shows_the_pixels_that_were_counted() {
     let dir = page();
     // 001 means disc_a in the whole clip; the oracle finds it, `none` misses it, `all` marks everything.
-    let truth: Value = l4d_data::json::read(&dir.path("benchmark/truth/tiny/room_discs.json")).unwrap();
-    let disc = truth["instances"].as_array().unwrap().iter().find(|one| one["name"] == "disc_a").unwrap();
+    let truth = dir.value("benchmark/truth/tiny/room_discs.json");
+    let disc = named(&truth["instances"], "disc_a");
     let mask = Mask::decode(disc["masks"]["0048"].as_str().unwrap(), 128, 96).unwrap();
     let (target, pixels) = (mask.area(), 128 * 96);
     assert!(target > 50);
@@ -293,8 +290,8 @@ fn a_query_shows_the_pixels_that_were_counted() {
     for (method, found, missed, extra) in
         [("oracle", target, 0, 0), ("none", 0, target, 0), ("all", target, 0, pixels - target)]
     {
-        browser.open(&file(&dir), &format!("#method={method}&scene=room_discs&query=001&frame=48"));
-        browser.until("document.querySelector('.stage canvas')?.width > 300");
+        browser.open(&dir, &format!("#method={method}&scene=room_discs&query=001&frame=48"));
+        browser.drawn();
         // Yellow, blue and vermillion over the dark ground, striped or not: told apart by their channels.
         let counts = browser.evaluate(
             "(() => { const canvas = document.querySelector('.stage canvas');
@@ -309,18 +306,16 @@ fn a_query_shows_the_pixels_that_were_counted() {
                 const factor = width / 128;
                 return counts.map((count) => count / factor / factor); })()",
         );
-        assert_eq!(counts, serde_json::json!([found, missed, extra]), "{method}");
-        let label = browser.text("document.querySelector('.stage canvas').ariaLabel");
-        assert!(label.contains("frame 48"), "{label}");
+        assert_eq!(counts, json!([found, missed, extra]), "{method}");
+        assert!(browser.text("document.querySelector('.stage canvas').ariaLabel").contains("frame 48"));
     }
     // A mask that changed after scoring contradicts its numbers, so it is not shown.
     let masks = "results/oracle/masks/room_discs/001.json";
     dir.write(masks, dir.read("results/all/masks/room_discs/001.json"));
-    make(&dir);
-    browser.open(&file(&dir), "#method=oracle&scene=room_discs&query=001");
+    dir.succeed(MAKE);
+    browser.open(&dir, "#method=oracle&scene=room_discs&query=001");
     browser
         .until("document.querySelector('.stage figcaption')?.textContent.includes('truth is shown alone')");
-    assert_quiet(&mut browser);
 }
 
 /// Red, green and blue of the middle of a pixel of the mask, on the large picture of a query.
@@ -350,8 +345,7 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     let dir = page();
     let truth = Truth::read(&dir.path("benchmark/truth/tiny/room_discs.json")).unwrap();
     data::render(&dir, &truth);
-    let run = dir.succeed(&[&["leaderboard", "--html", "--data", "data/tiny"], &PROFILE[..]].concat());
-    assert!(run.stderr.contains("holds 1 of 2 scenes"), "{}", run.stderr);
+    dir.run(format!("{MAKE} --data data/tiny")).says(0, &["holds 1 of 2 scenes"]);
 
     let frame = data::picture(&truth, 48);
     let display = Display::new(1.0).picture(&frame);
@@ -374,8 +368,8 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     assert!((below(target) - below(floor)).abs() > 12.0, "both look the same, so nothing is proved");
 
     let mut browser = Browser::start(1280, 900);
-    browser.open(&file(&dir), "#method=oracle&scene=room_discs&query=001&frame=48");
-    browser.until("document.querySelector('.stage canvas')?.width > 300");
+    browser.open(&dir, "#method=oracle&scene=room_discs&query=001&frame=48");
+    browser.drawn();
     // Painted when the picture is decoded.
     browser.until("document.querySelector('.stage canvas').dataset.picture === 'shown'");
     let at =
@@ -384,72 +378,60 @@ fn a_picture_of_the_held_out_view_lies_under_the_masks() {
     let found = [86.0, 180.0, 233.0].map(|colour| below(target) + 0.72 * (colour - below(target)));
     assert_close(at(&mut browser, target), found);
     // Without the picture: the dark ground with what else is there.
-    click(&mut browser, ".layers label:nth-of-type(3) input");
+    browser.click(".layers label:nth-of-type(3) input");
     browser.until("document.querySelector('.stage canvas').dataset.picture !== 'shown'");
     assert_close(at(&mut browser, floor), [50.0, 56.0, 63.0]);
     // The scene that is not rendered has no such switch, and its masks.
-    browser.open(&file(&dir), "#method=oracle&scene=outdoor_discs&query=001");
+    browser.open(&dir, "#method=oracle&scene=outdoor_discs&query=001");
     browser.until("document.querySelectorAll('.layers input').length === 2");
-    assert_quiet(&mut browser);
 
     // A damaged picture is reported and left out.
     dir.write("data/tiny/room_discs/frames/test/0048.exr", "torn");
-    let run = dir.succeed(&[&["leaderboard", "--html", "--data", "data/tiny"], &PROFILE[..]].concat());
-    assert!(run.stderr.contains("0048.exr"), "{}", run.stderr);
-    browser.open(&file(&dir), "#method=oracle&scene=room_discs&query=001&frame=48");
-    browser.until("document.querySelector('.stage canvas')?.width > 300");
+    dir.run(format!("{MAKE} --data data/tiny")).says(0, &["0048.exr"]);
+    browser.open(&dir, "#method=oracle&scene=room_discs&query=001&frame=48");
+    browser.drawn();
     assert_close(at(&mut browser, floor), [50.0, 56.0, 63.0]);
 }
 
 #[test]
 fn pictures_of_a_capture_lie_under_its_masks() {
-    let dir = crate::real_scenes::authored();
-    let real = ["--bench", "captures", "--profile", "real"];
-    dir.succeed(&[&["baseline", "oracle"], &real[..]].concat());
-    dir.succeed(&[&["score"], &real[..]].concat());
-    dir.succeed(&[&["leaderboard", "--html", "--data", "data/captures"], &real[..]].concat());
+    let dir = authored();
+    for verb in ["baseline oracle", "score", "leaderboard --html --data data/captures"] {
+        dir.succeed(format!("{verb} {REAL}"));
+    }
     let mut browser = Browser::start(1280, 900);
-    browser.open(&file(&dir), "#method=oracle&scene=table&query=001&frame=2");
+    browser.open(&dir, "#method=oracle&scene=table&query=001&frame=2");
     browser.until("document.querySelector('.stage canvas')?.dataset.picture === 'shown'");
     // The pictures of frame 2 are [120, 90, 120] around the cups; the red cup is what is meant.
     assert_close(colour_at(&mut browser, [64, 32, 40]), [greyed([120.0, 90.0, 120.0]); 3]);
     let cup = greyed([200.0, 30.0, 30.0]);
     let found = [86.0, 180.0, 233.0].map(|colour| cup + 0.72 * (colour - cup));
     assert_close(colour_at(&mut browser, [64, 16, 16]), found);
-    assert_quiet(&mut browser);
 }
 
 #[test]
 fn one_frame_and_one_query_make_a_page() {
-    let dir = crate::real_scenes::authored_on(&["0000"]);
+    let dir = authored_on(&["0000"]);
     let queries = dir.read("captures/queries/table.jsonl");
     dir.write("captures/queries/table.jsonl", format!("{}\n", queries.lines().next().unwrap()));
-    let real = ["--bench", "captures", "--profile", "real"];
-    dir.succeed(&[&["baseline"], &real[..]].concat());
-    dir.succeed(&[&["score"], &real[..]].concat());
-    dir.succeed(&[&["score", "--protocol", "davis"], &real[..]].concat());
-    dir.succeed(&[&["leaderboard", "--html"], &real[..]].concat());
+    for verb in ["baseline", "score", "score --protocol davis", "leaderboard --html"] {
+        dir.succeed(format!("{verb} {REAL}"));
+    }
     let mut browser = open(&dir, "");
     // Baselines alone: none is ranked, and the page says so.
-    assert!(browser.text("document.querySelector('main').textContent").contains("No method is ranked yet"));
-    assert_eq!(browser.text("document.querySelector('.count').textContent"), "6 methods, 1 query");
+    browser.shows("main", &["No method is ranked yet"]);
+    assert_eq!(browser.text_of(".count"), "6 methods, 1 query");
     // One scene: nothing is compared, and nothing looks like an interval.
-    let main = browser.text("document.querySelector('main').textContent");
+    let main = browser.text_of("main");
     assert!(main.contains("One scene") || main.contains("one scene says nothing of others"), "{main}");
-    assert!(
-        browser.evaluate(
-            "document.getElementById('compare') === null && !document.querySelector('.range, .best')"
-        ) == true
-    );
+    assert_eq!(browser.evaluate("document.querySelector('#compare, .range, .best')"), Value::Null);
     // A clip of one frame has no number under davis: dashes, and why.
-    choose(&mut browser, "Protocol", "davis");
-    let told = browser.text("document.querySelector('ul.plain').textContent");
-    assert!(told.contains("Every method: 1 frame of 1 query belong to clips of one or two frames"), "{told}");
-    browser.open(&file(&dir), "#method=oracle&scene=table&query=001");
-    browser.until("document.querySelector('.stage canvas')?.width > 200");
-    assert_eq!(browser.text("document.querySelector('output').textContent"), "frame 0: IoU 100.0 %");
+    browser.choose("Protocol", "davis");
+    browser.shows("ul.plain", &["Every method: 1 frame of 1 query belong to clips of one or two frames"]);
+    browser.open(&dir, "#method=oracle&scene=table&query=001");
+    browser.drawn();
+    assert_eq!(browser.text_of("output"), "frame 0: IoU 100.0 %");
     assert!(browser.evaluate("document.querySelectorAll('.strip li').length") == 1);
-    assert_quiet(&mut browser);
 }
 
 #[test]
@@ -485,9 +467,9 @@ fn the_whole_way_to_a_frame_and_back_by_keys_alone() {
     browser.press("Enter");
     browser.until("document.querySelector('input[type=range]')");
     walk(&mut browser, "INPUT Frame");
-    let before = browser.text("document.querySelector('output').textContent");
+    let before = browser.text_of("output");
     browser.press("ArrowRight");
-    let after = browser.text("document.querySelector('output').textContent");
+    let after = browser.text_of("output");
     assert_ne!(before, after);
     assert!(browser.text("location.hash").contains("frame="), "a frame can be linked");
     browser.evaluate("history.back()");
@@ -501,20 +483,18 @@ fn the_whole_way_to_a_frame_and_back_by_keys_alone() {
     let top = browser.text("location.hash");
     browser.press("Escape");
     assert_eq!(browser.text("location.hash"), top);
-    assert_quiet(&mut browser);
 }
 
 #[test]
 fn an_order_is_of_all_methods_though_the_first_alone_are_drawn() {
     let dir = page();
-    crate::leaderboard::copies(&dir, 300);
-    make(&dir);
+    copies(&dir, 300);
+    dir.succeed(MAKE);
     let mut browser = open(&dir, "#sort=-name");
-    let drawn = order(&mut browser);
+    let drawn = browser.order();
     assert_eq!((drawn.len(), drawn[0].as_str()), (250, "method00299"));
     browser.evaluate("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Show all 306')).click()");
-    assert_eq!(order(&mut browser).len(), 306);
-    assert_quiet(&mut browser);
+    assert_eq!(browser.order().len(), 306);
 }
 
 #[test]
@@ -523,30 +503,31 @@ fn no_view_is_wider_than_a_phone() {
     judge(&dir, &["davis"]);
     // As long as a name can be, without and with seams.
     for long in ["x".repeat(80), "a-name_of.".repeat(8)] {
-        std::fs::rename(dir.path("scores/contestant"), dir.path(format!("scores/{long}"))).unwrap();
-        dir.edit(&format!("scores/{long}/summary.json"), "\"contestant\"", &format!("\"{long}\""));
-        make(&dir);
+        let rename = |from: &str, to: &str| {
+            dir.rename(&format!("scores/{from}"), &format!("scores/{to}"));
+            dir.change(&format!("scores/{to}/summary.json"), |summary| summary["name"] = to.into());
+        };
+        rename("contestant", &long);
+        dir.succeed(MAKE);
         let mut browser = Browser::start(1280, 900);
         for (width, height) in [(400, 800), (320, 640)] {
             browser.resize(width, height);
             for view in [
-                "".to_owned(),
-                "#board=davis".to_owned(),
-                "#board=davis&method=oracle".to_owned(),
-                "#board=davis&method=oracle&scene=room_discs".to_owned(),
-                format!("#method={long}"),
-                format!("#method={long}&scene=room_discs"),
-                format!("#method={long}&scene=room_discs&query=001"),
+                "",
+                "#board=davis",
+                "#board=davis&method=oracle",
+                "#board=davis&method=oracle&scene=room_discs",
+                "#method=LONG",
+                "#method=LONG&scene=room_discs",
+                "#method=LONG&scene=room_discs&query=001",
             ] {
-                browser.open(&file(&dir), &view);
-                ready(&mut browser);
+                browser.open(&dir, &view.replace("LONG", &long));
+                browser.ready();
                 let widths = browser.evaluate("[document.documentElement.scrollWidth, innerWidth]");
-                assert_eq!(widths, serde_json::json!([width, width]), "{view}");
+                assert_eq!(widths, json!([width, width]), "{view}");
             }
         }
-        assert_quiet(&mut browser);
-        std::fs::rename(dir.path(format!("scores/{long}")), dir.path("scores/contestant")).unwrap();
-        dir.edit("scores/contestant/summary.json", &format!("\"{long}\""), "\"contestant\"");
+        rename(&long, "contestant");
     }
 }
 
@@ -559,20 +540,15 @@ fn a_view_can_be_linked_and_an_address_of_nothing_says_so() {
     let dir = page();
     let mut browser = open(&dir, "#category=action&sort=-tube_iou");
     assert_eq!(browser.text("document.querySelector('.filters select:nth-of-type(1)').value"), "");
-    assert!(
-        browser.text(&format!("{BOARD}.querySelector('caption').textContent")).contains("Shown: action (2)")
-    );
-    assert_eq!(
-        browser.text(&format!("{BOARD}.querySelector('[data-sort=tube_iou]').closest('th').ariaSort")),
-        "descending"
-    );
+    assert!(browser.board("caption").contains("Shown: action (2)"));
+    assert_eq!(browser.sorting("tube_iou"), "descending");
     for address in
         ["#method=nobody", "#method=oracle&scene=nowhere", "#method=oracle&scene=room_discs&query=999"]
     {
-        browser.open(&file(&dir), address);
-        assert_eq!(h1(&mut browser), "There is nothing at this address");
+        browser.open(&dir, address);
+        assert_eq!(browser.h1(), "There is nothing at this address");
     }
-    click(&mut browser, "main a");
+    browser.click("main a");
     browser.until("document.querySelector('[aria-labelledby=ranking] table')");
     for address in [
         "#%",
@@ -581,10 +557,9 @@ fn a_view_can_be_linked_and_an_address_of_nothing_says_so() {
         "#frame=x&method=oracle&scene=room_discs&query=001",
         "#method=__proto__",
     ] {
-        browser.open(&file(&dir), address);
+        browser.open(&dir, address);
         assert!(browser.evaluate("document.querySelector('h1') !== null") == true, "{address}");
     }
-    assert_quiet(&mut browser);
 }
 
 #[test]
@@ -593,24 +568,22 @@ fn the_theme_follows_the_system_until_it_is_chosen() {
     let mut browser = Browser::start(1280, 900);
     let paper = "getComputedStyle(document.body).backgroundColor";
     browser.prefer("light");
-    browser.open(&file(&dir), "");
+    browser.open(&dir, "");
     assert_eq!(browser.text(paper), "rgb(255, 255, 255)");
     browser.prefer("dark");
     assert_eq!(browser.text(paper), "rgb(21, 24, 28)");
-    choose(&mut browser, "Theme", "light");
+    browser.choose("Theme", "light");
     assert_eq!(browser.text(paper), "rgb(255, 255, 255)");
-    browser.open(&file(&dir), "");
+    browser.open(&dir, "");
     assert_eq!(browser.text(paper), "rgb(255, 255, 255)", "the choice is remembered");
-    choose(&mut browser, "Theme", "");
+    browser.choose("Theme", "");
     assert_eq!(browser.text(paper), "rgb(21, 24, 28)");
-    assert_quiet(&mut browser);
 }
 
 #[test]
 fn axe_finds_nothing_in_any_view_and_theme() {
     let dir = page();
     judge(&dir, &["davis"]);
-    make(&dir);
     let axe = std::fs::read_to_string(axe()).unwrap();
     let mut browser = Browser::start(1280, 900);
     let views = [
@@ -628,8 +601,8 @@ fn axe_finds_nothing_in_any_view_and_theme() {
     for theme in ["light", "dark"] {
         browser.prefer(theme);
         for view in views {
-            browser.open(&file(&dir), view);
-            ready(&mut browser);
+            browser.open(&dir, view);
+            browser.ready();
             browser.evaluate(
                 "document.querySelectorAll('details').forEach((details) => { details.open = true; })",
             );
@@ -637,7 +610,7 @@ fn axe_finds_nothing_in_any_view_and_theme() {
             let found = browser.evaluate(
                 "axe.run(document, { resultTypes: ['violations', 'incomplete'] }).then((result) => [...result.violations].map((one) => `${one.id}: ${one.help}: ${one.nodes.map((node) => node.html + ' ' + node.failureSummary).join(' | ')}`))",
             );
-            assert_eq!(found, serde_json::json!([]), "{theme} {view}");
+            assert_eq!(found, json!([]), "{theme} {view}");
             let checked = browser.evaluate("axe.run(document).then((result) => result.passes.length)");
             assert!(checked.as_u64().unwrap() > 10, "axe looked at nothing: {checked}");
         }
@@ -646,8 +619,7 @@ fn axe_finds_nothing_in_any_view_and_theme() {
 
 /// axe-core as a file, brought by pip into a folder of the project's own.
 fn axe() -> PathBuf {
-    static AXE: OnceLock<PathBuf> = OnceLock::new();
-    AXE.get_or_init(|| {
+    static AXE: LazyLock<PathBuf> = LazyLock::new(|| {
         let folder = root().join("work/page-tests");
         let library = folder.join("lib/python3.11/site-packages/axe_playwright_python/axe.min.js");
         if !library.is_file() {
@@ -666,35 +638,31 @@ fn axe() -> PathBuf {
             );
         }
         library
-    })
-    .clone()
+    });
+    AXE.clone()
 }
 
 #[test]
 fn names_and_sentences_that_are_markup_stay_text() {
     const HOSTILE: &str = "</script><script>window.ran=1</script><img src=x onerror=\"window.ran=1\"><!-- {{script}} 'x' \u{2028}";
     let dir = Dir::with_benchmark();
-    let manifest = dir.read("benchmark/panoptic-l4d.toml");
-    dir.write("benchmark/panoptic-l4d.toml", manifest.replace("\"Made up\"", &toml(HOSTILE)));
-    let queries = dir.read("benchmark/queries/room_discs.jsonl");
-    let mut lines: Vec<Value> = queries.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    dir.edit("benchmark/panoptic-l4d.toml", "\"Discs\"", &serde_json::to_string(HOSTILE).unwrap());
+    let mut lines = dir.lines("benchmark/queries/room_discs.jsonl");
     let text = HOSTILE.replace('\u{2028}', "");
     lines[0]["text"] = text.as_str().into();
     lines[0]["text_digest"] = l4d_data::query::text_digest(&text, None).into();
     l4d_data::json::write_lines(&dir.path("benchmark/queries/room_discs.jsonl"), &lines).unwrap();
-    dir.succeed(&[&["baseline", "oracle", "all"], &PROFILE[..]].concat());
+    dir.succeed("baseline oracle all --profile tiny");
     for (name, link) in [
         ("oracle", "javascript:window.ran=1"),
         ("all", "https://example.org/\"><script>window.ran=1</script>"),
     ] {
-        let card = dir.path(format!("results/{name}/method.json"));
-        let mut value: Value = l4d_data::json::read(&card).unwrap();
-        value["version"] = HOSTILE.into();
-        value["link"] = link.into();
-        l4d_data::json::write(&card, &value).unwrap();
+        dir.change(&format!("results/{name}/method.json"), |card| {
+            (card["version"], card["link"]) = (HOSTILE.into(), link.into());
+        });
     }
-    dir.succeed(&[&["score"], &PROFILE[..]].concat());
-    make(&dir);
+    dir.succeed("score --profile tiny");
+    dir.succeed(MAKE);
     let mut browser = Browser::start(1280, 900);
     for address in [
         "",
@@ -703,46 +671,23 @@ fn names_and_sentences_that_are_markup_stay_text() {
         "#method=all&scene=room_discs",
         "#method=all&scene=room_discs&query=001",
     ] {
-        browser.open(&file(&dir), address);
-        ready(&mut browser);
+        browser.open(&dir, address);
+        browser.ready();
         assert_eq!(browser.evaluate("window.ran ?? null"), Value::Null, "{address}");
-        assert_eq!(
-            browser.evaluate("document.querySelectorAll('main img, main script').length"),
-            0,
-            "{address}"
-        );
+        let elements = browser.evaluate("document.querySelectorAll('main img, main script').length");
+        assert_eq!(elements, 0, "{address}");
         let links = browser.evaluate("[...document.links].map((link) => link.protocol).filter((protocol) => !['file:', 'https:'].includes(protocol))");
-        assert_eq!(links, serde_json::json!([]), "{address}");
+        assert_eq!(links, json!([]), "{address}");
     }
-    assert!(h1(&mut browser).contains(&text));
-    assert_quiet(&mut browser);
-}
-
-fn toml(text: &str) -> String {
-    serde_json::to_string(text).unwrap()
+    assert!(browser.h1().contains(&text));
 }
 
 #[test]
 fn without_results_there_are_numbers_and_truth() {
     let dir = page();
-    std::fs::remove_dir_all(dir.path("results")).unwrap();
-    let run = dir.succeed(&[&["leaderboard", "--html"], &PROFILE[..]].concat());
-    assert!(run.stderr.contains("warning:") && run.stderr.contains("--results"), "{}", run.stderr);
+    dir.remove("results");
+    dir.run(MAKE).says(0, &["warning:", "--results"]);
     let mut browser = open(&dir, "#method=oracle&scene=room_discs&query=001");
     browser
         .until("document.querySelector('.stage figcaption')?.textContent.includes('truth is shown alone')");
-    assert_quiet(&mut browser);
-}
-
-#[test]
-fn fifty_methods_and_four_hundred_queries_are_shown() {
-    let dir = crowd::scored(50, 20, 20);
-    make(&dir);
-    let mut browser = open(&dir, "");
-    assert_eq!(order(&mut browser).len(), 50);
-    click(&mut browser, "[data-sort=name]");
-    assert_eq!(order(&mut browser).len(), 50);
-    browser.open(&file(&dir), "#method=method-07&scene=crowd_03&query=011");
-    browser.until("document.querySelectorAll('.all li').length === 50");
-    assert_quiet(&mut browser);
 }

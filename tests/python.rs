@@ -27,7 +27,7 @@ use l4d_splat::view::View;
 use l4d_testing::{name, query, write_benchmark};
 use serde_json::json;
 
-use crate::support::{Dir, blender_python, root, succeed};
+use crate::support::{Dir, blender_python, copy, root, succeed};
 use crate::world;
 
 /// The picture that Python and Rust are compared on.
@@ -39,6 +39,11 @@ const SIZE: [u32; 2] = [128, 96];
 fn the_package_says_what_rust_says() {
     let (world, site) = (world_folder(), site_folder());
     ask(&blender_python(), &world, Some(&site.path("")));
+}
+
+#[test]
+fn an_independent_evaluator_agrees_to_the_last_pixel() {
+    crate::score::compare_with_numpy(&blender_python());
 }
 
 #[test]
@@ -92,13 +97,7 @@ fn site_folder() -> Dir {
 /// Writes the package `l4d` below a folder: the Python files, and the library beside them.
 pub(crate) fn write_site(folder: &Path) {
     let package = folder.join("l4d");
-    fs::create_dir_all(&package).unwrap();
-    for entry in fs::read_dir(root().join("crates/l4d-py/python/l4d")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_file() {
-            fs::copy(&path, package.join(path.file_name().unwrap())).unwrap();
-        }
-    }
+    copy(&root().join("crates/l4d-py/python/l4d"), &package);
     let built = std::env::current_exe().unwrap();
     let library = built.with_file_name(format!("{DLL_PREFIX}l4d_py{DLL_SUFFIX}"));
     let extension = if cfg!(windows) { "pyd" } else { "abi3.so" };
@@ -112,20 +111,19 @@ fn world_folder() -> Dir {
     let data = dir.path("data/tiny");
     world::write_twins(&data);
     world::write_twins_benchmark(&dir.path("benchmark"), &data);
-    dir.succeed(&["baseline", "oracle", "time-agnostic", "random-look-alike", "--profile", "tiny"]);
-    let score = dir.run(&["score", "results", "--profile", "tiny", "--json"]);
+    dir.succeed("baseline oracle time-agnostic random-look-alike --profile tiny");
+    let score = dir.run("score results --profile tiny --json");
     dir.write("score.json", score.stdout);
     dir.write("damaged/oracle/masks/ball/009.json", "{}");
     dir.write("damaged/oracle/masks/ball/001.json", r#"{"size":[96,128],"frames":{"0000":"~","0001":null}}"#);
-    let findings = dir.run(&["check-results", "damaged", "--profile", "tiny", "--json"]);
+    let findings = dir.run("check-results damaged --profile tiny --json");
     dir.write("findings.json", findings.stdout);
 
     let model = Room::small(4).model().unwrap();
     model.write(&dir.path("work/tiny/ball/splats")).unwrap();
-    let render = ["render-splats", world::SCENE, "--profile", "tiny", "--views", VIEW];
+    let render = format!("render-splats {} --profile tiny --views {VIEW}", world::SCENE);
     dir.succeed(&render);
-    let png = ["--depth-format", "png", "--depth", "expected", "--frames", "0", "--out", "clips-png"];
-    dir.succeed(&[&render[..], &png[..]].concat());
+    dir.succeed(format!("{render} --depth-format png --depth expected --frames 0 --out clips-png"));
     write_capture(&dir);
     json::write(&dir.path("expected.json"), &expected(&SceneDir::new(&data, world::SCENE), &model)).unwrap();
     dir

@@ -2,12 +2,10 @@
 //! without depth, and sentences are answered and scored. What is photographed here is the made-up twins, with a grain on
 //! everything: where a thing has one colour, comparing pictures finds nothing.
 
-use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
 use half::f16;
-use l4d_data::query::text_digest;
 use l4d_data::{Camera, Split};
 use l4d_formats::npy;
 use l4d_frames::drawn::{RgbImage, encode_colour};
@@ -15,8 +13,7 @@ use l4d_frames::{Display, Frame};
 use l4d_masks::{Mask, ids, png};
 use serde_json::{Value, json};
 
-use crate::solving::{copy, refused};
-use crate::support::Dir;
+use crate::support::{Dir, named, query};
 use crate::world::{SIZE, camera_at, twins_seen_by};
 
 /// Where the cameras are; the first one is held out, as in all data sets of this layout.
@@ -25,9 +22,9 @@ const PLACES_M: [f64; 6] = [0.1, -0.9, -0.55, -0.2, 0.4, 0.8];
 const MOMENTS: [u32; 2] = [2, 10];
 /// Views on which masks are drawn, beside the held-out one.
 const DRAWN: [&str; 4] = ["cam01", "cam02", "cam04", "cam05"];
-const REAL: [&str; 2] = ["--profile", "real"];
+const SOLVE: &str = "solve --profile real --bench captures";
 /// Enough iterations for two balls.
-const LEARNED: [&str; 8] = ["--gaussians", "3000", "--coarse", "200", "--unfold", "20", "--fine", "400"];
+const LEARNED: &str = "--gaussians 3000 --coarse 200 --unfold 20 --fine 400";
 
 fn cameras() -> Vec<Camera> {
     let camera = |(index, &x): (usize, &f64)| {
@@ -90,127 +87,94 @@ fn photograph(dir: &Dir) {
     dir.write("twins/poses_bounds.npy", npy::encode_f64(&[PLACES_M.len(), 17], &poses));
 }
 
-fn queries() -> String {
-    let query = |number: &str, category: &str, text: &str, referent: &str, frames: [u32; 2]| {
-        json!({
-            "id": format!("twins/{number}"), "text": text, "categories": [category], "referents": [referent],
-            "temporal": if frames == MOMENTS { "whole" } else { "while" }, "frames": [frames], "predicate": null,
-            "text_digest": text_digest(text, None), "provenance": {"source": "author"}, "status": "candidate",
-        })
-        .to_string()
-    };
-    [
-        query("001", "action", "The ball that rolls", "object_1", MOMENTS),
-        query("002", "spatial", "The ball nearest to the wall", "object_2", MOMENTS),
-        query("003", "action", "The ball while it rolls through the middle", "object_1", [4, 8]),
-    ]
-    .join("\n")
-        + "\n"
-}
-
 /// A folder with the capture, a model of it and a benchmark about it. The model is learned once for all tests.
 fn world() -> Dir {
-    static MODEL: OnceLock<Dir> = OnceLock::new();
-    let model = MODEL.get_or_init(|| {
+    static WORLD: LazyLock<Dir> = LazyLock::new(|| {
         let dir = imported();
-        dir.succeed(&[&["train-splats", "twins"][..], &REAL, &LEARNED].concat());
+        dir.succeed(format!("train-splats twins --profile real {LEARNED}"));
         dir
     });
-    let dir = Dir::new();
-    for part in ["data", "captures", "work"] {
-        copy(&model.path(part), &dir.path(part));
-    }
-    dir
+    WORLD.copy()
 }
 
 fn imported() -> Dir {
-    let dir = Dir::new();
-    photograph(&dir);
-    let masks = ["--masks", "drawn", "--masks-format", "png", "--bench", "captures", "--scale", "tabletop"];
-    dir.succeed(&[&["import-scene", "neu3d", "twins", "--moments", "2-10"][..], &masks].concat());
-    dir.write("captures/queries/twins.jsonl", queries());
-    dir
-}
-
-fn solve<'a>(more: &[&'a str]) -> Vec<&'a str> {
-    [&["solve", "--bench", "captures"][..], &REAL, more].concat()
-}
-
-fn score(dir: &Dir, method: &str) -> Value {
-    let document = dir.json(&[&["score", "--bench", "captures"][..], &REAL].concat());
-    assert_eq!(document["findings"], json!([]), "{document:#}");
-    let methods = document["methods"].as_array().unwrap();
-    methods.iter().find(|found| found["name"] == method).unwrap_or_else(|| panic!("{document}")).clone()
+    static IMPORTED: LazyLock<Dir> = LazyLock::new(|| {
+        let dir = Dir::new();
+        photograph(&dir);
+        let masks = "--masks drawn --masks-format png --bench captures --scale tabletop";
+        dir.succeed(format!("import-scene neu3d twins --moments 2-10 {masks}"));
+        let [rolls, middle] = ["The ball that rolls", "The ball while it rolls through the middle"];
+        let queries = [
+            query("twins/001", rolls, "action", &["object_1"], "whole", MOMENTS),
+            query("twins/002", "The ball nearest to the wall", "spatial", &["object_2"], "whole", MOMENTS),
+            query("twins/003", middle, "action", &["object_1"], "while", [4, 8]),
+        ];
+        dir.write("captures/queries/twins.jsonl", queries.map(|query| format!("{query}\n")).concat());
+        dir
+    });
+    IMPORTED.copy()
 }
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-fn json_at(dir: &Dir, path: impl AsRef<Path>) -> Value {
-    serde_json::from_slice(&std::fs::read(dir.path(path)).unwrap()).unwrap()
-}
-
 #[test]
 fn splats_are_learned_from_pictures_alone_and_never_from_the_held_out_ones() {
     let dir = world();
-    let manifest = json_at(&dir, "work/real/twins/splats/manifest.json");
+    let manifest = dir.value("work/real/twins/splats/manifest.json");
     let test = &manifest["report"]["test"];
-    println!("held out: {test}");
-    assert!(number(&test["psnr_db"]) > 22.0, "{test}");
-    assert!(number(&test["psnr_moving_db"]) > 18.0, "{test}");
-    assert_eq!(
-        (&manifest["init"], &manifest["sampling"]),
-        (&json!("sweep"), &json!({"shrink": 1, "every": 1}))
-    );
+    assert!(number(&test["psnr_db"]) > 22.0 && number(&test["psnr_moving_db"]) > 18.0, "{test}");
+    let sampling = json!({"shrink": 1, "every": 1});
+    assert_eq!((&manifest["init"], &manifest["sampling"]), (&json!("sweep"), &sampling));
     let trained_on = manifest["trained_on"].as_object().unwrap();
     assert_eq!(trained_on.len(), 5 * 9);
     assert!(trained_on.keys().all(|file| !file.contains("cam00")));
     assert!(manifest["compared_with"].as_object().unwrap().keys().all(|file| file.contains("cam00")));
 
     // A clip of the model is as long as the capture, and frames have its numbers.
-    dir.succeed(&[&["render-splats", "twins", "--views", "cam00", "--out", "shown"][..], &REAL].concat());
-    let shown = json_at(&dir, "shown/manifest.json");
+    dir.succeed("render-splats twins --profile real --views cam00 --out shown");
+    let shown = dir.value("shown/manifest.json");
     let pictures = shown["views"]["cam00"]["pictures"].as_object().unwrap();
     let times: Vec<(&str, f64)> =
         pictures.iter().map(|(key, picture)| (key.as_str(), number(&picture["time"]))).collect();
     assert_eq!((times.len(), times[0], times[4], times[8]), (9, ("0002", 0.0), ("0006", 0.5), ("0010", 1.0)));
-    refused(
-        &dir.run(&[&["render-splats", "twins", "--frames", "1", "--out", "x"][..], &REAL].concat()),
+    dir.refuses(
+        "render-splats twins --profile real --frames 1 --out x",
         &["frame 1 is beyond the clip", "frames are 2 to 10"],
     );
 }
 
 #[test]
 fn what_was_drawn_on_training_views_becomes_masks_of_the_held_out_one() {
+    const METHOD: &str = "panopticquery-oracle";
     let dir = world();
-    dir.succeed(&solve(&["--grounder", "oracle"]));
-    let scored = score(&dir, "panopticquery-oracle");
-    println!("oracle: {}", scored["categories"]);
-    assert!(number(&scored["miou"]) > 70.0 && number(&scored["tube_iou"]) > 70.0, "{scored:#}");
-    assert!(number(&scored["select"]) > 99.0, "{scored:#}");
-    let card = json_at(&dir, "results/panopticquery-oracle/method.json");
+    dir.succeed(format!("{SOLVE} --grounder oracle"));
+    let document = dir.json("score --bench captures --profile real");
+    assert_eq!(document["findings"], json!([]), "{document:#}");
+    let scored = named(&document["methods"], METHOD);
+    for (field, at_least) in [("miou", 70.0), ("tube_iou", 70.0), ("select", 99.0)] {
+        assert!(number(&scored[field]) > at_least, "{field} of {scored:#}");
+    }
+    let card = dir.value(&format!("results/{METHOD}/method.json"));
     assert_eq!((&card["profile"], &card["used"]["ground_truth"]), (&json!("real"), &json!(true)));
     assert!(card.get("width").is_none() && card.get("frames").is_none(), "{card}");
     // The third sentence holds in the middle of the clip alone, and its answer does too.
-    let gated = json_at(&dir, "results/panopticquery-oracle/masks/twins/003.json");
+    let gated = dir.value(&format!("results/{METHOD}/masks/twins/003.json"));
     for (frame, counts) in gated["frames"].as_object().unwrap() {
         assert_eq!(counts.is_string(), (4..=8).contains(&frame.parse::<u32>().unwrap()), "frame {frame}");
     }
     // One training view was not drawn on: it does not answer, and the others do.
-    let record = json_at(&dir, "work/real/twins/answers/panopticquery-oracle/001/manifest.json");
-    assert_eq!(
-        (&record["outcomes"]["cam03"], &record["outcomes"]["cam01"]),
-        (&json!("error"), &json!("found"))
-    );
+    let outcomes =
+        dir.value(&format!("work/real/twins/answers/{METHOD}/001/manifest.json"))["outcomes"].clone();
+    assert_eq!((&outcomes["cam03"], &outcomes["cam01"]), (&json!("error"), &json!("found")));
 
-    dir.edit("data/captures/twins/masks.json", "cam01", "gone1");
-    for view in ["cam02", "cam04", "cam05"] {
-        let text = dir.read("data/captures/twins/masks.json").replace(view, &view.replace("cam", "gone"));
-        dir.write("data/captures/twins/masks.json", text.replace("cam01", "gone1"));
+    for view in DRAWN {
+        let text = dir.read("data/captures/twins/masks.json");
+        dir.write("data/captures/twins/masks.json", text.replace(view, &view.replace("cam", "gone")));
     }
-    refused(
-        &dir.run(&solve(&["--grounder", "oracle", "--name", "blind"])),
+    dir.refuses(
+        format!("{SOLVE} --grounder oracle --name blind"),
         &["nothing is drawn on a training view", "--masks-only"],
     );
 }
@@ -229,39 +193,31 @@ fn masks_made_elsewhere_are_voted_on_at_the_size_and_the_frames_of_the_clips() {
             dir.write(&format!("made/twins/001/{}/{moment:04}.png", camera.name), png::encode(&mask));
         }
     }
-    let files = ["--grounder", "files", "--masks", "made", "--queries", "twins/001", "--clip-size", "64x48"];
-    dir.succeed(&solve(&[&files[..], &["--clip-every", "2", "--name", "voted"]].concat()));
-    let consensus = json_at(&dir, "work/real/twins/answers/voted/001/consensus.json");
+    let files = "--grounder files --masks made --queries twins/001 --clip-size 64x48 --clip-every 2";
+    dir.succeed(format!("{SOLVE} {files} --name voted"));
+    let consensus = dir.value("work/real/twins/answers/voted/001/consensus.json");
     assert_eq!(consensus["evidence"], json!([0, 1, 3, 4]), "{consensus:#}");
     // Every frame of the held-out view is answered, at its own size.
-    let answers = json_at(&dir, "results/voted/masks/twins/001.json");
-    assert_eq!(
-        (&answers["size"], answers["frames"].as_object().unwrap().len()),
-        (&json!([SIZE[1], SIZE[0]]), 9)
-    );
-    let document = dir.json(&[&["score", "--bench", "captures", "--missing", "skip"][..], &REAL].concat());
-    println!("voted: {}", document["methods"][0]);
+    let answers = dir.value("results/voted/masks/twins/001.json");
+    assert_eq!(answers["size"], json!([SIZE[1], SIZE[0]]));
+    assert_eq!(answers["frames"].as_object().unwrap().len(), 9);
+    let document = dir.json("score --bench captures --missing skip --profile real");
     assert!(number(&document["methods"][0]["miou"]) > 60.0, "{document:#}");
 }
 
 #[test]
 fn one_sentence_is_answered_without_masks_and_without_a_benchmark() {
     let dir = world();
-    for gone in ["captures", "data/captures/twins/masks.json"] {
-        let path = dir.path(gone);
-        if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) }.unwrap();
-    }
-    let query = |more: &[&'static str]| {
-        [&["query", "twins", "The ball that rolls", "--out", "asked"][..], &REAL, more].concat()
-    };
-    let document = dir.json(&query(&["--from", "4", "--to", "8", "--camera", "cam00,cam02"]));
+    dir.remove("captures");
+    dir.remove("data/captures/twins/masks.json");
+    let query = "query twins 'The ball that rolls' --out asked --profile real";
+    let document = dir.json(format!("{query} --from 4 --to 8 --camera cam00,cam02"));
     let frames: Vec<&String> = document["frames"]["cam02"].as_object().unwrap().keys().collect();
     assert_eq!(frames, ["0004", "0005", "0006", "0007", "0008"]);
-    println!("geometric: {} {}", document["decision"], document["frames"]);
     assert!(dir.path("asked/sheet.png").exists() && dir.path("asked/masks/cam00/0006.png").exists());
-    refused(&dir.run(&query(&["--to", "11"])), &["--to 11 is beyond the clip", "frames are 2 to 10"]);
-    refused(
-        &dir.run(&query(&["--grounder", "oracle"])),
+    dir.refuses(format!("{query} --to 11"), &["--to 11 is beyond the clip", "frames are 2 to 10"]);
+    dir.refuses(
+        format!("{query} --grounder oracle"),
         &["benchmark has none about scene twins", "ask with --grounder geometric"],
     );
 }
@@ -269,15 +225,11 @@ fn one_sentence_is_answered_without_masks_and_without_a_benchmark() {
 #[test]
 fn ablations_run_on_captures() {
     let dir = world();
-    let ablate = |grid, more: &[&'static str]| {
-        [&["ablate", grid, "--bench", "captures", "--grounder", "oracle"][..], &REAL, more].concat()
-    };
-    let scenes = ["--clip-every", "4"];
-    let document = dir.json(&ablate("views", &[&["--view-counts", "1,3,8"][..], &scenes].concat()));
+    let common = "--bench captures --grounder oracle --profile real --clip-every 4 --lift vote";
+    let document = dir.json(format!("ablate views {common} --view-counts 1,3,8"));
     assert!(document["left_out"][0].as_str().unwrap().contains("8 views"), "{document:#}");
     dir.write("noise.toml", "seed = 3\n[noise.swap]\nprobability = 0.3\n");
-    let noise = ["--noise", "noise.toml", "--correlations", "0"];
-    let document = dir.json(&ablate("mvsc", &[&noise[..], &scenes[..]].concat()));
+    let document = dir.json(format!("ablate mvsc {common} --noise noise.toml --correlations 0"));
     let rows = document["rows"].as_array().unwrap();
     let settings: Vec<&str> = rows.iter().filter_map(|row| row["setting"].as_str()).collect();
     assert!(settings.iter().any(|setting| setting.starts_with("with MVSC")), "{settings:?}");
@@ -286,41 +238,24 @@ fn ablations_run_on_captures() {
 #[test]
 fn pictures_may_be_shrunk_and_left_out() {
     let dir = imported();
-    let few = [
-        "--gaussians",
-        "400",
-        "--coarse",
-        "10",
-        "--unfold",
-        "1",
-        "--fine",
-        "10",
-        "--shrink",
-        "3",
-        "--every",
-        "3",
-    ];
-    let train = |more: &[&'static str]| [&["train-splats", "twins"][..], &REAL, more].concat();
-    dir.succeed(&train(&few));
-    let manifest = json_at(&dir, "work/real/twins/splats/manifest.json");
+    let train = "train-splats twins --profile real";
+    let few = "--gaussians 400 --coarse 10 --unfold 1 --fine 10 --shrink 3 --every 3";
+    dir.succeed(format!("{train} {few}"));
+    let manifest = dir.value("work/real/twins/splats/manifest.json");
     assert_eq!(manifest["trained_on"].as_object().unwrap().len(), 5 * 3);
-    dir.succeed(&[&["render-splats", "twins", "--views", "cam02"][..], &REAL].concat());
-    let shown = json_at(&dir, "work/real/twins/clips/manifest.json");
+    dir.succeed("render-splats twins --views cam02 --profile real");
+    let shown = dir.value("work/real/twins/clips/manifest.json");
     assert_eq!((&shown["drawn"]["width"], &shown["drawn"]["height"]), (&json!(42), &json!(32)));
     // The border that fills no square is left out: the focal length shrinks by 3 and by nothing else.
-    let camera = &shown["views"]["cam02"]["camera"];
-    assert!((number(&camera["fx"]) - 140.0 / 3.0).abs() < 1e-9, "{camera}");
-    assert_eq!(
-        shown["views"]["cam02"]["pictures"].as_object().unwrap().keys().collect::<Vec<_>>(),
-        ["0002", "0005", "0008"]
-    );
+    let view = &shown["views"]["cam02"];
+    assert!((number(&view["camera"]["fx"]) - 140.0 / 3.0).abs() < 1e-9, "{view}");
+    let frames: Vec<&String> = view["pictures"].as_object().unwrap().keys().collect();
+    assert_eq!(frames, ["0002", "0005", "0008"]);
 
-    refused(&dir.run(&train(&["--init", "depth"])), &["has no depth", "--init sweep"]);
-    refused(&dir.run(&train(&["--depth-weight", "0.1"])), &["has no depth", "leave it out"]);
-    refused(
-        &dir.run(&["train-splats", "cave", "--profile", "real"]),
-        &["there is no scene", "l4d import-scene"],
-    );
+    dir.refuses(format!("{train} --init depth"), &["has no depth", "--init sweep"]);
+    dir.refuses(format!("{train} --depth-weight 0.1"), &["has no depth", "leave it out"]);
+    dir.refuses("train-splats cave --profile real", &["there is no scene", "l4d import-scene"]);
     dir.edit("data/captures/twins/capture.json", "\"width\": 128", "\"width\": 127");
-    refused(&dir.run(&train(&["--out", "y"])), &["is 128x96, but the capture is 127x96", "l4d import-scene"]);
+    let wrong_size = ["is 128x96, but the capture is 127x96", "l4d import-scene"];
+    dir.refuses(format!("{train} --out y"), &wrong_size);
 }

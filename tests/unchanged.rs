@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::digest::sha256_file;
 
-use crate::support::{Dir, root};
+use crate::support::{Dir, files_below, root};
 
 const TABLES: [&str; 8] = [
     "leaderboard.csv",
@@ -23,7 +23,7 @@ const TABLES: [&str; 8] = [
 fn the_shipped_benchmark_is_what_it_was() {
     let files = ["scenes", "truth/tiny", "truth/small", "queries"]
         .iter()
-        .flat_map(|folder| files_in(&root().join("benchmark").join(folder)));
+        .flat_map(|folder| files_below(&root().join("benchmark").join(folder)));
     insta::assert_snapshot!(digests(root(), files));
 }
 
@@ -32,30 +32,18 @@ fn baselines_get_the_numbers_that_they_got() {
     let dir = Dir::new();
     let bench = root().join("benchmark");
     let bench = bench.to_str().unwrap();
-    dir.succeed(&["baseline", "--bench", bench, "-q"]);
+    dir.succeed(format!("baseline --bench {bench} -q"));
     // Two that are ranked: the same masks from methods that are no baselines.
     for (baseline, method) in [("random-look-alike", "guess"), ("look-alike-union", "union")] {
-        std::fs::rename(dir.path("results").join(baseline), dir.path("results").join(method)).unwrap();
-        let card = format!("results/{method}/method.json");
-        dir.edit(&card, baseline, method);
-        dir.edit(&card, "\"baseline\": true", "\"baseline\": false");
-        dir.edit(&card, "\"ground_truth\": true", "\"ground_truth\": false");
+        dir.contestant(baseline, method);
     }
-    dir.succeed(&["score", "results", "--bench", bench, "-q"]);
-    dir.succeed(&["leaderboard", "--bench", bench, "-q"]);
+    dir.succeed(format!("score results --bench {bench} -q"));
+    dir.succeed(format!("leaderboard --bench {bench} -q"));
 
     let counts = ["all", "guess", "none", "oracle", "time-agnostic", "union"]
         .map(|method| dir.path(format!("scores/{method}/counts.csv")));
     let tables = TABLES.map(|table| dir.path("leaderboard").join(table));
     insta::assert_snapshot!(digests(&dir.path(""), counts.into_iter().chain(tables)));
-}
-
-/// The files of a folder by name.
-fn files_in(folder: &Path) -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    files
 }
 
 /// A line per file: digest and path, as `sha256sum` prints them.

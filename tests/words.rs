@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::support::root;
+use crate::support::{files_below, root};
 
 /// What not to write, and what says the same.
 const BANNED: [(&str, &str); 12] = [
@@ -37,23 +37,13 @@ fn docs_and_messages_use_plain_words() {
     let mut files: Vec<PathBuf> =
         ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|file| root().join(file)).into();
     for folder in ["annotation", "benchmark", "crates", "docs", "tests"] {
-        gather(&root().join(folder), &mut files);
+        files.extend(files_below(&root().join(folder)));
     }
-    let found: Vec<String> = files.iter().flat_map(|file| findings(file)).collect();
+    let is_text = |file: &&PathBuf| file.extension().is_some_and(|end| end == "rs" || end == "md");
+    let is_exempt = |file: &PathBuf| EXEMPT.iter().any(|exempt| file.starts_with(root().join(exempt)));
+    let read = files.iter().filter(is_text).filter(|file| !is_exempt(file));
+    let found: Vec<String> = read.flat_map(|file| findings(file)).collect();
     assert!(found.is_empty(), "{} places:\n{}", found.len(), found.join("\n"));
-}
-
-/// Sources and docs below a folder, less those that are exempt.
-fn gather(folder: &Path, into: &mut Vec<PathBuf>) {
-    let is_exempt = |path: &Path| EXEMPT.iter().any(|exempt| path.starts_with(root().join(exempt)));
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    for path in entries.filter(|path| !is_exempt(path)) {
-        if path.is_dir() {
-            gather(&path, into);
-        } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "md") {
-            into.push(path);
-        }
-    }
 }
 
 fn findings(file: &Path) -> Vec<String> {

@@ -9,6 +9,7 @@ use l4d_data::layout::SceneDir;
 use l4d_data::{Camera, Category, Profile, Query, Scene, Split};
 use l4d_frames::Frame;
 use l4d_frames::exr::{read_frame, read_surfaces, write_frame};
+use l4d_masks::Mask;
 use l4d_testing::{Thing, World, name, query, truth, write_benchmark};
 
 pub(crate) const SCENE: &str = "ball";
@@ -83,6 +84,13 @@ pub(crate) fn twins_seen_by(camera: &Camera, frame: u32) -> Frame {
 pub(crate) fn camera_at(view: &str, split: Split, x: f64) -> Camera {
     let pose = looking_at(DVec3::new(x, -3.0, 1.2), DVec3::new(0.0, 0.5, 0.2));
     Camera { split, ..Camera::new(name(view), SIZE, 140.0, pose) }
+}
+
+/// Where a view of the written scene shows an instance.
+pub(crate) fn seen(data: &Path, view: &str, frame: u32, id: u32) -> Mask {
+    let path = SceneDir::new(data, SCENE).frame(view, frame);
+    let surfaces = read_surfaces(&path, UVec2::from_array(SIZE)).unwrap();
+    Mask::from_ids(SIZE[0], SIZE[1], &surfaces.id, id).unwrap()
 }
 
 /// A benchmark about the twins: who rolls, who lies at the back, and who rolls through the middle of the clip. The

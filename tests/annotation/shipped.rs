@@ -6,7 +6,7 @@ use l4d_data::{Benchmark, Name};
 use l4d_votes::key::{Change, changes};
 use l4d_votes::{Key, Round, RoundDir};
 
-use crate::support::{Dir, root};
+use crate::support::{Dir, root, shipped};
 
 #[test]
 fn the_shipped_demo_round_fits_the_shipped_benchmark() {
@@ -22,32 +22,26 @@ fn the_shipped_demo_round_fits_the_shipped_benchmark() {
         assert_eq!(change, Change::No, "{item}: open the round anew");
     }
     // Trying it writes votes there, which are not shipped.
-    let ignored = std::fs::read_to_string(root().join(".gitignore")).unwrap();
+    let ignored = shipped(".gitignore");
     assert!(ignored.contains("/annotation/rounds/demo/votes/"), "{ignored}");
 }
 
 #[test]
 fn the_demo_round_is_what_its_documented_command_draws() {
-    let readme = std::fs::read_to_string(root().join("annotation/README.md")).unwrap();
+    let readme = shipped("annotation/README.md");
     let (_, command) = readme.split_once("    l4d open-round demo").unwrap();
-    let command = command.split("\n\n").next().unwrap().replace("\\\n", " ");
-    let mut arguments = vec!["open-round", "demo"];
-    for (place, part) in command.split('"').enumerate() {
-        // What is between quotes is one argument.
-        if place % 2 == 1 { arguments.push(part) } else { arguments.extend(part.split_whitespace()) }
-    }
+    let arguments = command.split("\n\n").next().unwrap().replace("\\\n", " ").replace('"', "'");
     let dir = Dir::new();
-    let bench = root().join("benchmark");
-    dir.succeed(&[&arguments[..], &["--bench", bench.to_str().unwrap()]].concat());
+    dir.succeed(format!("open-round demo {arguments} --bench {}/benchmark", root().display()));
     for file in ["round.toml", "items.jsonl", "key.jsonl"] {
         let file = format!("annotation/rounds/demo/{file}");
-        assert_eq!(dir.read(&file), std::fs::read_to_string(root().join(&file)).unwrap(), "{file}");
+        assert_eq!(dir.read(&file), shipped(&file), "{file}");
     }
 }
 
 #[test]
 fn the_guidelines_give_no_answer_away() {
-    let guidelines = std::fs::read_to_string(root().join("annotation/GUIDELINES.md")).unwrap();
+    let guidelines = shipped("annotation/GUIDELINES.md");
     let examples: Vec<String> = guidelines
         .lines()
         .filter_map(|line| line.strip_prefix('*')?.split_once("*: "))
@@ -73,7 +67,7 @@ fn the_guidelines_give_no_answer_away() {
 
 #[test]
 fn the_guidelines_list_every_key() {
-    let guidelines = std::fs::read_to_string(root().join("annotation/GUIDELINES.md")).unwrap();
+    let guidelines = shipped("annotation/GUIDELINES.md");
     for (key, what) in l4d_annotate::keys::HELP.iter().flat_map(|(_, keys)| *keys) {
         let row = format!("| `{key}` | {what} |");
         assert!(guidelines.contains(&row), "annotation/GUIDELINES.md lacks {row}");

@@ -6,25 +6,20 @@ use l4d_data::truth::{InstanceTruth, Truth, frame_key};
 use l4d_data::{Profile, Scene, Split};
 use l4d_frames::Frame;
 use l4d_masks::Mask;
-use l4d_testing::{camera, flat, instance, scene, write_manifest, write_scene};
+use l4d_testing::{camera, flat, instance, scene, write_scene};
 
-use crate::support::{Dir, root};
+use crate::support::Dir;
 
 pub(super) const SCENES: [&str; 3] = ["room_living_cats", "tabletop_mouse_cups", "room_office"];
-const PROFILE: Profile = Profile::Tiny;
 
 /// A folder with a benchmark of some shipped scenes, and their pictures in `data/tiny`.
 pub(super) fn dir() -> Dir {
-    let dir = Dir::new();
+    let files = ["scenes/{}.json", "queries/{}.jsonl", "queries/{}.absent.jsonl", "truth/tiny/{}.json"];
+    let dir = Dir::with_shipped("Three", &SCENES, &files);
+    let bench = BenchDir::new(dir.path("benchmark"));
     for scene in SCENES {
-        for file in ["scenes/{}.json", "queries/{}.jsonl", "queries/{}.absent.jsonl", "truth/tiny/{}.json"] {
-            let file = format!("benchmark/{}", file.replace("{}", scene));
-            dir.write(&file, std::fs::read(root().join(&file)).unwrap());
-        }
-        let bench = BenchDir::new(root().join("benchmark"));
-        render(&dir, &Truth::read(&bench.truth(PROFILE, scene)).unwrap());
+        render(&dir, &Truth::read(&bench.truth(Profile::Tiny, scene)).unwrap());
     }
-    write_manifest(&dir.path("benchmark"), &SCENES);
     dir
 }
 

@@ -49,11 +49,6 @@ impl Tmux {
         self.succeed(&["send-keys", "-l", "-t", name, text]);
     }
 
-    pub(crate) fn resize(&self, name: &str, (columns, rows): (u16, u16)) {
-        let (columns, rows) = (columns.to_string(), rows.to_string());
-        self.succeed(&["resize-window", "-t", name, "-x", &columns, "-y", &rows]);
-    }
-
     /// A value that tmux knows of a terminal (`alternate_on`, `pane_pid`).
     pub(crate) fn value(&self, name: &str, variable: &str) -> String {
         self.succeed(&["display-message", "-p", "-t", name, &format!("#{{{variable}}}")]).trim().to_owned()

@@ -4,11 +4,11 @@ use serde_json::{Value, json};
 
 use super::scripted::{Seen, Server, says, thinks};
 use super::stage::*;
-use crate::support::root;
+use crate::support::{self, shipped};
 
 /// The example of the instructions: a scenario in which nothing is wrong.
 fn bakery() -> Value {
-    let brief = std::fs::read_to_string(root().join("crates/l4d-propose/briefs/scenarios.md")).unwrap();
+    let brief = shipped("crates/l4d-propose/briefs/scenarios.md");
     serde_json::from_str::<Value>(brief.lines().last().unwrap()).unwrap()["scenarios"][0].clone()
 }
 
@@ -35,45 +35,27 @@ fn scenarios_are_sorted_by_the_rules() {
     });
     let server = Server::start(vec![reply]);
     endpoint(&dir, &server, "");
-    let scenes =
-        |more: &[&str]| dir.run(&[&["propose-scenes", "--endpoint", "endpoint.toml"], more].concat());
-    let plan = document(&scenes(&["--dry-run", "--json"]));
+    let scenes = |more: &str| dir.run(format!("propose-scenes --endpoint endpoint.toml {more}"));
+    let plan = scenes("--dry-run --json").value();
     assert_eq!((server.count(), &plan["total"]["questions"]), (0, &json!(3)));
 
-    let run = scenes(&["--json"]);
-    assert_eq!((run.code, server.count()), (1, 3), "{}", run.stderr);
-    let report = document(&run);
+    let run = scenes("--json");
+    assert_eq!((run.code, server.count()), (1, 3), "{run}");
+    let report = run.value();
     let room = report["scales"].as_array().unwrap().iter().find(|scale| scale["scale"] == "room").unwrap();
     assert_eq!(room["scenarios"], json!(["room_bakery", "room_oven"]));
     assert_eq!((&room["proposed"], &room["failed"]), (&json!(6), &json!(4)));
-    let codes: Vec<&str> = report["findings"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|finding| finding["code"].as_str().unwrap())
-        .collect();
-    assert_eq!(codes, ["L4D570", "L4D570"], "two scales without ideas");
-    let written: Value = serde_json::from_str(&dir.read("work/scenarios/room_bakery.json")).unwrap();
-    assert_eq!(
-        (&written["schema"], &written["provenance"]["source"]),
-        (&json!("l4d/scenario/1"), &json!("model"))
-    );
-    let failed = dir.read("work/scenarios/room.failed.jsonl");
-    let reasons: Vec<Vec<String>> = failed
-        .lines()
-        .map(|line| serde_json::from_str::<Value>(line).unwrap())
-        .map(|failed| self::codes(&failed).into_iter().map(str::to_owned).collect())
-        .collect();
+    assert_eq!(support::codes(&report), ["L4D570", "L4D570"], "two scales without ideas");
+    let written = dir.value("work/scenarios/room_bakery.json");
+    assert_eq!([&written["schema"], &written["provenance"]["source"]], ["l4d/scenario/1", "model"]);
+    let failed = dir.lines("work/scenarios/room.failed.jsonl");
+    let reasons: Vec<Vec<&str>> = failed.iter().map(codes).collect();
+    // A name taken, a path, a verb unknown (and the name taken), a scale unknown.
     let expected: [&[&str]; 4] = [&["L4D572"], &["L4D572"], &["L4D574", "L4D572"], &["L4D571"]];
-    assert_eq!(
-        reasons, expected,
-        "a name taken, a path, a verb unknown (and the name taken), a scale unknown"
-    );
+    assert_eq!(reasons, expected);
     assert!(server.seen()[0].body.contains(CUPS), "existing scenes are listed");
 
-    let room_again = scenes(&["--scales", "room"]);
-    assert_eq!((room_again.code, server.count()), (0, 3), "{}{}", room_again.stdout, room_again.stderr);
-    assert!(room_again.stdout.contains("room_oven"));
-    let unknown = scenes(&["--scales", "galaxy"]);
-    assert!(unknown.code == 2 && unknown.stderr.contains("galaxy"), "{}", unknown.stderr);
+    scenes("--scales room").says(0, &["room_oven"]);
+    assert_eq!(server.count(), 3);
+    scenes("--scales galaxy").says(2, &["galaxy"]);
 }

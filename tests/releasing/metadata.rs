@@ -7,13 +7,9 @@ use std::process::Command;
 use l4d_data::digest::sha256_file;
 use serde_json::Value;
 
-use super::{RELEASE, released, tree, write_renders};
+use super::{RELEASE, released, write_renders};
 use crate::annotation::bench;
-use crate::support::{Dir, succeed};
-
-fn croissant(dir: &Dir) -> Value {
-    serde_json::from_str(&dir.read(&format!("{RELEASE}/croissant.json"))).unwrap()
-}
+use crate::support::{root, succeed};
 
 /// Ids of nodes that have one.
 fn ids(nodes: &Value) -> BTreeSet<&str> {
@@ -24,8 +20,8 @@ fn ids(nodes: &Value) -> BTreeSet<&str> {
 fn croissant_describes_every_file_and_every_column() {
     let dir = bench();
     write_renders(&dir);
-    released(&dir, &["--profile", "tiny"]);
-    let document = croissant(&dir);
+    released(&dir, "--profile tiny");
+    let document = dir.value(&format!("{RELEASE}/croissant.json"));
     for field in ["name", "description", "license", "url", "datePublished", "version", "citeAs"] {
         assert!(document[field].as_str().is_some_and(|text| !text.is_empty()), "{field}");
     }
@@ -44,10 +40,8 @@ fn croissant_describes_every_file_and_every_column() {
     ];
     for field in minimal {
         let value = &document[format!("rai:{field}")];
-        assert!(
-            value.is_string() || value.as_array().is_some_and(|list| !list.is_empty()),
-            "rai:{field} {value}"
-        );
+        let is_said = value.is_string() || value.as_array().is_some_and(|list| !list.is_empty());
+        assert!(is_said, "rai:{field} {value}");
     }
     assert_eq!(document["rai:annotationsPerItem"], "0");
 
@@ -61,7 +55,7 @@ fn croissant_describes_every_file_and_every_column() {
         assert_eq!(object["contentSize"], format!("{} B", path.metadata().unwrap().len()), "{name}");
         described.insert(name.to_owned());
     }
-    let mut there: BTreeSet<String> = tree(&dir.path(RELEASE)).into_keys().collect();
+    let mut there: BTreeSet<String> = dir.tree(RELEASE).into_keys().collect();
     assert!(there.remove("croissant.json") && there.remove("SHA256SUMS"));
     assert_eq!(described, there);
     assert_eq!(ids(&document["distribution"]).len(), files.len(), "an id occurs twice");
@@ -70,12 +64,11 @@ fn croissant_describes_every_file_and_every_column() {
     let fields: BTreeSet<&str> = record_sets.iter().flat_map(|set| ids(&set["field"])).collect();
     for set in record_sets {
         let name = set["@id"].as_str().unwrap();
-        let table = dir.read(&format!("{RELEASE}/tables/{name}.jsonl"));
-        let row: Value = serde_json::from_str(table.lines().next().unwrap()).unwrap();
-        let columns: Vec<&str> =
-            set["field"].as_array().unwrap().iter().map(|field| field["name"].as_str().unwrap()).collect();
-        assert_eq!(row.as_object().unwrap().keys().collect::<Vec<_>>(), columns, "{name}");
-        for field in set["field"].as_array().unwrap() {
+        let row = dir.lines(&format!("{RELEASE}/tables/{name}.jsonl")).remove(0);
+        let columns = set["field"].as_array().unwrap();
+        let names = columns.iter().map(|field| field["name"].as_str().unwrap());
+        assert!(row.as_object().unwrap().keys().eq(names), "{name}");
+        for field in columns {
             let value = &row[field["name"].as_str().unwrap()];
             let fits = match (field["isArray"].as_bool(), field["dataType"].as_str().unwrap()) {
                 (Some(true), _) => value.is_array(),
@@ -95,7 +88,7 @@ fn croissant_describes_every_file_and_every_column() {
 #[test]
 fn the_card_names_files_that_are_there() {
     let dir = bench();
-    released(&dir, &[]);
+    released(&dir, "");
     let card = dir.read(&format!("{RELEASE}/README.md"));
     let front = card.strip_prefix("---\n").unwrap().split("\n---\n").next().unwrap();
     for line in ["license: cc0-1.0", "pretty_name: \"Two\"", "    default: true", "      - split: test"] {
@@ -121,8 +114,8 @@ fn validators_of_others_find_nothing_wrong() {
     let python = std::env::var_os("L4D_VALIDATORS_PYTHON").expect("L4D_VALIDATORS_PYTHON names a Python");
     let dir = bench();
     write_renders(&dir);
-    released(&dir, &["--profile", "tiny"]);
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/releasing/validate.py");
+    released(&dir, "--profile tiny");
+    let script = root().join("tests/releasing/validate.py");
     let mut command = Command::new(python);
     command.arg(script).arg(dir.path(RELEASE)).env("HF_HOME", dir.path("hub")).env("HF_HUB_OFFLINE", "1");
     let said = succeed(&mut command);

@@ -34,7 +34,7 @@ fn builds_as_shipped(scenes: &[Name]) {
     let list: Vec<&str> = scenes.iter().map(Name::as_str).collect();
     let list = list.join(",");
     let at = |verb: &str| {
-        let mut command = l4d(&[verb, "--profile", "tiny", "--scenes", &list]);
+        let mut command = l4d(&format!("{verb} --profile tiny --scenes {list}"));
         command.arg("--data").arg(folder.path());
         command
     };
@@ -49,7 +49,7 @@ fn random_variants_pass_their_checks_with_their_own_queries() {
     for variant in VARIANTS {
         let folder = tempfile::tempdir().unwrap();
         let (bench, data) = (folder.path().join("drawn"), folder.path().join("data"));
-        let mut draw = l4d(&["draw-variant", &variant.to_string(), "--scenes", &DRAWN.join(","), "--json"]);
+        let mut draw = l4d(&format!("draw-variant {variant} --scenes {} --json", DRAWN.join(",")));
         let output = draw.arg("--out").arg(&bench).arg("--data").arg(&data).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let document: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -64,7 +64,7 @@ fn random_variants_pass_their_checks_with_their_own_queries() {
 /// Depth and ids suffice: the gates of visibility and the geometry across views do not look at colour.
 fn check_variant(bench: &Path, data: &Path, variant: u32) {
     let at = |verb: &str| {
-        let mut command = l4d(&[verb, "--profile", "small"]);
+        let mut command = l4d(&format!("{verb} --profile small"));
         command.arg("--bench").arg(bench);
         command
     };
