@@ -209,7 +209,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
         ("--adapter 'no such adapter'", &["no graphics adapter is named like"]),
         ("--background 2,0,0", &["three numbers from 0 to 1"]),
         ("--cameras blind.json", &["camera cam00: field `fx` is 0", "hint: mend"]),
-        ("--cameras moving.json --times 0.5", &["camera cam00 moves", "hint: choose --frames"]),
+        ("--cameras moving.json --times 0.5", &["camera cam00 moves", "hint: choose frames"]),
         ("--cameras torn.json", &["torn.json"]),
     ] {
         render(&dir, more).says(2, parts);

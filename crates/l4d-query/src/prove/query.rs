@@ -350,7 +350,7 @@ pub(super) fn category_problem(kind: Kind, categories: &[Category]) -> Option<(S
     let fits = match kind {
         Kind::Single => categories.len() == 1,
         Kind::Composite => is_pair,
-        Kind::Absent => categories.len() == 1 || is_pair,
+        Kind::Absent => !categories.is_empty(),
     };
     let hint = "single categories are in <scene>.jsonl, pairs in <scene>.composite.jsonl";
     (!fits).then(|| (format!("{categories:?} is not what this file holds"), hint))
