@@ -65,53 +65,27 @@ impl Target {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
-    use l4d_data::Status;
-    use l4d_data::query::{Provenance, Temporal, text_digest};
+    use l4d_testing::{instance, query};
 
     use super::*;
-
-    fn instance(id: u32, name: &str, role: Role, category: &str) -> Instance {
-        let (name, category) = (Name::new(name).unwrap(), category.to_owned());
-        Instance { id, name, role, category, attributes: BTreeMap::new(), front: None }
-    }
-
-    fn query(referents: &[&str]) -> Query {
-        Query {
-            id: "yard/001".parse().unwrap(),
-            text: "the cups".to_owned(),
-            categories: vec![Category::Action],
-            referents: referents.iter().map(|name| Name::new(*name).unwrap()).collect(),
-            temporal: Temporal::While,
-            frames: vec![Interval::new(10, 30).unwrap(), Interval::new(50, 70).unwrap()],
-            predicate: None,
-            text_digest: text_digest("the cups", None),
-            provenance: Provenance { source: "author".to_owned(), note: String::new() },
-            status: Status::Candidate,
-        }
-    }
 
     #[test]
     fn look_alikes_are_the_other_objects_of_the_same_categories() {
         let instances = [
-            instance(4, "cup_d", Role::Object, "cup"),
-            instance(1, "cup_a", Role::Object, "cup"),
-            instance(2, "plate", Role::Object, "plate"),
-            instance(3, "cup_c", Role::Object, "cup"),
-            instance(1001, "cup_painted", Role::Landmark, "cup"),
+            instance(4, "cup_d"),
+            instance(1, "cup_a"),
+            instance(2, "plate"),
+            instance(3, "cup_c"),
+            instance(1001, "cup_painted"),
         ];
-        let target = Target::of(&instances, &query(&["cup_c", "cup_a"])).unwrap();
+        let of =
+            |referents: &[&str]| Target::of(&instances, &query("yard/001", "the cups", referents, [10, 30]));
+        let target = of(&["cup_c", "cup_a"]).unwrap();
         assert_eq!((target.referents.as_slice(), target.look_alikes.as_slice()), (&[1, 3][..], &[4][..]));
-        assert!(target.holds_at(10) && target.holds_at(70) && !target.holds_at(40) && !target.holds_at(9));
-        let absent = Target::of(&instances, &query(&[])).unwrap();
+        assert!(target.holds_at(10) && target.holds_at(30) && !target.holds_at(31) && !target.holds_at(9));
+        let absent = of(&[]).unwrap();
         assert!(absent.referents.is_empty() && absent.look_alikes.is_empty());
-    }
-
-    #[test]
-    fn referents_that_no_object_has_are_named() {
-        let instances = [instance(1001, "table", Role::Landmark, "table")];
-        let error = Target::of(&instances, &query(&["table"])).unwrap_err().to_string();
-        assert!(error.contains("yard/001") && error.contains("`table`"), "{error}");
+        let error = of(&["cup_painted"]).unwrap_err().to_string();
+        assert!(error.contains("yard/001") && error.contains("`cup_painted`"), "{error}");
     }
 }

@@ -1,11 +1,8 @@
 //! Ids of pictures on disk.
 
-use half::f16;
 use l4d_data::layout::SceneDir;
-use l4d_data::scene::{Generator, SCHEMA};
-use l4d_data::{Camera, Profile, Scale, Scene, Split};
-use l4d_frames::exr::write_frame;
-use l4d_frames::{Frame, Surfaces};
+use l4d_data::{Camera, Split};
+use l4d_testing::{camera, flat, scene};
 
 use super::super::ids::RenderedIds;
 use super::*;
@@ -13,43 +10,14 @@ use super::*;
 /// A scene of two training views and the held-out one, of which a picture each was rendered: a stripe of id 1
 /// in the first columns, as many as the number of the view and one.
 fn write_scene(folder: &std::path::Path) -> SceneDir {
-    let dir = SceneDir::new(folder, "yard");
-    let (width, height) = (Profile::Tiny.width(), Profile::Tiny.height());
-    let camera = |index: u32| Camera {
-        split: if index == 2 { Split::Test } else { Split::Train },
-        ..blank_clip(&format!("cam0{index}"), width, height, &[0]).camera
+    let views = [("cam00", Split::Train), ("cam01", Split::Train), ("cam02", Split::Test)];
+    let cameras = views.map(|(view, split)| camera(view, split));
+    let picture = |camera: &Camera, frame: u32| {
+        let last: u32 = camera.name.as_str()[3..].parse().unwrap();
+        (frame == 0).then(|| flat(|column, _| u32::from(column <= last)))
     };
-    let scene = Scene {
-        schema: SCHEMA.to_owned(),
-        name: name("yard"),
-        scale: Scale::Room,
-        variant: 0,
-        seed: 0,
-        profile: Profile::Tiny,
-        stride: Profile::Tiny.stride(),
-        width,
-        height,
-        exposure: 1.0,
-        generator: Generator { bpy: "none".to_owned(), scripts_sha256: "0".repeat(64) },
-        cameras: (0..3).map(camera).collect(),
-        instances: Vec::new(),
-        events: Vec::new(),
-        digests: BTreeMap::new(),
-    };
-    l4d_data::json::write(&dir.scene(), &scene).unwrap();
-    for (index, camera) in scene.cameras.iter().enumerate() {
-        let mut surfaces = Surfaces::empty(width, height);
-        for row in 0..height {
-            for column in 0..=index as u32 {
-                let pixel = surfaces.index(column, row);
-                surfaces.id[pixel] = 1;
-                surfaces.depth_m[pixel] = 2.0;
-            }
-        }
-        let rgb = vec![[f16::ZERO; 3]; surfaces.id.len()];
-        write_frame(&dir.frame(&camera.name, 0), &Frame { surfaces, rgb }).unwrap();
-    }
-    dir
+    l4d_testing::write_scene(folder, scene("yard", cameras.into(), Vec::new()), picture);
+    SceneDir::new(folder, "yard")
 }
 
 #[test]

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use l4d_data::scene::{Generator, SCHEMA, Scene};
+use l4d_data::scene::Scene;
 use l4d_data::tracks::{TrackedCamera, TrackedInstance, Tracks};
 use l4d_data::truth::{self, InstanceTruth, Truth, frame_key};
 use l4d_data::{Benchmark, Camera, Rle, Scale};
@@ -63,18 +63,13 @@ pub(crate) fn kitchen() -> SceneSet {
 
 /// The rendering of a scene, as far as questions and gates ask about it.
 pub(crate) fn rendering(tracks: &Tracks, profile: Profile) -> Scene {
-    let camera = |camera: &TrackedCamera| Camera {
-        name: camera.name.clone(),
-        split: camera.split,
-        fx: 1.0,
-        fy: 1.0,
-        cx: 0.0,
-        cy: 0.0,
-        world_from_camera: camera.world_from_camera.clone(),
+    let camera = |found: &TrackedCamera| Camera {
+        world_from_camera: found.world_from_camera.clone(),
+        ..l4d_testing::camera(&found.name, found.split)
     };
+    let cameras = tracks.views(profile).map(camera).collect();
+    let instances = tracks.instances.iter().map(TrackedInstance::instance).collect();
     Scene {
-        schema: SCHEMA.to_owned(),
-        name: tracks.scene.clone(),
         scale: tracks.scale,
         variant: tracks.variant,
         seed: tracks.seed,
@@ -82,12 +77,7 @@ pub(crate) fn rendering(tracks: &Tracks, profile: Profile) -> Scene {
         stride: profile.stride(),
         width: profile.width(),
         height: profile.height(),
-        exposure: tracks.exposure,
-        generator: Generator { bpy: "none".to_owned(), scripts_sha256: "0".repeat(64) },
-        cameras: tracks.views(profile).map(camera).collect(),
-        instances: tracks.instances.iter().map(TrackedInstance::instance).collect(),
-        events: tracks.events.clone(),
-        digests: BTreeMap::new(),
+        ..l4d_testing::scene(&tracks.scene, cameras, instances)
     }
 }
 
