@@ -31,7 +31,7 @@ pub(crate) fn run(
     let source = Benchmark::open(&args.bench)?;
     let scene = source.scene(&args.scene)?.clone();
     let folder = args.out.as_path();
-    copy_queries(&source, &scene, &BenchDir::new(&folder.join("benchmark")))?;
+    copy_queries(&source, &scene, &BenchDir::new(folder.join("benchmark")))?;
     for (what, verb) in steps(args, &scene, folder) {
         let line: Vec<String> = std::iter::once("l4d".to_owned()).chain(verb).collect();
         out.note(format!("\n# {what}\n$ {}", line.join(" ")));
