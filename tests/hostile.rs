@@ -170,12 +170,12 @@ fn more_bytes_than_are_taken_in() {
             }
         }
     }
-    for verb in ["check-results", "score", "score --protocol davis", "score --sweep"] {
+    for verb in ["check-results", "score", "score --protocol davis"] {
         let run = bounded(&dir, &format!("{verb} --json --max-megabytes 1"));
         run.says(1, &["2 MB"]);
         assert_eq!(support::codes(&run.value()), ["L4D316"], "{verb}");
         let written = || {
-            let folders = ["scores", "scores-davis", "scores-sweep"];
+            let folders = ["scores", "scores-davis"];
             folders.into_iter().filter(|folder| dir.path(folder).exists()).collect::<Vec<_>>()
         };
         assert!(written().is_empty(), "{verb} wrote");

@@ -28,7 +28,6 @@ mod solving;
 mod splats;
 mod splats_render;
 mod support;
-mod sweep;
 mod unchanged;
 mod words;
 mod world;

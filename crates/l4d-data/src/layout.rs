@@ -275,19 +275,4 @@ impl ResultsDir {
     pub fn mask_folder(&self, id: &QueryId) -> PathBuf {
         self.masks().join(id.scene.as_str()).join(id.number.as_str())
     }
-
-    /// `soft`: relevancy, beside masks.
-    pub fn soft(&self) -> PathBuf {
-        self.0.join("soft")
-    }
-
-    /// `soft/<scene>/<nnn>`: the folder of relevancy, one picture per frame.
-    pub fn soft_folder(&self, id: &QueryId) -> PathBuf {
-        self.soft().join(id.scene.as_str()).join(id.number.as_str())
-    }
-
-    /// `soft/<scene>/<nnn>/<frame:04>.png`.
-    pub fn soft_png(&self, id: &QueryId, frame: u32) -> PathBuf {
-        self.soft_folder(id).join(format!("{}.png", frame_key(frame)))
-    }
 }

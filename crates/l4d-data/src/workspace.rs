@@ -193,6 +193,6 @@ mod tests {
         assert_eq!(given.scene("room").root(), Path::new("d/room"));
         assert_eq!(given.work("room").splats(), Path::new("w/tiny/room/splats"));
         assert_eq!(given.ablation("mvsc"), Path::new("w/tiny/ablations/mvsc"));
-        assert_eq!(default_scores("composites", Some("sweep")), Path::new("scores-composites-sweep"));
+        assert_eq!(default_scores("composites", Some("davis")), Path::new("scores-composites-davis"));
     }
 }

@@ -101,23 +101,6 @@ pub fn decode_any(bytes: &[u8]) -> Result<Mask, PngError> {
     Ok(rows.mask)
 }
 
-/// Decodes a map of exactly `width` x `height`, 8-bit grayscale: one value per pixel, row by row.
-///
-/// # Errors
-/// Bytes that are no such PNG of that size.
-pub fn decode_grey(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PngError> {
-    check_size(bytes, (width, height))?;
-    let mut values = Vec::new();
-    read_rows(bytes, |depth, row| match depth {
-        BitDepth::Eight => {
-            values.extend_from_slice(row);
-            Ok(())
-        }
-        _ => Err(PngError::Kind { kind: "1-bit grayscale where a map has 8 bits".to_owned() }),
-    })?;
-    Ok(values)
-}
-
 fn check_size(bytes: &[u8], expected: (u32, u32)) -> Result<(), PngError> {
     let found = size(bytes)?;
     if found == expected { Ok(()) } else { Err(PngError::Size { found, expected }) }
@@ -197,15 +180,6 @@ pub fn encode(mask: &Mask) -> Vec<u8> {
         pixels.extend(bytes.take(width.div_ceil(8) as usize));
     }
     encode_rows(&pixels, (width, height), BitDepth::One)
-}
-
-/// Encodes a map as 8-bit grayscale; the same map gives the same bytes.
-///
-/// # Panics
-/// If there is not one value per pixel.
-pub fn encode_grey(values: &[u8], width: u32, height: u32) -> Vec<u8> {
-    assert_eq!(values.len(), width as usize * height as usize, "one value a pixel");
-    encode_rows(values, (width, height), BitDepth::Eight)
 }
 
 fn encode_rows(rows: &[u8], (width, height): (u32, u32), depth: BitDepth) -> Vec<u8> {

@@ -30,7 +30,6 @@ mod reading;
 pub mod results;
 pub mod score;
 pub mod summary;
-pub mod sweep;
 pub mod table;
 pub mod traits;
 pub mod truth;

@@ -42,9 +42,6 @@ pub(crate) struct ImportArgs {
     /// Logs with numbers that the method claims; those at their usual place are found
     #[arg(long, value_name = "FILE")]
     pub(crate) claims: Vec<PathBuf>,
-    /// Keep the relevancy that masks are cut from (soft/), for `score --sweep`
-    #[arg(long)]
-    pub(crate) soft: bool,
     /// Write what could be read, though something could not
     #[arg(long)]
     pub(crate) partial: bool,

@@ -82,10 +82,6 @@ pub(crate) struct ScoreArgs {
     /// gaussian-grouping), which is never ranked
     #[arg(long, value_name = "NAME", default_value = "l4d", value_parser = protocol)]
     pub(crate) protocol: ProtocolArg,
-    /// Instead of scores, curves over thresholds: of a hit, and of relevancy where results have it (soft/). Labelled, never
-    /// ranked
-    #[arg(long, conflicts_with_all = ["protocol", "hit_iou", "missing"])]
-    pub(crate) sweep: bool,
     /// Folder that receives <method>/counts.csv; default: scores, or scores-composites; with another protocol its name
     /// is appended
     #[arg(long, value_name = "DIR")]
@@ -106,7 +102,7 @@ pub(crate) struct ScoreArgs {
     #[arg(long)]
     pub(crate) verified_only: bool,
     /// Print means with intervals by category, scale, time, size, occlusion and scene; as JSON by query, too
-    #[arg(long, conflicts_with_all = ["protocol", "sweep"])]
+    #[arg(long, conflicts_with = "protocol")]
     pub(crate) groups: bool,
     /// Seed of the draws behind intervals
     #[arg(long, default_value_t = 0)]

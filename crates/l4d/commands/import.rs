@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use l4d_data::{Benchmark, DataError, Name, Report, json};
 use l4d_import::results::codec::{Codec, Reading};
-use l4d_import::results::import::{
-    Encoders, Identity, Images, Imported, Order, Request, SoftStage, import, write,
-};
+use l4d_import::results::import::{Encoders, Identity, Images, Imported, Order, Request, import, write};
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
 use serde_json::{Value, json};
@@ -21,17 +19,8 @@ use crate::out::{ExitStatus, Printer, refusal};
 
 pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
-    let mut request = request(args, &bench)?;
+    let request = request(args, &bench)?;
     let name = args.name.clone().map_or_else(|| Name::new(&request.preset.name), Ok)?;
-    if args.soft {
-        if !request.has_relevancy() {
-            return Err(refusal(
-                format!("--soft: masks of {} are not cut from relevancy", request.preset.name),
-                "leave --soft out, or say where relevancy is cut: --inside \"langsplat 0.4\", \"4d-langsplat 0.4\" or \"relative 0.4\"",
-            ));
-        }
-        request.soft = Some(SoftStage::open(&args.results, &name)?);
-    }
     let identity = Identity {
         name,
         version: args.method_version.clone(),
@@ -91,7 +80,6 @@ fn request<'a>(args: &ImportArgs, bench: &'a Benchmark) -> Result<Request<'a>> {
         images: files.images.as_deref().map(|path| Images::read(path, files.images_first)).transpose()?,
         encoders: encoders(&args.encoders)?,
         claims: args.claims.clone(),
-        soft: None,
     })
 }
 

@@ -1,7 +1,6 @@
 //! `l4d score`: masks of methods in, counts and tables out.
 
 mod protocol;
-mod sweep;
 
 use std::path::Path;
 
@@ -35,9 +34,6 @@ pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
     exam.most_bytes = args.max_megabytes.saturating_mul(MEGABYTE);
     if let ProtocolArg::Other(protocol) = args.protocol {
         return protocol::run(args, protocol, &exam, &options, report, out);
-    }
-    if args.sweep {
-        return sweep::run(args, &exam, &options, report, out);
     }
     let scores = args.scores.clone().unwrap_or_else(|| default_scores(exam.set.as_str(), None));
     let mut scored =

@@ -65,8 +65,6 @@ pub struct Piece {
     pub place: Option<Place>,
     /// The mask; none where the file says that nothing is there.
     pub mask: Option<Mask>,
-    /// What the mask was cut from, over its own range, where [`Inside::has_range`].
-    pub soft: Option<Vec<u8>>,
 }
 
 /// Why a file holds no answers.

@@ -8,7 +8,6 @@ mod answers;
 mod card;
 mod frames;
 mod latents;
-mod soft;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +15,7 @@ use std::path::{Path, PathBuf};
 use l4d_data::{Benchmark, DataError, Name, Profile, Query, QueryId, Report};
 
 use super::claims;
-use super::codec::{Codec, Reading};
+use super::codec::Reading;
 use super::codes;
 use super::preset::Preset;
 use super::prompts::Prompts;
@@ -26,7 +25,6 @@ use super::template::{Captures, Hit, Template};
 
 pub use card::{Identity, write};
 pub use frames::{Images, Order};
-pub use soft::SoftStage;
 
 use answers::Collector;
 use frames::Pictures;
@@ -58,19 +56,6 @@ pub struct Request<'a> {
     pub encoders: Encoders,
     /// Logs and tables with claimed numbers, beside those that the preset finds.
     pub claims: Vec<PathBuf>,
-    /// Where relevancy goes that masks are cut from; none where it is not kept.
-    pub soft: Option<SoftStage>,
-}
-
-impl Request<'_> {
-    /// Whether masks are cut somewhere in the range of relevancy.
-    pub fn has_relevancy(&self) -> bool {
-        match self.reading.codec {
-            Codec::Latents => true,
-            Codec::Picture | Codec::Array => self.reading.inside.has_range(),
-            Codec::CocoRle => false,
-        }
-    }
 }
 
 /// Weights and embeddings for latents.
@@ -162,7 +147,7 @@ pub fn import(
         imported.sizes.insert(scene.clone(), pictures.size);
         let mut collector = Collector::new(request, &prompts, &pictures);
         match &request.preset.latents {
-            None => answers::read(request, &hits, &mut collector)?,
+            None => answers::read(request, &hits, &mut collector),
             Some(preset) => {
                 latents::read(
                     request,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::codec::Problem;
 use super::codes;
-use super::relevancy::{self, Rules, Smoothing, over_range};
+use super::relevancy::{self, Rules, Smoothing};
 
 /// The rule, as presets and the command line write it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -90,26 +90,7 @@ impl fmt::Display for Inside {
     }
 }
 
-/// A mask, and what it was cut from.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cut {
-    /// The mask.
-    pub mask: Mask,
-    /// The numbers over their own range, where the rule cuts them there.
-    pub soft: Option<Vec<u8>>,
-}
-
 impl Inside {
-    /// Whether numbers are cut somewhere in their own range, so that another place in it would give another mask.
-    pub fn has_range(&self) -> bool {
-        matches!(self, Self::Relative(_) | Self::LangSplat(_) | Self::FourDLangSplat(_))
-    }
-
-    /// Whether numbers are smoothed before they are cut, and masks by the majority of neighbours after.
-    pub fn is_smoothed(&self) -> bool {
-        matches!(self, Self::LangSplat(_) | Self::FourDLangSplat(_))
-    }
-
     /// The pixels that belong to the mask. `selected` are the ids that count under [`Inside::Selected`].
     ///
     /// # Errors
@@ -120,7 +101,7 @@ impl Inside {
         width: u32,
         height: u32,
         selected: &BTreeSet<u32>,
-    ) -> Result<Cut, Problem> {
+    ) -> Result<Mask, Problem> {
         let problem = |code, message: String, hint| Err(Problem::new(code, "numbers", message, hint));
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             let (row, col) = (index / width as usize, index % width as usize);
@@ -164,15 +145,13 @@ impl Inside {
                 return Ok(smoothed(values, width, height, Smoothing::Pool29, threshold));
             }
         };
-        let soft = self.has_range().then(|| over_range(values, floor, peak));
-        Ok(Cut { mask, soft })
+        Ok(mask)
     }
 }
 
-fn smoothed(values: &[f32], width: u32, height: u32, smoothing: Smoothing, threshold: f32) -> Cut {
+fn smoothed(values: &[f32], width: u32, height: u32, smoothing: Smoothing, threshold: f32) -> Mask {
     let rules = Rules { smoothing, threshold, stretch_positive: false };
-    let found = relevancy::of_map(values.to_vec(), width, height, &rules);
-    Cut { mask: found.mask, soft: Some(found.soft) }
+    relevancy::of_map(values.to_vec(), width, height, &rules).mask
 }
 
 #[cfg(test)]
@@ -182,7 +161,7 @@ mod tests {
     fn cut(rule: &str, values: &[f32]) -> Result<Vec<bool>, Problem> {
         let selected = BTreeSet::from([3, 5]);
         let rule: Inside = rule.parse().unwrap();
-        rule.cut(values, values.len() as u32, 1, &selected).map(|cut| cut.mask.to_bools())
+        rule.cut(values, values.len() as u32, 1, &selected).map(|mask| mask.to_bools())
     }
 
     #[test]

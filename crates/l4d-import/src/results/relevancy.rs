@@ -67,8 +67,6 @@ pub struct Found {
     pub peak: f32,
     /// The lowest one.
     pub floor: f32,
-    /// Smoothed relevancy by pixel, row by row, over its own range: [`over_range`].
-    pub soft: Vec<u8>,
     /// Where LangSplat's localisation looks.
     pub summit: Summit,
 }
@@ -135,14 +133,6 @@ fn best<'a>(engine: &Engine, levels: impl Iterator<Item = Latents<'a>>, rules: &
 /// The rules upon a map of relevancy that was made elsewhere.
 pub fn of_map(map: Vec<f32>, width: u32, height: u32, rules: &Rules) -> Found {
     smooth::find(map, width as usize, height as usize, rules)
-}
-
-/// Numbers over the range from the lowest to the highest of them, as bytes: a mask cut at the threshold `t` of [`Rules`]
-/// is what lies above `(1 + t) / 2` of 255.
-pub fn over_range(numbers: &[f32], floor: f32, peak: f32) -> Vec<u8> {
-    // Numbers without a range, and a range that is not finite, give 0.
-    let scale = 255.0 / (peak - floor);
-    numbers.iter().map(|number| ((number - floor) * scale + 0.5) as u8).collect()
 }
 
 /// Probability of the sentence beside the phrase that fits best.

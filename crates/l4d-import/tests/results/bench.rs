@@ -95,7 +95,6 @@ pub(crate) fn request<'a>(bench: &'a Benchmark, preset: &str, root: &Path) -> Re
         images: None,
         encoders: Encoders::default(),
         claims: Vec::new(),
-        soft: None,
     }
 }
 

@@ -1,18 +1,15 @@
 //! Whole folders, as methods leave them: what comes in, and what scores say of it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
-use l4d_import::results::codec::Codec;
-use l4d_import::results::import::{Identity, Imported, Order, Request, SoftStage, import, write};
+use l4d_import::results::import::{Identity, Imported, Order, write};
 use l4d_import::results::relevancy::{TextsFile, gate};
 use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
 use l4d_score::protocols::judge_answers;
-use l4d_score::sweep::sweep_results;
 use l4d_score::truth::SceneTruth;
 use l4d_score::{Exam, Options, Protocol, QuerySet, Summary, score_results};
 
@@ -194,104 +191,6 @@ fn latents_of_langsplat_become_the_masks_of_its_rules() {
     assert!(score(&bench, &imported).scores.headline.percent.miou.unwrap() > 90.0);
 }
 
-/// Imports with relevancy and writes results; gives those of the method.
-fn with_soft(bench: &Bench, preset: &str, change: impl FnOnce(&mut Request<'_>)) -> ResultsDir {
-    let identity = identity(false);
-    let benchmark = bench.open();
-    let mut request = request(&benchmark, preset, &bench.path("method"));
-    request.encoders.texts = Some(texts(bench));
-    request.soft = Some(SoftStage::open(&bench.path("results"), &identity.name).unwrap());
-    change(&mut request);
-    let mut report = Report::default();
-    let imported = import(&request, |_| (), &mut report).unwrap();
-    assert!(!report.has_errors(), "{:?}", report.into_sorted());
-    assert_eq!(request.soft.is_some(), imported.assumptions.contains_key("relevancy"));
-    ResultsDir::new(write(&bench.path("results"), &identity, &request, &imported, true).unwrap())
-}
-
-fn soft(dir: &ResultsDir, query: usize, frame: u32) -> Vec<u8> {
-    png::decode_grey(&std::fs::read(dir.soft_png(&id(query), frame)).unwrap(), 128, 96).unwrap()
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
-
-#[test]
-fn relevancy_is_kept_over_its_own_range_and_swept() {
-    let bench = Bench::new();
-    langsplat(&bench);
-    let dir = with_soft(&bench, "langsplat", |_| ());
-    assert_eq!(names(&bench.path("results")), ["theirs"], "no stage is left");
-    for (position, frame) in clip().into_iter().enumerate() {
-        for query in 0..3 {
-            let map = soft(&dir, query, frame);
-            assert_eq!((map.iter().min(), map.iter().max()), (Some(&0), Some(&255)));
-            // 0.7 of the range, as the masks that were voted on.
-            let inside = |col: u32, row: u32| map[(row * 128 + col) as usize] > 178;
-            let cut = Mask::from_fn(128, 96, inside);
-            assert_eq!(voted(&cut), voted(&cup(referent(query), position)), "query {query}, frame {frame}");
-        }
-    }
-    let mut report = Report::default();
-    let exam = Exam::open(bench.open(), Profile::Tiny, QuerySet::Queries, &[], &mut report).unwrap();
-    let (results, sweeps) = (bench.path("results"), bench.path("sweeps"));
-    let swept = sweep_results(&results, &exam, &Options::default(), &sweeps, &mut report, |_| ()).unwrap();
-    assert!(!report.has_errors(), "{:?}", report.into_sorted());
-    let relevancy = swept[0].relevancy.as_ref().unwrap();
-    let miou = |threshold: usize| relevancy.curve[threshold].miou.unwrap();
-    assert_eq!((relevancy.queries, relevancy.curve.len()), (3, 255));
-    assert!(miou(178) > 90.0 && miou(0) < 50.0, "{} and {}", miou(178), miou(0));
-
-    // Relevancy of another import would be that of other masks.
-    let dir = with_soft(&bench, "langsplat", |request| request.soft = None);
-    assert!(!dir.soft().exists() && dir.masks().exists());
-}
-
-#[test]
-fn maps_that_were_made_elsewhere_are_kept_at_the_size_of_the_profile() {
-    let bench = Bench::new();
-    for text in TEXTS {
-        for position in 0..clip().len() {
-            // A slope that rises to the right, at half the size.
-            let values: Vec<f32> = (0..48 * 64).map(|index| (index % 64) as f32 - 9.0).collect();
-            bench.write(&format!("{}/{position}.npy", text.replace(' ', "_")), npy(&[48, 64], &values));
-        }
-    }
-    let dir = with_soft(&bench, "generic", |request| {
-        request.preset.template = "{text}/{position}.npy".to_owned();
-        request.preset.codec = Codec::Array;
-        request.reading.codec = Codec::Array;
-        request.reading.inside = "relative 0.4".parse().unwrap();
-        request.encoders.texts = None;
-        request.resize = true;
-        assert!(request.has_relevancy());
-    });
-    let expected: Vec<u8> =
-        (0..96 * 128).map(|index| (f64::from(index % 128 / 2) / 63.0 * 255.0).round() as u8).collect();
-    assert_eq!(soft(&dir, 1, clip()[4]), expected);
-}
-
-#[test]
-fn an_import_that_comes_to_nothing_leaves_no_relevancy() {
-    let bench = Bench::new();
-    langsplat(&bench);
-    let benchmark = bench.open();
-    let mut request = request(&benchmark, "langsplat", &bench.path("method"));
-    request.encoders.texts = Some(texts(&bench));
-    request.soft = Some(SoftStage::open(&bench.path("results"), &Name::new("theirs").unwrap()).unwrap());
-    import(&request, |_| (), &mut Report::default()).unwrap();
-    // What is shown is never half an import.
-    assert_eq!(names(&bench.path("results")), [".theirs.soft"]);
-    drop(request);
-    assert!(names(&bench.path("results")).is_empty());
-}
-
 #[test]
 fn the_highest_mean_is_looked_for_in_the_box_of_the_object() {
     let located = |bench: &Bench| {
@@ -344,9 +243,6 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
         ("positives", npy(&[1, 6], &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
     ]);
     std::fs::write(&time_texts, bytes).unwrap();
-    let dir = with_soft(&bench, "4d-langsplat", |request| {
-        request.encoders.time_texts = Some((time_texts.clone(), TextsFile::read(&time_texts).unwrap()));
-    });
     let (imported, report) = bench.import("4d-langsplat", |request| {
         request.encoders.texts = Some(texts(&bench));
         request.encoders.time_texts = Some((time_texts.clone(), TextsFile::read(&time_texts).unwrap()));
@@ -358,7 +254,6 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
     assert_eq!(open, [false, false, false, true, true, true, false, false, false]);
     for (frame, is_open) in clip().into_iter().zip(open) {
         assert_eq!(mask_of(&imported, 2, frame).is_some(), is_open, "frame {frame}");
-        assert_eq!(soft(&dir, 2, frame).iter().any(|&value| value > 0), is_open, "frame {frame}");
         assert!(mask_of(&imported, 0, frame).is_some(), "a sentence about no time is not gated");
     }
     let theirs = |measure| recount(&bench, &imported, Protocol::FourDLangSplat, measure);

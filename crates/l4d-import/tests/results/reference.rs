@@ -89,15 +89,7 @@ impl Picture {
             is_inside(smoothed[row as usize * self.width + col as usize])
         });
         let mask = majority(&unsmoothed, rules.smoothing);
-        let byte = |value: &f64| ((value - floor) / (peak - floor + 1e-9) * 255.0).round() as u8;
-        Found {
-            mask,
-            unsmoothed,
-            peak: peak as f32,
-            floor: floor as f32,
-            soft: smoothed.iter().map(byte).collect(),
-            summit: self.summit(&means),
-        }
+        Found { mask, unsmoothed, peak: peak as f32, floor: floor as f32, summit: self.summit(&means) }
     }
 
     /// Where the mean is highest, the first of equals.

@@ -125,10 +125,6 @@ proptest! {
             if slow.peak - slow.floor > 0.05 {
                 let different = fast.unsmoothed.or_count(&slow.unsmoothed) - fast.unsmoothed.and_count(&slow.unsmoothed);
                 prop_assert!(different * 50 <= u64::from(width * height).max(50), "{} pixels differ", different);
-                let bound = 1.0 + 255.0 * 6e-3 / (slow.peak - slow.floor);
-                for (fast, slow) in fast.soft.iter().zip(&slow.soft) {
-                    prop_assert!(f32::from(fast.abs_diff(*slow)) <= bound, "{} and {} of 255", fast, slow);
-                }
             }
         }
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use l4d_data::store::read_bounded;
 use l4d_formats::arrays;
 
-use super::super::inside::{Cut, Inside};
+use super::super::inside::Inside;
 use super::super::picture;
 use super::{Piece, Problem, Reading, sane};
 
@@ -62,8 +62,8 @@ fn rows_and_columns(shape: &[usize]) -> Option<(usize, usize)> {
 
 fn cut_all(values: &[f32], (width, height): (u32, u32), reading: &Reading) -> Result<Vec<Piece>, Problem> {
     let cut = |name: Option<String>, selected: &BTreeSet<u32>| {
-        let Cut { mask, soft, .. } = reading.inside.cut(values, width, height, selected)?;
-        Ok(Piece { name, place: None, mask: Some(mask), soft })
+        let mask = reading.inside.cut(values, width, height, selected)?;
+        Ok(Piece { name, place: None, mask: Some(mask) })
     };
     if reading.inside != Inside::Selected {
         return Ok(vec![cut(None, &BTreeSet::new())?]);

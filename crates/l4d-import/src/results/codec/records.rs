@@ -42,7 +42,7 @@ fn of_sentence(value: &Value, name: Option<&str>, pieces: &mut Vec<Piece>) -> Re
     let mut add = |value: &Value, place: Option<Place>, key: String| {
         let mask = mask(value)
             .map_err(|message| Problem::unreadable(format!("entry {sentence}{key}"), message, REMEDY))?;
-        pieces.push(Piece { name: name.map(str::to_owned), place, mask, soft: None });
+        pieces.push(Piece { name: name.map(str::to_owned), place, mask });
         Ok(())
     };
     match value {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::error::inert;
-use l4d_data::{DataError, Query, QueryId, Report, Severity};
+use l4d_data::{Query, QueryId, Report, Severity};
 use l4d_masks::{Mask, Rle};
 use rayon::prelude::*;
 
@@ -16,7 +16,6 @@ use super::super::shift::{Answers, Summits};
 use super::super::template::Hit;
 use super::Request;
 use super::frames::Pictures;
-use super::soft;
 
 /// Findings of one code that a scene lists one by one.
 const LISTED: usize = 12;
@@ -31,16 +30,10 @@ pub(super) struct Answer {
     frame: u32,
     /// Run lengths; none where the method says that nothing is there.
     mask: Option<Rle>,
-    /// Relevancy as PNG, where it is kept.
-    soft: Option<Vec<u8>>,
 }
 
 /// Reads files that hold masks or maps: decoded side by side, collected in the order of their paths.
-pub(super) fn read(
-    request: &Request<'_>,
-    hits: &[Hit],
-    collector: &mut Collector<'_>,
-) -> Result<(), DataError> {
+pub(super) fn read(request: &Request<'_>, hits: &[Hit], collector: &mut Collector<'_>) {
     for batch in hits.chunks(BATCH) {
         let decode = |hit: &Hit| -> (Vec<Answer>, Report) {
             let mut report = Report::default();
@@ -58,10 +51,9 @@ pub(super) fn read(
         let decoded: Vec<(Vec<Answer>, Report)> = batch.par_iter().map(decode).collect();
         for (hit, (answers, report)) in batch.iter().zip(decoded) {
             collector.findings().extend(report);
-            answers.into_iter().try_for_each(|answer| collector.take(&hit.path, answer))?;
+            answers.into_iter().for_each(|answer| collector.take(&hit.path, answer));
         }
     }
-    Ok(())
 }
 
 /// Collects the answers of a scene.
@@ -179,20 +171,18 @@ impl<'a> Collector<'a> {
         let query = self.query(hit, piece.name.as_deref())?;
         let Some(frame) = self.frame(hit, piece.place)? else { return Ok(None) };
         let answer = match piece.mask {
-            None => Answer { query: query.id.clone(), frame, mask: None, soft: None },
-            Some(mask) => self.answer(query, frame, mask, piece.soft.as_deref())?,
+            None => Answer { query: query.id.clone(), frame, mask: None },
+            Some(mask) => self.answer(query, frame, mask)?,
         };
         Ok(Some(answer))
     }
 
-    /// A mask, and the relevancy that it was cut from where that is kept, at the size of the profile.
-    fn answer(&self, query: &Query, frame: u32, mask: Mask, soft: Option<&[u8]>) -> Result<Answer, Problem> {
+    /// A mask at the size of the profile.
+    fn answer(&self, query: &Query, frame: u32, mask: Mask) -> Result<Answer, Problem> {
         let (size, wanted) = (mask.size(), self.pictures.size);
         self.fits(size)?;
         let mask = if size == wanted { mask } else { mask.resized_nearest(wanted.0, wanted.1) };
-        let kept = soft.filter(|_| self.request.soft.is_some());
-        let soft = kept.map(|soft| soft::picture(soft, size, wanted));
-        Ok(Answer { query: query.id.clone(), frame, mask: Some(mask.to_rle()), soft })
+        Ok(Answer { query: query.id.clone(), frame, mask: Some(mask.to_rle()) })
     }
 
     /// Refuses a size of pictures that can answer neither as they are nor resized.
@@ -213,7 +203,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Takes an answer, unless there is one already.
-    pub(super) fn take(&mut self, path: &Path, answer: Answer) -> Result<(), DataError> {
+    pub(super) fn take(&mut self, path: &Path, answer: Answer) {
         let key = (answer.query.clone(), answer.frame);
         if let Some(other) = self.from.get(&key) {
             let message =
@@ -221,30 +211,17 @@ impl<'a> Collector<'a> {
             let hint =
                 "keep one of them: sentences of one category, or of one file name, overwrite each other";
             self.findings.error(codes::COLLISION, path, "answer", message, hint);
-            return Ok(());
-        }
-        if let (Some(stage), Some(soft)) = (&self.request.soft, &answer.soft) {
-            stage.keep(&answer.query, answer.frame, soft)?;
+            return;
         }
         self.from.insert(key, path.to_owned());
         self.answers.entry(answer.query).or_default().insert(answer.frame, answer.mask);
-        Ok(())
     }
 
     /// Takes what was found of a query in a frame.
-    pub(super) fn take_found(
-        &mut self,
-        path: &Path,
-        query: &Query,
-        frame: u32,
-        found: Found,
-    ) -> Result<(), DataError> {
-        match self.answer(query, frame, found.mask, Some(&found.soft)) {
+    pub(super) fn take_found(&mut self, path: &Path, query: &Query, frame: u32, found: Found) {
+        match self.answer(query, frame, found.mask) {
             Ok(answer) => self.take(path, answer),
-            Err(problem) => {
-                problem.report(path, &mut self.findings);
-                Ok(())
-            }
+            Err(problem) => problem.report(path, &mut self.findings),
         }
     }
 
@@ -254,20 +231,13 @@ impl<'a> Collector<'a> {
     }
 
     /// Says of frames that nothing is there, whatever was answered.
-    pub(super) fn empty(
-        &mut self,
-        query: &QueryId,
-        frames: impl Iterator<Item = u32>,
-    ) -> Result<(), DataError> {
-        let Some(answers) = self.answers.get_mut(query) else { return Ok(()) };
+    pub(super) fn empty(&mut self, query: &QueryId, frames: impl Iterator<Item = u32>) {
+        let Some(answers) = self.answers.get_mut(query) else { return };
         for frame in frames {
-            let Some(mask) = answers.get_mut(&frame) else { continue };
-            *mask = None;
-            if let Some(stage) = &self.request.soft {
-                stage.keep(query, frame, &soft::picture(&[0], (1, 1), self.pictures.size))?;
+            if let Some(mask) = answers.get_mut(&frame) {
+                *mask = None;
             }
         }
-        Ok(())
     }
 
     /// The answers, and where relevancy is highest; what was found wrong goes to the report, at most a dozen of a kind.

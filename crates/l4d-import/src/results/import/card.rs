@@ -42,14 +42,13 @@ pub fn write(
     force: bool,
 ) -> Result<PathBuf, DataError> {
     let dir = ResultsDir::new(results.join(identity.name.as_str()));
-    if dir.masks().exists() || dir.soft().exists() {
+    if dir.masks().exists() {
         if !force {
             let remedy = "give another --name, or replace what is there with --force";
             return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
         }
         // Old answers must not mix with new ones.
         remove_folder(&dir.masks())?;
-        remove_folder(&dir.soft())?;
     }
     let profile = request.profile;
     for (query, answers) in &imported.answers {
@@ -57,9 +56,6 @@ pub fn write(
         let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
         let file = MaskFile { size: [height, width], frames };
         json::write_compact(&dir.mask_file(query), &file)?;
-    }
-    if let Some(stage) = &request.soft {
-        stage.put(&dir)?;
     }
     let card = MethodCard {
         name: identity.name.clone(),
@@ -116,14 +112,6 @@ pub(super) fn assumptions(request: &Request<'_>) -> BTreeMap<String, String> {
         say("time gate", gate.to_owned());
     } else {
         say("inside", request.reading.inside.to_string());
-    }
-    if request.soft.is_some() {
-        let range = if request.reading.inside.is_smoothed() || request.preset.latents.is_some() {
-            "smoothed, over its own range; no majority"
-        } else {
-            "over its own range"
-        };
-        say("relevancy", format!("{range}, 0 to 255"));
     }
     let resize = if request.resize { "nearest, predictions only, proportions within 1 %" } else { "refused" };
     say("other sizes", resize.to_owned());

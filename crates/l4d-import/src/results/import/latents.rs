@@ -79,13 +79,14 @@ pub(super) fn read(
                 time.look(frame, &asked, &answers, inputs, &mut report)?;
                 for ((query, _), chosen) in asked.iter().zip(answers) {
                     collector.take_summit(query, frame, chosen.summit.at);
-                    collector.take_found(path, query, frame, chosen.found)?;
+                    collector.take_found(path, query, frame, chosen.found);
                 }
             }
         }
         collector.findings().extend(report);
     }
-    time.close(&asked, collector)
+    time.close(&asked, collector);
+    Ok(())
 }
 
 /// Queries with the number of their sentence among the embeddings.
@@ -339,13 +340,12 @@ impl<'a> Time<'a> {
     }
 
     /// Takes back the masks of frames whose gate is shut.
-    fn close(self, asked: &[(&Query, usize)], collector: &mut Collector<'_>) -> Result<(), DataError> {
+    fn close(self, asked: &[(&Query, usize)], collector: &mut Collector<'_>) {
         for (place, similarities) in self.similarities {
             let values: Vec<f64> = similarities.values().copied().collect();
             let open = gate(&values);
             let shut = similarities.keys().zip(open).filter(|(_, is_open)| !is_open).map(|(&frame, _)| frame);
-            collector.empty(&asked[place].0.id, shut)?;
+            collector.empty(&asked[place].0.id, shut);
         }
-        Ok(())
     }
 }

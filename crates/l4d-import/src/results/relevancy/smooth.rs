@@ -4,7 +4,7 @@
 
 use l4d_masks::Mask;
 
-use super::{Found, Rules, Smoothing, Summit, over_range};
+use super::{Found, Rules, Smoothing, Summit};
 
 /// From one sentence's map of relevancy to what is found in it.
 pub(super) fn find(mut map: Vec<f32>, width: usize, height: usize, rules: &Rules) -> Found {
@@ -18,7 +18,7 @@ pub(super) fn find(mut map: Vec<f32>, width: usize, height: usize, rules: &Rules
         is_inside(map[row as usize * width + col as usize])
     });
     let mask = majority(&unsmoothed, rules.smoothing);
-    Found { mask, unsmoothed, peak, floor, soft: over_range(&map, floor, peak), summit }
+    Found { mask, unsmoothed, peak, floor, summit }
 }
 
 /// Replaces each number by the mean of itself and of the mean of its window; gives where that mean is highest.
