@@ -60,15 +60,13 @@ fn scores_become_a_document_tables_and_figures() {
     run.says(0, &["   1 contestant", "again/leaderboard.csv"]);
     let written = dir.tree("leaderboard");
     assert!(written == dir.tree("again"), "the same scores give the same bytes");
-    for figure in ["per_category", "metrics", "speed", "taken", "queries_contestant", "confusion_contestant"]
-    {
+    for figure in ["per_category", "metrics", "speed", "taken"] {
         let svg = String::from_utf8_lossy(&written[&format!("figures/{figure}.svg")]);
         assert!(svg.starts_with("<svg role=\"img\" ") && svg.contains("profile tiny"), "{figure}");
         assert!(written[&format!("figures/{figure}.png")].starts_with(b"\x89PNG\r\n\x1a\n"), "{figure}");
     }
     let page = dir.read("leaderboard/leaderboard.md");
-    assert!(page.contains("(figures/queries_contestant.svg)"));
-    assert!(!page.contains("(figures/queries_none.svg)") && written.contains_key("index.html"));
+    assert!(page.contains("(figures/taken.svg)") && written.contains_key("index.html"));
 
     let board = Board::read(&dir.path("leaderboard/board.json")).unwrap();
     let summary = dir.value("scores/contestant/summary.json");

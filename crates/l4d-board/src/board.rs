@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::protocols::ProtocolTable;
 
 /// Schema tag of the document.
-pub const SCHEMA: &str = "l4d/board/1";
+pub const SCHEMA: &str = "l4d/board/2";
 /// Methods that are compared pair by pair, and whose groups are in `groups.csv`: those that come first.
 pub const MOST_COMPARED: usize = 50;
 /// Methods whose answers are kept query by query: those that come first.
@@ -37,8 +37,6 @@ pub struct Board {
     pub methods: Vec<Method>,
     /// One entry per metric of [`COMPARED`].
     pub comparisons: Vec<Comparisons>,
-    /// Methods that were scored on something else.
-    pub others: Vec<OtherBoard>,
     /// What is asked.
     pub scenes: Vec<BoardScene>,
     /// The same masks under the protocols of other evaluations; never ranked.
@@ -58,6 +56,15 @@ pub struct ScoredOn {
     pub benchmark_version: String,
     /// Digest of its truth.
     pub truth_digest: String,
+}
+
+impl ScoredOn {
+    /// `benchmark 0.9.0 · protocol l4d · profile tiny · truth 3f2a91c0`.
+    pub(crate) fn line(&self) -> String {
+        let Self { profile, protocol, benchmark_version, truth_digest } = self;
+        let truth: String = truth_digest.chars().take(8).collect();
+        format!("benchmark {benchmark_version} · protocol {protocol} · profile {profile} · truth {truth}")
+    }
 }
 
 /// What every table and figure says about itself.
@@ -118,7 +125,7 @@ pub struct Method {
     pub resize: bool,
     /// Its numbers, percent: headline, by group, other averages.
     pub scores: Breakdown,
-    /// mIoU with its interval; none for methods of other boards.
+    /// mIoU with its interval; none without a query that has one.
     pub miou: Option<Estimate>,
     /// Numbers that the method reports of itself, by name; never ranked.
     pub reported: BTreeMap<String, f64>,
@@ -131,8 +138,6 @@ pub struct Method {
     pub answers: Vec<Answer>,
     /// Number of queries by what was taken for the referent.
     pub choices: BTreeMap<Choice, usize>,
-    /// Which instance was taken for which, by scene.
-    pub confusions: Vec<Confusion>,
 }
 
 impl Method {
@@ -240,19 +245,8 @@ impl Choice {
     }
 }
 
-/// Which instance was taken for which in one scene.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Confusion {
-    /// The scene.
-    pub scene: Name,
-    /// Objects that are meant or were taken, by category, then name.
-    pub objects: Vec<Thing>,
-    /// One row per object that may be meant; columns are the objects, then landmarks, then nothing. Queries.
-    pub queries: Vec<Vec<usize>>,
-}
-
 /// An instance of a scene.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Thing {
     /// Common noun.
     pub category: String,
@@ -323,24 +317,6 @@ pub struct Comparisons {
     pub metric: Metric,
     /// By track. `first` and `second` index [`Board::methods`].
     pub pairs: Vec<Pair>,
-}
-
-/// Methods that were scored on something else; they share no table with this board's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct OtherBoard {
-    /// On what.
-    pub on: ScoredOn,
-    /// The methods, best first.
-    pub methods: Vec<Method>,
-}
-
-impl OtherBoard {
-    /// `benchmark 0.9.0 · protocol l4d · profile tiny · truth 3f2a91c0`.
-    pub fn line(&self) -> String {
-        let ScoredOn { profile, protocol, benchmark_version, truth_digest } = &self.on;
-        let truth: String = truth_digest.chars().take(8).collect();
-        format!("benchmark {benchmark_version} · protocol {protocol} · profile {profile} · truth {truth}")
-    }
 }
 
 /// A table that a paper prints, of its own data.

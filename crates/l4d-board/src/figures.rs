@@ -4,60 +4,47 @@
 
 mod bars;
 pub(crate) mod canvas;
-mod confusion;
 pub(crate) mod counts;
 mod lines;
-mod queries;
 pub(crate) mod scatter;
 mod taken;
 
 use l4d_data::results::Track;
 
-use self::canvas::Plot;
+use self::canvas::{Files, Plot};
 use crate::board::{Board, Method};
 use crate::error::BoardError;
 
-/// Ranked methods that have figures of their own; those that come first.
-const MOST_ALONE: usize = 12;
 /// More methods than this make a figure that cannot be read; the tables have them all.
 const MOST_METHODS: usize = 24;
-
-/// The files of a figure: names and bytes.
-type Files = [(String, Vec<u8>); 2];
 
 /// A figure that has not been drawn yet.
 pub(crate) struct Figure<'a> {
     /// File stem.
-    pub(crate) name: String,
+    pub(crate) name: &'static str,
     /// What it shows, one sentence without markup.
-    pub(crate) caption: String,
-    /// Whether `leaderboard.md` shows it; the others are beside it in the folder.
-    pub(crate) is_on_page: bool,
+    pub(crate) caption: &'static str,
     /// Draws it.
     pub(crate) draw: Box<dyn Fn() -> Result<Files, BoardError> + Send + Sync + 'a>,
 }
 
 impl<'a> Figure<'a> {
     fn new(
-        (name, title, caption): (&str, &str, &str),
+        name: &'static str,
+        [title, caption]: [&'static str; 2],
         notes: Vec<String>,
         plot: impl Plot + Send + Sync + 'a,
     ) -> Self {
-        let (name, title) = (name.to_owned(), title.to_owned());
-        let draw = {
-            let name = name.clone();
-            Box::new(move || canvas::files(&name, &title, &notes, &plot))
-        };
-        Self { name, caption: caption.to_owned(), is_on_page: true, draw }
+        let draw = Box::new(move || canvas::files(name, title, &notes, &plot));
+        Self { name, caption, draw }
     }
 }
 
 /// All figures of a board, in the order of the page.
 pub(crate) fn all(board: &Board) -> Vec<Figure<'_>> {
-    let line = board.heading.line();
     let left_out = board.methods.len() - shown(board).len();
     let notes = |about: &[&str]| {
-        let mut notes = vec![line.clone()];
+        let mut notes = vec![board.heading.line()];
         notes.extend(about.iter().filter(|note| !note.is_empty()).map(|note| (*note).to_owned()));
         if left_out > 0 {
             notes.push(format!("{left_out} more methods are in the tables."));
@@ -77,79 +64,33 @@ pub(crate) fn all(board: &Board) -> Vec<Figure<'_>> {
     let over_time =
         ["Mean over the queries with a true or a predicted pixel in the frame; a false alarm counts 0."];
     let taken = ["Share of queries by the instance that the prediction overlaps most over the clip, %."];
-    let mut figures = vec![
+    vec![
         Figure::new(
-            ("per_category", "mIoU per category, %", "mIoU per category"),
+            "per_category",
+            ["mIoU per category, %", "mIoU per category"],
             notes(&[]),
             bars::per_category(board),
         ),
-        Figure::new(("per_scale", "mIoU per scale, %", "mIoU per scale"), notes(&[]), bars::per_scale(board)),
+        Figure::new("per_scale", ["mIoU per scale, %", "mIoU per scale"], notes(&[]), bars::per_scale(board)),
         Figure::new(
-            ("metrics", "What mIoU cannot tell apart, %", "What mIoU cannot tell apart: tube IoU and select"),
+            "metrics",
+            ["What mIoU cannot tell apart, %", "What mIoU cannot tell apart: tube IoU and select"],
             notes(&[metrics]),
             bars::metrics(board),
         ),
         Figure::new(
-            (
-                "speed",
-                "Speed against error",
-                "Speed against error: seconds per query, as reported, against mIoU",
-            ),
+            "speed",
+            ["Speed against error", "Speed against error: seconds per query, as reported, against mIoU"],
             notes(&speed_notes),
             speed,
         ),
+        Figure::new("over_time", ["Mean IoU over the clip"; 2], notes(&over_time), lines::over_time(board)),
         Figure::new(
-            ("over_time", "Mean IoU over the clip", "Mean IoU over the clip"),
-            notes(&over_time),
-            lines::over_time(board),
-        ),
-        Figure::new(
-            (
-                "taken",
-                "What was taken for the thing that was meant",
-                "What was taken for the thing that was meant",
-            ),
+            "taken",
+            ["What was taken for the thing that was meant"; 2],
             notes(&taken),
             taken::shares(board),
         ),
-    ];
-    // Ranked methods come first; a board without any shows its first.
-    let alone = board.ranked().len().clamp(1, MOST_ALONE);
-    for (place, method) in board.methods.iter().take(alone).enumerate() {
-        figures.extend(
-            of_method(board, method, &line)
-                .into_iter()
-                .map(|figure| Figure { is_on_page: place == 0, ..figure }),
-        );
-    }
-    figures
-}
-
-/// Figures of a single method, named after it: a [`l4d_data::Name`] has no letter that a file could not have.
-fn of_method<'a>(board: &'a Board, method: &'a Method, line: &str) -> [Figure<'a>; 2] {
-    let name = &method.name;
-    let (matrices, left_out) = confusion::matrices(&method.confusions);
-    let mut notes = vec![
-        line.to_owned(),
-        "One row per thing that is meant, one column per thing that was taken: the number of its row, L a landmark, – \
-         nothing. Cells count queries. Frames hold things of one category."
-            .to_owned(),
-    ];
-    if left_out > 0 {
-        notes.push(format!("{left_out} more scenes are in taken.csv."));
-    }
-    let (over_time, taken) = (
-        format!("IoU over time, query by query: {name}"),
-        format!("Which thing was taken for which: {name}"),
-    );
-    let about = "One row per query, best first; frames of the clip from left to right.";
-    [
-        Figure::new(
-            (&format!("queries_{name}"), &over_time, &over_time),
-            vec![line.to_owned(), about.to_owned()],
-            queries::heat(board, method),
-        ),
-        Figure::new((&format!("confusion_{name}"), &taken, &taken), notes, matrices),
     ]
 }
 
@@ -207,11 +148,8 @@ mod tests {
                 let size = image::load_from_memory(&png).unwrap().dimensions();
                 assert_eq!(size.0, 2 * canvas::WIDTH, "{name}/{}", figure.name);
                 let (width, height) = size;
-                let viewbox = format!(
-                    "width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"",
-                    width / 2,
-                    height / 2
-                );
+                let print = format!("width=\"{}\" height=\"{}\"", width / 2, height / 2);
+                let viewbox = format!("{print} viewBox=\"0 0 {width} {height}\"");
                 assert!(svg.contains(&viewbox), "{name}/{}: {viewbox}", figure.name);
             }
         });
@@ -229,9 +167,8 @@ mod tests {
     fn methods_are_named_with_their_track_and_the_untimed_are_told() {
         let mut board = sample::tracks();
         board.methods[0].seconds = None;
-        for figure in all(&board)
-            .iter()
-            .filter(|figure| ["metrics", "speed", "over_time"].contains(&figure.name.as_str()))
+        for figure in
+            all(&board).iter().filter(|figure| ["metrics", "speed", "over_time"].contains(&figure.name))
         {
             let svg = svg(figure);
             assert!(svg.contains("deep + depth") && !svg.contains("bright + depth"), "{}", figure.name);

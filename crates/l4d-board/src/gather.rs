@@ -14,11 +14,12 @@ use l4d_score::exam::SceneExam;
 use l4d_score::metrics::{QueryTally, taken};
 use l4d_score::score::{counts_path, rows_by_query, summary_path, tallies_of_counts};
 use l4d_score::{
-    Breakdown, Estimate, Exam, GroupKind, Metric, Metrics, Options, QuerySet, Summary, all_pairs, groups,
+    Breakdown, Estimate, Exam, GroupKind, Metric, Metrics, Missing, Options, QuerySet, Summary, all_pairs,
+    groups,
 };
+use polars::prelude::{Column, DataFrame, PolarsResult};
 use rayon::prelude::*;
 
-use crate::aggregate::{self, Taken};
 use crate::board::{
     Answer, Board, BoardQuery, BoardScene, COMPARED, Choice, Comparisons, Heading, MOST_COMPARED,
     MOST_DETAILED, Method, PublishedRow, PublishedTable, SCHEMA, ScoredOn, Thing,
@@ -43,12 +44,10 @@ pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), 
     let all_options: BTreeMap<Name, Options> =
         summaries.iter().map(|summary| (summary.name.clone(), summary.options)).collect();
     let methods = summaries.into_iter().map(method).collect();
-    let (mut methods, others) = arrange(&heading, methods)?;
-    for method in others.iter().flat_map(|other| &other.methods) {
-        let ScoredOn { profile, protocol, benchmark_version, .. } = &method.on;
-        let message =
-            format!("was scored on benchmark {benchmark_version} · protocol {protocol} · profile {profile}");
-        let hint = "it is listed apart and not ranked here; score it again, or choose its --profile";
+    let (mut methods, foreign) = arrange(&heading, methods)?;
+    for method in foreign {
+        let message = format!("was scored on {}", method.on.line());
+        let hint = "it is left out here; score it again, or choose its --profile";
         report.warning(codes::OTHER_BOARD, &summary_path(scores, &method.name), "", message, hint);
     }
     let scenes: Vec<BoardScene> = exam.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
@@ -62,7 +61,7 @@ pub fn gather(scores: &Path, exam: &Exam, seed: u64) -> Result<(Board, Report), 
     let protocols = gather_protocols(scores, &methods, &scenes, exam, &mut report)?;
     let published = published(exam)?;
     let schema = SCHEMA.to_owned();
-    Ok((Board { schema, heading, methods, comparisons, others, scenes, protocols, published }, report))
+    Ok((Board { schema, heading, methods, comparisons, scenes, protocols, published }, report))
 }
 
 fn read_summaries(scores: &Path, report: &mut Report) -> Result<Vec<Summary>, DataError> {
@@ -191,7 +190,6 @@ fn method(summary: Summary) -> Method {
         iou_of_frames: BTreeMap::new(),
         answers: Vec::new(),
         choices: BTreeMap::new(),
-        confusions: Vec::new(),
     }
 }
 
@@ -241,57 +239,62 @@ impl Source<'_> {
             method.scores = derived;
         }
         method.miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, self.seed);
-        let of_polars = |error| BoardError::render("board.json", error);
-        method.iou_of_frames = aggregate::iou_of_frames(&counts, &self.options).map_err(of_polars)?;
+        method.iou_of_frames =
+            iou_of_frames(&counts, &self.options).map_err(|error| BoardError::render("board.json", error))?;
         if place < MOST_DETAILED {
             method.groups = groups(&tallies, self.exam, |kind| has_group(kind, place), self.seed);
-            self.detail(method, &counts, &tallies).map_err(|error| match error {
-                Detail::Rows(message) => contradicts(message).into(),
-                Detail::Polars(error) => of_polars(error),
-            })?;
+            self.detail(method, &counts, &tallies).map_err(contradicts)?;
         }
         Ok(if place < MOST_COMPARED { tallies } else { Vec::new() })
     }
 
-    /// What the method did query by query.
+    /// What the method did query by query; refuses rows that contradict the benchmark.
     pub(crate) fn detail(
         &self,
         method: &mut Method,
         counts: &[FrameCount],
         tallies: &[QueryTally],
-    ) -> Result<(), Detail> {
+    ) -> Result<(), String> {
         let rows = rows_by_query(counts);
         let asked =
-            || self.scenes.iter().flat_map(|scene| scene.queries.iter().map(move |query| (scene, query)));
-        let mut answers = Vec::new();
-        for ((scene, query), tally) in asked().zip(tallies) {
+            self.scenes.iter().flat_map(|scene| scene.queries.iter().map(move |query| (scene, query)));
+        for ((scene, query), tally) in asked.zip(tallies) {
             let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice);
             if !rows.is_empty() && rows.iter().map(|row| row.frame).ne(scene.clip.iter().copied()) {
-                return Err(Detail::Rows(format!(
-                    "query {} has not one row per frame of its clip",
-                    query.id
-                )));
+                return Err(format!("query {} has not one row per frame of its clip", query.id));
             }
-            answers.push(answer(scene, query, tally, rows));
+            let answer = answer(scene, query, tally, rows);
+            if let Some(choice) = answer.choice {
+                *method.choices.entry(choice).or_default() += 1;
+            }
+            method.answers.push(answer);
         }
-        method.answers = answers;
-        let choices = asked().zip(&method.answers).filter_map(|((scene, query), answer)| {
-            Some(Taken { scene, query, answer, choice: answer.choice? })
-        });
-        let (choices, confusions) =
-            aggregate::choices_and_confusions(&choices.collect::<Vec<_>>()).map_err(Detail::Polars)?;
-        (method.choices, method.confusions) = (choices, confusions);
         Ok(())
     }
 }
 
-/// Why there is no detail.
-#[derive(Debug)]
-pub(crate) enum Detail {
-    /// `counts.csv` contradicts the benchmark.
-    Rows(String),
-    /// polars refused.
-    Polars(polars::prelude::PolarsError),
+/// Canonical frame -> mean IoU, percent, over the queries with a true or predicted pixel there; a false alarm counts 0.
+/// No metric: those are made by `l4d-score` alone, without polars. The group-by is eager, because lazy frames of this
+/// version of polars bring an HTTP client and 180 more crates.
+fn iou_of_frames(counts: &[FrameCount], options: &Options) -> PolarsResult<BTreeMap<u32, f64>> {
+    let is_counted = |count: &&FrameCount| match count.state {
+        State::NotAnnotated => false,
+        State::Missing => options.missing != Missing::Skip && count.union > 0,
+        _ => count.union > 0,
+    };
+    let (frames, ious): (Vec<u32>, Vec<f64>) = counts
+        .iter()
+        .filter(is_counted)
+        .map(|count| (count.frame, 100.0 * count.intersection as f64 / count.union as f64))
+        .unzip();
+    let table = DataFrame::new(
+        frames.len(),
+        vec![Column::new("frame".into(), frames), Column::new("iou".into(), ious)],
+    )?;
+    #[expect(deprecated, reason = "what replaces it is lazy frames")]
+    let means = table.group_by_stable(["frame"])?.select(["iou"]).mean()?;
+    let pairs = means.column("frame")?.u32()?.iter().zip(means.column("iou_mean")?.f64()?.iter());
+    Ok(pairs.filter_map(|(frame, mean)| Some((frame?, mean?))).collect())
 }
 
 /// Single queries are groups of which [`Method::answers`] say everything.

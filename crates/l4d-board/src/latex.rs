@@ -2,7 +2,7 @@
 
 use crate::board::Board;
 use crate::layout::{Cell, Layout, Line, METRICS, PUBLISHED_TITLE};
-use crate::ranking::Podium;
+use crate::ranking::Honour;
 
 /// The table, ready for `\input`.
 pub(crate) fn tabular(layout: &Layout, board: &Board) -> String {
@@ -61,20 +61,15 @@ fn row(cells: impl Iterator<Item = String>) -> String {
 
 fn line_text(layout: &Layout, line: &Line) -> String {
     let mark = if line.unranked_because.is_empty() { "" } else { "$^{\\dagger}$" };
-    let cells = line.cells.iter().enumerate().flat_map(|(column, pair)| {
-        pair.iter().enumerate().map(move |(metric, cell)| {
-            let podium = line.rank.map(|_| layout.podium(line.track, column, metric));
-            cell.map_or_else(|| "--".to_owned(), |cell| cell_text(cell, podium))
-        })
-    });
+    let cells = layout.cells(line).map(|found| found.map_or_else(|| "--".to_owned(), cell_text));
     row(std::iter::once(format!("{}{mark}", escape(&line.label))).chain(cells))
 }
 
-fn cell_text(cell: Cell, podium: Option<Podium>) -> String {
-    let value = match podium {
-        Some(podium) if podium.is_best(cell.value) => format!("\\textbf{{{:.2}}}", cell.value),
-        Some(podium) if podium.is_second(cell.value) => format!("\\underline{{{:.2}}}", cell.value),
-        _ => format!("{:.2}", cell.value),
+fn cell_text((cell, honour): (Cell, Honour)) -> String {
+    let value = match honour {
+        Honour::Best => format!("\\textbf{{{:.2}}}", cell.value),
+        Honour::Second => format!("\\underline{{{:.2}}}", cell.value),
+        Honour::None => format!("{:.2}", cell.value),
     };
     match cell.interval {
         // Aligned at its first line: a name is beside the value, not beside the interval.

@@ -8,8 +8,8 @@ use l4d_data::{Category, Scale};
 use l4d_score::{Estimate, Group, GroupKind, Metric};
 
 use crate::board::{Board, Method, PublishedTable};
-use crate::markdown::{self, escape};
-use crate::ranking::Podium;
+use crate::markdown::{self, escape, number, or_dash};
+use crate::ranking::{Honour, Podium};
 
 /// Numbers of a cell, in the order of the paper.
 pub(crate) const METRICS: [Metric; 2] = [Metric::Macc, Metric::Miou];
@@ -192,7 +192,7 @@ impl Layout {
 
     /// Best and second-best printed value of each number among the ranked rows of a track. Rows of several scales are no
     /// rivals.
-    pub(crate) fn podium(&self, track: Option<Track>, column: usize, metric: usize) -> Podium {
+    fn podium(&self, track: Option<Track>, column: usize, metric: usize) -> Podium {
         let is_rival = |line: &&Line| line.rank.is_some() && line.track == track && self.name != "scales";
         let cells = self.rows.iter().filter(is_rival).filter_map(|line| line.cells[column][metric]);
         let values = cells.filter(|cell| !cell.is_of_one_scene()).map(|cell| cell.value);
@@ -228,28 +228,22 @@ impl Layout {
         }
         for line in lines {
             let mark = if line.unranked_because.is_empty() { "" } else { " †" };
-            let mut cells = vec![format!("{}{mark}", escape(&line.label))];
-            for (column, pair) in line.cells.iter().enumerate() {
-                for (metric, cell) in pair.iter().enumerate() {
-                    let podium = line.rank.map(|_| self.podium(line.track, column, metric));
-                    cells.push(cell.map_or_else(|| "–".to_owned(), |cell| markdown_cell(cell, podium)));
-                }
-            }
-            table.row(cells);
+            let cell = |found: Option<(Cell, Honour)>| {
+                or_dash(found, |(cell, honour)| number(cell.value, honour, cell.interval))
+            };
+            let name = format!("{}{mark}", escape(&line.label));
+            table.row(std::iter::once(name).chain(self.cells(line).map(cell)).collect());
         }
         table.finish()
     }
-}
 
-fn markdown_cell(cell: Cell, podium: Option<Podium>) -> String {
-    let value = match podium {
-        Some(podium) if podium.is_best(cell.value) => format!("**{:.2}**", cell.value),
-        Some(podium) if podium.is_second(cell.value) => format!("*{:.2}*", cell.value),
-        _ => format!("{:.2}", cell.value),
-    };
-    match cell.interval {
-        Some([low, high]) => format!("{value} ({low:.1} to {high:.1})"),
-        None => value,
+    /// The cells of a row one after another, with what sets them off among the ranked rows of a track.
+    pub(crate) fn cells<'a>(&'a self, line: &'a Line) -> impl Iterator<Item = Option<(Cell, Honour)>> + 'a {
+        let cell = |(place, cell): (usize, &Option<Cell>)| {
+            let podium = line.rank.map(|_| self.podium(line.track, place / 2, place % 2)).unwrap_or_default();
+            cell.map(|cell| (cell, podium.honour(cell.value)))
+        };
+        line.cells.as_flattened().iter().enumerate().map(cell)
     }
 }
 

@@ -8,16 +8,17 @@ use l4d_score::cluster::FEW_SCENES;
 use l4d_score::{Estimate, GroupKind, Metric, Pair};
 
 use crate::board::{Board, MOST_COMPARED, Method};
+use crate::figures::Figure;
 use crate::layout::columns_of;
-use crate::ranking::Podium;
+use crate::ranking::{Honour, Podium};
 use crate::tables::{p_text, reported_numbers};
 use crate::terminal::{ONE_SCENE, seconds_text};
 
 /// Pairs of methods that the page shows; with more of them each method is shown beside the next one only.
 const MOST_PAIRS: usize = 28;
 
-/// The page; `figures` are (path, what it shows), in order.
-pub(crate) fn page(board: &Board, figures: &[(String, &str)]) -> String {
+/// The page, which shows `figures` in order.
+pub(crate) fn page(board: &Board, figures: &[Figure]) -> String {
     let mut page = format!("# Leaderboard\n\n{}.\n\n", escape(&board.heading.line()));
     page.push_str(
         "Percentages; macro means over queries. Ranked by mIoU; equal printed values share a rank.",
@@ -47,7 +48,6 @@ pub(crate) fn page(board: &Board, figures: &[(String, &str)]) -> String {
         page.push_str(&group_intervals(title, kind, board));
     }
     page.push_str(&reported_table(board));
-    page.push_str(&other_tables(board));
     if !board.protocols.is_empty() {
         let link = |name: &str| format!("[{name}](protocols/{name}.md)");
         let links: Vec<String> = board.protocols.iter().map(|table| link(table.protocol.as_str())).collect();
@@ -57,8 +57,8 @@ pub(crate) fn page(board: &Board, figures: &[(String, &str)]) -> String {
         ));
     }
     page.push_str("## Figures\n\n");
-    for (path, caption) in figures {
-        page.push_str(&format!("![{caption}]({path})\n\n"));
+    for Figure { name, caption, .. } in figures {
+        page.push_str(&format!("![{caption}](figures/{name}.svg)\n\n"));
     }
     page.push_str(
         "Every number is in `leaderboard.csv`, `per_category.csv`, `per_scale.csv` and `per_scene.csv`; intervals of \
@@ -89,14 +89,11 @@ fn ranked_table(board: &Board, track: Track, methods: &[Method]) -> String {
     let mut table = Table::new(&["#", "method", "version"]);
     table.numbers(Metric::ALL.map(metric_title));
     table.numbers(["seconds"]);
-    let podiums = Metric::ALL
-        .map(|metric| (metric, Podium::of_track(board, track, metric, |method| method.headline(metric))));
+    let podium = |metric| Podium::of_track(board, track, metric, |method| method.headline(metric));
+    let podiums = BTreeMap::from(Metric::ALL.map(|metric| (metric, podium(metric))));
     for method in methods {
         let mut cells = vec![rank(method), linked(&method.name, &method.link), escape(&method.version)];
-        cells.extend(podiums.map(|(metric, podium)| {
-            let value = honoured(method.headline(metric), podium);
-            format!("{value}{}", headline_interval(method, metric))
-        }));
+        cells.extend(numbers(method, |metric| podiums[&metric]));
         cells.push(seconds(method));
         table.row(cells);
     }
@@ -109,7 +106,7 @@ pub(crate) fn track_heading(track: Track) -> String {
 }
 
 fn rank(method: &Method) -> String {
-    method.rank.map_or_else(|| "–".to_owned(), |rank| rank.to_string())
+    or_dash(method.rank, |rank| rank.to_string())
 }
 
 fn unranked_table(board: &Board) -> String {
@@ -121,25 +118,20 @@ fn unranked_table(board: &Board) -> String {
     table.numbers(["seconds"]);
     for method in board.unranked() {
         let mut cells = vec![linked(&method.name, &method.link), method.why_unranked()];
-        cells.extend(Metric::ALL.map(|metric| {
-            let value = hundredths(method.headline(metric));
-            format!("{value}{}", headline_interval(method, metric))
-        }));
+        cells.extend(numbers(method, |_| Podium::default()));
         cells.push(seconds(method));
         table.row(cells);
     }
     format!("## Not ranked, shown for scale\n\n{}", table.finish())
 }
 
-/// Of the headline alone: the others have theirs in `groups.csv`.
-fn headline_interval(method: &Method, metric: Metric) -> String {
-    let found = method.miou.filter(|_| metric == Metric::ALL[0]);
-    found.map(|found| interval(&found)).unwrap_or_default()
-}
-
-/// ` (40.1 to 50.3)`; nothing where there is none.
-fn interval(found: &Estimate) -> String {
-    found.interval.map(|[low, high]| format!(" ({low:.1} to {high:.1})")).unwrap_or_default()
+/// The numbers of a method; of the headline with its interval, the others have theirs in `groups.csv`.
+fn numbers(method: &Method, podium: impl Fn(Metric) -> Podium) -> impl Iterator<Item = String> {
+    let cell = move |metric: Metric| {
+        let interval = method.miou.filter(|_| metric == Metric::ALL[0]).and_then(|found| found.interval);
+        or_dash(method.headline(metric), |value| number(value, podium(metric).honour(value), interval))
+    };
+    Metric::ALL.into_iter().map(cell)
 }
 
 fn comparisons(board: &Board) -> String {
@@ -170,10 +162,10 @@ fn comparisons(board: &Board) -> String {
             name(pair.first),
             name(pair.second),
             verdict.to_owned(),
-            format!("{:+.2}{}", found.difference.value, interval(&found.difference)),
+            format!("{:+.2}{}", found.difference.value, interval(found.difference.interval)),
             p_text(found.p),
             p_text(pair.holm_p),
-            found.detectable.map_or_else(|| "–".to_owned(), |points| format!("{points:.2}")),
+            hundredths(found.detectable),
             found.difference.queries.to_string(),
             format!("{}{mark}", found.difference.scenes),
         ]);
@@ -213,8 +205,7 @@ fn group_intervals(title: &str, kind: GroupKind, board: &Board) -> String {
         let mut cells = vec![rank(method), method.track.title().to_owned(), escape(&method.name)];
         cells.extend(names.iter().map(|name| {
             let found = method.group(kind, name).and_then(|group| group.estimates.miou);
-            let cell = found.map(|found| format!("{:.2}{}", found.value, interval(&found)));
-            cell.unwrap_or_else(|| "–".to_owned())
+            or_dash(found, |found| number(found.value, Honour::None, found.interval))
         }));
         table.row(cells);
     }
@@ -256,28 +247,11 @@ fn group_table<K>(
         let podiums = method.ranked_in().and_then(|track| podiums.get(&track));
         for (index, (_, key)) in groups.iter().enumerate() {
             let podium = podiums.map(|podiums| podiums[index]).unwrap_or_default();
-            cells.push(honoured(miou(method, key), podium));
+            cells.push(or_dash(miou(method, key), |value| number(value, podium.honour(value), None)));
         }
         table.row(cells);
     }
     format!("## {title}\n\n{}.\n\n{}", escape(&board.heading.line()), table.finish())
-}
-
-fn other_tables(board: &Board) -> String {
-    let mut text = String::new();
-    for other in &board.others {
-        text.push_str(&format!("## Not of this board: {}\n\n", escape(&other.line())));
-        let mut table = Table::new(&["method", "version", "queries"]);
-        table.numbers(Metric::ALL.map(metric_title));
-        for method in &other.methods {
-            let queries = method.scores.headline.queries.to_string();
-            let mut cells = vec![linked(&method.name, &method.link), escape(&method.version), queries];
-            cells.extend(Metric::ALL.map(|metric| hundredths(method.headline(metric))));
-            table.row(cells);
-        }
-        text.push_str(&table.finish());
-    }
-    text
 }
 
 pub(crate) struct Table {
@@ -319,19 +293,31 @@ pub(crate) fn linked(name: &str, link: &str) -> String {
 
 /// A percentage; a dash where there is none.
 pub(crate) fn hundredths(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}"))
+    or_dash(value, |value| format!("{value:.2}"))
 }
 
-fn honoured(value: Option<f64>, podium: Podium) -> String {
-    match value {
-        Some(value) if podium.is_best(value) => format!("**{value:.2}**"),
-        Some(value) if podium.is_second(value) => format!("*{value:.2}*"),
-        value => hundredths(value),
-    }
+/// A percentage, set off from others, with its interval where it has one.
+pub(crate) fn number(value: f64, honour: Honour, interval: Option<[f64; 2]>) -> String {
+    let value = match honour {
+        Honour::Best => format!("**{value:.2}**"),
+        Honour::Second => format!("*{value:.2}*"),
+        Honour::None => format!("{value:.2}"),
+    };
+    value + &self::interval(interval)
+}
+
+/// ` (40.1 to 50.3)`; nothing where there is none.
+fn interval(found: Option<[f64; 2]>) -> String {
+    found.map(|[low, high]| format!(" ({low:.1} to {high:.1})")).unwrap_or_default()
+}
+
+/// What an optional value says; a dash where there is none.
+pub(crate) fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(|| "–".to_owned(), text)
 }
 
 fn seconds(method: &Method) -> String {
-    method.seconds.map_or_else(|| "–".to_owned(), seconds_text)
+    or_dash(method.seconds, seconds_text)
 }
 
 /// A link is only made of what cannot end the link or begin markup.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::store::list_folder;
 use l4d_data::{Category, DataError, Name, QueryId, Report, Scale};
-use l4d_score::protocols::{LeftOut, Measure, Record, Sheet};
+use l4d_score::protocols::{LeftOut, Measure, Record, Sheet, shared};
 use l4d_score::{Exam, Protocol};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -170,7 +170,7 @@ fn is_in(id: &QueryId, scenes: &[BoardScene], category: Option<Category>, scale:
 
 /// Percent, in the order of the measures.
 fn numbers(sheet: &Sheet) -> Vec<Option<f64>> {
-    let measures = 0..sheet.protocol.measures().len();
+    let measures = 0..sheet.protocol.rules().measures.len();
     measures.map(|measure| sheet.number(measure).map(|ratio| 100.0 * ratio)).collect()
 }
 
@@ -182,34 +182,20 @@ impl ProtocolTable {
             heading.benchmark,
             heading.on.benchmark_version,
             self.protocol,
-            self.protocol.source(),
+            self.protocol.rules().source,
             heading.on.profile
         )
     }
 
-    /// What was left out, with the methods of which the same is true.
-    fn left_out(&self) -> Vec<(&LeftOut, Vec<&Name>)> {
-        let mut all: Vec<(&LeftOut, Vec<&Name>)> = Vec::new();
-        for row in &self.rows {
-            for one in &row.left_out {
-                match all.iter_mut().find(|(other, _)| *other == one) {
-                    Some((_, methods)) => methods.push(&row.name),
-                    None => all.push((one, vec![&row.name])),
-                }
-            }
-        }
-        all
-    }
-
     /// `protocols/<protocol>.md`.
     pub(crate) fn markdown(&self, heading: &Heading) -> String {
-        let measures = self.protocol.measures();
+        let measures = self.protocol.rules().measures;
         let mut page = format!(
             "# Protocol {}\n\n{}.\n\nPercent. The masks of this benchmark under the sums of another evaluation: no headline, \
              and in no order of merit. `docs/protocols.md` of l4d says what is counted.\n\n{}\n\n",
             self.protocol,
             escape(&self.line(heading)),
-            escape(self.protocol.remark())
+            escape(self.protocol.rules().remark)
         );
         let mut table = Table::new(&["method", "version", "remarks"]);
         table.numbers(measures.iter().map(|measure| format!("{}: {}", self.protocol, measure.title)));
@@ -221,15 +207,13 @@ impl ProtocolTable {
             table.row(cells);
         }
         page.push_str(&table.finish());
-        let left_out = self.left_out();
+        let left_out = self.rows.iter().map(|row| (row.name.as_str(), row.left_out.as_slice()));
+        let left_out = shared(left_out);
         if !left_out.is_empty() {
             page.push_str("## What the source leaves out\n\n");
         }
-        for (LeftOut { what, queries, frames }, methods) in left_out {
-            let who = match methods.len() == self.rows.len() && methods.len() > 1 {
-                true => "every method".to_owned(),
-                false => methods.iter().map(|name| escape(name)).collect::<Vec<_>>().join(", "),
-            };
+        for (who, LeftOut { what, queries, frames }) in left_out {
+            let who = who.into_iter().map(escape).collect::<Vec<_>>().join(", ");
             page.push_str(&format!("- {who}: {frames} frames of {queries} queries {}.\n", escape(what)));
         }
         page
@@ -238,7 +222,7 @@ impl ProtocolTable {
     /// What `l4d leaderboard --json` prints of it, percent.
     pub fn to_json(&self) -> Value {
         let named = |numbers: &[Option<f64>]| -> Map<String, Value> {
-            let pairs = self.protocol.measures().iter().zip(numbers);
+            let pairs = self.protocol.rules().measures.iter().zip(numbers);
             pairs.map(|(Measure { key, .. }, number)| ((*key).to_owned(), json!(number))).collect()
         };
         let row = |row: &ProtocolRow| {
@@ -250,8 +234,8 @@ impl ProtocolTable {
             })
         };
         json!({
-            "protocol": self.protocol.as_str(), "source": self.protocol.source(), "is_headline": false,
-            "remark": self.protocol.remark(), "methods": self.rows.iter().map(row).collect::<Value>(),
+            "protocol": self.protocol.as_str(), "source": self.protocol.rules().source, "is_headline": false,
+            "remark": self.protocol.rules().remark, "methods": self.rows.iter().map(row).collect::<Value>(),
         })
     }
 }

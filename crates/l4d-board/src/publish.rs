@@ -20,9 +20,9 @@ pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError>
     let mut files = vec![
         ("board.json".to_owned(), [document, b"\n".to_vec()].concat()),
         ("leaderboard.csv".to_owned(), tables::leaderboard(board)?),
-        ("per_category.csv".to_owned(), tables::per_category(board)?),
-        ("per_scale.csv".to_owned(), tables::per_scale(board)?),
-        ("per_scene.csv".to_owned(), tables::per_scene(board)?),
+        ("per_category.csv".to_owned(), tables::per_group(board, "category")?),
+        ("per_scale.csv".to_owned(), tables::per_group(board, "scale")?),
+        ("per_scene.csv".to_owned(), tables::per_group(board, "scene")?),
         ("groups.csv".to_owned(), tables::groups(board)?),
         ("comparisons.csv".to_owned(), tables::comparisons(board)?),
         ("reported.csv".to_owned(), tables::reported(board)?),
@@ -43,11 +43,8 @@ pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError>
     let drawn: Vec<_> =
         figures.par_iter().map(|figure| (figure.draw)()).collect::<Result<_, BoardError>>()?;
     files.extend(drawn.into_iter().flatten().map(|(name, bytes)| (format!("figures/{name}"), bytes)));
-    let on_page = figures.iter().filter(|figure| figure.is_on_page);
-    let shown: Vec<(String, &str)> =
-        on_page.map(|figure| (format!("figures/{}.svg", figure.name), figure.caption.as_str())).collect();
     // The page comes last: when it is new, so is everything that it shows.
-    files.push(("leaderboard.md".to_owned(), markdown::page(board, &shown).into_bytes()));
+    files.push(("leaderboard.md".to_owned(), markdown::page(board, &figures).into_bytes()));
 
     let mut paths = Vec::new();
     for (name, bytes) in files {
@@ -91,7 +88,7 @@ mod tests {
         let path = folder.path().join("board.json");
         assert_eq!(Board::read(&path).unwrap(), board);
         let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(&path, text.replacen("l4d/board/1", "l4d/board/0", 1)).unwrap();
+        std::fs::write(&path, text.replacen("l4d/board/2", "l4d/board/0", 1)).unwrap();
         let error = Board::read(&path).unwrap_err().to_string();
         assert!(error.contains("board.json") && error.contains("field `schema`"), "{error}");
     }

@@ -3,29 +3,29 @@
 //! Ranks are given within a track. Methods whose headlines are equal in the printed digits share a rank: a rank never
 //! claims a difference that the reader cannot see.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use l4d_data::results::Track;
 use l4d_score::Metric;
 use l4d_score::summary::PARTIAL;
 
-use crate::board::{Board, Heading, Method, OtherBoard, ScoredOn};
+use crate::board::{Board, Heading, Method};
 use crate::error::BoardError;
 
-/// The methods of a board in its order, and those of other boards.
-pub(crate) type Arranged = (Vec<Method>, Vec<OtherBoard>);
-
-/// Sorts methods and gives ranks.
-pub(crate) fn arrange(heading: &Heading, mut methods: Vec<Method>) -> Result<Arranged, BoardError> {
+/// Sorts methods and gives ranks; gives those that were scored on something else apart.
+pub(crate) fn arrange(
+    heading: &Heading,
+    mut methods: Vec<Method>,
+) -> Result<(Vec<Method>, Vec<Method>), BoardError> {
     if methods.is_empty() {
         return Err(BoardError::NoMethods);
     }
     methods.sort_by(|a, b| headline(b).cmp(&headline(a)).then_with(|| a.name.cmp(&b.name)));
     let (mut mine, foreign): (Vec<Method>, Vec<Method>) =
         methods.into_iter().partition(|method| method.on == heading.on);
-    let others = other_boards(foreign);
     if mine.is_empty() {
-        let found: Vec<String> = others.iter().map(OtherBoard::line).collect();
+        let found: BTreeSet<String> = foreign.iter().map(|method| method.on.line()).collect();
+        let found: Vec<String> = found.into_iter().collect();
         return Err(BoardError::NoneHere { wanted: heading.line(), found: found.join("; ") });
     }
     for method in &mut mine {
@@ -51,7 +51,7 @@ pub(crate) fn arrange(heading: &Heading, mut methods: Vec<Method>) -> Result<Arr
         method.rank = Some(rank);
         previous = Some((method.track, printed, rank));
     }
-    Ok((mine, others))
+    Ok((mine, foreign))
 }
 
 /// A percentage in the digits that tables print: hundredths.
@@ -63,12 +63,12 @@ fn headline(method: &Method) -> Option<i64> {
     method.headline(Metric::ALL[0]).map(printed)
 }
 
-fn other_boards(methods: Vec<Method>) -> Vec<OtherBoard> {
-    let mut boards: BTreeMap<ScoredOn, Vec<Method>> = BTreeMap::new();
-    for method in methods {
-        boards.entry(method.on.clone()).or_default().push(method);
-    }
-    boards.into_iter().map(|(on, methods)| OtherBoard { on, methods }).collect()
+/// How a value is set off from the others of its column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Honour {
+    None,
+    Best,
+    Second,
 }
 
 /// The two best printed values of a column; neither where there are no two values to compare.
@@ -107,12 +107,12 @@ impl Podium {
         Self::of(rivals.filter_map(value), metric)
     }
 
-    pub(crate) fn is_best(self, value: f64) -> bool {
-        self.best == Some(printed(value))
-    }
-
-    pub(crate) fn is_second(self, value: f64) -> bool {
-        self.second == Some(printed(value))
+    pub(crate) fn honour(self, value: f64) -> Honour {
+        match Some(printed(value)) {
+            value if value == self.best => Honour::Best,
+            value if value == self.second => Honour::Second,
+            _ => Honour::None,
+        }
     }
 }
 
@@ -121,6 +121,7 @@ mod tests {
     use l4d_data::Profile;
 
     use super::*;
+    use crate::board::ScoredOn;
     use crate::sample;
 
     fn ranks(board: &Board) -> Vec<(usize, &str)> {
@@ -141,7 +142,7 @@ mod tests {
         let best = |track| {
             let podium =
                 Podium::of_track(&board, track, Metric::Miou, |method| method.headline(Metric::Miou));
-            [30.0, 40.0, 90.0, 95.0].map(|value| podium.is_best(value))
+            [30.0, 40.0, 90.0, 95.0].map(|value| podium.honour(value) == Honour::Best)
         };
         assert_eq!(best(Track::Colour), [false, true, false, false]);
         assert_eq!(best(Track::ColourDepth), [false, false, false, true]);
@@ -178,7 +179,7 @@ mod tests {
             let mut foreign = sample::method("foreign", 4, 99.0);
             change(&mut foreign.on);
             let board = sample::board_of(4, vec![foreign.clone(), sample::method("a", 4, 1.0)]);
-            assert_eq!((ranks(&board), board.others.len()), (vec![(1, "a")], 1));
+            assert_eq!((ranks(&board), board.methods.len()), (vec![(1, "a")], 1));
             let error = arrange(&sample::heading(4, 0), vec![foreign]).unwrap_err().to_string();
             assert!(error.contains("no method was scored on Panoptic-L4D 1.0.0"), "{error}");
         }

@@ -70,30 +70,20 @@ pub(crate) fn method(name: &str, queries: usize, value: f64) -> Method {
         iou_of_frames: (0..=96).step_by(2).map(|frame| (frame, value)).collect(),
         answers: Vec::new(),
         choices: BTreeMap::new(),
-        confusions: Vec::new(),
     }
 }
 
 /// A board with groups and comparisons as if all standard errors were 2.
 pub(crate) fn board_of(queries: usize, methods: Vec<Method>) -> Board {
     let heading = heading(queries, 0);
-    let (mut methods, others) = arrange(&heading, methods).unwrap();
+    let (mut methods, _) = arrange(&heading, methods).unwrap();
     for method in &mut methods {
         method.groups = groups(method);
     }
     let comparisons = vec![Comparisons { metric: Metric::Miou, pairs: pairs(&heading, &methods) }];
     let schema = SCHEMA.to_owned();
     let published = vec![published("panoptic_l4d"), published("scales"), published("composites")];
-    Board {
-        schema,
-        heading,
-        methods,
-        comparisons,
-        others,
-        scenes: Vec::new(),
-        protocols: Vec::new(),
-        published,
-    }
+    Board { schema, heading, methods, comparisons, scenes: Vec::new(), protocols: Vec::new(), published }
 }
 
 fn groups(method: &Method) -> Vec<Group> {

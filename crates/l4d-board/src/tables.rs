@@ -6,7 +6,7 @@
 use l4d_data::Name;
 use l4d_data::results::Track;
 use l4d_score::cluster::FEW_SCENES;
-use l4d_score::{Average, Estimate, Estimates, Group, GroupKind, Metric, Metrics};
+use l4d_score::{Average, Breakdown, Estimate, Estimates, Group, GroupKind, Metric, Metrics};
 use polars::prelude::{Column, CsvWriter, DataFrame, SerWriter as _};
 
 use crate::board::{Answer, Board, BoardQuery, Method};
@@ -42,44 +42,21 @@ pub(crate) fn leaderboard(board: &Board) -> Result<Vec<u8>, BoardError> {
     csv("leaderboard.csv", board, methods.len(), columns)
 }
 
-/// `per_category.csv`: one row per method and category.
-pub(crate) fn per_category(board: &Board) -> Result<Vec<u8>, BoardError> {
-    grouped("per_category.csv", "category", board, |method| {
-        method.scores.categories.iter().map(|(key, metrics)| (key.as_str(), metrics)).collect()
-    })
-}
-
-/// `per_scale.csv`: one row per method and spatial scale.
-pub(crate) fn per_scale(board: &Board) -> Result<Vec<u8>, BoardError> {
-    grouped("per_scale.csv", "scale", board, |method| {
-        method.scores.scales.iter().map(|(key, metrics)| (key.as_str(), metrics)).collect()
-    })
-}
-
-/// `per_scene.csv`: one row per method and scene.
-pub(crate) fn per_scene(board: &Board) -> Result<Vec<u8>, BoardError> {
-    grouped("per_scene.csv", "scene", board, |method| {
-        method.scores.scenes.iter().map(|(key, metrics)| (key.as_str(), metrics)).collect()
-    })
-}
-
-fn grouped<'a>(
-    file: &str,
-    group_column: &str,
-    board: &'a Board,
-    groups_of: impl Fn(&'a Method) -> Vec<(&'a str, &'a Metrics)>,
-) -> Result<Vec<u8>, BoardError> {
-    let rows: Vec<(&Method, &str, &Metrics)> = board
-        .methods
-        .iter()
-        .flat_map(|method| {
-            groups_of(method).into_iter().map(move |(group, metrics)| (method, group, metrics))
-        })
-        .collect();
+/// `per_<group>.csv`: one row per method and category, scale or scene.
+pub(crate) fn per_group(board: &Board, group: &str) -> Result<Vec<u8>, BoardError> {
+    let mut rows: Vec<(&Method, &str, &Metrics)> = Vec::new();
+    for method in &board.methods {
+        let Breakdown { categories, scales, scenes, .. } = &method.scores;
+        match group {
+            "category" => rows.extend(categories.iter().map(|(key, found)| (method, key.as_str(), found))),
+            "scale" => rows.extend(scales.iter().map(|(key, found)| (method, key.as_str(), found))),
+            _ => rows.extend(scenes.iter().map(|(key, found)| (method, key.as_str(), found))),
+        }
+    }
     let mut columns = identity(rows.iter().map(|(method, ..)| *method));
-    columns.push(text(group_column, &rows, |(_, group, _)| (*group).to_owned()));
+    columns.push(text(group, &rows, |(_, group, _)| (*group).to_owned()));
     columns.extend(metrics(&rows, |(.., metrics)| metrics));
-    csv(file, board, rows.len(), columns)
+    csv(&format!("per_{group}.csv"), board, rows.len(), columns)
 }
 
 /// `taken.csv`: one row per method and query, with the instance that its prediction overlaps most.
@@ -293,7 +270,7 @@ pub(crate) fn protocol(board: &Board, table: &ProtocolTable) -> Result<Vec<u8>, 
         text("remarks", &rows, |(row, ..)| row.remarks.join(", ")),
         text("scene", &rows, |(_, scene, _)| (*scene).to_owned()),
     ];
-    for (index, measure) in table.protocol.measures().iter().enumerate() {
+    for (index, measure) in table.protocol.rules().measures.iter().enumerate() {
         let name = format!("{} {}", table.protocol, measure.key);
         columns.push(numbers(&name, &rows, |(.., found)| found[index]));
     }
@@ -410,9 +387,12 @@ mod tests {
         let board = sample::hand_made();
         insta::assert_snapshot!("leaderboard", text_of(leaderboard(&board)));
         insta::assert_snapshot!("leaderboard_of_tracks", text_of(leaderboard(&sample::tracks())));
-        insta::assert_snapshot!("per_category", text_of(per_category(&board)));
+        insta::assert_snapshot!("per_category", text_of(per_group(&board, "category")));
         let lines = |bytes| text_of(bytes).lines().count();
-        assert_eq!((lines(per_scale(&board)), lines(per_scene(&board))), (1 + 5 * 3, 1 + 5));
+        assert_eq!(
+            (lines(per_group(&board, "scale")), lines(per_group(&board, "scene"))),
+            (1 + 5 * 3, 1 + 5)
+        );
     }
 
     #[test]

@@ -2,14 +2,15 @@
 
 use l4d_data::Category;
 use l4d_data::results::Track;
-use l4d_score::Metric;
 use l4d_score::cluster::FEW_SCENES;
+use l4d_score::table::wrap;
+use l4d_score::{Estimate, Metric};
 
 use crate::board::{Board, Method};
 use crate::tables::p_text;
 
 /// No line is wider.
-pub(crate) const WIDTH: usize = 100;
+const WIDTH: usize = 100;
 
 const HEADLINES: [Metric; 4] = [Metric::Miou, Metric::Macc, Metric::TubeIou, Metric::Select];
 const NUMBER_WIDTH: usize = 8;
@@ -20,37 +21,33 @@ const UNRANKED: &str = "not ranked, shown for scale";
 pub(crate) const ONE_SCENE: &str =
     "One scene says nothing of others: no intervals, no p values, and no method is called best.";
 
-/// The board as lines of text: ranked methods, then those that are only shown, then other boards'.
+/// The board as lines of text: ranked methods, then those that are only shown.
 pub fn text_table(board: &Board) -> String {
-    let numbers = HEADLINES.len() + Category::ALL.len();
-    let room = WIDTH - RANK_WIDTH - 1 - numbers * NUMBER_WIDTH - SECONDS_WIDTH;
-    let foreign = board.others.iter().flat_map(|other| &other.methods);
-    let longest = board.methods.iter().chain(foreign).map(|method| method.name.len()).max().unwrap_or(0);
-    let name_width = longest.clamp("method".len(), room);
-
+    let cells_width = (HEADLINES.len() + Category::ALL.len()) * NUMBER_WIDTH + SECONDS_WIDTH;
+    let name_width = name_width(board.methods.iter(), cells_width);
     let mut lines = wrap(&board.heading.line(), WIDTH);
+    let over = RANK_WIDTH + 1 + name_width + HEADLINES.len() * NUMBER_WIDTH;
+    let categories = Category::ALL.len() * NUMBER_WIDTH;
     lines.push(String::new());
-    lines.extend(header(name_width));
+    lines.push(format!("{:over$}{:>categories$}", "", "mIoU per category"));
+    let titles = ["mIoU", "mAcc", "tube", "select", "attrib.", "action", "spatial", "inter."];
+    let titles = titles.map(|title| format!("{title:>NUMBER_WIDTH$}")).concat();
+    lines.extend(row("rank", "method", name_width, &format!("{titles}{:>SECONDS_WIDTH$}", "seconds")));
     if board.ranked().is_empty() {
         lines.push("   - no method is ranked".to_owned());
     }
+    let method_row = |method: &Method| row(&rank(method), &method.name, name_width, &numbers(method));
     for (index, (track, methods)) in board.tracks().enumerate() {
         lines.extend((index > 0).then(String::new));
         lines.push(track_line(track));
-        methods.iter().for_each(|method| lines.extend(row_lines(method, name_width)));
+        lines.extend(methods.iter().flat_map(method_row));
     }
     if !board.unranked().is_empty() {
-        lines.push(String::new());
-        lines.push(UNRANKED.to_owned());
+        lines.extend([String::new(), UNRANKED.to_owned()]);
         for method in board.unranked() {
-            lines.extend(row_lines(method, name_width));
+            lines.extend(method_row(method));
             lines.push(format!("{:RANK_WIDTH$} ({})", "", method.why_unranked()));
         }
-    }
-    for other in &board.others {
-        lines.push(String::new());
-        lines.extend(wrap(&format!("not of this board: {}", other.line()), WIDTH));
-        other.methods.iter().for_each(|method| lines.extend(row_lines(method, name_width)));
     }
     lines.join("\n")
 }
@@ -60,55 +57,39 @@ pub fn text_table(board: &Board) -> String {
 pub fn text_statistics(board: &Board) -> String {
     const VALUE_WIDTH: usize = 22;
     const SHORT_WIDTH: usize = 9;
-    let neighbours = board.neighbours();
-    let room = WIDTH - RANK_WIDTH - 1 - 2 * VALUE_WIDTH - 2 * SHORT_WIDTH;
-    let longest = board.compared().iter().map(|method| method.name.len()).max().unwrap_or(0);
     if board.is_of_one_scene() {
         return ONE_SCENE.to_owned();
     }
-    let name_width = longest.clamp("method".len(), room);
-    let tests = match neighbours.is_empty() {
-        true => String::new(),
-        false => {
-            format!("{:>VALUE_WIDTH$}{:>SHORT_WIDTH$}{:>SHORT_WIDTH$}", "ahead of the next", "p", "detect.")
-        }
+    let (compared, neighbours) = (board.compared(), board.neighbours());
+    let name_width = name_width(compared.iter(), 2 * VALUE_WIDTH + 2 * SHORT_WIDTH);
+    let line = |rank: &str, name: &str, [own, ahead, p, detectable]: [&str; 4]| {
+        let values = format!("{own:>VALUE_WIDTH$}{ahead:>VALUE_WIDTH$}");
+        row(rank, name, name_width, &format!("{values}{p:>SHORT_WIDTH$}{detectable:>SHORT_WIDTH$}"))
     };
-    let mut lines = vec![format!(
-        "{:>RANK_WIDTH$} {:name_width$}{:>VALUE_WIDTH$}{tests}",
-        "rank", "method", "mIoU (95 % interval)"
-    )];
+    let tests = if neighbours.is_empty() { [""; 3] } else { ["ahead of the next", "p", "detect."] };
+    let mut lines = line("rank", "method", ["mIoU (95 % interval)", tests[0], tests[1], tests[2]]);
     let mut is_rough = false;
-    let mut group = None;
-    for (index, method) in board.compared().iter().enumerate() {
+    let mut interval = |found: &Estimate| {
+        is_rough |= found.interval.is_some() && found.is_of_few_scenes();
+        found.interval.map(|[low, high]| format!(" ({low:.1} to {high:.1})")).unwrap_or_default()
+    };
+    for (index, method) in compared.iter().enumerate() {
         let track = method.ranked_in();
-        if track != group || index == 0 {
+        if index == 0 || compared[index - 1].ranked_in() != track {
             lines.push(track.map_or_else(|| UNRANKED.to_owned(), track_line));
-            group = track;
         }
-        let interval = |[low, high]: [f64; 2]| format!(" ({low:.1} to {high:.1})");
-        let with_interval =
-            |text: String, found: Option<[f64; 2]>| text + &found.map(interval).unwrap_or_default();
-        is_rough |= method.miou.is_some_and(|found| found.interval.is_some() && found.is_of_few_scenes());
-        let own = method.miou.map(|found| with_interval(format!("{:.2}", found.value), found.interval));
+        let own = method.miou.map(|found| format!("{:.2}{}", found.value, interval(&found)));
         let pair = neighbours.iter().find(|pair| pair.first == index);
         let [ahead, p, detectable] = pair.map_or_else(Default::default, |pair| {
             let found = &pair.comparison;
-            is_rough |= found.difference.is_of_few_scenes();
             [
-                with_interval(format!("{:+.2}", found.difference.value), found.difference.interval),
+                format!("{:+.2}{}", found.difference.value, interval(&found.difference)),
                 p_text(pair.holm_p),
                 found.detectable.map(|points| format!("{points:.2}")).unwrap_or_default(),
             ]
         });
-        let mut name_lines = split(&method.name, name_width).into_iter();
-        let first = name_lines.next().unwrap_or_default();
-        let line = format!(
-            "{:>RANK_WIDTH$} {first:name_width$}{:>VALUE_WIDTH$}{ahead:>VALUE_WIDTH$}{p:>SHORT_WIDTH$}{detectable:>SHORT_WIDTH$}",
-            rank(method),
-            own.unwrap_or_else(|| "-".to_owned())
-        );
-        lines.push(line.trim_end().to_owned());
-        lines.extend(name_lines.map(|rest| format!("{:RANK_WIDTH$} {rest}", "")));
+        let own = own.unwrap_or_else(|| "-".to_owned());
+        lines.extend(line(&rank(method), &method.name, [&own, &ahead, &p, &detectable]));
     }
     let mut about = "Intervals are clustered by scene.".to_owned();
     if !neighbours.is_empty() {
@@ -121,7 +102,7 @@ pub fn text_statistics(board: &Board) -> String {
     if is_rough {
         lines.push(format!("Fewer than {FEW_SCENES} scenes: intervals may be too narrow."));
     }
-    let left_out = board.methods.len() - board.compared().len();
+    let left_out = board.methods.len() - compared.len();
     if left_out > 0 {
         lines.push(format!("{left_out} more methods are not compared."));
     }
@@ -133,39 +114,33 @@ fn track_line(track: Track) -> String {
     format!("track: {}", track.title())
 }
 
-fn header(name_width: usize) -> Vec<String> {
-    let metrics = ["mIoU", "mAcc", "tube", "select"].map(|name| format!("{name:>NUMBER_WIDTH$}")).concat();
-    let categories = ["attrib.", "action", "spatial", "inter."].map(|name| format!("{name:>NUMBER_WIDTH$}"));
-    let (seconds, method) = (format!("{:>SECONDS_WIDTH$}", "seconds"), "method");
-    let over = format!("{:1$}", "", RANK_WIDTH + 1 + name_width + HEADLINES.len() * NUMBER_WIDTH);
-    vec![
-        format!("{over}{:>1$}", "mIoU per category", Category::ALL.len() * NUMBER_WIDTH),
-        format!("{:>RANK_WIDTH$} {method:name_width$}{metrics}{}{seconds}", "rank", categories.concat()),
-    ]
-}
-
 fn rank(method: &Method) -> String {
     method.rank.map_or_else(|| "-".to_owned(), |rank| rank.to_string())
 }
 
-fn row_lines(method: &Method, name_width: usize) -> Vec<String> {
-    let headlines = HEADLINES.map(|metric| method.headline(metric));
-    let categories = Category::ALL.map(|category| method.scores.categories.get(&category)?.get(Metric::Miou));
-    let numbers: String = headlines.iter().chain(&categories).map(|&value| number(value)).collect();
-    let seconds = method.seconds.map_or_else(|| "-".to_owned(), seconds_text);
-    let mut name_lines = split(&method.name, name_width).into_iter();
-    let first = name_lines.next().unwrap_or_default();
-    let mut lines =
-        vec![format!("{:>RANK_WIDTH$} {first:name_width$}{numbers}{seconds:>SECONDS_WIDTH$}", rank(method))];
-    lines.extend(name_lines.map(|rest| format!("{:RANK_WIDTH$} {rest}", "")));
-    lines
+/// As wide as the longest name, or as there is room beside the cells.
+fn name_width<'a>(methods: impl Iterator<Item = &'a Method>, cells_width: usize) -> usize {
+    let longest = methods.map(|method| method.name.len()).max().unwrap_or(0);
+    longest.clamp("method".len(), WIDTH - RANK_WIDTH - 1 - cells_width)
 }
 
-fn number(value: Option<f64>) -> String {
-    match value {
-        Some(value) => format!("{value:>NUMBER_WIDTH$.2}"),
-        None => format!("{:>NUMBER_WIDTH$}", "-"),
-    }
+/// A row of a table; a name that is too long goes on below.
+fn row(rank: &str, name: &str, name_width: usize, cells: &str) -> Vec<String> {
+    let mut pieces = split(name, name_width).into_iter();
+    let first = pieces.next().unwrap_or_default();
+    let line = format!("{rank:>RANK_WIDTH$} {first:name_width$}{cells}");
+    let rest = pieces.map(|piece| format!("{:RANK_WIDTH$} {piece}", ""));
+    std::iter::once(line.trim_end().to_owned()).chain(rest).collect()
+}
+
+fn numbers(method: &Method) -> String {
+    let headlines = HEADLINES.map(|metric| method.headline(metric));
+    let categories = Category::ALL.map(|category| method.scores.categories.get(&category)?.get(Metric::Miou));
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+    let numbers = headlines.into_iter().chain(categories).map(number);
+    let seconds = method.seconds.map_or_else(|| "-".to_owned(), seconds_text);
+    let numbers: String = numbers.map(|number| format!("{number:>NUMBER_WIDTH$}")).collect();
+    format!("{numbers}{seconds:>SECONDS_WIDTH$}")
 }
 
 /// Seconds in at most eight characters.
@@ -185,23 +160,6 @@ fn split(name: &str, width: usize) -> Vec<&str> {
     }
     pieces.push(rest);
     pieces
-}
-
-/// Breaks a sentence at spaces so that no line is wider than `width` characters.
-pub(crate) fn wrap(sentence: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in sentence.split(' ') {
-        let line = lines.last_mut().expect("starts with one line");
-        if line.is_empty() {
-            line.push_str(word);
-        } else if line.chars().count() + 1 + word.chars().count() <= width {
-            line.push(' ');
-            line.push_str(word);
-        } else {
-            lines.push(word.to_owned());
-        }
-    }
-    lines
 }
 
 #[cfg(test)]

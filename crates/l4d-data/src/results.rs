@@ -136,7 +136,38 @@ pub struct Import {
     pub inputs: BTreeMap<String, String>,
 }
 
+/// The protocol of this project's judge: masks of the whole clip of the held-out view.
+pub const PROTOCOL: &str = "l4d";
+
 impl MethodCard {
+    /// Of masks for a profile of a benchmark, by its version and the digest of its truth. What the method looked at and
+    /// reports is still to be said.
+    pub fn new(
+        name: Name,
+        version: impl Into<String>,
+        benchmark_version: &str,
+        truth_digest: impl Into<String>,
+        profile: Profile,
+    ) -> Self {
+        Self {
+            name,
+            version: version.into(),
+            link: String::new(),
+            benchmark_version: benchmark_version.to_owned(),
+            truth_digest: truth_digest.into(),
+            profile,
+            width: profile.width(),
+            height: profile.height(),
+            frames: profile.frames().collect(),
+            protocol: PROTOCOL.to_owned(),
+            used: Used::default(),
+            baseline: false,
+            seconds: None,
+            reported: BTreeMap::new(),
+            import: None,
+        }
+    }
+
     /// Reads a card and checks it against its folder.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use l4d_data::{Query, Status, Workspace};
 use l4d_masks::Mask;
 use l4d_score::counts::FrameCount;
 use l4d_score::exam::SceneExam;
-use l4d_score::judge::{Answer, judge_query};
+use l4d_score::judge::{Answer, QueryJudge};
 use l4d_score::metrics::{QueryFacts, QueryTally};
 use l4d_score::truth::SceneTruth;
 use l4d_score::{Exam, Options};
@@ -63,7 +63,7 @@ impl<'a> JudgedScene<'a> {
             None => Answer::Missing,
         };
         let answers: Vec<Answer> = (0..frames.len()).map(answer).collect();
-        Ok(judge_query(&self.truth, query, &self.referents(query)?, &frames, &answers))
+        Ok(QueryJudge::new(&self.truth, query, &self.referents(query)?).clip(&frames, &answers))
     }
 
     /// Positions of the referents of a query among the instances of the truth.

@@ -3,19 +3,17 @@
 use std::path::PathBuf;
 
 use l4d_data::{self as data, Name, Profile, QueryId, Report, Split};
-use l4d_score::{Exam, QuerySet};
+use l4d_score::Exam;
 use pyo3::prelude::*;
 
 use crate::camera::Camera;
-use crate::error::{Failure, Result, unknown};
-use crate::instance::{Event, Instance};
-use crate::query::{Query, query_id};
+use crate::error::{Failure, Result, choice, unknown};
+use crate::query::{Event, Instance, Query, query_id};
 use crate::timeline::{Timeline, parse_profile};
 use crate::truth::Truth;
 
 /// A benchmark folder (with `panoptic-l4d.toml`) at one profile. No render is needed: cameras come from the tracks.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Benchmark {
     pub(crate) bench: data::Benchmark,
     pub(crate) profile: Profile,
@@ -73,7 +71,7 @@ impl Benchmark {
 
     /// Columns and rows of the masks of a scene, pixels: (width, height).
     fn size(&self, scene: &str) -> Result<(u32, u32)> {
-        Ok(self.asked(self.scene_named(scene)?)?.size)
+        Ok(self.asked(self.scene_named(scene)?)?.size.into())
     }
 
     /// Frames of a scene that masks may be of, ascending: those of the profile, or the moments of a capture.
@@ -97,12 +95,12 @@ impl Benchmark {
     /// categories) or `"absents"` (that nothing in the scene satisfies).
     #[pyo3(signature = (scene = None, *, set = "queries"))]
     fn queries(&self, scene: Option<&str>, set: &str) -> Result<Vec<Query>> {
-        Ok(self.queries_of(scene, set)?.into_iter().map(Query).collect())
+        Ok(self.queries_of(scene, set)?.into_iter().map(Query::from).collect())
     }
 
     /// The sentence of an id, `<scene>/<nnn>`, from any set.
     fn query(&self, id: &Bound<'_, PyAny>) -> Result<Query> {
-        Ok(Query(self.query_of(&query_id(id)?)?))
+        Ok(self.query_of(&query_id(id)?)?.into())
     }
 
     /// What the held-out view of a scene shows: the answers. Only judges, baselines and oracles look at it.
@@ -141,22 +139,15 @@ impl Benchmark {
     }
 
     fn __repr__(&self) -> String {
-        let manifest = &self.bench.manifest;
-        format!(
-            "Benchmark('{} {}', {}, {} scenes)",
-            manifest.name,
-            manifest.version,
-            self.profile,
-            manifest.scenes.len()
-        )
+        let data::benchmark::Manifest { name, version, scenes, .. } = &self.bench.manifest;
+        format!("Benchmark('{name} {version}', {}, {} scenes)", self.profile, scenes.len())
     }
 }
 
 /// What masks of a scene must be like.
-#[derive(Debug)]
 pub(crate) struct Asked {
     /// Width and height, pixels.
-    pub(crate) size: (u32, u32),
+    pub(crate) size: [u32; 2],
     /// Frames that masks may be of, ascending.
     pub(crate) clip: Vec<u32>,
     /// Those that need no mask, ascending.
@@ -168,11 +159,11 @@ impl Benchmark {
     pub(crate) fn asked(&self, scene: &Name) -> Result<Asked> {
         let profile = self.profile;
         if profile.is_rendered() {
-            let size = (profile.width(), profile.height());
+            let size = [profile.width(), profile.height()];
             return Ok(Asked { size, clip: profile.frames().collect(), unannotated: Vec::new() });
         }
         let truth = self.bench.truth(profile, scene)?;
-        Ok(Asked { size: (truth.width, truth.height), clip: truth.clip(), unannotated: truth.unannotated })
+        Ok(Asked { size: [truth.width, truth.height], clip: truth.clip(), unannotated: truth.unannotated })
     }
 
     /// The profile, if all its scenes have the same size and frames.
@@ -220,11 +211,7 @@ impl Benchmark {
 
     /// What is asked of a results folder.
     pub(crate) fn exam(&self, set: &str, scenes: &[String], report: &mut Report) -> Result<Exam> {
-        let set = match set {
-            "queries" => QuerySet::Queries,
-            "composites" => QuerySet::Composites,
-            other => return Err(unknown("set", other, &["queries", "composites"])),
-        };
+        let set = choice("set", set, &["queries", "composites"])?;
         Ok(Exam::open(self.bench.clone(), self.profile, set, scenes, report)?)
     }
 }

@@ -6,8 +6,9 @@ use l4d_data::{self as data, Profile, Split};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLikeDyn};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array2, Array3, array2, array3, shape_of, wrong_shape};
-use crate::error::{Failure, Result, name as checked_name, unknown};
+use crate::arrays::{Array, array, check_shape, shape_of};
+use crate::error::{Failure, Result, choice, name as checked_name, unknown};
+use crate::query::word;
 
 type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
@@ -16,16 +17,28 @@ type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 /// The centre of pixel (column, row) is (column + 0.5, row + 0.5), and `u = fx * x / z + cx`.
 /// `world_from_camera` is one 4x4 pose, or one for each frame from 0 on: 97 of them (97, 4, 4) on the canonical timeline.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Camera {
     pub(crate) camera: data::Camera,
+    /// Width and height of its pictures, pixels.
     pub(crate) size: [u32; 2],
 }
 
 impl Camera {
-    /// A camera of pictures of `size` (width, height).
-    pub(crate) fn new(camera: &data::Camera, size: [u32; 2]) -> Self {
-        Self { camera: camera.clone(), size }
+    /// Cameras whose pictures have one size.
+    pub(crate) fn all<'a>(cameras: impl IntoIterator<Item = &'a data::Camera>, size: [u32; 2]) -> Vec<Self> {
+        cameras.into_iter().map(|camera| Self { camera: camera.clone(), size }).collect()
+    }
+
+    /// Those of one split.
+    pub(crate) fn of_split(cameras: &[data::Camera], split: Split, size: [u32; 2]) -> Vec<Self> {
+        Self::all(cameras.iter().filter(|camera| camera.split == split), size)
+    }
+
+    /// The one of that name.
+    pub(crate) fn find(cameras: &[data::Camera], name: &str, size: [u32; 2]) -> Result<Self> {
+        let known: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let found = Self::all(cameras.iter().filter(|camera| camera.name.as_str() == name), size).pop();
+        found.ok_or_else(|| unknown("view", name, &known))
     }
 
     /// A camera of the tracks at the size of a profile.
@@ -79,11 +92,7 @@ impl Camera {
         world_from_camera: Numbers<'_>,
         split: &str,
     ) -> Result<Self> {
-        let split = match split {
-            "train" => Split::Train,
-            "test" => Split::Test,
-            other => return Err(unknown("split", other, &["train", "test"])),
-        };
+        let split = choice("split", split, &["train", "test"])?;
         let world_from_camera = poses(&world_from_camera)?;
         let name = checked_name("name", name)?;
         let camera = data::Camera { name, split, fx, fy, cx, cy, world_from_camera };
@@ -101,11 +110,8 @@ impl Camera {
 
     /// `"train"` (methods may use it) or `"test"` (held out: only the judge looks at it).
     #[getter]
-    fn split(&self) -> &'static str {
-        match self.camera.split {
-            Split::Train => "train",
-            Split::Test => "test",
-        }
+    fn split(&self) -> String {
+        word(&self.camera.split)
     }
 
     /// Columns of its pictures, pixels.
@@ -152,20 +158,20 @@ impl Camera {
 
     /// Intrinsics: float64 (3, 3), pixels; `[u, v, 1] * z = intrinsics @ point_camera`.
     #[getter]
-    fn intrinsics<'py>(&self, py: Python<'py>) -> Result<Array2<'py, f64>> {
+    fn intrinsics<'py>(&self, py: Python<'py>) -> Result<Array<'py, f64, 2>> {
         let data::Camera { fx, fy, cx, cy, .. } = self.camera;
-        array2(py, vec![fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0], [3, 3])
+        array(py, vec![fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0], [3, 3])
     }
 
     /// Pose at a canonical frame: float64 (4, 4), metres; `point_world = world_from_camera @ point_camera`.
     #[pyo3(signature = (frame = 0))]
-    fn world_from_camera<'py>(&self, py: Python<'py>, frame: u32) -> Result<Array2<'py, f64>> {
+    fn world_from_camera<'py>(&self, py: Python<'py>, frame: u32) -> Result<Array<'py, f64, 2>> {
         matrix(py, self.camera.world_from_camera(self.pose_frame(frame)?))
     }
 
     /// Inverse pose at a canonical frame: float64 (4, 4), metres.
     #[pyo3(signature = (frame = 0))]
-    fn camera_from_world<'py>(&self, py: Python<'py>, frame: u32) -> Result<Array2<'py, f64>> {
+    fn camera_from_world<'py>(&self, py: Python<'py>, frame: u32) -> Result<Array<'py, f64, 2>> {
         matrix(py, self.camera.camera_from_world(self.pose_frame(frame)?))
     }
 
@@ -174,11 +180,7 @@ impl Camera {
     /// Directions have length 1 along the optical axis, so that `origin + depth_m[..., None] * directions` is the surface
     /// point of a planar depth. Normalise them for the length of the ray.
     #[pyo3(signature = (frame = 0))]
-    fn rays<'py>(
-        &self,
-        py: Python<'py>,
-        frame: u32,
-    ) -> Result<(Bound<'py, PyArray1<f64>>, Array3<'py, f64>)> {
+    fn rays<'py>(&self, py: Python<'py>, frame: u32) -> Result<(Array<'py, f64, 1>, Array<'py, f64, 3>)> {
         let pose = self.camera.world_from_camera(self.pose_frame(frame)?);
         let data::Camera { fx, fy, cx, cy, .. } = self.camera;
         let directions = py.detach(|| {
@@ -186,29 +188,32 @@ impl Camera {
                 |at: DVec2| pose.transform_vector3(DVec3::new((at.x - cx) / fx, (at.y - cy) / fy, 1.0));
             self.centres().flat_map(|at| along(at).to_array()).collect()
         });
-        let [rows, columns] = shape_of(self.size[0], self.size[1]);
+        let [rows, columns] = shape_of(self.size);
         let origin = PyArray1::from_slice(py, &pose.w_axis.truncate().to_array());
-        Ok((origin, array3(py, directions, [rows, columns, 3])?))
+        Ok((origin, array(py, directions, [rows, columns, 3])?))
     }
 
     /// World points, float64 (H, W, 3), metres, of the planar depths (H, W) of a picture at a canonical frame.
     ///
     /// Where nothing was hit (+inf) the point is nan.
     #[pyo3(signature = (depth_m, frame = 0))]
-    fn unproject<'py>(&self, py: Python<'py>, depth_m: Numbers<'py>, frame: u32) -> Result<Array3<'py, f64>> {
+    fn unproject<'py>(
+        &self,
+        py: Python<'py>,
+        depth_m: Numbers<'py>,
+        frame: u32,
+    ) -> Result<Array<'py, f64, 3>> {
         let frame = self.pose_frame(frame)?;
         let depth = depth_m.as_array();
-        let [rows, columns] = shape_of(self.size[0], self.size[1]);
-        if depth.shape() != [rows, columns] {
-            return Err(wrong_shape("depth_m", depth.shape(), &[rows, columns]));
-        }
+        let [rows, columns] = shape_of(self.size);
+        check_shape("depth_m", depth.shape(), &[rows, columns])?;
         let depths_m: Vec<f64> = depth.iter().copied().collect();
         let point = |(at, &depth_m): (DVec2, &f64)| {
             if depth_m.is_finite() { self.camera.unproject(frame, at, depth_m) } else { DVec3::NAN }
         };
         let points =
             py.detach(|| self.centres().zip(&depths_m).flat_map(|pair| point(pair).to_array()).collect());
-        array3(py, points, [rows, columns, 3])
+        array(py, points, [rows, columns, 3])
     }
 
     /// Where world points (N, 3), metres, appear at a canonical frame: positions, float64 (N, 2), as (column, row) in
@@ -221,7 +226,7 @@ impl Camera {
         py: Python<'py>,
         points_world: Numbers<'py>,
         frame: u32,
-    ) -> Result<(Array2<'py, f64>, Bound<'py, PyArray1<f64>>)> {
+    ) -> Result<(Array<'py, f64, 2>, Array<'py, f64, 1>)> {
         let frame = self.pose_frame(frame)?;
         let points = points_world.as_array();
         let [count, 3] = points.shape() else {
@@ -237,17 +242,14 @@ impl Camera {
             let (positions, depths_m): (Vec<DVec2>, Vec<f64>) = seen.unzip();
             (positions.into_iter().flat_map(|position| position.to_array()).collect(), depths_m)
         });
-        Ok((array2(py, positions, [count, 2])?, PyArray1::from_vec(py, depths_m)))
+        Ok((array(py, positions, [count, 2])?, PyArray1::from_vec(py, depths_m)))
     }
 
     /// The same camera for pictures of another size, pixels.
     fn resized(&self, width: u32, height: u32) -> Result<Self> {
         if [width, height, self.size[0], self.size[1]].contains(&0) {
-            return Err(Failure::argument(
-                "size",
-                "a picture has no pixels",
-                "give a width and height above 0",
-            ));
+            let remedy = "give a width and height above 0";
+            return Err(Failure::argument("size", "a picture has no pixels", remedy));
         }
         Ok(Self { camera: self.camera.resized(self.size, [width, height]), size: [width, height] })
     }
@@ -257,8 +259,8 @@ impl Camera {
     }
 }
 
-fn matrix(py: Python<'_>, matrix: DMat4) -> Result<Array2<'_, f64>> {
-    array2(py, matrix.transpose().to_cols_array().to_vec(), [4, 4])
+fn matrix(py: Python<'_>, matrix: DMat4) -> Result<Array<'_, f64, 2>> {
+    array(py, matrix.transpose().to_cols_array().to_vec(), [4, 4])
 }
 
 /// One pose (4, 4) or one per canonical frame.

@@ -26,34 +26,34 @@ const SCHEMA: &str = "l4d/clips/1";
 const MAX_BYTES: u64 = 1 << 30;
 const REMEDY: &str = "delete the file and run `l4d render-splats` again";
 
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 struct Manifest {
     schema: String,
     drawn: Look,
     views: BTreeMap<Name, View>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 struct Look {
     width: u32,
     height: u32,
     depth: DepthEntry,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 struct DepthEntry {
     kind: String,
     format: DepthFormat,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum DepthFormat {
     Exr,
     Png,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 struct View {
     camera: data::Camera,
     /// By file stem: a name, so that it cannot lead out of the folder.
@@ -62,7 +62,6 @@ struct View {
 
 /// A folder of clips: what a model shows several cameras over time.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Clips {
     root: PathBuf,
     manifest: Manifest,
@@ -102,7 +101,7 @@ impl Clips {
 
     /// The camera of a view.
     fn camera(&self, view: &str) -> Result<Camera> {
-        Ok(Camera::new(&self.find(view)?.camera, [self.width(), self.height()]))
+        Ok(Camera { camera: self.find(view)?.camera.clone(), size: self.size() })
     }
 
     /// Canonical frames that are there of a view, ascending. Times between frames are left out.
@@ -127,21 +126,20 @@ impl Clips {
             let pictures = frames.par_iter().map(|&frame| self.picture(view, frame));
             pictures.collect::<Result<Vec<Values>>>()
         })?;
-        PictureClip::new(py, Values::joined(values), frames, [self.width(), self.height()])
+        PictureClip::new(py, Values::joined(values), frames, self.size())
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "Clips('{}', {} views, {}x{})",
-            self.root.display(),
-            self.manifest.views.len(),
-            self.width(),
-            self.height()
-        )
+        let (root, [width, height]) = (self.root.display(), self.size());
+        format!("Clips('{root}', {} views, {width}x{height})", self.manifest.views.len())
     }
 }
 
 impl Clips {
+    fn size(&self) -> [u32; 2] {
+        [self.width(), self.height()]
+    }
+
     fn find(&self, view: &str) -> Result<&View> {
         self.manifest.views.get(view).ok_or_else(|| unknown("view", view, &self.views()))
     }

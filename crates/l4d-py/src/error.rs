@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::{DataError, Name};
 use l4d_frames::exr::FrameError;
-use pyo3::PyErr;
-use pyo3::import_exception;
+use pyo3::{PyErr, import_exception};
+use serde::de::DeserializeOwned;
 
 import_exception!(l4d._error, L4dError);
 
@@ -15,7 +15,6 @@ import_exception!(l4d._error, L4dError);
 pub(crate) type Result<T> = std::result::Result<T, Failure>;
 
 /// Why Python gets an exception.
-#[derive(Debug)]
 pub(crate) enum Failure {
     /// Something that the project can explain.
     Details(Box<Details>),
@@ -24,7 +23,7 @@ pub(crate) enum Failure {
 }
 
 /// The attributes of an `L4dError`.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(crate) struct Details {
     message: String,
     path: Option<PathBuf>,
@@ -35,32 +34,27 @@ pub(crate) struct Details {
 impl Failure {
     /// A value that the caller gave and that cannot be.
     pub(crate) fn argument(field: &str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let details =
-            Details { field: Some(field.to_owned()), ..Details::new(message.into(), remedy.into()) };
-        Self::Details(Box::new(details))
+        let (field, remedy) = (Some(field.to_owned()), Some(remedy.into()));
+        Details { message: message.into(), path: None, field, remedy }.into()
     }
 
     /// Something about a file.
-    pub(crate) fn file(path: &Path, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let details = Details { path: Some(path.to_owned()), ..Details::new(message.into(), remedy.into()) };
-        Self::Details(Box::new(details))
+    pub(crate) fn file(path: &Path, message: &str, remedy: &str) -> Self {
+        let (path, remedy) = (Some(path.to_owned()), Some(remedy.to_owned()));
+        Details { message: message.to_owned(), path, field: None, remedy }.into()
     }
 
     /// An error whose message says everything, causes included.
     pub(crate) fn of_chain(error: &dyn Error) -> Self {
-        let mut message = error.to_string();
-        let mut source = error.source();
-        while let Some(cause) = source {
-            message.push_str(&format!(": {cause}"));
-            source = cause.source();
-        }
-        Self::Details(Box::new(Details { message, ..Details::default() }))
+        let causes = std::iter::successors(Some(error), |&error| error.source());
+        let message = causes.map(|cause| cause.to_string()).collect::<Vec<_>>().join(": ");
+        Details { message, ..Details::default() }.into()
     }
 }
 
-impl Details {
-    fn new(message: String, remedy: String) -> Self {
-        Self { message, remedy: Some(remedy), ..Self::default() }
+impl From<Details> for Failure {
+    fn from(details: Details) -> Self {
+        Self::Details(Box::new(details))
     }
 }
 
@@ -74,7 +68,7 @@ impl From<DataError> for Failure {
                 (Some(location), message)
             }
         };
-        Self::Details(Box::new(Details { message, path, field, remedy }))
+        Details { message, path, field, remedy }.into()
     }
 }
 
@@ -104,8 +98,12 @@ impl From<Failure> for PyErr {
 
 /// A name that becomes a file name.
 pub(crate) fn name(field: &str, text: &str) -> Result<Name> {
-    let remedy = "choose another name";
-    Name::new(text).map_err(|error| Failure::argument(field, error.to_string(), remedy))
+    Name::new(text).map_err(|error| Failure::argument(field, error.to_string(), "choose another name"))
+}
+
+/// The value that one of the words `known` stands for in files.
+pub(crate) fn choice<T: DeserializeOwned>(field: &str, given: &str, known: &[&str]) -> Result<T> {
+    serde_json::from_value(given.into()).ok().ok_or_else(|| unknown(field, given, known))
 }
 
 /// An argument that is none of `known`.

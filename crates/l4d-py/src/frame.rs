@@ -7,12 +7,10 @@ use half::slice::HalfFloatSliceExt as _;
 use l4d_frames::{Display, Frame as Seen};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array2, Array3, Array4, array2, array3, array4, shape_of};
+use crate::arrays::{Array, Kept, array, shape_of};
 use crate::error::Result;
-use numpy::{Ix2, Ix3, Ix4, PyArray};
 
 /// How light becomes bytes in one scene; tabulated when it is first asked for.
-#[derive(Debug)]
 pub(crate) struct Exposure {
     exposure: f64,
     display: OnceLock<Display>,
@@ -29,20 +27,46 @@ impl Exposure {
     }
 }
 
+/// The values of pictures, one after another and row by row.
+pub(crate) struct Values {
+    pub(crate) linear: Vec<f16>,
+    /// The same with 32 bits a channel.
+    pub(crate) rgb: Vec<f32>,
+    pub(crate) depth_m: Vec<f32>,
+    pub(crate) id: Vec<u32>,
+}
+
+impl From<Seen> for Values {
+    fn from(Seen { surfaces, rgb: linear }: Seen) -> Self {
+        let linear = linear.into_flattened();
+        let rgb = linear.to_f32_vec();
+        Self { linear, rgb, depth_m: surfaces.depth_m, id: surfaces.id }
+    }
+}
+
 /// One picture of a scene.
 ///
 /// `rgb` and the other arrays are made once and handed out again: copy them before writing into them.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Frame {
+    /// Name of the camera.
+    #[pyo3(get)]
     view: String,
+    /// Canonical frame.
+    #[pyo3(get)]
     frame: u32,
+    /// Linear, scene-referred light: float32 (H, W, 3), red, green, blue.
+    #[pyo3(get)]
+    rgb: Kept<f32, 3>,
+    /// Planar depth (camera z) at the pixel centre, metres: float32 (H, W); +inf where nothing is hit.
+    #[pyo3(get)]
+    depth_m: Kept<f32, 2>,
+    /// Instance at the pixel centre: uint32 (H, W); 0 where nothing is annotated.
+    #[pyo3(get)]
+    id: Kept<u32, 2>,
     exposure: Arc<Exposure>,
-    linear: Vec<[f16; 3]>,
-    size: [usize; 2],
-    rgb: Py<PyArray<f32, Ix3>>,
-    depth_m: Py<PyArray<f32, Ix2>>,
-    id: Py<PyArray<u32, Ix2>>,
+    linear: Vec<f16>,
+    shape: [usize; 2],
 }
 
 impl Frame {
@@ -50,89 +74,58 @@ impl Frame {
         py: Python<'_>,
         view: &str,
         frame: u32,
-        seen: Seen,
-        rgb: Vec<f32>,
+        size: [u32; 2],
+        values: Values,
         exposure: &Arc<Exposure>,
     ) -> Result<Self> {
-        let Seen { surfaces, rgb: linear } = seen;
-        let size = shape_of(surfaces.width, surfaces.height);
+        let shape @ [rows, columns] = shape_of(size);
         Ok(Self {
             view: view.to_owned(),
             frame,
+            rgb: array(py, values.rgb, [rows, columns, 3])?.unbind(),
+            depth_m: array(py, values.depth_m, shape)?.unbind(),
+            id: array(py, values.id, shape)?.unbind(),
             exposure: Arc::clone(exposure),
-            linear,
-            size,
-            rgb: array3(py, rgb, [size[0], size[1], 3])?.unbind(),
-            depth_m: array2(py, surfaces.depth_m, size)?.unbind(),
-            id: array2(py, surfaces.id, size)?.unbind(),
+            linear: values.linear,
+            shape,
         })
     }
 }
 
 #[pymethods]
 impl Frame {
-    /// Name of the camera.
-    #[getter]
-    fn view(&self) -> &str {
-        &self.view
-    }
-
-    /// Canonical frame.
-    #[getter]
-    fn frame(&self) -> u32 {
-        self.frame
-    }
-
-    /// Linear, scene-referred light: float32 (H, W, 3), red, green, blue.
-    #[getter]
-    fn rgb<'py>(&self, py: Python<'py>) -> Array3<'py, f32> {
-        self.rgb.bind(py).clone()
-    }
-
-    /// Planar depth (camera z) at the pixel centre, metres: float32 (H, W); +inf where nothing is hit.
-    #[getter]
-    fn depth_m<'py>(&self, py: Python<'py>) -> Array2<'py, f32> {
-        self.depth_m.bind(py).clone()
-    }
-
-    /// Instance at the pixel centre: uint32 (H, W); 0 where nothing is annotated.
-    #[getter]
-    fn id<'py>(&self, py: Python<'py>) -> Array2<'py, u32> {
-        self.id.bind(py).clone()
-    }
-
     /// What a screen shows: uint8 (H, W, 3), `clamp(sRGB_OETF(exposure * rgb))`.
-    fn display<'py>(&self, py: Python<'py>) -> Result<Array3<'py, u8>> {
-        let bytes = py.detach(|| self.exposure.bytes(self.linear.as_flattened()));
-        array3(py, bytes, [self.size[0], self.size[1], 3])
+    fn display<'py>(&self, py: Python<'py>) -> Result<Array<'py, u8, 3>> {
+        let [rows, columns] = self.shape;
+        array(py, py.detach(|| self.exposure.bytes(&self.linear)), [rows, columns, 3])
     }
 
     fn __repr__(&self) -> String {
-        format!("Frame('{}', {}, {}x{})", self.view, self.frame, self.size[1], self.size[0])
+        format!("Frame('{}', {}, {}x{})", self.view, self.frame, self.shape[1], self.shape[0])
     }
 }
 
 /// Pictures of one camera, one after another.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct FrameClip {
+    /// Name of the camera.
+    #[pyo3(get)]
     view: String,
+    /// Canonical frames, in the order of the arrays.
+    #[pyo3(get)]
     frames: Vec<u32>,
+    /// Linear, scene-referred light: float32 (T, H, W, 3), red, green, blue.
+    #[pyo3(get)]
+    rgb: Kept<f32, 4>,
+    /// Planar depth (camera z) at the pixel centre, metres: float32 (T, H, W); +inf where nothing is hit.
+    #[pyo3(get)]
+    depth_m: Kept<f32, 3>,
+    /// Instance at the pixel centre: uint32 (T, H, W); 0 where nothing is annotated.
+    #[pyo3(get)]
+    id: Kept<u32, 3>,
     exposure: Arc<Exposure>,
     linear: Vec<f16>,
-    size: [usize; 2],
-    rgb: Py<PyArray<f32, Ix4>>,
-    depth_m: Py<PyArray<f32, Ix3>>,
-    id: Py<PyArray<u32, Ix3>>,
-}
-
-/// The values of a clip, frame by frame and row by row.
-pub(crate) struct ClipValues {
-    pub(crate) size: [u32; 2],
-    pub(crate) linear: Vec<f16>,
-    pub(crate) rgb: Vec<f32>,
-    pub(crate) depth_m: Vec<f32>,
-    pub(crate) id: Vec<u32>,
+    shape: [usize; 3],
 }
 
 impl FrameClip {
@@ -140,60 +133,31 @@ impl FrameClip {
         py: Python<'_>,
         view: &str,
         frames: Vec<u32>,
-        values: ClipValues,
+        size: [u32; 2],
+        values: Values,
         exposure: &Arc<Exposure>,
     ) -> Result<Self> {
-        let size = shape_of(values.size[0], values.size[1]);
-        let (count, [rows, columns]) = (frames.len(), size);
+        let [rows, columns] = shape_of(size);
+        let shape = [frames.len(), rows, columns];
         Ok(Self {
             view: view.to_owned(),
+            rgb: array(py, values.rgb, [frames.len(), rows, columns, 3])?.unbind(),
+            depth_m: array(py, values.depth_m, shape)?.unbind(),
+            id: array(py, values.id, shape)?.unbind(),
             frames,
             exposure: Arc::clone(exposure),
             linear: values.linear,
-            size,
-            rgb: array4(py, values.rgb, [count, rows, columns, 3])?.unbind(),
-            depth_m: array3(py, values.depth_m, [count, rows, columns])?.unbind(),
-            id: array3(py, values.id, [count, rows, columns])?.unbind(),
+            shape,
         })
     }
 }
 
 #[pymethods]
 impl FrameClip {
-    /// Name of the camera.
-    #[getter]
-    fn view(&self) -> &str {
-        &self.view
-    }
-
-    /// Canonical frames, in the order of the arrays.
-    #[getter]
-    fn frames(&self) -> Vec<u32> {
-        self.frames.clone()
-    }
-
-    /// Linear, scene-referred light: float32 (T, H, W, 3), red, green, blue.
-    #[getter]
-    fn rgb<'py>(&self, py: Python<'py>) -> Array4<'py, f32> {
-        self.rgb.bind(py).clone()
-    }
-
-    /// Planar depth (camera z) at the pixel centre, metres: float32 (T, H, W); +inf where nothing is hit.
-    #[getter]
-    fn depth_m<'py>(&self, py: Python<'py>) -> Array3<'py, f32> {
-        self.depth_m.bind(py).clone()
-    }
-
-    /// Instance at the pixel centre: uint32 (T, H, W); 0 where nothing is annotated.
-    #[getter]
-    fn id<'py>(&self, py: Python<'py>) -> Array3<'py, u32> {
-        self.id.bind(py).clone()
-    }
-
     /// What a screen shows: uint8 (T, H, W, 3), `clamp(sRGB_OETF(exposure * rgb))`.
-    fn display<'py>(&self, py: Python<'py>) -> Result<Array4<'py, u8>> {
-        let bytes = py.detach(|| self.exposure.bytes(&self.linear));
-        array4(py, bytes, [self.frames.len(), self.size[0], self.size[1], 3])
+    fn display<'py>(&self, py: Python<'py>) -> Result<Array<'py, u8, 4>> {
+        let [count, rows, columns] = self.shape;
+        array(py, py.detach(|| self.exposure.bytes(&self.linear)), [count, rows, columns, 3])
     }
 
     fn __len__(&self) -> usize {
@@ -201,14 +165,7 @@ impl FrameClip {
     }
 
     fn __repr__(&self) -> String {
-        let [rows, columns] = self.size;
-        format!("FrameClip('{}', {} frames, {columns}x{rows})", self.view, self.frames.len())
+        let [count, rows, columns] = self.shape;
+        format!("FrameClip('{}', {count} frames, {columns}x{rows})", self.view)
     }
-}
-
-/// The light of a picture with 32 bits a channel.
-pub(crate) fn wide(linear: &[[f16; 3]]) -> Vec<f32> {
-    let mut rgb = vec![0.0; linear.len() * 3];
-    linear.as_flattened().convert_to_f32_slice(&mut rgb);
-    rgb
 }

@@ -2,66 +2,46 @@
 
 use std::path::PathBuf;
 
-use l4d_data::{self as data, Report, Severity};
+use l4d_data::{self as data, Report};
 use l4d_score::baseline::write_baseline as write;
 use l4d_score::results::MEGABYTE;
-use l4d_score::{Baseline, Missing, Options, check_results, score_results};
+use l4d_score::{Baseline, Options, check_results, score_results};
 use pyo3::prelude::*;
 
 use crate::benchmark::Benchmark;
-use crate::error::{Failure, Result, unknown};
-use crate::query::json_to_python;
+use crate::error::{Failure, Result, choice, unknown};
+use crate::query::{json_to_python, word};
 
 /// One problem that a check found, with a stable code (docs/findings.md).
-#[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
-pub(crate) struct Finding(data::Finding);
+#[pyclass(frozen, get_all, module = "l4d")]
+pub(crate) struct Finding {
+    /// `L4D` and three digits.
+    code: &'static str,
+    /// `"error"` or `"warning"`.
+    severity: String,
+    /// File or folder.
+    path: String,
+    /// Field, line, view, frame or entry inside it.
+    place: String,
+    /// What is wrong.
+    message: String,
+    /// What to do.
+    hint: String,
+}
+
+impl From<data::Finding> for Finding {
+    fn from(found: data::Finding) -> Self {
+        let data::Finding { code, severity, path, location, message, hint, .. } = found;
+        Self { code, severity: word(&severity), path, place: location, message, hint }
+    }
+}
 
 #[pymethods]
 impl Finding {
-    /// `L4D` and three digits.
-    #[getter]
-    fn code(&self) -> &'static str {
-        self.0.code
-    }
-
-    /// `"error"` or `"warning"`.
-    #[getter]
-    fn severity(&self) -> &'static str {
-        match self.0.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-        }
-    }
-
-    /// File or folder.
-    #[getter]
-    fn path(&self) -> &str {
-        &self.0.path
-    }
-
-    /// Field, line, view, frame or entry inside it.
-    #[getter]
-    fn place(&self) -> &str {
-        &self.0.location
-    }
-
-    /// What is wrong.
-    #[getter]
-    fn message(&self) -> &str {
-        &self.0.message
-    }
-
-    /// What to do.
-    #[getter]
-    fn hint(&self) -> &str {
-        &self.0.hint
-    }
-
     fn __repr__(&self) -> String {
-        let data::Finding { path, location, code, message, hint, .. } = &self.0;
-        let place = if location.is_empty() { String::new() } else { format!(": {location}") };
-        format!("{path}{place}: {}[{code}]: {message} (hint: {hint})", self.severity())
+        let Self { code, severity, path, place, message, hint } = self;
+        let place = if place.is_empty() { String::new() } else { format!(": {place}") };
+        format!("{path}{place}: {severity}[{code}]: {message} (hint: {hint})")
     }
 }
 
@@ -87,12 +67,7 @@ pub(crate) fn score<'py>(
     scores: Option<PathBuf>,
     max_megabytes: u64,
 ) -> Result<Bound<'py, PyAny>> {
-    let missing = match missing {
-        "error" => Missing::Error,
-        "zero" => Missing::Zero,
-        "skip" => Missing::Skip,
-        other => return Err(unknown("missing", other, &["error", "zero", "skip"])),
-    };
+    let missing = choice("missing", missing, &["error", "zero", "skip"])?;
     if !(0.0..1.0).contains(&hit_iou) {
         let message = format!("{hit_iou} is no threshold");
         return Err(Failure::argument("hit_iou", message, "give a number from 0 to below 1"));
@@ -131,7 +106,7 @@ pub(crate) fn check(
         check_results(&results, &exam, &mut report)?;
         Ok::<_, Failure>(report)
     })?;
-    Ok(report.into_sorted().into_iter().map(Finding).collect())
+    Ok(report.into_sorted().into_iter().map(Finding::from).collect())
 }
 
 /// Writes the results of a baseline to `<results>/<name>/` and gives that folder: what `l4d baseline` does.

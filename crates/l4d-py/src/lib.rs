@@ -11,11 +11,9 @@ mod capture;
 mod clips;
 mod error;
 mod frame;
-mod instance;
 mod judge;
 mod query;
 mod results;
-mod rle;
 mod scene;
 mod splats;
 mod timeline;
@@ -32,33 +30,21 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::benchmark::Benchmark;
-    #[pymodule_export]
-    use super::camera::Camera;
-    #[pymodule_export]
-    use super::capture::Capture;
-    #[pymodule_export]
-    use super::clips::Clips;
-    #[pymodule_export]
-    use super::frame::{Frame, FrameClip};
-    #[pymodule_export]
-    use super::instance::{Event, Instance};
-    #[pymodule_export]
-    use super::judge::{Finding, check, score, write_baseline};
-    #[pymodule_export]
-    use super::query::Query;
-    #[pymodule_export]
-    use super::results::ResultsWriter;
-    #[pymodule_export]
-    use super::rle::{rle_decode, rle_encode};
-    #[pymodule_export]
-    use super::scene::Scene;
-    #[pymodule_export]
-    use super::splats::{Picture, PictureClip, Splats};
-    #[pymodule_export]
-    use super::timeline::Timeline;
-    #[pymodule_export]
-    use super::truth::Truth;
+    use super::{
+        arrays::{rle_decode, rle_encode},
+        benchmark::Benchmark,
+        camera::Camera,
+        capture::Capture,
+        clips::Clips,
+        frame::{Frame, FrameClip},
+        judge::{Finding, check, score, write_baseline},
+        query::{Event, Instance, Query},
+        results::ResultsWriter,
+        scene::Scene,
+        splats::{Picture, PictureClip, Splats},
+        timeline::Timeline,
+        truth::Truth,
+    };
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]

@@ -12,15 +12,16 @@ use l4d_data::store::remove_folder;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, QueryId, json};
 use l4d_masks::Mask;
-use l4d_score::results::PROTOCOL;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
-use crate::arrays::{bools, mask_from, shape_of, wrong_shape};
+use crate::arrays::{bools, mask_from, shape_of};
 use crate::benchmark::{Asked, Benchmark};
 use crate::error::{Failure, Result, name};
 use crate::query::{Query, query_id};
+
+const OTHER_FOLDER: &str = "choose another folder, or replace what is there with overwrite=True";
 
 /// Writes results of a method, which the last part of `path` names: `method.json` and `masks/<scene>/<nnn>.json`.
 ///
@@ -29,7 +30,6 @@ use crate::query::{Query, query_id};
 /// held-out view, `depth` that it learned from rendered depth of the training views, itself or through a model (such results
 /// are ranked in a track of their own), `endpoints` which model servers it asked. `overwrite` removes what is there.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct ResultsWriter {
     dir: ResultsDir,
     card: MethodCard,
@@ -54,23 +54,12 @@ impl ResultsWriter {
     ) -> Result<Self> {
         let Benchmark { bench, profile } = benchmark.get();
         let folder = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let profile = *profile;
+        let used = Used { ground_truth, test_view, depth, endpoints: endpoints.unwrap_or_default() };
+        let digest = bench.truth_digest(*profile)?;
         let card = MethodCard {
-            name: name("path", folder)?,
-            version,
             link: link.to_owned(),
-            benchmark_version: bench.manifest.version.clone(),
-            truth_digest: bench.truth_digest(profile)?,
-            profile,
-            width: profile.width(),
-            height: profile.height(),
-            frames: profile.frames().collect(),
-            protocol: PROTOCOL.to_owned(),
-            used: Used { ground_truth, test_view, depth, endpoints: endpoints.unwrap_or_default() },
-            baseline: false,
-            seconds: None,
-            reported: BTreeMap::new(),
-            import: None,
+            used,
+            ..MethodCard::new(name("path", folder)?, version, &bench.manifest.version, digest, *profile)
         };
         let dir = ResultsDir::new(path);
         claim(&dir, &card, overwrite)?;
@@ -106,7 +95,7 @@ impl ResultsWriter {
             });
             Ok::<_, Failure>(())
         })?;
-        Ok(queries.into_iter().map(Query).collect())
+        Ok(queries.into_iter().map(Query::from).collect())
     }
 
     /// Writes the answer to a query (or to the query of that id).
@@ -126,7 +115,7 @@ impl ResultsWriter {
                 let mask = mask.as_ref().filter(|mask| !mask.is_empty());
                 (frame_key(*frame), mask.map(Mask::to_rle))
             };
-            let (width, height) = asked.size;
+            let [width, height] = asked.size;
             let file = MaskFile { size: [height, width], frames: masks.par_iter().map(answer).collect() };
             json::write_compact(&self.dir.mask_file(&query.id), &file)
         })?;
@@ -154,7 +143,7 @@ impl ResultsWriter {
         file.is_ok_and(|file| {
             let needs_none = |frame: &u32| asked.unannotated.binary_search(frame).is_ok();
             let is_answered = |frame: &u32| file.frames.contains_key(&frame_key(*frame)) || needs_none(frame);
-            file.size == [asked.size.1, asked.size.0] && asked.clip.iter().all(is_answered)
+            file.size == [asked.size[1], asked.size[0]] && asked.clip.iter().all(is_answered)
         })
     }
 }
@@ -174,43 +163,30 @@ fn claim(dir: &ResultsDir, card: &MethodCard, overwrite: bool) -> Result<()> {
                 &path,
                 format!("field `{field}`"),
                 "is another one: the folder holds results of another run",
-                "choose another folder, or replace what is there with overwrite=True",
+                OTHER_FOLDER,
             )
             .into()),
         };
     }
     if dir.masks().exists() {
-        let remedy = "choose another folder, or replace what is there with overwrite=True";
-        return Err(Failure::file(dir.root(), "holds masks, and no method.json says of what", remedy));
+        return Err(Failure::file(dir.root(), "holds masks, and no method.json says of what", OTHER_FOLDER));
     }
     Ok(json::write(&path, card)?)
 }
 
-/// The first field in which two cards differ.
-fn difference(before: &MethodCard, now: &MethodCard) -> Option<&'static str> {
-    let fields = [
-        ("version", before.version == now.version),
-        ("link", before.link == now.link),
-        ("benchmark_version", before.benchmark_version == now.benchmark_version),
-        ("profile", before.profile == now.profile),
-        ("truth_digest", before.truth_digest == now.truth_digest),
-        ("used", before.used == now.used),
-        ("import", before.import == now.import),
-        ("protocol", before == now),
-    ];
-    fields.into_iter().find(|(_, is_same)| !is_same).map(|(field, _)| field)
+/// The first field in which two cards differ; the profile before all that follows from it.
+fn difference(before: &MethodCard, now: &MethodCard) -> Option<String> {
+    let [before, now] = [before, now].map(|card| serde_json::to_value(card).unwrap_or_default());
+    let fields = [&before, &now].into_iter().filter_map(|card| card.as_object()).flat_map(|card| card.keys());
+    let mut fields = std::iter::once("profile").chain(fields.map(String::as_str));
+    fields.find(|field| before.get(field) != now.get(field)).map(str::to_owned)
 }
 
 /// One mask a frame, from an array over the whole clip.
 fn masks_of_clip(masks: &Bound<'_, PyAny>, asked: &Asked) -> Result<Vec<(u32, Option<Mask>)>> {
-    let pixels = bools("masks", masks)?;
-    let array = pixels.as_array();
-    let (width, height) = asked.size;
-    let [rows, columns] = shape_of(width, height);
-    let expected = [asked.clip.len(), rows, columns];
-    if array.shape() != expected {
-        return Err(wrong_shape("masks", array.shape(), &expected));
-    }
+    let [rows, columns] = shape_of(asked.size);
+    let pixels = bools("masks", masks, &[asked.clip.len(), rows, columns])?;
+    let (array, [width, height]) = (pixels.as_array(), asked.size);
     let mask = |at: usize| Mask::from_fn(width, height, |col, row| array[[at, row as usize, col as usize]]);
     Ok(asked.clip.iter().enumerate().map(|(at, &frame)| (frame, Some(mask(at)))).collect())
 }

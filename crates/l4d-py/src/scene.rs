@@ -14,19 +14,45 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::error::{Failure, Result, unknown};
-use crate::frame::{ClipValues, Exposure, Frame, FrameClip, wide};
-use crate::instance::{Event, Instance};
+use crate::frame::{Exposure, Frame, FrameClip, Values};
+use crate::query::{Event, Instance};
 use crate::timeline::Timeline;
 
 /// A rendered scene: a folder with `scene.json` and `frames/` that `l4d build-scenes` made.
 ///
 /// Pictures are read when they are asked for; nothing is kept in memory.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Scene {
+    /// Scene name.
+    #[pyo3(get)]
+    name: String,
+    /// `"outdoor"`, `"room"` or `"tabletop"`.
+    #[pyo3(get)]
+    scale: &'static str,
+    /// Which permutation of looks, roles, layout and cameras; 0 is the benchmark.
+    #[pyo3(get)]
+    variant: u32,
+    /// Seed of everything random in its recipe; 0 is the benchmark.
+    #[pyo3(get)]
+    seed: u64,
+    /// How much was rendered: `"tiny"`, `"small"` or `"full"`.
+    #[pyo3(get)]
+    profile: &'static str,
+    /// Columns of its pictures, pixels.
+    #[pyo3(get)]
+    width: u32,
+    /// Rows of its pictures, pixels.
+    #[pyo3(get)]
+    height: u32,
+    /// Factor on linear light before it is shown.
+    #[pyo3(get)]
+    exposure: f64,
+    /// Canonical numbers of its frames, ascending.
+    #[pyo3(get)]
+    frames: Vec<u32>,
     dir: SceneDir,
     scene: data::Scene,
-    exposure: Arc<Exposure>,
+    display: Arc<Exposure>,
 }
 
 #[pymethods]
@@ -35,70 +61,25 @@ impl Scene {
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self> {
         let (Some(parent), Some(folder)) = (path.parent(), path.file_name().and_then(|name| name.to_str()))
         else {
-            return Err(Failure::file(
-                &path,
-                "has no name",
-                "give the folder of a scene, data/<profile>/<scene>",
-            ));
+            let remedy = "give the folder of a scene, data/<profile>/<scene>";
+            return Err(Failure::file(&path, "has no name", remedy));
         };
         let dir = SceneDir::new(parent, folder);
         let scene = py.detach(|| data::Scene::read(&dir.scene()))?;
-        let exposure = Exposure::new(scene.exposure);
-        Ok(Self { dir, scene, exposure })
-    }
-
-    /// Scene name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.scene.name
-    }
-
-    /// `"outdoor"`, `"room"` or `"tabletop"`.
-    #[getter]
-    fn scale(&self) -> &'static str {
-        self.scene.scale.as_str()
-    }
-
-    /// Which permutation of looks, roles, layout and cameras; 0 is the benchmark.
-    #[getter]
-    fn variant(&self) -> u32 {
-        self.scene.variant
-    }
-
-    /// Seed of everything random in its recipe; 0 is the benchmark.
-    #[getter]
-    fn seed(&self) -> u64 {
-        self.scene.seed
-    }
-
-    /// How much was rendered: `"tiny"`, `"small"` or `"full"`.
-    #[getter]
-    fn profile(&self) -> &'static str {
-        self.scene.profile.as_str()
-    }
-
-    /// Columns of its pictures, pixels.
-    #[getter]
-    fn width(&self) -> u32 {
-        self.scene.width
-    }
-
-    /// Rows of its pictures, pixels.
-    #[getter]
-    fn height(&self) -> u32 {
-        self.scene.height
-    }
-
-    /// Factor on linear light before it is shown.
-    #[getter]
-    fn exposure(&self) -> f64 {
-        self.scene.exposure
-    }
-
-    /// Canonical numbers of its frames, ascending.
-    #[getter]
-    fn frames(&self) -> Vec<u32> {
-        self.scene.profile.frames().collect()
+        Ok(Self {
+            name: scene.name.to_string(),
+            scale: scene.scale.as_str(),
+            variant: scene.variant,
+            seed: scene.seed,
+            profile: scene.profile.as_str(),
+            width: scene.width,
+            height: scene.height,
+            exposure: scene.exposure,
+            frames: scene.profile.frames().collect(),
+            display: Exposure::new(scene.exposure),
+            dir,
+            scene,
+        })
     }
 
     /// When its frames are.
@@ -110,28 +91,24 @@ impl Scene {
     /// All views, sorted by name; exactly one is held out.
     #[getter]
     fn cameras(&self) -> Vec<Camera> {
-        self.scene.cameras.iter().map(|camera| self.seen_by(camera)).collect()
+        Camera::all(&self.scene.cameras, self.size())
     }
 
     /// The views that a method may train on.
     #[getter]
     fn training_cameras(&self) -> Vec<Camera> {
-        let training = self.scene.cameras.iter().filter(|camera| camera.split == Split::Train);
-        training.map(|camera| self.seen_by(camera)).collect()
+        Camera::of_split(&self.scene.cameras, Split::Train, self.size())
     }
 
     /// The held-out view. Methods may use its pose, never its pictures.
     #[getter]
-    fn test_camera(&self) -> Result<Camera> {
-        let camera = self.scene.test_camera().ok_or_else(|| {
-            Failure::file(&self.dir.scene(), "has no view that is held out", "build the scene again")
-        })?;
-        Ok(self.seen_by(camera))
+    fn test_camera(&self) -> Option<Camera> {
+        Camera::of_split(&self.scene.cameras, Split::Test, self.size()).pop()
     }
 
     /// The view of that name.
     fn camera(&self, name: &str) -> Result<Camera> {
-        Ok(self.seen_by(self.find(name)?))
+        Camera::find(&self.scene.cameras, name, self.size())
     }
 
     /// All annotated things, sorted by id.
@@ -154,67 +131,50 @@ impl Scene {
 
     /// What a view sees at a canonical frame.
     fn frame(&self, py: Python<'_>, view: &str, frame: u32) -> Result<Frame> {
-        let view = &self.find(view)?.name;
-        self.check_frames(&[frame])?;
+        self.check(view, &[frame])?;
         let path = self.dir.frame(view, frame);
-        let (seen, rgb) = py.detach(|| {
-            let seen = read_frame(&path, self.size())?;
-            let rgb = wide(&seen.rgb);
-            Ok::<_, FrameError>((seen, rgb))
-        })?;
-        Frame::new(py, view, frame, seen, rgb, &self.exposure)
+        let size = UVec2::from_array(self.size());
+        let values = py.detach(|| read_frame(&path, size).map(Values::from))?;
+        Frame::new(py, view, frame, self.size(), values, &self.display)
     }
 
     /// What a view sees at canonical frames (all of the profile by default), read by all threads.
     #[pyo3(signature = (view, frames = None))]
     fn clip(&self, py: Python<'_>, view: &str, frames: Option<Vec<u32>>) -> Result<FrameClip> {
-        let view = &self.find(view)?.name;
-        let frames = frames.unwrap_or_else(|| self.scene.profile.frames().collect());
-        self.check_frames(&frames)?;
+        let frames = frames.unwrap_or_else(|| self.frames.clone());
+        self.check(view, &frames)?;
         let values = py.detach(|| self.read_clip(view, &frames))?;
-        FrameClip::new(py, view, frames, values, &self.exposure)
+        FrameClip::new(py, view, frames, self.size(), values, &self.display)
     }
 
     fn __repr__(&self) -> String {
-        let views = self.scene.cameras.len();
-        format!(
-            "Scene('{}', {}, {views} views, {} frames)",
-            self.scene.name,
-            self.scene.profile,
-            self.frames().len()
-        )
+        let Self { name, profile, frames, .. } = self;
+        format!("Scene('{name}', {profile}, {} views, {} frames)", self.scene.cameras.len(), frames.len())
     }
 }
 
 impl Scene {
-    fn size(&self) -> UVec2 {
-        UVec2::new(self.scene.width, self.scene.height)
+    fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
     }
 
-    fn seen_by(&self, camera: &data::Camera) -> Camera {
-        Camera::new(camera, [self.scene.width, self.scene.height])
-    }
-
-    fn find(&self, view: &str) -> Result<&data::Camera> {
-        let known: Vec<&str> = self.scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-        self.scene.camera(view).ok_or_else(|| unknown("view", view, &known))
-    }
-
-    fn check_frames(&self, frames: &[u32]) -> Result<()> {
+    /// Refuses views and frames that were not rendered.
+    fn check(&self, view: &str, frames: &[u32]) -> Result<()> {
+        self.camera(view)?;
         let stride = self.scene.profile.stride();
-        let is_rendered = |frame: u32| self.scene.profile.frames().any(|rendered| rendered == frame);
-        match frames.iter().find(|frame| !is_rendered(**frame)) {
+        match frames.iter().find(|frame| !self.frames.contains(frame)) {
             None => Ok(()),
             Some(frame) => Err(Failure::argument(
                 "frame",
-                format!("{frame} is not rendered in profile {}", self.scene.profile),
+                format!("{frame} is not rendered in profile {}", self.profile),
                 format!("give 0, {stride}, {}, ... 96 (`Scene.frames`)", 2 * stride),
             )),
         }
     }
 
-    fn read_clip(&self, view: &str, frames: &[u32]) -> std::result::Result<ClipValues, FrameError> {
-        let pixels = self.scene.width as usize * self.scene.height as usize;
+    fn read_clip(&self, view: &str, frames: &[u32]) -> std::result::Result<Values, FrameError> {
+        let size = UVec2::from_array(self.size());
+        let pixels = size.element_product() as usize;
         let mut linear = vec![f16::ZERO; 3 * pixels * frames.len()];
         let mut rgb = vec![0.0_f32; linear.len()];
         let mut depth_m = vec![0.0_f32; pixels * frames.len()];
@@ -225,13 +185,13 @@ impl Scene {
             .zip(depth_m.par_chunks_exact_mut(pixels))
             .zip(id.par_chunks_exact_mut(pixels));
         places.zip(frames).try_for_each(|((((linear, rgb), depth_m), id), &frame)| {
-            let seen = read_frame(&self.dir.frame(view, frame), self.size())?;
+            let seen = read_frame(&self.dir.frame(view, frame), size)?;
             linear.copy_from_slice(seen.rgb.as_flattened());
-            seen.rgb.as_flattened().convert_to_f32_slice(rgb);
+            linear.convert_to_f32_slice(rgb);
             depth_m.copy_from_slice(&seen.surfaces.depth_m);
             id.copy_from_slice(&seen.surfaces.id);
             Ok(())
         })?;
-        Ok(ClipValues { size: [self.scene.width, self.scene.height], linear, rgb, depth_m, id })
+        Ok(Values { linear, rgb, depth_m, id })
     }
 }

@@ -10,20 +10,41 @@ use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, Drawing, RasterSettings};
 use l4d_splat::source::Source;
 use l4d_splat::view::View;
-use numpy::{Ix2, Ix3, Ix4, PyArray, PyArrayMethods as _};
+use numpy::PyArrayMethods as _;
 use pyo3::prelude::*;
+use serde::Deserialize;
 
-use crate::arrays::{Array2, Array3, Array4, array2, array3, array4, shape_of};
+use crate::arrays::{Array, Kept, array, shape_of};
 use crate::camera::Camera;
-use crate::error::{Failure, Result, unknown};
+use crate::error::{Failure, Result, choice};
 use crate::timeline::check_frame;
 
 /// A model on disk: a checkpoint folder of `l4d train-splats`, a model folder of 4DGaussians, or a PLY of 3D Gaussians.
 ///
 /// Drawn on the processor. Colours are display colours, as those that it was trained on.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Splats {
+    /// Who wrote it: `"l4d"`, `"4dgaussians"` or `"ply"`.
+    #[pyo3(get)]
+    family: String,
+    /// Scene that it was trained on, or None where it does not say so.
+    #[pyo3(get)]
+    scene: Option<String>,
+    /// Profile of the pictures that it was trained on, or None where it does not say so.
+    #[pyo3(get)]
+    profile: Option<&'static str>,
+    /// How many Gaussians there are.
+    #[pyo3(get)]
+    gaussian_count: usize,
+    /// How many of them go through the deformation field.
+    #[pyo3(get)]
+    dynamic_count: usize,
+    /// Whether it learned from rendered depth of the training views, or None where it does not say so.
+    #[pyo3(get)]
+    saw_depth: Option<bool>,
+    /// What was ignored or assumed when it was read, a sentence each.
+    #[pyo3(get)]
+    notes: Vec<String>,
     source: Source,
 }
 
@@ -31,49 +52,17 @@ pub(crate) struct Splats {
 impl Splats {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self> {
-        Ok(Self { source: py.detach(|| Source::open(&path))? })
-    }
-
-    /// Who wrote it: `"l4d"`, `"4dgaussians"` or `"ply"`.
-    #[getter]
-    fn family(&self) -> String {
-        self.source.family.to_string()
-    }
-
-    /// Scene that it was trained on, or None where it does not say so.
-    #[getter]
-    fn scene(&self) -> Option<&str> {
-        self.source.scene.as_deref()
-    }
-
-    /// Profile of the pictures that it was trained on, or None where it does not say so.
-    #[getter]
-    fn profile(&self) -> Option<&'static str> {
-        self.source.profile.map(Profile::as_str)
-    }
-
-    /// How many Gaussians there are.
-    #[getter]
-    fn gaussian_count(&self) -> usize {
-        self.source.model.gaussians.len()
-    }
-
-    /// How many of them go through the deformation field.
-    #[getter]
-    fn dynamic_count(&self) -> usize {
-        self.source.model.dynamic.len()
-    }
-
-    /// Whether it learned from rendered depth of the training views, or None where it does not say so.
-    #[getter]
-    fn saw_depth(&self) -> Option<bool> {
-        self.source.saw_depth
-    }
-
-    /// What was ignored or assumed when it was read, a sentence each.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.source.notes.clone()
+        let source = py.detach(|| Source::open(&path))?;
+        Ok(Self {
+            family: source.family.to_string(),
+            scene: source.scene.as_ref().map(|scene| scene.to_string()),
+            profile: source.profile.map(Profile::as_str),
+            gaussian_count: source.model.gaussians.len(),
+            dynamic_count: source.model.dynamic.len(),
+            saw_depth: source.saw_depth,
+            notes: source.notes.clone(),
+            source,
+        })
     }
 
     /// What a camera sees at a canonical frame, or at a time from 0 to 1 (one of the two; a camera that moves has poses at
@@ -103,11 +92,8 @@ impl Splats {
             }
             _ => {
                 let message = "frame and time: exactly one is needed";
-                return Err(Failure::argument(
-                    "frame",
-                    message,
-                    "give a canonical frame, or a time from 0 to 1",
-                ));
+                let remedy = "give a canonical frame, or a time from 0 to 1";
+                return Err(Failure::argument("frame", message, remedy));
             }
         };
         let depth = Depth::parse(depth)?;
@@ -136,8 +122,8 @@ impl Splats {
     }
 
     fn __repr__(&self) -> String {
-        let (all, moving) = (self.gaussian_count(), self.dynamic_count());
-        format!("Splats({}, {all} Gaussians, {moving} of them dynamic)", self.source.family)
+        let Self { family, gaussian_count, dynamic_count, .. } = self;
+        format!("Splats({family}, {gaussian_count} Gaussians, {dynamic_count} of them dynamic)")
     }
 }
 
@@ -174,7 +160,8 @@ impl Splats {
 }
 
 /// Which depth a pixel has.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
 enum Depth {
     Median,
     Expected,
@@ -183,12 +170,7 @@ enum Depth {
 
 impl Depth {
     fn parse(text: &str) -> Result<Self> {
-        match text {
-            "median" => Ok(Self::Median),
-            "expected" => Ok(Self::Expected),
-            "sum" => Ok(Self::Sum),
-            other => Err(unknown("depth", other, &["median", "expected", "sum"])),
-        }
+        choice("depth", text, &["median", "expected", "sum"])
     }
 
     fn of(self, drawing: &mut Drawing) -> Vec<f32> {
@@ -242,54 +224,39 @@ fn bytes(rgb: &[f32], [width, height]: [u32; 2]) -> Vec<u8> {
 
 /// What a model shows a camera.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Picture {
+    /// Display colour over the background, not clamped: float32 (H, W, 3), 0 to 1.
+    #[pyo3(get)]
+    rgb: Kept<f32, 3>,
+    /// Planar depth (camera z), metres: float32 (H, W); +inf where there is none.
+    #[pyo3(get)]
+    depth_m: Kept<f32, 2>,
+    /// How much of a pixel the splats fill: float32 (H, W), 0 to 1; None where the pictures do not say.
+    #[pyo3(get)]
+    alpha: Option<Kept<f32, 2>>,
     size: [u32; 2],
-    rgb: Py<PyArray<f32, Ix3>>,
-    depth_m: Py<PyArray<f32, Ix2>>,
-    alpha: Option<Py<PyArray<f32, Ix2>>>,
 }
 
 impl Picture {
     fn new(py: Python<'_>, values: Values, size: [u32; 2]) -> Result<Self> {
-        let Values { rgb, depth_m, alpha } = values;
-        let [rows, columns] = shape_of(size[0], size[1]);
+        let shape @ [rows, columns] = shape_of(size);
+        let alpha = values.alpha.map(|alpha| array(py, alpha, shape)).transpose()?;
         Ok(Self {
+            rgb: array(py, values.rgb, [rows, columns, 3])?.unbind(),
+            depth_m: array(py, values.depth_m, shape)?.unbind(),
+            alpha: alpha.map(Bound::unbind),
             size,
-            rgb: array3(py, rgb, [rows, columns, 3])?.unbind(),
-            depth_m: array2(py, depth_m, [rows, columns])?.unbind(),
-            alpha: alpha
-                .map(|alpha| Ok::<_, Failure>(array2(py, alpha, [rows, columns])?.unbind()))
-                .transpose()?,
         })
     }
 }
 
 #[pymethods]
 impl Picture {
-    /// Display colour over the background, not clamped: float32 (H, W, 3), 0 to 1.
-    #[getter]
-    fn rgb<'py>(&self, py: Python<'py>) -> Array3<'py, f32> {
-        self.rgb.bind(py).clone()
-    }
-
-    /// Planar depth (camera z), metres: float32 (H, W); +inf where there is none.
-    #[getter]
-    fn depth_m<'py>(&self, py: Python<'py>) -> Array2<'py, f32> {
-        self.depth_m.bind(py).clone()
-    }
-
-    /// How much of a pixel the splats fill: float32 (H, W), 0 to 1; None where the pictures do not say.
-    #[getter]
-    fn alpha<'py>(&self, py: Python<'py>) -> Option<Array2<'py, f32>> {
-        Some(self.alpha.as_ref()?.bind(py).clone())
-    }
-
     /// What a screen shows: uint8 (H, W, 3).
-    fn display<'py>(&self, py: Python<'py>) -> Result<Array3<'py, u8>> {
-        let [rows, columns] = shape_of(self.size[0], self.size[1]);
+    fn display<'py>(&self, py: Python<'py>) -> Result<Array<'py, u8, 3>> {
+        let [rows, columns] = shape_of(self.size);
         let rgb = self.rgb.bind(py).to_vec().map_err(PyErr::from)?;
-        array3(py, py.detach(|| bytes(&rgb, self.size)), [rows, columns, 3])
+        array(py, py.detach(|| bytes(&rgb, self.size)), [rows, columns, 3])
     }
 
     fn __repr__(&self) -> String {
@@ -299,62 +266,44 @@ impl Picture {
 
 /// What a model shows a camera, one frame after another.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct PictureClip {
-    size: [u32; 2],
+    /// Canonical frames, in the order of the arrays.
+    #[pyo3(get)]
     frames: Vec<u32>,
-    rgb: Py<PyArray<f32, Ix4>>,
-    depth_m: Py<PyArray<f32, Ix3>>,
-    alpha: Option<Py<PyArray<f32, Ix3>>>,
+    /// Display colour over the background, not clamped: float32 (T, H, W, 3), 0 to 1.
+    #[pyo3(get)]
+    rgb: Kept<f32, 4>,
+    /// Planar depth (camera z), metres: float32 (T, H, W); +inf where there is none.
+    #[pyo3(get)]
+    depth_m: Kept<f32, 3>,
+    /// How much of a pixel the splats fill: float32 (T, H, W), 0 to 1; None where the pictures do not say.
+    #[pyo3(get)]
+    alpha: Option<Kept<f32, 3>>,
+    size: [u32; 2],
 }
 
 impl PictureClip {
     pub(crate) fn new(py: Python<'_>, values: Values, frames: Vec<u32>, size: [u32; 2]) -> Result<Self> {
-        let Values { rgb, depth_m, alpha } = values;
-        let (count, [rows, columns]) = (frames.len(), shape_of(size[0], size[1]));
+        let [rows, columns] = shape_of(size);
+        let shape = [frames.len(), rows, columns];
+        let alpha = values.alpha.map(|alpha| array(py, alpha, shape)).transpose()?;
         Ok(Self {
-            size,
+            rgb: array(py, values.rgb, [frames.len(), rows, columns, 3])?.unbind(),
+            depth_m: array(py, values.depth_m, shape)?.unbind(),
+            alpha: alpha.map(Bound::unbind),
             frames,
-            rgb: array4(py, rgb, [count, rows, columns, 3])?.unbind(),
-            depth_m: array3(py, depth_m, [count, rows, columns])?.unbind(),
-            alpha: alpha
-                .map(|alpha| Ok::<_, Failure>(array3(py, alpha, [count, rows, columns])?.unbind()))
-                .transpose()?,
+            size,
         })
     }
 }
 
 #[pymethods]
 impl PictureClip {
-    /// Canonical frames, in the order of the arrays.
-    #[getter]
-    fn frames(&self) -> Vec<u32> {
-        self.frames.clone()
-    }
-
-    /// Display colour over the background, not clamped: float32 (T, H, W, 3), 0 to 1.
-    #[getter]
-    fn rgb<'py>(&self, py: Python<'py>) -> Array4<'py, f32> {
-        self.rgb.bind(py).clone()
-    }
-
-    /// Planar depth (camera z), metres: float32 (T, H, W); +inf where there is none.
-    #[getter]
-    fn depth_m<'py>(&self, py: Python<'py>) -> Array3<'py, f32> {
-        self.depth_m.bind(py).clone()
-    }
-
-    /// How much of a pixel the splats fill: float32 (T, H, W), 0 to 1; None where the pictures do not say.
-    #[getter]
-    fn alpha<'py>(&self, py: Python<'py>) -> Option<Array3<'py, f32>> {
-        Some(self.alpha.as_ref()?.bind(py).clone())
-    }
-
     /// What a screen shows: uint8 (T, H, W, 3).
-    fn display<'py>(&self, py: Python<'py>) -> Result<Array4<'py, u8>> {
-        let [rows, columns] = shape_of(self.size[0], self.size[1]);
+    fn display<'py>(&self, py: Python<'py>) -> Result<Array<'py, u8, 4>> {
+        let [rows, columns] = shape_of(self.size);
         let rgb = self.rgb.bind(py).to_vec().map_err(PyErr::from)?;
-        array4(py, py.detach(|| bytes(&rgb, self.size)), [self.frames.len(), rows, columns, 3])
+        array(py, py.detach(|| bytes(&rgb, self.size)), [self.frames.len(), rows, columns, 3])
     }
 
     fn __len__(&self) -> usize {

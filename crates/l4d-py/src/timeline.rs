@@ -10,20 +10,33 @@ use crate::error::{Failure, Result};
 ///
 /// A profile (`"tiny"`, `"small"` or `"full"`) renders every `stride`-th of them and keeps their numbers, so that file
 /// names, intervals, masks and results of all profiles speak the same numbers.
-#[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
+#[pyclass(frozen, get_all, module = "l4d")]
 pub(crate) struct Timeline {
-    profile: Profile,
+    /// Name of the profile.
+    profile: &'static str,
+    /// Canonical numbers of the rendered frames, ascending.
+    frames: Vec<u32>,
+    /// Every how many canonical frames one is rendered.
+    stride: u32,
+    /// Canonical frames of the whole clip: 97.
+    frame_count: u32,
+    /// Canonical frames a second: 24.
+    fps: f64,
 }
 
 impl Timeline {
     /// Refuses captures, which have timelines of their own.
     pub(crate) fn of(profile: Profile) -> Result<Self> {
-        if profile.is_rendered() {
-            return Ok(Self { profile });
+        if !profile.is_rendered() {
+            let remedy = "ask the benchmark for the frames of a scene: `Benchmark.clip`";
+            return Err(Failure::argument(
+                "profile",
+                "captures have a timeline each, not that of a profile",
+                remedy,
+            ));
         }
-        let remedy = "ask the benchmark for the frames of a scene: `Benchmark.clip`";
-        Err(Failure::argument("profile", "captures have a timeline each, not that of a profile", remedy))
+        let (profile, frames, stride) = (profile.as_str(), profile.frames().collect(), profile.stride());
+        Ok(Self { profile, frames, stride, frame_count: FRAME_COUNT, fps: FPS })
     }
 }
 
@@ -32,36 +45,6 @@ impl Timeline {
     #[new]
     fn new(profile: &str) -> Result<Self> {
         Self::of(parse_profile(profile)?)
-    }
-
-    /// Name of the profile.
-    #[getter]
-    fn profile(&self) -> &'static str {
-        self.profile.as_str()
-    }
-
-    /// Canonical numbers of the rendered frames, ascending.
-    #[getter]
-    fn frames(&self) -> Vec<u32> {
-        self.profile.frames().collect()
-    }
-
-    /// Every how many canonical frames one is rendered.
-    #[getter]
-    fn stride(&self) -> u32 {
-        self.profile.stride()
-    }
-
-    /// Canonical frames of the whole clip: 97.
-    #[getter]
-    fn frame_count(&self) -> u32 {
-        FRAME_COUNT
-    }
-
-    /// Canonical frames a second: 24.
-    #[getter]
-    fn fps(&self) -> f64 {
-        FPS
     }
 
     /// Seconds from the start of the clip to a canonical frame.
@@ -75,8 +58,7 @@ impl Timeline {
     }
 
     fn __repr__(&self) -> String {
-        let count = self.profile.frames().count();
-        format!("Timeline('{}': {count} frames, every {})", self.profile, self.profile.stride())
+        format!("Timeline('{}': {} frames, every {})", self.profile, self.frames.len(), self.stride)
     }
 }
 

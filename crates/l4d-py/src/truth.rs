@@ -1,17 +1,16 @@
 //! What the held-out view of a scene shows, as arrays of bools.
 
 use l4d_data::{self as data, Name};
-use l4d_score::truth::SceneTruth;
+use l4d_score::truth::{SceneTruth, TruthMask};
 use pyo3::prelude::*;
 
-use crate::arrays::{Array2, Array3, array2, array3, shape_of};
+use crate::arrays::{Array, array, shape_of};
 use crate::benchmark::Benchmark;
 use crate::error::{Failure, Result, unknown};
 use crate::query::query_id;
 
 /// The truth of one scene at one profile.
 #[pyclass(frozen, module = "l4d")]
-#[derive(Debug)]
 pub(crate) struct Truth {
     truth: SceneTruth,
     queries: Vec<data::Query>,
@@ -46,21 +45,23 @@ impl Truth {
     }
 
     fn target(&self, query: &data::Query, referents: &[usize], position: usize) -> Vec<bool> {
-        let target = self.truth.target(query, referents, position);
-        target.map_or_else(|| self.nothing(), |target| target.mask().to_bools())
+        self.pixels(self.truth.target(query, referents, position).as_deref())
     }
 
-    fn nothing(&self) -> Vec<bool> {
-        vec![false; self.truth.width as usize * self.truth.height as usize]
+    /// The pixels of a mask; none without one.
+    fn pixels(&self, mask: Option<&TruthMask>) -> Vec<bool> {
+        let nothing = || vec![false; self.shape().iter().product()];
+        mask.map_or_else(nothing, |mask| mask.mask().to_bools())
     }
 
     fn shape(&self) -> [usize; 2] {
-        shape_of(self.truth.width, self.truth.height)
+        shape_of([self.truth.width, self.truth.height])
     }
 
-    fn clip_shape(&self) -> [usize; 3] {
+    /// An array over all frames.
+    fn clip<'py>(&self, py: Python<'py>, pixels: Vec<bool>) -> Result<Array<'py, bool, 3>> {
         let [rows, columns] = self.shape();
-        [self.truth.frames.len(), rows, columns]
+        array(py, pixels, [self.truth.frames.len(), rows, columns])
     }
 }
 
@@ -85,36 +86,33 @@ impl Truth {
     }
 
     /// What a query asks to find at a frame: bool (H, W). No pixel where it does not hold or nothing is visible.
-    fn mask<'py>(&self, py: Python<'py>, query: &Bound<'py, PyAny>, frame: u32) -> Result<Array2<'py, bool>> {
+    fn mask<'py>(
+        &self,
+        py: Python<'py>,
+        query: &Bound<'py, PyAny>,
+        frame: u32,
+    ) -> Result<Array<'py, bool, 2>> {
         let (query, referents) = self.referents(query)?;
-        array2(py, self.target(query, &referents, self.position(frame)?), self.shape())
+        array(py, self.target(query, &referents, self.position(frame)?), self.shape())
     }
 
     /// What a query asks to find in the whole clip: bool (T, H, W), in the order of `frames`.
-    fn masks<'py>(&self, py: Python<'py>, query: &Bound<'py, PyAny>) -> Result<Array3<'py, bool>> {
+    fn masks<'py>(&self, py: Python<'py>, query: &Bound<'py, PyAny>) -> Result<Array<'py, bool, 3>> {
         let (query, referents) = self.referents(query)?;
         let positions = 0..self.truth.frames.len();
-        let pixels = positions.flat_map(|position| self.target(query, &referents, position)).collect();
-        array3(py, pixels, self.clip_shape())
+        let masks = positions.flat_map(|position| self.target(query, &referents, position));
+        self.clip(py, masks.collect())
     }
 
     /// Where an annotated thing is visible in the whole clip: bool (T, H, W), in the order of `frames`.
-    fn instance_masks<'py>(&self, py: Python<'py>, name: &str) -> Result<Array3<'py, bool>> {
+    fn instance_masks<'py>(&self, py: Python<'py>, name: &str) -> Result<Array<'py, bool, 3>> {
         let found = self.truth.instances.iter().find(|instance| instance.name.as_str() == name);
         let instance = found.ok_or_else(|| unknown("instance", name, &self.instances()))?;
-        let mask = |mask: &Option<l4d_score::truth::TruthMask>| {
-            mask.as_ref().map_or_else(|| self.nothing(), |mask| mask.mask().to_bools())
-        };
-        array3(py, instance.masks.iter().flat_map(mask).collect(), self.clip_shape())
+        self.clip(py, instance.masks.iter().flat_map(|mask| self.pixels(mask.as_ref())).collect())
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "Truth('{}', {} frames, {}x{})",
-            self.truth.scene,
-            self.truth.frames.len(),
-            self.truth.width,
-            self.truth.height
-        )
+        let SceneTruth { scene, frames, width, height, .. } = &self.truth;
+        format!("Truth('{scene}', {} frames, {width}x{height})", frames.len())
     }
 }

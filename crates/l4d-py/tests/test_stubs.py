@@ -82,7 +82,7 @@ def test_classes_have_what_the_stub_says(name: str) -> None:
             continue
         real = vars(cls)[member]
         assert real.__doc__, f"{name}.{member} says nothing of itself"
-        assert inspect.isgetsetdescriptor(real) == is_property(node), member
+        assert inspect.isdatadescriptor(real) == is_property(node), member
         if not is_property(node):
             assert real_signature(real) == stub_signature(node), member
 

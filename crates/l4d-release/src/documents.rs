@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::contents::{Contents, slug};
 use crate::gather::Gathered;
 use crate::tables::Table;
-use crate::words::{KEYWORDS, Statuses};
+use crate::words::KEYWORDS;
 
 /// Name in a release, template.
 const TEMPLATES: [(&str, &str); 3] = [
@@ -50,7 +50,7 @@ impl Documents {
             let sum = groups.entry(group).or_default();
             *sum = (sum.0 + bytes, sum.1 + files, sum.2 + 1);
         }
-        let statuses = Statuses::of(queries());
+        let statuses = gathered.statuses();
         Self(json!({
             "name": contents.name,
             "folder": contents.folder(),
@@ -143,7 +143,7 @@ fn size(bytes: u64) -> String {
 
 /// Two sentences that say what it is.
 pub(crate) fn summary(contents: &Contents, gathered: &Gathered) -> String {
-    let statuses = Statuses::of(gathered.scenes.iter().flat_map(|scene| &scene.queries));
+    let statuses = gathered.statuses();
     let verified = match statuses.verified {
         0 => "none of which people have verified".to_owned(),
         all if all == statuses.judged() => "all verified by people".to_owned(),

@@ -8,13 +8,14 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use l4d_data::digest::sha256_file;
 use l4d_data::store::{list_folder, make_folder, remove_folder, write_atomic};
 use l4d_data::{Benchmark, DataError, Profile, Report, json, sums};
 use rayon::prelude::*;
 
 use crate::contents::{Contents, FILE, Publication, SUMS};
 use crate::documents::Documents;
-use crate::gather::{Gathered, Source, gather};
+use crate::gather::{Gathered, Source, gather, size_of};
 use crate::inspect::digest_all;
 use crate::renders::{self, Renders};
 use crate::version::{self, Change, changes};
@@ -179,16 +180,10 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
     }
     let sizes = plan.archives.iter().map(|archive| {
         let path = staging.join(&archive.path);
-        let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();
-        Ok((archive.path.as_str(), bytes, archive.files.len()))
+        Ok((archive.path.as_str(), size_of(&path)?, archive.files.len()))
     });
-    let documents = Documents::new(
-        &plan.contents,
-        &plan.gathered,
-        &words,
-        &tables,
-        sizes.collect::<Result<_, DataError>>()?,
-    );
+    let sizes = sizes.collect::<Result<_, DataError>>()?;
+    let documents = Documents::new(&plan.contents, &plan.gathered, &words, &tables, sizes);
     for (name, text) in documents.render()? {
         write_atomic(&staging.join(name), text.as_bytes())?;
     }
@@ -200,13 +195,9 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
     // Neither lists itself; both may be there from a run that was killed at the very end.
     files.remove(croissant::FILE);
     files.remove(SUMS);
-    json::write(
-        &staging.join(croissant::FILE),
-        &croissant::document(&plan.contents, &plan.gathered, &words, &tables, &files),
-    )?;
     let path = staging.join(croissant::FILE);
-    let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();
-    files.insert(croissant::FILE.to_owned(), (l4d_data::digest::sha256_file(&path)?, bytes));
+    json::write(&path, &croissant::document(&plan.contents, &plan.gathered, &words, &tables, &files))?;
+    files.insert(croissant::FILE.to_owned(), (sha256_file(&path)?, size_of(&path)?));
     let listed: BTreeMap<String, String> =
         files.iter().map(|(file, (digest, _))| (file.clone(), digest.clone())).collect();
     write_atomic(&staging.join(SUMS), sums::to_text(&listed).as_bytes())?;

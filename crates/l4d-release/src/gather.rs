@@ -13,6 +13,7 @@ use l4d_data::truth::Truth;
 use l4d_data::{Benchmark, DataError, Name, Profile, Report};
 
 use crate::codes;
+use crate::words::Statuses;
 
 /// A file that goes into a release.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,9 +43,14 @@ impl Source {
     /// # Errors
     /// If it cannot be found.
     pub fn with_digest(name: String, path: PathBuf, sha256: String) -> Result<Self, DataError> {
-        let metadata = std::fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?;
-        Ok(Self { name, path, sha256, bytes: metadata.len() })
+        let bytes = size_of(&path)?;
+        Ok(Self { name, path, sha256, bytes })
     }
+}
+
+/// Bytes of a file.
+pub(crate) fn size_of(path: &Path) -> Result<u64, DataError> {
+    std::fs::metadata(path).map(|file| file.len()).map_err(|source| DataError::io(path, "read", source))
 }
 
 /// One scene of the benchmark.
@@ -85,6 +91,11 @@ impl Gathered {
     /// All files.
     pub fn all_files(&self) -> impl Iterator<Item = &Source> {
         self.files.iter().chain(self.scenes.iter().flat_map(|scene| &scene.files))
+    }
+
+    /// How many scored queries have which status.
+    pub(crate) fn statuses(&self) -> Statuses {
+        Statuses::of(self.scenes.iter().flat_map(|scene| &scene.queries))
     }
 }
 

@@ -119,23 +119,10 @@ impl Hosted<'_> {
     /// A sound submission that finds nothing anywhere: the format by example.
     fn example(&self, track: Track) -> Result<Files, DataError> {
         let name = Name::new("absent-everywhere").map_err(|error| unwritable("method.json", &error))?;
-        let card = MethodCard {
-            name,
-            version: "1".to_owned(),
-            link: String::new(),
-            benchmark_version: self.gathered.manifest.version.clone(),
-            truth_digest: self.truth_digest.to_owned(),
-            profile: self.profile,
-            width: self.profile.width(),
-            height: self.profile.height(),
-            frames: self.profile.frames().collect(),
-            protocol: "l4d".to_owned(),
-            used: Used { depth: track == Track::ColourDepth, ..Used::default() },
-            baseline: false,
-            seconds: None,
-            reported: BTreeMap::new(),
-            import: None,
-        };
+        let version = &self.gathered.manifest.version;
+        let used = Used { depth: track == Track::ColourDepth, ..Used::default() };
+        let card =
+            MethodCard { used, ..MethodCard::new(name, "1", version, self.truth_digest, self.profile) };
         let mut files = Files::from([("method.json".to_owned(), pretty("method.json", &card)?)]);
         for (scene, truth) in self.scenes() {
             let asked = |query: &&Query| query.status != Status::Rejected;

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::codes;
 use crate::contents::{Contents, SUMS};
+use crate::gather::size_of;
 
 const FETCH: &str = "fetch the file again";
 
@@ -17,15 +18,9 @@ const FETCH: &str = "fetch the file again";
 /// bytes.
 pub fn inspect(release: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Report) -> Option<Contents> {
     let path = release.join(SUMS);
-    let listed = match sums::read(&path) {
-        Ok(listed) => listed,
-        Err(error) => {
-            report.data_error(codes::LIST, &error);
-            return None;
-        }
-    };
-    let there = match files_below(release, report) {
-        Ok(there) => there,
+    let read = sums::read(&path).and_then(|listed| Ok((listed, files_below(release, report)?)));
+    let (listed, there) = match read {
+        Ok(read) => read,
         Err(error) => {
             report.data_error(codes::LIST, &error);
             return None;
@@ -36,13 +31,8 @@ pub fn inspect(release: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Rep
         report.error(codes::EXTRA, &release.join(file), "file", "is not listed in SHA256SUMS", hint);
     }
     for file in listed.keys().filter(|file| !there.contains(*file)) {
-        report.error(
-            codes::MISSING,
-            &release.join(file),
-            "file",
-            "is listed in SHA256SUMS, but missing",
-            FETCH,
-        );
+        let message = "is listed in SHA256SUMS, but missing";
+        report.error(codes::MISSING, &release.join(file), "file", message, FETCH);
     }
     let present: Vec<(&String, &String)> = listed.iter().filter(|(file, _)| there.contains(*file)).collect();
     let compared: Vec<Report> = present
@@ -81,12 +71,11 @@ pub(crate) fn files_below(root: &Path, report: &mut Report) -> Result<BTreeSet<S
     let mut folders = vec![PathBuf::new()];
     while let Some(folder) = folders.pop() {
         let here = root.join(&folder);
-        let entries =
-            fs::read_dir(&here).map_err(|source| DataError::io(&here, "list the folder", source))?;
-        for entry in entries {
-            let entry = entry.map_err(|source| DataError::io(&here, "list the folder", source))?;
+        let refuse = |source| DataError::io(&here, "list the folder", source);
+        for entry in fs::read_dir(&here).map_err(refuse)? {
+            let entry = entry.map_err(refuse)?;
             let relative = folder.join(entry.file_name());
-            let kind = entry.file_type().map_err(|source| DataError::io(&here, "list the folder", source))?;
+            let kind = entry.file_type().map_err(refuse)?;
             if kind.is_dir() {
                 folders.push(relative);
             } else if kind.is_file() {
@@ -109,7 +98,7 @@ pub(crate) fn digest_all(
     let digest = |file: String| {
         let path = root.join(&file);
         let sha256 = sha256_file(&path)?;
-        let bytes = fs::metadata(&path).map_err(|source| DataError::io(&path, "read", source))?.len();
+        let bytes = size_of(&path)?;
         progress(bytes);
         Ok((file, (sha256, bytes)))
     };

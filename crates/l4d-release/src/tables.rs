@@ -9,7 +9,7 @@ use l4d_data::query::Query;
 use l4d_data::scene::Role;
 use l4d_data::timeline::FPS;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Profile, Split, json};
+use l4d_data::{Name, Profile, Split, json};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -194,33 +194,26 @@ pub(crate) struct InstanceFacts {
 
 impl SceneFacts {
     pub(crate) fn instances(&self) -> Vec<InstanceFacts> {
-        match (&self.tracks, self.truths.values().next()) {
-            (Some(tracks), _) => tracks
-                .instances
-                .iter()
-                .map(|instance| InstanceFacts {
-                    number: instance.id,
-                    name: instance.name.to_string(),
-                    role: instance.role,
-                    category: instance.category.clone(),
-                    attributes: json!(instance.attributes),
-                    front: instance.front.clone().unwrap_or_default(),
-                })
-                .collect(),
-            (None, Some(truth)) => truth
-                .instances
-                .iter()
-                .map(|instance| InstanceFacts {
-                    number: instance.id,
-                    name: instance.name.to_string(),
-                    role: instance.role,
-                    category: instance.category.clone(),
-                    attributes: json!({}),
-                    front: String::new(),
-                })
-                .collect(),
-            (None, None) => Vec::new(),
-        }
+        let facts = |number, name: &Name, role, category: &str| InstanceFacts {
+            number,
+            name: name.to_string(),
+            role,
+            category: category.to_owned(),
+            attributes: json!({}),
+            front: String::new(),
+        };
+        let of_truth = |truth: &Truth| {
+            truth.instances.iter().map(|one| facts(one.id, &one.name, one.role, &one.category)).collect()
+        };
+        let Some(tracks) = &self.tracks else {
+            return self.truths.values().next().map(of_truth).unwrap_or_default();
+        };
+        let of_tracks = tracks.instances.iter().map(|one| InstanceFacts {
+            attributes: json!(one.attributes),
+            front: one.front.clone().unwrap_or_default(),
+            ..facts(one.id, &one.name, one.role, &one.category)
+        });
+        of_tracks.collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! What changed since a release, and which version that asks for: major = changed answers, minor = additions,
 //! patch = everything else.
 
-use std::fmt;
+use std::collections::{BTreeMap, BTreeSet};
 
 use l4d_data::{Report, Status};
 use semver::Version;
@@ -11,8 +11,9 @@ use crate::codes;
 use crate::contents::{Contents, SceneContents};
 
 /// How far a version has to go up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, strum::Display)]
 #[serde(rename_all = "lowercase")]
+#[strum(serialize_all = "lowercase")]
 pub enum Step {
     /// No answer changed and nothing was added.
     Patch,
@@ -33,16 +34,6 @@ impl Step {
     }
 }
 
-impl fmt::Display for Step {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Patch => "patch",
-            Self::Minor => "minor",
-            Self::Major => "major",
-        })
-    }
-}
-
 /// One thing that changed.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Change {
@@ -56,14 +47,12 @@ pub struct Change {
 pub fn changes(before: &Contents, now: &Contents) -> Vec<Change> {
     let mut found = Vec::new();
     let mut add = |step: Step, what: String| found.push(Change { step, what });
-    for (name, old) in &before.scenes {
-        match now.scenes.get(name) {
-            None => add(Step::Major, format!("scene {name} was removed")),
-            Some(new) => compare_scene(name, old, new, &mut add),
+    for (name, pair) in paired(&before.scenes, &now.scenes) {
+        match pair {
+            (Some(old), Some(new)) => compare_scene(name, old, new, &mut add),
+            (Some(_), None) => add(Step::Major, format!("scene {name} was removed")),
+            (None, _) => add(Step::Minor, format!("scene {name} was added")),
         }
-    }
-    for name in now.scenes.keys().filter(|name| !before.scenes.contains_key(*name)) {
-        add(Step::Minor, format!("scene {name} was added"));
     }
     let renders = |contents: &Contents| contents.renders.as_ref().map(|renders| renders.profile);
     match (renders(before), renders(now)) {
@@ -102,38 +91,41 @@ fn compare_scene(name: &str, old: &SceneContents, new: &SceneContents, add: &mut
     if old.world != new.world {
         add(Step::Major, format!("{name}: tracks, events or cameras changed"));
     }
-    for (profile, digest) in &old.truth {
-        match new.truth.get(profile) {
-            None => add(Step::Major, format!("{name}: truth of profile {profile} was removed")),
-            Some(other) if other != digest => {
-                add(Step::Major, format!("{name}: truth of profile {profile} changed"));
-            }
-            Some(_) => {}
+    for (profile, pair) in paired(&old.truth, &new.truth) {
+        let truth = format!("{name}: truth of profile {profile}");
+        match pair {
+            (Some(old), Some(new)) if old == new => {}
+            (Some(_), Some(_)) => add(Step::Major, format!("{truth} changed")),
+            (Some(_), None) => add(Step::Major, format!("{truth} was removed")),
+            (None, _) => add(Step::Minor, format!("{truth} was added")),
         }
     }
-    for profile in new.truth.keys().filter(|profile| !old.truth.contains_key(profile)) {
-        add(Step::Minor, format!("{name}: truth of profile {profile} was added"));
-    }
-    let (before, now) = (old.judged(), new.judged());
-    for (id, query) in &before {
-        match now.get(id) {
-            None => add(Step::Major, format!("query {id} is judged no longer")),
-            Some(other) if other.meaning != query.meaning => {
+    for (id, pair) in paired(&old.judged(), &new.judged()) {
+        match pair {
+            (Some(old), Some(new)) if old.meaning != new.meaning => {
                 add(Step::Major, format!("query {id} asks something else"));
             }
-            Some(other) if other.status != query.status => {
-                let what = match other.status {
+            (Some(old), Some(new)) if old.status != new.status => {
+                let what = match new.status {
                     Status::Verified => "was verified by people",
                     _ => "is no longer verified",
                 };
                 add(Step::Patch, format!("query {id} {what}"));
             }
-            Some(_) => {}
+            (Some(_), Some(_)) => {}
+            (Some(_), None) => add(Step::Major, format!("query {id} is judged no longer")),
+            (None, _) => add(Step::Minor, format!("query {id} was added")),
         }
     }
-    for id in now.keys().filter(|id| !before.contains_key(*id)) {
-        add(Step::Minor, format!("query {id} was added"));
-    }
+}
+
+/// What each key of two maps stands for in them.
+fn paired<'a, K: Ord, V>(
+    before: &'a BTreeMap<K, V>,
+    now: &'a BTreeMap<K, V>,
+) -> impl Iterator<Item = (&'a K, (Option<&'a V>, Option<&'a V>))> {
+    let keys: BTreeSet<&K> = before.keys().chain(now.keys()).collect();
+    keys.into_iter().map(|key| (key, (before.get(key), now.get(key))))
 }
 
 /// Reports a version that is none, or that does not say what changed since `before`.
@@ -183,40 +175,27 @@ pub(crate) fn check(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contents::{Publication, QueryContents, RenderContents, SCHEMA};
-    use std::collections::BTreeMap;
+    use crate::contents::{QueryContents, RenderContents, SCHEMA};
     use std::path::Path;
 
     use l4d_data::{Name, Profile, QueryId};
+    use serde_json::json;
 
     fn contents(version: &str) -> Contents {
-        let query = |meaning: &str, status| QueryContents { meaning: meaning.to_owned(), status };
-        let id = |text: &str| text.parse::<QueryId>().unwrap();
-        let scene = SceneContents {
-            world: Some("w".to_owned()),
-            truth: BTreeMap::from([(Profile::Tiny, "t".to_owned())]),
-            queries: BTreeMap::from([
-                (id("a/001"), query("one", Status::Candidate)),
-                (id("a/002"), query("two", Status::Rejected)),
-            ]),
-            composites: BTreeMap::new(),
-            absents: BTreeMap::from([(id("a/901"), query("none", Status::Candidate))]),
-        };
-        Contents {
-            schema: SCHEMA.to_owned(),
-            name: "P".to_owned(),
-            version: version.to_owned(),
-            licence: "CC0-1.0".to_owned(),
-            publication: Publication {
-                date: "2026-11-22".parse().unwrap(),
-                url: "https://example.org".to_owned(),
-                creators: vec!["A".to_owned()],
-            },
-            scenes: BTreeMap::from([(Name::new("a").unwrap(), scene)]),
-            rounds: Vec::new(),
-            files: BTreeMap::from([(MANIFEST.to_owned(), "m".to_owned()), ("x".to_owned(), "1".to_owned())]),
-            renders: None,
-        }
+        let query = |meaning: &str, status: &str| json!({ "meaning": meaning, "status": status });
+        serde_json::from_value(json!({
+            "schema": SCHEMA, "name": "P", "version": version, "licence": "CC0-1.0",
+            "publication": { "date": "2026-11-22", "url": "https://example.org", "creators": ["A"] },
+            "scenes": { "a": {
+                "world": "w",
+                "truth": { "tiny": "t" },
+                "queries": { "a/001": query("one", "candidate"), "a/002": query("two", "rejected") },
+                "composites": {},
+                "absents": { "a/901": query("none", "candidate") },
+            } },
+            "rounds": [], "files": { (MANIFEST): "m", "x": "1" }, "renders": null,
+        }))
+        .unwrap()
     }
 
     fn scene(contents: &mut Contents) -> &mut SceneContents {

@@ -51,7 +51,7 @@ impl Statuses {
 /// Field of Croissant's vocabulary for responsible AI -> sentences about a release.
 pub(crate) fn of(contents: &Contents, gathered: &Gathered) -> Result<Value, DataError> {
     const FILE: &str = "words.json";
-    let statuses = Statuses::of(gathered.scenes.iter().flat_map(|scene| &scene.queries));
+    let statuses = gathered.statuses();
     let captures = gathered.scenes.iter().filter(|scene| scene.tracks.is_none()).count();
     let lacking = |profile: &Profile| !gathered.profiles.contains(profile);
     let annotators: BTreeSet<usize> = contents.rounds.iter().map(|round| round.annotators).collect();

@@ -118,36 +118,8 @@ fn to_metrics((ratios, queries): Averaged) -> Metrics {
 
 #[cfg(test)]
 mod tests {
-    use l4d_data::QueryId;
-
     use super::*;
-    use crate::counts::{FrameCount, State};
-    use crate::metrics::{Options, QueryFacts};
-
-    /// A query of a scene with one row per (intersection, union, truth); predicted follows.
-    fn tally(id: &str, category: Category, scale: Scale, rows: &[(u64, u64, u64)]) -> QueryTally {
-        let id: QueryId = id.parse().unwrap();
-        let facts = QueryFacts {
-            id: id.clone(),
-            categories: vec![category],
-            scale,
-            referents: vec![Name::new("a").unwrap()],
-            verified: false,
-        };
-        let count = |(frame, &(intersection, union, truth)): (usize, &(u64, u64, u64))| FrameCount {
-            query: id.clone(),
-            frame: frame as u32,
-            state: State::Hit,
-            intersection,
-            union,
-            predicted: union + intersection - truth,
-            truth,
-            instance: (intersection > 0).then(|| Name::new("a").unwrap()),
-            instance_overlap: intersection,
-        };
-        let counts: Vec<FrameCount> = rows.iter().enumerate().map(count).collect();
-        QueryTally::of(facts, &counts, &Options::default())
-    }
+    use crate::metrics::made_up as tally;
 
     #[test]
     fn the_four_averages_weigh_as_they_say() {

@@ -1,11 +1,10 @@
 //! Baselines that bracket the scale: made from the truth and a seed, to show what the metrics can and cannot tell
 //! apart.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use l4d_data::digest::sha256_hex;
+use l4d_data::digest::sha256;
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{MaskFile, MethodCard, Used};
 use l4d_data::scene::Role;
@@ -20,12 +19,12 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 use crate::exam::Exam;
-use crate::results::PROTOCOL;
 use crate::truth::SceneTruth;
 
 /// A way to answer every query without looking at a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, strum::IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Baseline {
     /// The truth itself.
     Oracle,
@@ -55,14 +54,7 @@ impl Baseline {
 
     /// Name of the baseline and of its folder.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Oracle => "oracle",
-            Self::None => "none",
-            Self::All => "all",
-            Self::TimeAgnostic => "time-agnostic",
-            Self::RandomLookAlike => "random-look-alike",
-            Self::LookAlikeUnion => "look-alike-union",
-        }
+        self.into()
     }
 
     /// Whether a name is that of a baseline. No method may compete under it: cards of versions before the field
@@ -99,7 +91,7 @@ pub fn write_baseline(
 ) -> Result<Written, DataError> {
     let dir = ResultsDir::new(results.join(baseline.as_str()));
     let card = card(baseline, exam);
-    let card_bytes = pretty(&card);
+    let card_bytes = line(serde_json::to_string_pretty(&card));
     let is_current = is_current(&dir.card(), &card_bytes, force)?;
     if !is_current && dir.card().exists() {
         // Until the last mask is written, the folder must not look like results of either kind.
@@ -112,7 +104,7 @@ pub fn write_baseline(
             let referents = truth.referents(query, &scene.queries_path)?;
             let file = answer(baseline, &truth, query, &referents, &scene.clip, seed);
             let path = dir.mask_file(&query.id);
-            write_unless_current(&path, &compact(&file), force)
+            write_unless_current(&path, &line(serde_json::to_string(&file)), force)
         };
         let states = scene.queries.par_iter().map(write).collect::<Result<Vec<bool>, DataError>>()?;
         let new = states.iter().filter(|is_new| **is_new).count();
@@ -126,25 +118,11 @@ pub fn write_baseline(
 }
 
 fn card(baseline: Baseline, exam: &Exam) -> MethodCard {
-    let (width, height) = exam.size();
     let name = Name::new(baseline.as_str()).expect("names of baselines are names");
-    MethodCard {
-        name,
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        link: String::new(),
-        benchmark_version: exam.bench.manifest.version.clone(),
-        truth_digest: exam.truth_digest.clone(),
-        profile: exam.profile,
-        width,
-        height,
-        frames: exam.clip.clone(),
-        protocol: PROTOCOL.to_owned(),
-        used: Used { ground_truth: baseline.uses_truth(), ..Used::default() },
-        baseline: true,
-        seconds: None,
-        reported: BTreeMap::new(),
-        import: None,
-    }
+    let (version, used) =
+        (&exam.bench.manifest.version, Used { ground_truth: baseline.uses_truth(), ..Used::default() });
+    let card = MethodCard::new(name, env!("CARGO_PKG_VERSION"), version, &exam.truth_digest, exam.profile);
+    MethodCard { used, baseline: true, ..card }
 }
 
 fn answer(
@@ -189,23 +167,11 @@ fn look_alikes(truth: &SceneTruth, referents: &[usize]) -> Vec<usize> {
 
 /// A generator of the query's own, so that no choice depends on the order or number of the others.
 fn random_of(seed: u64, query: &Query) -> ChaCha8Rng {
-    let digest = sha256_hex(format!("{seed}/{}", query.id).as_bytes());
-    let mut key = [0; 32];
-    for (byte, hex) in key.iter_mut().zip(digest.as_bytes().chunks_exact(2)) {
-        let digit = |character: u8| (character as char).to_digit(16).unwrap_or_default() as u8;
-        *byte = 16 * digit(hex[0]) + digit(hex[1]);
-    }
-    ChaCha8Rng::from_seed(key)
+    ChaCha8Rng::from_seed(sha256(format!("{seed}/{}", query.id).as_bytes()))
 }
 
-fn pretty(card: &MethodCard) -> Vec<u8> {
-    let text = serde_json::to_string_pretty(card).expect("a card of strings and numbers serialises");
-    (text + "\n").into_bytes()
-}
-
-fn compact(file: &MaskFile) -> Vec<u8> {
-    let text = serde_json::to_string(file).expect("masks of strings serialise");
-    (text + "\n").into_bytes()
+fn line(text: serde_json::Result<String>) -> Vec<u8> {
+    (text.expect("strings and numbers serialise") + "\n").into_bytes()
 }
 
 /// Whether the file is there with these bytes; other bytes are an error unless they may be replaced.
@@ -216,12 +182,8 @@ fn is_current(path: &Path, bytes: &[u8], force: bool) -> Result<bool, DataError>
     let is_same = read_bounded(path, bytes.len() as u64).is_ok_and(|found| found == bytes);
     if !is_same && !force {
         let message = "is there with other content, perhaps of another seed, profile or version";
-        return Err(DataError::invalid(
-            path,
-            "file",
-            message,
-            "pass --force to replace it, or another --results",
-        ));
+        let remedy = "pass --force to replace it, or another --results";
+        return Err(DataError::invalid(path, "file", message, remedy));
     }
     Ok(is_same)
 }

@@ -287,8 +287,7 @@ mod tests {
     use l4d_data::{Category, Scale};
 
     use super::*;
-    use crate::counts::{FrameCount, State};
-    use crate::metrics::{Options, QueryFacts};
+    use crate::metrics::made_up;
 
     fn names(count: usize) -> Vec<Name> {
         (0..count).map(|index| Name::new(format!("scene{index}")).unwrap()).collect()
@@ -382,26 +381,8 @@ mod tests {
 
     /// A query of a scene with one frame of this IoU; none: its target is never present.
     fn tally(id: &str, percent: Option<u64>) -> QueryTally {
-        let id: QueryId = id.parse().unwrap();
-        let facts = QueryFacts {
-            id: id.clone(),
-            categories: vec![Category::Action],
-            scale: Scale::Room,
-            referents: Vec::new(),
-            verified: false,
-        };
-        let count = FrameCount {
-            query: id,
-            frame: 0,
-            state: State::Hit,
-            intersection: percent.unwrap_or_default(),
-            union: if percent.is_some() { 100 } else { 0 },
-            predicted: percent.unwrap_or_default(),
-            truth: if percent.is_some() { 100 } else { 0 },
-            instance: None,
-            instance_overlap: 0,
-        };
-        QueryTally::of(facts, &[count], &Options::default())
+        let counts = percent.map_or((0, 0, 0), |percent| (percent, 100, 100));
+        made_up(id, Category::Action, Scale::Room, &[counts])
     }
 
     #[test]

@@ -15,8 +15,9 @@ use crate::traits::Traits;
 use crate::truth::SceneTruth;
 
 /// Which sentences are asked. Those that nothing satisfies are none of them: they have no truth to hit.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, strum::IntoStaticStr)]
 #[serde(rename_all = "lowercase")]
+#[strum(serialize_all = "lowercase")]
 pub enum QuerySet {
     /// The queries that count: the only headline.
     #[default]
@@ -28,10 +29,7 @@ pub enum QuerySet {
 impl QuerySet {
     /// Name as written in files.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Queries => "queries",
-            Self::Composites => "composites",
-        }
+        self.into()
     }
 
     fn of_scene(self, bench: &Benchmark, scene: &Name) -> Result<Vec<Query>, DataError> {
@@ -195,13 +193,7 @@ impl Exam {
 }
 
 fn not_asked(bench: &Benchmark, scene: &Name, asked: &[Query]) -> Result<Vec<Name>, DataError> {
-    let mut numbers = Vec::new();
-    for query in
-        [bench.queries(scene)?, bench.composites(scene)?, bench.absents(scene)?].into_iter().flatten()
-    {
-        if asked.iter().all(|other| other.id != query.id) {
-            numbers.push(query.id.number);
-        }
-    }
-    Ok(numbers)
+    let all = [bench.queries(scene)?, bench.composites(scene)?, bench.absents(scene)?].into_iter().flatten();
+    let others = all.filter(|query| asked.iter().all(|other| other.id != query.id));
+    Ok(others.map(|query| query.id.number).collect())
 }

@@ -21,8 +21,11 @@ impl Estimates {
 }
 
 /// What the queries of a group have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, strum::IntoStaticStr,
+)]
+#[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum GroupKind {
     /// Nothing: all of them.
     All,
@@ -33,7 +36,6 @@ pub enum GroupKind {
     /// Scale of the scene.
     Scale,
     /// Scale of the scene and category, as the paper's table of scales has them.
-    #[serde(rename = "scale_category")]
     ScaleCategory,
     /// How the sentence binds time ([`Temporal`]).
     Temporal,
@@ -50,18 +52,7 @@ pub enum GroupKind {
 impl GroupKind {
     /// Name as written in files.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Self::All => "all",
-            Self::Category => "category",
-            Self::Composite => "composite",
-            Self::Scale => "scale",
-            Self::ScaleCategory => "scale_category",
-            Self::Temporal => "temporal",
-            Self::Size => "size",
-            Self::Occlusion => "occlusion",
-            Self::Scene => "scene",
-            Self::Query => "query",
-        }
+        self.into()
     }
 }
 
@@ -136,10 +127,9 @@ fn places(tally: &QueryTally, traits: Option<&Traits>, scenes: &[&Name]) -> Vec<
             Temporal::While => (1, "while"),
         };
         places.push((GroupKind::Temporal, temporal.0, temporal.1.to_owned()));
-        places.extend(traits.size.map(|size| (GroupKind::Size, size as usize, size.as_str().to_owned())));
-        places.extend(
-            traits.occlusion.map(|found| (GroupKind::Occlusion, found as usize, found.as_str().to_owned())),
-        );
+        places.extend(traits.size.map(|size| (GroupKind::Size, size as usize, size.to_string())));
+        places
+            .extend(traits.occlusion.map(|found| (GroupKind::Occlusion, found as usize, found.to_string())));
     }
     places
 }

@@ -44,104 +44,108 @@ impl Answer {
     }
 }
 
-/// One query under judgement: answers come one at a time, in any order, and none is kept.
+/// Compares answers to one query with the truth.
 #[derive(Debug)]
 pub struct QueryJudge<'a> {
     truth: &'a SceneTruth,
     query: &'a Query,
     referents: &'a [usize],
-    clip: &'a [u32],
-    /// One per frame of the clip, none until its answer came.
-    counts: Vec<Option<FrameCount>>,
 }
 
 impl<'a> QueryJudge<'a> {
-    /// Nothing is answered yet. `referents` are positions among the instances of the truth.
-    pub fn new(truth: &'a SceneTruth, query: &'a Query, referents: &'a [usize], clip: &'a [u32]) -> Self {
-        Self { truth, query, referents, clip, counts: vec![None; clip.len()] }
+    /// `referents` are positions among the instances of the truth.
+    pub fn new(truth: &'a SceneTruth, query: &'a Query, referents: &'a [usize]) -> Self {
+        Self { truth, query, referents }
     }
 
-    /// Counts the pixels of an answer to the frame at a position of the clip.
-    pub fn take(&mut self, position: usize, answer: &Answer) {
-        self.counts[position] = Some(self.judge(self.clip[position], answer));
+    /// Counts the pixels of every answer. `answers` holds one per frame of `clip`.
+    pub fn clip(&self, clip: &[u32], answers: &[Answer]) -> Vec<FrameCount> {
+        clip.iter().zip(answers).map(|(&frame, answer)| self.frame(frame, answer)).collect()
     }
 
-    /// One per frame of the clip; those without an answer are missing.
-    pub fn into_counts(mut self) -> Vec<FrameCount> {
-        let counts = std::mem::take(&mut self.counts).into_iter();
-        let judge = |(count, &frame): (Option<FrameCount>, &u32)| {
-            count.unwrap_or_else(|| self.judge(frame, &Answer::Missing))
+    /// Counts the pixels of the answer to a frame.
+    pub fn frame(&self, frame: u32, answer: &Answer) -> FrameCount {
+        let mut count = FrameCount {
+            query: self.query.id.clone(),
+            frame,
+            state: State::NotAnnotated,
+            intersection: 0,
+            union: 0,
+            predicted: 0,
+            truth: 0,
+            instance: None,
+            instance_overlap: 0,
         };
-        counts.zip(self.clip).map(judge).collect()
-    }
-
-    fn judge(&self, frame: u32, answer: &Answer) -> FrameCount {
-        judge_frame(self.truth, self.query, self.referents, frame, answer)
-    }
-}
-
-/// Counts the pixels of every answer. `answers` holds one per frame of `clip`.
-pub fn judge_query(
-    truth: &SceneTruth,
-    query: &Query,
-    referents: &[usize],
-    clip: &[u32],
-    answers: &[Answer],
-) -> Vec<FrameCount> {
-    clip.iter()
-        .zip(answers)
-        .map(|(&frame, answer)| judge_frame(truth, query, referents, frame, answer))
-        .collect()
-}
-
-fn judge_frame(
-    truth: &SceneTruth,
-    query: &Query,
-    referents: &[usize],
-    frame: u32,
-    answer: &Answer,
-) -> FrameCount {
-    let mut count = FrameCount {
-        query: query.id.clone(),
-        frame,
-        state: State::NotAnnotated,
-        intersection: 0,
-        union: 0,
-        predicted: 0,
-        truth: 0,
-        instance: None,
-        instance_overlap: 0,
-    };
-    let Some(position) = truth.position(frame) else { return count };
-    let is_asked = query.asks_at(frame);
-    let overlaps = match (answer, truth.labels(position)) {
-        (Answer::Missing | Answer::Absent, _) => Overlaps::none(truth, referents, position),
-        (Answer::Runs(runs), Some(labels)) => Overlaps::of_runs(truth, referents, position, labels, runs),
-        (answer, _) => {
-            Overlaps::of_mask(truth, referents, position, answer.mask((truth.width, truth.height)).as_deref())
+        let Some(position) = self.truth.position(frame) else { return count };
+        let size = (self.truth.width, self.truth.height);
+        let overlaps = match (answer, self.truth.labels(position)) {
+            (Answer::Missing | Answer::Absent, _) => self.nothing(position),
+            (Answer::Runs(runs), Some(labels)) => self.runs(position, labels, runs),
+            (answer, _) => match answer.mask(size) {
+                Some(mask) => self.pixels(position, &mask),
+                None => self.nothing(position),
+            },
+        };
+        count.predicted = overlaps.predicted;
+        if self.query.asks_at(frame) {
+            (count.truth, count.intersection) = (overlaps.meant, overlaps.intersection);
         }
-    };
-    count.predicted = overlaps.predicted;
-    if is_asked {
-        (count.truth, count.intersection) = (overlaps.meant, overlaps.intersection);
+        if let Some((index, overlap)) = most_overlapped(self.referents, &overlaps.instances) {
+            count.instance = Some(self.truth.instances[index].name.clone());
+            count.instance_overlap = overlap;
+        }
+        count.union = count.predicted + count.truth - count.intersection;
+        count.state = match answer {
+            Answer::Missing => State::Missing,
+            _ if count.truth > 0 && count.intersection > 0 => State::Hit,
+            _ if count.truth > 0 => State::Miss,
+            _ if count.predicted > 0 => State::FalseAlarm,
+            _ => State::TrueAbsent,
+        };
+        count
     }
-    if let Some((index, overlap)) = most_overlapped(referents, &overlaps.instances) {
-        count.instance = Some(truth.instances[index].name.clone());
-        count.instance_overlap = overlap;
+
+    /// Without a prediction.
+    fn nothing(&self, position: usize) -> Overlaps {
+        let meant = match self.truth.labels(position) {
+            Some(_) => self.sum_of_areas(position),
+            None => self.truth.union(self.referents, position).map_or(0, |union| union.area()),
+        };
+        Overlaps { predicted: 0, meant, intersection: 0, instances: Vec::new() }
     }
-    count.union = count.predicted + count.truth - count.intersection;
-    count.state = match answer {
-        Answer::Missing => State::Missing,
-        _ if count.truth > 0 && count.intersection > 0 => State::Hit,
-        _ if count.truth > 0 => State::Miss,
-        _ if count.predicted > 0 => State::FalseAlarm,
-        _ => State::TrueAbsent,
-    };
-    count
+
+    /// The reference: pixel by pixel.
+    fn pixels(&self, position: usize, mask: &Mask) -> Overlaps {
+        let meant = self.truth.union(self.referents, position);
+        let overlap = |instance: &TruthInstance| {
+            instance.masks[position].as_ref().map_or(0, |instance| instance.overlap(mask))
+        };
+        Overlaps {
+            predicted: mask.area(),
+            meant: meant.as_ref().map_or(0, |meant| meant.area()),
+            intersection: meant.map_or(0, |meant| meant.overlap(mask)),
+            instances: self.truth.instances.iter().map(overlap).collect(),
+        }
+    }
+
+    /// The fast path: run by run. Instances are disjoint, so what referents have adds up.
+    fn runs(&self, position: usize, labels: &Labels, runs: &Rle) -> Overlaps {
+        let instances = labels.overlaps(runs);
+        Overlaps {
+            predicted: runs.area(),
+            meant: self.sum_of_areas(position),
+            intersection: self.referents.iter().map(|&referent| instances[referent]).sum(),
+            instances,
+        }
+    }
+
+    fn sum_of_areas(&self, position: usize) -> u64 {
+        let masks = self.referents.iter().map(|&referent| &self.truth.instances[referent].masks[position]);
+        masks.flatten().map(TruthMask::area).sum()
+    }
 }
 
 /// What an answer shares with the instances of a frame, pixels.
-#[derive(Debug, Clone, PartialEq, Eq)]
 struct Overlaps {
     predicted: u64,
     /// What the referents show.
@@ -150,53 +154,6 @@ struct Overlaps {
     intersection: u64,
     /// What is predicted of each instance; empty where nothing is.
     instances: Vec<u64>,
-}
-
-impl Overlaps {
-    fn none(truth: &SceneTruth, referents: &[usize], position: usize) -> Self {
-        let meant = match truth.labels(position) {
-            Some(_) => sum_of_areas(truth, referents, position),
-            None => truth.union(referents, position).map_or(0, |union| union.area()),
-        };
-        Self { predicted: 0, meant, intersection: 0, instances: Vec::new() }
-    }
-
-    /// The reference: pixel by pixel.
-    fn of_mask(truth: &SceneTruth, referents: &[usize], position: usize, mask: Option<&Mask>) -> Self {
-        let Some(mask) = mask else { return Self::none(truth, referents, position) };
-        let meant = truth.union(referents, position);
-        let overlap = |instance: &TruthInstance| {
-            instance.masks[position].as_ref().map_or(0, |instance| instance.overlap(mask))
-        };
-        Self {
-            predicted: mask.area(),
-            meant: meant.as_ref().map_or(0, |meant| meant.area()),
-            intersection: meant.map_or(0, |meant| meant.overlap(mask)),
-            instances: truth.instances.iter().map(overlap).collect(),
-        }
-    }
-
-    /// The fast path: run by run. Instances are disjoint, so what referents have adds up.
-    fn of_runs(
-        truth: &SceneTruth,
-        referents: &[usize],
-        position: usize,
-        labels: &Labels,
-        runs: &Rle,
-    ) -> Self {
-        let instances = labels.overlaps(runs);
-        Self {
-            predicted: runs.area(),
-            meant: sum_of_areas(truth, referents, position),
-            intersection: referents.iter().map(|&referent| instances[referent]).sum(),
-            instances,
-        }
-    }
-}
-
-fn sum_of_areas(truth: &SceneTruth, referents: &[usize], position: usize) -> u64 {
-    let visible = referents.iter().filter_map(|&referent| truth.instances[referent].masks[position].as_ref());
-    visible.map(TruthMask::area).sum()
 }
 
 /// The instance that shares most pixels with a prediction. A referent must be strictly ahead of all others, then
@@ -286,25 +243,10 @@ mod tests {
             let has_shared = are_overlapping && ids.contains(&3);
             prop_assert_eq!(truth.labels(0).is_none(), has_shared);
             let answers = [Answer::Runs(mask.to_rle()), Answer::Pixels(mask)];
-            let judged = answers.map(|answer| judge_query(&truth, &query(holds), &[0, 2], &[0], &[answer]));
+            let query = query(holds);
+            let judge = QueryJudge::new(&truth, &query, &[0, 2]);
+            let judged = answers.map(|answer| judge.frame(0, &answer));
             prop_assert_eq!(&judged[0], &judged[1]);
         }
-    }
-
-    #[test]
-    fn answers_in_any_order_are_counted_as_all_at_once() {
-        let mut truth = truth(2, 2, &[0, 1, 2, 4], false);
-        truth.frames = vec![6];
-        let (query, clip) = (query(true), [0, 6, 12]);
-        let pixels = |bits: [bool; 4]| Answer::Pixels(Mask::from_bools(2, 2, &bits).unwrap());
-        let answers = [pixels([true; 4]), pixels([true, true, false, false]), Answer::Missing];
-        let mut judge = QueryJudge::new(&truth, &query, &[0, 2], &clip);
-        judge.take(1, &answers[1]);
-        judge.take(0, &answers[0]);
-        let counts = judge.into_counts();
-        assert_eq!(counts, judge_query(&truth, &query, &[0, 2], &clip, &answers));
-        let states: Vec<State> = counts.iter().map(|count| count.state).collect();
-        assert_eq!(states, [State::NotAnnotated, State::Hit, State::NotAnnotated]);
-        assert_eq!((counts[1].intersection, counts[1].union), (1, 3));
     }
 }

@@ -11,10 +11,8 @@
 //! The judge sees the truth, the queries and the masks of a method, nothing else: it links no solver, no
 //! importer, no query language and no decoder of renders, and it refuses to rank (that is `l4d-board`).
 
-pub mod answers;
 pub mod averages;
 pub mod baseline;
-pub mod check;
 pub mod cluster;
 pub mod codes;
 pub mod compare;
@@ -26,7 +24,7 @@ pub mod judge;
 pub mod labels;
 pub mod metrics;
 pub mod protocols;
-mod reading;
+pub mod reading;
 pub mod results;
 pub mod score;
 pub mod summary;
@@ -36,7 +34,6 @@ pub mod truth;
 
 pub use averages::{Average, Breakdown};
 pub use baseline::Baseline;
-pub use check::check_results;
 pub use cluster::Estimate;
 pub use compare::{Comparison, Pair, all_pairs, holm};
 pub use counts::{FrameCount, State};
@@ -44,5 +41,5 @@ pub use exam::{Exam, QuerySet};
 pub use groups::{Estimates, Group, GroupKind, groups};
 pub use metrics::{Metric, Metrics, Missing, Options, PerMetric};
 pub use protocols::Protocol;
-pub use score::{Scored, score_results};
+pub use score::{Scored, check_results, score_results};
 pub use summary::Summary;

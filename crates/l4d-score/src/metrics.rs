@@ -197,8 +197,11 @@ pub fn taken<'a>(referents: &[Name], counts: impl IntoIterator<Item = &'a FrameC
 }
 
 /// What is measured; docs/scoring.md defines each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, strum::IntoStaticStr,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Metric {
     /// Mean IoU over the frames in which the target is present. The headline.
     Miou,
@@ -230,15 +233,7 @@ impl Metric {
 
     /// Name in files.
     pub fn key(self) -> &'static str {
-        match self {
-            Self::Miou => "miou",
-            Self::Macc => "macc",
-            Self::Acc25 => "acc25",
-            Self::Acc50 => "acc50",
-            Self::TubeIou => "tube_iou",
-            Self::Select => "select",
-            Self::FalsePositiveRate => "false_positive_rate",
-        }
+        self.into()
     }
 
     /// Title of a column.
@@ -346,4 +341,26 @@ impl Metrics {
 
 pub(crate) fn ratio(part: u64, whole: u64) -> Option<f64> {
     (whole > 0).then(|| part as f64 / whole as f64)
+}
+
+/// A query of a scene with one row per (intersection, union, truth); predicted follows.
+#[cfg(test)]
+pub(crate) fn made_up(id: &str, category: Category, scale: Scale, rows: &[(u64, u64, u64)]) -> QueryTally {
+    let id: QueryId = id.parse().expect("an id");
+    let thing = Name::new("a").expect("a name");
+    let count = |(frame, &(intersection, union, truth)): (usize, &(u64, u64, u64))| FrameCount {
+        query: id.clone(),
+        frame: frame as u32,
+        state: State::Hit,
+        intersection,
+        union,
+        predicted: union + intersection - truth,
+        truth,
+        instance: (intersection > 0).then(|| thing.clone()),
+        instance_overlap: intersection,
+    };
+    let counts: Vec<FrameCount> = rows.iter().enumerate().map(count).collect();
+    let (categories, referents) = (vec![category], vec![thing.clone()]);
+    let facts = QueryFacts { id: id.clone(), categories, scale, referents, verified: false };
+    QueryTally::of(facts, &counts, &Options::default())
 }

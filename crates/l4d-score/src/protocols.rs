@@ -9,35 +9,49 @@
 //! what needs relevancy has a value only where [`Summits`] are given.
 
 mod boundary;
+mod clip;
 mod davis;
 mod four_d_langsplat;
 mod gaussian_grouping;
-mod judged;
 mod langsplat;
 mod mevis;
 mod record;
 mod run;
-mod seen;
 mod sheet;
-
-use std::fmt;
-use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-pub use judged::{Judged, LeftOut, Value};
+use clip::{Clip, Judged};
+
+pub use clip::{LeftOut, Summits};
 pub use record::{Origin, Record};
 pub use run::{Protocolled, judge_answers, judge_results};
-pub use seen::{Clip, Seen, Summits};
-pub use sheet::{Row, Sheet, file_stem, render};
+pub use sheet::{Row, Sheet, render, shared};
 
 /// Whose evaluation is done again.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(into = "&'static str", try_from = "String")]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Serialize,
+    Deserialize,
+    strum::Display,
+    strum::IntoStaticStr,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Protocol {
     /// LangSplat, `eval/evaluate_iou_loc.py`.
+    #[serde(rename = "langsplat")]
+    #[strum(serialize = "langsplat")]
     LangSplat,
     /// 4D LangSplat, `eval/eval.py`.
+    #[serde(rename = "4d-langsplat")]
+    #[strum(serialize = "4d-langsplat")]
     FourDLangSplat,
     /// DAVIS 2017, semi-supervised.
     Davis,
@@ -67,7 +81,7 @@ pub enum OnMissing {
 
 /// How values of queries become a number of a scene, and numbers of scenes one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Averaging {
+enum Averaging {
     /// Every pair of frame and sentence of a scene weighs the same; then every scene.
     PairsThenScenes,
     /// Every sentence of a scene weighs the same; then every scene.
@@ -77,17 +91,20 @@ pub enum Averaging {
 }
 
 /// Everything that tells one protocol from another.
-struct Rules {
-    /// Name in options, files and tables.
-    name: &'static str,
+#[derive(Debug)]
+pub struct Rules {
     /// The evaluation that is done again.
-    source: &'static str,
-    /// What the source reports, in the order of [`Judged::values`].
-    measures: &'static [Measure],
-    on_missing: OnMissing,
+    pub source: &'static str,
+    /// What the source reports.
+    pub measures: &'static [Measure],
+    /// What a frame without an answer does to the source.
+    pub on_missing: OnMissing,
+    /// Whether the source brings predictions of another size to that of the truth.
+    resizes: bool,
     averaging: Averaging,
     /// What one has to know before setting these numbers beside those of a paper.
-    remark: &'static str,
+    pub remark: &'static str,
+    /// The values of one query, in the order of the measures.
     judge: fn(&Clip<'_>) -> Judged,
 }
 
@@ -96,7 +113,8 @@ impl Protocol {
     pub const ALL: [Self; 5] =
         [Self::LangSplat, Self::FourDLangSplat, Self::Davis, Self::Mevis, Self::GaussianGrouping];
 
-    fn rules(self) -> &'static Rules {
+    /// What tells it from the others.
+    pub fn rules(self) -> &'static Rules {
         match self {
             Self::LangSplat => &langsplat::RULES,
             Self::FourDLangSplat => &four_d_langsplat::RULES,
@@ -108,82 +126,6 @@ impl Protocol {
 
     /// Name in options, files and tables.
     pub fn as_str(self) -> &'static str {
-        self.rules().name
-    }
-
-    /// The evaluation that is done again.
-    pub fn source(self) -> &'static str {
-        self.rules().source
-    }
-
-    /// What the source reports, in the order of [`Judged::values`].
-    pub fn measures(self) -> &'static [Measure] {
-        self.rules().measures
-    }
-
-    /// What a frame without an answer does to the source.
-    pub fn on_missing(self) -> OnMissing {
-        self.rules().on_missing
-    }
-
-    /// Whether the source brings predictions of another size to that of the truth.
-    pub fn resizes(self) -> bool {
-        self == Self::GaussianGrouping
-    }
-
-    /// How values of queries become one number.
-    pub fn averaging(self) -> Averaging {
-        self.rules().averaging
-    }
-
-    /// What one has to know before setting these numbers beside those of a paper.
-    pub fn remark(self) -> &'static str {
-        self.rules().remark
-    }
-
-    /// Judges the answers to one query.
-    pub fn judge(self, clip: &Clip<'_>) -> Judged {
-        (self.rules().judge)(clip)
-    }
-}
-
-impl fmt::Display for Protocol {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.as_str())
-    }
-}
-
-/// A name that no protocol has.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct UnknownProtocol;
-
-impl fmt::Display for UnknownProtocol {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = Protocol::ALL.map(Protocol::as_str).join(", ");
-        write!(formatter, "is no protocol; there are {names}")
-    }
-}
-
-impl std::error::Error for UnknownProtocol {}
-
-impl From<Protocol> for &'static str {
-    fn from(protocol: Protocol) -> Self {
-        protocol.as_str()
-    }
-}
-
-impl TryFrom<String> for Protocol {
-    type Error = UnknownProtocol;
-
-    fn try_from(name: String) -> Result<Self, UnknownProtocol> {
-        name.parse()
-    }
-}
-
-impl FromStr for Protocol {
-    type Err = UnknownProtocol;
-
-    fn from_str(name: &str) -> Result<Self, UnknownProtocol> {
-        Self::ALL.into_iter().find(|protocol| protocol.as_str() == name).ok_or(UnknownProtocol)
+        self.into()
     }
 }

@@ -4,23 +4,21 @@
 //! Results are untrusted: names are compared with what is asked and never joined to a path otherwise, links
 //! are refused, files have a largest size.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
+pub use l4d_data::results::PROTOCOL;
 use l4d_data::store::read_bounded;
-use l4d_data::{DataError, Name, Query, Report};
+use l4d_data::{DataError, Name, Report};
 use rayon::prelude::*;
 
-use crate::answers::{Forms, Reader, frame_list, printable};
 use crate::codes;
-use crate::exam::{Exam, SceneExam};
+use crate::exam::Exam;
 use crate::folder::{Kind, entries, kind_of, list, report_link};
+use crate::reading::{Holes, SceneReader, frame_list, printable};
 
-/// The protocol that this judge applies.
-pub const PROTOCOL: &str = "l4d";
 /// No card is larger.
 const MAX_CARD_BYTES: u64 = 1 << 20;
 /// Unit of messages.
@@ -33,7 +31,7 @@ pub const MOST_BYTES: u64 = 4000 * MEGABYTE;
 ///
 /// # Errors
 /// A folder that cannot be listed.
-pub fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>, DataError> {
+pub(crate) fn find_methods(root: &Path, report: &mut Report) -> Result<Vec<ResultsDir>, DataError> {
     // `l4d score .` must know its name.
     let root = match root.file_name() {
         Some(_) => root.to_owned(),
@@ -85,7 +83,12 @@ pub(crate) fn each_method<T>(
 }
 
 /// Reads `method.json` and checks that the masks were made for this exam; none if they cannot be scored.
-pub fn read_card(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -> Option<MethodCard> {
+pub(crate) fn read_card(
+    dir: &ResultsDir,
+    exam: &Exam,
+    resize: bool,
+    report: &mut Report,
+) -> Option<MethodCard> {
     let path = dir.card();
     match kind_of(&path) {
         Ok(Kind::File) => {}
@@ -94,14 +97,9 @@ pub fn read_card(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Repor
             return None;
         }
         Ok(Kind::Folder) | Err(_) => {
+            let message = "is missing: the masks tell nothing of themselves";
             let hint = "write method.json as docs/formats.md says, or remove the folder";
-            report.error(
-                codes::BAD_CARD,
-                &path,
-                "file",
-                "is missing: the masks tell nothing of themselves",
-                hint,
-            );
+            report.error(codes::BAD_CARD, &path, "file", message, hint);
             return None;
         }
     }
@@ -121,68 +119,68 @@ pub fn read_card(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Repor
 }
 
 fn mismatches(card: &MethodCard, exam: &Exam, resize: bool) -> Vec<(&'static str, String, String)> {
-    let mut found = Vec::new();
-    let mut check = |field, is_equal: bool, message: String, hint: String| {
-        if !is_equal {
-            found.push((field, message, hint));
-        }
-    };
-    let version = &exam.bench.manifest.version;
+    let (version, profile, (width, height)) = (&exam.bench.manifest.version, exam.profile, exam.size());
     let again =
         "make the results again with this benchmark, or pass the benchmark that they were made for (--bench)";
-    check(
-        "protocol",
-        card.protocol == PROTOCOL,
-        format!("is `{}`, but `{PROTOCOL}` is scored here", printable(&card.protocol)),
-        format!("write `{PROTOCOL}` if the masks answer the whole clip of the held-out view"),
-    );
-    check(
-        "benchmark_version",
-        card.benchmark_version == *version,
-        format!("is {}, but the benchmark is {version}", printable(&card.benchmark_version)),
-        again.to_owned(),
-    );
-    let profile = exam.profile;
-    if card.profile != profile {
-        let message = format!("is {}, but {profile} is scored", card.profile);
-        check("profile", false, message, format!("pass --profile {}", card.profile));
-        // Digest, size and frames follow from the profile and would only repeat it.
-        return found;
-    }
     let digest = |text: &str| match text {
         "" => "no truth".to_owned(),
         text => format!("{}...", printable(&text.chars().take(12).collect::<String>())),
     };
-    check(
-        "truth_digest",
-        card.truth_digest == exam.truth_digest,
-        format!("is {}, but the truth is {}", digest(&card.truth_digest), digest(&exam.truth_digest)),
-        again.to_owned(),
-    );
-    let (width, height) = exam.size();
-    check(
-        "width",
-        resize || (card.width, card.height) == (width, height),
-        format!(
-            "width and height are {}x{}, but profile {profile} is {width}x{height}",
-            card.width, card.height
+    // Digest, size and frames follow from the profile and would only repeat it.
+    let of_profile = card.profile == profile;
+    let checks = [
+        (
+            "protocol",
+            card.protocol == PROTOCOL,
+            format!("is `{}`, but `{PROTOCOL}` is scored here", printable(&card.protocol)),
+            format!("write `{PROTOCOL}` if the masks answer the whole clip of the held-out view"),
         ),
-        "render masks at that size, or pass --resize".to_owned(),
-    );
-    check(
-        "frames",
-        card.frames == exam.clip,
-        format!("are not the {} frames of profile {profile}", exam.clip.len()),
-        format!("answer the frames {}", frame_list(&exam.clip)),
-    );
-    found
+        (
+            "benchmark_version",
+            card.benchmark_version == *version,
+            format!("is {}, but the benchmark is {version}", printable(&card.benchmark_version)),
+            again.to_owned(),
+        ),
+        (
+            "profile",
+            of_profile,
+            format!("is {}, but {profile} is scored", card.profile),
+            format!("pass --profile {}", card.profile),
+        ),
+        (
+            "truth_digest",
+            !of_profile || card.truth_digest == exam.truth_digest,
+            format!("is {}, but the truth is {}", digest(&card.truth_digest), digest(&exam.truth_digest)),
+            again.to_owned(),
+        ),
+        (
+            "width",
+            !of_profile || resize || (card.width, card.height) == (width, height),
+            format!(
+                "width and height are {}x{}, but profile {profile} is {width}x{height}",
+                card.width, card.height
+            ),
+            "render masks at that size, or pass --resize".to_owned(),
+        ),
+        (
+            "frames",
+            !of_profile || card.frames == exam.clip,
+            format!("are not the {} frames of profile {profile}", exam.clip.len()),
+            format!("answer the frames {}", frame_list(&exam.clip)),
+        ),
+    ];
+    let wrong = checks.into_iter().filter(|(_, is_equal, ..)| !is_equal);
+    wrong.map(|(field, _, message, hint)| (field, message, hint)).collect()
 }
 
 /// Looks through the folder of masks before any of them is read: reports folders for scenes that the benchmark does not
 /// have and anything else that is out of place. False, and reported, if there are more bytes than are taken in.
-pub fn admit(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -> bool {
+pub(crate) fn admit(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -> bool {
     check_scenes(dir, &exam.bench.manifest.scenes, report);
-    let bytes: u64 = exam.scenes.par_iter().map(|scene| scene_bytes(dir, scene, resize)).sum();
+    // What is wrong with the masks is for those to say who read them.
+    let bytes_of =
+        |scene| SceneReader::open(dir, scene, resize, Holes::Counted, &mut Report::default()).bytes();
+    let bytes: u64 = exam.scenes.par_iter().map(bytes_of).sum();
     let is_admitted = bytes <= exam.most_bytes;
     if !is_admitted {
         let message = format!(
@@ -194,16 +192,6 @@ pub fn admit(dir: &ResultsDir, exam: &Exam, resize: bool, report: &mut Report) -
         report.error(codes::TOO_MUCH, &dir.masks(), "folder", message, hint);
     }
     is_admitted
-}
-
-/// Bytes of the masks that would be read. What is wrong with them is for those to say who read them.
-fn scene_bytes(dir: &ResultsDir, scene: &SceneExam, resize: bool) -> u64 {
-    let forms = scan_scene(dir, scene, &mut Report::default());
-    let reader = Reader { dir, clip: &scene.clip, size: scene.size, resize };
-    let bytes = |query: &Query| {
-        forms.get(query.id.number.as_str()).map_or(0, |forms| reader.bytes(&query.id, *forms))
-    };
-    scene.queries.iter().map(bytes).sum()
 }
 
 fn check_scenes(dir: &ResultsDir, known: &[Name], report: &mut Report) {
@@ -223,43 +211,7 @@ fn check_scenes(dir: &ResultsDir, known: &[Name], report: &mut Report) {
     }
 }
 
-/// Looks through the masks of a scene: which queries are answered in which form, and what is out of place.
-pub fn scan_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) -> BTreeMap<String, Forms> {
-    let folder = dir.masks().join(scene.name.as_str());
-    let mut found: BTreeMap<String, Forms> = BTreeMap::new();
-    for (name, kind) in entries(&folder, report) {
-        let path = folder.join(&name);
-        let number = match kind {
-            Kind::Folder => Some(name.as_str()),
-            Kind::File => name.strip_suffix(".json"),
-            Kind::Link | Kind::Other => {
-                report_link(&path, report);
-                continue;
-            }
-        };
-        let Some(number) = number else {
-            report_unknown(&path, report);
-            continue;
-        };
-        if scene.not_asked.iter().any(|other| other.as_str() == number) {
-            continue;
-        }
-        if !scene.queries.iter().any(|query| query.id.number.as_str() == number) {
-            let hint = "rename or remove it; the queries are in the benchmark's folder `queries`";
-            let message = format!("is no query of scene {}", scene.name);
-            report.error(codes::UNKNOWN_QUERY, &path, "name", message, hint);
-            continue;
-        }
-        let forms = found.entry(number.to_owned()).or_default();
-        match kind {
-            Kind::Folder => forms.folder = true,
-            _ => forms.json = true,
-        }
-    }
-    found
-}
-
-fn report_unknown(path: &Path, report: &mut Report) {
+pub(crate) fn report_unknown(path: &Path, report: &mut Report) {
     let hint =
         "masks are in masks/<scene>/<nnn>.json or masks/<scene>/<nnn>/<frame>.png; move or remove the file";
     report.error(codes::UNKNOWN_ENTRY, path, "name", "has no meaning here", hint);

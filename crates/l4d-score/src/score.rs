@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::MethodCard;
-use l4d_data::{DataError, Query, QueryId, Report, json as file};
+use l4d_data::store::AtomicFile;
+use l4d_data::{DataError, Query, QueryId, Report, json};
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::codes;
-use crate::counts::{CountsWriter, FrameCount, to_csv};
+use crate::counts::{FrameCount, to_csv};
 use crate::exam::{Exam, SceneExam};
-use crate::judge::QueryJudge;
+use crate::judge::{Answer, QueryJudge};
 use crate::metrics::{Missing, Options, QueryFacts, QueryTally};
 use crate::reading::{Holes, SceneReader};
-use crate::results::{PROTOCOL, each_method};
+use crate::results::{PROTOCOL, admit, each_method, find_methods, read_card};
 use crate::summary::Summary;
 
 /// Scores of all methods of a folder that have no error.
@@ -31,7 +32,7 @@ impl Scored {
     /// What `l4d score --json` prints: the scores with everything that they depend on, and the findings in order.
     pub fn into_document(self, exam: &Exam) -> Value {
         let scenes: Vec<&str> = exam.scenes.iter().map(|scene| scene.name.as_str()).collect();
-        json!({
+        serde_json::json!({
             "protocol": PROTOCOL,
             "profile": exam.profile,
             "set": exam.set,
@@ -71,13 +72,9 @@ pub fn score_results(
     let asked =
         exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
     if asked == 0 {
+        let (message, place) = ("no query is left to score", "folder `queries`");
         let remedy = "drop --verified-only, have queries verified, or choose another --set";
-        return Err(DataError::invalid(
-            exam.bench.root(),
-            "folder `queries`",
-            "no query is left to score",
-            remedy,
-        ));
+        return Err(DataError::invalid(exam.bench.root(), place, message, remedy));
     }
     let summaries = each_method(root, exam, options.resize, &mut report, progress, |dir, card, found| {
         score_method(dir, card, exam, options, scores, found)
@@ -96,7 +93,9 @@ fn score_method(
     scores: &Path,
     report: &mut Report,
 ) -> Result<Option<Summary>, DataError> {
-    let mut writer = CountsWriter::create(&counts_path(scores, &card.name))?;
+    // Query by query; the file appears when all rows are there.
+    let mut file = AtomicFile::create(&counts_path(scores, &card.name))?;
+    file.write(&to_csv(&[], true))?;
     let mut tallies = Vec::new();
     // As many scenes at once as there are threads: their truth is all that memory must hold.
     for batch in exam.scenes.chunks(rayon::current_num_threads()) {
@@ -107,7 +106,7 @@ fn score_method(
         for JudgedScene { queries, report: found } in judged {
             report.extend(found);
             for (tally, rows) in queries {
-                writer.write(&rows)?;
+                file.write(&rows)?;
                 tallies.push(tally);
             }
         }
@@ -115,9 +114,9 @@ fn score_method(
     if report.has_errors() {
         return Ok(None);
     }
-    writer.commit()?;
+    file.commit()?;
     let summary = Summary::new(card, exam, options, &tallies);
-    file::write(&summary_path(scores, &summary.name), &summary)?;
+    json::write(&summary_path(scores, &summary.name), &summary)?;
     Ok(Some(summary))
 }
 
@@ -140,9 +139,12 @@ fn judge_scene(
     let judge = |query: &&Query| {
         let mut found = Report::default();
         let referents = truth.referents(query, &scene.queries_path)?;
-        let mut judge = QueryJudge::new(&truth, query, &referents, &scene.clip);
-        reader.read_each(query, &mut found, |position, answer| judge.take(position, answer));
-        let counts = judge.into_counts();
+        let judge = QueryJudge::new(&truth, query, &referents);
+        let mut counts: Vec<FrameCount> =
+            scene.clip.iter().map(|&frame| judge.frame(frame, &Answer::Missing)).collect();
+        reader.read_each(query, &mut found, |position, answer| {
+            counts[position] = judge.frame(scene.clip[position], answer);
+        });
         let tally = QueryTally::of(QueryFacts::of(query, truth.scale), &counts, options);
         Ok((tally, to_csv(&counts, false), found))
     };
@@ -185,4 +187,31 @@ fn report_never_present(summary: &Summary, exam: &Exam, report: &mut Report) {
         let hint = "it enters no mean of mIoU, mAcc, tube IoU and select; mend the query or the scene";
         report.warning(codes::NEVER_PRESENT, &path, format!("query {id}"), message, hint);
     }
+}
+
+/// Every problem of one method or a folder of them, without a score; gives the number of methods.
+///
+/// # Errors
+/// A folder that cannot be listed, and truth that is damaged.
+pub fn check_results(root: &Path, exam: &Exam, report: &mut Report) -> Result<usize, DataError> {
+    let methods = find_methods(root, report)?;
+    for dir in &methods {
+        // Masks are worth reading even when the card is wrong: all problems shall be known at once.
+        read_card(dir, exam, false, report);
+        if admit(dir, exam, false, report) {
+            exam.scenes.iter().for_each(|scene| check_scene(dir, scene, report));
+        }
+    }
+    Ok(methods.len())
+}
+
+fn check_scene(dir: &ResultsDir, scene: &SceneExam, report: &mut Report) {
+    let reader = SceneReader::open(dir, scene, false, Holes::Reported, report);
+    let check = |query: &Query| {
+        let mut found = Report::default();
+        reader.read_each(query, &mut found, |_, _| {});
+        found
+    };
+    let found: Vec<Report> = scene.queries.par_iter().map(check).collect();
+    found.into_iter().for_each(|found| report.extend(found));
 }

@@ -1,16 +1,18 @@
 //! Scores as aligned text, at most 100 columns wide.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use l4d_data::results::Track;
 use l4d_data::{Category, Scale};
+use textwrap::WordSplitter;
 
 use crate::cluster::{Estimate, FEW_SCENES};
 use crate::groups::{Group, GroupKind};
 use crate::metrics::{Metric, Metrics};
 use crate::summary::Summary;
 
-const NAME_WIDTH: usize = 24;
+pub(crate) const NAME_WIDTH: usize = 24;
 /// Behind the numbers of methods that are ranked apart.
 const DEPTH_MARK: &str = " *";
 
@@ -100,7 +102,7 @@ fn groups<K: Ord + Copy>(
     }
 }
 
-fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
+pub(crate) fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
     let short: String = name.chars().take(NAME_WIDTH).collect();
     let row = format!("{short:<NAME_WIDTH$}{}", cells.collect::<String>());
     text.push_str(row.trim_end());
@@ -108,6 +110,18 @@ fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
 }
 
 /// A percentage with two decimals; `-` where there is none.
-fn percent(value: Option<f64>) -> String {
+pub(crate) fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+}
+
+/// A paragraph.
+pub(crate) fn wrapped(text: &str) -> String {
+    wrap(text, 100).join("\n") + "\n"
+}
+
+/// Lines of at most so many columns, broken at spaces alone.
+pub fn wrap(text: &str, width: usize) -> Vec<String> {
+    let options = textwrap::Options::new(width).break_words(false);
+    let lines = textwrap::wrap(text, options.word_splitter(WordSplitter::NoHyphenation));
+    lines.into_iter().map(Cow::into_owned).collect()
 }

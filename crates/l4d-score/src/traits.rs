@@ -4,18 +4,17 @@
 
 use l4d_data::truth::Truth;
 use l4d_data::{Query, Temporal};
-use serde::Serialize;
 
 /// Targets of a smaller share of the picture are small.
-pub const SMALL: f64 = 0.01;
+const SMALL: f64 = 0.01;
 /// Targets of at least this share of the picture are large.
-pub const LARGE: f64 = 0.03;
+const LARGE: f64 = 0.03;
 /// Below this share of its largest area a target counts as partly hidden.
-pub const HALF: f64 = 0.5;
+const HALF: f64 = 0.5;
 
 /// Visible area of the target as a share of the picture, mean over the frames in which it is asked for and visible.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::Display)]
+#[strum(serialize_all = "lowercase")]
 pub enum Size {
     /// Below [`SMALL`].
     Small,
@@ -27,8 +26,8 @@ pub enum Size {
 
 /// How much of the target comes and goes while it is asked for. A truth has no hidden pixels, so that a target that moves
 /// away, or out of the picture, looks like one that is hidden.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::Display)]
+#[strum(serialize_all = "lowercase")]
 pub enum Occlusion {
     /// Always at least [`HALF`] of its largest area.
     Never,
@@ -36,34 +35,6 @@ pub enum Occlusion {
     Partly,
     /// Gone in some frame.
     Fully,
-}
-
-impl Size {
-    /// In ascending order.
-    pub const ALL: [Self; 3] = [Self::Small, Self::Medium, Self::Large];
-
-    /// Name as written in files.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Small => "small",
-            Self::Medium => "medium",
-            Self::Large => "large",
-        }
-    }
-}
-
-impl Occlusion {
-    /// In ascending order.
-    pub const ALL: [Self; 3] = [Self::Never, Self::Partly, Self::Fully];
-
-    /// Name as written in files.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Never => "never",
-            Self::Partly => "partly",
-            Self::Fully => "fully",
-        }
-    }
 }
 
 /// The traits of a query.

@@ -26,21 +26,16 @@ const BETWEEN_SCENES: f64 = 0.8;
 /// Of a query that is a hit.
 const SHAPE: f64 = 1.5;
 
-/// A kind of study.
-#[derive(Debug, Clone, Copy)]
-struct Design {
-    scenes: usize,
-    /// Share of zeros in a scene of middling difficulty.
-    zeros: f64,
-}
+/// Share of zeros in a scene of middling difficulty.
+const ZEROS: f64 = 0.4;
 
 fn names() -> Vec<Name> {
     (0..SIZES.len()).map(|index| Name::new(format!("scene{index:02}")).unwrap()).collect()
 }
 
 /// How easy a scene makes hits, and how good it makes them.
-fn chances(design: Design, effect: f64) -> (f64, f64) {
-    let odds = (1.0 - design.zeros) / design.zeros * effect.exp();
+fn chances(effect: f64) -> (f64, f64) {
+    let odds = (1.0 - ZEROS) / ZEROS * effect.exp();
     (odds / (1.0 + odds), 4.0 * (0.3 * effect).exp())
 }
 
@@ -49,18 +44,18 @@ fn effect(random: &mut ChaCha8Rng) -> f64 {
     BETWEEN_SCENES * normal
 }
 
-fn value(design: Design, effect: f64, random: &mut ChaCha8Rng) -> f64 {
-    let (hit, shape) = chances(design, effect);
+fn value(effect: f64, random: &mut ChaCha8Rng) -> f64 {
+    let (hit, shape) = chances(effect);
     let quality = Beta::new(shape, SHAPE).unwrap().sample(random);
     if random.random_range(0.0..1.0) < hit { 100.0 * quality } else { 0.0 }
 }
 
 /// The mean over all scenes that there could be, by numerical integration over their difficulty.
-fn true_mean(design: Design) -> f64 {
+fn true_mean() -> f64 {
     let steps = -4000..=4000;
     let weigh = |step: i32| {
         let normal = f64::from(step) * 0.002;
-        let (hit, shape) = chances(design, BETWEEN_SCENES * normal);
+        let (hit, shape) = chances(BETWEEN_SCENES * normal);
         let density = (-0.5 * normal * normal).exp();
         [density, density * 100.0 * hit * shape / (shape + SHAPE)]
     };
@@ -69,22 +64,22 @@ fn true_mean(design: Design) -> f64 {
 }
 
 /// Numbers of queries of the scenes of one study.
-fn sizes(design: Design, random: &mut ChaCha8Rng) -> Vec<usize> {
+fn sizes(scenes: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let mut sizes = SIZES;
     sizes.shuffle(random);
-    sizes[..design.scenes].to_vec()
+    sizes[..scenes].to_vec()
 }
 
 /// How often the interval holds the true mean.
-fn coverage(design: Design, studies: u64) -> f64 {
-    let (names, mean) = (names(), true_mean(design));
+fn coverage(scenes: usize, studies: u64) -> f64 {
+    let (names, mean) = (names(), true_mean());
     let mut random = ChaCha8Rng::seed_from_u64(20);
     let mut holds = 0;
     for study in 0..studies {
         let mut values = Vec::new();
-        for (scene, size) in names.iter().zip(sizes(design, &mut random)) {
+        for (scene, size) in names.iter().zip(sizes(scenes, &mut random)) {
             let effect = effect(&mut random);
-            values.extend((0..size).map(|_| (scene, value(design, effect, &mut random))));
+            values.extend((0..size).map(|_| (scene, value(effect, &mut random))));
         }
         let found = Estimate::of(values, study).unwrap().within(0.0, 100.0);
         let [low, high] = found.interval.unwrap();
@@ -94,22 +89,22 @@ fn coverage(design: Design, studies: u64) -> f64 {
 }
 
 /// Two methods whose hits and quality are equally likely, in a scene of one difficulty, with the first so far ahead.
-fn compare(design: Design, ahead: f64, study: u64, random: &mut ChaCha8Rng) -> Comparison {
+fn compare(scenes: usize, ahead: f64, study: u64, random: &mut ChaCha8Rng) -> Comparison {
     let names = names();
     let mut differences = Vec::new();
-    for (scene, size) in names.iter().zip(sizes(design, random)) {
+    for (scene, size) in names.iter().zip(sizes(scenes, random)) {
         let effect = effect(random);
         for _ in 0..size {
-            let difference = value(design, effect, random) - value(design, effect, random);
+            let difference = value(effect, random) - value(effect, random);
             differences.push((scene, difference + ahead));
         }
     }
     Comparison::of_differences(differences, study).unwrap()
 }
 
-fn comparisons(design: Design, ahead: f64, studies: u64) -> Vec<Comparison> {
+fn comparisons(scenes: usize, ahead: f64, studies: u64) -> Vec<Comparison> {
     let mut random = ChaCha8Rng::seed_from_u64(8);
-    (0..studies).map(|study| compare(design, ahead, study, &mut random)).collect()
+    (0..studies).map(|study| compare(scenes, ahead, study, &mut random)).collect()
 }
 
 /// How far p values are from uniform ones.
@@ -240,14 +235,14 @@ fn the_reference_is_reproducible() {
 
 #[test]
 fn intervals_hold_the_true_mean_as_often_as_they_say() {
-    let found = coverage(Design { scenes: 21, zeros: 0.4 }, 1000);
+    let found = coverage(21, 1000);
     assert!((0.92..=0.97).contains(&found), "{found}");
 }
 
 #[test]
 fn p_values_of_the_same_method_twice_are_uniform_on_the_values_that_they_can_have() {
     for scenes in [3, 5, 6, 8, 12] {
-        let found = comparisons(Design { scenes, zeros: 0.4 }, 0.0, 3000);
+        let found = comparisons(scenes, 0.0, 3000);
         let p: Vec<f64> = found.iter().map(|found| found.p).collect();
         let uniformity = Uniformity::of(&p, scenes);
         assert!(uniformity.is_plausible(), "{scenes} scenes: {uniformity:?}");
@@ -258,11 +253,10 @@ fn p_values_of_the_same_method_twice_are_uniform_on_the_values_that_they_can_hav
 
 #[test]
 fn what_is_called_detectable_is_found_four_times_in_five() {
-    let design = Design { scenes: 21, zeros: 0.4 };
     let detectable: Vec<f64> =
-        comparisons(design, 0.0, 800).iter().map(|found| found.detectable.unwrap()).collect();
+        comparisons(21, 0.0, 800).iter().map(|found| found.detectable.unwrap()).collect();
     let mean = detectable.iter().sum::<f64>() / detectable.len() as f64;
-    let found = comparisons(design, mean, 800);
+    let found = comparisons(21, mean, 800);
     let power = found.iter().filter(|found| found.p < ALPHA).count() as f64 / found.len() as f64;
     assert!((0.75..=0.85).contains(&power), "{power}");
 }

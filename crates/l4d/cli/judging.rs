@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use l4d_score::protocols::UnknownProtocol;
 use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
 use l4d_score::{Baseline, Missing, Protocol, QuerySet};
 
@@ -60,12 +59,12 @@ pub(crate) enum ProtocolArg {
 }
 
 fn protocol(name: &str) -> Result<ProtocolArg, String> {
-    match name {
-        PROTOCOL => Ok(ProtocolArg::L4d),
-        name => {
-            name.parse().map(ProtocolArg::Other).map_err(|error: UnknownProtocol| format!("{error}, l4d"))
-        }
+    if name == PROTOCOL {
+        return Ok(ProtocolArg::L4d);
     }
+    let found = Protocol::ALL.into_iter().find(|protocol| protocol.as_str() == name);
+    let names = Protocol::ALL.map(Protocol::as_str).join(", ");
+    found.map(ProtocolArg::Other).ok_or_else(|| format!("is no protocol; there are {names}, {PROTOCOL}"))
 }
 
 #[derive(Debug, Args)]

@@ -16,7 +16,7 @@ function drawBoard(main) {
     fillBoard(holder, count, table);
     below.replaceChildren();
     if (table.protocol) below.append(...(leftOut(table.methods) ?? []));
-    else if (!table.isElsewhere) drawComparison(below);
+    else drawComparison(below);
   };
   const redraw = (changes) => {
     noteInAddress(changes);
@@ -44,28 +44,23 @@ function chosenTable(state) {
       queries: (method) => method.queries,
     };
   }
-  const other = state.board === "" ? undefined : board.others[Number(state.board)];
   const line = (text) => el("p", { class: "quiet" }, text);
   return {
-    isElsewhere: Boolean(other),
-    title: other ? "Not of this board" : "Ranking",
-    about: other
-      ? line("Scored on something else than this board, so that no number here can be compared with one there.")
-      : line("Percent, means over queries; " + intervalNote() + " Ranked by mIoU within each track: methods that learned from rendered depth are not ranked with those that did not. Equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
-    line: other ? other.line : board.line,
-    methods: other ? other.methods : board.methods,
+    title: "Ranking",
+    about: line("Percent, means over queries; " + intervalNote() + " Ranked by mIoU within each track: methods that learned from rendered depth are not ranked with those that did not. Equal printed values share a rank. Choose a method to see what it did." + (board.methods.some((method) => method.rank !== null) ? "" : " No method is ranked yet.")),
+    line: board.line,
+    methods: board.methods,
     metrics: METRICS,
     cells: (method) => METRICS.map((_, metric) => cellOf(method, metric, state.category, state.scale)),
     queries: (method) => cellOf(method, MIOU, state.category, state.scale)?.[3] ?? 0,
   };
 }
 
-function headingFacts({ protocol, isElsewhere }) {
+function headingFacts({ protocol }) {
   const share = board.queries > 0 ? board.verified / board.queries : 0;
   const meter = svg("svg", { class: "share", viewBox: "0 0 100 6", preserveAspectRatio: "none", "aria-hidden": "true" });
   meter.append(svg("rect", { class: "dot", x: 0, y: 0, width: 100 * share, height: 6 }));
   const verified = [meter, `${board.verified} of ${board.queries} (${Math.round(100 * share)} %)`];
-  if (isElsewhere) return facts([["Of this board", board.line]]);
   return facts([
     ["Protocol", protocol ? protocol.name : board.protocol],
     ["Profile", board.profile],
@@ -80,18 +75,18 @@ function facts(pairs) {
   return el("dl", { class: "facts" }, entries.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", {}, value))));
 }
 
-/** This board first, then the protocols of others, then methods that were scored on something else, by their place. */
+/** This board first, then the protocols of others. */
 function boardOptions() {
   const own = ["", `${board.protocol} \u00b7 ${board.profile} \u00b7 ${board.version}`];
   const protocols = board.protocols.map(({ name }) => [name, `${name} \u00b7 ${board.profile} \u00b7 never ranked`]);
-  return [own, ...protocols, ...board.others.map((other, at) => [String(at), other.line])];
+  return [own, ...protocols];
 }
 
 function filters(redraw, count) {
   const state = readAddress();
   const capital = (word) => [word, word[0].toUpperCase() + word.slice(1)];
   const search = el("input", { type: "search", value: state.find, oninput: () => redraw({ find: search.value }) });
-  const hasOthers = board.others.length + board.protocols.length > 0;
+  const hasOthers = board.protocols.length > 0;
   return el(
     "form",
     { class: "filters", onsubmit: (event) => event.preventDefault() },
@@ -111,8 +106,8 @@ function fillBoard(holder, count, table, most = MANY) {
   const state = readAddress();
   const wanted = state.find.trim().toLowerCase();
   const methods = table.methods.filter((method) => method.name.toLowerCase().includes(wanted));
-  const rows = methods.map((method) => ({ method, isOwn: !table.isElsewhere, cells: table.cells(method) }));
-  const sections = table.protocol || table.isElsewhere ? [{ title: null, rows }] : groupsOf(rows);
+  const rows = methods.map((method) => ({ method, cells: table.cells(method) }));
+  const sections = table.protocol ? [{ title: null, rows }] : groupsOf(rows);
   const columns = table.protocol ? protocolColumns(table.protocol) : boardColumns(state);
   // An order by a column that this table lacks is an order of another one.
   const hasColumn = columns.some((column) => column.key === state.sort.replace(/^-/, ""));
@@ -203,8 +198,8 @@ function protocolColumns(protocol) {
   ];
 }
 
-function methodCell({ method, isOwn }) {
-  const name = isOwn && (method.isDetailed || method.leftOut) ? el("a", { href: hrefTo({ method: method.name }) }, breakable(method.name)) : el("span", {}, breakable(method.name));
+function methodCell({ method }) {
+  const name = method.isDetailed || method.leftOut ? el("a", { href: hrefTo({ method: method.name }) }, breakable(method.name)) : el("span", {}, breakable(method.name));
   const version = method.version ? el("span", { class: "quiet small" }, ` ${method.version}`) : null;
   return [name, version, reasons(method)];
 }

@@ -12,7 +12,7 @@ use super::canvas::{
 };
 use super::{named, shown};
 use crate::board::{Board, Method};
-use crate::ranking::Podium;
+use crate::ranking::{Honour, Podium};
 
 /// Print pixels of a row, of the names, and beside the bars for their values.
 const ROW: i32 = 20;
@@ -104,7 +104,7 @@ fn bars(
     let bar = |method: &&Method| {
         let found = value(method)?;
         let podium = |track| Podium::of_track(board, track, metric, &value);
-        let is_best = method.ranked_in().is_some_and(|track| podium(track).is_best(found));
+        let is_best = method.ranked_in().is_some_and(|track| podium(track).honour(found) == Honour::Best);
         Some(Bar { value: found, interval: interval(method), is_best })
     };
     shown(board).iter().map(bar).collect()

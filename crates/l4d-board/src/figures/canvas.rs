@@ -6,6 +6,7 @@
 use std::sync::OnceLock;
 
 use image::{ExtendedColorType, ImageEncoder as _};
+use l4d_score::table::wrap;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -13,7 +14,6 @@ use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::BoardError;
-use crate::terminal::wrap;
 
 /// Width of every figure, print pixels (96 to the inch): two columns of a paper.
 pub(crate) const WIDTH: u32 = 720;
@@ -140,13 +140,16 @@ pub(crate) fn side_labels<DB: DrawingBackend>(
     Ok(())
 }
 
-/// The files of a figure: `<name>.svg` and `<name>.png`.
+/// The files of a figure: names and bytes.
+pub(crate) type Files = [(String, Vec<u8>); 2];
+
+/// `<name>.svg` and `<name>.png`.
 pub(crate) fn files(
     name: &str,
     title: &str,
     notes: &[String],
     plot: &impl Plot,
-) -> Result<[(String, Vec<u8>); 2], BoardError> {
+) -> Result<Files, BoardError> {
     register_fonts();
     let notes: Vec<String> = notes.iter().flat_map(|note| wrap(note, NOTE_LETTERS)).map(printable).collect();
     let titles: Vec<String> = wrap(title, 80).into_iter().map(printable).collect();

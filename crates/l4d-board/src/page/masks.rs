@@ -5,13 +5,10 @@
 
 use std::collections::HashMap;
 
-use l4d_data::layout::ResultsDir;
-use l4d_data::{Query, QueryId, Report};
+use l4d_data::{Query, Report};
 use l4d_masks::Mask;
-use l4d_score::answers::Reader;
-use l4d_score::exam::SceneExam;
 use l4d_score::judge::Answer;
-use l4d_score::results::scan_scene;
+use l4d_score::reading::SceneReader;
 use l4d_score::truth::SceneTruth;
 
 use crate::board::{Answer as Counted, BoardScene};
@@ -102,43 +99,32 @@ pub(crate) fn target_places(
     shown.iter().map(place).map(|place| place.unwrap_or(NOTHING)).collect()
 }
 
-/// The answers of one method to the queries of one scene.
-#[derive(Debug)]
-pub(crate) struct Answers<'a> {
-    reader: Reader<'a>,
-    forms: std::collections::BTreeMap<String, l4d_score::answers::Forms>,
-}
-
-impl<'a> Answers<'a> {
-    /// Looks through the results of a method. What is wrong with them was reported when they were scored.
-    pub(crate) fn open(dir: &'a ResultsDir, scene: &SceneExam, shown: &'a [u32], resize: bool) -> Self {
-        let forms = scan_scene(dir, scene, &mut Report::default());
-        Self { reader: Reader { dir, clip: shown, size: scene.size, resize }, forms }
+/// The answers of a method to a query at the shown frames; none if they are not there, or not those that were counted.
+/// What is wrong with them was reported when they were scored.
+pub(crate) fn answer_places(
+    pool: &mut Pool,
+    reader: &SceneReader<'_>,
+    query: &Query,
+    (scene, shown): (&BoardScene, &[u32]),
+    counted: &Counted,
+) -> Option<Vec<i64>> {
+    if !reader.has(&query.id) {
+        return None;
     }
-
-    /// The answers to a query at the shown frames; none if they are not there, or not those that were counted.
-    pub(crate) fn places(
-        &self,
-        pool: &mut Pool,
-        id: &QueryId,
-        scene: &BoardScene,
-        counted: &Counted,
-    ) -> Option<Vec<i64>> {
-        let forms = self.forms.get(id.number.as_str()).copied()?;
-        let answers = self.reader.read(id, forms, &mut Report::default());
-        let is_counted = |(&frame, answer): (&u32, &Answer)| {
-            let area = answer.mask(self.reader.size).map_or(0, |mask| mask.area());
-            let position = scene.clip.binary_search(&frame).ok();
-            position.and_then(|position| counted.predicted.get(position)) == Some(&area)
-        };
-        if !self.reader.clip.iter().zip(&answers).all(is_counted) {
-            return None;
-        }
-        let place = |answer: &Answer| match answer.mask(self.reader.size) {
-            Some(mask) => pool.place(&mask),
-            None if *answer == Answer::Missing => MISSING,
-            None => NOTHING,
-        };
-        Some(answers.iter().map(place).collect())
+    let size = (scene.width, scene.height);
+    let answers = reader.read(query, &mut Report::default());
+    let is_counted = |(&frame, answer): (&u32, &Answer)| {
+        let area = answer.mask(size).map_or(0, |mask| mask.area());
+        let position = scene.clip.binary_search(&frame).ok();
+        position.and_then(|position| counted.predicted.get(position)) == Some(&area)
+    };
+    if !shown.iter().zip(&answers).all(is_counted) {
+        return None;
     }
+    let place = |answer: &Answer| match answer.mask(size) {
+        Some(mask) => pool.place(&mask),
+        None if *answer == Answer::Missing => MISSING,
+        None => NOTHING,
+    };
+    Some(answers.iter().map(place).collect())
 }

@@ -8,7 +8,7 @@ use l4d_score::{Comparison, Estimate, GroupKind, Metric, Metrics, Pair};
 use serde_json::{Map, Value, json};
 
 use super::masks::{shown_frames, shown_size};
-use crate::board::{Board, BoardQuery, BoardScene, Method, OtherBoard, PublishedRow, PublishedTable};
+use crate::board::{Board, BoardQuery, BoardScene, Method, PublishedRow, PublishedTable};
 use crate::protocols::{ProtocolRow, ProtocolTable, group_filters, group_key};
 
 /// The first element of data. Keys are those of the scripts.
@@ -31,7 +31,6 @@ pub(crate) fn overview(board: &Board) -> Value {
         "fewScenes": FEW_SCENES,
         "methods": board.methods.iter().map(|one| method(board, one)).collect::<Value>(),
         "comparisons": comparisons(board),
-        "others": board.others.iter().map(other).collect::<Value>(),
         "protocols": board.protocols.iter().map(|table| protocol(board, table)).collect::<Value>(),
         "scenes": board.scenes.iter().map(scene).collect::<Value>(),
         "published": board.published.iter().map(published).collect::<Value>(),
@@ -161,30 +160,6 @@ fn comparisons(board: &Board) -> Value {
     json!({ "names": names, "pairs": pairs.iter().map(pair).collect::<Value>() })
 }
 
-/// Methods that were scored on something else: numbers alone.
-fn other(other: &OtherBoard) -> Value {
-    let method = |method: &Method| {
-        json!({
-            "name": method.name,
-            "version": method.version,
-            "link": link(&method.link),
-            "rank": null,
-            "track": method.track,
-            "reasons": ["scored on something else"],
-            "seconds": method.seconds,
-            "queries": method.scores.headline.queries,
-            "isDetailed": false,
-            "groups": { "|": bare(method) },
-        })
-    };
-    json!({
-        "line": other.line(),
-        "protocol": other.on.protocol,
-        "profile": other.on.profile,
-        "methods": other.methods.iter().map(method).collect::<Value>(),
-    })
-}
-
 fn protocol(board: &Board, table: &ProtocolTable) -> Value {
     let shown =
         |numbers: &Vec<Option<f64>>| numbers.iter().map(|number| number.map(hundredths)).collect::<Value>();
@@ -208,10 +183,10 @@ fn protocol(board: &Board, table: &ProtocolTable) -> Value {
     let measure = |one: &Measure| json!({ "key": one.key, "title": one.title });
     json!({
         "name": table.protocol.as_str(),
-        "source": table.protocol.source(),
-        "remark": table.protocol.remark(),
+        "source": table.protocol.rules().source,
+        "remark": table.protocol.rules().remark,
         "line": table.line(&board.heading),
-        "measures": table.protocol.measures().iter().map(measure).collect::<Value>(),
+        "measures": table.protocol.rules().measures.iter().map(measure).collect::<Value>(),
         "methods": table.rows.iter().map(method).collect::<Value>(),
     })
 }

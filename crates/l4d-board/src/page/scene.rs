@@ -1,15 +1,16 @@
 //! What the page unpacks when a scene is opened: each method's numbers on each query, its masks, and the truth.
 
 use l4d_data::layout::ResultsDir;
-use l4d_data::{DataError, Name, Role};
+use l4d_data::{DataError, Name, Query, Report, Role};
 use l4d_score::counts::State;
 use l4d_score::metrics::Ratios;
+use l4d_score::reading::{Holes, SceneReader};
 use l4d_score::{Metric, Protocol};
 use serde_json::{Map, Value, json};
 
 use super::Media;
 use super::embed::base64;
-use super::masks::{Answers, NOTHING, Pool, shown_frames, shown_size, target_places};
+use super::masks::{NOTHING, Pool, answer_places, shown_frames, shown_size, target_places};
 use super::overview::hundredths;
 use crate::board::{Answer, Board, BoardScene, Method};
 use crate::protocols::{ProtocolRow, ProtocolTable};
@@ -24,8 +25,10 @@ pub(crate) fn scene(board: &Board, place: usize, media: &Media) -> Result<Value,
     let truth = exam.truth(scene);
     let shown = shown_frames(asked);
     let mut pool = Pool::new(shown_size((asked.width, asked.height)));
+    let is_asked = |query: &&Query| asked.queries.iter().any(|one| one.id == query.id);
+    let queries: Vec<&Query> = scene.queries.iter().filter(is_asked).collect();
     let mut targets = Vec::new();
-    for query in scene.queries.iter().filter(|query| asked.queries.iter().any(|one| one.id == query.id)) {
+    for query in &queries {
         let referents = truth.referents(query, &scene.queries_path)?;
         targets.push(target_places(&mut pool, &truth, query, &referents, &shown));
     }
@@ -43,9 +46,12 @@ pub(crate) fn scene(board: &Board, place: usize, media: &Media) -> Result<Value,
     for (index, method) in board.methods.iter().take_while(detailed).enumerate() {
         let found = &method.answers[first..first + asked.queries.len()];
         let dir = media.results.map(|results| ResultsDir::new(results.join(method.name.as_str())));
-        let opened = dir.as_ref().map(|dir| Answers::open(dir, scene, &shown, method.resize));
-        let masks = asked.queries.iter().zip(found).map(|(query, counted)| {
-            opened.as_ref().and_then(|answers| answers.places(&mut pool, &query.id, asked, counted))
+        let reader = dir.as_ref().map(|dir| {
+            let found = &mut Report::default();
+            SceneReader::open(dir, scene, method.resize, Holes::Counted, found).of_frames(&shown)
+        });
+        let masks = queries.iter().zip(found).map(|(query, counted)| {
+            answer_places(&mut pool, reader.as_ref()?, query, (asked, &shown), counted)
         });
         let masks: Vec<Option<Vec<i64>>> = masks.collect();
         let entry = json!({

@@ -3,7 +3,6 @@
 //! <https://huggingface.co/docs/hub/eval-results>, <https://github.com/huggingface/hub-docs/blob/main/modelcard.md>
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use l4d_data::DataError;
 use l4d_data::results::Track;
@@ -54,41 +53,38 @@ pub fn huggingface(hosted: &Hosted<'_>, dataset: &str, entries: &[Entry]) -> Res
         }
     }
     entries.sort_by(|a, b| {
-        let miou = |entry: &Entry| entry.scores.get("miou").copied().flatten();
-        let (a_miou, b_miou) = (miou(a), miou(b));
-        group(a)
-            .cmp(&group(b))
-            .then_with(|| b_miou.unwrap_or(-1.0).total_cmp(&a_miou.unwrap_or(-1.0)))
-            .then_with(|| a.name.cmp(&b.name))
+        let miou = |entry: &Entry| entry.scores["miou"].unwrap_or(-1.0);
+        group(a).cmp(&group(b)).then_with(|| miou(b).total_cmp(&miou(a))).then_with(|| a.name.cmp(&b.name))
     });
-    let rows: Vec<Value> =
-        ranks(&entries).into_iter().zip(&entries).map(|(rank, entry)| row(rank, entry)).collect();
+    let (mut rows, mut tables) = (Vec::new(), Vec::new());
+    for members in entries.chunk_by(|a, b| group(a) == group(b)) {
+        let title = match group(&members[0]).1 {
+            Some(track) => format!("Track: {}", track.title()),
+            None => "Not ranked".to_owned(),
+        };
+        let (first, mut rank) = (rows.len(), 0);
+        for (place, entry) in members.iter().enumerate() {
+            if place == 0 || printed(entry) != printed(&members[place - 1]) {
+                rank = place + 1;
+            }
+            rows.push(row(entry.unranked_because.is_none().then_some(rank), entry));
+        }
+        tables.push(json!({ "title": title, "entries": rows[first..] }));
+    }
     let mut values = hosted.values();
     values["dataset"] = dataset.into();
     values["task"] = task(Track::Colour).into();
     values["depth_task"] = task(Track::ColourDepth).into();
-    let add = |files: &mut Files, name: String, template: &str, values: &Value| {
+    values["tables"] = tables.into();
+    let mut files = Files::new();
+    let mut add = |name: String, template: &str, values: &Value| {
         let text = render(&name, template, values)?;
         files.insert(name, text.into_bytes());
         Ok::<_, DataError>(())
     };
-    let mut files = Files::new();
-    add(
-        &mut files,
-        "dataset/eval.yaml".to_owned(),
-        include_str!("../../templates/huggingface/eval.yaml"),
-        &values,
-    )?;
-    let tables = groups(&entries).map(|(title, group)| json!({ "title": title, "entries": rows[group] }));
-    values["tables"] = tables.collect();
-    add(
-        &mut files,
-        "leaderboard/README.md".to_owned(),
-        include_str!("../../templates/huggingface/leaderboard.md"),
-        &values,
-    )?;
-    files.insert("leaderboard/leaderboard.jsonl".to_owned(), lines(&rows));
-    files.insert("leaderboard/leaderboard.csv".to_owned(), table(&rows)?);
+    add("dataset/eval.yaml".to_owned(), include_str!("../../templates/huggingface/eval.yaml"), &values)?;
+    let leaderboard = include_str!("../../templates/huggingface/leaderboard.md");
+    add("leaderboard/README.md".to_owned(), leaderboard, &values)?;
     for entry in entries.iter().filter(|entry| entry.unranked_because.is_none()) {
         let of = |file: &str| format!("methods/{}/{file}", entry.name);
         let task = task(entry.track);
@@ -96,9 +92,11 @@ pub fn huggingface(hosted: &Hosted<'_>, dataset: &str, entries: &[Entry]) -> Res
         values["task"] = task.as_str().into();
         values["track_title"] = entry.track.title().into();
         let results = include_str!("../../templates/huggingface/eval_results.yaml");
-        add(&mut files, of(&format!(".eval_results/{task}.yaml")), results, &values)?;
-        add(&mut files, of("README.md"), include_str!("../../templates/huggingface/method.md"), &values)?;
+        add(of(&format!(".eval_results/{task}.yaml")), results, &values)?;
+        add(of("README.md"), include_str!("../../templates/huggingface/method.md"), &values)?;
     }
+    files.insert("leaderboard/leaderboard.jsonl".to_owned(), lines(&rows));
+    files.insert("leaderboard/leaderboard.csv".to_owned(), table(&rows)?);
     Ok(files)
 }
 
@@ -108,37 +106,10 @@ fn group(entry: &Entry) -> (bool, Option<Track>) {
     (is_apart, (!is_apart).then_some(entry.track))
 }
 
-/// The tables of sorted entries, with their titles and places.
-fn groups(entries: &[Entry]) -> impl Iterator<Item = (String, Range<usize>)> {
-    let mut end = 0;
-    entries.chunk_by(|a, b| group(a) == group(b)).map(move |members| {
-        let begin = end;
-        end += members.len();
-        let title = match group(&members[0]).1 {
-            Some(track) => format!("Track: {}", track.title()),
-            None => "Not ranked".to_owned(),
-        };
-        (title, begin..end)
-    })
-}
-
-/// Ranks of sorted entries in their track, by the digits of the headline that tables print: equals share one.
-fn ranks(entries: &[Entry]) -> Vec<Option<usize>> {
-    entries.chunk_by(|a, b| group(a) == group(b)).flat_map(ranks_in_order).collect()
-}
-
-fn ranks_in_order(entries: &[Entry]) -> Vec<Option<usize>> {
-    let printed = |entry: &Entry| {
-        let miou = entry.scores.get("miou").copied().flatten();
-        miou.map(|percent| (100.0 * percent).round() as i64)
-    };
-    let mut ranks: Vec<Option<usize>> = Vec::new();
-    for (place, entry) in entries.iter().enumerate() {
-        let tied = place.checked_sub(1).filter(|&before| printed(&entries[before]) == printed(entry));
-        let rank = tied.and_then(|before| ranks[before]).unwrap_or(place + 1);
-        ranks.push(entry.unranked_because.is_none().then_some(rank));
-    }
-    ranks
+/// The headline in the digits that tables print: entries with equal ones share a rank.
+fn printed(entry: &Entry) -> Option<i64> {
+    let miou = entry.scores.get("miou").copied().flatten();
+    miou.map(|percent| (100.0 * percent).round() as i64)
 }
 
 /// A row of the leaderboard; every row has the same columns.
@@ -170,14 +141,12 @@ fn table(rows: &[Value]) -> Result<Vec<u8>, DataError> {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     };
-    let refuse = |error: csv::Error| unwritable("leaderboard.csv", &error);
     let mut table = csv::Writer::from_writer(Vec::new());
-    let mut rows = rows.iter().filter_map(Value::as_object).peekable();
-    if let Some(row) = rows.peek() {
-        table.write_record(row.keys()).map_err(refuse)?;
-    }
-    for row in rows {
-        table.write_record(row.values().map(cell)).map_err(refuse)?;
-    }
+    let mut write = || {
+        let mut rows = rows.iter().filter_map(Value::as_object).peekable();
+        rows.peek().map_or(Ok(()), |row| table.write_record(row.keys()))?;
+        rows.try_for_each(|row| table.write_record(row.values().map(cell)))
+    };
+    write().map_err(|error| unwritable("leaderboard.csv", &error))?;
     table.into_inner().map_err(|error| unwritable("leaderboard.csv", &error))
 }

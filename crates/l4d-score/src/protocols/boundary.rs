@@ -7,8 +7,7 @@
 use l4d_masks::Mask;
 use l4d_masks::morphology::{dilated, edges, eroded_square};
 
-use super::judged::Value;
-use super::seen::Seen;
+use super::clip::{Seen, Value};
 
 /// Share of the diagonal that contours may lie apart.
 const CONTOUR_TOLERANCE: f64 = 0.008;

@@ -5,12 +5,10 @@
 //! (recall, decay). A query is an object.
 
 use super::boundary::{both, contour, region};
-use super::judged::{Judged, Value};
-use super::seen::{Clip, Seen};
+use super::clip::{Clip, Judged, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
-    name: "davis",
     source: "DAVIS 2017, semi-supervised",
     measures: &[
         Measure { key: "j_and_f", title: "J&F" },
@@ -22,6 +20,7 @@ pub(super) const RULES: Rules = Rules {
         Measure { key: "f_decay", title: "F-Decay" },
     ],
     on_missing: OnMissing::Stops,
+    resizes: false,
     averaging: Averaging::Queries,
     remark: "A query is an object. There are no void pixels.",
     judge,

@@ -5,13 +5,11 @@
 
 use l4d_data::Temporal;
 
-use super::judged::{Judged, Value};
+use super::clip::{Clip, Judged, Seen, Value};
 use super::langsplat::leaving_out_absent;
-use super::seen::{Clip, Seen};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
-    name: "4d-langsplat",
     source: "4D LangSplat, eval/eval.py",
     measures: &[
         Measure { key: "miou", title: "mIoU" },
@@ -19,6 +17,7 @@ pub(super) const RULES: Rules = Rules {
         Measure { key: "acc", title: "Acc" },
     ],
     on_missing: OnMissing::Stops,
+    resizes: false,
     averaging: Averaging::QueriesThenScenes,
     remark: "An answer of at least one pixel says that the sentence holds; the source says so where the \
              features of time are closer to it than on average.",

@@ -4,19 +4,18 @@
 //! 0.02 of the diagonal deep (Cheng et al., Boundary IoU, 2021).
 
 use super::boundary::boundary_iou;
-use super::judged::{Judged, Value};
+use super::clip::{Clip, Judged, Seen, Value};
 use super::langsplat::leaving_out_absent;
-use super::seen::{Clip, Seen};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
-    name: "gaussian-grouping",
     source: "Gaussian Grouping, script/eval_lerf_mask.py",
     measures: &[
         Measure { key: "miou", title: "mIoU" },
         Measure { key: "boundary_miou", title: "bound. mIoU" },
     ],
     on_missing: OnMissing::OwnRule,
+    resizes: true,
     averaging: Averaging::QueriesThenScenes,
     remark: "The source writes masks above 128; here they are as they were given.",
     judge,

@@ -3,15 +3,14 @@
 //! `eval/evaluate_iou_loc.py` lines 141 to 152 and 275 (IoU of the chosen level, mean over all pairs of a scene) and 162
 //! to 217 (localisation). Frames that do not show the object have no annotation, so nothing that is said there counts.
 
-use super::judged::{Judged, Value};
-use super::seen::{Clip, Seen};
+use super::clip::{Clip, Judged, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
-    name: "langsplat",
     source: "LangSplat, eval/evaluate_iou_loc.py",
     measures: &[Measure { key: "miou", title: "mIoU" }, Measure { key: "localisation", title: "loc. acc." }],
     on_missing: OnMissing::Stops,
+    resizes: false,
     averaging: Averaging::PairsThenScenes,
     remark: "The source cuts relevancy at 0.7 of its own range and looks at frames that show the object; \
              here masks are as they were given. Localization accuracy needs relevancy: `l4d import langsplat`.",

@@ -5,12 +5,10 @@
 //! folder counts 0.
 
 use super::boundary::{both, contour, region};
-use super::judged::{Judged, Value};
-use super::seen::{Clip, Seen};
+use super::clip::{Clip, Judged, Seen, Value};
 use super::{Averaging, Measure, OnMissing, Rules};
 
 pub(super) const RULES: Rules = Rules {
-    name: "mevis",
     source: "MeViS, tools/eval_mevis.py",
     measures: &[
         Measure { key: "j_and_f", title: "J&F" },
@@ -18,6 +16,7 @@ pub(super) const RULES: Rules = Rules {
         Measure { key: "f", title: "F" },
     ],
     on_missing: OnMissing::OwnRule,
+    resizes: false,
     averaging: Averaging::Queries,
     remark: "A query is an expression, a scene a video.",
     judge,

@@ -1,9 +1,8 @@
 //! What is in `scores-<protocol>/<method>/`: a sheet with everything that its numbers depend on.
 //!
-//! The rows of the CSV file are the base: numbers that are read back are derived from them anew, and those of the JSON
-//! file have to agree.
+//! The rows of the CSV file are the base: numbers that are read back are derived from them anew.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use l4d_data::results::{MethodCard, Used};
@@ -13,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::Protocol;
-use super::judged::{Judged, LeftOut, Value};
+use super::clip::{Judged, LeftOut, Value};
 use super::sheet::{Row, Sheet, file_stem};
 use crate::exam::{Exam, QuerySet};
 use crate::metrics::Options;
@@ -87,10 +86,9 @@ pub struct Record {
 struct File {
     schema: String,
     name: Name,
-    protocol: String,
+    protocol: Protocol,
     #[serde(flatten)]
     origin: Origin,
-    measures: BTreeMap<String, Option<f64>>,
     left_out: Vec<LeftOut>,
     partial: bool,
 }
@@ -123,34 +121,22 @@ impl Record {
             return Ok(None);
         }
         let again = format!("run `l4d score --protocol {protocol}` again");
-        let File { schema, name, protocol: named, origin, measures, left_out, partial } =
-            file::read(&json_path)?;
+        let File { schema, name, protocol: of, origin, left_out, partial } = file::read(&json_path)?;
         for (field, found, wanted) in [
             ("schema", schema.as_str(), SCHEMA),
             ("name", name.as_str(), method),
-            ("protocol", named.as_str(), protocol.as_str()),
+            ("protocol", of.as_str(), protocol.as_str()),
         ] {
             if found != wanted {
                 let message = format!("is `{found}` instead of `{wanted}`");
-                return Err(DataError::invalid(&json_path, format!("field `{field}`"), message, &again));
+                return Err(DataError::invalid(&json_path, format!("field `{field}`"), message, again));
             }
         }
-        let csv_path = path(scores, method, protocol, "csv");
-        let rows = read_rows(&csv_path, protocol, &again)?;
-        let sheet = Sheet { left_out, ..Sheet::new(protocol, name, rows, partial) };
-        for (index, measure) in protocol.measures().iter().enumerate() {
-            let derived = sheet.number(index).map(|ratio| 100.0 * ratio);
-            let is_same = match (derived, measures.get(measure.key).copied().flatten()) {
-                (Some(derived), Some(told)) => (derived - told).abs() < TOLERANCE,
-                (derived, told) => derived == told,
-            };
-            if !is_same {
-                let message =
-                    format!("`{}` of the JSON file beside it does not follow from these rows", measure.key);
-                return Err(DataError::invalid(&csv_path, "rows", message, again));
-            }
-        }
-        Ok(Some(Self { origin, sheet }))
+        let rows = read_rows(&path(scores, method, protocol, "csv"), protocol, &again)?;
+        Ok(Some(Self {
+            origin,
+            sheet: Sheet { protocol, method: name, rows, left_out, is_partial: partial },
+        }))
     }
 
     /// What keeps the method from being compared with others as an equal: `baseline`, `used ground truth`, ...
@@ -185,12 +171,11 @@ fn read_rows(path: &Path, protocol: Protocol, again: &str) -> Result<Vec<Row>, D
     }
     let mut seen = BTreeSet::new();
     let mut rows = Vec::new();
-    for (index, line) in lines.records().enumerate() {
+    for (index, line) in lines.deserialize::<Line>().enumerate() {
         // The header is line 1.
         let number = index + 2;
         let line = line.map_err(|error| invalid(number, error.to_string()))?;
-        let fields: Vec<&str> = line.iter().collect();
-        let row = row(&fields, protocol).map_err(|message| invalid(number, message))?;
+        let row = row(line, protocol).map_err(|message| invalid(number, message))?;
         if !seen.insert(row.id.clone()) {
             return Err(invalid(number, format!("names the query {} a second time", row.id)));
         }
@@ -199,24 +184,24 @@ fn read_rows(path: &Path, protocol: Protocol, again: &str) -> Result<Vec<Row>, D
     Ok(rows)
 }
 
-fn row(fields: &[&str], protocol: Protocol) -> Result<Row, String> {
-    let [name, scene, query, values @ ..] = fields else { return Err("has too few fields".to_owned()) };
-    if *name != protocol.as_str() {
+/// Protocol, scene, number of the query, then percent and frames of each measure.
+type Line = (Protocol, String, String, Vec<Option<f64>>);
+
+fn row((name, scene, number, values): Line, protocol: Protocol) -> Result<Row, String> {
+    if name != protocol {
         return Err(format!("is of the protocol `{name}`"));
     }
-    let id: QueryId = format!("{scene}/{query}").parse().map_err(|error| format!("{error}"))?;
-    let value = |pair: &[&str]| {
-        let [value, frames] = pair else { return Err("has too few fields".to_owned()) };
-        let frames: u64 =
-            frames.parse().map_err(|error| format!("`{frames}` is no number of frames: {error}"))?;
-        if value.is_empty() {
-            return Ok(None);
+    let id: QueryId = format!("{scene}/{number}").parse().map_err(|error| format!("{error}"))?;
+    let value = |pair: &[Option<f64>]| match *pair {
+        [Some(percent), Some(frames)] => {
+            let is_sound = (-100.0 - TOLERANCE..=100.0 + TOLERANCE).contains(&percent);
+            let mean = percent / 100.0;
+            is_sound
+                .then_some(Some(Value { mean, frames: frames as u64 }))
+                .ok_or(format!("`{percent}` is no percentage"))
         }
-        let percent: f64 = value.parse().map_err(|error| format!("`{value}` is no percentage: {error}"))?;
-        match (-100.0 - TOLERANCE..=100.0 + TOLERANCE).contains(&percent) {
-            true => Ok(Some(Value { mean: percent / 100.0, frames })),
-            false => Err(format!("`{value}` is no percentage")),
-        }
+        [None, Some(_)] => Ok(None),
+        _ => Err("has a value without frames".to_owned()),
     };
     let values = values.chunks(2).map(value).collect::<Result<Vec<_>, String>>()?;
     Ok(Row { id, judged: Judged::new(values) })
@@ -275,15 +260,15 @@ mod tests {
         for (ending, from, to, told) in [
             ("csv", ",70,", ",NaN,", "line 3: `NaN` is no percentage"),
             ("csv", ",70,", ",170,", "line 3: `170` is no percentage"),
-            ("csv", ",70,", ",71,", "`miou` of the JSON file beside it does not follow from these rows"),
             ("csv", "gym,001", "farm,001", "line 4: names the query farm/001 a second time"),
             ("csv", "gym,001", "../gym,001", "line 4: "),
             ("csv", "langsplat,gym", "davis,gym", "line 4: is of the protocol `davis`"),
+            ("csv", "langsplat,gym", "bull,gym", "line 4: "),
             ("csv", "miou", "moiu", "line 1: is no header of this protocol"),
             ("csv", ",0,3,", ",0,", "line 4: "),
             ("json", "l4d/protocol/1", "l4d/protocol/0", "field `schema`"),
             ("json", "\"mine\"", "\"yours\"", "field `name`: is `yours` instead of `mine`"),
-            ("json", "\"langsplat\"", "\"davis\"", "field `protocol`"),
+            ("json", "\"langsplat\"", "\"davis\"", "field `protocol`: is `davis` instead of `langsplat`"),
         ] {
             let good = std::fs::read_to_string(path(ending)).unwrap();
             assert!(good.contains(from), "{from} is not in\n{good}");

@@ -9,9 +9,8 @@ use l4d_data::{DataError, Name, Query, QueryId, Report};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::judged::Judged;
+use super::clip::{Clip, Judged, Summits};
 use super::record::{Origin, Record};
-use super::seen::{Clip, Summits};
 use super::sheet::{Row, Sheet};
 use super::{OnMissing, Protocol};
 use crate::exam::{Exam, SceneExam};
@@ -41,13 +40,13 @@ impl Protocolled {
         let methods: Vec<Value> = self.sheets.iter().map(Sheet::to_json).collect();
         json!({
             "protocol": self.protocol.as_str(),
-            "source": self.protocol.source(),
+            "source": self.protocol.rules().source,
             "is_headline": false,
             "profile": exam.profile,
             "set": exam.set,
             "benchmark_version": exam.bench.manifest.version,
             "truth_digest": exam.truth_digest,
-            "remark": self.protocol.remark(),
+            "remark": self.protocol.rules().remark,
             "methods": methods,
             "findings": self.report.into_sorted(),
         })
@@ -68,7 +67,7 @@ pub fn judge_results(
     progress: impl Fn(&str),
 ) -> Result<Protocolled, DataError> {
     let mut report = Report::default();
-    let resize = options.resize || protocol.resizes();
+    let resize = options.resize || protocol.rules().resizes;
     let options = Options { resize, ..*options };
     let sheets = each_method(root, exam, resize, &mut report, progress, |dir, card, found| {
         let sheet = judge_method(dir, &card, exam, protocol, &options, found)?;
@@ -115,7 +114,7 @@ fn read_scene(
     options: &Options,
     report: &mut Report,
 ) -> BTreeMap<QueryId, Vec<Answer>> {
-    let is_refused = options.missing == Missing::Error && protocol.on_missing() == OnMissing::Stops;
+    let is_refused = options.missing == Missing::Error && protocol.rules().on_missing == OnMissing::Stops;
     let reader = SceneReader::open(dir, scene, options.resize, Holes::reported_if(is_refused), report);
     let read = |query: &&Query| {
         let mut found = Report::default();
@@ -183,15 +182,15 @@ fn judge_scene(
 
 /// A source that stops has no rule for missing answers: what was asked for says what they mean.
 fn judge(protocol: Protocol, mut clip: Clip<'_>, missing: Missing) -> Judged {
-    if protocol.on_missing() == OnMissing::OwnRule {
-        return protocol.judge(&clip);
+    if protocol.rules().on_missing == OnMissing::OwnRule {
+        return (protocol.rules().judge)(&clip);
     }
     let count = clip.seen.iter().filter(|seen| seen.is_missing()).count();
     match missing {
         Missing::Skip => {
             clip.seen.retain(|seen| !seen.is_missing());
-            protocol.judge(&clip).leaving_out(SKIPPED, count)
+            (protocol.rules().judge)(&clip).leaving_out(SKIPPED, count)
         }
-        Missing::Zero | Missing::Error => protocol.judge(&clip).leaving_out(COUNTED, count),
+        Missing::Zero | Missing::Error => (protocol.rules().judge)(&clip).leaving_out(COUNTED, count),
     }
 }

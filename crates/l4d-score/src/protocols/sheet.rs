@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use l4d_data::{Name, QueryId};
 use serde_json::{Map, Value as Json, json};
 
-use super::judged::{Judged, LeftOut, Value};
+use super::clip::{Judged, LeftOut, Value};
 use super::{Averaging, Measure, Protocol};
 use crate::metrics::mean;
-
-const NAME_WIDTH: usize = 24;
+use crate::table::{NAME_WIDTH, line, percent, wrapped};
 
 /// What a protocol says of one query.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +51,7 @@ impl Sheet {
     /// The number of a measure, 0 to 1; none where nothing is to be averaged.
     pub fn number(&self, measure: usize) -> Option<f64> {
         let scenes = self.scenes();
-        match self.protocol.averaging() {
+        match self.protocol.rules().averaging {
             Averaging::Queries => mean_of_queries(self.rows.iter(), measure),
             Averaging::PairsThenScenes | Averaging::QueriesThenScenes => {
                 mean(scenes.values().filter_map(|rows| self.of_scene(rows, measure)))
@@ -62,7 +61,7 @@ impl Sheet {
 
     /// The number of the measure of that key.
     pub fn get(&self, key: &str) -> Option<f64> {
-        let measure = self.protocol.measures().iter().position(|measure| measure.key == key)?;
+        let measure = self.protocol.rules().measures.iter().position(|measure| measure.key == key)?;
         self.number(measure)
     }
 
@@ -108,7 +107,7 @@ impl Sheet {
     }
 
     fn numbers(&self, number: impl Fn(usize) -> Option<f64>) -> Json {
-        let measures = self.protocol.measures().iter().enumerate();
+        let measures = self.protocol.rules().measures.iter().enumerate();
         let percent = |measure| number(measure).map(|ratio| 100.0 * ratio);
         measures
             .map(|(index, measure)| (measure.key.to_owned(), json!(percent(index))))
@@ -117,7 +116,7 @@ impl Sheet {
     }
 
     fn of_scene(&self, rows: &[&Row], measure: usize) -> Option<f64> {
-        match self.protocol.averaging() {
+        match self.protocol.rules().averaging {
             Averaging::PairsThenScenes => {
                 let values = || rows.iter().filter_map(|row| row.judged.values[measure]);
                 let frames: u64 = values().map(|value| value.frames).sum();
@@ -156,29 +155,28 @@ fn sum<'a>(parts: impl Iterator<Item = &'a LeftOut>) -> Vec<LeftOut> {
 
 /// Columns of the CSV file.
 pub(super) fn columns(protocol: Protocol) -> Vec<String> {
-    let measures = protocol.measures().iter();
+    let measures = protocol.rules().measures.iter();
     let pairs = measures.flat_map(|measure| [measure.key.to_owned(), format!("{}_frames", measure.key)]);
     ["protocol", "scene", "query"].map(str::to_owned).into_iter().chain(pairs).collect()
 }
 
 /// Stem of the files of a protocol, so that none can be taken for another.
-pub fn file_stem(protocol: Protocol) -> String {
+pub(super) fn file_stem(protocol: Protocol) -> String {
     format!("protocol-{protocol}")
 }
 
 /// The numbers of methods under one protocol, percent, and what the source leaves out. Its name is above.
 pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
-    let mut text = format!("protocol {protocol} ({}), never ranked\n", protocol.source());
+    let mut text = format!("protocol {protocol} ({}), never ranked\n", protocol.rules().source);
     let width = |measure: &Measure| 8.max(measure.title.len() + 1);
-    let titles = protocol.measures().iter().map(|measure| format!("{:>1$}", measure.title, width(measure)));
+    let titles =
+        protocol.rules().measures.iter().map(|measure| format!("{:>1$}", measure.title, width(measure)));
     line(&mut text, protocol.as_str(), titles.chain([format!("{:>9}", "queries")]));
     for sheet in sheets {
         let cell = |(index, measure): (usize, &Measure)| {
-            let number =
-                sheet.number(index).map_or_else(|| "-".to_owned(), |ratio| format!("{:.2}", 100.0 * ratio));
-            format!("{number:>0$}", width(measure))
+            format!("{:>1$}", percent(sheet.number(index).map(|ratio| 100.0 * ratio)), width(measure))
         };
-        let cells = protocol.measures().iter().enumerate().map(cell);
+        let cells = protocol.rules().measures.iter().enumerate().map(cell);
         let mark = if sheet.is_partial { " partial" } else { "" };
         let cells = cells.chain([format!("{:>9}{mark}", sheet.queries())]);
         if sheet.method.len() <= NAME_WIDTH {
@@ -189,52 +187,34 @@ pub fn render(protocol: Protocol, sheets: &[Sheet]) -> String {
             line(&mut text, "", cells);
         }
     }
-    for (LeftOut { what, queries, frames }, methods) in shared(sheets) {
-        let who = match methods.len() == sheets.len() && sheets.len() > 1 {
-            true => "every method".to_owned(),
-            false => methods.join(", "),
-        };
-        text.push_str(&wrapped(&format!("{who}: {frames} frames of {queries} queries {what}.")));
+    let left_out = sheets.iter().map(|sheet| (sheet.method.as_str(), sheet.left_out.as_slice()));
+    for (who, LeftOut { what, queries, frames }) in shared(left_out) {
+        text.push_str(&wrapped(&format!("{}: {frames} frames of {queries} queries {what}.", who.join(", "))));
     }
-    text.push_str(&wrapped(protocol.remark()));
+    text.push_str(&wrapped(protocol.rules().remark));
     text
 }
 
-/// What was left out, with the methods of which the same is true.
-fn shared(sheets: &[Sheet]) -> Vec<(LeftOut, Vec<&str>)> {
-    let mut all: Vec<(LeftOut, Vec<&str>)> = Vec::new();
-    for sheet in sheets {
-        for one in &sheet.left_out {
-            match all.iter_mut().find(|(other, _)| other == one) {
-                Some((_, methods)) => methods.push(sheet.method.as_str()),
-                None => all.push((one.clone(), vec![sheet.method.as_str()])),
+/// What was left out of each method, once for all of which the same is true; of all of several it is true of "every
+/// method".
+pub fn shared<'a>(
+    methods: impl Iterator<Item = (&'a str, &'a [LeftOut])>,
+) -> Vec<(Vec<&'a str>, &'a LeftOut)> {
+    let mut all: Vec<(Vec<&str>, &LeftOut)> = Vec::new();
+    let mut count = 0;
+    for (method, left_out) in methods {
+        count += 1;
+        for one in left_out {
+            match all.iter_mut().find(|(_, other)| *other == one) {
+                Some((methods, _)) => methods.push(method),
+                None => all.push((vec![method], one)),
             }
         }
+    }
+    for (methods, _) in all.iter_mut().filter(|(methods, _)| methods.len() == count && count > 1) {
+        *methods = vec!["every method"];
     }
     all
-}
-
-fn line(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
-    let row = format!("{name:<NAME_WIDTH$}{}", cells.collect::<String>());
-    text.push_str(row.trim_end());
-    text.push('\n');
-}
-
-/// Lines of at most 100 columns.
-fn wrapped(sentence: &str) -> String {
-    let mut lines = vec![String::new()];
-    for word in sentence.split_whitespace() {
-        let last = lines.len() - 1;
-        if !lines[last].is_empty() && lines[last].len() + 1 + word.len() > 100 {
-            lines.push(word.to_owned());
-        } else {
-            if !lines[last].is_empty() {
-                lines[last].push(' ');
-            }
-            lines[last].push_str(word);
-        }
-    }
-    lines.join("\n") + "\n"
 }
 
 fn mean_of_queries<'a>(rows: impl Iterator<Item = &'a Row>, measure: usize) -> Option<f64> {

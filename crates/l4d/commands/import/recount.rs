@@ -66,6 +66,6 @@ impl Recounted {
 }
 
 fn numbers(sheet: &Sheet) -> Vec<(&'static str, f64)> {
-    let measures = sheet.protocol.measures().iter().enumerate();
+    let measures = sheet.protocol.rules().measures.iter().enumerate();
     measures.filter_map(|(index, measure)| Some((measure.key, sheet.number(index)?))).collect()
 }

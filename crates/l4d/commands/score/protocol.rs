@@ -23,7 +23,7 @@ pub(super) fn run(
             "drop it, or score with --protocol l4d",
         ));
     }
-    if options.missing != Missing::Error && protocol.on_missing() == OnMissing::OwnRule {
+    if options.missing != Missing::Error && protocol.rules().on_missing == OnMissing::OwnRule {
         return Err(refusal(
             format!("the protocol {protocol} says itself what a missing mask means"),
             "drop --missing",

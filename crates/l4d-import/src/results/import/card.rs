@@ -27,9 +27,6 @@ pub struct Identity {
     pub depth: bool,
 }
 
-/// The protocol that masks of the whole clip are scored under.
-const PROTOCOL: &str = "l4d";
-
 /// Writes results below a folder of methods; gives the folder of this one.
 ///
 /// # Errors
@@ -57,26 +54,23 @@ pub fn write(
         let file = MaskFile { size: [height, width], frames };
         json::write_compact(&dir.mask_file(query), &file)?;
     }
+    let digest = request.bench.truth_digest(profile)?;
     let card = MethodCard {
-        name: identity.name.clone(),
-        version: identity.version.clone(),
         link: request.preset.link.clone(),
-        benchmark_version: request.bench.manifest.version.clone(),
-        truth_digest: request.bench.truth_digest(profile)?,
-        profile,
-        width: profile.width(),
-        height: profile.height(),
-        frames: profile.frames().collect(),
-        protocol: PROTOCOL.to_owned(),
         used: Used { test_view: identity.test_view, depth: identity.depth, ..Used::default() },
-        baseline: false,
-        seconds: None,
         reported: imported.claimed.clone(),
         import: Some(Import {
             format: request.preset.name.clone(),
             assumptions: imported.assumptions.clone(),
             inputs: imported.inputs.clone(),
         }),
+        ..MethodCard::new(
+            identity.name.clone(),
+            &identity.version,
+            &request.bench.manifest.version,
+            digest,
+            profile,
+        )
     };
     json::write(&dir.card(), &card)?;
     Ok(dir.root().to_owned())
