@@ -152,7 +152,8 @@ mod tests {
     #[test]
     fn sorting_is_stable_whatever_the_keys_are_like() {
         let count = 3 * BLOCK + 29;
-        let keys: [(&str, u32, fn(u32) -> u32); 12] = [
+        type Key = fn(u32) -> u32;
+        let keys: [(&str, u32, Key); 12] = [
             ("all zero", 32, |_| 0),
             ("all the largest", 32, |_| u32::MAX),
             ("sorted", 32, |i| i),

@@ -104,7 +104,8 @@ fn checkpoints_that_cannot_be_are_not_written() {
     let moment = |broken: &mut Checkpoint, change: fn(&mut Tensor)| {
         change(broken.training.tensors.get_mut("adam/means/first").unwrap());
     };
-    let cases: [(&dyn Fn(&mut Checkpoint), &str); 7] = [
+    type Breaks<'a> = &'a dyn Fn(&mut Checkpoint);
+    let cases: [(Breaks, &str); 7] = [
         (&|c| c.model.dynamic = vec![0, 5], "field `dynamic`: names Gaussian 5, but there are 5"),
         (&|c| c.model.dynamic = vec![2, 2], "has 2 before 2, but the list ascends"),
         (&|c| c.model.field = None, "there is no deformation field"),
