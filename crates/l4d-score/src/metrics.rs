@@ -238,14 +238,44 @@ impl Metric {
 
     /// Title of a column.
     pub fn title(self) -> &'static str {
+        self.texts().0
+    }
+
+    /// Title of a narrow column, at most 7 letters.
+    pub(crate) fn short_title(self) -> &'static str {
+        self.texts().1
+    }
+
+    /// What it says, in a sentence for readers of tables.
+    pub fn about(self) -> &'static str {
+        self.texts().2
+    }
+
+    fn texts(self) -> (&'static str, &'static str, &'static str) {
         match self {
-            Self::Miou => "mIoU",
-            Self::Macc => "mAcc",
-            Self::Acc25 => "Acc@0.25",
-            Self::Acc50 => "Acc@0.5",
-            Self::TubeIou => "tube IoU",
-            Self::Select => "select",
-            Self::FalsePositiveRate => "FPR",
+            Self::Miou => (
+                "mIoU",
+                "mIoU",
+                "Mean IoU over the frames that show the target, then over queries. The headline.",
+            ),
+            Self::Macc => (
+                "mAcc",
+                "mAcc",
+                "Share of those frames in which prediction and truth share a pixel: kind to large masks.",
+            ),
+            Self::Acc25 => ("Acc@0.25", "Acc@.25", "Share of those frames with IoU above 0.25."),
+            Self::Acc50 => ("Acc@0.5", "Acc@.5", "Share of those frames with IoU above 0.5."),
+            Self::TubeIou => {
+                ("tube IoU", "tube", "Intersections over unions, summed over the whole clip: time matters.")
+            }
+            Self::Select => {
+                ("select", "select", "Share of queries whose most-overlapped thing is the one that is meant.")
+            }
+            Self::FalsePositiveRate => (
+                "FPR",
+                "FPR",
+                "Share of frames without a target in which something was marked; lower is better.",
+            ),
         }
     }
 

@@ -66,8 +66,8 @@ fn estimate(found: Estimate) -> String {
 }
 
 fn headline(text: &mut String, summaries: &[Summary]) {
-    const COLUMNS: [&str; 8] = ["mIoU", "mAcc", "Acc@.25", "Acc@.5", "tube", "select", "FPR", "queries"];
-    let titles = COLUMNS.iter().map(|title| format!("{title:>8}"));
+    let titles = Metric::ALL.into_iter().map(Metric::short_title).chain(["queries"]);
+    let titles = titles.map(|title| format!("{title:>8}"));
     line(text, "method", titles);
     for summary in summaries {
         let Metrics { percent: values, queries } = &summary.scores.headline;

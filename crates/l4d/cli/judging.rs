@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
 use l4d_score::{Baseline, Missing, Protocol, QuerySet};
 
@@ -58,13 +59,12 @@ pub(crate) enum ProtocolArg {
     Other(Protocol),
 }
 
-fn protocol(name: &str) -> Result<ProtocolArg, String> {
-    if name == PROTOCOL {
-        return Ok(ProtocolArg::L4d);
-    }
-    let found = Protocol::ALL.into_iter().find(|protocol| protocol.as_str() == name);
-    let names = Protocol::ALL.map(Protocol::as_str).join(", ");
-    found.map(ProtocolArg::Other).ok_or_else(|| format!("is no protocol; there are {names}, {PROTOCOL}"))
+fn protocols() -> impl TypedValueParser<Value = ProtocolArg> {
+    let others = Protocol::ALL.map(Protocol::as_str);
+    PossibleValuesParser::new(std::iter::once(PROTOCOL).chain(others)).map(|name| {
+        let other = Protocol::ALL.into_iter().find(|protocol| protocol.as_str() == name);
+        other.map_or(ProtocolArg::L4d, ProtocolArg::Other)
+    })
 }
 
 #[derive(Debug, Args)]
@@ -77,9 +77,8 @@ pub(crate) struct ScoreArgs {
     /// Which sentences are judged
     #[arg(long, default_value = "queries", value_parser = one_of::<QuerySet>(SETS))]
     pub(crate) set: QuerySet,
-    /// Whose evaluation judges: l4d, or the sums of another one done again (langsplat, 4d-langsplat, davis, mevis,
-    /// gaussian-grouping), which is never ranked
-    #[arg(long, value_name = "NAME", default_value = "l4d", value_parser = protocol)]
+    /// Whose evaluation judges: ours, or the sums of another one done again, which is never ranked (docs/protocols.md)
+    #[arg(long, value_name = "NAME", default_value = PROTOCOL, value_parser = protocols())]
     pub(crate) protocol: ProtocolArg,
     /// Folder that receives <method>/counts.csv; default: scores, or scores-composites; with another protocol its name
     /// is appended

@@ -41,25 +41,9 @@ fn metric(metric: Metric) -> Value {
     json!({
         "key": metric.key(),
         "title": metric.title(),
-        "about": about(metric),
+        "about": metric.about(),
         "higher": metric.higher_is_better(),
     })
-}
-
-fn about(metric: Metric) -> &'static str {
-    match metric {
-        Metric::Miou => "Mean IoU over the frames that show the target, then over queries. The headline.",
-        Metric::Macc => {
-            "Share of those frames in which prediction and truth share a pixel: kind to large masks."
-        }
-        Metric::Acc25 => "Share of those frames with IoU above 0.25.",
-        Metric::Acc50 => "Share of those frames with IoU above 0.5.",
-        Metric::TubeIou => "Intersections over unions, summed over the whole clip: time matters.",
-        Metric::Select => "Share of queries whose most-overlapped thing is the one that is meant.",
-        Metric::FalsePositiveRate => {
-            "Share of frames without a target in which something was marked; lower is better."
-        }
-    }
 }
 
 fn method(board: &Board, method: &Method) -> Value {
