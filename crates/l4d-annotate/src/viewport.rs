@@ -42,13 +42,13 @@ impl Viewport {
     /// Zooms by steps, in when positive; the middle stays in its place.
     #[must_use]
     pub(crate) fn zoomed(self, steps: i32) -> Self {
-        Self { zoom: (self.zoom * ZOOM_STEP.powi(steps)).clamp(1.0, MAX_ZOOM), ..self }.settled()
+        Self { zoom: (self.zoom * ZOOM_STEP.powi(steps)).clamp(1.0, MAX_ZOOM), ..self }.clamped()
     }
 
     /// Moves by fractions of the shown part.
     #[must_use]
     pub(crate) fn panned(self, by: DVec2) -> Self {
-        Self { centre: self.centre + by / self.zoom, ..self }.settled()
+        Self { centre: self.centre + by / self.zoom, ..self }.clamped()
     }
 
     /// Shows a box of pixels with some air around it.
@@ -58,11 +58,11 @@ impl Viewport {
         let share = (last - first) / picture.as_dvec2();
         let zoom = (1.0 - 2.0 * AIR).max(0.1) / share.max_element().max(1e-3);
         let centre = (first + last) / 2.0 / picture.as_dvec2();
-        Self { centre, zoom: zoom.clamp(1.0, MAX_ZOOM) }.settled()
+        Self { centre, zoom: zoom.clamp(1.0, MAX_ZOOM) }.clamped()
     }
 
     /// Keeps the shown part inside the picture.
-    fn settled(self) -> Self {
+    fn clamped(self) -> Self {
         let zoom = if self.zoom < 1.01 { 1.0 } else { self.zoom };
         let reach = DVec2::splat(0.5 / zoom);
         Self { centre: self.centre.clamp(reach, 1.0 - reach), zoom }

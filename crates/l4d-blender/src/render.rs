@@ -180,7 +180,7 @@ pub(crate) fn render(
     if total == 0 {
         return Ok(0);
     }
-    let crew = Crew {
+    let crew = Workers {
         env,
         work,
         progress,
@@ -216,7 +216,7 @@ fn of_shard(images: Vec<Image>, shard: Option<Shard>, profile: Profile) -> Vec<I
 }
 
 /// What the supervisors of workers share.
-struct Crew<'a> {
+struct Workers<'a> {
     env: &'a BlenderEnv,
     work: &'a SharedWork,
     progress: &'a dyn Progress,
@@ -225,7 +225,7 @@ struct Crew<'a> {
     stop: AtomicBool,
 }
 
-impl Crew<'_> {
+impl Workers<'_> {
     /// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
     fn render_piece(&self, piece: &Piece<'_>) -> Result<()> {
         let mut images = piece.images.clone();

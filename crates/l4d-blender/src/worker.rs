@@ -1,4 +1,4 @@
-//! One worker: a child process that speaks JSON Lines on stdout and talks into a log file on stderr.
+//! One worker: a child process that speaks JSON Lines on stdout and logs to a file on stderr.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader};
@@ -32,7 +32,7 @@ pub(crate) enum WorkerEvent {
     },
     /// Everything that was asked for is done.
     Done,
-    /// Talk of a newer worker.
+    /// An event that this version does not know.
     #[serde(other)]
     Other,
 }
@@ -42,11 +42,11 @@ pub(crate) enum WorkerEvent {
 pub(crate) enum WorkerEnd {
     /// It did everything.
     Done,
-    /// It was told to stop.
+    /// The caller stopped it.
     Stopped,
     /// It gave up with a reason of its own: trying again would end the same way.
     Refused(StageError),
-    /// It died without a word (killed, out of memory, crashed).
+    /// It ended without an error event (killed, out of memory, crashed).
     Died(StageError),
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn run(
     let mut reason = None;
     let mut done = false;
     for line in stdout.into_iter().flat_map(|stdout| BufReader::new(stdout).lines()) {
-        // A line that is cut or no JSON is talk of a library; the exit status tells how it ended.
+        // A line that is cut or no JSON comes from a library; the exit status says how the worker ended.
         let line = line.map_err(failed.clone()("read from"))?;
         let Ok(event) = serde_json::from_str(&line) else { continue };
         match &event {
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_silent_death_is_told_from_a_reason() {
+    fn a_worker_that_dies_differs_from_one_that_refuses() {
         let (end, _) = run_shell("echo 'out of memory' >&2; kill -9 $$");
         assert!(
             matches!(&end, WorkerEnd::Died(error) if error.to_string().contains("out of memory")),

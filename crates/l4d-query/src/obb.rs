@@ -75,11 +75,11 @@ impl Obb {
         local.abs().cmple(self.half * scale).all()
     }
 
-    /// Whether a point lies, in plan view, inside the shadow of the box scaled about its centre.
+    /// Whether a point lies, in plan view, inside the footprint of the box scaled about its centre.
     ///
-    /// The shadow of a box is the sum of three segments, so a point is inside if it is within reach along the normal
+    /// The footprint of a box is the sum of three segments, so a point is inside if it is within reach along the normal
     /// of each of its sides.
-    pub(crate) fn shades(&self, point: DVec2, scale: f64) -> bool {
+    pub(crate) fn footprint_contains(&self, point: DVec2, scale: f64) -> bool {
         let offset = point - self.centre.truncate();
         let edges = self.edges().map(DVec3::truncate);
         let sides = edges.iter().filter(|edge| edge.length_squared() > 1e-12);
@@ -153,9 +153,9 @@ mod tests {
     #[test]
     fn the_shadow_of_a_turned_box_is_turned() {
         let diamond = turned([0.0; 3], [1.0; 3], 45.0);
-        assert!(diamond.shades(DVec2::new(0.69, 0.0), 1.0));
-        assert!(!diamond.shades(DVec2::new(0.5, 0.5), 1.0));
-        assert!(!diamond.shades(DVec2::new(0.69, 0.0), 0.9));
+        assert!(diamond.footprint_contains(DVec2::new(0.69, 0.0), 1.0));
+        assert!(!diamond.footprint_contains(DVec2::new(0.5, 0.5), 1.0));
+        assert!(!diamond.footprint_contains(DVec2::new(0.69, 0.0), 0.9));
         assert!(diamond.contains(DVec3::new(0.69, 0.0, 0.4), 1.0));
         assert!(!diamond.contains(DVec3::new(0.5, 0.5, 0.4), 1.0));
     }

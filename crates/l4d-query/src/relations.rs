@@ -118,7 +118,7 @@ impl Moment<'_, '_> {
 
     fn rises_from(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
         let (above, below) = (self.obb(subject), self.obb(other));
-        below.shades(above.centre.truncate(), self.slack.at_most(1.0))
+        below.footprint_contains(above.centre.truncate(), self.slack.at_most(1.0))
             && above.centre.z >= below.bottom() + self.slack.at_least(ON_HEIGHT_SHARE) * below.height()
             && above.rounded().0 > below.bottom()
     }
@@ -131,7 +131,7 @@ impl Moment<'_, '_> {
     fn is_under(&self, subject: &TrackedInstance, other: &TrackedInstance) -> bool {
         let (below, above) = (self.obb(subject), self.obb(other));
         let (bottom, top) = below.rounded();
-        above.shades(below.centre.truncate(), self.slack.at_most(1.0))
+        above.footprint_contains(below.centre.truncate(), self.slack.at_most(1.0))
             && top <= above.top()
             && bottom <= above.bottom() + self.slack.at_most(UNDER_HEIGHT_SHARE) * above.height()
             && below.centre.z < above.centre.z

@@ -1,22 +1,22 @@
-//! More Gaussians where the picture asks for them, fewer where they leave no trace.
+//! Adaptive density control: Gaussians are cloned, split and pruned.
 //!
-//! Adaptive density control of 3D Gaussian splatting, with a budget instead of thresholds on the count: what is nearly
-//! transparent or absurdly large goes, and the room is given to those with the largest gradients by their projected centres.
+//! As in 3D Gaussian splatting, with a budget instead of thresholds on the count: what is nearly transparent or absurdly
+//! large is pruned, and the room goes to those with the largest gradients by their projected centres.
 
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::gaussians::Gaussians;
 
-/// Less opaque Gaussians go.
-const FAINTEST: f32 = 0.02;
-/// Length of the mean gradient by the projected centre (normalised device coordinates) from which on a Gaussian is
-/// refined.
+/// Gaussians of lower opacity are pruned.
+const MIN_OPACITY: f32 = 0.02;
+/// Length of the mean gradient by the projected centre (normalised device coordinates) above which a Gaussian is
+/// cloned or split.
 const GRADIENT_THRESHOLD: f32 = 1.0e-4;
-/// Most of the Gaussians that are refined at once.
-const SHARE: f32 = 0.08;
+/// Largest share of the Gaussians that is cloned or split at once.
+const MOST_REFINED: f32 = 0.08;
 /// Halves of a split Gaussian are so many times smaller.
-const SMALLER: f32 = 1.6;
+const SPLIT_FACTOR: f32 = 1.6;
 
 #[derive(Debug, PartialEq)]
 pub(super) struct RowChange {
@@ -24,16 +24,16 @@ pub(super) struct RowChange {
     pub(super) sources: Vec<(u32, bool)>,
 }
 
-/// What is refined and what goes.
+/// What decides which Gaussians are cloned, split and pruned.
 #[derive(Debug)]
 pub(super) struct DensityInput<'a> {
     /// Mean length of the gradient by the projected centre.
     pub(super) gradient_norm: &'a [f32],
     /// Opacities that count: the largest over the clip.
     pub(super) opacity: &'a [f32],
-    /// Gaussians wider than this go, metres.
+    /// Gaussians wider than this are pruned, metres.
     pub(super) widest_m: &'a [f32],
-    /// Gaussians wider than this are split, others doubled, metres.
+    /// Gaussians wider than this are split, others cloned, metres.
     pub(super) split_m: &'a [f32],
     /// Most Gaussians afterwards.
     pub(super) most: usize,
@@ -48,10 +48,10 @@ pub(super) fn densify(
     let width =
         |row: usize| gaussians.log_scales[row].iter().copied().fold(f32::NEG_INFINITY, f32::max).exp();
     let stays: Vec<u32> = (0..gaussians.len())
-        .filter(|&row| input.opacity[row] >= FAINTEST && width(row) <= input.widest_m[row])
+        .filter(|&row| input.opacity[row] >= MIN_OPACITY && width(row) <= input.widest_m[row])
         .map(|row| row as u32)
         .collect();
-    let room = input.most.saturating_sub(stays.len()).min((SHARE * stays.len() as f32) as usize);
+    let room = input.most.saturating_sub(stays.len()).min((MOST_REFINED * stays.len() as f32) as usize);
     let mut refined: Vec<u32> =
         stays.iter().copied().filter(|&row| input.gradient_norm[row as usize] > GRADIENT_THRESHOLD).collect();
     refined.sort_by(|&a, &b| {
@@ -72,14 +72,14 @@ pub(super) fn densify(
             // Both halves move: each to a place drawn from the whole.
             sources[first].1 = false;
             for half in [first, second] {
-                let offset = drawn(gaussians, half, random);
+                let offset = sampled_offset(gaussians, half, random);
                 for (mean, offset) in gaussians.means[half].iter_mut().zip(offset) {
                     *mean += offset;
                 }
             }
             for half in [first, second] {
                 for log_scale in &mut gaussians.log_scales[half] {
-                    *log_scale -= SMALLER.ln();
+                    *log_scale -= SPLIT_FACTOR.ln();
                 }
             }
         }
@@ -88,9 +88,9 @@ pub(super) fn densify(
 }
 
 /// An offset from the centre, distributed as the Gaussian is.
-fn drawn(gaussians: &Gaussians, row: usize, random: &mut ChaCha8Rng) -> [f32; 3] {
+fn sampled_offset(gaussians: &Gaussians, row: usize, random: &mut ChaCha8Rng) -> [f32; 3] {
     let own: [f32; 3] = std::array::from_fn(|axis| normal(random) * gaussians.log_scales[row][axis].exp());
-    turned(gaussians.rotations[row], own)
+    rotated(gaussians.rotations[row], own)
 }
 
 /// A standard normal number (Box and Muller).
@@ -99,7 +99,7 @@ fn normal(random: &mut ChaCha8Rng) -> f32 {
     radius * (std::f32::consts::TAU * random.random::<f32>()).cos()
 }
 
-fn turned(quaternion: [f32; 4], vector: [f32; 3]) -> [f32; 3] {
+fn rotated(quaternion: [f32; 4], vector: [f32; 3]) -> [f32; 3] {
     let [w, x, y, z] = quaternion;
     let rotation = glam::Quat::from_xyzw(x, y, z, w);
     let rotation =

@@ -37,11 +37,12 @@ impl Bits {
 pub(super) fn motion(views: &TrainingViews, threshold: f32) -> Motion {
     let size = views.size();
     // A camera that saw less of the clip cannot tell what it usually shows.
-    let is_told = |camera: &TrainingCamera| camera.is_static() && 2 * seen(camera).count() >= views.moments();
+    let sees_enough =
+        |camera: &TrainingCamera| camera.is_static() && 2 * seen(camera).count() >= views.moments();
     let found: Vec<Option<(Background, Vec<Bits>)>> = views
         .cameras()
         .par_iter()
-        .map(|camera| is_told(camera).then(|| background_of(camera, size, threshold)))
+        .map(|camera| sees_enough(camera).then(|| background_of(camera, size, threshold)))
         .collect();
     let (mut backgrounds, odd): (Vec<Option<Background>>, Vec<Vec<Bits>>) = found
         .into_iter()
@@ -93,19 +94,19 @@ fn background_of(camera: &TrainingCamera, size: [u32; 2], threshold: f32) -> (Ba
 
 /// Finds how far away backgrounds are.
 fn measure(views: &TrainingViews, backgrounds: &mut [Option<Background>]) {
-    let told: Vec<usize> = (0..backgrounds.len()).filter(|&camera| backgrounds[camera].is_some()).collect();
+    let known: Vec<usize> = (0..backgrounds.len()).filter(|&camera| backgrounds[camera].is_some()).collect();
     let bytes = |background: &Background| -> Vec<[u8; 3]> {
         background.colour.iter().map(|colour| colour.map(|value| (255.0 * value).round() as u8)).collect()
     };
     let colours: Vec<Vec<[u8; 3]>> =
-        told.iter().filter_map(|&camera| backgrounds[camera].as_ref()).map(bytes).collect();
-    let images: Vec<StereoImage<'_>> = told
+        known.iter().filter_map(|&camera| backgrounds[camera].as_ref()).map(bytes).collect();
+    let images: Vec<StereoImage<'_>> = known
         .iter()
         .zip(&colours)
         .map(|(&camera, colour)| StereoImage { view: views.cameras()[camera].view(0), colour })
         .collect();
-    let wanted = vec![vec![true; views.pixel_count()]; told.len()];
-    for (camera, depth_m) in told.iter().zip(depths(&images, &wanted)) {
+    let wanted = vec![vec![true; views.pixel_count()]; known.len()];
+    for (camera, depth_m) in known.iter().zip(depths(&images, &wanted)) {
         if let Some(background) = &mut backgrounds[*camera] {
             background.depth_m = depth_m;
         }
