@@ -93,7 +93,7 @@ fn without_default_features_nothing_heavy_is_linked() {
 }
 
 #[test]
-fn heavy_dependencies_stand_behind_their_crate() {
+fn heavy_dependencies_are_behind_their_crate() {
     let ours = || list(&METADATA["packages"]).filter(|package| package["source"].is_null());
     for (heavy, owners) in QUARANTINE {
         let names = |dependency: &Value| dependency["kind"].is_null() && dependency["name"] == *heavy;

@@ -2,7 +2,7 @@
 
 use crate::board::Board;
 use crate::layout::{Cell, Layout, Line, METRICS, PUBLISHED_TITLE};
-use crate::ranking::Honour;
+use crate::ranking::Emphasis;
 
 /// The table, ready for `\input`.
 pub(crate) fn tabular(layout: &Layout, board: &Board) -> String {
@@ -65,11 +65,11 @@ fn line_text(layout: &Layout, line: &Line) -> String {
     row(std::iter::once(format!("{}{mark}", escape(&line.label))).chain(cells))
 }
 
-fn cell_text((cell, honour): (Cell, Honour)) -> String {
-    let value = match honour {
-        Honour::Best => format!("\\textbf{{{:.2}}}", cell.value),
-        Honour::Second => format!("\\underline{{{:.2}}}", cell.value),
-        Honour::None => format!("{:.2}", cell.value),
+fn cell_text((cell, emphasis): (Cell, Emphasis)) -> String {
+    let value = match emphasis {
+        Emphasis::Best => format!("\\textbf{{{:.2}}}", cell.value),
+        Emphasis::Second => format!("\\underline{{{:.2}}}", cell.value),
+        Emphasis::None => format!("{:.2}", cell.value),
     };
     match cell.interval {
         // Aligned at its first line: a name is beside the value, not beside the interval.

@@ -9,7 +9,7 @@ use l4d_score::{Estimate, Group, GroupKind, Metric};
 
 use crate::board::{Board, Method, PublishedTable};
 use crate::markdown::{self, escape, number, or_dash};
-use crate::ranking::{Honour, Podium};
+use crate::ranking::{BestTwo, Emphasis};
 
 /// Numbers of a cell, in the order of the paper.
 pub(crate) const METRICS: [Metric; 2] = [Metric::Macc, Metric::Miou];
@@ -192,11 +192,11 @@ impl Layout {
 
     /// Best and second-best printed value of each number among the ranked rows of a track. Rows of several scales are no
     /// rivals.
-    fn podium(&self, track: Option<Track>, column: usize, metric: usize) -> Podium {
+    fn best_two(&self, track: Option<Track>, column: usize, metric: usize) -> BestTwo {
         let is_rival = |line: &&Line| line.rank.is_some() && line.track == track && self.name != "scales";
         let cells = self.rows.iter().filter(is_rival).filter_map(|line| line.cells[column][metric]);
         let values = cells.filter(|cell| !cell.is_of_one_scene()).map(|cell| cell.value);
-        Podium::of(values, METRICS[metric])
+        BestTwo::of(values, METRICS[metric])
     }
 
     /// The table as a page.
@@ -228,8 +228,8 @@ impl Layout {
         }
         for line in lines {
             let mark = if line.unranked_because.is_empty() { "" } else { " †" };
-            let cell = |found: Option<(Cell, Honour)>| {
-                or_dash(found, |(cell, honour)| number(cell.value, honour, cell.interval))
+            let cell = |found: Option<(Cell, Emphasis)>| {
+                or_dash(found, |(cell, emphasis)| number(cell.value, emphasis, cell.interval))
             };
             let name = format!("{}{mark}", escape(&line.label));
             table.row(std::iter::once(name).chain(self.cells(line).map(cell)).collect());
@@ -238,10 +238,11 @@ impl Layout {
     }
 
     /// The cells of a row one after another, with what sets them off among the ranked rows of a track.
-    pub(crate) fn cells<'a>(&'a self, line: &'a Line) -> impl Iterator<Item = Option<(Cell, Honour)>> + 'a {
+    pub(crate) fn cells<'a>(&'a self, line: &'a Line) -> impl Iterator<Item = Option<(Cell, Emphasis)>> + 'a {
         let cell = |(place, cell): (usize, &Option<Cell>)| {
-            let podium = line.rank.map(|_| self.podium(line.track, place / 2, place % 2)).unwrap_or_default();
-            cell.map(|cell| (cell, podium.honour(cell.value)))
+            let best_two =
+                line.rank.map(|_| self.best_two(line.track, place / 2, place % 2)).unwrap_or_default();
+            cell.map(|cell| (cell, best_two.emphasis(cell.value)))
         };
         line.cells.as_flattened().iter().enumerate().map(cell)
     }

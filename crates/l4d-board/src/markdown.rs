@@ -10,7 +10,7 @@ use l4d_score::{Estimate, GroupKind, Metric, Pair};
 use crate::board::{Board, MOST_COMPARED, Method};
 use crate::figures::Figure;
 use crate::layout::columns_of;
-use crate::ranking::{Honour, Podium};
+use crate::ranking::{BestTwo, Emphasis};
 use crate::tables::{p_text, reported_numbers};
 use crate::terminal::{ONE_SCENE, seconds_text};
 
@@ -89,11 +89,11 @@ fn ranked_table(board: &Board, track: Track, methods: &[Method]) -> String {
     let mut table = Table::new(&["#", "method", "version"]);
     table.numbers(Metric::ALL.map(metric_title));
     table.numbers(["seconds"]);
-    let podium = |metric| Podium::of_track(board, track, metric, |method| method.headline(metric));
-    let podiums = BTreeMap::from(Metric::ALL.map(|metric| (metric, podium(metric))));
+    let best_two = |metric| BestTwo::of_track(board, track, metric, |method| method.headline(metric));
+    let best_twos = BTreeMap::from(Metric::ALL.map(|metric| (metric, best_two(metric))));
     for method in methods {
         let mut cells = vec![rank(method), linked(&method.name, &method.link), escape(&method.version)];
-        cells.extend(numbers(method, |metric| podiums[&metric]));
+        cells.extend(numbers(method, |metric| best_twos[&metric]));
         cells.push(seconds(method));
         table.row(cells);
     }
@@ -118,7 +118,7 @@ fn unranked_table(board: &Board) -> String {
     table.numbers(["seconds"]);
     for method in board.unranked() {
         let mut cells = vec![linked(&method.name, &method.link), method.why_unranked()];
-        cells.extend(numbers(method, |_| Podium::default()));
+        cells.extend(numbers(method, |_| BestTwo::default()));
         cells.push(seconds(method));
         table.row(cells);
     }
@@ -126,10 +126,10 @@ fn unranked_table(board: &Board) -> String {
 }
 
 /// The numbers of a method; of the headline with its interval, the others have theirs in `groups.csv`.
-fn numbers(method: &Method, podium: impl Fn(Metric) -> Podium) -> impl Iterator<Item = String> {
+fn numbers(method: &Method, best_two: impl Fn(Metric) -> BestTwo) -> impl Iterator<Item = String> {
     let cell = move |metric: Metric| {
         let interval = method.miou.filter(|_| metric == Metric::ALL[0]).and_then(|found| found.interval);
-        or_dash(method.headline(metric), |value| number(value, podium(metric).honour(value), interval))
+        or_dash(method.headline(metric), |value| number(value, best_two(metric).emphasis(value), interval))
     };
     Metric::ALL.into_iter().map(cell)
 }
@@ -205,7 +205,7 @@ fn group_intervals(title: &str, kind: GroupKind, board: &Board) -> String {
         let mut cells = vec![rank(method), method.track.title().to_owned(), escape(&method.name)];
         cells.extend(names.iter().map(|name| {
             let found = method.group(kind, name).and_then(|group| group.estimates.miou);
-            or_dash(found, |found| number(found.value, Honour::None, found.interval))
+            or_dash(found, |found| number(found.value, Emphasis::None, found.interval))
         }));
         table.row(cells);
     }
@@ -234,20 +234,20 @@ fn group_table<K>(
 ) -> String {
     let mut table = Table::new(&["#", "track", "method"]);
     table.numbers(groups.iter().map(|(name, _)| (*name).to_owned()));
-    let podiums_of = |track| -> Vec<Podium> {
-        let podium =
-            |(_, key): &(&str, K)| Podium::of_track(board, track, Metric::Miou, |method| miou(method, key));
-        groups.iter().map(podium).collect()
+    let podiums_of = |track| -> Vec<BestTwo> {
+        let best_two =
+            |(_, key): &(&str, K)| BestTwo::of_track(board, track, Metric::Miou, |method| miou(method, key));
+        groups.iter().map(best_two).collect()
     };
-    let podiums: BTreeMap<Track, Vec<Podium>> =
+    let best_twos: BTreeMap<Track, Vec<BestTwo>> =
         board.tracks().map(|(track, _)| (track, podiums_of(track))).collect();
     for method in &board.methods {
         let mut cells =
             vec![rank(method), method.track.title().to_owned(), linked(&method.name, &method.link)];
-        let podiums = method.ranked_in().and_then(|track| podiums.get(&track));
+        let best_twos = method.ranked_in().and_then(|track| best_twos.get(&track));
         for (index, (_, key)) in groups.iter().enumerate() {
-            let podium = podiums.map(|podiums| podiums[index]).unwrap_or_default();
-            cells.push(or_dash(miou(method, key), |value| number(value, podium.honour(value), None)));
+            let best_two = best_twos.map(|best_twos| best_twos[index]).unwrap_or_default();
+            cells.push(or_dash(miou(method, key), |value| number(value, best_two.emphasis(value), None)));
         }
         table.row(cells);
     }
@@ -297,11 +297,11 @@ pub(crate) fn hundredths(value: Option<f64>) -> String {
 }
 
 /// A percentage, set off from others, with its interval where it has one.
-pub(crate) fn number(value: f64, honour: Honour, interval: Option<[f64; 2]>) -> String {
-    let value = match honour {
-        Honour::Best => format!("**{value:.2}**"),
-        Honour::Second => format!("*{value:.2}*"),
-        Honour::None => format!("{value:.2}"),
+pub(crate) fn number(value: f64, emphasis: Emphasis, interval: Option<[f64; 2]>) -> String {
+    let value = match emphasis {
+        Emphasis::Best => format!("**{value:.2}**"),
+        Emphasis::Second => format!("*{value:.2}*"),
+        Emphasis::None => format!("{value:.2}"),
     };
     value + &self::interval(interval)
 }

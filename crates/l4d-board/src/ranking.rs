@@ -65,7 +65,7 @@ fn headline(method: &Method) -> Option<i64> {
 
 /// How a value is set off from the others of its column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Honour {
+pub(crate) enum Emphasis {
     None,
     Best,
     Second,
@@ -73,12 +73,12 @@ pub(crate) enum Honour {
 
 /// The two best printed values of a column; neither where there are no two values to compare.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Podium {
+pub(crate) struct BestTwo {
     best: Option<i64>,
     second: Option<i64>,
 }
 
-impl Podium {
+impl BestTwo {
     /// Of the values of a column.
     pub(crate) fn of(values: impl Iterator<Item = f64>, metric: Metric) -> Self {
         let values: Vec<i64> = values.map(printed).collect();
@@ -107,11 +107,11 @@ impl Podium {
         Self::of(rivals.filter_map(value), metric)
     }
 
-    pub(crate) fn honour(self, value: f64) -> Honour {
+    pub(crate) fn emphasis(self, value: f64) -> Emphasis {
         match Some(printed(value)) {
-            value if value == self.best => Honour::Best,
-            value if value == self.second => Honour::Second,
-            _ => Honour::None,
+            value if value == self.best => Emphasis::Best,
+            value if value == self.second => Emphasis::Second,
+            _ => Emphasis::None,
         }
     }
 }
@@ -140,9 +140,9 @@ mod tests {
         let board = sample::tracks();
         assert_eq!(ranks(&board), [(1, "bright"), (2, "dim"), (1, "deeper"), (2, "deep")]);
         let best = |track| {
-            let podium =
-                Podium::of_track(&board, track, Metric::Miou, |method| method.headline(Metric::Miou));
-            [30.0, 40.0, 90.0, 95.0].map(|value| podium.honour(value) == Honour::Best)
+            let best_two =
+                BestTwo::of_track(&board, track, Metric::Miou, |method| method.headline(Metric::Miou));
+            [30.0, 40.0, 90.0, 95.0].map(|value| best_two.emphasis(value) == Emphasis::Best)
         };
         assert_eq!(best(Track::Colour), [false, true, false, false]);
         assert_eq!(best(Track::ColourDepth), [false, false, false, true]);

@@ -206,8 +206,8 @@ impl Client {
         // The digest as a seed: questions that failed together do not come back together.
         let seed = u64::from_str_radix(&call.digest[..16], 16).unwrap_or(0);
         let Endpoint { retry, timeouts, .. } = &self.endpoint;
-        with_retries(retry, timeouts, seed, std::thread::sleep, |patience| {
-            let response = http.send(call, patience)?;
+        with_retries(retry, timeouts, seed, std::thread::sleep, |timeout| {
+            let response = http.send(call, timeout)?;
             recording.map_or(Ok(()), |exchanges| exchanges.record(call, &response))?;
             read(&response)
         })

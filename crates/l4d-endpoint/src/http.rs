@@ -50,12 +50,12 @@ impl Http {
         Ok(Self { agent: config.build().new_agent(), headers, redactor: Redactor::new(&secrets) })
     }
 
-    /// Sends once and waits for no longer than `patience`.
-    pub(crate) fn send(&self, call: &Call, patience: Duration) -> Result<exchange::Response, Failure> {
-        self.exchange(call, patience).map_err(|error| self.failure(call, &error))
+    /// Sends once and waits for no longer than `timeout`.
+    pub(crate) fn send(&self, call: &Call, timeout: Duration) -> Result<exchange::Response, Failure> {
+        self.exchange(call, timeout).map_err(|error| self.failure(call, &error))
     }
 
-    fn exchange(&self, call: &Call, patience: Duration) -> Result<exchange::Response, ureq::Error> {
+    fn exchange(&self, call: &Call, timeout: Duration) -> Result<exchange::Response, ureq::Error> {
         let mut request = Request::builder().uri(&call.url);
         for (name, value) in &self.headers {
             request = request.header(name, value);
@@ -63,9 +63,9 @@ impl Http {
         let mut response = match &call.body {
             Some(body) => {
                 let request = request.method("POST").header("content-type", "application/json");
-                self.run(request.body(body.as_slice())?, patience)?
+                self.run(request.body(body.as_slice())?, timeout)?
             }
-            None => self.run(request.body(())?, patience)?,
+            None => self.run(request.body(())?, timeout)?,
         };
         let body = response.body_mut().with_config().limit(MAX_RESPONSE_BYTES).read_to_vec()?;
         let header = |name: &&str| {
@@ -82,9 +82,9 @@ impl Http {
     fn run(
         &self,
         request: Request<impl AsSendBody>,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<Response<Body>, ureq::Error> {
-        self.agent.run(self.agent.configure_request(request).timeout_global(Some(patience)).build())
+        self.agent.run(self.agent.configure_request(request).timeout_global(Some(timeout)).build())
     }
 
     fn failure(&self, call: &Call, error: &ureq::Error) -> Failure {

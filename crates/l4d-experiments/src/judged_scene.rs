@@ -13,7 +13,7 @@ use l4d_score::judge::{Answer, QueryJudge};
 use l4d_score::metrics::{QueryFacts, QueryTally};
 use l4d_score::truth::SceneTruth;
 use l4d_score::{Exam, Options};
-use l4d_solve::clips::{Plan, Shot};
+use l4d_solve::clips::{PictureIndex, Plan};
 use l4d_solve::scene::{ClipSettings, Places, SolveScene};
 use l4d_splat::raster::Rasterizer;
 use serde_json::Value;
@@ -50,14 +50,14 @@ impl<'a> JudgedScene<'a> {
     }
 
     /// What masks of the held-out view are worth.
-    pub(crate) fn tally(&self, query: &Query, masks: &BTreeMap<Shot, Mask>) -> Result<QueryTally> {
+    pub(crate) fn tally(&self, query: &Query, masks: &BTreeMap<PictureIndex, Mask>) -> Result<QueryTally> {
         let counts = self.counts(query, masks)?;
         Ok(QueryTally::of(QueryFacts::of(query, self.truth.scale), &counts, &Options::default()))
     }
 
-    fn counts(&self, query: &Query, masks: &BTreeMap<Shot, Mask>) -> Result<Vec<FrameCount>> {
+    fn counts(&self, query: &Query, masks: &BTreeMap<PictureIndex, Mask>) -> Result<Vec<FrameCount>> {
         let frames: Vec<u32> = self.plan.instants.iter().filter_map(|instant| instant.frame).collect();
-        let answer = |instant: usize| match masks.get(&Shot { view: 0, instant }) {
+        let answer = |instant: usize| match masks.get(&PictureIndex { view: 0, instant }) {
             Some(mask) if !mask.is_empty() => Answer::Pixels(mask.clone()),
             Some(_) => Answer::Absent,
             None => Answer::Missing,

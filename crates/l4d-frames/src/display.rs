@@ -3,7 +3,8 @@
 //! The one such function of the project: sheets, PNG exports, clips for grounders and PSNR all use it.
 
 use half::f16;
-use image::{Rgb, RgbImage};
+use image::imageops::{FilterType, resize};
+use image::{Rgb, Rgb32FImage, RgbImage};
 
 use crate::frame::Frame;
 
@@ -46,6 +47,12 @@ impl Display {
             Rgb(pixels.next().map_or([0; 3], |pixel| pixel.map(|linear| self.byte(linear))))
         })
     }
+}
+
+/// Display colours, row by row, at another size (width, height): blended linearly between pixel centres.
+pub fn resized(colour: Vec<[f32; 3]>, [width, height]: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
+    let picture = Rgb32FImage::from_raw(width, height, colour.into_flattened()).unwrap_or_default();
+    resize(&picture, to[0], to[1], FilterType::Triangle).into_raw().as_chunks().0.to_vec()
 }
 
 #[cfg(test)]

@@ -113,12 +113,12 @@ impl Sheet<'_> {
 
     fn cells(&self, marks: &[Mark]) -> Result<Vec<RgbImage>, FrameError> {
         let Self { scene, dir, .. } = *self;
-        let shots = self.views.iter().flat_map(|camera| {
-            self.frames.iter().map(|&frame| Shot { scene, dir, view: &camera.name, frame })
+        let pictures = self.views.iter().flat_map(|camera| {
+            self.frames.iter().map(|&frame| ScenePicture { scene, dir, view: &camera.name, frame })
         });
         let marks = if self.plain { &[] } else { marks };
-        let shots: Vec<Shot> = shots.collect();
-        shots.par_iter().map(|shot| shot.draw(self.factor(), marks)).collect()
+        let pictures: Vec<ScenePicture> = pictures.collect();
+        pictures.par_iter().map(|picture| picture.draw(self.factor(), marks)).collect()
     }
 
     fn plain_grid(&self, cells: &[RgbImage]) -> RgbImage {
@@ -153,7 +153,7 @@ impl Sheet<'_> {
 
 /// One picture of a rendered scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Shot<'a> {
+pub struct ScenePicture<'a> {
     /// The rendered scene.
     pub scene: &'a Scene,
     /// Where its frames are.
@@ -164,7 +164,7 @@ pub struct Shot<'a> {
     pub frame: u32,
 }
 
-impl Shot<'_> {
+impl ScenePicture<'_> {
     /// What the camera saw, `factor` times as large, with outlines and numbers of marks.
     fn draw(&self, factor: u32, marks: &[Mark]) -> Result<RgbImage, FrameError> {
         let size = UVec2::new(self.scene.width, self.scene.height);

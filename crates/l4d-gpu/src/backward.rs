@@ -14,7 +14,7 @@ use crate::shaders::{GRADIENT_FLOATS, GRADIENT_SUMS, LANES, Pass};
 /// As `backward.wgsl` reads it.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct Slopes {
+struct PixelGradient {
     by_colour: [f32; 3],
     by_depth_sum: f32,
     by_alpha: f32,
@@ -43,7 +43,7 @@ pub(crate) fn backward(
     gradient: &DrawingGradient,
 ) -> Result<SplatGradients, Failure> {
     let gpu = scene.gpu;
-    let slopes: Vec<Slopes> = (0..scene.view.pixel_count())
+    let slopes: Vec<PixelGradient> = (0..scene.view.pixel_count())
         .into_par_iter()
         .map(|pixel| slopes_of(scene.settings.background, drawing, gradient, pixel))
         .collect();
@@ -77,7 +77,12 @@ pub(crate) fn backward(
     })
 }
 
-fn slopes_of(background: [f32; 3], drawing: &Drawing, gradient: &DrawingGradient, pixel: usize) -> Slopes {
+fn slopes_of(
+    background: [f32; 3],
+    drawing: &Drawing,
+    gradient: &DrawingGradient,
+    pixel: usize,
+) -> PixelGradient {
     let by_colour = gradient.colour[pixel];
     let by_depth_sum = gradient.depth_sum_m[pixel];
     let left = f64::from(drawing.transmittance[pixel]);
@@ -90,5 +95,5 @@ fn slopes_of(background: [f32; 3], drawing: &Drawing, gradient: &DrawingGradient
         rest += slope * (f64::from(drawing.colour[pixel][channel]) - left * behind);
     }
     rest += by_alpha * (1.0 - left);
-    Slopes { by_colour, by_depth_sum, by_alpha: by_alpha as f32, rest: rest as f32, unused: [0.0; 2] }
+    PixelGradient { by_colour, by_depth_sum, by_alpha: by_alpha as f32, rest: rest as f32, unused: [0.0; 2] }
 }

@@ -45,7 +45,7 @@ pub struct Launch {
 
 /// How long a worker is waited for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Patience {
+pub struct WorkerTimeouts {
     /// From its start to its hello: large weights take their time.
     pub hello: Duration,
     /// Without any line while something is asked.
@@ -56,7 +56,7 @@ pub struct Patience {
     pub farewell: Duration,
 }
 
-impl Default for Patience {
+impl Default for WorkerTimeouts {
     fn default() -> Self {
         let seconds = Duration::from_secs;
         Self { hello: seconds(600), silence: seconds(120), answer: seconds(3600), farewell: seconds(2) }
@@ -67,7 +67,7 @@ impl Default for Patience {
 #[derive(Debug)]
 pub struct Worker {
     launch: Launch,
-    patience: Patience,
+    timeouts: WorkerTimeouts,
     hello: Hello,
     state: Mutex<State>,
 }
@@ -86,12 +86,12 @@ impl Worker {
     ///
     /// # Errors
     /// The program cannot be run, or does not get ready.
-    pub fn start(launch: Launch, patience: Patience) -> Result<Self, WorkerError> {
-        let process = Process::start(&launch, patience)?;
+    pub fn start(launch: Launch, timeouts: WorkerTimeouts) -> Result<Self, WorkerError> {
+        let process = Process::start(&launch, timeouts)?;
         let hello = process.hello().clone();
         let state =
             State { process: Some(process), id: 0, failures_in_a_row: 0, last_failure: String::new() };
-        Ok(Self { launch, patience, hello, state: Mutex::new(state) })
+        Ok(Self { launch, timeouts, hello, state: Mutex::new(state) })
     }
 
     /// What it says of itself.
@@ -139,7 +139,7 @@ impl Worker {
                 let State { failures_in_a_row: failures, last_failure: last, .. } = state;
                 return Err(WorkerError::given_up(&self.hello.name, *failures, last));
             }
-            let started = Process::start(&self.launch, self.patience).and_then(|process| {
+            let started = Process::start(&self.launch, self.timeouts).and_then(|process| {
                 // Answers are kept under the hello of the first one.
                 if process.hello() == &self.hello {
                     return Ok(process);

@@ -72,13 +72,13 @@ pub struct Asked {
     pub question: Question,
     /// The last word.
     pub answer: Answer,
-    /// What led to it; none for a sentence that cannot be read.
-    pub led: Option<Led>,
+    /// What stages to it; none for a sentence that cannot be read.
+    pub stages: Option<Stages>,
 }
 
-/// What led to an answer, or to none.
+/// What stages to an answer, or to none.
 #[derive(Debug)]
-pub struct Led {
+pub struct Stages {
     scene: SolveScene,
     solved: Solved,
     views: Vec<CameraView>,
@@ -120,7 +120,7 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
         && let Err(unread) = grounder.reads(text)
     {
         let answer = Answer::unread(&unread, text, &known, grounder);
-        return Ok(Asked { question, answer, led: None });
+        return Ok(Asked { question, answer, stages: None });
     }
     answer(order, question, &known, &places, progress)
 }
@@ -175,7 +175,7 @@ fn answer(
     let views = if is_shown { camera_views(&plan, &masks) } else { Vec::new() };
     let answer = missing.unwrap_or_else(|| Answer::seen(&views, &solved, &folder.join(SHEET)));
     let pixels = pixels(&plan, &masks);
-    Ok(Asked { question, answer, led: Some(Led { scene, solved, views, pixels, folder, moving }) })
+    Ok(Asked { question, answer, stages: Some(Stages { scene, solved, views, pixels, folder, moving }) })
 }
 
 /// The frames that are asked about; none for the whole clip.
@@ -205,24 +205,24 @@ fn folder(order: &Ask<'_>, work: &WorkDir, made_from: &str) -> PathBuf {
 impl Asked {
     /// What `l4d query --json` prints.
     pub fn to_json(&self) -> Value {
-        let named = |led: &Led| -> Vec<Name> {
-            let Led { solved, .. } = led;
+        let named = |stages: &Stages| -> Vec<Name> {
+            let Stages { solved, .. } = stages;
             let view = |&view: &usize| Some(solved.consensus.views.get(view)?.view.clone());
             solved.consensus.evidence.iter().filter_map(view).collect()
         };
         json!({
             "question": self.question,
             "answer": self.answer,
-            "decision": self.led.as_ref().map(|led| led.solved.consensus.decision),
-            "evidence": self.led.as_ref().map(named).unwrap_or_default(),
-            "frames": self.led.as_ref().map_or_else(|| json!({}), |led| led.pixels.clone()),
-            "stages": self.led.as_ref().map(|led| led.solved.account.clone()).unwrap_or_default(),
-            "folder": self.led.as_ref().map(|led| &led.folder),
+            "decision": self.stages.as_ref().map(|stages| stages.solved.consensus.decision),
+            "evidence": self.stages.as_ref().map(named).unwrap_or_default(),
+            "frames": self.stages.as_ref().map_or_else(|| json!({}), |stages| stages.pixels.clone()),
+            "stages": self.stages.as_ref().map(|stages| stages.solved.account.clone()).unwrap_or_default(),
+            "folder": self.stages.as_ref().map(|stages| &stages.folder),
         })
     }
 }
 
-impl Led {
+impl Stages {
     /// Seconds from the sentence to the masks.
     pub fn seconds(&self) -> f64 {
         self.solved.account.seconds()

@@ -23,7 +23,7 @@ use self::card::Card;
 pub use self::ledger::Ledger;
 pub use self::pick::{Picked, pick};
 use crate::account::{Account, Stage};
-use crate::clips::{Plan, Shot};
+use crate::clips::{PictureIndex, Plan};
 use crate::grounders::Grounders;
 use crate::scene::{ClipSettings, Places, SolveScene};
 use crate::solve::{Method, Record, SolveSettings};
@@ -181,10 +181,10 @@ impl Batch<'_> {
 }
 
 /// What the judge reads of a query: masks of the held-out view. Frames without a pixel of the answer say absent.
-fn mask_file(plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> MaskFile {
+fn mask_file(plan: &Plan, masks: &BTreeMap<PictureIndex, Mask>) -> MaskFile {
     let [width, height] = plan.size;
     let frames = plan.instants.iter().enumerate().filter_map(|(instant, at)| {
-        let mask = masks.get(&Shot { view: 0, instant }).filter(|mask| !mask.is_empty());
+        let mask = masks.get(&PictureIndex { view: 0, instant }).filter(|mask| !mask.is_empty());
         Some((frame_key(at.frame?), mask.map(Mask::to_rle)))
     });
     MaskFile { size: [height, width], frames: frames.collect() }
@@ -201,7 +201,7 @@ mod tests {
     fn frames_without_a_pixel_say_absent() {
         let plan = Plan::of_frames(vec![camera("test", 0.0)], [4, 2], [0, 48], Timeline::CANONICAL);
         let mask = |columns: u32| Mask::from_fn(4, 2, |column, _| column < columns);
-        let masks = plan.shots().zip([mask(0), mask(1)]).collect();
+        let masks = plan.pictures().zip([mask(0), mask(1)]).collect();
         let file = mask_file(&plan, &masks);
         assert_eq!(file.size, [2, 4]);
         assert_eq!(file.frames["0000"], None);

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 
 pub use self::folder::{ClipsFolder, DepthEntry, DepthFormat, DepthKind, Look, ModelEntry, Overwrite};
 pub use self::order::{Order, Wanted};
-pub use self::plan::{Instant, Plan, Shot};
+pub use self::plan::{Instant, PictureIndex, Plan};
 pub(crate) use self::plan::{instants_at, spread_views};
 use self::writers::writing;
 
@@ -44,25 +44,25 @@ pub fn complete(
     let finished = folder.finished(plan);
     let there = finished.len();
     // By time: the model is deformed once for all views of it.
-    let moment = |instant: usize| -> Result<Moment<Shot>, StageError> {
-        let shots = (0..plan.cameras.len()).map(|view| Shot { view, instant });
-        let left = shots.filter(|shot| !finished.contains_key(shot));
-        let views = left.map(|shot| Ok((shot, plan.view(shot)?))).collect::<Result<_, StageError>>()?;
+    let moment = |instant: usize| -> Result<Moment<PictureIndex>, StageError> {
+        let pictures = (0..plan.cameras.len()).map(|view| PictureIndex { view, instant });
+        let left = pictures.filter(|index| !finished.contains_key(index));
+        let views = left.map(|index| Ok((index, plan.view(index)?))).collect::<Result<_, StageError>>()?;
         Ok(Moment { time: plan.instants[instant].time, views })
     };
     let moments = (0..plan.instants.len()).map(moment).collect::<Result<Vec<_>, _>>()?;
     let look = folder.look();
     let settings = RasterSettings { background: look.background, ..RasterSettings::default() };
     let entries = Mutex::new(finished);
-    let written = |shot, entry| {
+    let written = |index, entry| {
         if let Ok(mut entries) = entries.lock() {
-            entries.insert(shot, entry);
+            entries.insert(index, entry);
         }
         drawn();
     };
     writing(written, |hand_over| {
-        draw(model, rasterizer, &settings, &moments, |shot: &Shot, drawing| {
-            hand_over(folder.sheet(plan, *shot, &drawing.colour, &depth_of(look.depth.kind, &drawing))?)
+        draw(model, rasterizer, &settings, &moments, |index: &PictureIndex, drawing| {
+            hand_over(folder.sheet(plan, *index, &drawing.colour, &depth_of(look.depth.kind, &drawing))?)
         })
         .at("a clip cannot be drawn")
     })?;
@@ -99,7 +99,7 @@ pub(crate) fn read_views(
         plan.instants.iter().enumerate().filter_map(|(at, instant)| Some((at, instant.frame?))).collect();
     let read = |view: usize| {
         let frame = |&(instant, frame): &(usize, u32)| {
-            let (colour, depth) = folder.read(plan, Shot { view, instant })?;
+            let (colour, depth) = folder.read(plan, PictureIndex { view, instant })?;
             Ok(ClipFrame { frame, colour, depth })
         };
         let frames = frames.par_iter().map(frame).collect::<Result<_, DataError>>()?;
@@ -140,7 +140,7 @@ impl Pages for Preview<'_> {
 
 fn cells(folder: &ClipsFolder, plan: &Plan, instant: usize) -> Result<Vec<Cell>, DataError> {
     let cell = |view: usize| {
-        let (colour, depth) = folder.read(plan, Shot { view, instant })?;
+        let (colour, depth) = folder.read(plan, PictureIndex { view, instant })?;
         Ok(Cell { colour, depth_m: depth.depth_m })
     };
     (0..plan.cameras.len()).map(cell).collect()

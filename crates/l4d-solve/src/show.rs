@@ -15,7 +15,7 @@ use l4d_masks::Mask;
 use l4d_masks::mask::PixelBox;
 use l4d_splat::raster::Rasterizer;
 
-use crate::clips::{Plan, Shot};
+use crate::clips::{PictureIndex, Plan};
 use crate::lift::LiftError;
 use crate::scene::SolveScene;
 
@@ -42,16 +42,17 @@ pub(crate) struct Shown<'a> {
     pub(crate) scene: &'a SolveScene,
     pub(crate) plan: &'a Plan,
     /// The answer in each picture of the plan.
-    pub(crate) masks: &'a BTreeMap<Shot, Mask>,
+    pub(crate) masks: &'a BTreeMap<PictureIndex, Mask>,
 }
 
 impl Shown<'_> {
     /// A page of some moments: those in which the answer is seen, if there are any.
     pub(crate) fn sheet(&self, title: &str) -> Result<RgbImage, StageError> {
         let Self { plan, masks, .. } = self;
-        let all: Vec<Shot> = (0..plan.instants.len()).map(|instant| Shot { view: 0, instant }).collect();
-        let seen = |shot: &&Shot| masks.get(*shot).is_some_and(|mask| !mask.is_empty());
-        let seen: Vec<Shot> = all.iter().filter(seen).copied().collect();
+        let all: Vec<PictureIndex> =
+            (0..plan.instants.len()).map(|instant| PictureIndex { view: 0, instant }).collect();
+        let seen = |index: &&PictureIndex| masks.get(*index).is_some_and(|mask| !mask.is_empty());
+        let seen: Vec<PictureIndex> = all.iter().filter(seen).copied().collect();
         let from = if seen.is_empty() { &all } else { &seen };
         let moment = |place: usize| {
             let (camera, instant) = plan.of(from[place]);
@@ -68,15 +69,15 @@ impl Shown<'_> {
     }
 
     /// What the camera sees, `factor` times as large, with the answer outlined.
-    fn outlined(&self, shot: Shot, factor: u32) -> Result<RgbImage, StageError> {
-        let (view, time) = (self.plan.view(shot)?, self.plan.instants[shot.instant].time);
+    fn outlined(&self, index: PictureIndex, factor: u32) -> Result<RgbImage, StageError> {
+        let (view, time) = (self.plan.view(index)?, self.plan.instants[index.instant].time);
         let splats = self.scene.source.model.at(time).map_err(|source| LiftError::Model { time, source })?;
         let projected = self.rasterizer.prepare(&splats, &view, &self.scene.raster);
         let drawing = projected.and_then(|projected| projected.draw()).map_err(LiftError::from)?;
         let (width, height) = (drawing.width, drawing.height);
         let picture = picture_of(width, height, &drawing.colour);
         let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
-        let mask = self.masks.get(&shot);
+        let mask = self.masks.get(&index);
         let is_marked = |(column, row)| mask.is_some_and(|mask| mask.get(column, row));
         let ids: Vec<u32> = pixels.map(|pixel| u32::from(is_marked(pixel))).collect();
         let whole = PixelBox { first_col: 0, first_row: 0, last_col: width - 1, last_row: height - 1 };
@@ -102,7 +103,7 @@ impl Pages for OverClip<'_> {
     }
 
     fn page(&self, instant: usize) -> Result<RgbImage, StageError> {
-        self.shown.outlined(Shot { view: 0, instant }, self.factor)
+        self.shown.outlined(PictureIndex { view: 0, instant }, self.factor)
     }
 }
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::account::{Account, Stage};
-use crate::clips::{DepthKind, Plan, Shot};
+use crate::clips::{DepthKind, PictureIndex, Plan};
 use crate::consensus::{Consensus, ConsensusSettings, Decision, Preset, Proposal, consensus};
 use crate::grounded::{ground_all, unanswered};
 use crate::lift::{Answer, ClosedSettings, Evidence, FieldSettings, LiftError, LiftSettings, lift};
@@ -194,21 +194,21 @@ impl SolveScene {
         rasterizer: &dyn Rasterizer,
         lifted: Option<&Answer>,
         plan: &Plan,
-    ) -> Result<BTreeMap<Shot, Mask>, StageError> {
+    ) -> Result<BTreeMap<PictureIndex, Mask>, StageError> {
         let [width, height] = plan.size;
         let Some(lifted) = lifted else {
-            return Ok(plan.shots().map(|shot| (shot, Mask::empty(width, height))).collect());
+            return Ok(plan.pictures().map(|index| (index, Mask::empty(width, height))).collect());
         };
         let canvas = self.canvas(rasterizer);
-        let at = |instant: usize| -> Result<Vec<(Shot, Mask)>, StageError> {
+        let at = |instant: usize| -> Result<Vec<(PictureIndex, Mask)>, StageError> {
             let time = plan.instants[instant].time;
             let layer = lifted.layer_at(canvas.model, time)?;
             let splats = canvas.shapes_at(time)?;
             let of_view = |view: usize| {
-                let shot = Shot { view, instant };
-                let from = plan.view(shot)?;
+                let index = PictureIndex { view, instant };
+                let from = plan.view(index)?;
                 let projected = rasterizer.prepare(&splats, &from, canvas.raster).map_err(LiftError::from)?;
-                Ok((shot, layer.mask(projected.as_ref(), &from)?))
+                Ok((index, layer.mask(projected.as_ref(), &from)?))
             };
             (0..plan.cameras.len()).map(of_view).collect()
         };

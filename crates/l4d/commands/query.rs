@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use l4d_data::{Draw, Name};
-use l4d_solve::ask::{Ask, Asked, Led, ask};
+use l4d_solve::ask::{Ask, Asked, Stages, ask};
 
 use crate::cli::solver::QueryArgs;
 use crate::out::{ExitStatus, Printer};
@@ -38,12 +38,12 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
     Ok(if asked.answer.is_there() { ExitStatus::Success } else { ExitStatus::Findings })
 }
 
-fn print(Asked { answer, led, .. }: &Asked, explains: bool, out: &Printer) -> Result<()> {
-    if let Some(led) = led {
-        led.lines(explains).iter().try_for_each(|line| out.data(line))?;
-        if let Led { moving: Some(moving), .. } = led {
-            out.note(format!("{:.1} s from the sentence to the masks", led.seconds()));
-            led.masks_and_sheet().iter().chain([moving]).try_for_each(|path| out.data(path.display()))?;
+fn print(Asked { answer, stages, .. }: &Asked, explains: bool, out: &Printer) -> Result<()> {
+    if let Some(stages) = stages {
+        stages.lines(explains).iter().try_for_each(|line| out.data(line))?;
+        if let Stages { moving: Some(moving), .. } = stages {
+            out.note(format!("{:.1} s from the sentence to the masks", stages.seconds()));
+            stages.masks_and_sheet().iter().chain([moving]).try_for_each(|path| out.data(path.display()))?;
         }
     }
     Ok(out.data(&answer.message)?)

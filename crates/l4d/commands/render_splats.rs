@@ -40,7 +40,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
     let overwrite = if args.overwrite { Overwrite::Always } else { Overwrite::Never };
     let folder = ClipsFolder::claim(root, look, &plan, overwrite)?;
 
-    let total = plan.shots().count();
+    let total = plan.pictures().count();
     out.start("drawing", total as u64);
     let start = Instant::now();
     let there =

@@ -9,7 +9,7 @@ use l4d_data::workspace::SharedWork;
 use l4d_endpoint::Calibrations;
 use l4d_ground::GrounderFile;
 use l4d_ground::vlm::Vlm;
-use l4d_ground::worker::{FrameStore, Patience, Segmenter, TextGrounder, Worker, WorkerError};
+use l4d_ground::worker::{FrameStore, Segmenter, TextGrounder, Worker, WorkerError, WorkerTimeouts};
 use l4d_solve::grounders::Grounders;
 
 use crate::cli::models::ServerArgs;
@@ -28,7 +28,7 @@ pub(super) fn open(path: &Path, server: &ServerArgs, work: &SharedWork, out: &Pr
         };
         environment.find_or_make(out)
     })?;
-    let worker = Worker::start(launch, Patience::default()).map_err(of_worker)?;
+    let worker = Worker::start(launch, WorkerTimeouts::default()).map_err(of_worker)?;
     let frames = FrameStore::new(work.segmenter_frames());
     let segmenter = Arc::new(Segmenter::new(worker, frames, file.threshold()));
     let Some(coupling) = file.coupling() else {

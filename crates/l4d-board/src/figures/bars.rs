@@ -12,7 +12,7 @@ use super::canvas::{
 };
 use super::{named, shown};
 use crate::board::{Board, Method};
-use crate::ranking::{Honour, Podium};
+use crate::ranking::{BestTwo, Emphasis};
 
 /// Print pixels of a row, of the names, and beside the bars for their values.
 const ROW: i32 = 20;
@@ -103,8 +103,9 @@ fn bars(
 ) -> Vec<Option<Bar>> {
     let bar = |method: &&Method| {
         let found = value(method)?;
-        let podium = |track| Podium::of_track(board, track, metric, &value);
-        let is_best = method.ranked_in().is_some_and(|track| podium(track).honour(found) == Honour::Best);
+        let best_two = |track| BestTwo::of_track(board, track, metric, &value);
+        let is_best =
+            method.ranked_in().is_some_and(|track| best_two(track).emphasis(found) == Emphasis::Best);
         Some(Bar { value: found, interval: interval(method), is_best })
     };
     shown(board).iter().map(bar).collect()

@@ -8,7 +8,7 @@ use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use rayon::prelude::*;
 
-use super::{GAP_PX, INK, MARGIN_PX, PAPER, SOFT_INK, Shot, factor, text};
+use super::{GAP_PX, INK, MARGIN_PX, PAPER, SOFT_INK, ScenePicture, factor, text};
 use crate::exr::FrameError;
 use crate::text::Weight;
 
@@ -60,8 +60,8 @@ pub fn overview(scenes: &[Rendered], moments: &[u32]) -> Result<RgbImage, FrameE
 
 fn strip((scene, dir): &Rendered, moments: &[u32]) -> Result<Vec<RgbImage>, FrameError> {
     let Some(view) = scene.test_camera().or(scene.cameras.first()) else { return Ok(Vec::new()) };
-    let shot = |&frame: &u32| Shot { scene, dir, view: &view.name, frame };
-    moments.iter().map(|frame| shot(frame).draw(factor(scene, CELL_WIDTH_PX), &[])).collect()
+    let picture = |&frame: &u32| ScenePicture { scene, dir, view: &view.name, frame };
+    moments.iter().map(|frame| picture(frame).draw(factor(scene, CELL_WIDTH_PX), &[])).collect()
 }
 
 fn write_scale(sheet: &mut RgbImage, scale: Scale, count: usize, top: u32) {

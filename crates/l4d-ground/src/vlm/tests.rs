@@ -12,7 +12,7 @@ use l4d_masks::Mask;
 use self::scripted::{Seen, Server, Turn, says, status, thinks};
 use super::*;
 use crate::testing::{asked_from, clip, sentence};
-use crate::worker::{FrameStore, Launch, Patience, Worker};
+use crate::worker::{FrameStore, Launch, Worker, WorkerTimeouts};
 
 /// A server that answers each question like this.
 fn serve(think: impl Fn(&Value) -> Turn + Send + Sync + 'static) -> Server {
@@ -56,8 +56,8 @@ fn segmenter(name: &str, folder: &Path) -> Arc<Segmenter> {
     ]
     .into();
     let launch = Launch { program: "python3".into(), arguments, environment };
-    let patience = Patience { answer: Duration::from_secs(60), ..Patience::default() };
-    let worker = Worker::start(launch, patience).unwrap();
+    let timeouts = WorkerTimeouts { answer: Duration::from_secs(60), ..WorkerTimeouts::default() };
+    let worker = Worker::start(launch, timeouts).unwrap();
     Arc::new(Segmenter::new(worker, FrameStore::new(folder.join("frames")), 0.0))
 }
 

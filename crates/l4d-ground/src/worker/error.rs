@@ -67,7 +67,7 @@ impl WorkerError {
     }
 
     pub(super) fn hangs(worker: &str, what: &str, waited: Duration, log: &str) -> Self {
-        let hint = "see its log; a slow processor may need more patience, or a smaller model";
+        let hint = "see its log; a slow processor may need longer timeouts, or a smaller model";
         let message = format!("{what} for {} seconds{}", waited.as_secs_f64(), last_words(log));
         Self::process(worker, message, hint)
     }

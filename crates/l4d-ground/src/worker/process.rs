@@ -16,7 +16,7 @@ use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, wa
 use super::error::WorkerError;
 use super::protocol::{Hello, PROTOCOL, Request, Segment, WorkerLine, write_line};
 use super::segmenter::{PartialAnswer, Segmented};
-use super::{Launch, Patience};
+use super::{Launch, WorkerTimeouts};
 
 /// A line that is longer holds no mask of a clip.
 const LONGEST_LINE: u64 = 16 << 20;
@@ -32,7 +32,7 @@ const POLL: Duration = Duration::from_millis(10);
 pub(super) struct Process {
     name: String,
     hello: Hello,
-    patience: Patience,
+    timeouts: WorkerTimeouts,
     child: Child,
     /// How it ended, once that is known.
     status: Option<String>,
@@ -45,7 +45,7 @@ pub(super) struct Process {
 
 impl Process {
     /// Starts it and waits for its hello.
-    pub(super) fn start(launch: &Launch, patience: Patience) -> Result<Self, WorkerError> {
+    pub(super) fn start(launch: &Launch, timeouts: WorkerTimeouts) -> Result<Self, WorkerError> {
         let program = launch.program.display().to_string();
         let mut command = Command::new(&launch.program);
         command.args(&launch.arguments).envs(&launch.environment);
@@ -67,7 +67,7 @@ impl Process {
         let mut process = Self {
             name: program,
             hello: Hello::default(),
-            patience,
+            timeouts,
             child,
             status: None,
             requests: Some(requests),
@@ -85,7 +85,7 @@ impl Process {
     }
 
     fn wait_for_hello(&mut self) -> Result<Hello, WorkerError> {
-        let waited = self.patience.hello;
+        let waited = self.timeouts.hello;
         let deadline = Instant::now() + waited;
         loop {
             let rest = deadline.saturating_duration_since(Instant::now());
@@ -109,7 +109,7 @@ impl Process {
     pub(super) fn segment(&mut self, segment: &Segment<'_>) -> Result<Segmented, WorkerError> {
         self.send(&Request::Segment(segment));
         let mut answer = PartialAnswer::new(segment);
-        let Patience { silence, answer: whole, .. } = self.patience;
+        let WorkerTimeouts { silence, answer: whole, .. } = self.timeouts;
         let deadline = Instant::now() + whole;
         loop {
             let rest = deadline.saturating_duration_since(Instant::now());
@@ -180,7 +180,7 @@ impl Process {
             return status.clone();
         }
         let pid = Pid::from_child(&self.child);
-        let deadline = Instant::now() + self.patience.farewell;
+        let deadline = Instant::now() + self.timeouts.farewell;
         // Without reaping: the number of the group must stay taken until it is killed.
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         while matches!(waitid(WaitId::Pid(pid), options), Ok(None)) && Instant::now() < deadline {

@@ -32,8 +32,8 @@ fn scripted(arguments: &[&str]) -> Launch {
     Launch { program: "python3".into(), arguments: arguments.collect(), environment: BTreeMap::new() }
 }
 
-fn brief() -> Patience {
-    Patience {
+fn brief() -> WorkerTimeouts {
+    WorkerTimeouts {
         hello: Duration::from_secs(30),
         silence: Duration::from_secs(20),
         answer: Duration::from_secs(20),
@@ -41,8 +41,8 @@ fn brief() -> Patience {
     }
 }
 
-fn hasty() -> Patience {
-    Patience { silence: Duration::from_millis(400), answer: Duration::from_millis(800), ..brief() }
+fn hasty() -> WorkerTimeouts {
+    WorkerTimeouts { silence: Duration::from_millis(400), answer: Duration::from_millis(800), ..brief() }
 }
 
 struct Kit {
@@ -58,18 +58,18 @@ impl Kit {
         self.folder.path().join("count").display().to_string()
     }
 
-    fn segmenter(&self, launch: Launch, patience: Patience) -> Arc<Segmenter> {
-        let worker = Worker::start(launch, patience).unwrap();
+    fn segmenter(&self, launch: Launch, timeouts: WorkerTimeouts) -> Arc<Segmenter> {
+        let worker = Worker::start(launch, timeouts).unwrap();
         Arc::new(Segmenter::new(worker, FrameStore::new(self.folder.path().join("frames")), 0.0))
     }
 
     /// One that gets the sentence itself; the mode of the scripted worker counts its starts in a file.
-    fn grounder(&self, mode: &str, patience: Patience) -> TextGrounder {
-        TextGrounder::new(self.segmenter(scripted(&[mode, &self.file()]), patience)).unwrap()
+    fn grounder(&self, mode: &str, timeouts: WorkerTimeouts) -> TextGrounder {
+        TextGrounder::new(self.segmenter(scripted(&[mode, &self.file()]), timeouts)).unwrap()
     }
 
-    fn ask(&self, mode: &str, patience: Patience, text: &str) -> Grounding {
-        self.grounder(mode, patience).ground(&clip(8, 6, &[0, 12]), &sentence(text))
+    fn ask(&self, mode: &str, timeouts: WorkerTimeouts, text: &str) -> Grounding {
+        self.grounder(mode, timeouts).ground(&clip(8, 6, &[0, 12]), &sentence(text))
     }
 
     /// How often the worker was started.
@@ -179,7 +179,7 @@ fn a_worker_that_dies_is_started_again_once_and_given_up_after_four_failures() {
 
 #[test]
 fn one_that_hangs_breaks_the_protocol_or_is_another_after_its_restart_is_ended() {
-    for (mode, patience, words) in [
+    for (mode, timeouts, words) in [
         ("hangs", hasty(), "said nothing for 0.4 seconds"),
         ("busy", hasty(), "worked on one answer for 0.8 seconds"),
         ("changes", brief(), "another hello"),
@@ -187,7 +187,7 @@ fn one_that_hangs_breaks_the_protocol_or_is_another_after_its_restart_is_ended()
         ("garbage", brief(), "{'id': 1, 'done': True}"),
         ("flood", brief(), "a line without end"),
     ] {
-        let grounding = Kit::new().ask(mode, patience, "cup");
+        let grounding = Kit::new().ask(mode, timeouts, "cup");
         assert!(error_of(&grounding).contains(words), "{mode}: {grounding:?}");
     }
 }
@@ -214,8 +214,8 @@ fn a_useless_answer_costs_one_view_and_not_the_worker() {
 
 #[test]
 fn a_worker_that_never_gets_ready_says_why() {
-    let start = |mode: &str, patience| Worker::start(scripted(&[mode]), patience).unwrap_err();
-    let quick = Patience { hello: Duration::from_millis(500), ..brief() };
+    let start = |mode: &str, timeouts| Worker::start(scripted(&[mode]), timeouts).unwrap_err();
+    let quick = WorkerTimeouts { hello: Duration::from_millis(500), ..brief() };
     assert!(start("mute", quick).to_string().contains("was not ready for 0.5 seconds"));
     assert!(start("chatty", brief()).to_string().contains("Loading weights"));
     assert!(start("old", brief()).to_string().contains("version 7"));
@@ -272,7 +272,7 @@ fn networks_load_and_answer_through_the_protocol() {
     let open = |name: &str, model: &str| {
         let folder = models.join(model).display().to_string();
         let launch = shipped(&python, &[name, "--model", &folder, "--device", "cpu", "--threads", "1"]);
-        kit.segmenter(launch, Patience { hello: Duration::from_secs(300), ..Patience::default() })
+        kit.segmenter(launch, WorkerTimeouts { hello: Duration::from_secs(300), ..WorkerTimeouts::default() })
     };
     let clip = clip(64, 48, &[0, 12, 24, 36, 48]);
 

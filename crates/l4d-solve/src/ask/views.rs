@@ -9,7 +9,7 @@ use l4d_masks::{Mask, png};
 use serde_json::{Map, Value, json};
 
 use super::Ask;
-use crate::clips::{Plan, Shot, instants_at};
+use crate::clips::{PictureIndex, Plan, instants_at};
 use crate::scene::{Places, SolveScene};
 
 /// The cameras that were named, else those of the file, else the held-out one; at the moments of the clips, or at the
@@ -63,9 +63,13 @@ fn camera<'a>(rig: &'a Rig, name: &str) -> Result<&'a Camera, StageError> {
 }
 
 /// `masks/<camera>/<frame or time>.png`
-pub(super) fn write_masks(folder: &Path, plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> Result<(), DataError> {
-    for (shot, mask) in masks {
-        let (camera, instant) = plan.of(*shot);
+pub(super) fn write_masks(
+    folder: &Path,
+    plan: &Plan,
+    masks: &BTreeMap<PictureIndex, Mask>,
+) -> Result<(), DataError> {
+    for (index, mask) in masks {
+        let (camera, instant) = plan.of(*index);
         let path = folder.join("masks").join(camera.name.as_str()).join(format!("{}.png", instant.key));
         write_atomic(&path, &png::encode(mask))?;
     }
@@ -73,10 +77,10 @@ pub(super) fn write_masks(folder: &Path, plan: &Plan, masks: &BTreeMap<Shot, Mas
 }
 
 /// Camera -> frame or time -> pixels of the answer.
-pub(super) fn pixels(plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> Value {
+pub(super) fn pixels(plan: &Plan, masks: &BTreeMap<PictureIndex, Mask>) -> Value {
     let mut cameras = Map::new();
-    for (shot, mask) in masks {
-        let (camera, instant) = plan.of(*shot);
+    for (index, mask) in masks {
+        let (camera, instant) = plan.of(*index);
         let of_camera = cameras.entry(camera.name.to_string()).or_insert_with(|| json!({}));
         of_camera[&instant.key] = json!(mask.area());
     }
@@ -97,10 +101,10 @@ pub(super) struct CameraView {
 }
 
 /// Camera by camera.
-pub(super) fn camera_views(plan: &Plan, masks: &BTreeMap<Shot, Mask>) -> Vec<CameraView> {
+pub(super) fn camera_views(plan: &Plan, masks: &BTreeMap<PictureIndex, Mask>) -> Vec<CameraView> {
     let of_camera = |(view, camera): (usize, &Camera)| {
         let areas: Vec<u64> =
-            masks.iter().filter(|(shot, _)| shot.view == view).map(|(_, mask)| mask.area()).collect();
+            masks.iter().filter(|(index, _)| index.view == view).map(|(_, mask)| mask.area()).collect();
         CameraView {
             camera: camera.name.clone(),
             is_held_out: camera.split == Split::Test,

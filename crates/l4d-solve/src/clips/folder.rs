@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::plan::{Plan, Shot};
+use super::plan::{PictureIndex, Plan};
 use super::writers::Sheet;
 
 const SCHEMA: &str = "l4d/clips/1";
@@ -148,8 +148,8 @@ pub(super) struct FrameEntry {
 }
 
 impl FrameEntry {
-    fn of(plan: &Plan, shot: Shot, [colour, depth]: &[Vec<u8>; 2]) -> Self {
-        Self { time: plan.of(shot).1.time, colour: sha256_hex(colour), depth: sha256_hex(depth) }
+    fn of(plan: &Plan, index: PictureIndex, [colour, depth]: &[Vec<u8>; 2]) -> Self {
+        Self { time: plan.of(index).1.time, colour: sha256_hex(colour), depth: sha256_hex(depth) }
     }
 }
 
@@ -220,7 +220,7 @@ impl ClipsFolder {
 
     /// Files under our names that no manifest speaks of were made by somebody else.
     fn refuse_other_files(&self, plan: &Plan) -> Result<(), DataError> {
-        let mut files = plan.shots().flat_map(|shot| self.files(plan, shot));
+        let mut files = plan.pictures().flat_map(|index| self.files(plan, index));
         match files.find(|path| path.exists()).filter(|_| !self.is_continued) {
             Some(path) => Err(DataError::invalid(
                 &path,
@@ -255,8 +255,8 @@ impl ClipsFolder {
     }
 
     /// `<view>/<instant>.png`, and `<view>/<instant>.exr` or `<view>/<instant>.depth.png`.
-    fn files(&self, plan: &Plan, shot: Shot) -> [PathBuf; 2] {
-        let (camera, instant) = plan.of(shot);
+    fn files(&self, plan: &Plan, index: PictureIndex) -> [PathBuf; 2] {
+        let (camera, instant) = plan.of(index);
         let depth = match self.manifest.drawn.depth.format {
             DepthFormat::Exr => "exr",
             DepthFormat::Png => "depth.png",
@@ -266,31 +266,31 @@ impl ClipsFolder {
     }
 
     /// The pictures that are whole already.
-    pub(super) fn finished(&self, plan: &Plan) -> BTreeMap<Shot, FrameEntry> {
+    pub(super) fn finished(&self, plan: &Plan) -> BTreeMap<PictureIndex, FrameEntry> {
         if !self.is_continued {
             return BTreeMap::new();
         }
-        let shots: Vec<Shot> = plan.shots().collect();
-        let entry = |&shot: &Shot| {
-            let files = self.read_files(plan, shot).ok()?;
-            self.decode(plan, shot, &files).ok()?;
-            Some((shot, FrameEntry::of(plan, shot, &files)))
+        let pictures: Vec<PictureIndex> = plan.pictures().collect();
+        let entry = |&index: &PictureIndex| {
+            let files = self.read_files(plan, index).ok()?;
+            self.decode(plan, index, &files).ok()?;
+            Some((index, FrameEntry::of(plan, index, &files)))
         };
-        shots.par_iter().filter_map(entry).collect()
+        pictures.par_iter().filter_map(entry).collect()
     }
 
-    fn read_files(&self, plan: &Plan, shot: Shot) -> Result<[Vec<u8>; 2], DataError> {
-        let [colour, depth] = self.files(plan, shot);
+    fn read_files(&self, plan: &Plan, index: PictureIndex) -> Result<[Vec<u8>; 2], DataError> {
+        let [colour, depth] = self.files(plan, index);
         Ok([read_bounded(&colour, MAX_BYTES)?, read_bounded(&depth, MAX_BYTES)?])
     }
 
     fn decode(
         &self,
         plan: &Plan,
-        shot: Shot,
+        index: PictureIndex,
         files: &[Vec<u8>; 2],
     ) -> Result<(RgbImage, DepthMap), DataError> {
-        let [colour_path, depth_path] = self.files(plan, shot);
+        let [colour_path, depth_path] = self.files(plan, index);
         let ([colour, depth], [width, height]) = (files, plan.size);
         let colour = decode_colour(colour, width, height).map_err(|error| unreadable(&colour_path, error))?;
         let depth = match self.manifest.drawn.depth.format {
@@ -308,32 +308,36 @@ impl ClipsFolder {
     pub(super) fn sheet(
         &self,
         plan: &Plan,
-        shot: Shot,
+        index: PictureIndex,
         colour: &[[f32; 3]],
         depth: &DepthMap,
     ) -> Result<Sheet, DataError> {
-        let [colour_path, depth_path] = self.files(plan, shot);
+        let [colour_path, depth_path] = self.files(plan, index);
         let colour = encode_colour(&picture_of(depth.width, depth.height, colour));
         let depth = match self.manifest.drawn.depth.format {
             DepthFormat::Exr => encode_depth(&depth_path, depth)?,
             DepthFormat::Png => depth.png(),
         };
         let files = [colour, depth];
-        let entry = FrameEntry::of(plan, shot, &files);
+        let entry = FrameEntry::of(plan, index, &files);
         let [colour, depth] = files;
-        Ok(Sheet { shot, entry, files: [(depth_path, depth), (colour_path, colour)] })
+        Ok(Sheet { index, entry, files: [(depth_path, depth), (colour_path, colour)] })
     }
 
     /// Reads a picture back. Depth that was stored as PNG comes without alpha, near and far.
-    pub(super) fn read(&self, plan: &Plan, shot: Shot) -> Result<(RgbImage, DepthMap), DataError> {
-        self.decode(plan, shot, &self.read_files(plan, shot)?)
+    pub(super) fn read(&self, plan: &Plan, index: PictureIndex) -> Result<(RgbImage, DepthMap), DataError> {
+        self.decode(plan, index, &self.read_files(plan, index)?)
     }
 
     /// Writes the manifest with the digests of all pictures.
-    pub(super) fn settle(&self, plan: &Plan, entries: BTreeMap<Shot, FrameEntry>) -> Result<(), DataError> {
+    pub(super) fn settle(
+        &self,
+        plan: &Plan,
+        entries: BTreeMap<PictureIndex, FrameEntry>,
+    ) -> Result<(), DataError> {
         let mut manifest = self.manifest.clone();
-        for (shot, entry) in entries {
-            let (camera, instant) = plan.of(shot);
+        for (index, entry) in entries {
+            let (camera, instant) = plan.of(index);
             if let Some(view) = manifest.views.get_mut(&camera.name) {
                 view.pictures.insert(instant.key.clone(), entry);
             }

@@ -89,7 +89,7 @@ impl Order {
             times => instants_at(times, &cameras)?,
         };
         let plan = Plan { cameras, camera_size, size, instants };
-        plan.shots().try_for_each(|shot| plan.view(shot).map(drop))?;
+        plan.pictures().try_for_each(|index| plan.view(index).map(drop))?;
         Ok(Self { model, source, out: place(wanted.out, WorkDir::clips)?, plan, timeline })
     }
 }

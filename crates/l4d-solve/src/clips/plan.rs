@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// Index of a camera and of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Shot {
+pub struct PictureIndex {
     /// Index among the cameras.
     pub view: usize,
     /// Index among the times.
@@ -80,22 +80,22 @@ impl Plan {
     }
 
     /// All pictures, view by view.
-    pub fn shots(&self) -> impl Iterator<Item = Shot> + use<> {
+    pub fn pictures(&self) -> impl Iterator<Item = PictureIndex> + use<> {
         let (views, instants) = (self.cameras.len(), self.instants.len());
-        (0..views).flat_map(move |view| (0..instants).map(move |instant| Shot { view, instant }))
+        (0..views).flat_map(move |view| (0..instants).map(move |instant| PictureIndex { view, instant }))
     }
 
     /// The camera and the time of a picture.
-    pub(crate) fn of(&self, shot: Shot) -> (&Camera, &Instant) {
-        (&self.cameras[shot.view], &self.instants[shot.instant])
+    pub(crate) fn of(&self, index: PictureIndex) -> (&Camera, &Instant) {
+        (&self.cameras[index.view], &self.instants[index.instant])
     }
 
     /// From where a picture is drawn.
     ///
     /// # Errors
     /// A camera from which no picture can be drawn.
-    pub(crate) fn view(&self, shot: Shot) -> Result<View, StageError> {
-        let (camera, instant) = self.of(shot);
+    pub(crate) fn view(&self, index: PictureIndex) -> Result<View, StageError> {
+        let (camera, instant) = self.of(index);
         View::of_camera(camera, instant.frame.unwrap_or(0), self.camera_size, self.size)
             .map_err(|error| StageError::of(&error, None))
             .at(format_args!("camera {}", camera.name))

@@ -10,7 +10,7 @@ use l4d_data::store::write_atomic;
 use l4d_data::{DataError, StageError};
 
 use super::folder::FrameEntry;
-use super::plan::Shot;
+use super::plan::PictureIndex;
 
 const WRITERS: usize = 8;
 /// Pictures that wait to be written: bounds memory where the disk is slow.
@@ -19,7 +19,7 @@ const WAITING: usize = 32;
 /// A picture on its way to the disk.
 #[derive(Debug)]
 pub(super) struct Sheet {
-    pub(super) shot: Shot,
+    pub(super) index: PictureIndex,
     pub(super) entry: FrameEntry,
     /// Files in the order in which they are written.
     pub(super) files: [(PathBuf, Vec<u8>); 2],
@@ -28,7 +28,7 @@ pub(super) struct Sheet {
 /// Does some work that hands over pictures, and waits until they are on the disk; `written` hears of each. The first
 /// file that cannot be written ends it.
 pub(super) fn writing(
-    written: impl Fn(Shot, FrameEntry) + Sync,
+    written: impl Fn(PictureIndex, FrameEntry) + Sync,
     work: impl FnOnce(&(dyn Fn(Sheet) -> Result<(), StageError> + Sync)) -> Result<(), StageError>,
 ) -> Result<(), StageError> {
     let (sender, receiver) = sync_channel::<Sheet>(WAITING);
@@ -39,9 +39,9 @@ pub(super) fn writing(
         for _ in 0..WRITERS {
             scope.spawn(|| {
                 let next = || receiver.lock().ok()?.recv().ok();
-                while let Some(Sheet { shot, entry, files }) = next() {
+                while let Some(Sheet { index, entry, files }) = next() {
                     match files.iter().try_for_each(|(path, bytes)| write_atomic(path, bytes)) {
-                        Ok(()) => written(shot, entry),
+                        Ok(()) => written(index, entry),
                         Err(error) => {
                             if let Ok(mut failure) = failure.lock() {
                                 failure.get_or_insert(error);
@@ -76,14 +76,14 @@ mod tests {
     fn everything_is_on_the_disk_when_it_returns_and_a_failure_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let sheet = |view: usize, folder: &str| Sheet {
-            shot: Shot { view, instant: 0 },
+            index: PictureIndex { view, instant: 0 },
             entry: FrameEntry::default(),
             files: ["a", "b"]
                 .map(|name| (PathBuf::from(folder).join(format!("{view}{name}")), vec![view as u8])),
         };
         let place = folder.path().join("out").display().to_string();
         let written = Mutex::new(Vec::new());
-        let note = |shot: Shot, _| written.lock().unwrap().push(shot.view);
+        let note = |index: PictureIndex, _| written.lock().unwrap().push(index.view);
         writing(note, |hand_over| (0..100).try_for_each(|view| hand_over(sheet(view, &place)))).unwrap();
         assert_eq!(written.lock().unwrap().len(), 100);
         assert_eq!(std::fs::read(folder.path().join("out/99b")).unwrap(), [99]);

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use image::Rgb32FImage;
-use image::imageops::{FilterType, resize};
+use l4d_frames::display::resized;
 use rayon::prelude::*;
 
 use super::subject::{Key, Subject};
@@ -171,15 +170,14 @@ fn enlarged(drawing: &Drawing, [width, height]: [u32; 2]) -> (Vec<[f32; 3]>, Vec
     if [drawing.width, drawing.height] == [width, height] {
         return (colour, depth_m);
     }
-    let small = Rgb32FImage::from_raw(drawing.width, drawing.height, colour.into_flattened());
-    let large = resize(&small.unwrap_or_default(), width, height, FilterType::Triangle);
+    let colour = resized(colour, [drawing.width, drawing.height], [width, height]);
     let near = |place: u32, from: u32, to: u32| ((2 * place + 1) * from / (2 * to)) as usize;
     let depth_m = (0..height * width).filter_map(|pixel| {
         let row = near(pixel / width, drawing.height, height);
         depth_m.get(row * drawing.width as usize + near(pixel % width, drawing.width, width)).copied()
     });
     let depth_m = depth_m.collect();
-    (large.into_raw().as_chunks().0.to_vec(), depth_m)
+    (colour, depth_m)
 }
 
 fn milliseconds(since: Instant) -> f64 {

@@ -50,7 +50,7 @@ struct Time {
     neighbours: Option<Vec<u32>>,
 }
 
-struct Shot<'a> {
+struct TrainingPicture<'a> {
     picture: Picture<'a>,
     /// Index of its time.
     time: usize,
@@ -62,7 +62,7 @@ struct Shot<'a> {
 }
 
 /// Derivatives of the loss by the logits of the rows of a step, and by the bias.
-pub(super) struct Slopes {
+pub(super) struct LogitGradients {
     pub(super) rows: Vec<f32>,
     pub(super) bias: f32,
 }
@@ -72,7 +72,7 @@ pub(super) struct Training<'a> {
     canvas: &'a Canvas<'a>,
     settings: &'a FieldSettings,
     times: Vec<Time>,
-    shots: Vec<Shot<'a>>,
+    pictures: Vec<TrainingPicture<'a>>,
     /// Pictures still to come before all have been seen once more.
     queue: Vec<usize>,
     /// All Gaussians in some order, of which the first are drawn anew each step.
@@ -93,11 +93,11 @@ impl<'a> Training<'a> {
         evidence: &'a Evidence,
         settings: &'a FieldSettings,
     ) -> Result<Self, LiftError> {
-        let (mut times, mut shots) = (Vec::new(), Vec::new());
+        let (mut times, mut pictures) = (Vec::new(), Vec::new());
         for (time, instant) in evidence.instants()?.into_iter().enumerate() {
             let splats = canvas.shapes_at(instant.time)?;
             times.push(Time { time: instant.time, splats, neighbours: None });
-            shots.extend(instant.pictures.into_iter().map(|picture| Shot {
+            pictures.extend(instant.pictures.into_iter().map(|picture| TrainingPicture {
                 picture,
                 time,
                 inside: picture.mask.to_bools(),
@@ -114,7 +114,7 @@ impl<'a> Training<'a> {
             canvas,
             settings,
             times,
-            shots,
+            pictures,
             queue: Vec::new(),
             shuffled: (0..means.len() as u32).collect(),
             random: ChaCha8Rng::seed_from_u64(settings.seed),
@@ -131,7 +131,7 @@ impl<'a> Training<'a> {
     /// Pictures in a new random order each time that all have been seen.
     pub(super) fn next_picture(&mut self) -> usize {
         if self.queue.is_empty() {
-            self.queue = (0..self.shots.len()).collect();
+            self.queue = (0..self.pictures.len()).collect();
             for last in (1..self.queue.len()).rev() {
                 self.queue.swap(last, self.random.random_range(0..=last));
             }
@@ -150,21 +150,25 @@ impl<'a> Training<'a> {
     }
 
     /// Loss of a picture and of samples, and its derivatives by the logits of `self.rows` and by the bias.
-    pub(super) fn slopes(&mut self, picture: usize, samples: &[u32]) -> Result<(f64, Slopes), LiftError> {
-        let Self { canvas, settings, rows, shots, times, .. } = self;
-        let shot = &mut shots[picture];
-        let Time { time, splats, neighbours } = &mut times[shot.time];
-        let (time, splats, view) = (*time, Arc::clone(splats), shot.picture.view);
+    pub(super) fn slopes(
+        &mut self,
+        picture: usize,
+        samples: &[u32],
+    ) -> Result<(f64, LogitGradients), LiftError> {
+        let Self { canvas, settings, rows, pictures, times, .. } = self;
+        let training_picture = &mut pictures[picture];
+        let Time { time, splats, neighbours } = &mut times[training_picture.time];
+        let (time, splats, view) = (*time, Arc::clone(splats), training_picture.picture.view);
         let neighbours = nearest(neighbours, &splats, settings.neighbours as usize);
         let each = (settings.neighbours as usize).min(splats.len());
         let projected = canvas.rasterizer.prepare(&splats, view, canvas.raster)?;
-        if shot.visible.is_none() {
+        if training_picture.visible.is_none() {
             let weights = projected.gather_features(&vec![1.0; view.pixel_count()], 1)?;
             let shows = |row: &u32| weights[*row as usize] > 0.0;
-            shot.visible = Some((0..weights.len() as u32).filter(shows).collect());
+            training_picture.visible = Some((0..weights.len() as u32).filter(shows).collect());
         }
         rows.clear();
-        for &row in shot.visible.iter().flatten() {
+        for &row in training_picture.visible.iter().flatten() {
             rows.place(row);
         }
         let shown = rows.list.len();
@@ -185,7 +189,7 @@ impl<'a> Training<'a> {
         }
         let blend = projected.splat_features(&carried, 1)?;
         let share = self.settings.lambda_2d / view.pixel_count() as f64;
-        let (mut loss, mut bias_slope, wanted) = pixels(&blend, bias, &self.shots[picture].inside, share);
+        let (mut loss, mut bias_slope, wanted) = pixels(&blend, bias, &self.pictures[picture].inside, share);
         let gathered = projected.gather_features(&wanted, 1)?;
         let mut slopes: Vec<f32> = vec![0.0; self.rows.list.len()];
         for (slope, &row) in slopes.iter_mut().zip(&self.rows.list).take(shown) {
@@ -201,7 +205,7 @@ impl<'a> Training<'a> {
             slopes[from] += (share * by_from) as f32;
             bias_slope += share * (by_of + by_from);
         }
-        Ok((loss, Slopes { rows: slopes, bias: bias_slope as f32 }))
+        Ok((loss, LogitGradients { rows: slopes, bias: bias_slope as f32 }))
     }
 
     /// Differences of logits, without the bias, of `self.rows` at a time.
@@ -222,7 +226,7 @@ impl<'a> Training<'a> {
     }
 
     /// The gradient that the derivatives of the last [`Self::slopes`] mean.
-    pub(super) fn gradient(&mut self, slopes: &Slopes) -> &Network {
+    pub(super) fn gradient(&mut self, slopes: &LogitGradients) -> &Network {
         let Self { network, collapsed, blocks, lanes, .. } = self;
         let count = slopes.rows.len().div_ceil(BLOCK_ROWS);
         let lane_blocks = count.div_ceil(MOST_LANES).max(1);
@@ -249,7 +253,7 @@ impl<'a> Training<'a> {
     }
 
     /// One step of Adam down the derivatives of the last [`Self::slopes`].
-    pub(super) fn descend(&mut self, slopes: &Slopes, iteration: u32) -> Result<(), LiftError> {
+    pub(super) fn descend(&mut self, slopes: &LogitGradients, iteration: u32) -> Result<(), LiftError> {
         self.gradient(slopes);
         let gradients = self.lanes[0].0.lists.iter().map(Vec::as_slice).collect();
         let parameters = self.network.lists.iter_mut().map(Vec::as_mut_slice).collect();

@@ -57,14 +57,14 @@ fn evidence(scene: &Scene) -> Evidence {
 
 /// A picture: for each pixel the Gaussians in it with their weights, and whether it is inside; and sampled Gaussians,
 /// each with its neighbours.
-struct Shot {
+struct TrainingPicture {
     time: f32,
     pixels: Vec<(Vec<(usize, f64)>, bool)>,
     near: Vec<(usize, Vec<usize>)>,
 }
 
 /// Pictures are numbered time by time, view by view.
-fn shot(scene: &Scene, evidence: &Evidence, picture: usize, samples: &[u32]) -> Shot {
+fn picture_of(scene: &Scene, evidence: &Evidence, picture: usize, samples: &[u32]) -> TrainingPicture {
     let seen = &evidence.views[picture % 2].frames[picture / 2];
     let splats = scene.model.at(seen.time).unwrap();
     let projected = Reference::scene(&splats.to_f64(), &seen.view, &RasterSettings::default()).unwrap();
@@ -77,7 +77,7 @@ fn shot(scene: &Scene, evidence: &Evidence, picture: usize, samples: &[u32]) -> 
     let near = |&sample: &u32| {
         (sample as usize, nearest[sample as usize].iter().map(|&(_, index)| index as usize).collect())
     };
-    Shot { time: seen.time, pixels: pixels.collect(), near: samples.iter().map(near).collect() }
+    TrainingPicture { time: seen.time, pixels: pixels.collect(), near: samples.iter().map(near).collect() }
 }
 
 /// Weights \[outputs\]\[inputs\] and biases of the five layers, the first with places and times side by side, the
@@ -105,7 +105,12 @@ fn softmax(logits: &[f64]) -> Vec<f64> {
 }
 
 /// The objective with one parameter changed.
-fn loss(network: &Network, (list, place, change): (usize, usize, f64), scene: &Scene, shot: &Shot) -> f64 {
+fn loss(
+    network: &Network,
+    (list, place, change): (usize, usize, f64),
+    scene: &Scene,
+    picture_of: &TrainingPicture,
+) -> f64 {
     let mut layers = layers(network);
     // The two lists of the first layer are one matrix.
     let (layer, weight) = (list.saturating_sub(1) / 2, list < 2 || list % 2 == 1);
@@ -123,7 +128,8 @@ fn loss(network: &Network, (list, place, change): (usize, usize, f64), scene: &S
     let phi = |gaussian: usize| {
         let mut input = Vec::new();
         places.of(&[gaussian as u32], &mut input);
-        let input: Vec<f64> = input.iter().chain(&time(shot.time)).map(|&value| f64::from(value)).collect();
+        let input: Vec<f64> =
+            input.iter().chain(&time(picture_of.time)).map(|&value| f64::from(value)).collect();
         let rectified = |layer, input: &[f64]| -> Vec<f64> {
             apply(layer, input).into_iter().map(|value| value.max(0.0)).collect()
         };
@@ -132,7 +138,7 @@ fn loss(network: &Network, (list, place, change): (usize, usize, f64), scene: &S
     let features: Vec<Vec<f64>> = (0..120).map(phi).collect();
 
     let mut loss_2d = 0.0;
-    for (contributions, inside) in &shot.pixels {
+    for (contributions, inside) in &picture_of.pixels {
         let mut blended = vec![0.0; 5];
         for &(gaussian, weight) in contributions {
             blended.iter_mut().zip(&features[gaussian]).for_each(|(sum, value)| *sum += weight * value);
@@ -141,13 +147,14 @@ fn loss(network: &Network, (list, place, change): (usize, usize, f64), scene: &S
     }
     let identities: Vec<Vec<f64>> =
         features.iter().map(|feature| softmax(&apply(&layers[4], feature))).collect();
-    let pairs = shot.near.iter().flat_map(|(sample, near)| near.iter().map(move |other| (*sample, *other)));
+    let pairs =
+        picture_of.near.iter().flat_map(|(sample, near)| near.iter().map(move |other| (*sample, *other)));
     let divergence = |(sample, other): (usize, usize)| {
         let both = identities[sample].iter().zip(&identities[other]);
         both.map(|(p, q)| p * (p / q).ln()).sum::<f64>()
     };
     let divergences: Vec<f64> = pairs.map(divergence).collect();
-    SETTINGS.lambda_2d * loss_2d / shot.pixels.len() as f64
+    SETTINGS.lambda_2d * loss_2d / picture_of.pixels.len() as f64
         + SETTINGS.lambda_3d * divergences.iter().sum::<f64>() / divergences.len() as f64
 }
 
@@ -161,8 +168,8 @@ fn loss_and_gradient_are_those_of_the_objective_as_it_is_written() {
         let samples = training.samples();
         let (found, slopes) = training.slopes(picture, &samples).unwrap();
         let gradient = training.gradient(&slopes).clone();
-        let shot = shot(&scene, &evidence, picture, &samples);
-        let at = |list, place, change| loss(&training.network, (list, place, change), &scene, &shot);
+        let picture_of = picture_of(&scene, &evidence, picture, &samples);
+        let at = |list, place, change| loss(&training.network, (list, place, change), &scene, &picture_of);
         let expected = at(0, 0, 0.0);
         assert!((found - expected).abs() < 1e-5 * expected, "{found} {expected}");
         let steepest = gradient.lists.iter().flatten().fold(0.0_f32, |most, slope| most.max(slope.abs()));
