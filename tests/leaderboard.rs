@@ -194,7 +194,7 @@ fn damage_is_named_and_the_old_board_stays() {
         ("scores/oracle/counts.csv", counts.replacen("hit", "NaN", 1), "counts.csv: line "),
         ("scores/oracle/counts.csv", lines[..lines.len() - 9].join("\n"), "do not follow from these rows"),
         ("scores/oracle/counts.csv", without, "counts.csv: rows: "),
-        ("scores/oracle/counts.csv", counts.replacen(",union,", ",onion,", 1), "counts.csv: line 2: "),
+        ("scores/oracle/counts.csv", counts.replacen(",union,", ",onion,", 1), "counts.csv: line 1: "),
         ("scores/oracle/counts.csv", String::new(), "do not follow from these rows"),
         ("scores/oracle/summary.json", "{".to_owned(), "summary.json"),
         ("scores/oracle/summary.json", dir.read("scores/none/summary.json"), "field `name`"),
@@ -210,6 +210,17 @@ fn damage_is_named_and_the_old_board_stays() {
     dir.remove("scores/oracle/counts.csv");
     assert_eq!(dir.run(LEADERBOARD).code, 2);
     assert_eq!(dir.read("leaderboard/leaderboard.csv"), before);
+}
+
+#[test]
+fn methods_scored_on_something_else_are_left_out_and_named() {
+    let dir = scored();
+    score(&dir, "results/all --hit-iou 0.5");
+    make(&dir).says(0, &["scores/all/summary.json"]);
+    let board = dir.value("leaderboard/board.json");
+    let methods = board["methods"].as_array().unwrap();
+    assert_eq!(methods.len(), BASELINES.len());
+    assert!(methods.iter().all(|method| method["name"] != "all"));
 }
 
 #[test]

@@ -213,18 +213,6 @@ fn what_few_scenes_cannot_say_is_written_there() {
 }
 
 #[test]
-fn methods_that_were_scored_on_something_else_are_behind_the_filter_of_protocols() {
-    let dir = page();
-    dir.succeed("score results/all --profile tiny --hit-iou 0.5");
-    dir.succeed(MAKE);
-    let mut browser = open(&dir, "");
-    assert!(!browser.order().contains(&"all".to_owned()));
-    browser.choose("Protocol", "0");
-    assert_eq!(browser.order(), ["all"]);
-    assert!(browser.board("").contains("with hits above IoU 0.5"));
-}
-
-#[test]
 fn a_protocol_of_others_has_a_table_of_its_own_down_to_the_query() {
     let dir = page();
     judge(&dir, &["davis", "4d-langsplat"]);

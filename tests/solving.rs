@@ -272,14 +272,11 @@ fn a_card_says_whether_the_splats_saw_depth() {
         (card["used"]["depth"].as_bool().unwrap(), is_unknown)
     };
     assert_eq!(answer("deep", ""), (true, false));
-    // A model of before there was the field: how it was trained says it.
-    dir.edit(&model, "  \"saw_depth\": true,\n", "");
-    assert_eq!(answer("older", ""), (true, false));
-    dir.edit(&model, "\"init\": \"depth\"", "\"init\": \"sweep\"");
+    dir.edit(&model, "\"saw_depth\": true", "\"saw_depth\": false");
     assert_eq!(answer("bright", ""), (false, false));
     assert_eq!(answer("masks", "--used-depth"), (true, false));
     // A model from elsewhere says nothing, so the user has to.
-    dir.edit(&model, "\"init\": \"sweep\"", "\"began\": \"somewhere\"");
+    dir.edit(&model, "  \"saw_depth\": false,\n", "");
     assert_eq!(answer("foreign", ""), (false, true));
     assert_eq!(answer("foreign", "--used-depth"), (true, false), "a card learns what was not known");
     assert_eq!(answer("foreign", ""), (true, true), "and does not forget it");

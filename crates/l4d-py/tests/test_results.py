@@ -24,7 +24,7 @@ def test_queries_say_what_their_file_says(benchmark: l4d.Benchmark, world: Path)
     assert [last.holds_at(frame) for frame in (23, 24, 72, 73)] == [False, True, True, False]
     assert benchmark.queries("ball", set="absents") == [] == benchmark.queries(set="composites")
     assert benchmark.query("ball/002").text == queries[1].text == benchmark.query(queries[1]).text
-    assert (benchmark.name, benchmark.version, benchmark.scenes) == ("Twins", "0.1.0", ["ball"])
+    assert (benchmark.name, benchmark.version, benchmark.scenes) == ("Made up", "0.1.0", ["ball"])
     assert (benchmark.width, benchmark.height, benchmark.frames) == (128, 96, list(range(0, 97, 12)))
 
 
