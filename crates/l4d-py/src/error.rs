@@ -101,7 +101,7 @@ pub(crate) fn name(field: &str, text: &str) -> Result<Name> {
     Name::new(text).map_err(|error| Failure::argument(field, error.to_string(), "choose another name"))
 }
 
-/// The value that one of the words `known` stands for in files.
+/// The value that one of the words `known` means in files.
 pub(crate) fn choice<T: DeserializeOwned>(field: &str, given: &str, known: &[&str]) -> Result<T> {
     serde_json::from_value(given.into()).ok().ok_or_else(|| unknown(field, given, known))
 }

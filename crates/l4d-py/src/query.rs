@@ -92,7 +92,7 @@ pub(crate) fn json_to_python<'py>(py: Python<'py>, value: &impl Serialize) -> Re
     Ok(py.import("json")?.call_method1("loads", (text,))?)
 }
 
-/// The word that stands for a value in files.
+/// The word that means a value in files.
 pub(crate) fn word(value: &impl Serialize) -> String {
     match serde_json::to_value(value) {
         Ok(Value::String(word)) => word,

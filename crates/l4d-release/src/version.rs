@@ -119,7 +119,7 @@ fn compare_scene(name: &str, old: &SceneContents, new: &SceneContents, add: &mut
     }
 }
 
-/// What each key of two maps stands for in them.
+/// What each key of two maps means in them.
 fn paired<'a, K: Ord, V>(
     before: &'a BTreeMap<K, V>,
     now: &'a BTreeMap<K, V>,
