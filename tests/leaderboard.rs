@@ -195,7 +195,7 @@ fn damage_is_named_and_the_old_board_stays() {
         ("scores/oracle/counts.csv", lines[..lines.len() - 9].join("\n"), "do not follow from these rows"),
         ("scores/oracle/counts.csv", without, "counts.csv: rows: "),
         ("scores/oracle/counts.csv", counts.replacen(",union,", ",onion,", 1), "counts.csv: line 1: "),
-        ("scores/oracle/counts.csv", String::new(), "do not follow from these rows"),
+        ("scores/oracle/counts.csv", String::new(), "counts.csv: line 1: "),
         ("scores/oracle/summary.json", "{".to_owned(), "summary.json"),
         ("scores/oracle/summary.json", dir.read("scores/none/summary.json"), "field `name`"),
         ("scores/oracle/summary.json", summary.replacen("100.0", "99.0", 1), "do not follow from these rows"),
@@ -219,7 +219,7 @@ fn methods_scored_on_something_else_are_left_out_and_named() {
     make(&dir).says(0, &["scores/all/summary.json"]);
     let board = dir.value("leaderboard/board.json");
     let methods = board["methods"].as_array().unwrap();
-    assert_eq!(methods.len(), BASELINES.len());
+    assert_eq!(methods.len(), BASELINES.len() - 1);
     assert!(methods.iter().all(|method| method["name"] != "all"));
 }
 

@@ -90,7 +90,7 @@ fn holes_are_refused_only_where_the_source_would_stop() {
 #[test]
 fn unknown_protocols_and_options_of_ours_are_refused() {
     let dir = baselines();
-    dir.run("score --profile tiny --protocol coco").says(2, &["gaussian-grouping, l4d"]);
+    dir.run("score --profile tiny --protocol coco").says(2, &["l4d, langsplat, 4d-langsplat"]);
     dir.run("score --profile tiny --protocol davis --hit-iou 0.5").says(2, &["--hit-iou"]);
     assert_eq!(dir.json("score --profile tiny --protocol l4d")["protocol"], "l4d");
     assert!(dir.path("scores/oracle/counts.csv").exists());
