@@ -2,11 +2,10 @@
 
 use std::sync::LazyLock;
 
+use l4d_score::Protocol;
 use serde_json::{Map, Value};
 
 use crate::support::{Dir, named};
-
-const PROTOCOLS: [&str; 5] = ["langsplat", "4d-langsplat", "davis", "mevis", "gaussian-grouping"];
 
 fn baselines() -> Dir {
     static BASELINES: LazyLock<Dir> = LazyLock::new(|| {
@@ -26,7 +25,7 @@ fn measures<'a>(judged: &'a Value, method: &str) -> &'a Map<String, Value> {
 #[test]
 fn the_truth_is_right_and_silence_wrong_under_every_protocol() {
     let dir = baselines();
-    for protocol in PROTOCOLS {
+    for protocol in Protocol::ALL.map(Protocol::as_str) {
         let judged = dir.json(format!("score --profile tiny --protocol {protocol}"));
         assert_eq!((&judged["protocol"], &judged["is_headline"]), (&protocol.into(), &false.into()));
         for (measure, value) in measures(&judged, "oracle") {
