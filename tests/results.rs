@@ -1,7 +1,9 @@
 //! `l4d check-results` and `l4d score` on results that are wrong in every way we could think of.
 
+use std::io::Cursor;
 use std::os::unix::fs::symlink;
 
+use image::{DynamicImage, ImageFormat};
 use l4d_masks::{Mask, ids, png};
 
 use crate::support::{Dir, codes};
@@ -176,17 +178,28 @@ fn bad_json_is_named_with_its_field() {
     );
 }
 
+fn png_of(picture: &DynamicImage) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
 #[test]
 fn bad_pngs_are_named_with_a_remedy() {
     let dir = Dir::with_oracle();
     dir.remove(MASK);
     let whole = png::encode(&Mask::full(128, 96));
+    let mut huge = whole.clone();
+    huge[16..24].copy_from_slice(&[100_000_u32.to_be_bytes(); 2].concat());
     for (bytes, code, words) in [
         (Vec::new(), "L4D311", &["no PNG"][..]),
         (b"GIF89a".to_vec(), "L4D311", &["no PNG"]),
         (ids::encode_palette(128, 96, &[0; 128 * 96]), "L4D311", &["palette", "Pillow"]),
+        (png_of(&DynamicImage::new_luma16(128, 96)), "L4D311", &["16-bit"]),
+        (png_of(&DynamicImage::new_rgba8(128, 96)), "L4D311", &["RGBA"]),
         (whole[..whole.len() / 2].to_vec(), "L4D311", &["damaged"]),
         (png::encode(&Mask::full(96, 128)), "L4D309", &["96x128"]),
+        (huge, "L4D309", &["100000x100000"]),
     ] {
         dir.write(PNG, bytes);
         expect_code(&dir, code, words);

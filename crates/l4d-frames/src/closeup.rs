@@ -100,11 +100,6 @@ impl Closeup {
         UVec2::new(self.picture.width(), self.picture.height())
     }
 
-    /// Instance at a pixel; 0 outside.
-    pub fn id(&self, column: u32, row: u32) -> u32 {
-        self.index(column, row).map_or(0, |index| self.ids[index])
-    }
-
     /// Whether a pixel was drawn over.
     pub fn stroke(&self, column: u32, row: u32) -> Stroke {
         self.index(column, row).map_or(Stroke::None, |index| self.strokes[index])
@@ -314,23 +309,18 @@ mod tests {
         Mark { id: 3, number: 1, colour: object_colour(0), faint: false }
     }
 
-    fn ids(closeup: &Closeup) -> Vec<u32> {
-        let size = closeup.size();
-        (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))).map(|(x, y)| closeup.id(x, y)).collect()
-    }
-
     #[test]
     fn ids_follow_the_region_and_the_size() {
         let (image, all) = picture();
-        assert_eq!(ids(&Closeup::cut(&image, &all, WHOLE, UVec2::new(8, 6))), all);
+        assert_eq!(Closeup::cut(&image, &all, WHOLE, UVec2::new(8, 6)).ids, all);
         let quarter = PixelBox { first_col: 4, first_row: 3, last_col: 7, last_row: 5 };
         // Columns 4 and 5 of rows 3 and 4 are inside, doubled in width only.
         let row = [3, 3, 3, 3, 0, 0, 0, 0];
         let expected = [row, row, [0; 8]].concat();
-        assert_eq!(ids(&Closeup::cut(&image, &all, quarter, UVec2::new(8, 3))), expected);
+        assert_eq!(Closeup::cut(&image, &all, quarter, UVec2::new(8, 3)).ids, expected);
         // Halved: target column 0 covers source columns 0 and 1, and so on.
         let row = [0, 3, 3, 0];
-        assert_eq!(ids(&Closeup::cut(&image, &all, WHOLE, UVec2::new(4, 3))), [row, row, row].concat());
+        assert_eq!(Closeup::cut(&image, &all, WHOLE, UVec2::new(4, 3)).ids, [row, row, row].concat());
     }
 
     #[test]
@@ -339,8 +329,8 @@ mod tests {
         let all: Vec<u32> = (0..27).map(|index| u32::from(index % 9 == 4) * 7).collect();
         let whole = PixelBox { first_col: 0, first_row: 0, last_col: 8, last_row: 2 };
         // One column in three with twice the weight: 6 against 6, and 0 is the smaller id; two in three win.
-        assert_eq!(ids(&Closeup::cut(&image, &all, whole, UVec2::new(3, 1))), [0, 0, 0]);
-        assert_eq!(ids(&Closeup::cut(&image, &all, whole, UVec2::new(4, 1))), [0, 0, 7, 0]);
+        assert_eq!(Closeup::cut(&image, &all, whole, UVec2::new(3, 1)).ids, [0, 0, 0]);
+        assert_eq!(Closeup::cut(&image, &all, whole, UVec2::new(4, 1)).ids, [0, 0, 7, 0]);
     }
 
     #[test]
