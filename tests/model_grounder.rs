@@ -67,30 +67,6 @@ fn a_server_that_fails_for_half_of_the_views_is_asked_for_those_again() {
 }
 
 #[test]
-fn a_worker_of_ours_runs_in_an_environment_that_is_made_once() {
-    let server = Server::start(vec![says(PLAN)]);
-    let dir = stage(&server);
-    // The real package, but for the networks and what they need: the worker that fills boxes takes the place of SAM 2.
-    for (file, place) in ["__init__", "__main__", "protocol", "rle", "box"]
-        .map(|file| (file, file))
-        .into_iter()
-        .chain([("box", "sam2_hf")])
-    {
-        let text = shipped(&format!("crates/l4d-ground/workers/l4d_workers/{file}.py"));
-        dir.write(&format!("package/l4d_workers/{place}.py"), text);
-    }
-    dir.write("package/requirements.txt", "# nothing\n");
-    grounder(&dir, "worker = \"sam2-hf\"", "package");
-    dir.run(SOLVE).says(0, &["making the environment of the segmenter workers", "views: 4 found"]);
-    let kinds = std::fs::read_dir(dir.path("work/workers-env")).unwrap().map(|entry| entry.unwrap().path());
-    let kinds: Vec<_> = kinds.filter(|path| path.is_dir()).collect();
-    assert_eq!(kinds.len(), 1);
-    assert!(kinds[0].join("complete").is_file() && kinds[0].join("bin/python").exists());
-    let again = dir.succeed(format!("{SOLVE} --overwrite"));
-    assert!(!again.stderr.contains("making"), "{}", again.stderr);
-}
-
-#[test]
 fn models_and_couplings_are_rows_of_a_table() {
     let server = Server::start(vec![says(PLAN)]);
     let dir = stage(&server);
@@ -144,4 +120,34 @@ fn a_file_that_names_no_worker_is_refused() {
     let geometric = "solve --profile tiny --data data --dry-run";
     dir.refuses(geometric, &["geometric asks no model server"]);
     assert_eq!(server.count(), 0);
+}
+
+/// What makes a Python environment.
+mod python {
+    use super::*;
+
+    #[test]
+    fn a_worker_of_ours_runs_in_an_environment_that_is_made_once() {
+        let server = Server::start(vec![says(PLAN)]);
+        let dir = stage(&server);
+        // The real package, but for the networks and what they need: the worker that fills boxes takes the place of SAM 2.
+        for (file, place) in ["__init__", "__main__", "protocol", "rle", "box"]
+            .map(|file| (file, file))
+            .into_iter()
+            .chain([("box", "sam2_hf")])
+        {
+            let text = shipped(&format!("crates/l4d-ground/workers/l4d_workers/{file}.py"));
+            dir.write(&format!("package/l4d_workers/{place}.py"), text);
+        }
+        dir.write("package/requirements.txt", "# nothing\n");
+        grounder(&dir, "worker = \"sam2-hf\"", "package");
+        dir.run(SOLVE).says(0, &["making the environment of the segmenter workers", "views: 4 found"]);
+        let kinds =
+            std::fs::read_dir(dir.path("work/workers-env")).unwrap().map(|entry| entry.unwrap().path());
+        let kinds: Vec<_> = kinds.filter(|path| path.is_dir()).collect();
+        assert_eq!(kinds.len(), 1);
+        assert!(kinds[0].join("complete").is_file() && kinds[0].join("bin/python").exists());
+        let again = dir.succeed(format!("{SOLVE} --overwrite"));
+        assert!(!again.stderr.contains("making"), "{}", again.stderr);
+    }
 }

@@ -70,7 +70,7 @@ pub(crate) struct Run {
 
 impl Dir {
     pub(crate) fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
+        Self(l4d_testing::folder())
     }
 
     /// A folder with a benchmark of two made-up scenes in `benchmark`.

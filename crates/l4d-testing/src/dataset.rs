@@ -85,7 +85,7 @@ impl Dataset {
 
     /// A copy of its own.
     pub fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = crate::folder();
         copy_folder(PRISTINE.folder.path(), folder.path());
         Self { folder, scene: PRISTINE.scene.clone(), tracks: PRISTINE.tracks.clone() }
     }
@@ -118,7 +118,7 @@ impl Dataset {
 
     fn draw() -> Self {
         let world = Self::world();
-        let folder = tempfile::tempdir().unwrap();
+        let folder = crate::folder();
         let data = folder.path().join("data");
         let scene = write_scene(&data, world.scene(), |camera, frame| Some(world.look(camera, frame)));
         let dataset = Self { folder, scene, tracks: world.tracks() };

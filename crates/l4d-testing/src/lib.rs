@@ -21,12 +21,23 @@ use l4d_data::{
 };
 use l4d_frames::truth::{Observation, TruthBuilder};
 use l4d_frames::{Frame, Surfaces};
+use rustix::fs::{StatVfsMountFlags, statvfs};
+use tempfile::TempDir;
 
 pub use dataset::{Dataset, copy_folder, write_scene};
 pub use world::{Shape, Thing, World};
 
 /// Size of the pictures, pixels: that of profile `tiny`.
 pub const SIZE: [u32; 2] = [128, 96];
+
+/// A new folder: in memory where the system offers that, since many tests write thousands of small files.
+pub fn folder() -> TempDir {
+    let memory = Path::new("/dev/shm");
+    let is_roomy = statvfs(memory).is_ok_and(|memory| {
+        memory.f_bavail * memory.f_frsize > 4 << 30 && !memory.f_flag.contains(StatVfsMountFlags::NOEXEC)
+    });
+    if is_roomy { tempfile::tempdir_in(memory).unwrap() } else { tempfile::tempdir().unwrap() }
+}
 
 /// Text that is a name.
 pub fn name(text: impl Into<String>) -> Name {

@@ -179,17 +179,23 @@ fn a_worker_that_dies_is_started_again_once_and_given_up_after_four_failures() {
 
 #[test]
 fn one_that_hangs_breaks_the_protocol_or_is_another_after_its_restart_is_ended() {
-    for (mode, timeouts, words) in [
+    let cases = [
         ("hangs", hasty(), "said nothing for 0.4 seconds"),
         ("busy", hasty(), "worked on one answer for 0.8 seconds"),
         ("changes", brief(), "another hello"),
         ("wrong-id", brief(), "which was not asked"),
         ("garbage", brief(), "{'id': 1, 'done': True}"),
         ("flood", brief(), "a line without end"),
-    ] {
-        let grounding = Kit::new().ask(mode, timeouts, "cup");
-        assert!(error_of(&grounding).contains(words), "{mode}: {grounding:?}");
-    }
+    ];
+    // Side by side, since most of the time is waiting.
+    std::thread::scope(|scope| {
+        for (mode, timeouts, words) in cases {
+            scope.spawn(move || {
+                let grounding = Kit::new().ask(mode, timeouts, "cup");
+                assert!(error_of(&grounding).contains(words), "{mode}: {grounding:?}");
+            });
+        }
+    });
 }
 
 #[test]

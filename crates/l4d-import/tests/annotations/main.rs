@@ -12,7 +12,7 @@ use serde_json::json;
 
 /// Writes a file that lives as long as the folder.
 fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = l4d_testing::folder();
     let path = folder.path().join("annotation");
     std::fs::write(&path, text).unwrap();
     (folder, path)

@@ -26,7 +26,7 @@ pub(crate) struct Bench {
 
 impl Bench {
     pub(crate) fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        Self { folder: l4d_testing::folder() }
     }
 
     pub(crate) fn input(&self) -> PathBuf {

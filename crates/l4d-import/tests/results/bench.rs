@@ -25,7 +25,7 @@ pub(crate) struct Bench {
 
 impl Bench {
     pub(crate) fn new() -> Self {
-        let bench = Self { folder: tempfile::tempdir().unwrap() };
+        let bench = Self { folder: l4d_testing::folder() };
         let dir = BenchDir::new(bench.path("bench"));
         std::fs::create_dir_all(dir.root().join("queries")).unwrap();
         let manifest =

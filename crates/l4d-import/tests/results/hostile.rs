@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use crate::bench::{Bench, SCENE, codes, npy, npz, request};
 
 fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, std::path::PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = l4d_testing::folder();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
     (folder, path)

@@ -32,7 +32,7 @@ pub(crate) struct World {
 impl World {
     /// A copy of the scene.
     pub(crate) fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = l4d_testing::folder();
         copy_folder(PRISTINE.folder.path(), folder.path());
         Self { folder, scene: PRISTINE.scene.clone(), truth: PRISTINE.truth.clone() }
     }
@@ -160,7 +160,7 @@ impl World {
     }
 
     fn render() -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = l4d_testing::folder();
         let (data, world) = (folder.path().join("data"), closed_form());
         let described = Scene { exposure: 1.5, events: Vec::new(), ..world.scene() };
         let scene = write_scene(&data, described, |camera, frame| Some(world.look(camera, frame)));
