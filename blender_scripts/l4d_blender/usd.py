@@ -1,7 +1,7 @@
 """scene.usdc: the same scene as a USD stage, for everyone who doesn't read our files.
 
-Blender exports geometry, animation (baked: no skeletons) and cameras; usd-core then writes what Blender
-can't: ids and semantic labels on the prims of each instance.
+Blender exports geometry, animation (bodies with bones as skeletons) and cameras; usd-core then writes what
+Blender can't: ids and semantic labels on the prims of each instance.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdSkel, Vt
 
 from .files import atomic
 from .scene import Scene
@@ -17,6 +18,8 @@ from .timeline import FPS, LAST_FRAME, PROFILES
 from .tracks import rounded
 
 _NAME_ATTRIBUTE = "userProperties:blender:object_name"
+_SET_OTHERWISE = {"connectionPaths", "custom", "default", "timeSamples", "typeName", "variability"}
+_SAME_NORMAL = 1e-4
 
 
 def write(scene: Scene, path: Path) -> None:
@@ -28,8 +31,10 @@ def write(scene: Scene, path: Path) -> None:
         as_usdc = temporary.with_suffix(".usdc")  # the suffix chooses the format
         try:
             _export(as_usdc)
-            layer = _sorted_copy(Sdf.Layer.OpenAsAnonymous(str(as_usdc)))
-            _annotate(Usd.Stage.Open(layer), scene)
+            layer = _tidy_copy(Sdf.Layer.OpenAsAnonymous(str(as_usdc)))
+            stage = Usd.Stage.Open(layer)
+            _share_normals(stage)
+            _annotate(stage, scene)
             layer.Export(str(as_usdc))
             as_usdc.replace(temporary)
         finally:
@@ -42,7 +47,7 @@ def _export(path: Path) -> None:
         filepath=str(path),
         check_existing=False,
         export_animation=True,
-        export_armatures=False,
+        export_armatures=True,
         export_shapekeys=False,
         export_hair=False,
         export_uvmaps=False,
@@ -62,27 +67,89 @@ def _export(path: Path) -> None:
     )
 
 
-def _sorted_copy(source: Sdf.Layer) -> Sdf.Layer:
-    """The same layer with prims and properties by name: Blender's order changes from run to run."""
+def _tidy_copy(source: Sdf.Layer) -> Sdf.Layer:
+    """The same layer in one order and without what no reader needs.
+
+    Blender's order of prims and properties changes from run to run. So does the order in which `Sdf.CopySpec`
+    sets the fields of a property (by the addresses of their names), and usdc keeps all of these orders: every
+    field is set here by itself, by name.
+    """
     copy = Sdf.Layer.CreateAnonymous("scene.usdc")
 
-    def wanted(spec: Sdf.PropertySpec) -> bool:
-        """Normals of a deforming mesh are four fifths of a file, and readers can compute them."""
-        return spec.name != "normals" or source.GetNumTimeSamplesForPath(spec.path) == 0
+    def wanted(spec: Sdf.AttributeSpec) -> bool:
+        """Not what only Blender's materials read, nor normals per frame, which can be computed."""
+        if spec.name == "normals":
+            return source.GetNumTimeSamplesForPath(spec.path) == 0
+        return not spec.name.startswith("primvars:") or spec.name.startswith("primvars:skel:")
 
     def copy_prim(prim: Sdf.PrimSpec) -> None:
         made = Sdf.CreatePrimInLayer(copy, prim.path)
         for key in sorted(prim.ListInfoKeys()):
             made.SetInfo(key, prim.GetInfo(key))
-        for spec in sorted(filter(wanted, prim.properties), key=lambda spec: spec.name):
-            Sdf.CopySpec(source, spec.path, copy, spec.path)
+        for spec in sorted(prim.properties, key=lambda spec: spec.name):
+            if isinstance(spec, Sdf.RelationshipSpec):
+                relationship = Sdf.RelationshipSpec(made, spec.name, spec.custom, spec.variability)
+                relationship.targetPathList.explicitItems = spec.targetPathList.GetAddedOrExplicitItems()
+            elif wanted(spec):
+                copy_attribute(spec, made)
         for child in sorted(prim.nameChildren, key=lambda child: child.name):
             copy_prim(child)
+
+    def copy_attribute(spec: Sdf.AttributeSpec, owner: Sdf.PrimSpec) -> None:
+        made = Sdf.AttributeSpec(owner, spec.name, spec.typeName, spec.variability, spec.custom)
+        for key in sorted(set(spec.ListInfoKeys()) - _SET_OTHERWISE):
+            made.SetInfo(key, spec.GetInfo(key))
+        connections = spec.connectionPathList.GetAddedOrExplicitItems()
+        if connections:
+            made.connectionPathList.explicitItems = connections
+        if spec.HasDefaultValue():
+            made.default = spec.default
+        for time in source.ListTimeSamplesForPath(spec.path):
+            copy.SetTimeSample(spec.path, time, source.QueryTimeSample(spec.path, time))
 
     for root in sorted(source.rootPrims, key=lambda prim: prim.name):
         copy_prim(root)
     copy.defaultPrim = source.defaultPrim
     return copy
+
+
+def _share_normals(stage: Usd.Stage) -> None:
+    """Each normal once where corners of a vertex or a face have the same: half of a file otherwise."""
+    for prim in stage.Traverse():
+        mesh = UsdGeom.Mesh(prim)
+        if not mesh or mesh.GetNormalsInterpolation() != UsdGeom.Tokens.faceVarying:
+            continue
+        normals = np.array(mesh.GetNormalsAttr().Get())
+        vertices = np.array(mesh.GetFaceVertexIndicesAttr().Get())
+        counts = np.array(mesh.GetFaceVertexCountsAttr().Get())
+        faces = np.repeat(np.arange(len(counts)), counts)
+        for interpolation, owners, number in (
+            (UsdGeom.Tokens.vertex, vertices, len(mesh.GetPointsAttr().Get())),
+            (UsdGeom.Tokens.uniform, faces, len(counts)),
+        ):
+            shared = np.zeros((number, 3), np.float32)
+            shared[owners] = normals
+            if np.abs(shared[owners] - normals).max(initial=0.0) <= _SAME_NORMAL:
+                mesh.GetNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(shared))
+                mesh.SetNormalsInterpolation(interpolation)
+                break
+        else:
+            if not prim.HasAPI(UsdSkel.BindingAPI):  # skinning reads the attribute alone
+                _index_normals(mesh, normals)
+
+
+def _index_normals(mesh: UsdGeom.Mesh, normals: np.ndarray) -> None:
+    """The attribute as a primvar, which may have indices; in the order of the corners, which packs best."""
+    _, first, which = np.unique(normals, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order))
+    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying
+    )
+    primvar.Set(Vt.Vec3fArray.FromNumpy(normals[first[order]]))
+    primvar.SetIndices(Vt.IntArray.FromNumpy(rank[which.ravel()]))
+    mesh.GetPrim().RemoveProperty("normals")
 
 
 def _annotate(stage: Usd.Stage, scene: Scene) -> None:

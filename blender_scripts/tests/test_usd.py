@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdSemantics
+from conftest import PROJECT, TOY
+from pxr import Gf, Usd, UsdGeom, UsdSemantics, UsdSkel
 
 
 @pytest.fixture(scope="module")
@@ -42,17 +46,77 @@ def test_a_rigid_mover_is_where_the_tracks_say(stage, tracks):
         assert list(centre) == pytest.approx(crate["track"]["centre"][frame], abs=1e-5)
 
 
-def test_a_deforming_body_has_baked_points(stage, tracks):
+def test_a_deforming_body_is_moved_by_its_bones(stage, tracks):
     body = prim_of(stage, "post")
     (mesh,) = [prim for prim in Usd.PrimRange(body) if prim.IsA(UsdGeom.Mesh)]
-    points = UsdGeom.Mesh(mesh).GetPointsAttr()
-    assert len(points.GetTimeSamples()) > 30
+    assert not UsdGeom.Mesh(mesh).GetPointsAttr().GetTimeSamples(), "bones in place of points per frame"
+    root = UsdSkel.Root.Find(mesh)
+    skeletons = UsdSkel.Cache()
+    skeletons.Populate(root, Usd.PrimDefaultPredicate)
+    (binding,) = skeletons.ComputeSkelBindings(root, Usd.PrimDefaultPredicate)
+    skeleton = skeletons.GetSkelQuery(binding.GetSkeleton())
+    skinning = skeletons.GetSkinningQuery(mesh)
     post = next(entry for entry in tracks["instances"] if entry["name"] == "post")
     for frame in (0, 50, 96):
-        world = UsdGeom.Xformable(mesh).ComputeLocalToWorldTransform(frame)
-        moved = np.array([world.Transform(Gf.Vec3d(*map(float, p))) for p in points.Get(frame)])
+        points = UsdGeom.Mesh(mesh).GetPointsAttr().Get()
+        assert skinning.ComputeSkinnedPoints(skeleton.ComputeSkinningTransforms(frame), points, frame)
+        world = UsdGeom.Xformable(skeleton.GetPrim()).ComputeLocalToWorldTransform(frame)
+        moved = np.array([world.Transform(Gf.Vec3d(*map(float, p))) for p in points])
         assert np.ptp(moved, axis=0) == pytest.approx(post["track"]["extents"][frame], abs=1e-5)
-    assert not [prim for prim in stage.Traverse() if prim.GetTypeName() == "Skeleton"]
+        centre = (moved.min(axis=0) + moved.max(axis=0)) / 2
+        assert centre == pytest.approx(post["track"]["centre"][frame], abs=1e-5)
+
+
+def test_normals_are_stored_once_and_face_outwards(stage):
+    interpolations = set()
+    for mesh in filter(None, map(UsdGeom.Mesh, stage.Traverse())):
+        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get())
+        counts = np.array(mesh.GetFaceVertexCountsAttr().Get())
+        points = np.array(mesh.GetPointsAttr().Get(), np.float64)
+        faces = np.repeat(np.arange(len(counts)), counts)
+        primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals")
+        stored, kind = mesh.GetNormalsAttr().Get(), mesh.GetNormalsInterpolation()
+        if primvar.HasValue():
+            assert primvar.IsIndexed()
+            stored, kind, normals = primvar.Get(), "indexed", np.array(primvar.ComputeFlattened())
+        else:
+            normals = np.array(stored)[{"vertex": corners, "uniform": faces}[kind]]
+        interpolations.add(kind)
+        assert len(stored) < len(corners)
+        assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-5)
+        starts = np.cumsum(counts) - counts
+        a, b, c = (points[corners[starts + i]] for i in range(3))
+        outwards = np.cross(b - a, c - a)[faces]
+        assert (np.einsum("ij,ij->i", normals, outwards) > 0.0).all()
+    assert interpolations == {"vertex", "indexed"}
+
+
+def test_a_stage_holds_nothing_twice_and_nothing_for_blender_alone(stage, planned):
+    assert (planned / "scene.usdc").stat().st_size < 50_000
+    primvars = {
+        primvar.GetPrimvarName()
+        for prim in stage.Traverse()
+        for primvar in UsdGeom.PrimvarsAPI(prim).GetAuthoredPrimvars()
+    }
+    assert primvars == {"normals", "skel:geomBindTransform", "skel:jointIndices", "skel:jointWeights"}
+
+
+def test_the_bytes_do_not_depend_on_addresses(planned, tmp_path):
+    """A second plan, in which USD meets the names of its fields in another order."""
+    script = (
+        "import sys\n"
+        "from pxr import Trace\n"
+        "collector = Trace.Collector()\n"
+        "collector.enabled = True\n"
+        "for name in ('interpolation', 'elementSize', 'default', 'connectionPaths'):\n"
+        "    collector.BeginEvent(name)\n"
+        "collector.enabled = False\n"
+        "from l4d_blender.cli import main\n"
+        "main(['plan', '--scene', 'toy_yard', '--recipes', *sys.argv[1:]])\n"
+    )
+    command = [sys.executable, "-c", script, str(TOY), "--out", str(tmp_path)]
+    subprocess.run(command, cwd=PROJECT, stdin=subprocess.DEVNULL, check=True, timeout=300)
+    assert (tmp_path / "scene.usdc").read_bytes() == (planned / "scene.usdc").read_bytes()
 
 
 def test_cameras_stand_where_the_tracks_say_and_see_as_much(stage, tracks):

@@ -46,7 +46,7 @@ def build(scene: Scene) -> None:
     scene.event(post_instance, "lean", (30, 70))
     scene.event(post_instance, "touch", (66, 96), ball_instance)
 
-    slab = mesh.bevel_box("slab", (0.9, 0.6, 0.1), 0.01)
+    slab = mesh.cylinder("slab", 0.35, 0.1)
     slab.location = (-0.6, 0.7, 0.0)
     mesh.set_material(slab, principled("stone", (0.5, 0.5, 0.5)))
     scene.instance("slab", 1001, "slab", slab)
