@@ -9,8 +9,10 @@ import argparse
 import errno
 import json
 import os
+import stat
 import sys
 import tempfile
+import threading
 from pathlib import Path
 from typing import NoReturn
 
@@ -35,6 +37,25 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     events.close()
     sys.stderr.flush()
     os._exit(code)
+
+
+def _follow_parent() -> None:
+    """Ends this process as soon as the one that started it has gone, whatever is being computed.
+
+    That one holds the other end of stdin, if it is a pipe. The parent's process id would not do: it may have
+    changed while Python started. Nor prctl's death signal: that follows the thread that started the worker,
+    which may end long before its process does.
+    """
+    if sys.stdin is None or not stat.S_ISFIFO(os.fstat(0).st_mode):
+        return
+
+    def watch() -> None:
+        while os.read(0, 4096):
+            pass
+        print("stdin was closed: the process that started this worker has gone", file=sys.stderr, flush=True)
+        os._exit(2)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 class _Events:
@@ -103,6 +124,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _plan(options: argparse.Namespace, events: _Events) -> None:
+    _follow_parent()
     recipes.find(options.scene, options.recipes)
     _make_folder(options.out)
     scene, description = recipes.build(options.scene, options.variant, options.seed, options.recipes)
@@ -116,6 +138,7 @@ def _plan(options: argparse.Namespace, events: _Events) -> None:
 
 
 def _render(options: argparse.Namespace, events: _Events) -> None:
+    _follow_parent()
     from . import worker
 
     job = worker.read_job(options.job)

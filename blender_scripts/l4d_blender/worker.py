@@ -9,10 +9,8 @@ no samples leaves the colour black: depth and ids are all that the truth needs.
 from __future__ import annotations
 
 import json
-import os
 import resource
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -26,7 +24,6 @@ from .recipes import WorkerError
 from .timeline import FRAME_COUNT, LAST_FRAME
 
 _CHUNK_IMAGES = 24
-_PARENT_POLL_S = 0.5
 
 Send = Callable[..., None]
 
@@ -80,7 +77,6 @@ def read_job(path: Path) -> Job:
 
 def run(job: Job, send: Send) -> None:
     """Builds the scene, renders what the job lists and reports each image."""
-    follow_parent()
     views = _views(job)
     started = time.monotonic()
     scene, _ = recipes.build(job.scene, job.variant, job.seed, job.recipes)
@@ -118,22 +114,6 @@ def _chunks(images: list[tuple[str, int]]) -> Iterator[dict[int, list[str]]]:
             chunk = {}
     if chunk:
         yield chunk
-
-
-def follow_parent() -> None:
-    """Ends this process soon after its parent has gone, so that a killed binary leaves no orphan.
-
-    Not prctl's death signal: that follows the thread that started the worker, which may end long before the
-    process does.
-    """
-    parent = os.getppid()
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(_PARENT_POLL_S)
-        os._exit(2)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _views(job: Job) -> dict[str, dict]:

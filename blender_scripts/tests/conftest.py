@@ -18,7 +18,8 @@ WIDTH, HEIGHT = 128, 96
 def start_worker(*arguments: str) -> subprocess.CompletedProcess[str]:
     """Runs `python -m l4d_blender` to its end."""
     command = [sys.executable, "-m", "l4d_blender", *arguments]
-    return subprocess.run(command, cwd=PROJECT, capture_output=True, text=True, timeout=300)
+    no_input = subprocess.DEVNULL  # a worker whose stdin is a pipe ends when that closes
+    return subprocess.run(command, cwd=PROJECT, stdin=no_input, capture_output=True, text=True, timeout=300)
 
 
 def events_of(process: subprocess.CompletedProcess[str]) -> list[dict]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -94,32 +96,57 @@ def test_cameras_that_moved_since_the_plan_are_refused(planned, tmp_path):
     assert "cam00 stands elsewhere" in failure("render", str(job))["message"]
 
 
+_PARENT = """
+import subprocess, sys, time
+command = [sys.executable, '-m', 'l4d_blender', *sys.argv[1:]]
+nowhere = subprocess.DEVNULL
+worker = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=nowhere, stderr=nowhere)
+print(worker.pid, flush=True)
+time.sleep(600)
+"""
+
+
+def follows_its_killed_parent(*arguments: str, when: Callable[[], object]) -> bool:
+    """Whether a worker ends by itself when the process that started it is killed at a moment."""
+    command = [sys.executable, "-c", _PARENT, *arguments]
+    with subprocess.Popen(command, cwd=PROJECT, stdout=subprocess.PIPE, text=True) as parent:
+        worker = int(parent.stdout.readline())
+        _until(when, 60)
+        alive = _alive(worker)
+        parent.kill()
+    try:
+        return alive and _until(lambda: not _alive(worker), 20)
+    finally:
+        if _alive(worker):
+            os.kill(worker, signal.SIGKILL)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
-def test_a_worker_follows_its_killed_parent(planned, tmp_path):
+def test_a_render_ends_with_its_killed_parent(planned, tmp_path):
     images = [(f"cam{i:02}", frame) for i in range(17) for frame in range(97)]
     job = write_job(tmp_path / "job.json", tmp_path, planned / "tracks.json", images)
-    script = (
-        "import subprocess, sys, time\n"
-        "worker = subprocess.Popen([sys.executable, '-m', 'l4d_blender', 'render', sys.argv[1]],"
-        " stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)\n"
-        "print(worker.pid, flush=True)\n"
-        "time.sleep(600)\n"
-    )
-    parent = subprocess.Popen(
-        [sys.executable, "-c", script, str(job)], cwd=PROJECT, stdout=subprocess.PIPE, text=True
-    )
-    worker = int(parent.stdout.readline())
-    waited = time.monotonic()
-    while not list(tmp_path.glob("frames/*/*.exr")) and time.monotonic() - waited < 60:
-        time.sleep(0.1)
-    parent.kill()
-    parent.wait()
-    parent.stdout.close()
-    waited = time.monotonic()
-    while _alive(worker) and time.monotonic() - waited < 20:
-        time.sleep(0.1)
-    assert not _alive(worker)
+    assert follows_its_killed_parent("render", str(job), when=lambda: list(tmp_path.glob("frames/*/*.exr")))
     assert list(tmp_path.glob("frames/*/*.exr"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
+@pytest.mark.parametrize("moment", ["while Python starts", "while it builds"])
+def test_a_long_plan_ends_with_its_killed_parent(tmp_path, moment):
+    out, building = tmp_path / "out", tmp_path / "building"
+    body = f"    open({str(building)!r}, 'w').close()\n    while True:\n        pass"
+    plan = ("plan", "--scene", "broken", "--recipes", str(recipe(tmp_path, body)), "--out", str(out))
+    when = building.exists if moment == "while it builds" else lambda: True
+    assert follows_its_killed_parent(*plan, when=when)
+    assert building.exists() == (moment == "while it builds")
+
+
+def _until(condition: Callable[[], object], seconds: float) -> bool:
+    started = time.monotonic()
+    while not condition():
+        if time.monotonic() - started > seconds:
+            return False
+        time.sleep(0.05)
+    return True
 
 
 def _alive(process: int) -> bool:
