@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdSkel, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, UsdSkel, Vt
 
 from .files import atomic
 from .scene import Scene
@@ -18,6 +18,7 @@ from .timeline import FPS, LAST_FRAME, PROFILES
 from .tracks import rounded
 
 _NAME_ATTRIBUTE = "userProperties:blender:object_name"
+_DATA_ATTRIBUTE = "userProperties:blender:data_name"
 _SET_OTHERWISE = {"connectionPaths", "custom", "default", "timeSamples", "typeName", "variability"}
 _SAME_NORMAL = 1e-4
 
@@ -34,6 +35,7 @@ def write(scene: Scene, path: Path) -> None:
             layer = _tidy_copy(Sdf.Layer.OpenAsAnonymous(str(as_usdc)))
             stage = Usd.Stage.Open(layer)
             _share_normals(stage)
+            _colour_materials(stage)
             _annotate(stage, scene)
             layer.Export(str(as_usdc))
             as_usdc.replace(temporary)
@@ -80,7 +82,15 @@ def _tidy_copy(source: Sdf.Layer) -> Sdf.Layer:
         """Not what only Blender's materials read, nor normals per frame, which can be computed."""
         if spec.name == "normals":
             return source.GetNumTimeSamplesForPath(spec.path) == 0
+        if spec.name.startswith(
+            "inputs:"
+        ):  # Blender takes any attribute behind a colour for the colour itself
+            return not spec.connectionPathList.GetAddedOrExplicitItems()
         return not spec.name.startswith("primvars:") or spec.name.startswith("primvars:skel:")
+
+    def reads_primvar(prim: Sdf.PrimSpec) -> bool:
+        kind = prim.attributes.get("info:id")
+        return kind is not None and str(kind.default).startswith("UsdPrimvarReader")
 
     def copy_prim(prim: Sdf.PrimSpec) -> None:
         made = Sdf.CreatePrimInLayer(copy, prim.path)
@@ -93,7 +103,8 @@ def _tidy_copy(source: Sdf.Layer) -> Sdf.Layer:
             elif wanted(spec):
                 copy_attribute(spec, made)
         for child in sorted(prim.nameChildren, key=lambda child: child.name):
-            copy_prim(child)
+            if not reads_primvar(child):
+                copy_prim(child)
 
     def copy_attribute(spec: Sdf.AttributeSpec, owner: Sdf.PrimSpec) -> None:
         made = Sdf.AttributeSpec(owner, spec.name, spec.typeName, spec.variability, spec.custom)
@@ -150,6 +161,19 @@ def _index_normals(mesh: UsdGeom.Mesh, normals: np.ndarray) -> None:
     primvar.Set(Vt.Vec3fArray.FromNumpy(normals[first[order]]))
     primvar.SetIndices(Vt.IntArray.FromNumpy(rank[which.ravel()]))
     mesh.GetPrim().RemoveProperty("normals")
+
+
+def _colour_materials(stage: Usd.Stage) -> None:
+    """One colour for each material whose colour varies: that with which Blender's own viewport shows it."""
+    for prim in stage.Traverse():
+        if not prim.IsA(UsdShade.Material):
+            continue
+        material = bpy.data.materials.get(prim.GetAttribute(_DATA_ATTRIBUTE).Get())
+        nodes = material.node_tree.nodes if material and material.use_nodes else ()
+        if any(node.type == "BSDF_PRINCIPLED" and node.inputs["Base Color"].is_linked for node in nodes):
+            colour = Gf.Vec3f(*material.diffuse_color[:3])
+            for shader in map(UsdShade.Shader, prim.GetChildren()):
+                shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(colour)
 
 
 def _annotate(stage: Usd.Stage, scene: Scene) -> None:

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from conftest import PROJECT, TOY
-from pxr import Gf, Usd, UsdGeom, UsdSemantics, UsdSkel
+from pxr import Gf, Usd, UsdGeom, UsdSemantics, UsdShade, UsdSkel
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +99,22 @@ def test_a_stage_holds_nothing_twice_and_nothing_for_blender_alone(stage, planne
         for primvar in UsdGeom.PrimvarsAPI(prim).GetAuthoredPrimvars()
     }
     assert primvars == {"normals", "skel:geomBindTransform", "skel:jointIndices", "skel:jointWeights"}
+
+
+def test_materials_have_their_colour_and_read_nothing(stage):
+    shaders = {
+        prim.GetParent().GetName(): UsdShade.Shader(prim)
+        for prim in stage.Traverse()
+        if prim.IsA(UsdShade.Shader)
+    }
+    assert {shader.GetIdAttr().Get() for shader in shaders.values()} == {"UsdPreviewSurface"}
+    assert not [i for shader in shaders.values() for i in shader.GetInputs() if i.HasConnectedSource()]
+    for name, colour in {
+        "crate_sliding": (0.8, 0.2, 0.2),
+        "ball": (0.1, 0.3, 0.8),
+        "soil": (0.3, 0.25, 0.2),
+    }.items():
+        assert list(shaders[name].GetInput("diffuseColor").Get()) == pytest.approx(colour, abs=1e-6)
 
 
 def test_the_bytes_do_not_depend_on_addresses(planned, tmp_path):
