@@ -16,7 +16,7 @@ const SHORT: &str = "--gaussians 800 --coarse 40 --unfold 4 --fine 60 --patience
 /// As few as there can be.
 const FEW: &str = "--gaussians 300 --coarse 5 --unfold 1 --fine 5";
 
-fn scene() -> Dir {
+pub(crate) fn scene() -> Dir {
     let dir = Dir::new();
     write_scene(&dir.path("data"));
     dir
@@ -68,13 +68,15 @@ fn kills_and_numbers_of_threads_do_not_change_what_is_learned() {
     // follows from their bytes.
     let card = |dir: &Dir| {
         let mut card = dir.value(&format!("{SPLATS}/checkpoint.json"));
-        card["training"].as_object_mut().unwrap().remove("train_seconds");
+        card["training"].as_object_mut().unwrap().remove("spent");
         card
     };
     let whole = scene();
     let mut alone = whole.command(format!("{TRAIN} {SHORT}"));
     assert!(alone.env("RAYON_NUM_THREADS", "1").output().unwrap().status.success());
     let expected = card(&whole);
+    let fine = |dir: &Dir| dir.value(&format!("{SPLATS}/manifest.json"))["report"]["fine"].clone();
+    assert_eq!(fine(&whole)["iterations"], 60);
     assert_eq!(expected["training"]["done"], json!(true));
 
     let dir = scene();
@@ -97,6 +99,9 @@ fn kills_and_numbers_of_threads_do_not_change_what_is_learned() {
     assert!(kills > 0, "training was over before it could be killed");
     train(&dir, SHORT).says(0, &[]);
     assert_eq!(card(&dir), expected);
+    // Seconds of all runs together.
+    assert_eq!(fine(&dir)["iterations"], 60);
+    assert!(fine(&dir)["seconds"].as_f64() > Some(0.0));
     // A third run finds the work done.
     train(&dir, SHORT).says(0, &["holds this model already"]);
 }

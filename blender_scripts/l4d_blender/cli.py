@@ -201,4 +201,4 @@ def _os_hint(error: OSError) -> str:
         return "the disk is full: free some space and start again, finished frames are kept"
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         return "choose a folder that you may write to"
-    return ""
+    return "check the path and the disk, then run the command again"

@@ -6,29 +6,48 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None
+
+_NUMBERS = count()
 
 
 @contextmanager
 def atomic(path: Path) -> Iterator[Path]:
     """Yields a temporary path to write to; it becomes `path` when the block ends well, and vanishes if not.
 
-    Temporary names start with a dot, end in .tmp and hold the process id, so that a worker that is being
-    replaced can't tear the file of its successor.
+    Its name is like those of the binary, and it is locked: by that the binary knows what killed workers left, and
+    removes it, together with files that differ in their suffix alone.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".l4d-{os.getpid()}-{next(_NUMBERS)}.tmp")
     try:
-        yield temporary
-        descriptor = os.open(temporary, os.O_RDONLY)
-        try:
+        with _locked(temporary):
+            yield temporary
+        # Libraries may have put another file there.
+        with _locked(temporary) as descriptor:
             os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-        os.replace(temporary, path)
+            os.replace(temporary, path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[int]:
+    """The open file, which is made if it is missing; its lock goes with the process."""
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        if fcntl:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield descriptor
+    finally:
+        os.close(descriptor)
 
 
 def write_bytes(path: Path, data: bytes) -> None:

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use l4d_data::layout::BenchDir;
 use l4d_data::parallel::in_parallel;
+use l4d_data::store::sweep;
 use l4d_data::workspace::SharedWork;
 use l4d_data::{Draw, Name, Progress, Report, Shard, Workspace};
 
@@ -88,7 +89,7 @@ pub fn build(
     }
     let mut settled = Vec::new();
     for scene in &planned {
-        scene.sweep()?;
+        sweep(scene.dir.root())?;
         let truth = settle(scene)?;
         commit(&order.bench.truth(profile, &scene.name), &truth, order.update_benchmark, report)?;
         settled.push(scene.dir.root().to_owned());

@@ -8,6 +8,7 @@ use std::thread;
 use glam::UVec2;
 use l4d_data::layout::SceneDir;
 use l4d_data::parallel::in_parallel;
+use l4d_data::store::Temporary;
 use l4d_data::workspace::SharedWork;
 use l4d_data::{At as _, DataError, Draw, Name, Profile, Progress, Shard, StageError, json};
 use l4d_frames::exr::read_frame;
@@ -143,23 +144,6 @@ impl PlannedScene {
             .filter(|image| views_without_card.contains(&&image.view) || !is_good(image))
             .collect()
     }
-
-    /// Removes what killed workers left half-written. Only safe while nothing renders into the folder.
-    pub(crate) fn sweep(&self) -> Result<(), DataError> {
-        for camera in self.plan.tracks.views(self.settings.profile) {
-            let folder = self.dir.view(&camera.name);
-            let entries = std::fs::read_dir(&folder)
-                .map_err(|source| DataError::io(&folder, "list the folder", source))?;
-            for entry in entries.flatten() {
-                let name = entry.file_name().to_string_lossy().into_owned();
-                if name.starts_with('.') && name.ends_with(".tmp") {
-                    std::fs::remove_file(entry.path())
-                        .map_err(|source| DataError::io(&entry.path(), "remove", source))?;
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Renders what is missing of the scenes. Gives the number of pictures that this call rendered, or the error of the
@@ -276,12 +260,14 @@ impl Workers<'_> {
             images,
         };
         let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
-        let job_path = self.work.job(&name);
-        json::write(&job_path, &job)?;
+        let mut file = Temporary::create(&self.work.jobs())?;
+        let job = serde_json::to_vec(&job).map_err(std::io::Error::from);
+        let written = job.and_then(|job| file.write(&job)).and_then(|()| file.flush());
+        written.map_err(|error| DataError::io(file.path(), "write", error))?;
         let mut command = self.env.command();
-        command.arg("render").arg(&job_path);
+        command.arg("render").arg(file.path());
         self.progress.item(&scene.name);
-        let end = worker::run(command, &self.work.log("render", &name), &mut |event| {
+        worker::run(command, &self.work.log("render", &name), &mut |event| {
             match event {
                 WorkerEvent::Image { view, frame } => {
                     self.progress.advance(1);
@@ -294,9 +280,7 @@ impl Workers<'_> {
                 _ => {}
             }
             !self.stop.load(Ordering::Relaxed)
-        });
-        std::fs::remove_file(&job_path).ok();
-        end
+        })
     }
 }
 

@@ -98,16 +98,25 @@ impl DataError {
         match self {
             Self::Io { source, .. } => {
                 let hint = match source.kind() {
-                    io::ErrorKind::StorageFull => "free some disk space and run the command again",
+                    io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                        "free some disk space and run the command again"
+                    }
+                    io::ErrorKind::FileTooLarge => {
+                        "files of that size are not allowed here: raise the limit (ulimit -f), or choose another disk"
+                    }
                     io::ErrorKind::PermissionDenied => {
                         "make the path readable and writable for this user, or choose another"
                     }
-                    io::ErrorKind::NotADirectory => {
-                        "this is a file, and a folder is needed: choose another path"
+                    io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+                        "a file is where a folder is needed: move it away, or choose another path"
                     }
+                    io::ErrorKind::IsADirectory => {
+                        "a folder is where a file is needed: move it away, or choose another path"
+                    }
+                    io::ErrorKind::InvalidFilename => "choose shorter names: most disks take 255 bytes each",
                     io::ErrorKind::ReadOnlyFilesystem => "choose a path on a writable disk",
                     io::ErrorKind::NotFound => "check the path and the working folder",
-                    _ => return None,
+                    _ => "check the path and the disk, then run the command again",
                 };
                 Some(hint.to_owned())
             }

@@ -1,12 +1,14 @@
 //! Reading whole files with a bound, and writing them so that a kill leaves the old file or the new one.
 
 mod atomic;
+mod lock;
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read as _};
 use std::path::Path;
 
-pub use self::atomic::AtomicFile;
+pub use self::atomic::{AtomicFile, Temporary, sweep};
+pub use self::lock::FolderLock;
 use crate::error::DataError;
 
 /// Reads a file of at most `limit` bytes.

@@ -133,9 +133,9 @@ impl SharedWork {
         self.0.join("logs").join(stage).join(format!("{name}.log"))
     }
 
-    /// `jobs/<name>.json`.
-    pub fn job(&self, name: &str) -> PathBuf {
-        self.0.join("jobs").join(format!("{name}.json"))
+    /// `jobs`: what workers are asked to do.
+    pub fn jobs(&self) -> PathBuf {
+        self.0.join("jobs")
     }
 
     /// `overlays/<round>/<annotator>`: pictures that an annotator keeps.

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::{Mutex, PoisonError};
 
 use l4d_data::DataError;
 use l4d_data::digest::sha256_hex;
@@ -79,13 +78,11 @@ struct Exchange {
 #[derive(Debug)]
 pub(crate) struct Exchanges {
     folder: PathBuf,
-    /// Two threads that write one exchange would share its temporary file.
-    writing: Mutex<()>,
 }
 
 impl Exchanges {
     pub(crate) fn new(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into(), writing: Mutex::new(()) }
+        Self { folder: folder.into() }
     }
 
     /// The kept response to this call, if there is one.
@@ -134,7 +131,6 @@ impl Exchanges {
             request: call.identity.clone(),
             response: response.clone(),
         };
-        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         json::write(&self.path(&call.digest), &exchange)
     }
 

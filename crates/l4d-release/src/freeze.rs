@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use l4d_data::digest::sha256_file;
-use l4d_data::store::{list_folder, make_folder, remove_folder, write_atomic};
+use l4d_data::store::{FolderLock, make_folder, remove_folder, write_atomic};
 use l4d_data::{Benchmark, DataError, Profile, Report, json, sums};
 use rayon::prelude::*;
 
@@ -153,7 +153,7 @@ impl Plan {
 /// Makes the release; `progress` gets bytes.
 ///
 /// # Errors
-/// If a file cannot be read or written, or changed since the plan.
+/// If another run makes a release there, or a file cannot be read or written, or changed since the plan.
 pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, DataError> {
     if plan.is_there {
         let listed = sums::read(&plan.folder.join(SUMS))?;
@@ -162,6 +162,7 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
         return Ok(Released { files: listed.keys().map(size).collect() });
     }
     let staging = plan.staging();
+    let _lock = FolderLock::take(staging.parent().unwrap_or(Path::new(".")))?;
     enter(&staging, &plan.contents)?;
     plan.archives.par_iter().try_for_each(|archive| {
         let path = staging.join(&archive.path);
@@ -218,18 +219,5 @@ fn enter(staging: &Path, contents: &Contents) -> Result<(), DataError> {
         remove_folder(staging)?;
     }
     make_folder(staging)?;
-    remove_temporaries(staging)?;
     json::write(&staging.join(FILE), contents)
-}
-
-/// Half-written files of a killed run: their names start with a dot.
-fn remove_temporaries(folder: &Path) -> Result<(), DataError> {
-    for name in list_folder(folder)?.into_iter().filter(|name| folder.join(name).is_dir()) {
-        remove_temporaries(&folder.join(name))?;
-    }
-    let entries = fs::read_dir(folder).map_err(|source| DataError::io(folder, "list the folder", source))?;
-    for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with('.')) {
-        fs::remove_file(entry.path()).map_err(|source| DataError::io(&entry.path(), "remove", source))?;
-    }
-    Ok(())
 }

@@ -7,12 +7,12 @@ mod codabench;
 mod huggingface;
 mod zip;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::benchmark::SetSplit;
 use l4d_data::results::{MaskFile, MethodCard, Track, Used};
-use l4d_data::store::write_atomic;
+use l4d_data::store::{FolderLock, write_atomic};
 use l4d_data::truth::Truth;
 use l4d_data::truth::frame_key;
 use l4d_data::{DataError, Name, Profile, Query, Status};
@@ -172,13 +172,10 @@ const COLUMNS: [LeaderboardColumn; 11] = [
 /// Writes a form into a folder of its own. A folder that holds anything else is refused: a platform would take it in.
 ///
 /// # Errors
-/// If the folder holds other files, or cannot be written.
+/// If the folder holds other files, another run writes into it, or it cannot be written.
 pub fn write(folder: &Path, files: &Files) -> Result<(), DataError> {
-    let there = if folder.exists() {
-        files_below(folder, &mut l4d_data::Report::default())?
-    } else {
-        BTreeSet::new()
-    };
+    let _lock = FolderLock::take(folder)?;
+    let there = files_below(folder, &mut l4d_data::Report::default())?;
     if let Some(other) = there.iter().find(|name| !files.contains_key(*name)) {
         let message = format!("holds {other}, which is no part of it");
         return Err(DataError::invalid(folder, "folder", message, "empty it, or choose another --out"));

@@ -14,13 +14,14 @@ use std::time::{Duration, Instant};
 use l4d_data::layout::SceneDir;
 use l4d_data::results::Track;
 use l4d_data::stage::peak_memory_bytes;
+use l4d_data::store::FolderLock;
 use l4d_data::{At as _, Name, Profile, Progress, StageError};
 use serde_json::Value;
 
-use self::folder::{Claim, Origin, SplatsFolder};
+use self::folder::{Claim, Origin, Spent, SplatsFolder};
 use self::input::{HeldOut, Input};
 use self::pictures::PictureSource;
-use self::report::{Effort, Report};
+use self::report::Report;
 use crate::checkpoint::own::Sampling;
 use crate::raster::Rasterizer;
 pub use crate::train::Settings;
@@ -86,8 +87,8 @@ pub struct Order<'a> {
     pub depth_weight: Option<f32>,
     /// Which pictures of a capture are taken, and how small.
     pub sampling: Sampling,
-    /// Seconds between checkpoints.
-    pub checkpoint_seconds: f64,
+    /// How long what was learned is in memory alone.
+    pub between_checkpoints: Duration,
     /// Replace a model that has other settings or pictures.
     pub overwrite: bool,
     /// What draws.
@@ -146,6 +147,7 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
     let track = origin.track;
     let folder = SplatsFolder(order.folder.clone());
     let place = folder.0.display();
+    let _lock = FolderLock::take(&folder.0)?;
     let claim = folder.claim(&origin, order.overwrite)?;
     if let Claim::Done(manifest) = claim {
         progress.note(&format_args!("{place} holds this model already"));
@@ -157,15 +159,15 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
         .map_err(plain)
         .at(order.dir.root().display())?;
     let prepare_seconds = begin.elapsed().as_secs_f64();
-    let mut before_seconds = 0.0;
+    let mut spent = Spent::default();
     if let Claim::Resume(checkpoint) = claim {
-        before_seconds = folder::seconds_of(&checkpoint);
+        spent = Spent::of(&checkpoint);
         progress.note(&format_args!("{place}: going on after iteration {}", checkpoint.iteration));
         trainer.resume(*checkpoint).map_err(plain).at(place)?;
     }
     let run = Run { order, held_out: &held_out, folder: &folder, origin: &origin, progress };
-    let trained = run.train(&mut trainer, before_seconds);
-    let (train_seconds, fine) = trained.at(format_args!("iteration {}", trainer.iteration()))?;
+    let trained = run.train(&mut trainer, spent);
+    let spent = trained.at(format_args!("iteration {}", trainer.iteration()))?;
 
     let begin = Instant::now();
     let pictures = all_pictures(input.views.cameras().len(), input.views.moments());
@@ -180,9 +182,9 @@ pub fn train_scene(order: &Order<'_>, progress: &dyn Progress) -> Result<Trained
         peak_memory_bytes: peak_memory_bytes(),
         read_seconds,
         prepare_seconds,
-        train_seconds,
+        train_seconds: spent.seconds,
         measure_seconds: begin.elapsed().as_secs_f64(),
-        fine,
+        fine: spent.fine,
     };
     let manifest = folder.settle(&trainer, &origin, &report)?;
     Ok(Trained { manifest, track })
@@ -198,18 +200,15 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Iterates to the end, saving now and then; gives the seconds since training began, those of earlier runs
-    /// included, and what the iterations on the whole clip took.
-    fn train(&self, trainer: &mut Trainer<'_>, before_seconds: f64) -> Result<(f64, Effort)> {
+    /// Iterates to the end, saving now and then; gives what training took, earlier runs included.
+    fn train(&self, trainer: &mut Trainer<'_>, before: Spent) -> Result<Spent> {
         let Self { order, held_out, folder, origin, progress } = *self;
         progress.start("training", trainer.iterations());
         progress.advance(trainer.iteration());
         let begin = Instant::now();
-        let every = Duration::from_secs_f64(order.checkpoint_seconds.clamp(0.0, 1e6));
         let (mut saved, mut evaluated, mut at) = (Instant::now(), Instant::now(), trainer.iteration());
-        let seconds = || before_seconds + begin.elapsed().as_secs_f64();
-        let mut test = None;
-        let mut fine = Effort::default();
+        let (mut test, mut fine) = (None, before.fine);
+        let spent = |fine| Spent { seconds: before.seconds + begin.elapsed().as_secs_f64(), fine };
         while trainer.stage() != Stage::Done {
             let step = match trainer.stage() {
                 Stage::Fine => fine.spend(|| trainer.step()),
@@ -225,13 +224,13 @@ impl Run<'_> {
                 progress.note(&format_args!("{}/{} {line}", trainer.iteration(), trainer.iterations()));
                 (evaluated, at) = (Instant::now(), trainer.iteration());
             }
-            if saved.elapsed() >= every {
-                folder.save(trainer, origin, seconds())?;
+            if saved.elapsed() >= order.between_checkpoints {
+                folder.save(trainer, origin, spent(fine))?;
                 saved = Instant::now();
             }
         }
         progress.finish();
-        Ok((seconds(), fine))
+        Ok(spent(fine))
     }
 }
 

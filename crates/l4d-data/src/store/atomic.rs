@@ -1,18 +1,81 @@
 //! A file that appears whole or not at all, written piece by piece.
+//!
+//! Until then it is a temporary file beside its place, locked by the run that writes it. The system gives up the lock
+//! of a run that was killed: by that others know what is left over, on any machine that shares the disk.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write as _};
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, BufWriter, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use super::make_folder;
 use crate::error::DataError;
+
+/// A locked file under a name of its own; dropping removes it.
+#[derive(Debug)]
+pub struct Temporary {
+    path: PathBuf,
+    writer: BufWriter<File>,
+}
+
+impl Temporary {
+    /// Makes one; makes the folder if it is missing, and removes from it what killed runs left.
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn create(folder: &Path) -> Result<Self, DataError> {
+        make_folder(folder)?;
+        sweep_once(folder);
+        let (path, file) =
+            open_new(folder).map_err(|source| DataError::io(folder, "write into the folder", source))?;
+        Ok(Self { path, writer: BufWriter::new(file) })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.writer.write_all(bytes)
+    }
+
+    /// Lets others see what was written so far.
+    ///
+    /// # Errors
+    /// What the disk refuses.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+
+    /// Moves it to its place; the lock is held until it is there.
+    fn commit(mut self, path: &Path) -> io::Result<()> {
+        self.writer.flush()?;
+        self.writer.get_ref().sync_all()?;
+        fs::rename(&self.path, path)?;
+        // The name is free again, also for runs on other machines.
+        self.path.clear();
+        Ok(())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        fs::remove_file(&self.path).ok();
+    }
+}
 
 /// Writes to a temporary neighbour; [`AtomicFile::commit`] moves it into place, dropping removes it.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
-    temporary: PathBuf,
-    writer: Option<BufWriter<File>>,
+    temporary: Temporary,
 }
 
 impl AtomicFile {
@@ -21,11 +84,7 @@ impl AtomicFile {
     /// # Errors
     /// What the disk refuses.
     pub fn create(path: &Path) -> Result<Self, DataError> {
-        make_folder(path.parent().unwrap_or(Path::new(".")))?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-        let file = File::create(&temporary).map_err(|source| DataError::io(path, "write", source))?;
-        Ok(Self { path: path.to_owned(), temporary, writer: Some(BufWriter::new(file)) })
+        Ok(Self { path: path.to_owned(), temporary: Temporary::create(folder_of(path))? })
     }
 
     /// Appends bytes.
@@ -33,35 +92,102 @@ impl AtomicFile {
     /// # Errors
     /// What the disk refuses.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), DataError> {
-        let Some(writer) = &mut self.writer else { return Ok(()) };
-        writer.write_all(bytes).map_err(|source| DataError::io(&self.path, "write", source))
+        self.temporary.write(bytes).map_err(|source| DataError::io(&self.path, "write", source))
     }
 
     /// Puts the file in place.
     ///
     /// # Errors
     /// What the disk refuses.
-    pub fn commit(mut self) -> Result<(), DataError> {
-        let finish = |writer: BufWriter<File>| -> io::Result<()> {
-            writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-            fs::rename(&self.temporary, &self.path)
-        };
-        match self.writer.take() {
-            Some(writer) => finish(writer).map_err(|source| DataError::io(&self.path, "write", source))?,
-            None => return Ok(()),
-        }
+    pub fn commit(self) -> Result<(), DataError> {
+        self.temporary.commit(&self.path).map_err(|source| DataError::io(&self.path, "write", source))?;
         // The rename itself must survive a power cut; a filesystem that cannot sync folders is no error.
-        if let Ok(folder) = File::open(self.path.parent().unwrap_or(Path::new("."))) {
+        if let Ok(folder) = File::open(folder_of(&self.path)) {
             folder.sync_all().ok();
         }
         Ok(())
     }
 }
 
-impl Drop for AtomicFile {
-    fn drop(&mut self) {
-        // After a commit there is nothing any more, which is no error.
-        fs::remove_file(&self.temporary).ok();
+/// The folder of a file, also of one without a folder before its name.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A new file under a name that no run uses, locked where the filesystem knows locks.
+fn open_new(folder: &Path) -> io::Result<(PathBuf, File)> {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!(".l4d-{}-{number}.tmp", std::process::id()));
+        let file = match File::create_new(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
+            file => file?,
+        };
+        // Until it is locked, another run may take it for left over and remove it.
+        if !matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && path.exists() {
+            return Ok((path, file));
+        }
+    }
+}
+
+/// Removes all temporary files below a folder that killed runs left; those that are being written stay. A missing folder
+/// holds none.
+///
+/// # Errors
+/// A folder that cannot be listed.
+pub fn sweep(folder: &Path) -> Result<(), DataError> {
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let inner = sweep_one(&folder).map_err(|source| DataError::io(&folder, "list the folder", source))?;
+        folders.extend(inner);
+    }
+    Ok(())
+}
+
+/// The same for one folder, before this process first writes into it.
+fn sweep_once(folder: &Path) {
+    static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.to_owned()) {
+        // What is left over takes room, and hinders nothing.
+        sweep_one(folder).ok();
+    }
+}
+
+/// Removes what is left over in a folder; gives the folders in it.
+fn sweep_one(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut inner = Vec::new();
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(inner),
+        entries => entries?,
+    };
+    for entry in entries {
+        let entry = entry?;
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
+            inner.push(entry.path());
+        } else if kind.is_file() && entry.file_name().to_str().is_some_and(is_temporary) {
+            remove_left_over(&entry.path());
+        }
+    }
+    Ok(inner)
+}
+
+/// `.l4d-<process>-<number>.tmp`, or another ending where a library insists on one.
+fn is_temporary(name: &str) -> bool {
+    let parts = name.strip_prefix(".l4d-").and_then(|name| name.split_once('.')?.0.split_once('-'));
+    let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    parts.is_some_and(|(process, number)| is_number(process) && is_number(number))
+}
+
+/// Removes a temporary file unless its run lives, or the filesystem cannot tell.
+fn remove_left_over(path: &Path) {
+    let is_left_over = match OpenOptions::new().write(true).open(path.with_extension("tmp")) {
+        Ok(locked) => locked.try_lock().is_ok(),
+        Err(error) => error.kind() == ErrorKind::NotFound,
+    };
+    if is_left_over {
+        fs::remove_file(path).ok();
     }
 }
 
@@ -84,5 +210,43 @@ mod tests {
         write("new").commit().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_goes_and_what_is_being_written_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let left = [".l4d-1-0.tmp", "deep/.l4d-1-0.tmp", "deep/er/.l4d-1-0.usdc"]
+            .map(|name| folder.path().join(name));
+        let others = [".notes.tmp", ".l4d-notes.tmp", "l4d-1-0.tmp"].map(|name| folder.path().join(name));
+        fs::create_dir_all(folder.path().join("deep/er")).unwrap();
+        left.iter().chain(&others).for_each(|path| fs::write(path, "half").unwrap());
+        let mut file = AtomicFile::create(&folder.path().join("file")).unwrap();
+        assert_eq!(left.each_ref().map(|path| path.exists()), [false, true, true]);
+        file.write(b"whole").unwrap();
+        sweep(folder.path()).unwrap();
+        file.commit().unwrap();
+        assert_eq!(fs::read(folder.path().join("file")).unwrap(), b"whole");
+        assert!(!left.iter().any(|path| path.exists()) && others.iter().all(|path| path.exists()));
+        sweep(&folder.path().join("missing")).unwrap();
+    }
+
+    #[test]
+    fn threads_that_write_one_file_do_not_tear_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let texts = ["a", "b"].map(|letter| letter.repeat(100_000));
+        std::thread::scope(|scope| {
+            for text in &texts {
+                scope.spawn(|| {
+                    for _ in 0..20 {
+                        let mut file = AtomicFile::create(&path).unwrap();
+                        file.write(text.as_bytes()).unwrap();
+                        file.commit().unwrap();
+                    }
+                });
+            }
+        });
+        assert!(texts.contains(&fs::read_to_string(&path).unwrap()));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

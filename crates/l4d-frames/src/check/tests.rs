@@ -75,8 +75,7 @@ fn missing_and_extra_frames_and_views() {
     fs::remove_file(fake.dir().frame("cam01", 36)).unwrap();
     fs::write(fake.dir().view("cam03").join("0013.exr"), "x").unwrap();
     fs::create_dir(fake.dir().view("cam17")).unwrap();
-    fs::write(fake.dir().view("cam03").join(".0012.exr.77.tmp"), "a worker's temporary is no finding")
-        .unwrap();
+    fs::write(fake.dir().view("cam03").join(".l4d-77-0.tmp"), "a worker's temporary is no finding").unwrap();
     let (_, findings) = check(&fake);
     let found: Vec<(&str, &str, &str)> =
         findings.iter().map(|f| (f.code, f.location.as_str(), f.message.as_str())).collect();

@@ -1,7 +1,6 @@
 //! The frames of a clip as files that a worker can open.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use l4d_data::DataError;
 use l4d_data::digest::RunningDigest;
@@ -29,13 +28,12 @@ pub struct Frames {
 #[derive(Debug)]
 pub struct FrameStore {
     root: PathBuf,
-    writing: Mutex<()>,
 }
 
 impl FrameStore {
     /// A store in a folder that may be removed at any time when nothing runs.
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        Self { root: root.into(), writing: Mutex::new(()) }
+        Self { root: root.into() }
     }
 
     /// The frames of a clip; those that are missing are written.
@@ -47,8 +45,6 @@ impl FrameStore {
         let dir = std::path::absolute(&dir).map_err(|source| DataError::io(&dir, "resolve", source))?;
         let files: Vec<String> =
             clip.frame_numbers().map(|frame| format!("{}.png", frame_key(frame))).collect();
-        // Two threads that write one file at once would share its temporary name.
-        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         for (seen, file) in clip.frames.iter().zip(&files) {
             let path: &Path = &dir.join(file);
             if !path.exists() {

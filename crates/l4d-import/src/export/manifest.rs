@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use l4d_data::digest::sha256_file;
 use l4d_data::results::Track;
-use l4d_data::store::{list_folder, make_folder};
+use l4d_data::store::{FolderLock, list_folder};
 use l4d_data::{Camera, DataError, Name, Profile, Split, json};
 use serde::{Deserialize, Serialize};
 
@@ -159,12 +159,13 @@ pub const MANIFEST: &str = "l4d-export.json";
 
 pub(super) struct Folder {
     manifest: PathBuf,
+    _lock: FolderLock,
 }
 
 impl Folder {
     /// Takes possession of the folder of an order.
     pub(super) fn claim(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
-        make_folder(order.out)?;
+        let lock = FolderLock::take(order.out)?;
         let path = order.out.join(MANIFEST);
         let refuse = |message: String| {
             let remedy = "choose an empty folder, or remove this one";
@@ -182,7 +183,7 @@ impl Folder {
             return refuse(format!("is not empty: `{}` is there", l4d_data::error::inert(entry)));
         }
         json::write(&path, &Manifest::new(order, views)?)?;
-        Ok(Self { manifest: path })
+        Ok(Self { manifest: path, _lock: lock })
     }
 
     /// Says that the export is whole.

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use l4d_data::results::Track;
 use l4d_data::{DataError, Name, Profile, StageError, json};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::input::Digests;
-use super::report::Report;
+use super::report::{Effort, Report};
 use super::{Result, plain};
 use crate::checkpoint::own::{self, Checkpoint, Sampling};
 use crate::train::Trainer;
@@ -16,6 +16,7 @@ use crate::train::Trainer;
 /// Schema tag of `manifest.json`.
 const SCHEMA: &str = "l4d/train-splats/1";
 const MANIFEST: &str = "manifest.json";
+const SPENT: &str = "spent";
 
 /// Everything that a model follows from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -54,6 +55,22 @@ pub(super) enum Claim {
     Resume(Box<Checkpoint>),
     /// Its end: the manifest.
     Done(Value),
+}
+
+/// What training took until a checkpoint, in all runs.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub(super) struct Spent {
+    pub(super) seconds: f64,
+    /// Of the iterations on the whole clip.
+    pub(super) fine: Effort,
+}
+
+impl Spent {
+    /// What a checkpoint says of it.
+    pub(super) fn of(checkpoint: &Checkpoint) -> Self {
+        let spent = checkpoint.training.values.get(SPENT).cloned().unwrap_or_default();
+        serde_json::from_value(spent).unwrap_or_default()
+    }
 }
 
 /// `<work>/<profile>/<scene>/splats`.
@@ -95,10 +112,10 @@ impl SplatsFolder {
     }
 
     /// Writes what training needs to go on.
-    pub(super) fn save(&self, trainer: &Trainer<'_>, origin: &Origin, seconds: f64) -> Result<()> {
+    pub(super) fn save(&self, trainer: &Trainer<'_>, origin: &Origin, spent: Spent) -> Result<()> {
         let mut checkpoint = trainer.checkpoint();
         name(&mut checkpoint, origin, false)?;
-        checkpoint.training.values.insert("train_seconds".to_owned(), json!(seconds));
+        checkpoint.training.values.insert(SPENT.to_owned(), json!(spent));
         Ok(own::write(&self.0, &checkpoint)?)
     }
 
@@ -112,11 +129,6 @@ impl SplatsFolder {
         own::write(&self.0, &checkpoint)?;
         serde_json::to_value(manifest).map_err(plain)
     }
-}
-
-/// Seconds of training that a checkpoint contains.
-pub(super) fn seconds_of(checkpoint: &Checkpoint) -> f64 {
-    checkpoint.training.values.get("train_seconds").and_then(Value::as_f64).unwrap_or_default()
 }
 
 fn name(checkpoint: &mut Checkpoint, origin: &Origin, done: bool) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::train::Quality;
@@ -26,14 +26,13 @@ pub(super) struct Report {
     pub(super) prepare_seconds: f64,
     pub(super) train_seconds: f64,
     pub(super) measure_seconds: f64,
-    /// Of the iterations on the whole clip.
+    /// Of the iterations on the whole clip, in all runs together.
     pub(super) fine: Effort,
 }
 
 /// What some iterations took, nothing but the iterations counted.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Effort {
-    /// Those of the run that ended; those before it was put down are not known any more.
     pub(super) iterations: u64,
     pub(super) seconds: f64,
     /// Of all threads together.

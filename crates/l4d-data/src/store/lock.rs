@@ -1,0 +1,55 @@
+//! A folder that one run at a time writes into.
+
+use std::fs::{File, TryLockError};
+use std::path::Path;
+
+use super::{make_folder, sweep};
+use crate::error::DataError;
+
+/// The right to write into a folder; dropping gives it back, and so does a kill. The folder itself is locked, so that
+/// nothing is left in it.
+#[derive(Debug)]
+pub struct FolderLock(File);
+
+impl FolderLock {
+    /// Makes the folder if it is missing, and removes what killed runs left half-written below it.
+    ///
+    /// # Errors
+    /// A folder that another run writes into, and what the disk refuses.
+    pub fn take(folder: &Path) -> Result<Self, DataError> {
+        make_folder(folder)?;
+        let file = File::open(folder).map_err(|source| DataError::io(folder, "open the folder", source))?;
+        // A filesystem that cannot lock folders is no error.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let remedy = "wait until it has ended, or choose another folder";
+            return Err(DataError::invalid(folder, "folder", "another l4d writes into it", remedy));
+        }
+        sweep(folder)?;
+        Ok(Self(file))
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        // A child that is just being started holds a copy of the handle, and with it the lock, for a moment longer.
+        self.0.unlock().ok();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_has_one_writer_and_nothing_is_left_in_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let lock = FolderLock::take(&out).unwrap();
+        std::fs::write(out.join(".l4d-1-0.tmp"), "half").unwrap();
+        let error = FolderLock::take(&out).unwrap_err();
+        assert!(error.to_string().ends_with("another l4d writes into it"), "{error}");
+        drop(lock);
+        FolderLock::take(&out).unwrap();
+        assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0);
+    }
+}
