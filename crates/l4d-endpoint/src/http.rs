@@ -75,7 +75,7 @@ impl Http {
         Ok(exchange::Response {
             status: response.status().as_u16(),
             headers: exchange::Response::HEADERS.iter().filter_map(header).collect(),
-            body: self.redactor.body(&String::from_utf8_lossy(&body)),
+            body: self.redactor.text(&String::from_utf8_lossy(&body)),
         })
     }
 

@@ -2,6 +2,8 @@
 
 use std::ffi::OsString;
 
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
 use l4d_endpoint::{CacheUse, Client, Endpoint, Link};
 use serde_json::json;
 
@@ -31,6 +33,8 @@ fn locked(server: &Server) -> Endpoint {
 fn keys_stay_secret_whatever_the_server_echoes() {
     let slashed = KEY.replace('/', "\\/");
     let escaped: String = KEY.chars().map(|letter| format!("\\u{:04x}", u32::from(letter))).collect();
+    let entities: String = KEY.bytes().map(|byte| format!("&#{byte};")).collect();
+    let base64 = BASE64_STANDARD.encode(KEY);
     let raw = |status, body: String| Turn::Say(status, vec![("retry-after", format!("0; {KEY}"))], body);
     let echoes = [
         status(401, &json!({"error": {"message": format!("Incorrect API key provided: {KEY} / {SECOND}")}})),
@@ -38,6 +42,8 @@ fn keys_stay_secret_whatever_the_server_echoes() {
         raw(403, format!(r#"{{"error": "no {escaped}"}}"#)),
         raw(500, format!("<html><title>{KEY}</title>Authorization: Bearer {KEY}</html>")),
         raw(429, format!("Bearer {KEY}")),
+        raw(401, format!("<p>{entities}</p>{}", KEY.to_uppercase())),
+        raw(401, format!("Basic {base64}, /?key={}", KEY.replace('+', "%2b"))),
         raw(200, format!("garbage {KEY}")),
         raw(200, format!(r#"{{"error": "{escaped}"}}"#)),
         raw(200, format!("data: {{\"error\": \"{KEY}\"}}\n\n")),
@@ -70,7 +76,7 @@ fn keys_stay_secret_whatever_the_server_echoes() {
             assert_eq!(seen.headers["x-org"], SECOND);
         }
         told += &files_under(folder.path());
-        for word in ["canary", "7Yq", "8Zr", "\\u0063", "L4D_TEST_ORG\":"] {
+        for word in ["canary", "7Yq", "8Zr", "\\u0063", "L4D_TEST_ORG\":", "CANARY", "&#99;", &base64[..12]] {
             assert!(!told.contains(word), "echo {index} told `{word}`:\n{told}");
         }
         assert!(server.count() >= 4);
