@@ -195,8 +195,6 @@ fn grids_that_cannot_be_run_are_refused() {
     let dir = stage();
     for (grid, parts) in [
         ("mvsc --no-consensus", &["--no-consensus is one of the rows"][..]),
-        ("mvsc --correlations 0,1.5", &["1.5 is no correlation"]),
-        ("mvsc --correlations nan", &["NaN is no correlation"]),
         ("views --correlations 0.3", &["--correlations makes up errors", "grid mvsc"]),
         ("views --view-counts 9,64", &["ball has 4 training views"]),
         ("views --grounder-files a.toml", &["--grounder-files are rows of the grid vlm"]),

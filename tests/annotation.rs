@@ -310,7 +310,6 @@ fn derived_files_and_statuses_are_checked_to_the_byte() {
 fn rounds_that_cannot_be_opened_say_why() {
     let dir = bench();
     for (more, message) in [
-        ("--gold 2", "--gold 2"),
         ("--queries rejected", "no query to ask about"),
         ("--from nowhere", "there is no such round"),
         ("--scenes nowhere", "has no scene `nowhere`"),

@@ -9,14 +9,14 @@ use serde_json::{Value, json};
 use crate::python::write_site;
 use crate::support::{Dir, Run, SCENES, shipped};
 
-const HOST: &str =
+pub(crate) const HOST: &str =
     "host codabench --profile tiny --date 2026-11-22 --url https://example.org/discs --wheel wheels";
 const WHEEL: &str = concat!("l4d-", env!("CARGO_PKG_VERSION"), "-cp39-abi3-manylinux_2_34_x86_64.whl");
 /// The submission in the starting kit, which finds nothing.
 const KIT: &str = "hosting/codabench/starting_kit/submission.zip";
 
 /// A benchmark of discs whose statuses are what no votes give: candidates. Tracks are borrowed, none of them is judged.
-fn bench() -> Dir {
+pub(crate) fn bench() -> Dir {
     let dir = Dir::with_baselines();
     for (scene, _) in SCENES {
         let queries = format!("benchmark/queries/{scene}.jsonl");

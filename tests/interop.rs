@@ -12,7 +12,7 @@ use crate::support::Dir;
 const EXPORT: &str = "export wall --profile tiny --out out --format";
 
 /// A folder with the scene `wall` in profile tiny: three cameras before a wall, the second is held out.
-fn folder() -> Dir {
+pub(crate) fn folder() -> Dir {
     let dir = Dir::new();
     let camera = |number: u32| {
         let split = if number == 1 { Split::Test } else { Split::Train };
@@ -54,8 +54,11 @@ fn exports_that_cannot_be_made_are_refused() {
     }
 }
 
-#[test]
-fn a_capture_comes_in_with_the_masks_that_people_drew() {
+pub(crate) const IMPORT: &str =
+    "import-scene nerfstudio shelf --masks ids --masks-format png --held-out right";
+
+/// A capture of two pictures, with masks.
+pub(crate) fn shelf() -> Dir {
     let dir = Dir::new();
     let picture = RgbImage::from_pixel(32, 24, Rgb([9, 99, 199]));
     let frame = |name: &str| json!({"file_path": format!("images/{name}.png"), "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]});
@@ -64,8 +67,13 @@ fn a_capture_comes_in_with_the_masks_that_people_drew() {
     let document = json!({"w": 32, "h": 24, "fl_x": 30.0, "frames": [frame("left"), frame("right")]});
     dir.write("shelf/transforms.json", document.to_string());
     dir.write("ids/right/0.png", ids::encode_palette(32, 24, &[3; 32 * 24]));
-    let import = "import-scene nerfstudio shelf --masks ids";
-    let run = dir.json(format!("{import} --held-out right --masks-format png"));
+    dir
+}
+
+#[test]
+fn a_capture_comes_in_with_the_masks_that_people_drew() {
+    let dir = shelf();
+    let run = dir.json(IMPORT);
     let masks = json!("data/captures/shelf/masks.json");
     assert_eq!([&run["views"], &run["depth"], &run["masks"]], [&json!(2), &json!("absent"), &masks]);
     let masks = dir.value("data/captures/shelf/masks.json");
@@ -74,5 +82,5 @@ fn a_capture_comes_in_with_the_masks_that_people_drew() {
 
     let colmap = "import-scene colmap shelf --out elsewhere";
     dir.refuses(colmap, &["hint: give the folder that holds `sparse` and `images`"]);
-    assert_eq!(dir.run(import).code, 2, "masks without their format");
+    assert_eq!(dir.run("import-scene nerfstudio shelf --masks ids").code, 2, "masks without their format");
 }

@@ -12,6 +12,7 @@ mod endpoint;
 mod hostile;
 mod hosting;
 mod interop;
+mod kills;
 mod leaderboard;
 mod model_grounder;
 mod page;

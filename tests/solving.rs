@@ -1,9 +1,6 @@
 //! `solve` and `query` as their users run them, on made-up twins: one ball rolls, its twin lies farther back.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
-use std::thread::sleep;
-use std::time::Duration;
 
 use l4d_data::Profile;
 use l4d_masks::{Mask, png};
@@ -56,11 +53,6 @@ fn write_masks(dir: &Dir, number: &str, instance_of_view: &[(&str, u32)]) {
             dir.write(&format!("made/{SCENE}/{number}/{view}/{frame:04}.png"), png::encode(&mask));
         }
     }
-}
-
-/// The masks of a method by the number of the query.
-fn results(dir: &Dir, method: &str) -> BTreeMap<String, Vec<u8>> {
-    dir.tree(&format!("results/{method}/masks/{SCENE}"))
 }
 
 /// One sentence, asked by the grounder that needs nothing.
@@ -178,7 +170,6 @@ fn what_cannot_be_answered_is_refused() {
     dir.refuses(format!("{SOLVE} --grounder files --masks made --noise x.toml"), &["--noise"]);
     for (more, parts) in [
         ("--camera cam99", &["no camera `cam99`", "cam00"][..]),
-        ("--time 1.5", &["time 1.5 is outside the clip"]),
         ("--from 60 --to 20", &["--from, --to"]),
         ("--from 1 --to 5", &["no moment"]),
     ] {
@@ -280,21 +271,6 @@ fn a_card_says_whether_the_splats_saw_depth() {
     assert_eq!(answer("foreign", ""), (false, true));
     assert_eq!(answer("foreign", "--used-depth"), (true, false), "a card learns what was not known");
     assert_eq!(answer("foreign", ""), (true, true), "and does not forget it");
-}
-
-#[test]
-fn a_killed_run_ends_with_the_masks_of_one_that_was_not() {
-    let dir = world();
-    dir.remove(&format!("work/tiny/{SCENE}/clips"));
-    let solve = format!("{SOLVE} --grounder oracle");
-    for patience_ms in [150, 300, 600] {
-        let mut child = dir.spawn(&solve);
-        sleep(Duration::from_millis(patience_ms));
-        child.kill().unwrap();
-        child.wait().unwrap();
-    }
-    dir.succeed(&solve);
-    assert_eq!(results(&dir, "panopticquery-oracle"), results(&solved(), "panopticquery-oracle"));
 }
 
 #[test]

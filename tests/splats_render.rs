@@ -204,7 +204,6 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
     for (more, parts) in [
         ("--views cam99", &["no view `cam99`", "hint: choose among cam00, cam01"][..]),
         ("--frames 97", &["frame 97 is beyond the clip"]),
-        ("--times 1.5", &["time 1.5 is outside the clip"]),
         ("--model nowhere", &["nowhere: model: there is nothing", "hint:"]),
         ("--adapter 'no such adapter'", &["no graphics adapter is named like"]),
         ("--background 2,0,0", &["three numbers from 0 to 1"]),

@@ -9,7 +9,9 @@ pub(crate) mod scenes;
 pub(crate) mod solver;
 pub(crate) mod splats;
 
+use std::ops::{Bound, RangeBounds};
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
@@ -126,6 +128,26 @@ impl Command {
             _ => None,
         }
     }
+
+    /// What to do when the verb was stopped on its way; none for one that deals with that itself.
+    pub(crate) fn how_to_go_on(&self) -> Option<&'static str> {
+        match self {
+            Self::VerifyPrompts(_) => None,
+            Self::Import(_) => Some("run the same command again, with --force if masks were written"),
+            Self::TrainSplats(_) => Some("run the same command again: it goes on from the last checkpoint"),
+            Self::Quickstart(_)
+            | Self::BuildScenes(_)
+            | Self::DrawVariant(_)
+            | Self::ProposePrompts(_)
+            | Self::ProposeScenes(_)
+            | Self::RenderSplats(_)
+            | Self::Solve(_)
+            | Self::Ablate(_)
+            | Self::Baseline(_)
+            | Self::Release(_) => Some("run the same command again: what is finished is kept"),
+            _ => Some("run the same command again: nothing is left half-written"),
+        }
+    }
 }
 
 /// Where the benchmark is and what of it is meant.
@@ -157,6 +179,29 @@ where
     names.into().try_map(|name| T::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name)))
 }
 
+/// Parses a finite number of a range: what every argument takes that is a fraction.
+pub(crate) fn number<T>(range: impl RangeBounds<f64> + Clone) -> impl Fn(&str) -> Result<T, String> + Clone
+where
+    T: FromStr + Into<f64> + Copy,
+{
+    move |text| {
+        let fits = |number: f64| number.is_finite() && range.contains(&number);
+        let number = text.parse().ok().filter(|&number: &T| fits(number.into()));
+        number.ok_or_else(|| {
+            let from = match range.start_bound() {
+                Bound::Included(least) | Bound::Excluded(least) => format!(" from {least}"),
+                Bound::Unbounded => String::new(),
+            };
+            let to = match range.end_bound() {
+                Bound::Included(most) => format!(" to {most}"),
+                Bound::Excluded(most) => format!(" to below {most}"),
+                Bound::Unbounded => " on".to_owned(),
+            };
+            format!("write a number{from}{to}")
+        })
+    }
+}
+
 /// A profile of renderings: what verbs take that have no use for captures.
 pub(crate) fn rendered(text: &str) -> Result<Profile, String> {
     let profile: Profile = text.parse()?;
@@ -179,4 +224,50 @@ pub(crate) struct QuickstartArgs {
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) python: PythonArgs,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+    use clap::builder::ValueParser;
+    use clap::error::ErrorKind;
+
+    use super::*;
+
+    /// Every verb: the words that call it, and its grammar.
+    fn verbs(words: &[String], command: &clap::Command, found: &mut Vec<(Vec<String>, clap::Command)>) {
+        for verb in command.get_subcommands() {
+            verbs(&[words, &[verb.get_name().to_owned()]].concat(), verb, found);
+        }
+        found.push((words.to_vec(), command.clone()));
+    }
+
+    #[test]
+    fn no_argument_takes_a_fraction_that_is_no_number_of_its_range() {
+        let of_fractions = [
+            ValueParser::from(clap::value_parser!(f32)).type_id(),
+            ValueParser::from(clap::value_parser!(f64)).type_id(),
+            ValueParser::from(clap::value_parser!(splats::Background)).type_id(),
+        ];
+        let mut all = Vec::new();
+        verbs(&["l4d".to_owned()], &Cli::command(), &mut all);
+        let mut checked = 0;
+        for (words, verb) in all {
+            for argument in verb.get_arguments() {
+                if !of_fractions.contains(&argument.get_value_parser().type_id()) {
+                    continue;
+                }
+                let flag = argument.get_long().expect("a fraction has a name");
+                for wrong in ["NaN", "inf", "-inf", "1e999", "-1", "1,NaN,1", "0.5,0.5,-inf", ""] {
+                    let line = words.iter().cloned().chain([format!("--{flag}={wrong}")]);
+                    let error = Cli::command().try_get_matches_from(line).unwrap_err();
+                    let kinds = [ErrorKind::ValueValidation, ErrorKind::InvalidValue];
+                    assert!(kinds.contains(&error.kind()), "{words:?} --{flag}={wrong}: {error}");
+                    assert!(error.to_string().contains("write "), "{error}");
+                }
+                checked += 1;
+            }
+        }
+        assert!(checked >= 11, "{checked} arguments are fractions");
+    }
 }

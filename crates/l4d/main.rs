@@ -8,8 +8,10 @@ mod out;
 mod published_votes;
 mod rasterizer;
 mod solver;
+mod stopping;
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Parser as _;
 
@@ -18,8 +20,13 @@ use crate::out::Printer;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let out = Printer::new(cli.global.quiet);
+    let out = Arc::new(Printer::new(cli.global.quiet));
     out::init_logging(cli.global.verbose);
+    if let Some(how_to_go_on) = cli.command.how_to_go_on()
+        && let Err(error) = stopping::say_when_stopped(how_to_go_on, Arc::clone(&out))
+    {
+        tracing::debug!(%error, "signals are not waited for");
+    }
     match commands::run(&cli.command, &out) {
         Ok(status) => status.into(),
         Err(error) if out::is_broken_pipe(&error) => ExitCode::SUCCESS,

@@ -1,7 +1,9 @@
 //! What a person or a script sees: stdout is data, stderr is talk; errors end with a `hint:`.
 
+use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, IsTerminal as _, Write as _};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -60,8 +62,9 @@ impl Printer {
     }
 
     /// One line of data.
-    pub(crate) fn data(&self, line: impl Display) -> io::Result<()> {
-        writeln!(io::stdout().lock(), "{line}")
+    pub(crate) fn data(&self, line: impl Display) -> Result<(), DataError> {
+        let written = writeln!(io::stdout().lock(), "{line}");
+        written.map_err(|source| DataError::io(Path::new("standard output"), "write", source))
     }
 
     /// One JSON document as data.
@@ -228,6 +231,24 @@ pub(crate) fn hint_of(error: &anyhow::Error) -> Option<String> {
         let refusal = cause.downcast_ref::<StageError>().and_then(|error| error.hint().map(str::to_owned));
         let data = || cause.downcast_ref::<DataError>().and_then(DataError::hint);
         let endpoint = || cause.downcast_ref::<EndpointError>().map(EndpointError::hint);
-        refusal.or_else(data).or_else(endpoint)
+        let board = || hint_of_board(cause);
+        let system = || {
+            let kind = cause.downcast_ref::<io::Error>()?.kind();
+            DataError::io(Path::new(""), "", kind.into()).hint()
+        };
+        refusal.or_else(data).or_else(endpoint).or_else(board).or_else(system)
     })
+}
+
+#[cfg(feature = "board")]
+fn hint_of_board(cause: &(dyn Error + 'static)) -> Option<String> {
+    match cause.downcast_ref()? {
+        l4d_board::BoardError::Data(error) => error.hint(),
+        _ => None,
+    }
+}
+
+#[cfg(not(feature = "board"))]
+fn hint_of_board(_: &(dyn Error + 'static)) -> Option<String> {
+    None
 }

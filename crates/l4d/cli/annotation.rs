@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::BenchArgs;
+use super::{BenchArgs, number};
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckQueriesArgs {
@@ -72,10 +72,10 @@ pub(crate) struct OpenRoundArgs {
     #[arg(long, value_name = "COUNT", default_value_t = 5)]
     pub(crate) views: usize,
     /// Control items as a share of the queries: sentences that mean nothing, and prompts that only name a category
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = number::<f64>(0.0..=1.0))]
     pub(crate) gold: f64,
     /// Prompts that are asked twice, as a share of the queries
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = number::<f64>(0.0..=1.0))]
     pub(crate) repeats: f64,
     /// Seed of ids, control items and orders
     #[arg(long, default_value_t = 0)]

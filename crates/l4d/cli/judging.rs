@@ -7,7 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use l4d_score::results::{MEGABYTE, MOST_BYTES, PROTOCOL};
 use l4d_score::{Baseline, Missing, Protocol, QuerySet};
 
-use super::{BenchArgs, one_of};
+use super::{BenchArgs, number, one_of};
 
 const BASELINES: [&str; 6] =
     ["oracle", "none", "all", "time-agnostic", "random-look-alike", "look-alike-union"];
@@ -88,7 +88,7 @@ pub(crate) struct ScoreArgs {
     #[arg(long, default_value = "error", value_parser = one_of::<Missing>(["error", "zero", "skip"]))]
     pub(crate) missing: Missing,
     /// A frame is hit when its IoU is above this
-    #[arg(long, value_name = "IOU", default_value_t = 0.0)]
+    #[arg(long, value_name = "IOU", default_value_t = 0.0, value_parser = number::<f64>(0.0..1.0))]
     pub(crate) hit_iou: f64,
     /// Resize predicted masks (nearest) to the size of the truth
     #[arg(long)]

@@ -7,7 +7,7 @@ use l4d_data::{Scale, Shard};
 use l4d_endpoint::Link;
 
 use super::splats::PixelSize;
-use super::{BenchArgs, one_of};
+use super::{BenchArgs, number, one_of};
 
 /// Which model of which server is meant: a file, flags, or flags that override the file.
 #[derive(Debug, Clone, Args)]
@@ -82,7 +82,7 @@ pub(crate) struct ServerArgs {
     #[arg(long)]
     pub(crate) refresh: bool,
     /// Stop before questions and answers cost more than this (needs prices in the endpoint's file)
-    #[arg(long, value_name = "COST")]
+    #[arg(long, value_name = "COST", value_parser = number::<f64>(0.0..))]
     pub(crate) max_cost: Option<f64>,
     /// Stop before questions and answers have more tokens than this
     #[arg(long, value_name = "TOKENS")]

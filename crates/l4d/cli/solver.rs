@@ -10,7 +10,7 @@ use l4d_solve::method::{LiftChoice, QuerySet};
 
 use super::models::ServerArgs;
 use super::splats::{AdapterArgs, PixelSize};
-use super::{BenchArgs, one_of};
+use super::{BenchArgs, number, one_of};
 
 /// Who finds in one view what a sentence means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -170,7 +170,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "JSON")]
     pub(crate) cameras: Option<PathBuf>,
     /// Times at which masks are drawn, 0 (start of the clip) to 1 (its end); default: the frames of the clips
-    #[arg(long, value_name = "TIME", value_delimiter = ',')]
+    #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = number::<f32>(0.0..=1.0))]
     pub(crate) time: Vec<f32>,
     /// Width and height of the masks, pixels; default: those of the clips, or of --cameras
     #[arg(long, value_name = "WxH")]
@@ -199,7 +199,7 @@ pub(crate) struct AblateArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
     /// Correlations between the errors of views, 0 to 1 (grid mvsc with the oracle); default there: 0,0.3,0.6,0.9
-    #[arg(long, value_name = "RHO", value_delimiter = ',')]
+    #[arg(long, value_name = "RHO", value_delimiter = ',', value_parser = number::<f64>(0.0..=1.0))]
     pub(crate) correlations: Vec<f64>,
     /// Search the share of swapped views at which the row without consensus has the paper's mIoU, for each correlation and
     /// category (grid mvsc with the oracle); other errors are those of --noise

@@ -8,8 +8,8 @@ use l4d_solve::clips::{DepthFormat, DepthKind};
 use l4d_splat::speed::Sweep;
 use l4d_splat::training_run::Initialisation;
 
-use super::one_of;
 use super::solver::{BenchLiftArgs, WorkArgs};
+use super::{number, one_of};
 
 #[derive(Debug, Args)]
 pub(crate) struct TrainSplatsArgs {
@@ -44,7 +44,7 @@ pub(crate) struct TrainSplatsArgs {
     pub(crate) sh_degree: Option<u8>,
     /// Share of moments at which a place has to be seen through, or to have another colour, before it counts as dynamic;
     /// 0: everything is dynamic, 1.1: nothing is; default: 0.05, 0.2 (real)
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", value_parser = number::<f32>(0.0..))]
     pub(crate) dynamic_threshold: Option<f32>,
     /// Iterations on what stands still; default: 400 (tiny), 1000 (others)
     #[arg(long, value_name = "N")]
@@ -60,7 +60,7 @@ pub(crate) struct TrainSplatsArgs {
     pub(crate) views_per_iteration: Option<usize>,
     /// What an error of depth costs beside one of colour; default: 0.1, nothing where there is no depth. With 0, and --init
     /// with points, depth is not looked at
-    #[arg(long, value_name = "WEIGHT")]
+    #[arg(long, value_name = "WEIGHT", value_parser = number::<f32>(0.0..))]
     pub(crate) depth_weight: Option<f32>,
     /// Stop after so many looks at the training pictures (one every 500 iterations) without progress; 0: never early;
     /// default: 3
@@ -70,7 +70,7 @@ pub(crate) struct TrainSplatsArgs {
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
     /// Seconds between checkpoints
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = number::<f64>(0.0..=1e6))]
     pub(crate) checkpoint_seconds: f64,
     #[command(flatten)]
     pub(crate) adapter: AdapterArgs,
@@ -105,7 +105,7 @@ pub(crate) struct RenderSplatsArgs {
     #[arg(long, value_name = "FRAME", value_delimiter = ',', conflicts_with = "times")]
     pub(crate) frames: Vec<u32>,
     /// Times instead of frames, 0 (start of the clip) to 1 (its end)
-    #[arg(long, value_name = "TIME", value_delimiter = ',')]
+    #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = number::<f32>(0.0..=1.0))]
     pub(crate) times: Vec<f32>,
     /// Width and height of the pictures, pixels; default: those of the cameras, or those that the model was trained on
     #[arg(long, value_name = "WxH")]
@@ -224,13 +224,13 @@ impl std::str::FromStr for Background {
             "black" => Some([0.0; 3]),
             "white" => Some([1.0; 3]),
             text => {
+                let channel = number::<f32>(0.0..=1.0);
                 let channels: Option<Vec<f32>> =
-                    text.split(',').map(|value| value.trim().parse().ok()).collect();
+                    text.split(',').map(|value| channel(value.trim()).ok()).collect();
                 channels.and_then(|channels| channels.try_into().ok())
             }
         };
-        let is_shown = |colour: &[f32; 3]| colour.iter().all(|value| (0.0..=1.0).contains(value));
         let hint = "write black, white, or three numbers from 0 to 1, for example 0.5,0.5,0.5";
-        colour.filter(is_shown).map(Self).ok_or_else(|| hint.to_owned())
+        colour.map(Self).ok_or_else(|| hint.to_owned())
     }
 }

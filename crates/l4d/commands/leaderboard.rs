@@ -64,8 +64,6 @@ fn with_hint(error: BoardError, folder: &Path) -> anyhow::Error {
             message,
             "choose the --profile and --bench that the scores were made with, or run `l4d score` again",
         ),
-        // As itself, so that its own hint is found.
-        BoardError::Data(error) => error.into(),
         error => error.into(),
     }
 }

@@ -63,7 +63,7 @@ fn settings(args: &OpenRoundArgs, name: Name, queries: usize) -> Result<RoundSet
         return Err(refusal(message, "name as many annotators as --panel says, which is 5 unless given"));
     }
     // Half of the control items have no answer, half have too many.
-    let control = share_of(queries, args.gold, "--gold")?;
+    let control = share_of(queries, args.gold);
     let gold = Gold { absent: control.div_ceil(2), vague: control / 2 };
     Ok(RoundSettings {
         schema: SCHEMA.to_owned(),
@@ -73,17 +73,14 @@ fn settings(args: &OpenRoundArgs, name: Name, queries: usize) -> Result<RoundSet
         annotators,
         simulated: args.simulated,
         views: args.views,
-        repeats: share_of(queries, args.repeats, "--repeats")?,
+        repeats: share_of(queries, args.repeats),
         gold,
     })
 }
 
 /// A share of the queries, as a count.
-fn share_of(queries: usize, share: f64, flag: &str) -> Result<usize> {
-    if !(0.0..=1.0).contains(&share) {
-        return Err(refusal(format!("{flag} {share} is no share"), "give a number from 0 to 1"));
-    }
-    Ok((queries as f64 * share).round() as usize)
+fn share_of(queries: usize, share: f64) -> usize {
+    (queries as f64 * share).round() as usize
 }
 
 /// The queries of the chosen scenes that have the wanted status.

@@ -13,15 +13,9 @@ use l4d_score::{Exam, Group, Options, QuerySet, Scored, Summary, counts, groups,
 use serde_json::Value;
 
 use crate::cli::judging::{ProtocolArg, ScoreArgs};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &ScoreArgs, out: &Printer) -> Result<ExitStatus> {
-    if !(0.0..1.0).contains(&args.hit_iou) {
-        return Err(refusal(
-            format!("--hit-iou {} is no threshold", args.hit_iou),
-            "give a number from 0 to below 1",
-        ));
-    }
     let options = Options {
         missing: args.missing,
         hit_iou: args.hit_iou,

@@ -1,5 +1,7 @@
 //! `l4d train-splats`: a 4D model of a scene, learned from its training cameras.
 
+use std::time::Duration;
+
 use anyhow::Result;
 use l4d_data::results::Track;
 use l4d_data::{Benchmark, Name};
@@ -24,7 +26,7 @@ pub(crate) fn run(args: &TrainSplatsArgs, out: &Printer) -> Result<ExitStatus> {
         init: args.init.clone(),
         depth_weight: args.depth_weight,
         sampling: Sampling { shrink: args.shrink, every: args.every },
-        checkpoint_seconds: args.checkpoint_seconds,
+        between_checkpoints: Duration::from_secs_f64(args.checkpoint_seconds),
         overwrite: args.overwrite,
         rasterizer: opened.rasterizer.as_ref(),
         adapter: opened.adapter,

@@ -114,12 +114,6 @@ pub(super) fn correlations(order: &Ablation<'_>) -> Result<Vec<f64>> {
             )),
         };
     }
-    if let Some(rho) = order.correlations.iter().find(|rho| !(0.0..=1.0).contains(*rho)) {
-        return Err(StageError::new(
-            format!("{rho} is no correlation"),
-            "give numbers from 0 to 1, for example 0,0.3,0.6,0.9",
-        ));
-    }
     let mut wanted = order.correlations.clone();
     if wanted.is_empty() {
         wanted = CORRELATIONS.to_vec();
