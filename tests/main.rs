@@ -15,6 +15,7 @@ mod interop;
 mod kills;
 mod leaderboard;
 mod model_grounder;
+mod originals;
 mod page;
 mod proposing;
 mod protocols;

@@ -144,7 +144,7 @@ fn masks_of_langsplat_on_a_scene_of_theirs_are_scored() {
         Mask::from_fn(WIDTH, HEIGHT, |column, row| (8..16).contains(&column) && (8..24).contains(&row));
     // As its evaluation leaves them: a folder a picture, counted from 1; pictures without annotation as well.
     for (frame, red) in [cup(RED), half.clone(), half, cup(BLUE)].into_iter().enumerate() {
-        let folder = format!("theirs/table/{:05}", frame + 1);
+        let folder = format!("theirs/eval_result/table/{:05}", frame + 1);
         dir.write(&format!("{folder}/chosen_the red cup.png"), png::encode(&red));
         dir.write(&format!("{folder}/chosen_the cup while it is lifted.png"), png::encode(&cup(BLUE)));
     }
@@ -163,7 +163,7 @@ fn masks_of_langsplat_on_a_scene_of_theirs_are_scored() {
     assert_eq!(read, cup(RED));
 
     // Masks of another size are none of this scene.
-    dir.write("theirs/table/00001/chosen_the red cup.png", png::encode(&Mask::full(32, 48)));
+    dir.write("theirs/eval_result/table/00001/chosen_the red cup.png", png::encode(&Mask::full(32, 48)));
     dir.run(format!("{import} --force")).says(1, &["is 32x48, but the capture is 64x48"]);
 }
 

@@ -13,6 +13,7 @@ mod prompts;
 use l4d_masks::Mask;
 
 pub use prompts::Judged;
+pub(crate) use prompts::base_object;
 
 /// A picture with what was drawn on it.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot make its scene has failed")]
 
 mod dataset;
+pub mod foreign;
 mod world;
 
 use std::collections::BTreeMap;

@@ -13,8 +13,9 @@ use super::{BenchArgs, one_of};
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
-    /// What the files are: a preset (langsplat, langsplat-per-frame, langsplat-masks, 4d-langsplat, 4d-langsplat-masks,
-    /// gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, generic), or a preset of your own (.toml)
+    /// What the files are: a preset (langsplat, langsplat-per-frame, langsplat-masks, langsplat-per-frame-masks,
+    /// 4d-langsplat, 4d-langsplat-masks, gaussian-grouping, opengaussian, refersplat, mevis, mevis-rle, davis, generic), or a
+    /// preset of your own (.toml)
     pub(crate) format: String,
     /// Folder that the preset's template starts from
     pub(crate) source: PathBuf,
@@ -75,13 +76,13 @@ pub(crate) struct ImportFilesArgs {
     /// Which array of a file with several
     #[arg(long, value_name = "NAME")]
     pub(crate) key: Option<String>,
-    /// Which ids mean which sentence: {"<number or sentence>": [ids]}
+    /// Which ids mean which sentence: {"<number or sentence>": [ids]}; default: the numbers that the export davis gives objects
     #[arg(long, value_name = "JSON")]
     pub(crate) selections: Option<PathBuf>,
     /// Which frame each rendered picture shows: a number or - a line; default: the n-th the n-th frame of the profile
     #[arg(long, value_name = "FILE")]
     pub(crate) frames: Option<PathBuf>,
-    /// COCO annotations whose image ids name the folders (4d-langsplat-masks)
+    /// COCO annotations whose image ids name the folders (4d-langsplat-masks); default: those of the data set
     #[arg(long, value_name = "JSON")]
     pub(crate) images: Option<PathBuf>,
     /// Number with which the name of the first image begins: 1 in HyperNeRF, 0 in Neu3D

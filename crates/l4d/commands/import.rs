@@ -36,10 +36,12 @@ pub(crate) fn run(args: &ImportArgs, out: &Printer) -> Result<ExitStatus> {
     if args.json {
         return out.document(summary(&imported, &recounted, folder.as_deref()), report);
     }
-    tell(&imported, &recounted, &request, out)?;
     let status = out.any_findings(report)?;
     match folder {
-        Some(folder) => out.data(folder.display())?,
+        Some(folder) => {
+            tell(&imported, &recounted, &request, out)?;
+            out.data(folder.display())?;
+        }
         None => out.note("nothing was written: mend what was found, or pass --partial"),
     }
     Ok(status)

@@ -24,6 +24,9 @@ const COCO: &str = "annotations/train/_annotations.coco.json";
 /// Where the times of gated sentences are below a dataset.
 const INTERVALS: &str = "annotations/video_annotations.json";
 
+/// Columns and rows that its reader of Neu3D gives every picture, and so everything that it draws.
+const DRAWN: [u32; 2] = [1352, 1014];
+
 /// Base object, prompt, intervals: first and last moment, both inclusive.
 type Intervals = BTreeMap<String, BTreeMap<String, Vec<[u32; 2]>>>;
 
@@ -58,22 +61,29 @@ pub fn read(folder: &Path, first: u32) -> Result<(Annotations, Vec<u32>), DataEr
     Ok((annotations, moments))
 }
 
+/// Columns and rows of annotations: its evaluator takes latents of no other size.
+pub(crate) fn drawn_size(truth: &Truth) -> [u32; 2] {
+    let size = [truth.width, truth.height];
+    if size[0] * DRAWN[1] == size[1] * DRAWN[0] { DRAWN } else { size }
+}
+
 /// Writes both documents, Neu3D's counting; gives the names of the pictures, in the order of the truth's frames.
 pub(crate) fn write(folder: &Path, judged: &Judged<'_>) -> Result<Vec<String>, DataError> {
     let truth = judged.truth();
     let subjects = subjects(judged);
     let moments = moments(truth);
+    let [width, height] = drawn_size(truth);
     let mut annotations = Vec::new();
     for (category, (_, masks)) in subjects.iter().enumerate() {
         for (image, (_, frame)) in moments.iter().enumerate() {
-            for piece in masks.get(frame).map(pieces).unwrap_or_default() {
+            let mask = masks.get(frame).map(|mask| mask.resized_nearest(width, height));
+            for piece in mask.as_ref().map(pieces).unwrap_or_default() {
                 annotations.push(annotation(annotations.len(), image, category, &piece));
             }
         }
     }
     let names: Vec<String> =
         moments.iter().map(|(moment, _)| format!("{moment:04}_png.rf.l4d.jpg")).collect();
-    let (width, height) = (truth.width, truth.height);
     let image = |(id, name): (usize, &String)| json!({"id": id, "license": 1, "file_name": name, "height": height, "width": width});
     let category = |(id, (name, _)): (usize, &(String, &BTreeMap<u32, Mask>))| json!({"id": id, "name": name, "supercategory": "prompt"});
     let description = format!("{} ({})", truth.scene, truth.profile);

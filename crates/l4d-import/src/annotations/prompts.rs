@@ -48,11 +48,16 @@ impl Prompt<'_> {
         self.query.temporal == Temporal::While
     }
 
-    /// What is meant, in words of the names of instances: the object that a gated sentence is about.
+    /// The category of a gated sentence.
     pub(super) fn base(&self) -> String {
-        let names: Vec<String> = self.query.referents.iter().map(|name| name.replace('_', " ")).collect();
-        names.join(" and ")
+        base_object(self.query)
     }
+}
+
+/// What is meant, in words of the names of instances: the object that a sentence is about.
+pub(crate) fn base_object(query: &Query) -> String {
+    let names: Vec<String> = query.referents.iter().map(|name| name.replace('_', " ")).collect();
+    names.join(" and ")
 }
 
 fn masks_of(path: &Path, truth: &Truth, query: &Query) -> Result<BTreeMap<u32, Mask>, DataError> {

@@ -4,7 +4,9 @@
 
 use l4d_data::store::write_atomic;
 use l4d_data::{Camera, DataError};
+use l4d_frames::drawn::RgbImage;
 use l4d_frames::overlay::encode_jpeg;
+use l4d_masks::mask::nearest;
 
 use super::manifest::{Called, Manifest};
 use super::{Format, Job, limit};
@@ -49,12 +51,19 @@ fn write_4d_langsplat(
     manifest: &mut Manifest,
 ) -> Result<(), DataError> {
     let names = four_d_langsplat::write(job.order.out, judged)?;
+    let [width, height] = four_d_langsplat::drawn_size(judged.truth());
     for (name, &frame) in names.iter().zip(&judged.truth().frames) {
         let picture = job.views.picture(camera, frame)?;
+        let picture = RgbImage::from_fn(width, height, |col, row| {
+            *picture.get_pixel(nearest(col, picture.width(), width), nearest(row, picture.height(), height))
+        });
         let path = job.order.out.join("annotations/train").join(name);
         write_atomic(&path, &encode_jpeg(&picture))?;
         (job.tick)();
     }
+    manifest.note(format!(
+        "masks and pictures are {width}x{height}: its evaluator takes latents of no other size"
+    ));
     manifest.note("file names count as Neu3D's do: evaluate with the data set type neu3d, test view cam00");
     manifest.note("the i-th moment is the i-th picture that `--format 4d-langsplat` gives cam00");
     manifest.note("gated sentences are prompts of their base object in video_annotations.json");

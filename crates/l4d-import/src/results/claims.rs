@@ -16,6 +16,9 @@ const MOST: usize = 10_000;
 /// Claimed numbers by name.
 pub(super) type Claims = BTreeMap<String, f64>;
 
+/// Before a prompt, in the name of its mean IoU.
+pub(super) const IOU_OF: &str = "iou of ";
+
 /// Reads the claims of a log. What is no number (`nan`) is no claim.
 pub(super) fn read(path: &Path) -> Result<Claims, DataError> {
     let bytes = read_bounded(path, MAX_BYTES)?;
@@ -52,7 +55,7 @@ fn log(text: &str) -> Claims {
             && let Some((prompt, _)) = rest.split_once(", mean_iou:")
             && let Some(value) = after(line, "mean_iou:")
         {
-            claims.insert(format!("iou of {}", inert(prompt)), value);
+            claims.insert(format!("{IOU_OF}{}", inert(prompt)), value);
         }
     }
     claims

@@ -9,14 +9,19 @@ mod card;
 mod frames;
 mod latents;
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, QueryId, Report};
+use l4d_data::digest::sha256_file;
+use l4d_data::error::inert;
+use l4d_data::truth::Truth;
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, QueryId, Report, Role};
 
-use super::claims;
+use super::claims::{self, Claims};
 use super::codec::Reading;
 use super::codes;
+use super::inside::Inside;
 use super::preset::Preset;
 use super::prompts::Prompts;
 use super::relevancy::TextsFile;
@@ -120,7 +125,8 @@ pub fn import(
     progress: impl Fn(&str),
     report: &mut Report,
 ) -> Result<Imported, DataError> {
-    let template = parse(&request.preset.template, &request.root)?;
+    let known = request.scenes.iter().map(Name::to_string);
+    let template = parse(&request.preset.template, &request.root)?.of_scenes(known);
     let mut hits = template.find(&request.root, &request.choices, report)?;
     hits.retain(|hit| !is_ignored(&hit.path, &request.preset.ignore));
     if let Some(latents) = &request.preset.latents {
@@ -129,34 +135,54 @@ pub fn import(
     }
     if hits.is_empty() {
         let message = format!("holds no file at `{template}`");
-        let hint = "give the folder that the template starts from, or another --template";
+        let hint = "give the folder that the template starts from, or another --template: docs/import/presets.md shows where the original writes";
         report.error(codes::NOTHING_FOUND, &request.root, "folder", message, hint);
         return Ok(Imported::default());
     }
     let mut imported = Imported { assumptions: card::assumptions(request), ..Imported::default() };
     read_claims(request, &mut imported, report)?;
-    for (scene, hits) in by_scene(request, &template, hits, report) {
+    for (scene, mut hits) in by_scene(request, &template, hits, report) {
         progress(scene.as_str());
         let queries = SceneQueries::read(request.bench, &scene)?;
+        let mut assume = |topic: &str, text: String| {
+            imported.assumptions.insert(format!("{scene}: {topic}"), text);
+        };
+        if template.fields().contains(&"view")
+            && let Some(truth) = truth(request, &scene)?
+        {
+            hits.retain(|hit| hit.text("view").is_none_or(|view| truth.test_view.as_str() == view));
+        }
+        prefer(request, &mut hits, &mut assume);
         if has_choices_left(request, &template, &hits, report) {
             continue;
         }
         report_trained_on(request, &hits, report);
         let prompts = Prompts::new(&queries.all);
-        let pictures = Pictures::read(request.bench, request.profile, &scene)?;
+        let is_base = |hit: &Hit| hit.text("text").is_some_and(|text| prompts.is_base_object(text));
+        let bases: BTreeSet<&str> =
+            hits.iter().filter(|hit| is_base(hit)).filter_map(|hit| hit.text("text")).collect();
+        if !bases.is_empty() {
+            let bases = Vec::from_iter(bases).join(", ");
+            assume("base objects", format!("left out, since no query is one: {}", inert(&bases)));
+        }
+        hits.retain(|hit| !is_base(hit));
+        let pictures = Pictures::read(request, &scene)?;
+        if let Some(padding) = pictures.leave_out_padding(request, &mut hits) {
+            assume("pictures", padding);
+        }
+        if let Some(images) = pictures.images.as_ref().filter(|_| template.fields().contains(&"image")) {
+            let digest = sha256_file(images.path())?;
+            imported.inputs.insert(format!("images {}", images.path().display()), digest);
+        }
         imported.sizes.insert(scene.clone(), pictures.size);
         let mut collector = Collector::new(request, &prompts, &pictures);
         match &request.preset.latents {
-            None => answers::read(request, &hits, &mut collector),
+            None => {
+                let reading = reading(request, &scene, &queries, &mut assume)?;
+                answers::read(&reading, &hits, &mut collector);
+            }
             Some(preset) => {
-                latents::read(
-                    request,
-                    preset,
-                    &hits,
-                    queries.all.as_slice(),
-                    &mut collector,
-                    &mut imported.inputs,
-                )?;
+                latents::read(request, preset, &hits, &queries, &mut collector, &mut imported)?;
             }
         }
         let (found, summits) = collector.finish(report);
@@ -173,6 +199,43 @@ pub fn import(
 fn parse(template: &str, root: &Path) -> Result<Template, DataError> {
     Template::parse(template)
         .map_err(|error| DataError::invalid(root, "template", error, "see docs/import/presets.md"))
+}
+
+/// The truth of a scene, where it is there.
+fn truth(request: &Request<'_>, scene: &Name) -> Result<Option<Truth>, DataError> {
+    let is_there = request.bench.dir.truth(request.profile, scene.as_str()).exists();
+    is_there.then(|| request.bench.truth(request.profile, scene)).transpose()
+}
+
+/// How files are read. Where nothing says which ids mean which sentence, they are those of `l4d export --format davis`.
+fn reading<'a>(
+    request: &'a Request<'_>,
+    scene: &Name,
+    queries: &SceneQueries,
+    assume: &mut impl FnMut(&str, String),
+) -> Result<Cow<'a, Reading>, DataError> {
+    let reading = &request.reading;
+    if reading.inside != Inside::Selected || !reading.selections.is_empty() {
+        return Ok(Cow::Borrowed(reading));
+    }
+    let Some(truth) = truth(request, scene)? else { return Ok(Cow::Borrowed(reading)) };
+    let objects = truth.instances.iter().filter(|instance| instance.role == Role::Object);
+    let ids: BTreeMap<&Name, u32> = objects.map(|instance| &instance.name).zip(1..).collect();
+    let ids_of = |query: &Query| query.referents.iter().filter_map(|name| ids.get(name).copied()).collect();
+    let selections = queries.all.iter().map(|query| (query.id.number.to_string(), ids_of(query))).collect();
+    assume("selections", "ids are the numbers that `l4d export --format davis` gives objects".to_owned());
+    Ok(Cow::Owned(Reading { selections, ..reading.clone() }))
+}
+
+/// Of what a field is several times, keeps the thing that the preset prefers.
+fn prefer(request: &Request<'_>, hits: &mut Vec<Hit>, assume: &mut impl FnMut(&str, String)) {
+    for (field, order) in &request.preset.prefer {
+        let there: BTreeSet<&str> = hits.iter().filter_map(|hit| hit.text(field)).collect();
+        let best = order.iter().find(|value| there.contains(value.as_str()));
+        let Some(best) = best.filter(|_| there.len() > 1) else { continue };
+        assume(field, format!("{best}, of {}", inert(&Vec::from_iter(there).join(", "))));
+        hits.retain(|hit| hit.text(field) == Some(best));
+    }
 }
 
 fn is_ignored(path: &Path, beginnings: &[String]) -> bool {
@@ -201,7 +264,7 @@ fn by_scene(
         }
         return scenes;
     }
-    let mut unknown = std::collections::BTreeSet::new();
+    let mut unknown = BTreeSet::new();
     for hit in hits {
         let name = hit.text("scene").unwrap_or_default().to_owned();
         let is_known = request.bench.manifest.scenes.iter().any(|scene| scene.as_str() == name);
@@ -209,10 +272,7 @@ fn by_scene(
             scenes.entry(scene.clone()).or_default().push(hit);
         } else if !is_known && unknown.insert(name.clone()) {
             let known: Vec<&str> = request.scenes.iter().take(21).map(Name::as_str).collect();
-            let message = format!(
-                "names the scene `{}`, which the benchmark does not have",
-                l4d_data::error::inert(&name)
-            );
+            let message = format!("names the scene `{}`, which the benchmark does not have", inert(&name));
             let hint = format!(
                 "rename the folder, or give its template and --scenes; the scenes are {}",
                 known.join(", ")
@@ -237,13 +297,9 @@ fn has_choices_left(request: &Request<'_>, template: &Template, hits: &[Hit], re
         values.sort_unstable();
         values.dedup();
         if values.len() > 1 {
-            let shown =
-                l4d_data::error::inert(&values.iter().take(8).copied().collect::<Vec<_>>().join(", "));
+            let shown = inert(&values.iter().take(8).copied().collect::<Vec<_>>().join(", "));
             let message = format!("`{{{field}}}` of the template is {} things: {shown}", values.len());
-            let hint = format!(
-                "say which is meant: --set {field}={}",
-                l4d_data::error::inert(values[values.len() - 1])
-            );
+            let hint = format!("say which is meant: --set {field}={}", inert(values[values.len() - 1]));
             report.error(codes::AMBIGUOUS_FIELD, &request.root, "template", message, hint);
             is_ambiguous = true;
         }
@@ -279,14 +335,30 @@ fn read_claims(request: &Request<'_>, imported: &mut Imported, report: &mut Repo
     }
     for (scene, path) in paths {
         match claims::read(&path) {
-            Ok(claims) => {
+            Ok(mut claims) => {
+                add_mean_of_queries(request, &scene, &mut claims)?;
                 let name = |claim: String| if scene.is_empty() { claim } else { format!("{scene}: {claim}") };
                 imported.claimed.extend(claims.into_iter().map(|(claim, value)| (name(claim), value)));
                 let label = path.strip_prefix(&request.root).unwrap_or(&path).display().to_string();
-                imported.inputs.insert(format!("claims {label}"), l4d_data::digest::sha256_file(&path)?);
+                imported.inputs.insert(format!("claims {label}"), sha256_file(&path)?);
             }
             Err(error) => report.data_error(codes::CLAIM, &error),
         }
+    }
+    Ok(())
+}
+
+/// What 4D LangSplat's `Mean IoU` would be without base objects, which it averages like sentences and which no query is.
+fn add_mean_of_queries(request: &Request<'_>, scene: &str, claims: &mut Claims) -> Result<(), DataError> {
+    let Some(scene) = request.scenes.iter().find(|known| known.as_str() == scene) else { return Ok(()) };
+    let queries = SceneQueries::read(request.bench, scene)?;
+    let prompts = Prompts::new(&queries.all);
+    let ious = || claims.iter().filter_map(|(name, value)| Some((name.strip_prefix(claims::IOU_OF)?, value)));
+    let of_queries: Vec<f64> =
+        ious().filter(|(prompt, _)| !prompts.is_base_object(prompt)).map(|(_, value)| *value).collect();
+    if !of_queries.is_empty() && of_queries.len() < ious().count() {
+        let mean = of_queries.iter().sum::<f64>() / of_queries.len() as f64;
+        claims.insert("mean iou without base objects".to_owned(), mean);
     }
     Ok(())
 }
@@ -298,11 +370,7 @@ fn check_fit(
     found: &BTreeMap<QueryId, Answers>,
     report: &mut Report,
 ) -> Result<(), DataError> {
-    let path = request.bench.dir.truth(request.profile, queries.name.as_str());
-    if !path.exists() {
-        return Ok(());
-    }
-    let truth = request.bench.truth(request.profile, &queries.name)?;
+    let Some(truth) = truth(request, &queries.name)? else { return Ok(()) };
     let asked: Vec<(&Query, &Answers)> =
         queries.asked().iter().filter_map(|query| Some((query, found.get(&query.id)?))).collect();
     check_frames(&truth, &request.root.join(queries.name.as_str()), &asked, report);

@@ -67,16 +67,17 @@ impl Level {
     /// Whether these are probably colours: no negative number, and many pixels longer than any latent can be.
     ///
     /// LangSplat renders colours and latents into the same folder under the same names. A latent is a mean of unit
-    /// vectors, so its length is at most 1, and negative numbers are usual.
-    pub(super) fn looks_like_colours(&self) -> bool {
+    /// vectors, so its length is at most 1, and negative numbers are usual. `is_stretched`: 0..1 means -1..1.
+    fn looks_like_colours(&self, is_stretched: bool) -> bool {
         let latents = self.latents();
         if latents.channels != 3 || latents.data.iter().any(|&value| value < 0.0) {
             return false;
         }
         let pixels = latents.data.chunks_exact(3);
         let count = pixels.len();
-        let long =
-            pixels.filter(|pixel| pixel.iter().map(|value| value * value).sum::<f32>() > LONGEST * LONGEST);
+        let meant = |value: &f32| if is_stretched { 2.0 * value - 1.0 } else { *value };
+        let long = pixels
+            .filter(|pixel| pixel.iter().map(|value| meant(value).powi(2)).sum::<f32>() > LONGEST * LONGEST);
         long.count() * 20 > count
     }
 
@@ -88,8 +89,11 @@ impl Level {
 }
 
 /// Reports what makes the levels of a frame no answer: colours, copies, blanks, sizes. True if they are sound.
-pub(super) fn check(levels: &[(u64, Level)], channels: usize, report: &mut Report) -> bool {
+/// `stretches`: whether a frame without a number of 0 or less is stored as (x + 1) / 2.
+pub(super) fn check(levels: &[(u64, Level)], channels: usize, stretches: bool, report: &mut Report) -> bool {
     let before = report.len();
+    let is_stretched =
+        stretches && levels.iter().all(|(_, level)| level.latents().data.iter().all(|&value| value > 0.0));
     for (number, level) in levels {
         let latents = level.latents();
         if latents.channels != channels {
@@ -101,7 +105,7 @@ pub(super) fn check(levels: &[(u64, Level)], channels: usize, report: &mut Repor
             };
             report.error(codes::WIDTHS, &level.path, "shape", message, hint);
         }
-        if level.looks_like_colours() {
+        if level.looks_like_colours(is_stretched) {
             let hint = "LangSplat writes colours and latents into the same folder: render again with --include_feature, last";
             let message =
                 "holds colours, not latents: nothing is negative, and many pixels are longer than 1";
@@ -141,7 +145,7 @@ mod tests {
 
     fn found(levels: &[(u64, Level)], channels: usize) -> Vec<&'static str> {
         let mut report = Report::default();
-        let is_sound = check(levels, channels, &mut report);
+        let is_sound = check(levels, channels, false, &mut report);
         assert_eq!(is_sound, report.is_empty());
         report.into_sorted().into_iter().map(|finding| finding.code).collect()
     }
@@ -165,6 +169,17 @@ mod tests {
         let sizes = [level(1, [4, 5, 3], wave(0.0)), level(2, [5, 4, 3], wave(1.0))];
         assert_eq!(found(&sizes, 3), [codes::WRONG_SIZE]);
         assert_eq!(found(&[level(1, [4, 5, 512], wave(0.0))], 3), [codes::WIDTHS]);
+    }
+
+    #[test]
+    fn unit_latents_that_are_stored_from_0_to_1_are_latents() {
+        // Every component of +-1 / sqrt 3, as (x + 1) / 2.
+        let unit = |index: usize| 0.5 + if index % 7 % 2 == 0 { 0.288 } else { -0.288 };
+        let levels = [level(1, [4, 5, 3], unit), level(2, [4, 5, 3], |index| unit(index + 1))];
+        let is_sound = |stretches| check(&levels, 3, stretches, &mut Report::default());
+        assert!(is_sound(true) && !is_sound(false), "their length is that of what they mean");
+        let bright = [level(1, [4, 5, 3], |index| 0.9 + 0.001 * index as f32)];
+        assert!(!check(&bright, 3, true, &mut Report::default()), "longer than 1, whatever they mean");
     }
 
     #[test]

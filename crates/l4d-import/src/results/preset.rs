@@ -3,6 +3,7 @@
 //! A preset says where files are, what they hold and which rule of their own evaluation makes a mask of them. The
 //! built-in ones are in `presets/` beside this crate; any file of that form can take their place.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::DataError;
@@ -28,6 +29,15 @@ pub struct Preset {
     pub link: String,
     /// Where files are.
     pub template: String,
+    /// Which of several things a field of a template is: the first that is there.
+    #[serde(default)]
+    pub prefer: BTreeMap<String, Vec<String>>,
+    /// Pictures that the export for the method has: those beyond the clip repeat its last frame.
+    #[serde(default)]
+    pub padded_to: Option<usize>,
+    /// Which picture the image of a COCO file is.
+    #[serde(default)]
+    pub images: Option<ImagesPreset>,
     /// What they hold.
     pub codec: Codec,
     /// What of a picture or array is inside.
@@ -61,15 +71,25 @@ pub struct LatentsPreset {
     pub levels: Vec<u64>,
     /// The rules.
     pub rules: Rules,
-    /// Where the weights of the autoencoder are, if none are given.
+    /// Where the weights of the autoencoder may be, if none are given.
     #[serde(default)]
-    pub decoder: Option<String>,
+    pub decoder: Vec<String>,
     /// Where latents of time are.
     #[serde(default)]
     pub time_template: Option<String>,
-    /// Where the weights of the autoencoder of time are, if none are given.
+    /// Where the weights of the autoencoder of time may be, if none are given.
     #[serde(default)]
-    pub time_decoder: Option<String>,
+    pub time_decoder: Vec<String>,
+}
+
+/// Annotations whose image ids name folders.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImagesPreset {
+    /// Where they are, if none are given; `{dataset}` is the kind of data set.
+    pub template: String,
+    /// The number that the first image's name begins with, by kind of data set.
+    pub first: BTreeMap<String, u32>,
 }
 
 /// Files with numbers that a method claims.
@@ -95,6 +115,7 @@ const BUILT_IN: &[(&str, &str)] = built_in![
     "langsplat",
     "langsplat-per-frame",
     "langsplat-masks",
+    "langsplat-per-frame-masks",
     "4d-langsplat",
     "4d-langsplat-masks",
     "gaussian-grouping",
@@ -130,12 +151,12 @@ impl Preset {
             DataError::invalid(path, place, l4d_data::error::inert(&message), "see docs/import/presets.md")
         };
         let preset: Self = toml::from_str(text).map_err(|error| invalid("preset", error.to_string()))?;
-        let templates = [Some(&preset.template), preset.claims.as_ref().map(|claims| &claims.template)];
-        let of_latents = preset.latents.as_ref();
-        let more =
-            of_latents.map(|latents| [&latents.decoder, &latents.time_template, &latents.time_decoder]);
-        let more = more.into_iter().flatten().flatten();
-        for template in templates.into_iter().flatten().chain(more) {
+        let claims = preset.claims.iter().map(|claims| &claims.template);
+        let images = preset.images.iter().map(|images| &images.template);
+        let of_latents = preset.latents.iter().flat_map(|latents| {
+            latents.decoder.iter().chain(&latents.time_template).chain(&latents.time_decoder)
+        });
+        for template in [&preset.template].into_iter().chain(claims).chain(images).chain(of_latents) {
             Template::parse(template).map_err(|error| invalid("template", error))?;
         }
         if (preset.codec == Codec::Latents) != preset.latents.is_some() {

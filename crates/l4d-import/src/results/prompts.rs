@@ -1,15 +1,18 @@
 //! Which query a foreign name means: a sentence, as file names spell it, or a number.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use l4d_data::Query;
+use l4d_data::{Query, Temporal};
 use unicode_normalization::UnicodeNormalization as _;
+
+use crate::annotations::base_object;
 
 /// The queries of a scene by every name that files may call them.
 #[derive(Debug)]
 pub(super) struct Prompts<'a> {
     queries: &'a [Query],
     by_text: BTreeMap<String, Vec<usize>>,
+    bases: BTreeSet<String>,
 }
 
 /// Why a name means no query.
@@ -31,7 +34,16 @@ impl<'a> Prompts<'a> {
         for (index, query) in queries.iter().enumerate() {
             by_text.entry(spelling(&query.text)).or_default().push(index);
         }
-        Self { queries, by_text }
+        let gated = queries.iter().filter(|query| query.temporal == Temporal::While);
+        let bases = gated.map(|query| spelling(&base_object(query)));
+        let bases = bases.filter(|base| !by_text.contains_key(base)).collect();
+        Self { queries, by_text, bases }
+    }
+
+    /// Whether a name is that of the object which a gated sentence is about, and no sentence: a category of its own in the
+    /// annotations of 4D LangSplat, which its evaluation answers and averages like a sentence.
+    pub(super) fn is_base_object(&self, name: &str) -> bool {
+        self.bases.contains(&spelling(name))
     }
 
     /// The query that a number means: `003`, or `<scene>/003`.
@@ -101,6 +113,19 @@ mod tests {
         assert_eq!(prompts.by_text("the cafe\u{301} table").unwrap().id.number.as_str(), "002");
         assert_eq!(prompts.find("002").unwrap().text, "the caf\u{e9} table");
         assert_eq!(prompts.find("cups/002").unwrap().text, "the caf\u{e9} table");
+    }
+
+    #[test]
+    fn the_object_of_a_gated_sentence_is_a_name_but_no_query() {
+        let mut queries = queries(&["the cup while it tips", "the mouse", "cup"]);
+        queries[0].temporal = Temporal::While;
+        queries[0].referents = vec!["cup_red".parse().unwrap(), "mat".parse().unwrap()];
+        let prompts = Prompts::new(&queries);
+        assert!(prompts.is_base_object("cup red and mat"));
+        assert!(!prompts.is_base_object("cup"), "what holds throughout is a sentence alone");
+        queries[0].referents.truncate(1);
+        queries[2].text = "Cup red".to_owned();
+        assert!(!Prompts::new(&queries).is_base_object("cup red"), "a sentence comes first");
     }
 
     #[test]

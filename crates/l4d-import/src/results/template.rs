@@ -9,7 +9,7 @@
 //! `{frame+1:05}` says that the number in the name is one more than the frame. A field that comes twice has to say the
 //! same twice. Links are refused, since they could lead out of the folder.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,8 @@ const NUMBERS: [&str; 4] = ["frame", "position", "level", "image"];
 pub(super) struct Template {
     source: String,
     names: Vec<Vec<Piece>>,
+    /// Scenes that a name is read as before anything else: `{scene}_{view}` alone does not say where one ends.
+    scenes: BTreeSet<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,7 +87,12 @@ impl Template {
             }
             names.push(pieces);
         }
-        Ok(Self { source: text.to_owned(), names })
+        Ok(Self { source: text.to_owned(), names, scenes: BTreeSet::new() })
+    }
+
+    /// The same, for files of these scenes.
+    pub(super) fn of_scenes(self, scenes: impl IntoIterator<Item = String>) -> Self {
+        Self { scenes: scenes.into_iter().collect(), ..self }
     }
 
     /// Names of the fields, in the order of the path, each once.
@@ -139,7 +146,9 @@ impl Template {
         };
         for name in names {
             let mut found = captures.clone();
-            if !fits(pieces, &name, &mut found) {
+            let is_found = fits(pieces, &name, &mut found, &self.scenes)
+                || fits(pieces, &name, &mut found, &BTreeSet::new());
+            if !is_found {
                 continue;
             }
             let path = folder.join(&name);
@@ -240,12 +249,13 @@ fn field_piece(text: &str) -> Result<Piece, String> {
     Ok(Piece::Text(field))
 }
 
-/// Reads a name piece by piece, the shortest text first; true if all of it fits, and then `captures` says how.
-fn fits(pieces: &[Piece], name: &str, captures: &mut Captures) -> bool {
+/// Reads a name piece by piece, the shortest text first; true if all of it fits, and then `captures` says how. A scene is
+/// one of `scenes`, unless there are none.
+fn fits(pieces: &[Piece], name: &str, captures: &mut Captures, scenes: &BTreeSet<String>) -> bool {
     let Some((piece, rest)) = pieces.split_first() else { return name.is_empty() };
     match piece {
         Piece::Literal(text) => {
-            name.strip_prefix(text.as_str()).is_some_and(|after| fits(rest, after, captures))
+            name.strip_prefix(text.as_str()).is_some_and(|after| fits(rest, after, captures, scenes))
         }
         Piece::Number { field, digits, offset } => {
             let longest = name.bytes().take_while(u8::is_ascii_digit).count().min(18);
@@ -258,7 +268,7 @@ fn fits(pieces: &[Piece], name: &str, captures: &mut Captures) -> bool {
                 };
                 if number >= 0
                     && bind(field, &number.to_string(), captures, |captures| {
-                        fits(rest, &name[length..], captures)
+                        fits(rest, &name[length..], captures, scenes)
                     })
                 {
                     return true;
@@ -268,8 +278,17 @@ fn fits(pieces: &[Piece], name: &str, captures: &mut Captures) -> bool {
         }
         Piece::Text(field) => {
             let ends = name.char_indices().map(|(at, character)| at + character.len_utf8());
-            for end in ends.collect::<Vec<_>>() {
-                if bind(field, &name[..end], captures, |captures| fits(rest, &name[end..], captures)) {
+            // A number takes all of its digits.
+            let is_cut = |value: &str| {
+                matches!(rest.first(), Some(Piece::Number { .. }))
+                    && value.ends_with(|c: char| c.is_ascii_digit())
+            };
+            let may_be = |value: &str| {
+                !is_cut(value) && (field != "scene" || scenes.is_empty() || scenes.contains(value))
+            };
+            for end in ends.filter(|&end| may_be(&name[..end])).collect::<Vec<_>>() {
+                if bind(field, &name[..end], captures, |captures| fits(rest, &name[end..], captures, scenes))
+                {
                     return true;
                 }
             }
@@ -298,7 +317,7 @@ mod tests {
     fn read(template: &str, name: &str) -> Option<Captures> {
         let template = Template::parse(template).unwrap();
         let mut captures = Captures::new();
-        fits(&template.names[0], name, &mut captures).then_some(captures)
+        fits(&template.names[0], name, &mut captures, &template.scenes).then_some(captures)
     }
 
     fn field(template: &str, name: &str, field: &str) -> Option<String> {
@@ -319,12 +338,32 @@ mod tests {
         assert_eq!((pair["scene"].as_str(), pair["level"].as_str()), ("room_living_cats", "3"));
         let glued = read("{frame:05}{text}.npy", "00019a red cup.npy").unwrap();
         assert_eq!((glued["frame"].as_str(), glued["text"].as_str()), ("19", "a red cup"));
+        let named = "{picture}{frame}_{text}.png";
+        let found = read(named, "cam_00053_a red cup.png").unwrap();
+        let fields = ["picture", "frame", "text"].map(|field| found[field].as_str());
+        assert_eq!(fields, ["cam_", "53", "a red cup"]);
+        assert_eq!(read(named, "12_a red cup.png"), None, "a number is not cut in two");
     }
 
     #[test]
     fn a_field_that_comes_twice_says_the_same() {
         assert!(read("{scene}-{scene}", "a-a").is_some());
         assert!(read("{scene}-{scene}", "a-b").is_none());
+    }
+
+    #[test]
+    fn a_known_scene_is_found_before_shorter_names() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["room_cats_cam_01", "yard_cam_01"] {
+            fs::create_dir_all(folder.path().join(name)).unwrap();
+            fs::write(folder.path().join(name).join("0.png"), "x").unwrap();
+        }
+        let template = Template::parse("{scene}_{view}/{position}.png").unwrap();
+        let template = template.of_scenes(["room_cats".to_owned()]);
+        let hits = template.find(folder.path(), &Captures::new(), &mut Report::default()).unwrap();
+        let scenes: Vec<&str> = hits.iter().filter_map(|hit| hit.text("scene")).collect();
+        assert_eq!(scenes, ["room_cats", "yard"]);
+        assert_eq!(hits[0].text("view"), Some("cam_01"));
     }
 
     #[test]

@@ -212,7 +212,8 @@ fn evaluators_count_the_moments_that_nobody_drew_on() {
     let (annotations, moments) = four_d_langsplat::read(&out, 0).unwrap();
     assert_eq!(moments, [1, 4]);
     let counts = truth.instance("ball_red").unwrap().masks["0048"].clone();
-    assert_eq!(annotations.pictures[1].union_of("the ball that rolls"), Mask::from_rle(&counts, 128, 96));
+    let truth = Mask::from_rle(&counts, 128, 96).resized_nearest(1352, 1014);
+    assert_eq!(annotations.pictures[1].union_of("the ball that rolls"), truth);
     // Frames 36 to 72 are the moments 3 to 6, drawn on or not.
     let intervals = json(&out.join("annotations/video_annotations.json"));
     assert_eq!(intervals, serde_json::json!({"ball late": {"the ball while it rises": [[3, 6]]}}));

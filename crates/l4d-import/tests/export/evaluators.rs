@@ -44,18 +44,19 @@ fn the_evaluator_of_4d_langsplat_finds_every_pixel_and_every_interval() {
         {
             let flat: Vec<f64> = serde_json::from_value(annotation["segmentation"][0].clone()).unwrap();
             let corners: Vec<[f64; 2]> = flat.chunks(2).map(|pair| [pair[0], pair[1]]).collect();
-            let mask = fill(Rule::Cv2, &corners, 128, 96);
+            let mask = fill(Rule::Cv2, &corners, 1352, 1014);
             let name = categories[&annotation["category_id"].as_u64().unwrap()].as_str();
-            found.entry(name).or_insert_with(|| Mask::empty(128, 96)).union_with(&mask);
+            found.entry(name).or_insert_with(|| Mask::empty(1352, 1014)).union_with(&mask);
         }
+        assert_eq!([&image["width"], &image["height"]], [1352, 1014]);
         let frame = world.frames()[moment];
         for (prompt, referents) in [
             ("the ball that rolls", &["ball_red"][..]),
             ("ball late", &["ball_late"]),
             ("the two balls", &["ball_red", "ball_late"]),
         ] {
-            let truth = truth_of(&world, referents, frame);
-            let seen = found.remove(prompt).unwrap_or_else(|| Mask::empty(128, 96));
+            let truth = truth_of(&world, referents, frame).resized_nearest(1352, 1014);
+            let seen = found.remove(prompt).unwrap_or_else(|| Mask::empty(1352, 1014));
             assert_eq!(seen, truth, "{prompt} at {frame}");
         }
         assert!(found.is_empty(), "{found:?}");
@@ -68,7 +69,7 @@ fn the_evaluator_of_4d_langsplat_finds_every_pixel_and_every_interval() {
     assert_eq!(moments, (0..9).collect::<Vec<u32>>());
     assert_eq!(annotations.notes.len(), 1, "the intervals alone: {:?}", annotations.notes);
     let both = truth_of(&world, &["ball_red", "ball_late"], 48);
-    assert_eq!(annotations.pictures[4].union_of("the two balls"), both);
+    assert_eq!(annotations.pictures[4].union_of("the two balls"), both.resized_nearest(1352, 1014));
 }
 
 #[test]

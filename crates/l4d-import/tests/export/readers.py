@@ -82,10 +82,11 @@ def check_prompts(root: pathlib.Path) -> int:
                 if annotation["image_id"] == image["id"] and names[annotation["category_id"]] == prompt:
                     corners = np.array(annotation["segmentation"][0]).reshape(-1, 2).astype(np.int32)
                     cv2.fillPoly(filled, [corners], 1)
-            expected = np.zeros_like(filled)
+            expected = np.zeros((96, 128), np.uint8)
             for annotation in truth.anns.values():
                 if truth.imgs[annotation["image_id"]]["frame"] == frame and annotation["instance_id"] in instances:
                     expected |= truth.annToMask(annotation)
+            expected = np.array(Image.fromarray(expected).resize(filled.shape[::-1], Image.Resampling.NEAREST))
             assert (filled == expected).all(), (prompt, frame)
             seen += int(expected.sum())
     return seen

@@ -12,8 +12,9 @@ use l4d_score::judge::Answer;
 use l4d_score::protocols::judge_answers;
 use l4d_score::truth::SceneTruth;
 use l4d_score::{Exam, Options, Protocol, QuerySet, Summary, score_results};
+use l4d_testing::foreign::{npy, npy_texts, npz, pth};
 
-use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, pth, referent, request};
+use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, referent, request};
 
 fn id(query: usize) -> QueryId {
     format!("{SCENE}/{:03}", query + 1).parse().unwrap()
@@ -70,12 +71,12 @@ fn chosen_masks_of_langsplat_score_as_its_own_evaluation_would() {
     let bench = Bench::new();
     for position in 0..clip().len() {
         for (query, text) in TEXTS.iter().enumerate() {
-            let file = format!("{SCENE}/{:05}/chosen_{text}.png", position + 1);
+            let file = format!("eval_result/{SCENE}/{:05}/chosen_{text}.png", position + 1);
             bench.write(&file, png::encode(&guess(query, position)));
         }
     }
-    bench.write(&format!("{SCENE}/20240101.log"), "iou chosen: 0.9\n");
-    bench.write(&format!("{SCENE}/20240202.log"), "trunc thresh: 0.4\niou chosen: 0.5\n");
+    bench.write(&format!("eval_result/{SCENE}/20240101.log"), "iou chosen: 0.9\n");
+    bench.write(&format!("eval_result/{SCENE}/20240202.log"), "trunc thresh: 0.4\niou chosen: 0.5\n");
     let (imported, report) = bench.import("langsplat-masks", |_| ());
     assert!(report.is_empty(), "{:?}", report.into_sorted());
     assert_eq!(imported.claimed[&format!("{SCENE}: iou chosen")], 0.5, "the latest log counts");
@@ -153,11 +154,11 @@ fn texts(bench: &Bench) -> (PathBuf, TextsFile) {
 fn langsplat(bench: &Bench) {
     for position in 0..clip().len() {
         for (level, strength) in [(1, 0.5), (2, 0.9), (3, 0.3)] {
-            let file = format!("{SCENE}_{level}/test/ours_None/renders_npy/{position:05}.npy");
+            let file = format!("output/{SCENE}_{level}/test/ours_None/renders_npy/{position:05}.npy");
             bench.write(&file, npy(&[96, 128, 3], &axes(position, strength)));
         }
     }
-    bench.write(&format!("{SCENE}/ae_ckpt/best_ckpt.pth"), weights(3));
+    bench.write(&format!("autoencoder/ckpt/{SCENE}/ae_ckpt/best_ckpt.pth"), weights(3));
 }
 
 /// The vote of LangSplat, pixel by pixel: the majority of 7x7, in windows that end before the last row and column.
@@ -202,7 +203,7 @@ fn the_highest_mean_is_looked_for_in_the_box_of_the_object() {
     assert_eq!(located(&bench), 1.0);
     // The film runs backwards: objects are where they belong around the middle alone.
     for position in 0..clip().len() {
-        let file = format!("{SCENE}_2/test/ours_None/renders_npy/{position:05}.npy");
+        let file = format!("output/{SCENE}_2/test/ours_None/renders_npy/{position:05}.npy");
         bench.write(&file, npy(&[96, 128, 3], &axes(clip().len() - 1 - position, 0.9)));
     }
     let backwards = located(&bench);
@@ -228,15 +229,18 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
     let level = |position: usize| if (3..=5).contains(&position) { 0.9 } else { 0.1 };
     for position in 0..clip().len() {
         for (level, strength) in [(1, 0.5), (2, 0.9), (3, 0.3)] {
-            let file = format!("{SCENE}/{SCENE}_{level}/video_lang/ours_10000/renders_npy/{position:05}.npy");
+            let file = format!(
+                "output/hypernerf/{SCENE}/{SCENE}_{level}/video_lang/ours_10000/renders_npy/{position:05}.npy"
+            );
             bench.write(&file, npy(&[96, 128, 3], &axes(position, strength)));
         }
         let time: Vec<f32> = (0..96 * 128).flat_map(|_| [level(position), 1.0, 0.0, 0.0, 0.0, 0.2]).collect();
-        let file = format!("{SCENE}/{SCENE}_0/video_lang/ours_20000/renders_npy/{position:05}.npy");
+        let file =
+            format!("output/hypernerf/{SCENE}/{SCENE}_0/video_lang/ours_20000/renders_npy/{position:05}.npy");
         bench.write(&file, npy(&[96, 128, 6], &time));
     }
-    bench.write(&format!("{SCENE}/clip_best_ckpt.pth"), weights(3));
-    bench.write(&format!("{SCENE}/video_best_ckpt.pth"), weights(6));
+    bench.write(&format!("output/hypernerf/{SCENE}/clip_best_ckpt.pth"), weights(3));
+    bench.write(&format!("output/hypernerf/{SCENE}/video_best_ckpt.pth"), weights(6));
     let time_texts = bench.path("time.npz");
     let bytes = npz(&[
         ("queries", npy_texts(&TEXTS[2..])),
@@ -266,10 +270,10 @@ fn one_model_a_frame_has_one_decoder_a_frame() {
     let bench = Bench::new();
     for (position, frame) in clip().into_iter().enumerate() {
         for (level, strength) in [(1, 0.5), (2, 0.9), (3, 0.3)] {
-            let file = format!("{SCENE}_{frame:04}_{level}/test/ours_None/renders_npy/00000.npy");
+            let file = format!("output/{SCENE}_{frame:04}_{level}/test/ours_None/renders_npy/00000.npy");
             bench.write(&file, npy(&[96, 128, 3], &axes(position, strength)));
         }
-        bench.write(&format!("{SCENE}_{frame:04}/ae_ckpt/best_ckpt.pth"), weights(3));
+        bench.write(&format!("autoencoder/ckpt/{SCENE}_{frame:04}/ae_ckpt/best_ckpt.pth"), weights(3));
     }
     let (imported, report) =
         bench.import("langsplat-per-frame", |request| request.encoders.texts = Some(texts(&bench)));
@@ -289,7 +293,7 @@ fn palette_indices_are_selected_by_sentence() {
             .zip(blue.to_bools())
             .map(|(red, blue)| 3 * u8::from(red) + 7 * u8::from(blue))
             .collect();
-        let file = format!("Annotations/480p/{SCENE}/{position:05}.png");
+        let file = format!("{SCENE}_cam08/{position:05}.png");
         bench.write(&file, ids::encode_palette(128, 96, &numbers));
     }
     let (imported, report) = bench.import("davis", |request| {

@@ -2,9 +2,10 @@
 
 use l4d_import::results::codec;
 use l4d_import::results::relevancy::{Decoder, TextsFile};
+use l4d_testing::foreign::{npy, npy_texts, npz};
 use proptest::prelude::*;
 
-use crate::bench::{Bench, SCENE, codes, npy, npz, request};
+use crate::bench::{Bench, SCENE, codes, request};
 
 fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, std::path::PathBuf) {
     let folder = l4d_testing::folder();
@@ -16,10 +17,10 @@ fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, std::path::PathBuf) 
 #[test]
 fn links_are_not_followed() {
     let bench = Bench::new();
-    bench.write(&format!("{SCENE}/00001/x"), "x");
+    bench.write(&format!("eval_result/{SCENE}/00001/x"), "x");
     let secret = bench.path("secret.png");
     std::fs::write(&secret, "x").unwrap();
-    let link = bench.path("method").join(format!("{SCENE}/00001/chosen_the red cup.png"));
+    let link = bench.path("method").join(format!("eval_result/{SCENE}/00001/chosen_the red cup.png"));
     std::os::unix::fs::symlink(&secret, link).unwrap();
     assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D540", "L4D542"]);
 }
@@ -31,7 +32,7 @@ proptest! {
     #[test]
     fn damage_never_panics(at in 0..4000_usize, flip in 1..=255_u8, cut in 0..4000_usize) {
         let array = npy(&[4, 5, 3], &[0.25; 60]);
-        let archive = npz(&[("positives", array.clone()), ("queries", crate::bench::npy_texts(&["a", "b"]))]);
+        let archive = npz(&[("positives", array.clone()), ("queries", npy_texts(&["a", "b"]))]);
         let damaged = |bytes: &[u8]| {
             let mut bytes = bytes.to_vec();
             let length = bytes.len();

@@ -5,14 +5,15 @@ use l4d_import::results::import::Imported;
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
 use l4d_masks::{Mask, png};
+use l4d_testing::foreign::{npy, npy_texts, npz, pth};
 
-use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, npy, npy_texts, npz, pth, referent};
+use crate::bench::{Bench, SCENE, TEXTS, clip, codes, cup, referent};
 
 fn masks(bench: &Bench, mask: impl Fn(usize, usize) -> Mask) {
     for position in 0..clip().len() {
         for (query, text) in TEXTS.iter().enumerate() {
             bench.write(
-                &format!("{SCENE}/{:05}/chosen_{text}.png", position + 1),
+                &format!("eval_result/{SCENE}/{:05}/chosen_{text}.png", position + 1),
                 png::encode(&mask(query, position)),
             );
         }
@@ -25,14 +26,14 @@ fn latents(bench: &Bench, value: impl Fn(u64, usize) -> f32, channels: usize) {
         for level in 1..=3 {
             let data: Vec<f32> = (0..96 * 128 * channels).map(|index| value(level, index)).collect();
             bench.write(
-                &format!("{SCENE}_{level}/train/ours_None/renders_npy/{position:05}.npy"),
+                &format!("output/{SCENE}_{level}/train/ours_None/renders_npy/{position:05}.npy"),
                 npy(&[96, 128, channels], &data),
             );
         }
     }
     let weight: Vec<f32> = (0..24).map(|index| ((index * 7 % 11) as f32 - 5.0) / 5.0).collect();
     let bytes = pth(&[("decoder.0.weight", &[8, 3], weight), ("decoder.0.bias", &[8], vec![0.1; 8])]);
-    bench.write(&format!("{SCENE}/ae_ckpt/best_ckpt.pth"), bytes);
+    bench.write(&format!("autoencoder/ckpt/{SCENE}/ae_ckpt/best_ckpt.pth"), bytes);
 }
 
 fn wave(level: u64, index: usize) -> f32 {
@@ -89,7 +90,10 @@ fn latents_without_sentences_or_decoder() {
     let bench = Bench::new();
     latents(&bench, wave, 3);
     assert!(codes(bench.import("langsplat", |_| ()).1).contains(&"L4D555"));
-    std::fs::remove_file(bench.path("method").join(format!("{SCENE}/ae_ckpt/best_ckpt.pth"))).unwrap();
+    std::fs::remove_file(
+        bench.path("method").join(format!("autoencoder/ckpt/{SCENE}/ae_ckpt/best_ckpt.pth")),
+    )
+    .unwrap();
     assert!(of_latents(&bench, 8).contains(&"L4D554"));
 }
 
@@ -98,11 +102,11 @@ fn fewer_pictures_than_frames() {
     let bench = Bench::new();
     latents(&bench, wave, 3);
     for level in 1..=3 {
-        let file = format!("{SCENE}_{level}/train/ours_None/renders_npy/00008.npy");
+        let file = format!("output/{SCENE}_{level}/train/ours_None/renders_npy/00008.npy");
         std::fs::remove_file(bench.path("method").join(file)).unwrap();
     }
     assert!(of_latents(&bench, 8).contains(&"L4D546"));
-    let file = format!("{SCENE}_2/train/ours_None/renders_npy/00007.npy");
+    let file = format!("output/{SCENE}_2/train/ours_None/renders_npy/00007.npy");
     std::fs::remove_file(bench.path("method").join(file)).unwrap();
     assert!(of_latents(&bench, 8).contains(&"L4D548"), "a level is missing");
 }
@@ -115,7 +119,7 @@ fn latents_of_another_size_are_named_once_a_frame() {
         (1..=3).flat_map(|level| (0..clip().len()).map(move |position| (level, position)))
     {
         let numbers: Vec<f32> = (0..48 * 64 * 3).map(|index| wave(level, index + position)).collect();
-        let file = format!("{SCENE}_{level}/train/ours_None/renders_npy/{position:05}.npy");
+        let file = format!("output/{SCENE}_{level}/train/ours_None/renders_npy/{position:05}.npy");
         bench.write(&file, npy(&[48, 64, 3], &numbers));
     }
     let (imported, report) = import_latents(&bench, 8);
@@ -135,7 +139,10 @@ fn renders_of_training_cameras() {
 fn two_runs_in_one_folder() {
     let bench = Bench::new();
     latents(&bench, wave, 3);
-    bench.write(&format!("{SCENE}_1/train/ours_7000/renders_npy/00000.npy"), npy(&[1, 1, 3], &[0.0; 3]));
+    bench.write(
+        &format!("output/{SCENE}_1/train/ours_7000/renders_npy/00000.npy"),
+        npy(&[1, 1, 3], &[0.0; 3]),
+    );
     assert_eq!(of_latents(&bench, 8), ["L4D543"]);
 }
 
@@ -195,8 +202,14 @@ fn another_size_is_named_and_only_resized_when_asked() {
 fn names_that_fit_no_sentence_and_files_that_answer_twice() {
     let bench = Bench::new();
     masks(&bench, |query, position| cup(referent(query), position));
-    bench.write(&format!("{SCENE}/00001/chosen_the red cupp.png"), png::encode(&Mask::empty(128, 96)));
-    bench.write(&format!("{SCENE}/00001/chosen_THE RED CUP.png"), png::encode(&Mask::empty(128, 96)));
+    bench.write(
+        &format!("eval_result/{SCENE}/00001/chosen_the red cupp.png"),
+        png::encode(&Mask::empty(128, 96)),
+    );
+    bench.write(
+        &format!("eval_result/{SCENE}/00001/chosen_THE RED CUP.png"),
+        png::encode(&Mask::empty(128, 96)),
+    );
     let findings = bench.import("langsplat-masks", |_| ()).1.into_sorted();
     let unknown = findings.iter().find(|finding| finding.code == "L4D544").unwrap();
     assert!(unknown.hint.contains("`The red cup`"), "{unknown:?}");
@@ -208,14 +221,17 @@ fn names_that_fit_no_sentence_and_files_that_answer_twice() {
 fn frames_beyond_the_clip() {
     let bench = Bench::new();
     masks(&bench, |query, position| cup(referent(query), position));
-    bench.write(&format!("{SCENE}/00010/chosen_the red cup.png"), png::encode(&Mask::empty(128, 96)));
+    bench.write(
+        &format!("eval_result/{SCENE}/00010/chosen_the red cup.png"),
+        png::encode(&Mask::empty(128, 96)),
+    );
     assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D546"]);
 }
 
 #[test]
 fn scenes_that_are_none_and_folders_without_anything() {
     let bench = Bench::new();
-    bench.write("teatime/00001/chosen_the red cup.png", png::encode(&Mask::empty(128, 96)));
+    bench.write("eval_result/teatime/00001/chosen_the red cup.png", png::encode(&Mask::empty(128, 96)));
     assert_eq!(codes(bench.import("langsplat-masks", |_| ()).1), ["L4D540", "L4D544"]);
     assert_eq!(codes(bench.import("refersplat", |_| ()).1), ["L4D540"]);
 }
@@ -236,7 +252,7 @@ fn pictures_that_may_be_masks_in_several_ways() {
         writer.finish().unwrap();
         bytes
     };
-    let path = format!("{SCENE}/00001/chosen_the blue cup.png");
+    let path = format!("eval_result/{SCENE}/00001/chosen_the blue cup.png");
     let mut colours = vec![0; 128 * 96 * 3];
     colours[7] = 200;
     for (kind, pixels) in [(::png::ColorType::Rgb, colours), (::png::ColorType::Indexed, vec![1; 128 * 96])] {
@@ -257,11 +273,11 @@ fn pictures_that_may_be_masks_in_several_ways() {
 fn videos_and_jpegs_are_told_what_to_be() {
     let bench = Bench::new();
     for name in ["the blue cup.mp4", "the blue cup.jpg"] {
-        bench.write(&format!("{SCENE}/00001/{name}"), "x");
+        bench.write(&format!("eval_result/{SCENE}/00001/{name}"), "x");
     }
     let mut preset = Preset::find("langsplat-masks").unwrap();
     for extension in ["mp4", "jpg"] {
-        preset.template = format!("{{scene}}/{{position+1:05}}/{{text}}.{extension}");
+        preset.template = format!("eval_result/{{scene}}/{{position+1:05}}/{{text}}.{extension}");
         let findings =
             bench.import("langsplat-masks", |request| request.preset = preset.clone()).1.into_sorted();
         let refused = findings.iter().find(|finding| finding.code == "L4D541").unwrap();

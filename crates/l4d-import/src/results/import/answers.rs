@@ -8,7 +8,7 @@ use l4d_data::{Query, QueryId, Report, Severity};
 use l4d_masks::{Mask, Rle};
 use rayon::prelude::*;
 
-use super::super::codec::{self, Piece, Place, Problem};
+use super::super::codec::{self, Piece, Place, Problem, Reading};
 use super::super::codes;
 use super::super::prompts::{NoQuery, Prompts};
 use super::super::relevancy::Found;
@@ -33,11 +33,11 @@ pub(super) struct Answer {
 }
 
 /// Reads files that hold masks or maps: decoded side by side, collected in the order of their paths.
-pub(super) fn read(request: &Request<'_>, hits: &[Hit], collector: &mut Collector<'_>) {
+pub(super) fn read(reading: &Reading, hits: &[Hit], collector: &mut Collector<'_>) {
     for batch in hits.chunks(BATCH) {
         let decode = |hit: &Hit| -> (Vec<Answer>, Report) {
             let mut report = Report::default();
-            let pieces = codec::read(&hit.path, &request.reading);
+            let pieces = codec::read(&hit.path, reading);
             let pieces = pieces.map_err(|problem| problem.report(&hit.path, &mut report)).unwrap_or_default();
             let placed = pieces.into_iter().map(|piece| collector.place(hit, piece));
             let placed = placed.filter_map(|answer| {
@@ -134,7 +134,7 @@ impl<'a> Collector<'a> {
             (Some(frame), _, _) => u32::try_from(frame).ok().map(Place::Frame),
             (None, Some(number), _) => position(number),
             (None, None, Some(image)) => {
-                let images = self.request.images.as_ref().ok_or_else(|| {
+                let images = self.pictures.images.as_ref().ok_or_else(|| {
                     let message = "is named by the id of an image, not by a frame";
                     wrong(message.to_owned(), "give --images <_annotations.coco.json>")
                 })?;

@@ -1,12 +1,15 @@
 //! The held-out pictures of a scene, and which of them a number in a file name is.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use l4d_data::store::read_bounded;
-use l4d_data::{Benchmark, DataError, Name, Profile, json};
+use l4d_data::{DataError, Name, Profile, Report, json};
 use serde::Deserialize;
+
+use super::super::template::Hit;
+use super::{Request, parse};
 
 /// No list of frames is larger.
 const MAX_BYTES: u64 = 64 << 20;
@@ -72,7 +75,10 @@ impl fmt::Display for Order {
 
 /// Which picture an image of a COCO file is: 4D LangSplat names folders after image ids.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Images(BTreeMap<u64, u32>);
+pub struct Images {
+    path: PathBuf,
+    positions: BTreeMap<u64, u32>,
+}
 
 #[derive(Deserialize)]
 struct CocoImages {
@@ -104,12 +110,29 @@ impl Images {
                 DataError::invalid(path, format!("image {}", image.id), message, "check --images-first")
             })
         };
-        Ok(Self(file.images.iter().map(position).collect::<Result<_, _>>()?))
+        let positions = file.images.iter().map(position).collect::<Result<_, _>>()?;
+        Ok(Self { path: path.to_owned(), positions })
+    }
+
+    /// Those of a scene where the method keeps them; none if they are not there, or in several places.
+    fn find(request: &Request<'_>, scene: &Name) -> Result<Option<Self>, DataError> {
+        let Some(preset) = &request.preset.images else { return Ok(None) };
+        let bound = [("scene".to_owned(), scene.to_string())].into_iter().chain(request.choices.clone());
+        let template = parse(&preset.template, &request.root)?;
+        let hits = template.find(&request.root, &bound.collect(), &mut Report::default())?;
+        let [hit] = hits.as_slice() else { return Ok(None) };
+        let first = hit.text("dataset").and_then(|kind| preset.first.get(kind));
+        first.map(|&first| Self::read(&hit.path, first)).transpose()
+    }
+
+    /// The document.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The picture of an image.
     pub fn position(&self, id: u64) -> Option<usize> {
-        self.0.get(&id).map(|&position| position as usize)
+        self.positions.get(&id).map(|&position| position as usize)
     }
 }
 
@@ -122,18 +145,37 @@ pub(super) struct Pictures {
     pub(super) unannotated: Vec<u32>,
     /// Columns and rows.
     pub(super) size: (u32, u32),
+    /// Which picture an image of a COCO file is.
+    pub(super) images: Option<Images>,
     profile: Profile,
 }
 
 impl Pictures {
-    pub(super) fn read(bench: &Benchmark, profile: Profile, scene: &Name) -> Result<Self, DataError> {
-        if profile.is_rendered() {
-            let size = (profile.width(), profile.height());
-            return Ok(Self { clip: profile.frames().collect(), unannotated: Vec::new(), size, profile });
+    pub(super) fn read(request: &Request<'_>, scene: &Name) -> Result<Self, DataError> {
+        let profile = request.profile;
+        let images = match &request.images {
+            Some(given) => Some(given.clone()),
+            None => Images::find(request, scene)?,
+        };
+        let (clip, unannotated, size) = if profile.is_rendered() {
+            (profile.frames().collect(), Vec::new(), (profile.width(), profile.height()))
+        } else {
+            let truth = request.bench.truth(profile, scene)?;
+            (truth.clip(), truth.unannotated, (truth.width, truth.height))
+        };
+        Ok(Self { clip, unannotated, size, images, profile })
+    }
+
+    /// Leaves out pictures that repeat the last frame of the clip, since the export for the method had to have more; says
+    /// so in words. Only a full set is known to be such: fewer pictures, or more, are another list of cameras.
+    pub(super) fn leave_out_padding(&self, request: &Request<'_>, hits: &mut Vec<Hit>) -> Option<String> {
+        let all = request.preset.padded_to.filter(|all| *all > self.clip.len())? as u64;
+        let positions: BTreeSet<Option<u64>> = hits.iter().map(|hit| hit.number("position")).collect();
+        if request.order != Order::Clip || !positions.into_iter().eq((0..all).map(Some)) {
+            return None;
         }
-        let truth = bench.truth(profile, scene)?;
-        let size = (truth.width, truth.height);
-        Ok(Self { clip: truth.clip(), unannotated: truth.unannotated, size, profile })
+        hits.retain(|hit| hit.number("position").is_some_and(|position| position < self.clip.len() as u64));
+        Some(format!("{} to {} repeat the last frame and are left out", self.clip.len(), all - 1))
     }
 
     /// Whether an answer for a frame of the clip is judged.

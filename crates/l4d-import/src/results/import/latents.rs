@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use l4d_data::digest::sha256_file;
-use l4d_data::{DataError, Query, Report, Temporal};
+use l4d_data::{DataError, Name, Query, Report, Temporal};
 
 use super::super::codes;
 use super::super::latents::{Level, check};
@@ -16,8 +16,8 @@ use super::super::prompts::spelling;
 use super::super::relevancy::gate::{gate, similarities};
 use super::super::relevancy::{Chosen, Decoder, Engine, Latents, Texts, TextsFile, answer};
 use super::super::template::{Captures, Hit, Template};
-use super::Request;
 use super::answers::Collector;
+use super::{Imported, Request, SceneQueries};
 
 /// Digests of single files by what they are.
 type Inputs = BTreeMap<String, String>;
@@ -26,9 +26,9 @@ pub(super) fn read(
     request: &Request<'_>,
     preset: &LatentsPreset,
     hits: &[Hit],
-    queries: &[Query],
+    queries: &SceneQueries,
     collector: &mut Collector<'_>,
-    inputs: &mut Inputs,
+    imported: &mut Imported,
 ) -> Result<(), DataError> {
     let Some((texts_path, texts)) = &request.encoders.texts else {
         let hint = "export the sentences once with docs/import/export_text_embeddings.py, and give --texts <file.npz>";
@@ -42,15 +42,15 @@ pub(super) fn read(
         collector.findings().error(codes::EMBEDDINGS, texts_path, "array `negatives`", message, hint);
         return Ok(());
     }
-    inputs.insert("text embeddings".to_owned(), sha256_file(texts_path)?);
-    let asked = matched(queries, texts);
-    report_unembedded(queries, &asked, texts_path, collector.findings());
+    let asked = matched(&queries.all, texts);
+    report_unembedded(queries.asked(), &asked, texts_path, collector.findings());
     let chosen: Vec<usize> = asked.iter().map(|(_, index)| *index).collect();
     let chosen = texts.texts.select(&chosen);
-    let mut engines =
-        Engines::new(request.encoders.decoder.as_ref(), preset.decoder.as_ref(), &request.root)?;
-    let mut time = Time::open(request, preset, &asked, hits, &collector.pictures().clip, inputs)?;
-    let frames = by_frame(preset, hits, collector);
+    let mut engines = Engines::new(request.encoders.decoder.as_ref(), &preset.decoder, &request.root)?;
+    let mut time = Time::open(request, preset, &asked, hits, &queries.name, collector, imported)?;
+    let inputs = &mut imported.inputs;
+    inputs.insert("text embeddings".to_owned(), sha256_file(texts_path)?);
+    let frames = by_frame(request, preset, hits, collector)?;
     for (frame, levels) in frames {
         let mut report = Report::default();
         let engine = engines.get(&levels[0].captures, &chosen, inputs, &mut report)?;
@@ -63,7 +63,7 @@ pub(super) fn read(
                 .collect();
             let sound = read.filter(|levels| {
                 let Latents { width, height, .. } = levels[0].1.latents();
-                check(levels, engine.channels(), &mut report)
+                check(levels, engine.channels(), preset.rules.stretch_positive, &mut report)
                     && collector
                         .fits((width, height))
                         .map_err(|problem| problem.report(&levels[0].1.path, &mut report))
@@ -101,7 +101,7 @@ fn report_unembedded(queries: &[Query], asked: &[(&Query, usize)], path: &Path, 
         queries.iter().filter(|query| asked.iter().all(|(known, _)| known.id != query.id)).collect();
     if let Some(first) = lacking.first() {
         let message = format!(
-            "{} of {} sentences have no vector, the first is `{}`",
+            "{} of {} queries have no vector, the first is `{}`",
             lacking.len(),
             queries.len(),
             first.text
@@ -128,10 +128,12 @@ fn report_blank(query: &Query, chosen: &Chosen, levels: &[(u64, Level)], report:
 
 /// Files by frame, each frame's levels in the order of the preset; gaps and unknown files are reported.
 fn by_frame<'h>(
+    request: &Request<'_>,
     preset: &LatentsPreset,
     hits: &'h [Hit],
     collector: &mut Collector<'_>,
-) -> BTreeMap<u32, Vec<&'h Hit>> {
+) -> Result<BTreeMap<u32, Vec<&'h Hit>>, DataError> {
+    let template = super::parse(&request.preset.template, &request.root)?;
     let mut frames: BTreeMap<u32, BTreeMap<usize, &Hit>> = BTreeMap::new();
     let mut report = Report::default();
     for hit in hits {
@@ -147,14 +149,17 @@ fn by_frame<'h>(
     }
     let mut whole = BTreeMap::new();
     for (frame, levels) in frames {
-        if levels.len() == preset.levels.len() {
+        let missing = (0..preset.levels.len()).find(|rank| !levels.contains_key(rank));
+        let Some(missing) = missing.map(|rank| preset.levels[rank]) else {
             whole.insert(frame, levels.into_values().collect());
-        } else if let Some(hit) = levels.values().next() {
-            let message =
-                format!("{} of {} levels of frame {frame} are there", levels.len(), preset.levels.len());
-            let hint = "render every level (--feature_level 1, 2, 3) with the same list of cameras";
-            report.error(codes::MISSING, &hit.path, "levels", message, hint);
-        }
+            continue;
+        };
+        let mut captures = levels.values().next().map(|hit| hit.captures.clone()).unwrap_or_default();
+        captures.insert("level".to_owned(), missing.to_string());
+        let path = template.fill(&request.root, &captures).unwrap_or_default();
+        let message = format!("is missing: level {missing} of frame {frame}, of which there are others");
+        let hint = "render every level (--feature_level 1, 2, 3) with the same list of cameras";
+        report.error(codes::MISSING, &path, "file", message, hint);
     }
     let asked = collector.pictures().asked().count();
     if let Some(levels) = whole.values().next().filter(|_| whole.len() != asked) {
@@ -164,30 +169,31 @@ fn by_frame<'h>(
         report.warning(codes::FRAME_RULE, &levels[0].path, "folder", message, hint);
     }
     collector.findings().extend(report);
-    whole
+    Ok(whole)
 }
 
 /// Decoders by path: one for all frames, or one a frame.
 struct Engines {
-    template: Option<(Template, PathBuf)>,
+    /// Where they may be, with the folder that a template starts from.
+    templates: Vec<(Template, PathBuf)>,
     current: Option<(PathBuf, Option<Engine>)>,
 }
 
 impl Engines {
-    fn new(given: Option<&String>, preset: Option<&String>, root: &Path) -> Result<Self, DataError> {
+    fn new(given: Option<&String>, preset: &[String], root: &Path) -> Result<Self, DataError> {
         // What the user gives is below the working folder or anywhere; a preset's is below the root.
-        let template = match (given, preset) {
-            (Some(given), _) => {
+        let below_root = |template: &String| Ok((super::parse(template, root)?, root.to_owned()));
+        let templates = match given {
+            Some(given) => {
                 let (base, below) = match given.strip_prefix('/') {
                     Some(below) => (PathBuf::from("/"), below),
                     None => (PathBuf::from("."), given.strip_prefix("./").unwrap_or(given)),
                 };
-                Some((super::parse(below, root)?, base))
+                vec![(super::parse(below, root)?, base)]
             }
-            (None, Some(preset)) => Some((super::parse(preset, root)?, root.to_owned())),
-            (None, None) => None,
+            None => preset.iter().map(below_root).collect::<Result<_, DataError>>()?,
         };
-        Ok(Self { template, current: None })
+        Ok(Self { templates, current: None })
     }
 
     fn get(
@@ -197,8 +203,9 @@ impl Engines {
         inputs: &mut Inputs,
         report: &mut Report,
     ) -> Result<Option<&Engine>, DataError> {
-        let path = self.template.as_ref().and_then(|(template, base)| template.fill(base, captures));
-        let path = path.unwrap_or_default();
+        let filled = self.templates.iter().filter_map(|(template, base)| template.fill(base, captures));
+        let filled: Vec<PathBuf> = filled.collect();
+        let path = filled.iter().find(|path| path.is_file()).or(filled.first()).cloned().unwrap_or_default();
         let is_new = self.current.as_ref().is_none_or(|(known, _)| *known != path);
         if is_new {
             let engine = open(&path, texts, inputs, report)?;
@@ -216,7 +223,7 @@ fn open(
 ) -> Result<Option<Engine>, DataError> {
     if !path.is_file() {
         let message = "is not there: latents mean nothing without the decoder of their autoencoder";
-        let hint = "give --decoder <best_ckpt.pth>; training leaves it in autoencoder/ckpt/<scene>/, the evaluation looks in <scene>/ae_ckpt/";
+        let hint = "give --decoder <best_ckpt.pth>";
         report.error(codes::WIDTHS, path, "file", message, hint);
         return Ok(None);
     }
@@ -243,7 +250,8 @@ struct Time<'a> {
     engines: Engines,
     /// Latents of time by frame.
     hits: BTreeMap<u32, Hit>,
-    texts: Option<&'a (PathBuf, TextsFile)>,
+    /// None where nothing is gated.
+    texts: Option<&'a TextsFile>,
     /// Place in `asked` and number of the sentence among the embeddings.
     gated: Vec<(usize, usize)>,
     similarities: BTreeMap<usize, BTreeMap<u32, f64>>,
@@ -255,20 +263,22 @@ impl<'a> Time<'a> {
         preset: &LatentsPreset,
         asked: &[(&Query, usize)],
         hits: &[Hit],
-        clip: &[u32],
-        inputs: &mut Inputs,
+        scene: &Name,
+        collector: &mut Collector<'_>,
+        imported: &mut Imported,
     ) -> Result<Self, DataError> {
-        let texts = request.encoders.time_texts.as_ref();
-        let (given, preset_decoder) = (request.encoders.time_decoder.as_ref(), preset.time_decoder.as_ref());
+        let encoders = &request.encoders;
         let mut time = Self {
-            engines: Engines::new(given, preset_decoder, &request.root)?,
+            engines: Engines::new(encoders.time_decoder.as_ref(), &preset.time_decoder, &request.root)?,
             hits: BTreeMap::new(),
-            texts,
+            texts: None,
             gated: Vec::new(),
             similarities: BTreeMap::new(),
         };
-        let (Some((path, texts)), Some(template)) = (texts, &preset.time_template) else { return Ok(time) };
-        inputs.insert("text embeddings of time".to_owned(), sha256_file(path)?);
+        let (Some((path, texts)), Some(template)) = (&encoders.time_texts, &preset.time_template) else {
+            return Ok(time);
+        };
+        imported.inputs.insert("text embeddings of time".to_owned(), sha256_file(path)?);
         let queries: Vec<Query> = asked.iter().map(|(query, _)| (*query).clone()).collect();
         for (query, index) in
             matched(&queries, texts).into_iter().filter(|(query, _)| query.temporal == Temporal::While)
@@ -276,13 +286,28 @@ impl<'a> Time<'a> {
             let place = asked.iter().position(|(known, _)| known.id == query.id).unwrap_or_default();
             time.gated.push((place, index));
         }
-        let scene = hits.first().and_then(|hit| hit.text("scene")).map(str::to_owned);
-        let mut bound = request.choices.clone();
-        bound.extend(scene.map(|scene| ("scene".to_owned(), scene)));
-        let found =
-            super::parse(template, &request.root)?.find(&request.root, &bound, &mut Report::default())?;
+        // Of the same run as the other levels: what these have in common holds for time as well.
+        let mut bound = hits.first().map(|hit| hit.captures.clone()).unwrap_or_default();
+        bound.retain(|field, _| !matches!(field.as_str(), "position" | "level"));
+        bound.extend(request.choices.clone());
+        let template = super::parse(template, &request.root)?;
+        let mut found = template.find(&request.root, &bound, &mut Report::default())?;
+        let mut assume = |topic: &str, text: String| {
+            imported.assumptions.insert(format!("{scene}: {topic}"), text);
+        };
+        super::prefer(request, &mut found, &mut assume);
+        if found.is_empty() && !time.gated.is_empty() {
+            let message = format!("holds no latents of time at `{template}`");
+            let hint = "render level 0 with the same list of cameras, or leave --time-texts out";
+            collector.findings().error(codes::MISSING, &request.root, "folder", message, hint);
+        }
+        if found.is_empty() || super::has_choices_left(request, &template, &found, collector.findings()) {
+            return Ok(time);
+        }
+        time.texts = Some(texts);
         for hit in found {
             let position = hit.number("position").and_then(|position| usize::try_from(position).ok());
+            let clip = &collector.pictures().clip;
             let frame = position.and_then(|position| request.order.frame(position, clip).ok().flatten());
             time.hits.extend(frame.map(|frame| (frame, hit)));
         }
@@ -298,11 +323,12 @@ impl<'a> Time<'a> {
         inputs: &mut Inputs,
         report: &mut Report,
     ) -> Result<(), DataError> {
-        let Some((texts_path, texts)) = self.texts.filter(|_| !self.gated.is_empty()) else { return Ok(()) };
+        let Some(texts) = self.texts.filter(|_| !self.gated.is_empty()) else { return Ok(()) };
         let Some(hit) = self.hits.get(&frame) else {
-            let message = format!("nothing is there for frame {frame}");
-            let hint = "render the level of time with the same list of cameras, or leave --time-texts out";
-            report.error(codes::MISSING, texts_path, "latents of time", message, hint);
+            let folder = self.hits.values().next().and_then(|hit| hit.path.parent()).unwrap_or(Path::new(""));
+            let message = format!("holds no latents of time for frame {frame}");
+            let hint = "render level 0 with the same list of cameras, or leave --time-texts out";
+            report.error(codes::MISSING, folder, "folder", message, hint);
             return Ok(());
         };
         let wanted: Vec<usize> = self.gated.iter().map(|(_, index)| *index).collect();
