@@ -13,7 +13,7 @@ use l4d_frames::Frame;
 use l4d_frames::overlay::encode_jpeg;
 use l4d_masks::{Mask, ids, target};
 use l4d_testing::foreign::{npy, npy_texts, npz, pth};
-use l4d_testing::{camera, flat, instance, name, query, scene, truth, write_benchmark, write_scene};
+use l4d_testing::{camera, flat, instance, query, scene, truth, write_benchmark, write_scene};
 use serde_json::{Value, json};
 
 use crate::support::{Dir, Noise, codes, files_below, root, shipped};
@@ -137,7 +137,9 @@ impl Originals {
         for (measure, ours) in ours {
             let theirs =
                 theirs[&measure].as_f64().unwrap_or_else(|| panic!("{evaluator} said nothing of {measure}"));
-            assert!((ours - theirs).abs() < 1e-7, "{preset}, {measure}: {ours} is not {theirs}");
+            // Two of them divide in single precision.
+            let bound = if ["refersplat", "4d-langsplat"].contains(&evaluator) { 1e-7 } else { 1e-9 };
+            assert!((ours - theirs).abs() < bound, "{preset}, {measure}: {ours} is not {theirs}");
         }
     }
 }

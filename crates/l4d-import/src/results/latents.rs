@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn unit_latents_that_are_stored_from_0_to_1_are_latents() {
         // Every component of +-1 / sqrt 3, as (x + 1) / 2.
-        let unit = |index: usize| 0.5 + if index % 7 % 2 == 0 { 0.288 } else { -0.288 };
+        let unit = |index: usize| 0.5 + if (index % 7).is_multiple_of(2) { 0.288 } else { -0.288 };
         let levels = [level(1, [4, 5, 3], unit), level(2, [4, 5, 3], |index| unit(index + 1))];
         let is_sound = |stretches| check(&levels, 3, stretches, &mut Report::default());
         assert!(is_sound(true) && !is_sound(false), "their length is that of what they mean");

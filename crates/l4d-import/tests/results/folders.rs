@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use l4d_data::results::{MethodCard, Track};
 use l4d_data::{Name, Profile, Query, QueryId, Report};
-use l4d_import::results::import::{Identity, Imported, Order, write};
+use l4d_import::results::import::{Identity, Imported, Order, Request, write};
 use l4d_import::results::relevancy::{TextsFile, gate};
 use l4d_masks::{Mask, ids, png};
 use l4d_score::judge::Answer;
@@ -247,10 +247,11 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
         ("positives", npy(&[1, 6], &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
     ]);
     std::fs::write(&time_texts, bytes).unwrap();
-    let (imported, report) = bench.import("4d-langsplat", |request| {
+    let both = |request: &mut Request<'_>| {
         request.encoders.texts = Some(texts(&bench));
         request.encoders.time_texts = Some((time_texts.clone(), TextsFile::read(&time_texts).unwrap()));
-    });
+    };
+    let (imported, report) = bench.import("4d-langsplat", both);
     assert!(!report.has_errors(), "{:?}", report.into_sorted());
     let cosine = |x: f64| x / (x * x + 1.04).sqrt();
     let cosines: Vec<f64> = (0..9).map(|position| cosine(level(position).into())).collect();
@@ -263,6 +264,13 @@ fn four_d_langsplat_is_gated_by_its_features_of_time() {
     let theirs = |measure| recount(&bench, &imported, Protocol::FourDLangSplat, measure);
     assert_eq!(theirs("acc"), Some(1.0));
     assert!(theirs("viou").unwrap() > 0.9);
+
+    let folder =
+        bench.path(&format!("method/output/hypernerf/{SCENE}/{SCENE}_0/video_lang/ours_20000/renders_npy"));
+    std::fs::remove_file(folder.join("00004.npy")).unwrap();
+    let findings = bench.import("4d-langsplat", both).1.into_sorted();
+    let missing = findings.iter().find(|finding| finding.code == "L4D548").unwrap();
+    assert!(missing.path == folder.to_str().unwrap() && missing.message.contains("48"), "{missing:?}");
 }
 
 #[test]

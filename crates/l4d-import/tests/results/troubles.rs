@@ -1,6 +1,6 @@
 //! What users report of the originals, each ending in a finding that names the cause.
 
-use l4d_data::Report;
+use l4d_data::{Finding, Report};
 use l4d_import::results::import::Imported;
 use l4d_import::results::preset::Preset;
 use l4d_import::results::relevancy::TextsFile;
@@ -106,9 +106,29 @@ fn fewer_pictures_than_frames() {
         std::fs::remove_file(bench.path("method").join(file)).unwrap();
     }
     assert!(of_latents(&bench, 8).contains(&"L4D546"));
-    let file = format!("output/{SCENE}_2/train/ours_None/renders_npy/00007.npy");
-    std::fs::remove_file(bench.path("method").join(file)).unwrap();
-    assert!(of_latents(&bench, 8).contains(&"L4D548"), "a level is missing");
+    let missing = bench.path(&format!("method/output/{SCENE}_2/train/ours_None/renders_npy/00007.npy"));
+    std::fs::remove_file(&missing).unwrap();
+    let findings = import_latents(&bench, 8).1.into_sorted();
+    let of_level = |finding: &&Finding| finding.code == "L4D548" && finding.message.contains("level 2");
+    let paths: Vec<&str> = findings.iter().filter(of_level).map(|finding| finding.path.as_str()).collect();
+    assert_eq!(paths, [missing.to_str().unwrap()], "the file that is missing is named, not one beside it");
+}
+
+#[test]
+fn sentences_that_do_not_count_need_no_vector() {
+    let bench = Bench::new();
+    latents(&bench, wave, 3);
+    let (queries, composites) =
+        ["", ".composite"].map(|kind| bench.path(&format!("bench/queries/{SCENE}{kind}.jsonl"))).into();
+    let first = std::fs::read_to_string(queries).unwrap().lines().next().unwrap().to_owned();
+    let other = "the red cup beside the blue cup";
+    let mut composite: serde_json::Value = serde_json::from_str(&first).unwrap();
+    composite["id"] = format!("{SCENE}/501").into();
+    composite["categories"] = serde_json::json!(["attribute", "spatial"]);
+    composite["text"] = other.into();
+    composite["text_digest"] = l4d_data::query::text_digest(other, None).into();
+    std::fs::write(composites, composite.to_string()).unwrap();
+    assert!(!of_latents(&bench, 8).contains(&"L4D555"));
 }
 
 #[test]
