@@ -9,6 +9,7 @@ mod blender;
 mod blind;
 mod codes;
 mod endpoint;
+mod foreign;
 mod hostile;
 mod hosting;
 mod interop;

@@ -18,6 +18,7 @@ pub mod name;
 pub mod parallel;
 pub mod published;
 pub mod query;
+pub mod reader;
 pub mod results;
 pub mod rig;
 pub mod rle;

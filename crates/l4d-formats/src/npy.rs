@@ -44,17 +44,28 @@ impl<T> Contents<T> {
 
 /// 64-bit floats in C order as the bytes of a `.npy` file, as `numpy.save` writes them.
 pub fn encode_f64(shape: &[usize], values: &[f64]) -> Vec<u8> {
+    let mut bytes = header("<f8", shape);
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+/// As [`encode_f64`], 32-bit floats.
+pub fn encode_f32(shape: &[usize], values: &[f32]) -> Vec<u8> {
+    let mut bytes = header("<f4", shape);
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+fn header(numbers: &str, shape: &[usize]) -> Vec<u8> {
     let sides: Vec<String> = shape.iter().map(usize::to_string).collect();
     let comma = if shape.len() == 1 { "," } else { "" };
     let mut text =
-        format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}{comma}), }}", sides.join(", "));
+        format!("{{'descr': '{numbers}', 'fortran_order': False, 'shape': ({}{comma}), }}", sides.join(", "));
     // Numbers begin at a multiple of 64 bytes, after a line feed.
     let unpadded = MAGIC.len() + 4 + text.len() + 1;
     text.push_str(&" ".repeat(unpadded.next_multiple_of(64) - unpadded));
     text.push('\n');
-    let mut bytes = [MAGIC, &[1, 0], &(text.len() as u16).to_le_bytes(), text.as_bytes()].concat();
-    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    bytes
+    [MAGIC, &[1, 0], &(text.len() as u16).to_le_bytes(), text.as_bytes()].concat()
 }
 
 /// The array in the bytes of a file.

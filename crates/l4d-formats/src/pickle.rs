@@ -1,7 +1,8 @@
 //! `.pth` files: what `torch.save` makes of a tensor or a dict of tensors.
 //!
 //! Such a file is a zip of a pickle, a program for a small stack machine that can call anything in Python, and of one
-//! entry of raw numbers per storage. The machine here knows the 33 opcodes and the few globals that tensors need. It
+//! entry of raw numbers per storage. The machine here knows the 33 opcodes and the few globals that tensors and the
+//! numbers beside them need. It
 //! calls nothing: each allowed global has one meaning that is spelled out in this crate, and any other is refused by
 //! name, before anything that follows it is read.
 //!
@@ -15,6 +16,7 @@ mod machine;
 mod node;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 use std::path::Path;
 
 use l4d_data::DataError;
@@ -100,6 +102,96 @@ impl Saved {
 /// # Errors
 /// Anything but a tensor or a dict with names as keys, and a file that claims more than it holds.
 pub fn decode(bytes: &[u8]) -> Result<Saved, Fault> {
+    open(bytes)?.saved(&[])
+}
+
+/// A step from a value to what is in it.
+#[derive(Debug, Clone, Copy)]
+pub enum Step<'a> {
+    /// Of a tuple.
+    Item(usize),
+    /// Of a dict.
+    Entry(&'a str),
+}
+
+impl fmt::Display for Step<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Item(index) => write!(f, "[{index}]"),
+            Self::Entry(name) => write!(f, "[{}]", quoted(name)),
+        }
+    }
+}
+
+/// A file whose values are described, and not yet read.
+pub struct Contents<'a> {
+    nodes: Vec<Node>,
+    value: Id,
+    archive: Archive<'a>,
+    /// Folder of the storages in the archive.
+    root: String,
+    /// Strides of zero and names of the same tensor could make more of a file than it has bytes.
+    most_numbers: usize,
+}
+
+impl Contents<'_> {
+    /// What a tensor or a dict with names as keys holds.
+    ///
+    /// # Errors
+    /// Anything else at this place, and a file that claims more than it holds.
+    pub fn saved(&self, path: &[Step<'_>]) -> Result<Saved, Fault> {
+        let place = match path {
+            [] => "top level".to_owned(),
+            path => path.iter().map(ToString::to_string).collect(),
+        };
+        let value = self.find(path).ok_or_else(|| Fault::new(&place, "is missing", REMEDY))?;
+        let Self { nodes, archive, root, .. } = self;
+        let numbers_left = self.most_numbers;
+        Tensors { nodes, archive, root, numbers_left, sound: BTreeSet::new() }.saved(value, &place)
+    }
+
+    /// A whole number.
+    pub fn number(&self, path: &[Step<'_>]) -> Option<i64> {
+        match self.node(self.find(path)?) {
+            Node::Int(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// Items of a tuple.
+    pub fn items(&self, path: &[Step<'_>]) -> Option<usize> {
+        match self.node(self.find(path)?) {
+            Node::Tuple(items) => Some(items.len()),
+            _ => None,
+        }
+    }
+
+    /// Whether there is a dict.
+    pub fn is_dict(&self, path: &[Step<'_>]) -> bool {
+        self.find(path).is_some_and(|value| matches!(self.node(value), Node::Dict(_)))
+    }
+
+    fn find(&self, path: &[Step<'_>]) -> Option<Id> {
+        path.iter().try_fold(self.value, |value, step| match (self.node(value), step) {
+            (Node::Tuple(items), Step::Item(index)) => items.get(*index).copied(),
+            (Node::Dict(pairs), Step::Entry(wanted)) => {
+                let is_wanted = |key: Id| matches!(self.node(key), Node::Text(name) if **name == **wanted);
+                pairs.iter().rev().find(|(key, _)| is_wanted(*key)).map(|(_, value)| *value)
+            }
+            _ => None,
+        })
+    }
+
+    fn node(&self, id: Id) -> &Node {
+        self.nodes.get(id as usize).unwrap_or(&Node::None)
+    }
+}
+
+/// Describes what is in the bytes of a file.
+///
+/// # Errors
+/// Another file, and a pickle that needs more than tensors, numbers and what holds them.
+pub fn open(bytes: &[u8]) -> Result<Contents<'_>, Fault> {
     if bytes.starts_with(OLD_TORCH) {
         return Err(Fault::new("first bytes", "are those of a torch older than 1.6", REMEDY));
     }
@@ -108,11 +200,13 @@ pub fn decode(bytes: &[u8]) -> Result<Saved, Fault> {
     if archive.names().any(|name| name.contains("/code/") || name.ends_with("/constants.pkl")) {
         return refuse("is a TorchScript program, not a dict of tensors");
     }
-    let mut roots = archive.names().filter_map(|name| name.strip_suffix("data.pkl"));
-    let root = match (roots.next(), roots.next()) {
-        (Some(root), None) => root.to_owned(),
-        (None, _) => return refuse("has no entry `data.pkl`, so torch did not write it"),
-        (Some(_), Some(_)) => return refuse("has more than one entry `data.pkl`"),
+    let root = {
+        let mut roots = archive.names().filter_map(|name| name.strip_suffix("data.pkl"));
+        match (roots.next(), roots.next()) {
+            (Some(root), None) => root.to_owned(),
+            (None, _) => return refuse("has no entry `data.pkl`, so torch did not write it"),
+            (Some(_), Some(_)) => return refuse("has more than one entry `data.pkl`"),
+        }
     };
     let program = archive.stored(&format!("{root}data.pkl"), true)?;
     let length = program.len();
@@ -127,25 +221,22 @@ pub fn decode(bytes: &[u8]) -> Result<Saved, Fault> {
         return Err(Fault::new("entry `byteorder`", "is not `little`", remedy));
     }
     let (nodes, value) = machine::run(program)?;
-    // Strides of zero and names of the same tensor could make more of a file than it has bytes.
-    let numbers_left = bytes.len();
-    Tensors { nodes: &nodes, archive: &archive, root, numbers_left, sound: BTreeSet::new() }.saved(value)
+    Ok(Contents { nodes, value, archive, root, most_numbers: bytes.len() })
 }
 
 /// Tensors of a file that has been described.
 struct Tensors<'a> {
     nodes: &'a [Node],
     archive: &'a Archive<'a>,
-    /// Folder of the storages in the archive.
-    root: String,
+    root: &'a str,
     numbers_left: usize,
     /// Storages whose checksum was seen to match.
     sound: BTreeSet<&'a str>,
 }
 
 impl<'a> Tensors<'a> {
-    fn saved(&mut self, value: Id) -> Result<Saved, Fault> {
-        let top = |message: String| Fault::new("top level", message, REMEDY);
+    fn saved(&mut self, value: Id, place: &str) -> Result<Saved, Fault> {
+        let top = |message: String| Fault::new(place, message, REMEDY);
         let pairs = match self.node(value) {
             Node::Dict(pairs) => pairs,
             Node::Tensor(..) => {

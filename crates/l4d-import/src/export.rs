@@ -20,11 +20,12 @@ mod views;
 use std::path::Path;
 
 use l4d_data::layout::{CaptureDir, SceneDir};
+use l4d_data::reader::Reader;
 use l4d_data::{Camera, DataError};
 use serde::Deserialize;
 use strum::VariantNames as _;
 
-pub use self::manifest::{Called, Exported, MANIFEST, Manifest};
+pub use self::manifest::{Called, Exported, Manifest};
 
 use crate::annotations::Judged;
 
@@ -87,6 +88,15 @@ impl Format {
     /// Whether it holds truth, so that an order has to bring some.
     pub fn needs_truth(self) -> bool {
         matches!(self, Self::FourDLangSplatAnnotations | Self::LerfOvs)
+    }
+
+    /// Which reader of 4DGaussians it is made for.
+    fn reader(self) -> Option<Reader> {
+        match self {
+            Self::FourDGaussians => Some(Reader::Panoptic),
+            Self::Dynerf | Self::FourDLangSplat => Some(Reader::Dynerf),
+            _ => None,
+        }
     }
 
     /// Whether it shows which pixels are whose.

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use l4d_data::Profile;
+use l4d_data::{Profile, Timeline};
 use l4d_frames::drawn::picture_of;
+use l4d_splat::checkpoint::foreign::Moments;
 use l4d_splat::clip::{ClipError, Moment, draw};
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, Drawing, RasterSettings};
-use l4d_splat::source::Source;
+use l4d_splat::source::{Source, Told};
 use l4d_splat::view::View;
 use numpy::PyArrayMethods as _;
 use pyo3::prelude::*;
@@ -52,7 +53,13 @@ pub(crate) struct Splats {
 impl Splats {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self> {
-        let source = py.detach(|| Source::open(&path))?;
+        let source = py.detach(|| {
+            let source = Source::open(&path, Told::default())?;
+            match source.moments {
+                Some(Moments::Unknown) => Ok(source),
+                _ => source.on(&path, Timeline::CANONICAL, &[]),
+            }
+        })?;
         Ok(Self {
             family: source.family.to_string(),
             scene: source.scene.as_ref().map(|scene| scene.to_string()),
@@ -84,7 +91,7 @@ impl Splats {
         depth: &str,
     ) -> Result<Picture> {
         let instant = match (frame, time) {
-            (Some(frame), None) => (check_frame(frame)?, time_of_frame(frame)),
+            (Some(frame), None) => self.instant(frame)?,
             (None, Some(time)) if camera.camera.world_from_camera.len() == 1 => (0, time),
             (None, Some(_)) => {
                 let message = "is given, but the camera moves and is known at canonical frames alone";
@@ -113,8 +120,7 @@ impl Splats {
         background: Option<[f32; 3]>,
         depth: &str,
     ) -> Result<PictureClip> {
-        let instant = |&frame: &u32| Ok((check_frame(frame)?, time_of_frame(frame)));
-        let instants = frames.iter().map(instant).collect::<Result<Vec<_>>>()?;
+        let instants = frames.iter().map(|frame| self.instant(*frame)).collect::<Result<Vec<_>>>()?;
         let depth = Depth::parse(depth)?;
         let size = size.unwrap_or(camera.size);
         let values = py.detach(|| self.draw(camera, &instants, size, background, depth))?;
@@ -128,6 +134,15 @@ impl Splats {
 }
 
 impl Splats {
+    fn instant(&self, frame: u32) -> Result<(u32, f32)> {
+        if self.source.moments == Some(Moments::Unknown) {
+            let message = "is given, but nothing says at which times this model saw frames";
+            let remedy = "put the l4d-export.json of its data beside cfg_args, or give a time of its own";
+            return Err(Failure::argument("frame", message, remedy));
+        }
+        Ok((check_frame(frame)?, time_of_frame(frame)))
+    }
+
     /// One picture for each (frame of the camera, time).
     fn draw(
         &self,

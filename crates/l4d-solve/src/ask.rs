@@ -14,6 +14,7 @@ use l4d_frames::drawn::encode_colour;
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_ground::{Question, Unreadable};
 use l4d_splat::raster::Rasterizer;
+use l4d_splat::source::Told;
 use serde_json::{Value, json};
 
 pub use self::answer::{Answer, Status};
@@ -43,6 +44,8 @@ pub struct Ask<'a> {
     pub bench: &'a Path,
     /// The model, if not the one among the work.
     pub splats: Option<PathBuf>,
+    /// What is said of a model of others.
+    pub told: Told,
     /// Name of the grounder, for messages.
     pub grounder: &'a str,
     /// What finds things.
@@ -105,6 +108,7 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
         data: order.space.scene(&order.scene),
         work: order.space.work(&order.scene),
         model: order.splats.clone(),
+        told: order.told,
     };
     let known = Known::read(order.bench, &order.scene);
     // A scene that is not there is an error later, with what makes it.

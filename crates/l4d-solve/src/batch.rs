@@ -17,6 +17,7 @@ use l4d_ground::Question;
 use l4d_ground::vlm::Vlm;
 use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
+use l4d_splat::source::Told;
 use serde_json::Value;
 
 use self::card::Card;
@@ -54,6 +55,8 @@ pub struct Batch<'a> {
     pub overwrite: bool,
     /// The models or masks learned from rendered depth, whatever models say.
     pub used_depth: bool,
+    /// What is said of models of others.
+    pub told: Told,
 }
 
 impl Batch<'_> {
@@ -146,7 +149,7 @@ impl Batch<'_> {
     }
 
     fn places(&self, scene: &Name) -> Places {
-        Places { data: self.space.scene(scene), work: self.space.work(scene), model: None }
+        Places { data: self.space.scene(scene), work: self.space.work(scene), model: None, told: self.told }
     }
 
     fn open(&self, name: &Name, places: &Places) -> Result<SolveScene, StageError> {

@@ -10,15 +10,19 @@ mod plan;
 mod writers;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Mutex;
 
 use half::f16;
+use l4d_data::store::write_atomic;
 use l4d_data::{At as _, DataError, StageError, Timeline};
+use l4d_formats::npy;
 use l4d_frames::drawn::{DepthMap, RgbImage};
 use l4d_frames::moving_picture::Pages;
 use l4d_frames::preview::{Cell, Page};
 use l4d_ground::{ClipFrame, ViewClip};
 use l4d_splat::clip::{Moment, draw};
+use l4d_splat::language::Language;
 use l4d_splat::model::Model;
 use l4d_splat::raster::{Drawing, RasterSettings, Rasterizer};
 use rayon::prelude::*;
@@ -69,6 +73,35 @@ pub fn complete(
     let entries: BTreeMap<_, _> = entries.into_inner().unwrap_or_default();
     folder.settle(plan, entries)?;
     Ok(there)
+}
+
+/// Draws what the Gaussians of a model mean at all moments of a plan: `<folder>/<view>/<place of the moment>.npy`, rows of
+/// pixels of latents.
+///
+/// # Errors
+/// What drawing meets.
+pub fn write_language(
+    folder: &Path,
+    plan: &Plan,
+    (model, language): (&Model, &Language),
+    rasterizer: &dyn Rasterizer,
+) -> Result<(), StageError> {
+    let plain = |error: &dyn std::error::Error| StageError::of(error, None);
+    let [width, height] = plan.size.map(|side| side as usize);
+    for (place, instant) in plan.instants.iter().enumerate() {
+        let time = model.own_time(instant.time).map_err(|error| plain(&error))?;
+        let splats = model.at(instant.time).map_err(|error| plain(&error))?;
+        let latents = language.at(&model.gaussians.means, time).map_err(|error| plain(&error))?;
+        for (index, camera) in plan.cameras.iter().enumerate() {
+            let view = plan.view(PictureIndex { view: index, instant: place })?;
+            let projected = rasterizer.prepare(&splats, &view, &RasterSettings::default());
+            let values = projected.and_then(|projected| projected.splat_features(&latents, language.width));
+            let values = values.map_err(|error| plain(&error))?;
+            let bytes = npy::encode_f32(&[height, width, language.width], &values);
+            write_atomic(&folder.join(camera.name.as_str()).join(format!("{place:05}.npy")), &bytes)?;
+        }
+    }
+    Ok(())
 }
 
 /// What a drawing says of depth.

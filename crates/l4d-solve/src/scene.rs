@@ -13,7 +13,7 @@ use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, Split, StageErro
 use l4d_ground::ViewClip;
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::raster::{RasterSettings, Rasterizer};
-use l4d_splat::source::Source;
+use l4d_splat::source::{Source, Told};
 use serde_json::{Value, json};
 
 use crate::clips::{
@@ -47,6 +47,8 @@ pub struct Places {
     pub work: WorkDir,
     /// The model, if not the one among the work.
     pub model: Option<PathBuf>,
+    /// What is said of a model of others.
+    pub told: Told,
 }
 
 impl Places {
@@ -97,6 +99,7 @@ impl SolveScene {
     ) -> Result<Self, StageError> {
         let rig = read_rig(name, profile, places)?;
         let source = read_model(name, profile, places)?;
+        let source = source.on(&places.splats(), rig.timeline(), &rig.clip(profile))?;
         let training = rig.training();
         let chosen = spread_views(&training, settings.views, settings.seed);
         let cameras: Vec<Camera> = chosen.iter().map(|&index| training[index].clone()).collect();
@@ -227,7 +230,7 @@ fn read_model(name: &Name, profile: Profile, places: &Places) -> Result<Source, 
     if !path.exists() {
         return Err(DataError::invalid(&path, "model", "there are no splats", train));
     }
-    let source = Source::open(&path)?;
+    let source = Source::open(&path, places.told)?;
     let other = |what: &str, found: &dyn std::fmt::Display| {
         let message = format!("was trained on {what} {found}");
         DataError::invalid(&path, "model", message, format!("{train}, or give the right --model"))

@@ -1,12 +1,13 @@
 //! How a model reaches a disk and comes back.
 //!
-//! Three families of files: our own checkpoint ([`own`]), the model folders of 4DGaussians ([`foreign`]), and the bare
-//! PLY of 3D Gaussians ([`ply`]). All numbers are raw, before any activation; `docs/splats.md` is the reference of the
+//! Four families of files: our own checkpoint ([`own`]), the models of 4DGaussians ([`foreign`]), the bare PLY of 3D
+//! Gaussians ([`ply`]), and what trainers keep with `torch.save` ([`torch`]). All numbers are raw, before any activation; `docs/splats.md` is the reference of the
 //! formats.
 
 pub mod foreign;
 pub mod own;
 pub mod ply;
+pub(crate) mod torch;
 
 use std::collections::BTreeMap;
 
@@ -21,7 +22,10 @@ use l4d_formats::tensor::REMEDY_NOT_FINITE;
 pub const MAX_BYTES: u64 = 8 << 30;
 
 /// The field with these sizes whose parameters are `tensors`; others may be beside them.
-fn build_field(config: DeformConfig, tensors: &BTreeMap<String, Tensor>) -> Result<DeformationField, Fault> {
+pub(crate) fn build_field(
+    config: DeformConfig,
+    tensors: &BTreeMap<String, Tensor>,
+) -> Result<DeformationField, Fault> {
     DeformationField::from_tensors(config, tensors)
         .map_err(|error| Fault::new("deformation field", error.to_string(), REMEDY_PAIR))
 }

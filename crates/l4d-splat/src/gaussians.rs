@@ -122,6 +122,17 @@ impl Gaussians {
         }
     }
 
+    /// Without the harmonics above a degree.
+    #[must_use]
+    pub fn up_to(self, degree: ShDegree) -> Self {
+        if degree >= self.sh_degree {
+            return self;
+        }
+        let kept = |coefficients: &[[f32; 3]]| coefficients[..degree.coefficients()].to_vec();
+        let sh = self.sh.chunks(self.sh_degree.coefficients()).flat_map(kept).collect();
+        Self { sh_degree: degree, sh, ..self }
+    }
+
     /// Adds Gaussians of the same degree behind the others.
     pub fn append(&mut self, more: Self) {
         self.means.extend(more.means);

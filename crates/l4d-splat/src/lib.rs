@@ -8,6 +8,7 @@ pub mod clip;
 pub mod conformance;
 pub mod deform;
 pub mod gaussians;
+pub mod language;
 pub mod model;
 pub mod neighbours;
 pub mod optimise;

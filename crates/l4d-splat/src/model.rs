@@ -23,6 +23,9 @@ pub struct Model {
     pub dynamic: Vec<u32>,
     /// How the dynamic ones change; none for a static scene.
     pub field: Option<DeformationField>,
+    /// Moments of training: time in the clip and time that the field knows it by, both ascending. Empty where they are
+    /// the same.
+    pub moments: Vec<[f32; 2]>,
 }
 
 /// Why a model has no state at a time.
@@ -34,18 +37,46 @@ pub enum ModelError {
     /// The result cannot be drawn.
     #[error("the model cannot be drawn")]
     Splat(#[from] SplatError),
+    /// The time lies outside of what was trained on.
+    #[error("the model saw the clip from {first} to {last} alone, where 0 is its start and 1 its end")]
+    Unseen {
+        /// First time of training.
+        first: f32,
+        /// Last time of training.
+        last: f32,
+    },
 }
 
 impl Model {
     /// The Gaussians at a time from 0 to 1, ready for any number of views of that moment.
     ///
     /// # Errors
-    /// A time outside the clip; a dynamic row that names no Gaussian; parameters that are not finite.
+    /// A time outside the clip or outside of training; a dynamic row that names no Gaussian; parameters that are not
+    /// finite.
     pub fn at(&self, time: f32) -> Result<Splats, ModelError> {
         Ok(match &self.field {
-            Some(field) => field.deformed(&self.gaussians, &self.dynamic, time)?.activate()?,
+            Some(field) => {
+                field.deformed(&self.gaussians, &self.dynamic, self.own_time(time)?)?.activate()?
+            }
             None => self.gaussians.activate()?,
         })
+    }
+
+    /// What the field calls a time of the clip; between two moments of training in proportion.
+    ///
+    /// # Errors
+    /// A time outside of training.
+    pub fn own_time(&self, time: f32) -> Result<f32, ModelError> {
+        let (Some([first, _]), Some([last, own_last])) = (self.moments.first(), self.moments.last()) else {
+            return Ok(time);
+        };
+        if !(*first..=*last).contains(&time) {
+            return Err(ModelError::Unseen { first: *first, last: *last });
+        }
+        let after = self.moments.partition_point(|[clip, _]| *clip <= time);
+        let Some(&[end, own_end]) = self.moments.get(after) else { return Ok(*own_last) };
+        let [start, own_start] = self.moments[after - 1];
+        Ok(own_start + (own_end - own_start) * ((time - start) / (end - start)))
     }
 
     /// The model with these Gaussians alone; indices ascend, those that name none are left out.
@@ -55,7 +86,8 @@ impl Model {
         let rows: Vec<u32> = indices.iter().copied().filter(|&row| (row as usize) < count).collect();
         let moves = |&(_, row): &(usize, &u32)| self.dynamic.binary_search(row).is_ok();
         let dynamic = rows.iter().enumerate().filter(moves).map(|(place, _)| place as u32).collect();
-        Self { gaussians: self.gaussians.select(&rows), dynamic, field: self.field.clone() }
+        let (field, moments) = (self.field.clone(), self.moments.clone());
+        Self { gaussians: self.gaussians.select(&rows), dynamic, field, moments }
     }
 
     /// The model in a folder of [`crate::checkpoint::own`], without what training needs to go on.
@@ -80,7 +112,7 @@ impl From<ForeignModel> for Model {
     fn from(foreign: ForeignModel) -> Self {
         let field = foreign.drawn_field().cloned();
         let moving = if field.is_some() { foreign.gaussians.len() as u32 } else { 0 };
-        Self { gaussians: foreign.gaussians, dynamic: (0..moving).collect(), field }
+        Self { gaussians: foreign.gaussians, dynamic: (0..moving).collect(), field, moments: Vec::new() }
     }
 }
 
@@ -113,7 +145,7 @@ mod tests {
         };
         let bounds = Bounds::new([[2.0; 3], [-2.0; 3]]).unwrap();
         let field = DeformationField::new(config, bounds, Init::Foreign, 7).unwrap();
-        Model { gaussians, dynamic: vec![1], field: Some(field) }
+        Model { gaussians, dynamic: vec![1], field: Some(field), ..Model::default() }
     }
 
     #[test]
@@ -138,6 +170,18 @@ mod tests {
         assert_eq!(kept.dynamic, [3, 4]);
         assert_eq!(kept.at(0.5).unwrap().means()[4], model.at(0.5).unwrap().means()[305]);
         assert_eq!(model.keep(&(0..400).collect::<Vec<_>>()), model);
+    }
+
+    #[test]
+    fn moments_of_training_are_met_exactly_and_nothing_beyond_them_is() {
+        let model = Model { moments: vec![[0.25, 0.0], [0.5, 0.1], [1.0, 0.4]], ..model() };
+        let own = |time: f32| model.own_time(time).ok();
+        assert_eq!([0.25, 0.5, 1.0].map(own), [Some(0.0), Some(0.1), Some(0.4)]);
+        assert_eq!(own(0.75), Some(0.25));
+        assert_eq!([0.2, 1.1, f32::NAN].map(own), [None; 3]);
+        assert!(model.at(0.0).unwrap_err().to_string().contains("saw the clip from 0.25 to 1 alone"));
+        let single = Model { moments: vec![[0.0, 0.0]], ..model };
+        assert_eq!(single.own_time(0.0).unwrap(), 0.0);
     }
 
     #[test]

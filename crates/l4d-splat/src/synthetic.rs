@@ -78,7 +78,7 @@ impl Room {
             self.push_mote(&mut gaussians, BALLS[index % BALLS.len()], moving, &mut random);
         }
         let dynamic = (resting as u32..self.gaussians as u32).collect();
-        Ok(Model { gaussians, dynamic, field: Some(self.field(&mut random)?) })
+        Ok(Model { gaussians, dynamic, field: Some(self.field(&mut random)?), ..Model::default() })
     }
 
     /// Eight cameras around the room and one held out, for pictures of 256 x 192 pixels.

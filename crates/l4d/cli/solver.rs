@@ -9,7 +9,7 @@ use l4d_solve::consensus::Preset;
 use l4d_solve::method::{LiftChoice, QuerySet};
 
 use super::models::ServerArgs;
-use super::splats::{AdapterArgs, PixelSize};
+use super::splats::{AdapterArgs, PixelSize, ToldArgs};
 use super::{BenchArgs, number, one_of};
 
 /// Who finds in one view what a sentence means.
@@ -124,9 +124,11 @@ pub(crate) struct SolveArgs {
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
     /// The models or masks learned from rendered depth: results are ranked in the track colour + depth. Models of
-    /// train-splats say so themselves
+    /// train-splats say so themselves, and those that were trained on an export
     #[arg(long)]
     pub(crate) used_depth: bool,
+    #[command(flatten)]
+    pub(crate) told: ToldArgs,
     /// Answer again what was answered by another version or with other settings under this name
     #[arg(long)]
     pub(crate) overwrite: bool,
@@ -160,9 +162,11 @@ pub(crate) struct QueryArgs {
     /// Folder of the benchmark, for --grounder oracle and files, which know queries by their sentence alone
     #[arg(long, value_name = "DIR", default_value = "benchmark")]
     pub(crate) bench: PathBuf,
-    /// A checkpoint of train-splats, a model folder of 4DGaussians, or a PLY of 3DGS; default: <work>/<profile>/<scene>/splats
+    /// A checkpoint of train-splats, or a model of others as for render-splats; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH")]
     pub(crate) splats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) told: ToldArgs,
     /// Cameras from which masks are drawn (comma-separated or repeated); default: the held-out one
     #[arg(long, value_name = "VIEW", value_delimiter = ',')]
     pub(crate) camera: Vec<String>,

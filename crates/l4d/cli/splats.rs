@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use l4d_data::Profile;
+use l4d_data::reader::Reader;
 use l4d_solve::clips::{DepthFormat, DepthKind};
+use l4d_splat::ShDegree;
+use l4d_splat::source::Told;
 use l4d_splat::speed::Sweep;
 use l4d_splat::training_run::Initialisation;
 
@@ -92,9 +95,12 @@ pub(crate) struct RenderSplatsArgs {
     pub(crate) profile: Profile,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
-    /// A checkpoint of train-splats, a model folder of 4DGaussians, or a PLY of 3DGS; default: <work>/<profile>/<scene>/splats
+    /// A checkpoint of train-splats, a model of 4DGaussians or 4D LangSplat (folder or chkpnt*.pth), a .pt of gsplat, or a PLY
+    /// of 3DGS; default: <work>/<profile>/<scene>/splats
     #[arg(long, value_name = "PATH")]
     pub(crate) model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) told: ToldArgs,
     /// Other cameras: JSON with width, height and cameras as in scene.json
     #[arg(long, value_name = "JSON")]
     pub(crate) cameras: Option<PathBuf>,
@@ -104,7 +110,7 @@ pub(crate) struct RenderSplatsArgs {
     /// Only these frames; default: those of the profile, or those of the capture that the model was trained on
     #[arg(long, value_name = "FRAME", value_delimiter = ',', conflicts_with = "times")]
     pub(crate) frames: Vec<u32>,
-    /// Times instead of frames, 0 (start of the clip) to 1 (its end)
+    /// Times instead of frames, 0 (start of the clip) to 1 (its end); those of the model where nothing says when it saw frames
     #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = number::<f32>(0.0..=1.0))]
     pub(crate) times: Vec<f32>,
     /// Width and height of the pictures, pixels; default: those of the cameras, or those that the model was trained on
@@ -123,6 +129,9 @@ pub(crate) struct RenderSplatsArgs {
     /// Folder that receives the clips; default: <work>/<profile>/<scene>/clips
     #[arg(long, short, value_name = "DIR", required_unless_present = "scene")]
     pub(crate) out: Option<PathBuf>,
+    /// Also write what the Gaussians mean, of models of 4D LangSplat: <out>/language/<view>/<moment>.npy, as its render.py
+    #[arg(long)]
+    pub(crate) language: bool,
     /// Also write a moving picture of all views: MP4 where ffmpeg is at hand, else an animated PNG
     #[arg(long)]
     pub(crate) preview: bool,
@@ -131,6 +140,24 @@ pub(crate) struct RenderSplatsArgs {
     /// Replace clips of another model or other settings
     #[arg(long)]
     pub(crate) overwrite: bool,
+}
+
+/// What a model of others does not say itself.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ToldArgs {
+    /// Reader of 4DGaussians that a model was trained with: it decides when moments are, and panoptic draws at degree 0 over
+    /// black; default: what the l4d-export.json of its data says
+    #[arg(long, value_name = "READER", value_parser = one_of::<Reader>(["panoptic", "dynerf", "multipleview", "nerfies"]))]
+    reader: Option<Reader>,
+    /// Draw harmonics of models of others up to this degree, 0 to 3; default: what the reader draws, or all
+    #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(0..=3))]
+    sh_degree: Option<u8>,
+}
+
+impl ToldArgs {
+    pub(crate) fn told(&self) -> Told {
+        Told { reader: self.reader, sh_degree: self.sh_degree.and_then(ShDegree::new) }
+    }
 }
 
 /// What draws.

@@ -8,7 +8,7 @@ use l4d_frames::moving_picture::{self, Pace};
 use l4d_solve::clips::{self, ClipsFolder, DepthEntry, Look, Order, Overwrite, Preview, Wanted};
 
 use crate::cli::splats::RenderSplatsArgs;
-use crate::out::{ExitStatus, Printer};
+use crate::out::{ExitStatus, Printer, refusal};
 use crate::rasterizer;
 
 pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> {
@@ -18,6 +18,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         scene: scene.as_ref(),
         space: &space,
         model: args.model.as_deref(),
+        told: args.told.told(),
         cameras: args.cameras.as_deref(),
         views: &args.views,
         frames: &args.frames,
@@ -26,6 +27,15 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         out: args.out.as_deref(),
     };
     let Order { model, source, out: root, plan, timeline } = Order::of(&wanted)?;
+    let language = match &source.language {
+        None if args.language => {
+            return Err(refusal(
+                format!("{}: the model has no language features", model.display()),
+                "leave out --language: the stages fine-lang and fine-lang-discrete of 4D LangSplat alone have some",
+            ));
+        }
+        language => language.as_ref().filter(|_| args.language),
+    };
     source.notes.iter().for_each(|note| out.note(format!("{}: {note}", model.display())));
     let opened = rasterizer::open(&args.adapter.adapter)?;
     let look = Look {
@@ -54,6 +64,11 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         start.elapsed().as_secs_f64(),
     ));
     out.data(folder.manifest_path().display())?;
+    if let Some(language) = language {
+        let folder = folder.root().join("language");
+        clips::write_language(&folder, &plan, (&source.model, language), opened.rasterizer.as_ref())?;
+        out.data(folder.display())?;
+    }
     if args.preview {
         let lay_out = |widest_px| Ok(Preview::new(&folder, &plan, widest_px)?);
         let path =

@@ -7,6 +7,7 @@ use l4d_score::{Options, QuerySet, Scored, counts, score_results};
 use l4d_solve::batch::{Batch, pick};
 use l4d_solve::grounders::Grounders;
 use l4d_solve::method;
+use l4d_splat::source::Told;
 
 use super::Ablation;
 use super::grid::Variant;
@@ -68,6 +69,7 @@ fn answer(variant: &Variant, order: &Ablation<'_>, progress: &dyn Progress) -> R
         jobs: order.jobs,
         overwrite: order.overwrite,
         used_depth: false,
+        told: Told::default(),
     };
     let scenes: Vec<_> = order.exam.scenes.iter().map(|scene| scene.name.clone()).collect();
     let set = match order.exam.set {

@@ -55,6 +55,7 @@ impl Machine<'_> {
                 }
                 _ => return Err(self.fault("makes a parameter of something other than a tensor")),
             },
+            Node::Global(Global::Scalar) => self.push(Node::Scalar),
             Node::Global(_) => {
                 let message = "calls a class in a way that tensors do not need; nothing was executed";
                 return Err(self.fault(message));
@@ -107,7 +108,7 @@ impl Machine<'_> {
         let state = self.pop()?;
         let target = self.top()?;
         match (self.node(target), self.node(state)) {
-            (Node::Dict(_), Node::Dict(_) | Node::None) => Ok(()),
+            (Node::Dict(_), Node::Dict(_) | Node::None) | (Node::Scalar, Node::Tuple(_)) => Ok(()),
             (other, _) => {
                 Err(self.fault(format!("sets the state of {}; nothing was executed", other.kind())))
             }

@@ -18,6 +18,8 @@ pub(super) enum Node {
     Dict(Vec<(Id, Id)>),
     Global(Global),
     Storage(Box<Storage>),
+    /// A number of numpy, whose value is not looked at.
+    Scalar,
     /// A view of a storage, not yet checked against it.
     Tensor(Id, Box<View>),
 }
@@ -35,6 +37,7 @@ impl Node {
             Self::List => "a list",
             Self::Dict(_) => "a dict",
             Self::Global(_) => "a class or function",
+            Self::Scalar => "a number of numpy",
             Self::Storage(_) => "a storage",
             Self::Tensor(..) => "a tensor",
         }
@@ -60,6 +63,8 @@ pub(super) enum Global {
     RebuildTensor,
     /// `torch._utils._rebuild_parameter`: the tensor that is its first argument.
     RebuildParameter,
+    /// What a number of numpy is made of: its type and its bytes.
+    Scalar,
     /// `torch.FloatStorage` and its like: the type of a storage, never called.
     Storage(Element),
 }
@@ -71,6 +76,9 @@ impl Global {
             ("collections", "OrderedDict") => Self::OrderedDict,
             ("torch._utils", "_rebuild_tensor_v2") => Self::RebuildTensor,
             ("torch._utils", "_rebuild_parameter") => Self::RebuildParameter,
+            ("numpy", "dtype")
+            | ("numpy.core.multiarray" | "numpy._core.multiarray", "scalar")
+            | ("_codecs", "encode") => Self::Scalar,
             ("torch", "DoubleStorage") => Self::Storage(Element::F64),
             ("torch", "FloatStorage") => Self::Storage(Element::F32),
             ("torch", "HalfStorage") => Self::Storage(Element::F16),

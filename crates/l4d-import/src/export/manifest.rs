@@ -6,6 +6,7 @@
 use std::path::PathBuf;
 
 use l4d_data::digest::sha256_file;
+use l4d_data::reader::{EXPORT_CARD, Trained};
 use l4d_data::results::Track;
 use l4d_data::store::{FolderLock, list_folder};
 use l4d_data::{Camera, DataError, Name, Profile, Split, json};
@@ -57,6 +58,9 @@ pub struct Manifest {
     /// What the layout calls our instances, where it shows them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<Called>,
+    /// What its reader makes of it, where that shows in models.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trained: Option<Trained>,
     /// What a reader of the layout has to know, a sentence each.
     pub notes: Vec<String>,
 }
@@ -98,6 +102,7 @@ impl Manifest {
             frames: truth.unwrap_or_else(|| views.frames.clone()),
             cameras: Vec::new(),
             instances: Vec::new(),
+            trained: order.format.reader().map(|reader| reader.trained(views.frames.len())),
             notes: views.notes.clone(),
         })
     }
@@ -154,9 +159,6 @@ fn shows_depth(order: &Order<'_>, views: &SceneViews) -> bool {
     views.has_depth() && (order.format.holds_depth() || has_points_of_depth)
 }
 
-/// Name of the manifest.
-pub const MANIFEST: &str = "l4d-export.json";
-
 pub(super) struct Folder {
     manifest: PathBuf,
     _lock: FolderLock,
@@ -166,7 +168,7 @@ impl Folder {
     /// Takes possession of the folder of an order.
     pub(super) fn claim(order: &Order<'_>, views: &SceneViews) -> Result<Self, DataError> {
         let lock = FolderLock::take(order.out)?;
-        let path = order.out.join(MANIFEST);
+        let path = order.out.join(EXPORT_CARD);
         let refuse = |message: String| {
             let remedy = "choose an empty folder, or remove this one";
             Err(DataError::invalid(order.out, "folder", message, remedy))

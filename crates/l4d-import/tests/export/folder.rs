@@ -1,6 +1,7 @@
 //! Whose folder it is, what is left when an export is cut off, and which orders are refused.
 
-use l4d_import::export::{Format, HeldOut, MANIFEST, Manifest, Order, Origin, export};
+use l4d_data::reader::EXPORT_CARD;
+use l4d_import::export::{Format, HeldOut, Manifest, Order, Origin, export};
 
 use strum::IntoEnumIterator as _;
 
@@ -16,7 +17,7 @@ fn an_export_that_was_cut_off_ends_with_the_same_bytes() {
     // As a kill leaves it: some files missing, one of another content, the manifest unfinished.
     std::fs::remove_dir_all(cut.join("frame_0048")).unwrap();
     std::fs::write(cut.join("frame_0000/sparse/0/images.bin"), b"cut").unwrap();
-    let path = cut.join(MANIFEST);
+    let path = cut.join(EXPORT_CARD);
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace("\"complete\": true", "\"complete\": false")).unwrap();
     exported(&world, Format::Colmap, HeldOut::Pose, &cut);
@@ -46,13 +47,25 @@ fn the_manifest_says_what_is_what() {
     let world = World::new();
     let out = world.out("manifest");
     exported(&world, Format::Dynerf, HeldOut::Pose, &out);
-    let manifest: Manifest = serde_json::from_value(json(&out.join(MANIFEST))).unwrap();
+    let manifest: Manifest = serde_json::from_value(json(&out.join(EXPORT_CARD))).unwrap();
     assert!(manifest.complete);
     assert_eq!((manifest.scene.as_str(), manifest.format.as_str()), ("closed_form", "4dgaussians-dynerf"));
     assert_eq!(manifest.frames, world.frames());
     assert_eq!((manifest.cameras[0].called.as_str(), manifest.cameras[0].held_out), ("cam00", true));
     assert_eq!((manifest.cameras[1].name.as_str(), manifest.cameras[1].called.as_str()), ("cam00", "cam01"));
     assert!(manifest.notes.iter().any(|note| note.contains("grey pictures")));
+    // What a model of it shows: the reader counts moments by 300 and draws as the run says.
+    let trained = manifest.trained.unwrap();
+    let times: Vec<f32> = (0..world.frames().len()).map(|moment| (moment as f64 / 300.0) as f32).collect();
+    assert_eq!((trained.times, trained.sh_degree, trained.background), (times, None, None));
+
+    let out = world.out("panoptic");
+    exported(&world, Format::FourDGaussians, HeldOut::Pose, &out);
+    let trained = &json(&out.join(EXPORT_CARD))["trained"];
+    assert_eq!((&trained["reader"], &trained["sh_degree"]), (&"panoptic".into(), &0.into()));
+    assert_eq!(trained["background"], serde_json::json!([0.0, 0.0, 0.0]));
+    let count = world.frames().len() as f64;
+    assert_eq!(trained["times"][1].as_f64().map(|time| time as f32), Some((1.0 / count) as f32));
 }
 
 #[test]
@@ -65,7 +78,7 @@ fn what_comes_from_rendered_depth_is_said() {
         let says =
             exported.manifest.notes.iter().any(|note| note.contains("rendered depth: a method that learns"));
         assert_eq!((exported.manifest.depth, says), (!is_bare, !is_bare), "{format}");
-        let written: Manifest = serde_json::from_value(json(&out.join(MANIFEST))).unwrap();
+        let written: Manifest = serde_json::from_value(json(&out.join(EXPORT_CARD))).unwrap();
         assert_eq!(written.depth, !is_bare, "{format}");
     }
     // Points of a reconstruction are what a method could know itself; files of depth are not.

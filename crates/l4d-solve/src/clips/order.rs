@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::layout::WorkDir;
 use l4d_data::{Camera, DataError, Name, Rig, Split, StageError, Timeline, Workspace};
+use l4d_splat::checkpoint::foreign::Moments;
 use l4d_splat::checkpoint::own::Sampling;
-use l4d_splat::source::Source;
+use l4d_splat::source::{Source, Told};
 
 use super::{Instant, Plan, instants_at};
 
@@ -18,6 +19,8 @@ pub struct Wanted<'a> {
     pub space: &'a Workspace,
     /// The model, if not that of the scene.
     pub model: Option<&'a Path>,
+    /// What is said of a model of others.
+    pub told: Told,
     /// A file of cameras, in place of those of the scene.
     pub cameras: Option<&'a Path>,
     /// Names of the cameras; empty for all training ones.
@@ -75,7 +78,7 @@ impl Order {
             Some(_) => own().ok().flatten().unwrap_or_else(|| rig.clone()),
             None => rig.clone(),
         };
-        let source = Source::open(&model)?;
+        let source = Source::open(&model, wanted.told)?;
         let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
         let (size, camera_size) = match wanted.size {
             Some(size) => (size, rig.size()),
@@ -84,9 +87,15 @@ impl Order {
         };
         let timeline = clip.timeline();
         let cameras = chosen(rig.cameras, wanted.views)?;
+        let clip = clip.clip(space.profile());
         let instants = match wanted.times {
-            [] => instants(wanted.frames, &sampling.moments(&clip.clip(space.profile())), timeline)?,
+            [] => instants(wanted.frames, &sampling.moments(&clip), timeline)?,
             times => instants_at(times, &cameras)?,
+        };
+        // Where nothing says how its times lie in the clip, they can still be asked for as they are.
+        let source = match source.moments {
+            Some(Moments::Unknown) if !wanted.times.is_empty() => source,
+            _ => source.on(&model, timeline, &clip)?,
         };
         let plan = Plan { cameras, camera_size, size, instants };
         plan.pictures().try_for_each(|index| plan.view(index).map(drop))?;

@@ -222,7 +222,7 @@ fn decode(card: Card, degree: ShDegree, bytes: &[u8]) -> Result<Checkpoint, Faul
         }
     };
     let checkpoint = Checkpoint {
-        model: Model { gaussians, dynamic, field },
+        model: Model { gaussians, dynamic, field, moments: Vec::new() },
         iteration: card.iteration,
         scene: card.scene,
         profile: card.profile,
@@ -262,7 +262,11 @@ fn rows<const N: usize>(numbers: Vec<f32>) -> Vec<[f32; N]> {
 
 /// What holds for every checkpoint, read or written. A field checks itself when it is built.
 fn check(checkpoint: &Checkpoint) -> Result<(), Fault> {
-    let Model { gaussians, dynamic, field } = &checkpoint.model;
+    let Model { gaussians, dynamic, field, moments } = &checkpoint.model;
+    if !moments.is_empty() {
+        let message = "has other times than the clip, which this format cannot say";
+        return Err(Fault::new("model", message, "keep the files of the program that trained it"));
+    }
     check_gaussians(gaussians)?;
     let count = gaussians.len();
     let fault = |message: String| Fault::new("field `dynamic`", message, REMEDY);

@@ -17,6 +17,9 @@ use crate::gaussians::{Gaussians, ShDegree};
 const REMEDY_FOREIGN: &str =
     "export the model as the PLY of 3DGS (x, y, z, f_dc_*, f_rest_*, opacity, scale_*, rot_*)";
 
+const REMEDY_COMPRESSED: &str =
+    "export it as PLY without compression, or convert it: `splat-transform IN OUT.ply`";
+
 /// Reads a PLY file.
 ///
 /// # Errors
@@ -43,6 +46,13 @@ pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
     let vertex = file.elements().iter().find(|element| element.name == "vertex").ok_or_else(|| {
         Fault::new("header", "has no element `vertex`, in which Gaussians are stored", REMEDY_FOREIGN)
     })?;
+    if vertex.get_property("packed_position").is_some() {
+        return Err(Fault::new(
+            "header",
+            "is that of a compressed PLY, which is not read",
+            REMEDY_COMPRESSED,
+        ));
+    }
     let degree = degree_of(vertex)?;
     let names = parameter_names(degree);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
@@ -58,6 +68,32 @@ pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
         Ok(())
     })?;
     Ok(gaussians)
+}
+
+/// Language features of 4D LangSplat: the columns `f_lang_*` row by row, and how many there are.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn read_language(path: &Path) -> Result<(Vec<f32>, usize), DataError> {
+    let bytes = read_bounded(path, MAX_BYTES)?;
+    let decode = || {
+        let file = Ply::open(&bytes)?;
+        let vertex = file.elements().iter().find(|element| element.name == "vertex");
+        let properties = vertex.into_iter().flat_map(|vertex| &vertex.properties);
+        let count = properties.filter(|property| property.name.starts_with("f_lang_")).count();
+        let names: Vec<String> = (0..count).map(|index| format!("f_lang_{index}")).collect();
+        let mut values = Vec::new();
+        file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
+            if let Some(value) = row.iter().find(|value| !value.is_finite()) {
+                let place = format!("Gaussian {index}, properties `f_lang_*`");
+                return Err(Fault::new(place, format!("have {value}"), REMEDY_NOT_FINITE));
+            }
+            values.extend_from_slice(row);
+            Ok(())
+        })?;
+        Ok((values, count))
+    };
+    decode().map_err(|fault: Fault| fault.at(path))
 }
 
 /// Gaussians as the bytes of a PLY file: binary little endian, normals zero, the properties in the order of 3DGS.

@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use l4d_data::scene::Scene;
-use l4d_data::{Camera, DataError, Name, Split};
+use l4d_data::{Camera, DataError, Name, Split, Timeline};
 use l4d_frames::Display;
 use l4d_frames::exr::read_frame;
 
@@ -10,7 +10,7 @@ use super::{Order, Result, plain};
 use crate::Model;
 use crate::clip::Moment;
 use crate::model::time_of_frame;
-use crate::source::Source;
+use crate::source::{Source, Told};
 use crate::synthetic::Room;
 use crate::view::View;
 
@@ -59,8 +59,9 @@ impl Subject {
         let dir = space.scene(name);
         let scene = Scene::read(&dir.scene())?;
         let default = || space.work(name).splats();
-        let source = Source::open(&order.model.clone().unwrap_or_else(default))?;
+        let path = order.model.clone().unwrap_or_else(default);
         let all_frames: Vec<u32> = profile.frames().collect();
+        let source = Source::open(&path, Told::default())?.on(&path, Timeline::CANONICAL, &all_frames)?;
         let frames = evenly(&all_frames, order.times);
         let held_out = scene.cameras.iter().filter(|camera| camera.split == Split::Test);
         let training: Vec<Camera> =

@@ -1,15 +1,20 @@
 use std::fs;
 use std::path::Path;
 
-use l4d_data::json;
+use l4d_data::reader::Reader;
+use l4d_data::{DataError, json};
 use l4d_splat::Gaussians;
-use l4d_splat::checkpoint::foreign::{self, Save, Stage};
+use l4d_splat::checkpoint::foreign::{self, ForeignModel, Moments, Save, Stage, Told};
 use l4d_splat::checkpoint::ply;
 use l4d_splat::deform::{DeformConfig, TimeAxis};
-use l4d_splat::gaussians::FIELDS;
+use l4d_splat::gaussians::{FIELDS, ShDegree};
 use serde_json::Value;
 
 use super::{digest, fixture};
+
+fn read(folder: impl AsRef<Path>) -> Result<ForeignModel, DataError> {
+    foreign::read(folder.as_ref(), Told::default())
+}
 
 const SAVE: Save = Save { stage: Stage::Fine, iteration: 7 };
 
@@ -36,7 +41,7 @@ fn config() -> DeformConfig {
 
 #[test]
 fn a_model_folder_is_read_to_the_last_bit() {
-    let model = foreign::read(&fixture("model")).unwrap();
+    let model = read(fixture("model")).unwrap();
     assert_eq!(model.save, SAVE);
     assert_eq!(model.field.config(), &config());
     assert_eq!(model.notes, Vec::<String>::new());
@@ -68,7 +73,7 @@ fn the_newest_fine_save_is_read_by_default() {
     {
         copy_folder(&clouds.join("iteration_7"), &clouds.join(name));
     }
-    let newest = || foreign::read(folder.path()).map(|model| (model.save, model.drawn_field().is_some()));
+    let newest = || read(folder.path()).map(|model| (model.save, model.drawn_field().is_some()));
     assert_eq!(newest().unwrap(), (Save { stage: Stage::Fine, iteration: 14000 }, true));
     for save in ["iteration_7", "iteration_500", "iteration_14000"] {
         fs::remove_dir_all(clouds.join(save)).unwrap();
@@ -77,7 +82,7 @@ fn the_newest_fine_save_is_read_by_default() {
     assert_eq!(newest().unwrap(), (coarse, false), "the coarse stage is drawn without the field");
     fs::remove_dir_all(clouds.join("coarse_iteration_3000")).unwrap();
     assert!(newest().unwrap_err().to_string().contains("holds no save"));
-    let elsewhere = foreign::read(&clouds).unwrap_err();
+    let elsewhere = read(&clouds).unwrap_err();
     assert!(elsewhere.to_string().contains("folder `point_cloud`: is missing"), "{elsewhere}");
     assert!(elsewhere.hint().unwrap().contains("cfg_args"), "{elsewhere:?}");
 }
@@ -90,7 +95,7 @@ fn options_that_the_parameters_contradict_are_named() {
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replace(from, to)).unwrap();
-        foreign::read(folder.path()).unwrap_err().to_string()
+        read(folder.path()).unwrap_err().to_string()
     };
     for (from, to, why) in [
         (
@@ -125,7 +130,7 @@ fn options_of_older_runs_stand_at_their_defaults() {
     let folder = copied();
     let path = folder.path().join("cfg_args");
     fs::write(&path, "Namespace(multires=[1, 2])").unwrap();
-    let model = foreign::read(folder.path()).unwrap();
+    let model = read(folder.path()).unwrap();
     assert_eq!(model.field.config(), &DeformConfig { no_do: true, no_dshs: true, ..config() });
 }
 
@@ -139,15 +144,15 @@ fn files_that_do_not_belong_together_are_named() {
     let low = Gaussians { sh_degree, sh: original.sh[..20].to_vec(), ..original };
     ply::write(&save.join("point_cloud.ply"), &low).unwrap();
     let options = fs::read_to_string(folder.path().join("cfg_args")).unwrap();
-    let error = foreign::read(folder.path()).unwrap_err().to_string();
+    let error = read(folder.path()).unwrap_err().to_string();
     assert!(error.contains("changes 16 coefficients a channel, but point_cloud.ply has 4"), "{error}");
     fs::write(folder.path().join("cfg_args"), options.replace("no_dshs=False", "no_dshs=True")).unwrap();
-    assert_eq!(foreign::read(folder.path()).unwrap().gaussians, low);
+    assert_eq!(read(folder.path()).unwrap().gaussians, low);
 
     for file in ["point_cloud.ply", "deformation.pth"] {
         let folder = copied();
         fs::remove_file(folder.path().join("point_cloud/iteration_7").join(file)).unwrap();
-        assert!(foreign::read(folder.path()).unwrap_err().to_string().contains(file));
+        assert!(read(folder.path()).unwrap_err().to_string().contains(file));
     }
 }
 
@@ -167,7 +172,7 @@ fn with_state_dict(from: &str, to: &str) -> Result<Vec<String>, String> {
     let directory = file.windows(4).position(|window| window == b"PK\x01\x02").unwrap();
     file[directory + 16..directory + 20].copy_from_slice(&checksum);
     fs::write(&path, file).unwrap();
-    foreign::read(folder.path()).map(|model| model.notes).map_err(|error| error.to_string())
+    read(folder.path()).map(|model| model.notes).map_err(|error| error.to_string())
 }
 
 fn crc32(bytes: &[u8]) -> [u8; 4] {
@@ -194,10 +199,119 @@ fn a_folder_with_a_cut_file_is_refused_by_its_name() {
         let whole = fs::read(&path).unwrap();
         for share in 0..4 {
             fs::write(&path, &whole[..whole.len() * share / 4]).unwrap();
-            let error = foreign::read(folder.path()).unwrap_err().to_string();
+            let error = read(folder.path()).unwrap_err().to_string();
             assert!(error.contains(file), "{error}");
         }
     }
+}
+
+/// What an export says beside the data, with the times of its reader.
+fn export(frames: &[u32], reader: Option<Reader>) -> String {
+    let trained = reader.map(|reader| reader.trained(frames.len()));
+    let card = serde_json::json!({
+        "schema": "l4d/export/1", "complete": true, "scene": "wall", "profile": "tiny", "format": "4dgaussians",
+        "held_out": "pose", "depth": true, "scene_sha256": "", "frames": frames, "cameras": [], "trained": trained,
+        "notes": [],
+    });
+    card.to_string()
+}
+
+#[test]
+fn the_export_says_when_moments_were_and_how_they_were_drawn() {
+    let folder = copied();
+    let options = fs::read_to_string(folder.path().join("cfg_args")).unwrap();
+    let untouched = read(folder.path()).unwrap();
+    assert_eq!((&untouched.moments, untouched.background), (&Moments::Unknown, Some([1.0; 3])));
+
+    // The path as it was typed, relative to the folder above `output`.
+    let output = folder.path().join("output/wall");
+    copy_folder(&fixture("model"), &output);
+    fs::write(output.join("cfg_args"), options.replace(r#""/data/it's here""#, "'data/wall'")).unwrap();
+    let data = folder.path().join("data/wall");
+    fs::create_dir_all(&data).unwrap();
+    fs::write(data.join("l4d-export.json"), export(&[0, 48, 96], Some(Reader::Panoptic))).unwrap();
+    let model = read(&output).unwrap();
+    assert_eq!(model.moments, Moments::Listed(vec![0, 48, 96], vec![0.0, 1.0 / 3.0, 2.0 / 3.0]));
+    assert_eq!((model.background, model.gaussians.sh_degree), (Some([0.0; 3]), ShDegree::ZERO));
+    assert_eq!(model.field.config().sh_coefficients, 1);
+    assert!(model.notes.concat().contains("cfg_args says another background"), "{:?}", model.notes);
+    let (path, export_card) = model.export.unwrap();
+    assert_eq!((path, export_card.depth), (data.join("l4d-export.json"), true));
+    // What is left are the rows of the first coefficient.
+    let (cut, whole) = (model.field.tensors(), untouched.field.tensors());
+    let bias = "deformation_net.shs_deform.3.bias";
+    assert_eq!(cut[bias].data, whole[bias].data[..3]);
+
+    // A user knows better, and an older export says nothing.
+    let told = Told { reader: Some(Reader::Dynerf), sh_degree: ShDegree::new(2) };
+    let model = foreign::read(&output, told).unwrap();
+    assert_eq!(model.moments, Moments::Listed(vec![0, 48, 96], Reader::Dynerf.trained(3).times));
+    assert_eq!((model.background, model.gaussians.sh_degree.get()), (Some([1.0; 3]), 2));
+    fs::write(data.join("l4d-export.json"), export(&[0, 48, 96], None)).unwrap();
+    assert_eq!(read(&output).unwrap().moments, Moments::Unknown);
+    let counted =
+        foreign::read(folder.path(), Told { reader: Some(Reader::Panoptic), ..Told::default() }).unwrap();
+    assert_eq!(counted.moments, Moments::Counted(Reader::Panoptic));
+
+    // A copy beside the options counts first; damage is named.
+    fs::write(output.join("l4d-export.json"), export(&[0, 96], Some(Reader::Dynerf))).unwrap();
+    assert_eq!(read(&output).unwrap().moments, Moments::Listed(vec![0, 96], vec![0.0, 1.0 / 300.0]));
+    fs::write(
+        output.join("l4d-export.json"),
+        export(&[0, 96], Some(Reader::Dynerf)).replace("[0,96]", "[0]"),
+    )
+    .unwrap();
+    let error = read(&output).unwrap_err().to_string();
+    assert!(
+        error.contains("l4d-export.json") && error.contains("has not one time from 0 to 1 for each"),
+        "{error}"
+    );
+}
+
+#[test]
+fn colours_that_never_learned_directions_are_noticed() {
+    let folder = copied();
+    let path = folder.path().join("point_cloud/iteration_7/point_cloud.ply");
+    let mut gaussians = ply::read(&path).unwrap();
+    gaussians.sh.chunks_mut(16).for_each(|sh| sh[1..].fill([0.0; 3]));
+    ply::write(&path, &gaussians).unwrap();
+    let notes = read(folder.path()).unwrap().notes.concat();
+    assert!(notes.contains("say --reader panoptic"), "{notes}");
+    let told = Told { reader: Some(Reader::Panoptic), ..Told::default() };
+    let notes = foreign::read(folder.path(), told).unwrap().notes.concat();
+    assert!(!notes.contains("say --reader panoptic"), "{notes}");
+}
+
+#[test]
+fn stages_of_4d_langsplat_are_read_with_what_their_gaussians_mean() {
+    let expected: Value = json::read(&fixture("trainers/language.json")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    copy_folder(&fixture("trainers/language"), folder.path());
+    let newest = |stage: &str| {
+        let model = read(folder.path()).unwrap();
+        assert_eq!(model.save.to_string(), format!("{stage}_iteration_10000"));
+        let found = model.language.unwrap().at(&model.gaussians.means, 0.25).unwrap();
+        let expected: Vec<f64> = expected[stage]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|row| row.as_array().unwrap())
+            .map(|value| value.as_f64().unwrap())
+            .collect();
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((f64::from(*found) - expected).abs() < 1e-5, "{stage}: {found} instead of {expected}");
+        }
+        assert_eq!(model.gaussians, read(fixture("model")).unwrap().gaussians);
+    };
+    newest("fine-lang-discrete");
+    fs::remove_dir_all(folder.path().join("point_cloud/fine-lang-discrete_iteration_10000")).unwrap();
+    newest("fine-lang");
+    // As its options say where `lang_deform` is used.
+    let options = fs::read_to_string(folder.path().join("cfg_args")).unwrap();
+    fs::write(folder.path().join("cfg_args"), options.replace("no_dlang=1", "no_dlang=0")).unwrap();
+    let model = read(folder.path()).unwrap();
+    assert!(model.language.is_none() && model.notes.concat().contains("lang_deform"), "{:?}", model.notes);
 }
 
 fn copied() -> tempfile::TempDir {

@@ -11,11 +11,16 @@ use serde_json::{Value, json};
 use super::fixture;
 
 fn checkpoint() -> Checkpoint {
-    let model = foreign::read(&fixture("model")).unwrap();
+    let model = foreign::read(&fixture("model"), foreign::Told::default()).unwrap();
     let moments = Tensor { shape: vec![5, 3], data: (0..15).map(|place| 0.1 * place as f32).collect() };
     let Value::Object(values) = json!({"seed": 7, "stage": "fine"}) else { unreachable!() };
     Checkpoint {
-        model: Model { gaussians: model.gaussians, dynamic: vec![0, 2, 3], field: Some(model.field) },
+        model: Model {
+            gaussians: model.gaussians,
+            dynamic: vec![0, 2, 3],
+            field: Some(model.field),
+            ..Model::default()
+        },
         iteration: 1200,
         scene: Some(Name::new("room_living_cats").unwrap()),
         profile: Some(Profile::Small),

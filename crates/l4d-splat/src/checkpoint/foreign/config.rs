@@ -24,13 +24,9 @@ const REMEDY_UNSUPPORTED: &str = "train without this option: no configuration of
 ///
 /// Sizes come from the shapes of the parameters, multipliers and switches from the options.
 pub(super) fn derive(options: &Options, tensors: &BTreeMap<String, Tensor>) -> Result<DeformConfig, Fault> {
-    for unsupported in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation"] {
+    for unsupported in ["no_grid", "empty_voxel", "static_mlp", "apply_rotation", "antialiasing"] {
         if options.switch(unsupported, false)? {
-            return Err(options.fault(
-                unsupported,
-                "is on, and this field computes something else",
-                REMEDY_UNSUPPORTED,
-            ));
+            return Err(options.fault(unsupported, "is on, which is not computed here", REMEDY_UNSUPPORTED));
         }
     }
     for (option, most) in [("grid_pe", 0), ("defor_depth", 1)] {
@@ -99,6 +95,19 @@ impl Options {
 
     fn get(&self, name: &str) -> Option<&Literal> {
         self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+
+    /// A string, if there is one.
+    pub(super) fn text(&self, name: &str) -> Option<&str> {
+        match self.get(name)? {
+            Literal::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// Whether an option is there and on, True or a number: what 4D LangSplat means by `no_dlang`.
+    pub(super) fn is_on(&self, name: &str) -> bool {
+        matches!(self.get(name), Some(Literal::Bool(true) | Literal::Int(1..)))
     }
 
     /// What shows where nothing is, display colour.

@@ -1,0 +1,136 @@
+//! Models of other programs that were trained on our exports: drawn as their originals draw them, at the right times.
+
+use std::path::PathBuf;
+
+use glam::{DMat4, DVec3};
+use l4d_data::{Camera, Split};
+use l4d_formats::npy;
+use l4d_testing::{SIZE, flat, name, scene, write_scene};
+
+use crate::support::{Dir, copy, root};
+
+const RENDER: &str = "render-splats wall --profile tiny --views cam01 --frames 0,48,96";
+const FRAMES: [&str; 3] = ["0000", "0048", "0096"];
+
+/// A folder with the scene `wall` in profile tiny, its exports below `data/`, and below `output/` a model for each as
+/// 4DGaussians leaves it that was started there: two dozen moving Gaussians about the origin.
+fn folder() -> Dir {
+    let dir = Dir::new();
+    let camera = |number: u32| {
+        let split = if number == 1 { Split::Test } else { Split::Train };
+        let pose = DMat4::from_translation(DVec3::new(f64::from(number) - 1.0, 0.25, -6.0));
+        Camera { split, ..Camera::new(name(format!("cam{number:02}")), SIZE, 140.0, pose) }
+    };
+    let scene = scene("wall", (0..3).map(camera).collect(), Vec::new());
+    write_scene(&dir.path("data/tiny"), scene, |camera, _| {
+        let mut picture = flat(|_, _| 0);
+        picture.surfaces.depth_m.fill(2.0);
+        (camera.split == Split::Train).then_some(picture)
+    });
+    for (reader, format) in [("panoptic", "4dgaussians"), ("dynerf", "4dgaussians-dynerf")] {
+        dir.succeed(format!("export wall --profile tiny --format {format} --out data/{reader}"));
+        model(&dir, reader);
+    }
+    dir
+}
+
+fn model(dir: &Dir, reader: &str) {
+    let output = format!("output/{reader}");
+    copy(&root().join("crates/l4d-splat/tests/fixtures/checkpoint/trainers/moving"), &dir.path(&output));
+    dir.edit(&format!("{output}/cfg_args"), r#""/data/it's here""#, &format!("'data/{reader}'"));
+}
+
+fn data() -> PathBuf {
+    root().join("tests/data/foreign")
+}
+
+/// Largest and mean difference of the pictures in a folder of clips from those that the original's equations give.
+fn difference(dir: &Dir, reader: &str, clips: &str) -> (u8, f64) {
+    let mut differences = Vec::new();
+    for frame in FRAMES {
+        let read = |path: PathBuf| image::open(path).unwrap().to_rgb8().into_raw();
+        let ours = read(dir.path(format!("{clips}/cam01/{frame}.png")));
+        let theirs = read(data().join(format!("{reader}_{frame}.png")));
+        assert_eq!(ours.len(), theirs.len());
+        differences.extend(ours.iter().zip(theirs).map(|(ours, theirs)| ours.abs_diff(theirs)));
+    }
+    let mean = differences.iter().map(|one| f64::from(*one)).sum::<f64>() / differences.len() as f64;
+    (differences.into_iter().max().unwrap(), mean / 255.0)
+}
+
+#[test]
+fn models_trained_on_exports_are_drawn_as_their_originals_draw_them() {
+    let dir = folder();
+    for reader in ["panoptic", "dynerf"] {
+        let run = dir.succeed(format!("{RENDER} --model output/{reader} --out {reader}"));
+        let (largest, mean) = difference(&dir, reader, reader);
+        assert!(largest <= 1 && mean <= 1e-3, "{reader}: {largest} of 255, mean {mean}\n{run}");
+        assert!(run.stderr.contains(&format!("data/{reader}/l4d-export.json")), "{run}");
+        let warns =
+            run.stderr.contains("cfg_args says another background than the reader panoptic draws over");
+        assert_eq!(warns, reader == "panoptic", "{run}");
+        let manifest = dir.value(&format!("{reader}/manifest.json"));
+        assert_eq!(manifest["drawn"]["model"]["scene"], "wall");
+    }
+}
+
+#[test]
+fn what_a_model_does_not_say_is_asked_for() {
+    let dir = folder();
+    dir.rename("data/panoptic", "elsewhere");
+    let stray = format!("{RENDER} --model output/panoptic");
+    dir.refuses(format!("{stray} --out asked"), &["nothing says at which times", "--reader panoptic"]);
+    assert!(!dir.path("asked").exists());
+    dir.refuses("query wall 'the red ball' --profile tiny --splats output/panoptic", &["--reader panoptic"]);
+    // By a flag, by a copy of the card, and by hand.
+    dir.succeed(format!("{stray} --reader panoptic --out flag"));
+    assert!(difference(&dir, "panoptic", "flag").0 <= 1);
+    std::fs::copy(dir.path("elsewhere/l4d-export.json"), dir.path("output/panoptic/l4d-export.json"))
+        .unwrap();
+    dir.succeed(format!("{stray} --out card"));
+    assert!(difference(&dir, "panoptic", "card").0 <= 1);
+    dir.remove("output/panoptic/l4d-export.json");
+    let by_hand = "--times 0,0.44444445,0.8888889 --sh-degree 0 --background black";
+    dir.succeed(format!(
+        "render-splats wall --profile tiny --views cam01 --model output/panoptic {by_hand} --out hand"
+    ));
+    for (time, frame) in ["t0.000000", "t0.444444", "t0.888889"].into_iter().zip(FRAMES) {
+        assert_eq!(
+            dir.bytes(&format!("hand/cam01/{time}.png")),
+            dir.bytes(&format!("flag/cam01/{frame}.png"))
+        );
+    }
+}
+
+#[test]
+fn latents_of_4d_langsplat_are_blended_like_colours() {
+    let dir = folder();
+    copy(
+        &root().join("crates/l4d-splat/tests/fixtures/checkpoint/trainers/language"),
+        &dir.path("output/language"),
+    );
+    let render = format!("{RENDER} --reader dynerf --language");
+    dir.succeed(format!("{render} --model output/language --out language"));
+    let latents = npy::decode::<f32>(&dir.bytes("language/language/cam01/00002.npy")).unwrap();
+    let latents = latents.into_numbers().unwrap();
+    assert_eq!(latents.shape, [96, 128, 2]);
+    assert!(latents.data.as_chunks::<2>().0.iter().any(|[x, y]| x.hypot(*y) > 0.5));
+    // No latent is longer than what is filled of its pixel.
+    let longest = latents.data.as_chunks::<2>().0.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f32::max);
+    assert!(longest <= 1.0 + 1e-5, "{longest}");
+    let without = format!("{render} --model output/dynerf --out none");
+    dir.refuses(without, &["the model has no language features", "fine-lang-discrete"]);
+    assert!(!dir.path("none").exists());
+}
+
+#[test]
+fn moments_that_a_model_did_not_see_are_not_made_up() {
+    let dir = folder();
+    dir.remove("data/panoptic");
+    dir.succeed("export wall --profile tiny --format 4dgaussians --frames 24,36,48 --out data/panoptic");
+    let render =
+        |more: &str| dir.run(format!("render-splats wall --profile tiny --model output/panoptic {more}"));
+    render("--frames 24,40,48 --out seen").says(0, &[]);
+    render("--frames 60 --out beyond").says(2, &["saw the clip from 0.25 to 0.5 alone"]);
+    render("--out whole").says(2, &["saw the clip from 0.25 to 0.5 alone"]);
+}
