@@ -1,6 +1,8 @@
 //! Results that somebody sends to do harm: `l4d check-results` and `l4d score` tell what is wrong, in bounded time and
 //! memory, and touch nothing outside.
 
+mod inputs;
+
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::File;

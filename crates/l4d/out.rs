@@ -9,6 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use l4d_data::error::{inert, inert_lines};
 use l4d_data::{DataError, Progress, Report, StageError};
 use l4d_endpoint::EndpointError;
 use serde::Serialize;
@@ -49,7 +50,7 @@ pub(crate) fn not_built_in(what: &str, feature: &str) -> anyhow::Error {
     )
 }
 
-/// The one place that writes to the terminal.
+/// The one place that writes to the terminal, and nothing that steers it.
 #[derive(Debug)]
 pub(crate) struct Printer {
     quiet: bool,
@@ -63,7 +64,7 @@ impl Printer {
 
     /// One line of data.
     pub(crate) fn data(&self, line: impl Display) -> Result<(), DataError> {
-        let written = writeln!(io::stdout().lock(), "{line}");
+        let written = writeln!(io::stdout().lock(), "{}", inert_lines(&line.to_string()));
         written.map_err(|source| DataError::io(Path::new("standard output"), "write", source))
     }
 
@@ -76,13 +77,13 @@ impl Printer {
     /// One line of talk.
     pub(crate) fn note(&self, line: impl Display) {
         if !self.quiet {
-            self.talk(format_args!("{line}"));
+            self.talk(inert_lines(&line.to_string()));
         }
     }
 
     /// A warning; shown even when quiet.
     pub(crate) fn warn(&self, line: impl Display) {
-        self.talk(format_args!("warning: {line}"));
+        self.talk(inert(&format!("warning: {line}")));
     }
 
     fn talk(&self, line: impl Display) {
@@ -148,9 +149,9 @@ impl Printer {
     /// The error chain on one line, then the hint.
     pub(crate) fn failure(&self, error: &anyhow::Error) {
         let mut stderr = io::stderr().lock();
-        writeln!(stderr, "error: {error:#}").ok();
+        writeln!(stderr, "error: {}", inert_lines(&format!("{error:#}"))).ok();
         if let Some(hint) = hint_of(error) {
-            writeln!(stderr, "\nhint: {hint}").ok();
+            writeln!(stderr, "\nhint: {}", inert_lines(&hint)).ok();
         }
     }
 }
@@ -171,7 +172,7 @@ impl Progress for Printer {
     }
 
     fn item(&self, name: &dyn Display) {
-        self.bar().set_message(name.to_string());
+        self.bar().set_message(inert(&name.to_string()));
     }
 
     fn advance(&self, steps: u64) {
@@ -228,13 +229,13 @@ pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// What the user can do about an error.
 pub(crate) fn hint_of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
-        let refusal = cause.downcast_ref::<StageError>().and_then(|error| error.hint().map(str::to_owned));
-        let data = || cause.downcast_ref::<DataError>().and_then(DataError::hint);
-        let endpoint = || cause.downcast_ref::<EndpointError>().map(EndpointError::hint);
+        let refusal = cause.downcast_ref::<StageError>().map(|error| error.hint().to_owned());
+        let data = || cause.downcast_ref::<DataError>().map(|error| error.hint().to_owned());
+        let endpoint = || cause.downcast_ref::<EndpointError>().map(|error| error.hint().to_owned());
         let board = || hint_of_board(cause);
         let system = || {
             let kind = cause.downcast_ref::<io::Error>()?.kind();
-            DataError::io(Path::new(""), "", kind.into()).hint()
+            Some(DataError::io(Path::new(""), "", kind.into()).hint().to_owned())
         };
         refusal.or_else(data).or_else(endpoint).or_else(board).or_else(system)
     })
@@ -243,7 +244,7 @@ pub(crate) fn hint_of(error: &anyhow::Error) -> Option<String> {
 #[cfg(feature = "board")]
 fn hint_of_board(cause: &(dyn Error + 'static)) -> Option<String> {
     match cause.downcast_ref()? {
-        l4d_board::BoardError::Data(error) => error.hint(),
+        l4d_board::BoardError::Data(error) => Some(error.hint().to_owned()),
         _ => None,
     }
 }

@@ -28,18 +28,14 @@ pub enum AnnotateError {
 }
 
 impl AnnotateError {
-    /// What to do about it, where it does not carry a [`DataError`].
-    pub fn hint(&self) -> Option<String> {
+    /// What to do about it.
+    pub fn hint(&self) -> &str {
         match self {
             Self::Data(error) => error.hint(),
-            Self::NoTerminal(_) => {
-                Some("run the command in a terminal window, or over ssh with `ssh -t`".to_owned())
-            }
-            Self::DumbTerminal(_) => {
-                Some("set TERM to what the terminal is, for example xterm-256color".to_owned())
-            }
+            Self::NoTerminal(_) => "run the command in a terminal window, or over ssh with `ssh -t`",
+            Self::DumbTerminal(_) => "set TERM to what the terminal is, for example xterm-256color",
             Self::Terminal(_) | Self::Signal(_) | Self::PainterDied => {
-                Some("run the command again: it goes on where it stopped".to_owned())
+                "run the command again: it goes on where it stopped"
             }
         }
     }
@@ -53,5 +49,5 @@ pub(crate) fn in_full(error: &DataError) -> String {
         text = format!("{text}: {error}");
         cause = error.source();
     }
-    error.hint().map_or(text.clone(), |hint| format!("{text}; {hint}"))
+    format!("{text}; {}", error.hint())
 }

@@ -60,7 +60,7 @@ fn describe(planned: &PlannedScene) -> Result<Scene> {
     let mut scene = planned.plan.tracks.scene(settings.profile, generator);
     // As the workers placed them.
     for camera in &mut scene.cameras {
-        *camera = planned.dir.read_view_card(&camera.name)?;
+        *camera = planned.dir.read_view_card(&camera.name)?.camera;
     }
     Ok(scene)
 }
@@ -83,7 +83,7 @@ pub(crate) fn commit<T: Serialize>(
     update: bool,
     report: &mut Report,
 ) -> Result<()> {
-    let text = serde_json::to_string(document).map_err(|error| StageError::of(&error, None))? + "\n";
+    let text = serde_json::to_string(document)? + "\n";
     match std::fs::read(path) {
         Ok(standing) if standing == text.as_bytes() => Ok(()),
         Ok(_) if !update => {

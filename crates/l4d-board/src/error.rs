@@ -1,6 +1,6 @@
 //! Why a board could not be made.
 
-use l4d_data::DataError;
+use l4d_data::{DataError, StageError};
 
 /// A refusal of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +27,22 @@ pub enum BoardError {
     /// A file could not be read or written.
     #[error(transparent)]
     Data(#[from] DataError),
+}
+
+impl From<BoardError> for StageError {
+    fn from(error: BoardError) -> Self {
+        let hint = match &error {
+            BoardError::NoMethods => {
+                "run `l4d score` first, or name the folder of scores; what `--protocol` wrote is never ranked"
+            }
+            BoardError::NoneHere { .. } => {
+                "choose the --profile and --bench that the scores were made with, or run `l4d score` again"
+            }
+            BoardError::Render { .. } => "run `l4d score` again, or show fewer methods",
+            BoardError::Data(error) => error.hint(),
+        };
+        Self::of(&error, hint)
+    }
 }
 
 impl BoardError {

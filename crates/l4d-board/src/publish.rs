@@ -16,9 +16,10 @@ use crate::{latex, layout, markdown, tables};
 /// # Errors
 /// What polars, plotters or the disk refuses.
 pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
-    let document = serde_json::to_vec(board).map_err(|error| BoardError::render("board.json", error))?;
+    let mut document = serde_json::to_vec(board).map_err(|error| BoardError::render("board.json", error))?;
+    document.push(b'\n');
     let mut files = vec![
-        ("board.json".to_owned(), [document, b"\n".to_vec()].concat()),
+        ("board.json".to_owned(), document),
         ("leaderboard.csv".to_owned(), tables::leaderboard(board)?),
         ("per_category.csv".to_owned(), tables::per_group(board, "category")?),
         ("per_scale.csv".to_owned(), tables::per_group(board, "scale")?),

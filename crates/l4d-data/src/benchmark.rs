@@ -8,9 +8,9 @@ use crate::digest::{sha256_file, sha256_hex};
 use crate::error::DataError;
 use crate::layout::BenchDir;
 use crate::name::Name;
-use crate::query::{Query, read_absents, read_queries};
-use crate::store::read_bounded;
+use crate::query::{Query, QuerySet, read_absents, read_queries};
 use crate::timeline::Profile;
+use crate::toml_file;
 use crate::tracks::Tracks;
 use crate::truth::Truth;
 
@@ -90,12 +90,7 @@ impl Benchmark {
     /// A manifest that is missing or damaged.
     pub fn open(root: impl Into<PathBuf>) -> Result<Self, DataError> {
         let dir = BenchDir::new(root);
-        let path = dir.manifest();
-        let bytes = read_bounded(&path, 1 << 20)?;
-        let manifest: Manifest = std::str::from_utf8(&bytes)
-            .map_err(|error| error.to_string())
-            .and_then(|text| toml::from_str(text).map_err(|error| error.to_string()))
-            .map_err(|message| DataError::format(&path, "manifest", message))?;
+        let manifest = toml_file::read(&dir.manifest(), "see docs/formats.md for the fields of a benchmark")?;
         Ok(Self { dir, manifest })
     }
 
@@ -151,6 +146,18 @@ impl Benchmark {
     pub fn absents(&self, scene: &Name) -> Result<Vec<Query>, DataError> {
         let path = self.dir.absents(scene);
         if path.exists() { read_absents(&path, scene) } else { Ok(Vec::new()) }
+    }
+
+    /// Queries of a set of a scene.
+    ///
+    /// # Errors
+    /// A file of queries that is missing or damaged.
+    pub fn asked(&self, set: QuerySet, scene: &Name) -> Result<Vec<Query>, DataError> {
+        match set {
+            QuerySet::Queries => self.queries(scene),
+            QuerySet::Composites => self.composites(scene),
+            QuerySet::Absents => self.absents(scene),
+        }
     }
 
     /// Truth of a scene.

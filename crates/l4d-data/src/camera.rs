@@ -7,7 +7,12 @@ use std::collections::BTreeSet;
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
 
+use crate::json::Document;
 use crate::name::Name;
+use crate::timeline::{FRAME_COUNT, is_per_clip};
+
+/// Schema tag of `view.json`.
+const VIEW_SCHEMA: &str = "l4d/view/1";
 
 /// Whether a method may train on a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -37,6 +42,40 @@ pub struct Camera {
     pub cy: f64,
     /// Row-major 4x4 poses, metres: one (static camera) or one per canonical frame.
     pub world_from_camera: Vec<[f64; 16]>,
+}
+
+/// `view.json`: what the frames beside it were rendered with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ViewCard {
+    /// [`VIEW_SCHEMA`].
+    pub schema: String,
+    /// Columns of the pictures, pixels.
+    pub width: u32,
+    /// Rows of the pictures, pixels.
+    pub height: u32,
+    /// From where.
+    #[serde(flatten)]
+    pub camera: Camera,
+}
+
+impl ViewCard {
+    /// That of a camera, for pictures of `[width, height]`.
+    pub fn new(camera: Camera, [width, height]: [u32; 2]) -> Self {
+        Self { schema: VIEW_SCHEMA.to_owned(), width, height, camera }
+    }
+}
+
+impl Document for ViewCard {
+    const SCHEMA: &'static str = VIEW_SCHEMA;
+    const REMEDY: &'static str = "remove the frames of the view and run `l4d build-scenes` again";
+
+    fn schema(&self) -> &str {
+        &self.schema
+    }
+
+    fn problem(&self) -> Option<(String, String)> {
+        Some((format!("camera {}", self.camera.name), self.camera.problem()?))
+    }
 }
 
 impl Camera {
@@ -118,6 +157,21 @@ pub(crate) fn cameras_problem(cameras: &[Camera]) -> Option<(String, String)> {
     })
 }
 
+/// The same for the views of a rendered scene, of which one is held out.
+pub(crate) fn rendered_problem(cameras: &[Camera]) -> Option<(String, String)> {
+    let tests = cameras.iter().filter(|camera| camera.split == Split::Test).count();
+    let restless = cameras.iter().find(|camera| !is_per_clip(&camera.world_from_camera));
+    cameras_problem(cameras)
+        .or_else(|| {
+            let message = format!("{tests} views are held out, but exactly one is");
+            (tests != 1).then(|| ("field `cameras`".to_owned(), message))
+        })
+        .or_else(|| {
+            let message = format!("field `world_from_camera` has neither 1 pose nor {FRAME_COUNT}");
+            restless.map(|camera| (format!("camera {}", camera.name), message))
+        })
+}
+
 /// The pose of a camera at `eye` that looks at `target`, world +Z up in the picture.
 pub fn looking_at(eye: DVec3, target: DVec3) -> DMat4 {
     let forward = (target - eye).normalize();
@@ -137,11 +191,12 @@ pub fn from_rows(numbers: &[f64; 16]) -> DMat4 {
 
 /// Whether a pose is a rotation and a translation: neither mirrored nor scaled, and finite.
 pub fn is_rigid(pose: &DMat4) -> bool {
-    let rotation = DMat3::from_mat4(*pose);
-    pose.is_finite()
-        && (rotation.transpose() * rotation).abs_diff_eq(DMat3::IDENTITY, 1e-4)
-        && rotation.determinant() > 0.0
-        && pose.row(3) == DVec4::W
+    pose.is_finite() && is_rotation(&DMat3::from_mat4(*pose)) && pose.row(3) == DVec4::W
+}
+
+/// Whether a matrix is a rotation: neither mirrored nor scaled, and finite.
+pub fn is_rotation(matrix: &DMat3) -> bool {
+    (matrix.transpose() * *matrix).abs_diff_eq(DMat3::IDENTITY, 1e-4) && matrix.determinant() > 0.0
 }
 
 #[cfg(test)]

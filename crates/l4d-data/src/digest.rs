@@ -1,12 +1,12 @@
 //! SHA-256 digests, as lower-case hex.
 
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
 use sha2::{Digest as _, Sha256};
 
 use crate::error::DataError;
+use crate::store::open_bounded;
 
 /// Digest of bytes in memory.
 pub fn sha256_hex(bytes: &[u8]) -> String {
@@ -39,8 +39,8 @@ impl RunningDigest {
 /// # Errors
 /// A file that cannot be read.
 pub fn sha256_file(path: &Path) -> Result<String, DataError> {
-    let read = || -> io::Result<String> {
-        let mut file = File::open(path)?;
+    let mut file = open_bounded(path, u64::MAX)?;
+    let mut read = || -> io::Result<String> {
         let mut digest = RunningDigest::default();
         let mut block = vec![0; 1 << 16];
         loop {

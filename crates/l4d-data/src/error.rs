@@ -3,11 +3,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// An error about one file or folder on disk.
+/// An error about one file or folder on disk; what it quotes is [`inert`].
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {
     /// The operating system refused.
-    #[error("{}: cannot {action}", path.display())]
+    #[error("{}: cannot {action}", shown(path))]
+    #[non_exhaustive]
     Io {
         /// File or folder.
         path: PathBuf,
@@ -17,7 +18,8 @@ pub enum DataError {
         source: io::Error,
     },
     /// The file is not the format that its name says.
-    #[error("{}: {location}: {message}", path.display())]
+    #[error("{}: {location}: {message}", shown(path))]
+    #[non_exhaustive]
     Format {
         /// File.
         path: PathBuf,
@@ -27,7 +29,8 @@ pub enum DataError {
         message: String,
     },
     /// The file parses but says something that cannot be.
-    #[error("{}: {location}: {message}", path.display())]
+    #[error("{}: {location}: {message}", shown(path))]
+    #[non_exhaustive]
     Invalid {
         /// File or folder.
         path: PathBuf,
@@ -40,14 +43,32 @@ pub enum DataError {
     },
 }
 
-/// Text that quotes a file, so that nothing in the file can steer the terminal that shows it.
+/// Text of others on one line, in which nothing can steer the terminal that shows it or pass for a line of its own.
 pub fn inert(text: &str) -> String {
-    text.replace(|character: char| character.is_control() && character != '\n', "\u{fffd}")
+    text.replace(is_hidden, "\u{fffd}")
 }
 
-/// The same for a name, which must not look like a line of its own either.
-pub fn inert_name(text: &str) -> String {
-    text.replace(char::is_control, "\u{fffd}")
+/// The same for text of several lines.
+pub fn inert_lines(text: &str) -> String {
+    text.replace(|letter| letter != '\n' && is_hidden(letter), "\u{fffd}")
+}
+
+/// Whether a letter steers a terminal or hides its neighbours.
+pub fn is_hidden(letter: char) -> bool {
+    let is_mark = matches!(
+        letter,
+        '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
+    );
+    letter.is_control() || is_mark
+}
+
+/// Whether a text is one line of 1 to `longest` bytes that says something and hides nothing.
+pub fn is_line(text: &str, longest: usize) -> bool {
+    !text.trim().is_empty() && text.len() <= longest && !text.contains(is_hidden)
+}
+
+fn shown(path: &Path) -> String {
+    inert(&path.display().to_string())
 }
 
 impl DataError {
@@ -58,7 +79,8 @@ impl DataError {
 
     /// An error of the format of a file.
     pub fn format(path: &Path, location: impl Into<String>, message: impl ToString) -> Self {
-        Self::Format { path: path.to_owned(), location: location.into(), message: message.to_string() }
+        let (location, message) = (inert(&location.into()), inert(&message.to_string()));
+        Self::Format { path: path.to_owned(), location, message }
     }
 
     /// A semantic error with its remedy.
@@ -68,12 +90,8 @@ impl DataError {
         message: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self::Invalid {
-            path: path.to_owned(),
-            location: location.into(),
-            message: message.into(),
-            remedy: remedy.into(),
-        }
+        let (location, message) = (inert(&location.into()), inert(&message.into()));
+        Self::Invalid { path: path.to_owned(), location, message, remedy: inert(&remedy.into()) }
     }
 
     /// The file or folder concerned.
@@ -93,35 +111,33 @@ impl DataError {
         }
     }
 
-    /// What the user can do, where more can be said than the message does.
-    pub fn hint(&self) -> Option<String> {
+    /// What the user can do.
+    pub fn hint(&self) -> &str {
         match self {
-            Self::Io { source, .. } => {
-                let hint = match source.kind() {
-                    io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                        "free some disk space and run the command again"
-                    }
-                    io::ErrorKind::FileTooLarge => {
-                        "files of that size are not allowed here: raise the limit (ulimit -f), or choose another disk"
-                    }
-                    io::ErrorKind::PermissionDenied => {
-                        "make the path readable and writable for this user, or choose another"
-                    }
-                    io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
-                        "a file is where a folder is needed: move it away, or choose another path"
-                    }
-                    io::ErrorKind::IsADirectory => {
-                        "a folder is where a file is needed: move it away, or choose another path"
-                    }
-                    io::ErrorKind::InvalidFilename => "choose shorter names: most disks take 255 bytes each",
-                    io::ErrorKind::ReadOnlyFilesystem => "choose a path on a writable disk",
-                    io::ErrorKind::NotFound => "check the path and the working folder",
-                    _ => "check the path and the disk, then run the command again",
-                };
-                Some(hint.to_owned())
-            }
-            Self::Format { .. } => Some("see docs/formats.md for the format of this file".to_owned()),
-            Self::Invalid { remedy, .. } => Some(remedy.clone()),
+            Self::Io { source, .. } => match source.kind() {
+                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                    "free some disk space and run the command again"
+                }
+                io::ErrorKind::FileTooLarge => {
+                    "files of that size are not allowed here: raise the limit (ulimit -f), or choose another disk"
+                }
+                io::ErrorKind::PermissionDenied => {
+                    "make the path readable and writable for this user, or choose another"
+                }
+                io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+                    "a file is where a folder is needed: move it away, or choose another path"
+                }
+                io::ErrorKind::IsADirectory => {
+                    "a folder is where a file is needed: move it away, or choose another path"
+                }
+                io::ErrorKind::ReadOnlyFilesystem => "choose a path on a writable disk",
+                io::ErrorKind::NotFound => "check the path and the working folder",
+                io::ErrorKind::InvalidFilename => "choose shorter names: most disks take 255 bytes each",
+                io::ErrorKind::OutOfMemory => "check that this is the intended file, or allow more memory",
+                _ => "check the path, the links in it and the disk, then run the command again",
+            },
+            Self::Format { .. } => "see docs/formats.md for the format of this file",
+            Self::Invalid { remedy, .. } => remedy,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::error::{DataError, inert, inert_name};
+use crate::error::{DataError, inert};
 
 /// More findings than this are counted and not kept: no one reads them, and untrusted files must not fill the
 /// memory with them.
@@ -79,8 +79,7 @@ impl Report {
     /// Adds what a reader refused.
     pub fn data_error(&mut self, code: &'static str, error: &DataError) {
         let (location, message) = error.place_and_message();
-        let hint = error.hint().unwrap_or_default();
-        self.push(Severity::Error, code, error.path(), location, message, hint);
+        self.push(Severity::Error, code, error.path(), location, message, error.hint().to_owned());
     }
 
     /// Takes over the findings of another report.
@@ -142,8 +141,8 @@ impl Report {
     ) {
         // Untrusted names end up everywhere: they must not steer a terminal, nor pass for another finding.
         self.add(Finding {
-            path: inert_name(&path.display().to_string()),
-            location: inert_name(&location),
+            path: inert(&path.display().to_string()),
+            location: inert(&location),
             code,
             severity,
             message: inert(&message),
@@ -155,6 +154,7 @@ impl Report {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::is_hidden;
 
     #[test]
     fn findings_beyond_the_bound_are_counted_and_still_fail() {
@@ -176,11 +176,11 @@ mod tests {
     fn names_cannot_steer_a_terminal() {
         let mut report = Report::default();
         let name = Path::new("a\u{1b}]0;gotcha\u{7}\n0 findings");
-        report.error("L4D998", name, "frame \u{9b}2J\nb", "bad \u{1b}[2J", "mend \u{1b}[2J");
+        report.error("L4D998", name, "frame \u{9b}2J\nb", "bad \u{1b}[2J", "mend \u{202e}[2J");
         let found = report.into_sorted().remove(0);
         assert!(found.path.contains("gotcha"), "{found:?}");
         for text in [found.path, found.location, found.message, found.hint] {
-            assert!(!text.contains(char::is_control), "{text:?}");
+            assert!(!text.contains(is_hidden), "{text:?}");
         }
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::error::{DataError, inert_name};
+use crate::error::DataError;
 use crate::store::{read_bounded, write_atomic};
 
 /// No JSON file of the project is larger.
@@ -83,13 +83,13 @@ fn parse_tracked<T: DeserializeOwned>(
 ) -> Result<T, DataError> {
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let field = inert_name(&error.path().to_string());
+        let field = error.path().to_string();
         let field = if field == "." { "top level".to_owned() } else { format!("field `{field}`") };
         let location = match line {
             Some(line) => format!("line {line}, {field}"),
             None => field,
         };
-        DataError::format(path, location, inert_name(&error.inner().to_string()))
+        DataError::format(path, location, error.inner())
     })?;
     let end = line.map_or_else(|| "end of file".to_owned(), |line| format!("line {line}"));
     reader.end().map_err(|error| DataError::format(path, end, error))?;

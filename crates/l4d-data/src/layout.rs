@@ -2,13 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-
-use crate::camera::Camera;
+use crate::camera::ViewCard;
 use crate::capture::{CAPTURE, Capture, SPARSE};
 use crate::error::DataError;
 use crate::json;
-use crate::query::QueryId;
+use crate::query::{QueryId, QuerySet};
 use crate::timeline::Profile;
 use crate::truth::frame_key;
 
@@ -72,17 +70,12 @@ impl SceneDir {
         self.view(view).join("view.json")
     }
 
-    /// The camera of `view.json`, which says more.
+    /// Reads and checks `view.json`.
     ///
     /// # Errors
-    /// A file that is missing or damaged.
-    pub fn read_view_card(&self, view: &str) -> Result<Camera, DataError> {
-        #[derive(Deserialize)]
-        struct Card {
-            #[serde(flatten)]
-            camera: Camera,
-        }
-        json::read::<Card>(&self.view_card(view)).map(|card| card.camera)
+    /// A file that is missing or damaged, or of no camera.
+    pub fn read_view_card(&self, view: &str) -> Result<ViewCard, DataError> {
+        json::read_document(&self.view_card(view))
     }
 
     /// `frames/<view>/<frame:04>.exr`.
@@ -223,6 +216,15 @@ impl BenchDir {
     /// `queries/<scene>.absent.jsonl`: sentences that nothing satisfies.
     pub fn absents(&self, scene: &str) -> PathBuf {
         self.0.join("queries").join(format!("{scene}.absent.jsonl"))
+    }
+
+    /// The file of a set of queries.
+    pub fn asked(&self, set: QuerySet, scene: &str) -> PathBuf {
+        match set {
+            QuerySet::Queries => self.queries(scene),
+            QuerySet::Composites => self.composites(scene),
+            QuerySet::Absents => self.absents(scene),
+        }
     }
 
     /// `published/<table>.csv`: numbers from papers.

@@ -6,15 +6,16 @@ use std::borrow::Borrow;
 use std::fmt;
 use std::ops::Deref;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 const MAX_LENGTH: usize = 80;
 
-/// 1 to 80 ASCII letters, digits, `_`, `-` or `.`, not starting with `.` or `-`.
+/// 1 to 80 ASCII letters, digits, `_`, `-` or `.`, not starting with `.` or `-`. Clones share their text.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct Name(String);
+pub struct Name(Arc<str>);
 
 /// Why a string is no [`Name`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -33,7 +34,7 @@ impl Name {
         if text.is_empty() || text.len() > MAX_LENGTH || !starts_well || !text.bytes().all(allowed) {
             return Err(NameError(text.chars().take(MAX_LENGTH).collect()));
         }
-        Ok(Self(text))
+        Ok(Self(text.into()))
     }
 
     /// The text.
@@ -80,7 +81,7 @@ impl TryFrom<String> for Name {
 
 impl From<Name> for String {
     fn from(name: Name) -> Self {
-        name.0
+        name.0.as_ref().to_owned()
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::error::{DataError, inert};
+use crate::error::DataError;
 use crate::store::read_bounded;
 
 /// What a number measures.
@@ -56,11 +56,10 @@ impl Published {
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         for (index, figure) in reader.deserialize::<Figure>().enumerate() {
             let place = format!("number {}", index + 1);
-            let figure =
-                figure.map_err(|error| DataError::format(path, place.as_str(), inert(&error.to_string())))?;
+            let figure = figure.map_err(|error| DataError::format(path, &place, error))?;
             let refuse = |message: String, remedy: &str| DataError::invalid(path, place, message, remedy);
             if figure.table != table {
-                let message = format!("belongs to table `{}`", inert(&figure.table));
+                let message = format!("belongs to table `{}`", figure.table);
                 return Err(refuse(message, "give each table a file of its name"));
             }
             if !(0.0..=100.0).contains(&figure.value) {
@@ -68,8 +67,7 @@ impl Published {
                 return Err(refuse(message, "copy the number again"));
             }
             if !places.insert((figure.setting.clone(), figure.column.clone(), figure.metric)) {
-                let (setting, column) = (inert(&figure.setting), inert(&figure.column));
-                let message = format!("is another one for `{setting}`, `{column}`");
+                let message = format!("is another one for `{}`, `{}`", figure.setting, figure.column);
                 return Err(refuse(message, "keep one of them"));
             }
             figures.push(figure);

@@ -9,10 +9,15 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::digest::sha256_hex;
-use crate::error::DataError;
+use crate::error::{DataError, is_line};
 use crate::json;
 use crate::name::Name;
 use crate::timeline::Interval;
+
+/// Bytes of a sentence or a note.
+pub const LONGEST_TEXT: usize = 500;
+/// Bytes of a predicate in its canonical form.
+const LONGEST_PREDICATE: usize = 8000;
 
 /// The kind of reasoning that tells the referent from its look-alikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -39,6 +44,30 @@ impl Category {
             Self::Action => "action",
             Self::Spatial => "spatial",
             Self::Interaction => "interaction",
+        }
+    }
+}
+
+/// Which sentences are asked.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum QuerySet {
+    /// The queries that count: the only headline.
+    #[default]
+    Queries,
+    /// Queries of two categories, for a table of their own.
+    Composites,
+    /// Sentences that nothing satisfies: they have no truth to hit, so that they are answered and never judged.
+    Absents,
+}
+
+impl QuerySet {
+    /// Name as written in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Queries => "queries",
+            Self::Composites => "composites",
+            Self::Absents => "absents",
         }
     }
 }
@@ -125,12 +154,35 @@ impl Status {
     }
 }
 
+/// Where a query comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// A person of this project.
+    Author,
+    /// A model that proposed it.
+    Model,
+    /// Annotations of others.
+    Import,
+}
+
+impl Source {
+    /// Name as written in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Author => "author",
+            Self::Model => "model",
+            Self::Import => "import",
+        }
+    }
+}
+
 /// Who wrote a query.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
-    /// `author`, `model` or `import`.
-    pub source: String,
+    /// Where it comes from.
+    pub source: Source,
     /// Free text: model name, file, remark.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
@@ -181,8 +233,19 @@ impl Query {
                 "move the line to its scene's file",
             ));
         }
-        if self.text.trim().is_empty() || self.text.len() > 500 || self.text.chars().any(char::is_control) {
-            return Some(("text", "must be one line of 1 to 500 bytes".into(), "write the sentence"));
+        if !is_line(&self.text, LONGEST_TEXT) {
+            let message = format!("must be one line of 1 to {LONGEST_TEXT} bytes");
+            return Some(("text", message, "write the sentence"));
+        }
+        let note = &self.provenance.note;
+        if !note.is_empty() && !is_line(note, LONGEST_TEXT) {
+            let message = format!("must be one line of at most {LONGEST_TEXT} bytes");
+            return Some(("provenance.note", message, "shorten the note"));
+        }
+        let predicate = self.predicate.as_ref().map_or(0, |predicate| json::canonical(predicate).len());
+        if predicate > LONGEST_PREDICATE {
+            let message = format!("has {predicate} bytes, but {LONGEST_PREDICATE} hold any");
+            return Some(("predicate", message, "say it more shortly"));
         }
         if self.categories.is_empty() {
             return Some(("categories", "is empty".into(), "name one category, or two for a composite"));

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::{Camera, Split, cameras_problem};
-use crate::error::DataError;
+use crate::camera::{Camera, Split, rendered_problem};
+use crate::error::{DataError, is_line};
 use crate::json::{self, Document};
 use crate::name::Name;
 use crate::timeline::{Interval, Profile};
@@ -17,6 +17,11 @@ pub const SCHEMA: &str = "l4d/scene/1";
 pub const OBJECT_IDS: std::ops::RangeInclusive<u32> = 1..=999;
 /// Ids of landmarks, which predicates may name but queries never refer to.
 pub const LANDMARK_IDS: std::ops::RangeInclusive<u32> = 1001..=32767;
+
+/// Bytes of a noun, a verb, a property.
+pub(crate) const LONGEST_WORD: usize = 80;
+/// Axes of a box.
+const AXES: [&str; 6] = ["+x", "-x", "+y", "-y", "+z", "-z"];
 
 /// Spatial scale of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -185,13 +190,7 @@ impl Document for Scene {
                 format!("{}x{} is not the size of profile {}", self.width, self.height, self.profile);
             return Some(("fields `width`, `height`".into(), message));
         }
-        let tests = self.cameras.iter().filter(|camera| camera.split == Split::Test).count();
-        cameras_problem(&self.cameras)
-            .or_else(|| {
-                let message = format!("{tests} views are held out, but exactly one is");
-                (tests != 1).then(|| ("field `cameras`".to_owned(), message))
-            })
-            .or_else(|| instance_problem(&self.instances))
+        rendered_problem(&self.cameras).or_else(|| instance_problem(&self.instances))
     }
 }
 
@@ -213,6 +212,14 @@ pub(crate) fn instance_problem(instances: &[Instance]) -> Option<(String, String
         }
         if names.insert(&instance.name, instance.id).is_some() {
             return Some((place, "the name is used twice".to_owned()));
+        }
+        let words = instance.attributes.iter().flat_map(|(key, value)| [key, value]);
+        if !words.chain([&instance.category]).all(|word| is_line(word, LONGEST_WORD)) {
+            let message = format!("category and attributes are one line of 1 to {LONGEST_WORD} bytes each");
+            return Some((place, message));
+        }
+        if instance.front.as_ref().is_some_and(|front| !AXES.contains(&front.as_str())) {
+            return Some((place, format!("field `front` is none of {}", AXES.join(", "))));
         }
     }
     None

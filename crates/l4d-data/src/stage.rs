@@ -5,6 +5,8 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 use crate::DataError;
+use crate::name::NameError;
+use crate::query::QueryIdError;
 
 /// Hears how far a stage is. A binary draws bars; tests hear nothing.
 pub trait Progress: Sync {
@@ -40,35 +42,70 @@ impl Progress for Silent {
 #[error("{message}")]
 pub struct StageError {
     message: String,
-    hint: Option<String>,
+    hint: String,
 }
 
 impl StageError {
     /// A refusal with its remedy.
     pub fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: Some(hint.into()) }
+        Self { message: message.into(), hint: hint.into() }
     }
 
     /// Another error with its causes, as `a: b: c`.
-    pub fn of(error: &dyn Error, hint: Option<String>) -> Self {
+    pub fn of(error: &dyn Error, hint: impl Into<String>) -> Self {
         let mut message = error.to_string();
         let mut source = error.source();
         while let Some(cause) = source {
             message.push_str(&format!(": {cause}"));
             source = cause.source();
         }
-        Self { message, hint }
+        Self { message, hint: hint.into() }
     }
 
-    /// What the user can do, where more can be said than the message does.
-    pub fn hint(&self) -> Option<&str> {
-        self.hint.as_deref()
+    /// What the user can do.
+    pub fn hint(&self) -> &str {
+        &self.hint
     }
 }
 
 impl From<DataError> for StageError {
     fn from(error: DataError) -> Self {
         Self::of(&error, error.hint())
+    }
+}
+
+impl From<NameError> for StageError {
+    fn from(error: NameError) -> Self {
+        Self::of(&error, "choose another name")
+    }
+}
+
+impl From<QueryIdError> for StageError {
+    fn from(error: QueryIdError) -> Self {
+        Self::of(&error, "name a query of the benchmark")
+    }
+}
+
+/// What keeps l4d from writing a document of its own.
+fn unwritable(error: &dyn Error) -> StageError {
+    StageError::of(error, "report the command that ended so: this should not happen")
+}
+
+impl From<serde_json::Error> for StageError {
+    fn from(error: serde_json::Error) -> Self {
+        unwritable(&error)
+    }
+}
+
+impl From<toml::ser::Error> for StageError {
+    fn from(error: toml::ser::Error) -> Self {
+        unwritable(&error)
+    }
+}
+
+impl From<csv::Error> for StageError {
+    fn from(error: csv::Error) -> Self {
+        unwritable(&error)
     }
 }
 

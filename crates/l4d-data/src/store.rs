@@ -11,11 +11,11 @@ pub use self::atomic::{AtomicFile, Temporary, sweep};
 pub use self::lock::FolderLock;
 use crate::error::DataError;
 
-/// Reads a file of at most `limit` bytes.
+/// Opens a file of at most `limit` bytes for reading.
 ///
 /// # Errors
-/// A file that cannot be read, or is larger.
-pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
+/// Pipes, devices and folders, a file that cannot be opened, or is larger.
+pub fn open_bounded(path: &Path, limit: u64) -> Result<File, DataError> {
     let require_file = |metadata: io::Result<Metadata>| {
         let metadata = metadata.map_err(|source| DataError::io(path, "open", source))?;
         if !metadata.is_file() {
@@ -32,24 +32,35 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
     // opened, since it may have been exchanged.
     require_file(fs::metadata(path))?;
     let file = File::open(path).map_err(|source| DataError::io(path, "open", source))?;
-    let metadata = require_file(file.metadata())?;
-    let too_large = || {
-        DataError::invalid(
-            path,
-            "size",
-            format!("is larger than the {limit} bytes that such a file may have"),
-            "check that this is the intended file",
-        )
-    };
-    if metadata.len() > limit {
-        return Err(too_large());
+    if require_file(file.metadata())?.len() > limit {
+        return Err(too_large(path, limit));
     }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize + 1);
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|source| DataError::io(path, "read", source))?;
+    Ok(file)
+}
+
+/// Reads a file of at most `limit` bytes.
+///
+/// # Errors
+/// A file that cannot be read, is larger, or does not fit into memory.
+pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
+    let file = open_bounded(path, limit)?;
+    let read = || -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        // Memory that is lacking is an error here, and not the end of the process.
+        bytes.try_reserve_exact(file.metadata()?.len() as usize + 1)?;
+        (&file).take(limit + 1).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    let bytes = read().map_err(|source| DataError::io(path, "read", source))?;
     if bytes.len() as u64 > limit {
-        return Err(too_large());
+        return Err(too_large(path, limit));
     }
     Ok(bytes)
+}
+
+fn too_large(path: &Path, limit: u64) -> DataError {
+    let message = format!("is larger than the {limit} bytes that such a file may have");
+    DataError::invalid(path, "size", message, "check that this is the intended file")
 }
 
 /// Writes a file through a temporary neighbour, fsync and rename; makes the folder if it is missing.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
-use crate::error::{DataError, inert};
+use crate::error::DataError;
 use crate::store::read_bounded;
 
 /// No list is larger.
@@ -31,10 +31,10 @@ pub fn read(path: &Path) -> Result<BTreeMap<String, String>, DataError> {
         let (digest, file) = parse_line(line).ok_or_else(|| {
             // As much of it as a person wants to see.
             let shown: String = line.chars().take(100).collect();
-            refuse(format!("`{}` is not `<sha256>  <relative path>`", inert(&shown)))
+            refuse(format!("`{shown}` is not `<sha256>  <relative path>`"))
         })?;
         if sums.insert(file.to_owned(), digest.to_owned()).is_some() {
-            return Err(refuse(format!("lists {} a second time", inert(file))));
+            return Err(refuse(format!("lists {file} a second time")));
         }
     }
     Ok(sums)

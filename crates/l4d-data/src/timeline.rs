@@ -129,6 +129,11 @@ impl Timeline {
     }
 }
 
+/// Whether a list has one entry for the whole synthetic clip, or one a frame.
+pub(crate) fn is_per_clip<T>(list: &[T]) -> bool {
+    list.len() == 1 || list.len() == FRAME_COUNT as usize
+}
+
 /// How much of a scene is rendered, or that it is not rendered at all. Renderings keep the canonical frame numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

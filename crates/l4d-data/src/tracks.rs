@@ -5,18 +5,23 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glam::DMat4;
+use glam::{DMat3, DMat4};
 use serde::{Deserialize, Serialize};
 
-use crate::camera::{Camera, Split};
-use crate::error::DataError;
+use crate::camera::{Camera, Split, is_rotation, rendered_problem};
+use crate::error::{DataError, is_line};
 use crate::json::{self, Document};
 use crate::name::Name;
-use crate::scene::{self, Event, Generator, Instance, Role, Scale, Scene, instance_problem};
-use crate::timeline::{FRAME_COUNT, Interval, LAST_FRAME, MIN_INTERVAL, Profile};
+use crate::scene::{self, Event, Generator, Instance, LONGEST_WORD, Role, Scale, Scene, instance_problem};
+use crate::timeline::{FPS, FRAME_COUNT, Interval, LAST_FRAME, MIN_INTERVAL, Profile, is_per_clip};
 
 /// Schema tag of a tracks file.
 pub const SCHEMA: &str = "l4d/tracks/1";
+
+/// Bytes of the story.
+const LONGEST_STORY: usize = 4000;
+/// Lengths that a scene can have.
+const LENGTHS_M: std::ops::RangeInclusive<f64> = 0.0..=1e4;
 
 /// Oriented box over time; every list has length 1 (static) or 97.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -191,6 +196,9 @@ impl Tracks {
         if let Some(message) = self.unknown(std::iter::once(&event.subject).chain(&event.object)) {
             return Some((place, message));
         }
+        if !is_line(&event.verb, LONGEST_WORD) {
+            return Some((place, format!("the verb is one line of 1 to {LONGEST_WORD} bytes")));
+        }
         if event.frames.last() > LAST_FRAME || event.frames.frame_count() < MIN_INTERVAL {
             let message = format!(
                 "[{}, {}] must lie in 0..={LAST_FRAME} and be at least {MIN_INTERVAL} frames long",
@@ -207,10 +215,11 @@ impl Tracks {
         if let Some(message) = self.unknown([&pair.a, &pair.b]) {
             return Some((place, message));
         }
-        if !is_track_length(pair.distance_m.len())
-            || pair.distance_m.iter().any(|d| !(d.is_finite() && *d >= 0.0))
-        {
-            return Some((place, "distance_m holds 1 or 97 finite distances, none negative".into()));
+        if !is_per_clip(&pair.distance_m) || !pair.distance_m.iter().all(|d| LENGTHS_M.contains(d)) {
+            return Some((place, "distance_m holds 1 or 97 distances, 0 to 10000 m".into()));
+        }
+        if pair.contact.iter().any(|interval| interval.last() > LAST_FRAME) {
+            return Some((place, format!("contact lies in 0..={LAST_FRAME}")));
         }
         None
     }
@@ -229,8 +238,25 @@ impl Document for Tracks {
             let message = format!("is {}, but a clip has {FRAME_COUNT}", self.frame_count);
             return Some(("field `frame_count`".into(), message));
         }
+        if self.fps != FPS {
+            return Some(("field `fps`".into(), format!("is {}, but scenes have {FPS}", self.fps)));
+        }
+        if !(self.exposure.is_finite() && self.exposure > 0.0) {
+            return Some(("field `exposure`".into(), "is positive".into()));
+        }
+        if !LENGTHS_M.contains(&self.pair_reach_m) {
+            return Some(("field `pair_reach_m`".into(), "is a distance, 0 to 10000 m".into()));
+        }
+        if !self.description.is_empty() && !is_line(&self.description, LONGEST_STORY) {
+            return Some((
+                "field `description`".into(),
+                format!("is one line of at most {LONGEST_STORY} bytes"),
+            ));
+        }
         let instances: Vec<Instance> = self.instances.iter().map(TrackedInstance::instance).collect();
+        let cameras: Vec<Camera> = self.cameras.iter().map(|camera| camera.camera([1, 1])).collect();
         instance_problem(&instances)
+            .or_else(|| rendered_problem(&cameras))
             .or_else(|| self.instances.iter().find_map(track_problem))
             .or_else(|| self.events.iter().find_map(|event| self.event_problem(event)))
             .or_else(|| self.pairs.iter().find_map(|pair| self.pair_problem(pair)))
@@ -239,18 +265,19 @@ impl Document for Tracks {
 
 fn track_problem(instance: &TrackedInstance) -> Option<(String, String)> {
     let Track { centre, axes, extents } = &instance.track;
-    let lengths = [centre.len(), axes.len(), extents.len()];
-    let numbers = [centre.as_flattened(), axes.as_flattened(), extents.as_flattened()];
-    let is_sound =
-        lengths.into_iter().all(is_track_length) && numbers.into_iter().flatten().all(|x| x.is_finite());
-    (!is_sound).then(|| {
-        let message = "its track must hold 1 or 97 finite values in each list";
-        (format!("instance {}", instance.name), message.to_owned())
-    })
-}
-
-fn is_track_length(length: usize) -> bool {
-    length == 1 || length == FRAME_COUNT as usize
+    let is_turned = |axes| is_rotation(&DMat3::from_cols_array(axes));
+    let wrong = if !(is_per_clip(centre) && is_per_clip(axes) && is_per_clip(extents)) {
+        "each list has 1 or 97 entries"
+    } else if !centre.as_flattened().iter().all(|place| LENGTHS_M.contains(&place.abs())) {
+        "each `centre` lies within 10000 m"
+    } else if !extents.as_flattened().iter().all(|side| LENGTHS_M.contains(side)) {
+        "`extents` are 0 to 10000 m"
+    } else if !axes.iter().all(is_turned) {
+        "each of `axes` is a rotation"
+    } else {
+        return None;
+    };
+    Some((format!("instance {}, field `track`", instance.name), wrong.to_owned()))
 }
 
 /// The value of a 1-or-97 list at a canonical frame.

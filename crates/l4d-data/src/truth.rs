@@ -11,7 +11,7 @@ use crate::error::DataError;
 use crate::json::{self, Document};
 use crate::name::Name;
 use crate::rle::{self, Rle};
-use crate::scene::{Role, Scale};
+use crate::scene::{Instance, Role, Scale, instance_problem};
 use crate::timeline::{Interval, Profile};
 
 /// Schema tag of a truth file.
@@ -33,6 +33,19 @@ pub struct InstanceTruth {
     pub category: String,
     /// Four-digit frame -> mask; frames without a visible pixel are absent.
     pub masks: BTreeMap<String, Rle>,
+}
+
+impl InstanceTruth {
+    fn instance(&self) -> Instance {
+        Instance {
+            id: self.id,
+            name: self.name.clone(),
+            role: self.role,
+            category: self.category.clone(),
+            attributes: BTreeMap::new(),
+            front: None,
+        }
+    }
 }
 
 /// A truth file.
@@ -98,6 +111,27 @@ impl Truth {
         }
     }
 
+    /// What cannot be in the counts of pixels.
+    fn count_problem(&self) -> Option<(String, String)> {
+        if !self.visible.is_empty() && !self.visible.contains_key(&self.test_view) {
+            let message = format!("is {}, of which `visible` says nothing", self.test_view);
+            return Some(("field `test_view`".into(), message));
+        }
+        let most = self.width * self.height;
+        let lists = self.visible.iter().flat_map(|(view, lists)| lists.iter().map(move |list| (view, list)));
+        lists.map(|(view, (name, counts))| (view, name, counts)).find_map(|(view, name, counts)| {
+            let message = if self.instance(name).is_none() {
+                "is no instance of the scene".to_owned()
+            } else if counts.len() != self.frames.len() {
+                format!("has {} counts, but there are {} frames", counts.len(), self.frames.len())
+            } else {
+                let count = counts.iter().find(|count| **count > most)?;
+                format!("has {count} pixels, but pictures have {most}")
+            };
+            Some((format!("field `visible.{view}.{name}`"), message))
+        })
+    }
+
     /// How a rendering differs from its profile.
     fn misfit(&self) -> Option<(String, String)> {
         if (self.width, self.height) != (self.profile.width(), self.profile.height()) {
@@ -138,6 +172,10 @@ impl Document for Truth {
 
     fn problem(&self) -> Option<(String, String)> {
         if let Some(problem) = if self.profile.is_rendered() { self.misfit() } else { self.real_problem() } {
+            return Some(problem);
+        }
+        let described: Vec<Instance> = self.instances.iter().map(InstanceTruth::instance).collect();
+        if let Some(problem) = instance_problem(&described).or_else(|| self.count_problem()) {
             return Some(problem);
         }
         let keys: BTreeSet<String> = self.frames.iter().map(|&frame| frame_key(frame)).collect();

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use l4d_data::digest::sha256_hex;
-use l4d_data::store::read_bounded;
+use l4d_data::toml_file;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use ureq::http::{HeaderName, Uri};
@@ -15,7 +15,6 @@ use ureq::http::{HeaderName, Uri};
 use crate::budget::Prices;
 use crate::error::EndpointError;
 
-const MAX_CONFIG_BYTES: u64 = 1 << 20;
 /// Fields of a question that l4d sets itself, and those of them that an endpoint may leave out.
 const OWN: [&str; 3] = ["model", "messages", "stream"];
 const OPTIONAL: [&str; 3] = ["temperature", "seed", "response_format"];
@@ -206,21 +205,8 @@ impl Endpoint {
     /// # Errors
     /// Names file and field, and never quotes a value: it may be a key in the wrong place.
     pub fn read(path: &Path) -> Result<Self, EndpointError> {
-        let bytes = read_bounded(path, MAX_CONFIG_BYTES)?;
-        let wrong = |field: &str, message: &str| {
-            let place = format!("{}: {field}", path.display());
-            let remedy = "see docs/endpoints.md for the fields of an endpoint file";
-            EndpointError::not_asked(place, without_values(message), remedy)
-        };
-        let text = str::from_utf8(&bytes).map_err(|_not_utf8| wrong("top level", "is not UTF-8 text"))?;
-        let document = toml::Deserializer::parse(text).map_err(|error| {
-            let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            wrong(&format!("line {line}"), error.message())
-        })?;
-        let endpoint: Self = serde_path_to_error::deserialize(document).map_err(|error| {
-            let field = error.path().to_string();
-            wrong(if field == "." { "top level" } else { &field }, error.inner().message())
-        })?;
+        let endpoint: Self =
+            toml_file::read(path, "see docs/endpoints.md for the fields of an endpoint file")?;
         endpoint.check(&path.display().to_string())?;
         Ok(endpoint)
     }
@@ -330,14 +316,6 @@ fn is_variable(name: &str) -> bool {
     name.len() <= 80
         && name.bytes().all(allowed)
         && name.starts_with(|letter: char| letter.is_ascii_uppercase() || letter == '_')
-}
-
-/// A parser's message without the value that it quotes, which may hold quotes itself.
-fn without_values(message: &str) -> String {
-    match (message.find('"'), message.rfind('"')) {
-        (Some(first), Some(last)) => format!("{}\"...\"{}", &message[..first], &message[last + 1..]),
-        _ => message.to_owned(),
-    }
 }
 
 #[cfg(test)]

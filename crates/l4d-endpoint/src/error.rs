@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use l4d_data::DataError;
+use l4d_data::error::is_hidden;
+use l4d_data::{DataError, StageError};
 
 /// An error of an endpoint, its configuration, or an answer.
 #[derive(Debug, thiserror::Error)]
@@ -79,10 +80,10 @@ impl EndpointError {
     }
 
     /// What to do about it.
-    pub fn hint(&self) -> String {
+    pub fn hint(&self) -> &str {
         match self {
-            Self::Data(error) => return error.hint().unwrap_or_default(),
-            Self::NotAsked { remedy, .. } => return remedy.clone(),
+            Self::Data(error) => error.hint(),
+            Self::NotAsked { remedy, .. } => remedy,
             Self::Server(failure) => failure.remedy,
             Self::Refused(_) => "reword the question, or use another model",
             Self::Truncated(_) => "raise the limit of tokens, or use a model that thinks less",
@@ -90,7 +91,12 @@ impl EndpointError {
                 "use a server that keeps to a schema (`l4d endpoint check` tells), or a larger model"
             }
         }
-        .to_owned()
+    }
+}
+
+impl From<EndpointError> for StageError {
+    fn from(error: EndpointError) -> Self {
+        Self::of(&error, error.hint())
     }
 }
 
@@ -114,12 +120,6 @@ pub fn one_line(text: &str, longest: usize) -> String {
     let line = shown.split_whitespace().collect::<Vec<_>>().join(" ");
     let more = if line.chars().count() > longest { "..." } else { "" };
     line.chars().take(longest).chain(more.chars()).collect()
-}
-
-/// Whether a letter steers a terminal or hides its neighbours.
-pub fn is_hidden(letter: char) -> bool {
-    let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
-    letter.is_control() || is_mark
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ pub use calibration::Calibrations;
 pub use client::{CacheUse, Client};
 pub use config::{BaseUrl, Endpoint};
 pub use coordinates::{BoxPx, Convention};
-pub use error::{EndpointError, Failure, is_hidden, one_line};
+pub use error::{EndpointError, Failure, one_line};
 pub use exchange::Link;
 pub use reply::{Finish, Origin, Reply, Usage, documents};
 pub use request::{Image, Message, Part, Request, Schema};

@@ -43,7 +43,7 @@ fn finding(state: State, found: impl Into<String>, remedy: &str) -> Finding {
 }
 
 fn lacking(error: EndpointError) -> Finding {
-    (State::Lacking, error.to_string(), error.hint())
+    (State::Lacking, error.to_string(), error.hint().to_owned())
 }
 
 fn judged<T>(answer: Result<T, EndpointError>, judge: impl FnOnce(&T) -> Finding) -> Finding {
@@ -124,7 +124,7 @@ fn models(client: &Client) -> Finding {
 fn chat(reply: &Result<Reply, EndpointError>) -> Finding {
     let reply = match reply {
         Ok(reply) => reply,
-        Err(error) => return (State::Failed, error.to_string(), error.hint()),
+        Err(error) => return (State::Failed, error.to_string(), error.hint().to_owned()),
     };
     let model = reply.model.as_deref().map(|model| format!(" by {}", excerpt(model))).unwrap_or_default();
     match &reply.finish {

@@ -14,5 +14,5 @@ type Result<T, E = StageError> = std::result::Result<T, E>;
 
 /// An error of a library without a remedy of its own.
 fn plain(error: impl Error) -> StageError {
-    StageError::of(&error, None)
+    StageError::of(&error, "check the queries with `l4d check-queries`, and the names of files")
 }

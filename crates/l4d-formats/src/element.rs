@@ -68,6 +68,8 @@ pub(crate) enum Problem {
     OutOfBounds,
     /// The number at this place of the tensor is too large to be held.
     TooLarge(usize),
+    /// Its numbers do not fit into memory.
+    OutOfMemory,
 }
 
 impl Element {
@@ -117,7 +119,8 @@ impl View {
         if self.last_word().is_none_or(|last| last >= words.len()) {
             return Err(Problem::OutOfBounds);
         }
-        let mut numbers = Vec::with_capacity(count);
+        let mut numbers = Vec::new();
+        numbers.try_reserve_exact(count).map_err(|_| Problem::OutOfMemory)?;
         let mut place = vec![0; self.shape.len()];
         let mut word = self.offset;
         for index in 0..count {

@@ -36,7 +36,7 @@ pub fn quoted(text: &str) -> String {
     if short.len() < text.len() {
         short.push('\u{2026}');
     }
-    format!("`{}`", inert(&short).replace('\n', "\u{fffd}"))
+    format!("`{}`", inert(&short))
 }
 
 #[cfg(test)]

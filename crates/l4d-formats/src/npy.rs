@@ -87,7 +87,9 @@ pub fn decode<T: Real>(bytes: &[u8]) -> Result<Contents<T>, Fault> {
         Kind::Numbers(element) => {
             let view = View { offset: 0, strides: strides(&shape, fortran_order), shape };
             let data = element.read(body, &view).map_err(|problem| {
-                let index = if let Problem::TooLarge(index) = problem { index } else { 0 };
+                let Problem::TooLarge(index) = problem else {
+                    return fault("does not fit into memory".to_owned(), REMEDY);
+                };
                 let message = "is too large to be held exactly";
                 Fault::new(format!("number {index}"), message, "renumber the ids below 16777216")
             })?;

@@ -17,10 +17,11 @@ mod node;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::io::Read as _;
 use std::path::Path;
 
 use l4d_data::DataError;
-use l4d_data::store::read_bounded;
+use l4d_data::store::{open_bounded, read_bounded};
 
 use self::node::{Id, Node};
 use crate::element::Problem;
@@ -53,7 +54,7 @@ pub enum Saved {
 /// # Errors
 /// As [`decode`], a file that cannot be read, other values, and numbers that are not finite.
 pub fn read_state_dict(path: &Path) -> Result<BTreeMap<String, Tensor>, DataError> {
-    decode(&read_bounded(path, MAX_BYTES)?).and_then(Saved::into_state_dict).map_err(|fault| fault.at(path))
+    read(path)?.into_state_dict().map_err(|fault| fault.at(path))
 }
 
 /// Reads a single finite tensor.
@@ -61,7 +62,16 @@ pub fn read_state_dict(path: &Path) -> Result<BTreeMap<String, Tensor>, DataErro
 /// # Errors
 /// As [`read_state_dict`].
 pub fn read_tensor(path: &Path) -> Result<Tensor, DataError> {
-    decode(&read_bounded(path, MAX_BYTES)?).and_then(Saved::into_tensor).map_err(|fault| fault.at(path))
+    read(path)?.into_tensor().map_err(|fault| fault.at(path))
+}
+
+fn read(path: &Path) -> Result<Saved, DataError> {
+    // The first bytes of what is no zip say so without the rest.
+    let mut head = Vec::new();
+    let read = open_bounded(path, MAX_BYTES)?.take(OLD_TORCH.len() as u64).read_to_end(&mut head);
+    read.map_err(|source| DataError::io(path, "read", source))?;
+    let bytes = if head.starts_with(b"PK") { read_bounded(path, MAX_BYTES)? } else { head };
+    decode(&bytes).map_err(|fault| fault.at(path))
 }
 
 impl Saved {
@@ -295,6 +305,7 @@ impl<'a> Tensors<'a> {
                 Problem::TooLarge(index) => {
                     format!("has a number that no 32-bit float is like, at {index} of a tensor")
                 }
+                Problem::OutOfMemory => "does not fit into memory".to_owned(),
             })
         })?;
         Ok(Ok(Tensor { shape: view.shape.clone(), data }))

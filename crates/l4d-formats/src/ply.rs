@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt;
-use std::io::{Chain, Read as _};
+use std::io::{self, BufRead, Chain, Read as _, Seek, SeekFrom};
 
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::{DeserializeError, PlyFormat, PlyReader};
@@ -14,28 +14,42 @@ use crate::fault::{Fault, quoted};
 const REMEDY: &str =
     "copy or export the file again: it was cut, or something was appended or converted on the way";
 
-/// A file whose size fits what its header claims.
-pub struct Ply<'a> {
+/// Bytes of a header: one of Gaussians takes about 1500.
+const LONGEST_HEADER: u64 = 1 << 20;
+/// Bytes of a line of numbers.
+const LONGEST_LINE: usize = 1 << 16;
+
+/// A file whose size fits what its header claims. Its rows are read one by one.
+pub struct Ply<R> {
     /// Ends in a line feed, which the last line of an ascii file may lack.
-    reader: PlyReader<Chain<&'a [u8], &'a [u8]>>,
+    reader: PlyReader<Chain<R, &'static [u8]>>,
 }
 
-impl<'a> Ply<'a> {
-    /// Parses the header in the bytes of a file.
+impl<R: BufRead + Seek> Ply<R> {
+    /// Parses the header of a file.
     ///
     /// # Errors
     /// Lists, names that come twice, lines that are none of a PLY header, and a body of another length.
-    pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
-        let end = bytes.windows(11).position(|window| window == b"\nend_header");
+    pub fn open(mut source: R) -> Result<Self, Fault> {
+        let mut head = Vec::new();
+        source.by_ref().take(LONGEST_HEADER).read_to_end(&mut head).map_err(unread)?;
+        let end = head.windows(11).position(|window| window == b"\nend_header");
         let end =
             end.ok_or_else(|| Fault::new("header", "has no line `end_header`: is this a PLY file?", REMEDY))?;
-        let body = bytes[end + 1..].splitn(2, |&byte| byte == b'\n').nth(1).unwrap_or_default();
-        let reader =
-            PlyReader::from_reader(bytes.chain(&b"\n"[..])).map_err(|error| broken("header", &error))?;
-        let file = Self { reader };
-        file.check_names()?;
-        file.check_size(body)?;
-        Ok(file)
+        head.extend(b"\n");
+        let line_end = head.iter().skip(end + 1).position(|&byte| byte == b'\n').unwrap_or_default();
+        let body = (end + line_end + 2) as u64;
+        let length = source.seek(SeekFrom::End(0)).map_err(unread)?.saturating_sub(body);
+        let reader = PlyReader::from_reader(head.as_slice()).map_err(|error| broken("header", &error))?;
+        let header = reader.header();
+        check_names(&header.elem_defs)?;
+        let is_ascii = header.format == PlyFormat::Ascii;
+        source.seek(SeekFrom::Start(body)).map_err(unread)?;
+        let found = if is_ascii { count_words(&mut source)? } else { length };
+        check_size(&header.elem_defs, found, is_ascii)?;
+        source.rewind().map_err(unread)?;
+        let reader = PlyReader::from_reader(source.chain(b"\n".as_slice()));
+        Ok(Self { reader: reader.map_err(|error| broken("header", &error))? })
     }
 
     /// The tables, in the order of the file.
@@ -72,55 +86,71 @@ impl<'a> Ply<'a> {
             None => read.map_err(|error| broken(&format!("rows of {}", quoted(element)), &error)),
         }
     }
+}
 
-    fn check_names(&self) -> Result<(), Fault> {
-        let mut known = BTreeSet::new();
-        for element in self.elements() {
-            if let Some(list) = element.properties.iter().find(|property| size(&property.property_type) == 0)
-            {
-                let message =
-                    format!("{} is a list, but points have none: this looks like a mesh", quoted(&list.name));
-                return Err(Fault::new("header", message, "give a PLY of points or Gaussians"));
-            }
-            let names = element.properties.iter().map(|property| Some(&property.name));
-            if let Some(name) =
-                std::iter::once(None).chain(names).find(|name| !known.insert((&element.name, *name)))
-            {
-                let message = format!("repeats {}", quoted(name.unwrap_or(&element.name)));
-                return Err(Fault::new("header", message, REMEDY));
-            }
+fn check_names(elements: &[ElementDef]) -> Result<(), Fault> {
+    let mut known = BTreeSet::new();
+    for element in elements {
+        if let Some(list) = element.properties.iter().find(|property| size(&property.property_type) == 0) {
+            let message =
+                format!("{} is a list, but points have none: this looks like a mesh", quoted(&list.name));
+            return Err(Fault::new("header", message, "give a PLY of points or Gaussians"));
         }
-        Ok(())
+        let names = element.properties.iter().map(|property| Some(&property.name));
+        if let Some(name) =
+            std::iter::once(None).chain(names).find(|name| !known.insert((&element.name, *name)))
+        {
+            let message = format!("repeats {}", quoted(name.unwrap_or(&element.name)));
+            return Err(Fault::new("header", message, REMEDY));
+        }
     }
+    Ok(())
+}
 
-    /// Holds the claimed rows against the length of the file; only then may room be made for them.
-    fn check_size(&self, body: &[u8]) -> Result<(), Fault> {
-        let is_ascii = self.reader.header().format == PlyFormat::Ascii;
-        let (found, unit) = match is_ascii {
-            true => (body.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count(), "numbers"),
-            false => (body.len(), "bytes"),
-        };
-        let claimed = self.elements().iter().try_fold(0_usize, |total, element| {
-            let sizes = element
-                .properties
-                .iter()
-                .map(|property| if is_ascii { 1 } else { size(&property.property_type) });
-            // Rows of nothing would be read for ever.
-            total.checked_add(element.count.checked_mul(sizes.sum::<usize>().max(1))?)
-        });
-        if claimed == Some(found) {
-            return Ok(());
-        }
-        let rows = self
-            .elements()
+/// Holds the claimed rows against what follows the header; only then may room be made for them.
+fn check_size(elements: &[ElementDef], found: u64, is_ascii: bool) -> Result<(), Fault> {
+    let claimed = elements.iter().try_fold(0_u64, |total, element| {
+        let sizes = element
+            .properties
             .iter()
-            .map(|element| format!("{} rows of {}", element.count, quoted(&element.name)));
-        let rows = rows.collect::<Vec<_>>().join(" and ");
-        let needed =
-            claimed.map_or("more than any file holds".to_owned(), |claimed| format!("{claimed} {unit}"));
-        let message = format!("the header claims {rows}, which need {needed}, but {found} follow it");
-        Err(Fault::new("size", message, REMEDY))
+            .map(|property| if is_ascii { 1 } else { size(&property.property_type) });
+        // Rows of nothing would be read for ever.
+        total.checked_add((element.count as u64).checked_mul(sizes.sum::<u64>().max(1))?)
+    });
+    if claimed == Some(found) {
+        return Ok(());
     }
+    let unit = if is_ascii { "numbers" } else { "bytes" };
+    let rows = elements.iter().map(|element| format!("{} rows of {}", element.count, quoted(&element.name)));
+    let rows = rows.collect::<Vec<_>>().join(" and ");
+    let needed = claimed.map_or("more than any file holds".to_owned(), |claimed| format!("{claimed} {unit}"));
+    let message = format!("the header claims {rows}, which need {needed}, but {found} follow it");
+    Err(Fault::new("size", message, REMEDY))
+}
+
+/// Words of the rest of a text, whose lines are bounded: each will be read as one.
+fn count_words(source: &mut impl BufRead) -> Result<u64, Fault> {
+    let (mut words, mut line, mut is_blank) = (0, 0, true);
+    loop {
+        let bytes = source.fill_buf().map_err(unread)?;
+        if bytes.is_empty() {
+            return Ok(words);
+        }
+        for byte in bytes {
+            words += u64::from(is_blank && !byte.is_ascii_whitespace());
+            is_blank = byte.is_ascii_whitespace();
+            line = if *byte == b'\n' { 0 } else { line + 1 };
+            if line > LONGEST_LINE {
+                return Err(Fault::new("rows", format!("one is longer than {LONGEST_LINE} bytes"), REMEDY));
+            }
+        }
+        let count = bytes.len();
+        source.consume(count);
+    }
+}
+
+fn unread(error: io::Error) -> Fault {
+    Fault::new("file", format!("cannot be read: {error}"), REMEDY)
 }
 
 fn broken(place: &str, error: &DeserializeError) -> Fault {
@@ -128,7 +158,7 @@ fn broken(place: &str, error: &DeserializeError) -> Fault {
 }
 
 /// Bytes of one number in a binary body; 0 for lists.
-fn size(kind: &PropertyType) -> usize {
+fn size(kind: &PropertyType) -> u64 {
     match kind {
         PropertyType::List { .. } => 0,
         PropertyType::Scalar(ScalarType::I8 | ScalarType::U8) => 1,

@@ -82,8 +82,8 @@ pub fn namespace(text: &str) -> Result<Vec<(String, Literal)>, Fault> {
     let mut parser = Parser { text, at: 0, depth: 0 };
     parser.skip_blanks();
     if !parser.eat("Namespace(") {
-        let message = format!("is {}, but the text starts with `Namespace(`", parser.sample());
-        return Err(fault(parser.at, message));
+        // Whatever it is instead may be no one's business: it is not quoted.
+        return Err(fault(parser.at, "is not `Namespace(`, with which the text starts".to_owned()));
     }
     let mut options: Vec<(String, Literal)> = Vec::new();
     parser.until(')', |parser| {

@@ -7,9 +7,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use l4d_data::digest::sha256_hex;
-use l4d_data::error::inert;
-use l4d_data::store::{list_folder, read_bounded, write_atomic};
+use l4d_data::digest::{sha256_file, sha256_hex};
+use l4d_data::store::{list_folder, open_bounded, read_bounded, write_atomic};
 use l4d_data::{DataError, json};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, View};
 use serde::{Deserialize, Serialize};
@@ -130,11 +129,14 @@ impl TensorFileKind {
     /// A file that is missing, too long, or not the one that the card was written with.
     pub fn read(&self, folder: &Path, entry: &TensorFile) -> Result<(PathBuf, Vec<u8>), DataError> {
         let path = folder.join(&entry.file);
-        let bytes = read_bounded(&path, self.longest_file)?;
-        if bytes.len() as u64 != entry.bytes || sha256_hex(&bytes) != entry.sha256 {
+        // Before room is made for it.
+        let length = open_bounded(&path, self.longest_file)?.metadata();
+        let length = length.map_err(|source| DataError::io(&path, "read", source))?.len();
+        if length != entry.bytes || sha256_file(&path)? != entry.sha256 {
             let message = format!("is not the file that {} was written with", self.card);
             return Err(DataError::invalid(&path, "digest", message, self.remedy));
         }
+        let bytes = read_bounded(&path, self.longest_file)?;
         Ok((path, bytes))
     }
 
@@ -145,7 +147,7 @@ impl TensorFileKind {
     pub fn found<'a>(&self, bytes: &'a [u8]) -> Result<Found<'a>, Fault> {
         self.check_header(bytes)?;
         let tensors = SafeTensors::deserialize(bytes).map_err(|error| {
-            let message = format!("is no safetensors header: {}", inert(&error.to_string()));
+            let message = format!("is no safetensors header: {}", error);
             Fault::new("header", message, self.remedy)
         })?;
         Ok(Found { kind: *self, untaken: tensors.tensors().into_iter().collect() })
@@ -164,8 +166,8 @@ impl TensorFileKind {
         let (header, data) = rest
             .split_at_checked(length)
             .ok_or_else(|| fault(format!("claims {length} bytes and is cut")))?;
-        let entries: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(header)
-            .map_err(|error| fault(format!("is no JSON: {}", inert(&error.to_string()))))?;
+        let entries: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_slice(header).map_err(|error| fault(format!("is no JSON: {}", error)))?;
         for (name, entry) in entries {
             let end = entry.pointer("/data_offsets/1").and_then(serde_json::Value::as_u64);
             if name != "__metadata__" && end.is_none_or(|end| end > data.len() as u64) {
@@ -191,13 +193,14 @@ pub struct Found<'a> {
     untaken: BTreeMap<String, TensorView<'a>>,
 }
 
-impl Found<'_> {
+impl<'a> Found<'a> {
     /// Fractions of this name and shape, whatever their values.
     ///
     /// # Errors
     /// A tensor that is missing, or of another type or shape.
     pub fn f32(&mut self, name: &str, shape: &[usize]) -> Result<Vec<f32>, Fault> {
-        self.take(name, Dtype::F32, shape).map(|view| numbers(view.data()))
+        let view = self.take(name, Dtype::F32, shape)?;
+        self.numbers(name, view.data(), f32::from_le_bytes)
     }
 
     /// [`Self::f32`], all of them finite.
@@ -218,7 +221,7 @@ impl Found<'_> {
     /// As [`Self::f32`].
     pub fn u32(&mut self, name: &str, shape: &[usize]) -> Result<Vec<u32>, Fault> {
         let view = self.take(name, Dtype::U32, shape)?;
-        Ok(view.data().as_chunks::<4>().0.iter().map(|&word| u32::from_le_bytes(word)).collect())
+        self.numbers(name, view.data(), u32::from_le_bytes)
     }
 
     /// Everything whose name begins with `prefix`, without it: fractions of any shape.
@@ -234,7 +237,8 @@ impl Found<'_> {
             if view.dtype() != Dtype::F32 {
                 return Err(self.fault(&name, "is not of type F32".to_owned()));
             }
-            let tensor = Tensor { shape: view.shape().to_vec(), data: numbers(view.data()) };
+            let data = self.numbers(&name, view.data(), f32::from_le_bytes)?;
+            let tensor = Tensor { shape: view.shape().to_vec(), data };
             tensors.insert(name[prefix.len()..].to_owned(), tensor);
         }
         Ok(tensors)
@@ -251,7 +255,16 @@ impl Found<'_> {
         }
     }
 
-    fn take(&mut self, name: &str, dtype: Dtype, shape: &[usize]) -> Result<TensorView<'_>, Fault> {
+    fn numbers<T>(&self, name: &str, bytes: &[u8], number: fn([u8; 4]) -> T) -> Result<Vec<T>, Fault> {
+        let words = bytes.as_chunks().0;
+        let mut numbers = Vec::new();
+        let room = numbers.try_reserve_exact(words.len());
+        room.map_err(|_| self.fault(name, "does not fit into memory".to_owned()))?;
+        numbers.extend(words.iter().map(|&word| number(word)));
+        Ok(numbers)
+    }
+
+    fn take(&mut self, name: &str, dtype: Dtype, shape: &[usize]) -> Result<TensorView<'a>, Fault> {
         let view = self.untaken.remove(name).ok_or_else(|| self.fault(name, "is missing".to_owned()))?;
         if view.dtype() != dtype || view.shape() != shape {
             let found = format!("{:?} {:?}", view.dtype(), view.shape());
@@ -264,8 +277,4 @@ impl Found<'_> {
     fn fault(&self, name: &str, message: String) -> Fault {
         Fault::new(format!("tensor {}", quoted(name)), message, self.kind.remedy)
     }
-}
-
-fn numbers(bytes: &[u8]) -> Vec<f32> {
-    bytes.as_chunks::<4>().0.iter().map(|&word| f32::from_le_bytes(word)).collect()
 }

@@ -2,6 +2,7 @@
 //! process allocates. `PROPTEST_CASES` (256 unless set) scales the number of mutations.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::PathBuf;
 
 use l4d_formats::ply::Ply;
@@ -107,7 +108,7 @@ fn storm(name: &str, original: &[u8], cases: u32, factor: usize, read: impl Fn(&
 
 /// All numbers of the last element.
 fn rows(bytes: &[u8]) -> Result<Vec<f32>, Fault> {
-    let file = Ply::open(bytes)?;
+    let file = Ply::open(Cursor::new(bytes))?;
     let Some(element) = file.elements().last().cloned() else { return Ok(Vec::new()) };
     let names: Vec<String> = element.properties.into_iter().map(|property| property.name).collect();
     let mut numbers = Vec::new();

@@ -16,8 +16,8 @@ use exr::meta::header::Header;
 use exr::prelude::{LineOrder, ReadChannels as _, ReadLayers as _, WritableImage as _};
 use glam::UVec2;
 use half::f16;
-use l4d_data::DataError;
 use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::{DataError, StageError};
 
 use crate::drawn::DepthMap;
 use crate::frame::{Frame, Surfaces};
@@ -95,6 +95,12 @@ impl FrameError {
 impl From<FrameError> for DataError {
     fn from(error: FrameError) -> Self {
         error.error
+    }
+}
+
+impl From<FrameError> for StageError {
+    fn from(error: FrameError) -> Self {
+        error.error.into()
     }
 }
 

@@ -122,7 +122,7 @@ fn video(folder: &Path, stem: &str, clip: Pace, pages: &impl Pages) -> Result<Vi
         std::fs::remove_file(&unfinished).ok();
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.lines().last().unwrap_or("it says nothing").to_owned();
-        return Ok(Video::Failed(l4d_data::error::inert(&last)));
+        return Ok(Video::Failed(last));
     }
     std::fs::rename(&unfinished, &path).map_err(|source| DataError::io(&path, "write", source))?;
     Ok(Video::Written(path))

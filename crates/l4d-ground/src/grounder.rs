@@ -119,8 +119,7 @@ impl Outcome {
     /// A file that failed, in full: where, what, why, and what to do about it.
     pub fn of_data_error(error: &DataError) -> Self {
         let cause = std::error::Error::source(error).map(|cause| format!(": {cause}")).unwrap_or_default();
-        let hint = error.hint().map(|hint| format!("; {hint}")).unwrap_or_default();
-        Self::Error(format!("{error}{cause}{hint}"))
+        Self::Error(format!("{error}{cause}; {}", error.hint()))
     }
 
     /// What it says beside its word.

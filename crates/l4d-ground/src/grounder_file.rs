@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use l4d_data::DataError;
-use l4d_data::store::read_bounded;
+use l4d_data::{DataError, toml_file};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
 use crate::vlm::{Coupling, Settings};
 use crate::worker::Launch;
@@ -79,7 +77,7 @@ impl GrounderFile {
     /// # Errors
     /// It cannot be read, or has another form.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        read_toml(path, "grounder")
+        toml_file::read(path, "see docs/grounders.md for the fields of a grounder's file")
     }
 
     /// How model and segmenter work together; none where no model is asked.
@@ -176,15 +174,6 @@ impl SegmenterEntry {
         let own = self.environment.iter().map(|(name, value)| (name.as_str(), value.into()));
         usual.into_iter().chain(own).map(|(name, value)| (name.to_owned(), value)).collect()
     }
-}
-
-/// A small TOML file; `what` is in it.
-pub(crate) fn read_toml<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, DataError> {
-    let bytes = read_bounded(path, 1 << 20)?;
-    let format =
-        |message: String| DataError::Format { path: path.to_owned(), location: what.to_owned(), message };
-    let text = std::str::from_utf8(&bytes).map_err(|error| format(error.to_string()))?;
-    toml::from_str(text).map_err(|error| format(error.to_string()))
 }
 
 #[cfg(test)]

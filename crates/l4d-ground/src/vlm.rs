@@ -100,11 +100,11 @@ pub enum VlmError {
 
 impl VlmError {
     /// What to do about it.
-    pub fn hint(&self) -> String {
+    pub fn hint(&self) -> &str {
         match self {
             Self::Endpoint(error) => error.hint(),
             Self::Worker(error) => error.hint(),
-            Self::Settings { .. } => "leave it out for its default".to_owned(),
+            Self::Settings { .. } => "leave it out for its default",
         }
     }
 }

@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use l4d_data::query::Provenance;
+use l4d_data::error::inert;
+use l4d_data::query::{Provenance, Source};
 use l4d_data::store::{read_bounded, write_atomic};
 use l4d_data::{DataError, Report};
 use l4d_endpoint::{Client, Endpoint, Finish, Origin, Reply, Request, documents};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::quote::{excerpt, printable};
+use crate::quote::excerpt;
 
 /// How far answers may stray from the likeliest one when something is asked again.
 const TEMPERATURE_OF_REPEATS: f64 = 0.7;
@@ -116,7 +117,7 @@ impl Subject<'_> {
             Ok(reply) => reply,
             Err(error) => {
                 let place = format!("question about {}", self.name);
-                report.error("L4D568", self.failures, place, printable(&error.to_string()), error.hint());
+                report.error("L4D568", self.failures, place, error.to_string(), error.hint());
                 return None;
             }
         };
@@ -163,11 +164,11 @@ impl Subject<'_> {
 fn provenance(endpoint: &Endpoint, reply: &Reply) -> Provenance {
     let own_name = reply.model.as_ref().filter(|model| **model != endpoint.model);
     let own_name = own_name.map_or_else(String::new, |model| {
-        format!(" (says it is {})", printable(model).chars().take(LONGEST_MODEL).collect::<String>())
+        format!(" (says it is {})", inert(model).chars().take(LONGEST_MODEL).collect::<String>())
     });
     let (model, host) = (&endpoint.model, endpoint.base_url.authority());
     let note = format!("model {model}{own_name}, endpoint {host}, question {}", reply.digest);
-    Provenance { source: "model".to_owned(), note }
+    Provenance { source: Source::Model, note }
 }
 
 /// The items in an answer, and why there may have been more, or none.

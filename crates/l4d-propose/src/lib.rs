@@ -10,4 +10,3 @@ mod quote;
 pub mod scenarios;
 
 pub use answer::{AskOptions, Asked};
-pub use quote::printable;

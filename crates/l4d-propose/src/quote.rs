@@ -3,7 +3,7 @@
 //! Names, properties and sentences come from untrusted files. They reach a model only through
 //! here, so that they are seen as data; what a model makes of them is checked without the model.
 
-use l4d_endpoint::{is_hidden, one_line};
+use l4d_endpoint::one_line;
 use serde_json::Value;
 
 /// Longest text of others that is passed on, characters; the rest is cut.
@@ -25,11 +25,6 @@ pub(crate) fn data_block(document: &Value) -> String {
     }
     block.push_str("\n</data>");
     block
-}
-
-/// Text of a model as it may be printed: no line break, no control character, no direction mark.
-pub fn printable(text: &str) -> String {
-    text.chars().map(|letter| if is_hidden(letter) { '\u{fffd}' } else { letter }).collect()
 }
 
 fn shortened(value: &Value) -> Value {
@@ -64,11 +59,5 @@ mod tests {
         assert!(block.is_ascii() && !inside.contains(['<', '>', '`']));
         assert_eq!(serde_json::from_str::<Value>(inside).unwrap(), document, "still the same data");
         assert!(data_block(&json!({ "x": "y".repeat(100_000) })).len() < 300);
-    }
-
-    #[test]
-    fn printed_text_steers_no_terminal() {
-        assert_eq!(printable("a\u{1b}[31mb\nc\u{202e}d"), "a\u{fffd}[31mb\u{fffd}c\u{fffd}d");
-        assert_eq!(printable("The “cat” – naïve"), "The “cat” – naïve");
     }
 }

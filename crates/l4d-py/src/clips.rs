@@ -175,8 +175,7 @@ fn read_manifest(path: &Path) -> Result<Manifest> {
         Err(DataError::invalid(path, place, message, "draw the clips again with `l4d render-splats`").into())
     };
     if manifest.schema != SCHEMA {
-        let found = data::error::inert(&manifest.schema);
-        return refuse("field `schema`", format!("is `{found}`, but this l4d reads `{SCHEMA}`"));
+        return refuse("field `schema`", format!("is `{}`, but this l4d reads `{SCHEMA}`", manifest.schema));
     }
     let Look { width, height, .. } = manifest.drawn;
     if !Mask::is_sane_size(width, height) {

@@ -60,7 +60,7 @@ impl From<Details> for Failure {
 
 impl From<DataError> for Failure {
     fn from(error: DataError) -> Self {
-        let remedy = error.hint();
+        let remedy = Some(error.hint().to_owned());
         let path = Some(error.path().to_owned());
         let (field, message) = match error {
             DataError::Io { action, source, .. } => (None, format!("cannot {action}: {source}")),

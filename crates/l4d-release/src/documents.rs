@@ -1,6 +1,7 @@
 //! What people read in a release: card, data sheet, citation. The texts are templates; the numbers come from the data.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use l4d_data::benchmark::SetSplit;
 use l4d_data::scene::Role;
@@ -99,10 +100,9 @@ impl Documents {
 
 /// A template with its values. Text that is to be one YAML scalar goes through `quoted`.
 pub(crate) fn render(name: &str, template: &str, values: &impl Serialize) -> Result<String, DataError> {
-    let refuse = |error: minijinja::Error| DataError::Format {
-        path: name.into(),
-        location: format!("line {} of its template", error.line().unwrap_or_default()),
-        message: error.to_string(),
+    let refuse = |error: minijinja::Error| {
+        let place = format!("line {} of its template", error.line().unwrap_or_default());
+        DataError::format(Path::new(name), place, error)
     };
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);

@@ -193,7 +193,7 @@ fn pretty(name: &str, value: &impl Serialize) -> Result<Vec<u8>, DataError> {
 }
 
 fn unwritable(name: &str, error: &dyn std::fmt::Display) -> DataError {
-    DataError::Format { path: name.into(), location: "document".to_owned(), message: error.to_string() }
+    DataError::format(Path::new(name), "document", error)
 }
 
 /// The files with a folder before each name.

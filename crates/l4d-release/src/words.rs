@@ -3,6 +3,7 @@
 //! The sentences are in `templates/words.json`; nothing is claimed that the files do not show.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use l4d_data::benchmark::SetSplit;
 use l4d_data::{DataError, Profile, Query, Status};
@@ -70,11 +71,8 @@ pub(crate) fn of(contents: &Contents, gathered: &Gathered) -> Result<Value, Data
         "is_public": is_public(gathered),
     });
     let text = render(FILE, include_str!("../templates/words.json"), &values)?;
-    serde_json::from_str(&text).map_err(|error| DataError::Format {
-        path: FILE.into(),
-        location: format!("line {}", error.line()),
-        message: error.to_string(),
-    })
+    serde_json::from_str(&text)
+        .map_err(|error| DataError::format(Path::new(FILE), format!("line {}", error.line()), error))
 }
 
 /// Whether the truth is published with the benchmark.

@@ -1,8 +1,9 @@
 //! `counts.csv`: one row per query and frame, from which every score is derived.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use l4d_data::store::read_bounded;
+use l4d_data::store::open_bounded;
 use l4d_data::{DataError, Name, QueryId};
 use serde::{Deserialize, Serialize};
 
@@ -102,8 +103,7 @@ pub fn to_csv(counts: &[FrameCount], with_header: bool) -> Vec<u8> {
 /// # Errors
 /// A file that cannot be read, and rows that are none or contradict themselves, by line.
 pub fn read(path: &Path) -> Result<Vec<FrameCount>, DataError> {
-    let bytes = read_bounded(path, 1 << 30)?;
-    let mut rows = csv::Reader::from_reader(bytes.as_slice());
+    let mut rows = csv::Reader::from_reader(open_bounded(path, 1 << 30)?);
     let invalid = |line: usize, message: String| {
         let remedy = "run `l4d score` again";
         DataError::invalid(path, format!("line {line}"), message, remedy)
@@ -112,11 +112,20 @@ pub fn read(path: &Path) -> Result<Vec<FrameCount>, DataError> {
     if header.iter().ne(HEADER.split(',')) {
         return Err(invalid(1, format!("is not `{HEADER}`")));
     }
+    // Names come again and again: rows share them.
+    let mut names: BTreeSet<Name> = BTreeSet::new();
+    let mut shared = |name: &mut Name| match names.get(name.as_str()) {
+        Some(known) => name.clone_from(known),
+        None => drop(names.insert(name.clone())),
+    };
     let counts = rows.deserialize::<Row>().enumerate().map(|(index, row)| {
         // The header is line 1.
         let line = index + 2;
         let row = row.map_err(|error| invalid(line, error.to_string()))?;
-        FrameCount::of(row).map_err(|message| invalid(line, message))
+        let mut count = FrameCount::of(row).map_err(|message| invalid(line, message))?;
+        let QueryId { scene, number } = &mut count.query;
+        [scene, number].into_iter().chain(&mut count.instance).for_each(&mut shared);
+        Ok(count)
     });
     counts.collect()
 }

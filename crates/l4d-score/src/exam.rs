@@ -5,47 +5,13 @@ use std::sync::Arc;
 
 use l4d_data::benchmark::how_truth_is_made;
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, DataError, Name, Profile, Query, Report, Scale, Status};
+use l4d_data::{Benchmark, DataError, Name, Profile, Query, QuerySet, Report, Scale, Status};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::codes;
 use crate::results::MOST_BYTES;
 use crate::traits::Traits;
 use crate::truth::SceneTruth;
-
-/// Which sentences are asked. Those that nothing satisfies are none of them: they have no truth to hit.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, strum::IntoStaticStr)]
-#[serde(rename_all = "lowercase")]
-#[strum(serialize_all = "lowercase")]
-pub enum QuerySet {
-    /// The queries that count: the only headline.
-    #[default]
-    Queries,
-    /// Queries of two categories, for a table of their own.
-    Composites,
-}
-
-impl QuerySet {
-    /// Name as written in files.
-    pub fn as_str(self) -> &'static str {
-        self.into()
-    }
-
-    fn of_scene(self, bench: &Benchmark, scene: &Name) -> Result<Vec<Query>, DataError> {
-        match self {
-            Self::Queries => bench.queries(scene),
-            Self::Composites => bench.composites(scene),
-        }
-    }
-
-    fn path(self, bench: &Benchmark, scene: &Name) -> PathBuf {
-        match self {
-            Self::Queries => bench.dir.queries(scene),
-            Self::Composites => bench.dir.composites(scene),
-        }
-    }
-}
 
 /// The benchmark as seen by the judge, for one profile.
 #[derive(Debug, Clone)]
@@ -101,7 +67,7 @@ impl SceneExam {
         may_lack: bool,
     ) -> Result<(Option<Self>, Report), DataError> {
         let mut report = Report::default();
-        let queries_path = set.path(bench, &name);
+        let queries_path = bench.dir.asked(set, &name);
         let truth_path = bench.dir.truth(profile, &name);
         let lacking = [&truth_path, &queries_path].into_iter().find(|path| !path.exists());
         if let (Some(path), true) = (lacking, may_lack) {
@@ -110,7 +76,7 @@ impl SceneExam {
             report.warning(codes::SCENE_LEFT_OUT, path, "", message, hint);
             return Ok((None, report));
         }
-        let queries = set.of_scene(bench, &name)?;
+        let queries = bench.asked(set, &name)?;
         let not_asked = not_asked(bench, &name, &queries)?;
         let truth = Arc::new(bench.truth(profile, &name)?);
         let scene = Self {

@@ -73,7 +73,10 @@ pub fn score_results(
         exam.scenes.iter().flat_map(|scene| &scene.queries).filter(|query| options.takes(query)).count();
     if asked == 0 {
         let (message, place) = ("no query is left to score", "folder `queries`");
-        let remedy = "drop --verified-only, have queries verified, or choose another --set";
+        let remedy = match options.verified_only {
+            true => "drop --verified-only, or have queries verified",
+            false => "write queries, or choose other --scenes or another --set",
+        };
         return Err(DataError::invalid(exam.bench.root(), place, message, remedy));
     }
     let summaries = each_method(root, exam, options.resize, &mut report, progress, |dir, card, found| {

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use l4d_data::results::{MethodCard, Used};
-use l4d_data::{DataError, Name, Profile, QueryId, json};
+use l4d_data::{DataError, Name, Profile, QueryId, QuerySet, json};
 use serde::{Deserialize, Serialize};
 
 use crate::averages::Breakdown;
 use crate::baseline::Baseline;
-use crate::exam::{Exam, QuerySet};
+use crate::exam::Exam;
 use crate::metrics::{Missing, Options, QueryTally};
 
 /// Schema tag of a summary.

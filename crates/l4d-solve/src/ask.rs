@@ -249,7 +249,7 @@ impl Stages {
             lines.push(format!("  {name:<8} {word:<12} {marked:>3} frames marked"));
             let notes = grounding.notes.iter().filter(|_| explains);
             let why = grounding.outcome.why().into_iter().chain(notes.cloned());
-            lines.extend(why.map(|why| format!("           {}", l4d_data::error::inert(&why))));
+            lines.extend(why.map(|why| format!("           {why}")));
         }
         lines.push("\nconsensus".to_owned());
         let table = if explains { solved.consensus.explain() } else { solved.consensus.summary() };

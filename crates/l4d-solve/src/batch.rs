@@ -98,7 +98,7 @@ impl Batch<'_> {
             if self.finished(query, &dir, &method.made_from(&scene, &question)).is_none() {
                 let views = method.unanswered(&scene, &question, &dir);
                 let plan = vlm.estimate(views.into_iter().map(|clip| (clip, &question)));
-                total += plan.map_err(|error| StageError::of(&error, Some(error.hint()))).at(&query.id)?;
+                total += plan.map_err(|error| StageError::of(&error, error.hint())).at(&query.id)?;
             }
         }
         Ok(total)

@@ -86,7 +86,9 @@ pub fn write_language(
     (model, language): (&Model, &Language),
     rasterizer: &dyn Rasterizer,
 ) -> Result<(), StageError> {
-    let plain = |error: &dyn std::error::Error| StageError::of(error, None);
+    let plain = |error: &dyn std::error::Error| {
+        StageError::of(error, "check that the model is whole: train or export it again")
+    };
     let [width, height] = plan.size.map(|side| side as usize);
     for (place, instant) in plan.instants.iter().enumerate() {
         let time = model.own_time(instant.time).map_err(|error| plain(&error))?;

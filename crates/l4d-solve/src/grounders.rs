@@ -55,8 +55,9 @@ impl Grounders {
                 let ids = open_ids(place.clone(), scene.profile, size, camera_size)?;
                 let instances = ids.instances();
                 let target = |query: &Query| {
-                    let target =
-                        Target::of(instances, query).map_err(|error| StageError::of(&error, None))?;
+                    let target = Target::of(instances, query).map_err(|error| {
+                        StageError::of(&error, "correct the query: `l4d check-queries` says more")
+                    })?;
                     Ok((query.id.number.clone(), target))
                 };
                 let targets = queries.iter().map(target).collect::<Result<BTreeMap<_, _>, StageError>>()?;

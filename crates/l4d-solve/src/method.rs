@@ -1,6 +1,6 @@
 //! A method as users choose it: preset, views, consensus, lift, and the name that its results have by default.
 
-use l4d_data::Interval;
+use l4d_data::{Interval, QuerySet};
 use serde::Deserialize;
 
 use crate::consensus::Preset;
@@ -101,29 +101,6 @@ impl MethodChoice {
             name.push_str(&part);
         }
         name
-    }
-}
-
-/// Which sentences are asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum QuerySet {
-    /// The queries that count.
-    Queries,
-    /// Queries of two categories.
-    Composites,
-    /// Sentences that nothing satisfies.
-    Absents,
-}
-
-impl QuerySet {
-    /// As names of methods have it.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Queries => "queries",
-            Self::Composites => "composites",
-            Self::Absents => "absents",
-        }
     }
 }
 

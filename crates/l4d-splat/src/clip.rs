@@ -41,7 +41,7 @@ pub enum ClipError {
 
 impl From<ClipError> for StageError {
     fn from(error: ClipError) -> Self {
-        Self::of(&error, None)
+        Self::of(&error, "take another checkpoint or train the scene again")
     }
 }
 

@@ -23,7 +23,7 @@ pub use self::variants::{Backend, Sweep};
 type Result<T, E = StageError> = std::result::Result<T, E>;
 
 fn plain(error: impl Error) -> StageError {
-    StageError::of(&error, None)
+    StageError::of(&error, "train the scene again, or measure without it")
 }
 
 /// What is drawn, and by what.

@@ -30,7 +30,7 @@ use crate::train::{InitialPoints, Quality, Stage, Trainer, measure, read_points}
 type Result<T, E = StageError> = std::result::Result<T, E>;
 
 fn plain(error: impl Error) -> StageError {
-    StageError::of(&error, None)
+    StageError::of(&error, "check the scene with `l4d check-scenes`, or train with other settings")
 }
 
 /// Held-out pictures that the progress shows the error of.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use glam::{DVec3, UVec2};
+use l4d_data::camera::ViewCard;
 use l4d_data::camera::looking_at;
 use l4d_data::digest::sha256_file;
 use l4d_data::layout::{BenchDir, SceneDir};
@@ -23,7 +24,8 @@ use crate::{SIZE, Thing, World, name, truth, write_manifest};
 pub fn write_scene(data: &Path, mut scene: Scene, look: impl Fn(&Camera, u32) -> Option<Frame>) -> Scene {
     let dir = SceneDir::new(data, &scene.name);
     for camera in &scene.cameras {
-        json::write(&dir.view_card(&camera.name), camera).unwrap();
+        let card = ViewCard::new(camera.clone(), [scene.width, scene.height]);
+        json::write(&dir.view_card(&camera.name), &card).unwrap();
         for frame in scene.profile.frames() {
             let Some(picture) = look(camera, frame) else { continue };
             write_frame(&dir.frame(&camera.name, frame), &picture).unwrap();

@@ -13,7 +13,7 @@ use std::path::Path;
 use glam::DMat4;
 use half::f16;
 use l4d_data::layout::BenchDir;
-use l4d_data::query::{Provenance, text_digest};
+use l4d_data::query::{Provenance, Source, text_digest};
 use l4d_data::scene::{Generator, Instance, LANDMARK_IDS, Role, SCHEMA};
 use l4d_data::store::write_atomic;
 use l4d_data::truth::Truth;
@@ -102,7 +102,7 @@ pub fn query(id: &str, text: &str, referents: &[&str], [first, last]: [u32; 2]) 
         frames: vec![frames],
         predicate: None,
         text_digest: text_digest(text, None),
-        provenance: Provenance { source: "author".to_owned(), note: String::new() },
+        provenance: Provenance { source: Source::Author, note: String::new() },
         status: Status::Candidate,
     }
 }

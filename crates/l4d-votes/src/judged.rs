@@ -48,7 +48,7 @@ impl Judged {
     /// # Errors
     /// A round whose files cannot be read or contradict each other.
     pub fn read(rounds: &Path, name: &str, bench: &Benchmark) -> Result<Self, StageError> {
-        let name = Name::new(name).map_err(|error| StageError::of(&error, None))?;
+        let name = Name::new(name)?;
         let dir = RoundDir::new(rounds.join(name.as_str()));
         let round = Round::open(&dir)?;
         let key = Key::read(&dir, &round)?;

@@ -9,7 +9,6 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use l4d_data::digest::RunningDigest;
-use l4d_data::error::inert;
 use l4d_data::{Name, Report};
 
 use crate::history::History;
@@ -185,7 +184,7 @@ impl Reader<'_> {
         } else {
             (format!("is of version {version}, this l4d reads {VERSION}"), "use the l4d that wrote it")
         };
-        let message = format!("cannot be read and does not count: {}", inert(&message));
+        let message = format!("cannot be read and does not count: {message}");
         self.error("L4D512", number, message, hint);
     }
 

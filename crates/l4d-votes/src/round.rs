@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 
-use l4d_data::error::inert;
-use l4d_data::store::{list_folder, read_bounded, write_atomic};
-use l4d_data::{DataError, Name, Profile, json};
+use l4d_data::error::is_line;
+use l4d_data::query::LONGEST_TEXT;
+use l4d_data::store::{list_folder, write_atomic};
+use l4d_data::{DataError, Name, Profile, json, toml_file};
 use serde::{Deserialize, Serialize};
 
 use crate::item::{Item, ItemId};
@@ -82,15 +83,8 @@ impl Round {
             let remedy = known_rounds(dir).unwrap_or_else(|| "open a round with `l4d open-round`".to_owned());
             return Err(DataError::invalid(&path, "file", "there is no such round", remedy));
         }
-        let bytes = read_bounded(&path, 1 << 20)?;
-        let settings: RoundSettings = std::str::from_utf8(&bytes)
-            .map_err(|error| error.to_string())
-            .and_then(|text| toml::from_str(text).map_err(|error| error.to_string()))
-            .map_err(|message| DataError::Format {
-                path: path.clone(),
-                location: "settings".to_owned(),
-                message: inert(&message),
-            })?;
+        let settings: RoundSettings =
+            toml_file::read(&path, "see docs/annotation.md for the fields of a round")?;
         let folder = dir.root().file_name().and_then(|name| name.to_str());
         if let Some(folder) = folder.filter(|folder| *folder != settings.name.as_str()) {
             return Err(DataError::invalid(
@@ -127,11 +121,8 @@ impl Round {
     /// A file cannot be written.
     pub fn write(&self, dir: &RoundDir, key: &Key) -> Result<(), DataError> {
         let path = dir.settings();
-        let settings = toml::to_string(&self.settings).map_err(|error| DataError::Format {
-            path: path.clone(),
-            location: "settings".to_owned(),
-            message: error.to_string(),
-        })?;
+        let settings =
+            toml::to_string(&self.settings).map_err(|error| DataError::format(&path, "settings", error))?;
         key.write(dir)?;
         json::write_lines(&dir.items(), &self.items)?;
         // Last: a folder with a round.toml is a whole round.
@@ -212,8 +203,7 @@ fn items_problem(items: &[Item]) -> Option<(String, String)> {
             return problem("is listed twice or out of order");
         }
         last = Some(&item.id);
-        let is_line = !item.text.chars().any(char::is_control);
-        if item.text.trim().is_empty() || item.text.len() > 500 || !is_line {
+        if !is_line(&item.text, LONGEST_TEXT) {
             return problem("field `text` must be one line of 1 to 500 bytes");
         }
         if item.digest.len() != 64 || !item.digest.bytes().all(|byte| byte.is_ascii_hexdigit()) {

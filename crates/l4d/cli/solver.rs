@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use l4d_data::{Profile, Shard};
+use l4d_data::{Profile, QuerySet, Shard};
 use l4d_experiments::ablation::Grid;
 use l4d_solve::consensus::Preset;
-use l4d_solve::method::{LiftChoice, QuerySet};
+use l4d_solve::method::LiftChoice;
 
 use super::models::ServerArgs;
 use super::splats::{AdapterArgs, PixelSize, ToldArgs};

@@ -7,7 +7,6 @@ use l4d_data::Progress as _;
 use l4d_data::parallel::in_parallel;
 use l4d_data::{Benchmark, Name, Report, Workspace};
 use l4d_endpoint::{Client, Plan};
-use l4d_propose::printable;
 use l4d_propose::queries::{QueryProposer, SceneOutcome};
 use l4d_query::prove::Vocabulary;
 use serde_json::json;
@@ -54,7 +53,7 @@ pub(crate) fn run(args: &ProposePromptsArgs, out: &Printer) -> Result<ExitStatus
     print(&outcomes, out)?;
     for outcome in &outcomes {
         for note in &outcome.asked.notes {
-            out.warn(format!("{}: {}", outcome.scene, printable(note)));
+            out.warn(format!("{}: {}", outcome.scene, note));
         }
     }
     note_spent(&client.spent(), out);

@@ -6,8 +6,8 @@ use anyhow::Result;
 use l4d_data::Progress as _;
 use l4d_data::{Benchmark, Report, Scale};
 use l4d_endpoint::Plan;
+use l4d_propose::Asked;
 use l4d_propose::scenarios::{Known, ScaleOutcome, ScenarioProposer};
-use l4d_propose::{Asked, printable};
 use serde_json::json;
 
 use crate::cli::models::ProposeScenesArgs;
@@ -65,7 +65,7 @@ fn print(outcomes: &[ScaleOutcome], out: &Printer) -> Result<()> {
             out.data(format!("    {name}"))?;
         }
         for note in notes {
-            out.warn(format!("{scale}: {}", printable(note)));
+            out.warn(format!("{scale}: {}", note));
         }
     }
     Ok(())

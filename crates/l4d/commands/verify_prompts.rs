@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 use l4d_annotate::{AnnotateError, Options, Outcome, annotate, scene};
-use l4d_data::{Draw, Name, Workspace};
+use l4d_data::{Draw, Name, StageError, Workspace};
 use l4d_votes::{Ballot, Round, RoundDir};
 
 use crate::cli::annotation::{PictureArg, VerifyPromptsArgs};
-use crate::out::{ExitStatus, Printer, refusal};
+use crate::out::{ExitStatus, Printer};
 
 pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus> {
     let annotator = Name::new(args.annotator.as_str())?;
@@ -34,11 +34,7 @@ pub(crate) fn run(args: &VerifyPromptsArgs, out: &Printer) -> Result<ExitStatus>
 }
 
 fn explained(error: AnnotateError) -> anyhow::Error {
-    match (error.hint(), error) {
-        (_, AnnotateError::Data(error)) => error.into(),
-        (None, error) => error.into(),
-        (Some(hint), error) => refusal(format!("{:#}", anyhow::Error::from(error)), hint),
-    }
+    StageError::of(&error, error.hint()).into()
 }
 
 fn farewell(Outcome { items, answered, skipped, sealed }: Outcome) -> String {

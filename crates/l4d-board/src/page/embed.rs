@@ -1,12 +1,13 @@
 //! How data travels inside an HTML file: as JSON that cannot end its element, or as packed text that is unpacked when
 //! it is looked at.
 
-use std::io::Write as _;
+use std::io::BufWriter;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use serde::Serialize;
 use serde_json::Value;
 
 /// JSON for an element that is no markup: `<`, `>` and `&` are written as escapes of JSON, so that nothing in a name
@@ -27,10 +28,10 @@ pub(crate) fn json(value: &Value) -> String {
 }
 
 /// JSON as zlib (RFC 1950) in base64, which `DecompressionStream("deflate")` of a browser reads.
-pub(crate) fn packed(value: &Value) -> std::io::Result<String> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(value.to_string().as_bytes())?;
-    Ok(base64(&encoder.finish()?))
+pub(crate) fn packed(value: &impl Serialize) -> std::io::Result<String> {
+    let mut writer = BufWriter::new(ZlibEncoder::new(Vec::new(), Compression::default()));
+    serde_json::to_writer(&mut writer, value)?;
+    Ok(base64(&writer.into_inner()?.finish()?))
 }
 
 /// Standard base64 with padding.

@@ -1,12 +1,15 @@
 //! What the page unpacks when a scene is opened: each method's numbers on each query, its masks, and the truth.
 
+use std::collections::BTreeMap;
+
 use l4d_data::layout::ResultsDir;
 use l4d_data::{DataError, Name, Query, Report, Role};
 use l4d_score::counts::State;
 use l4d_score::metrics::Ratios;
 use l4d_score::reading::{Holes, SceneReader};
 use l4d_score::{Metric, Protocol};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::Media;
 use super::embed::base64;
@@ -18,8 +21,36 @@ use crate::protocols::{ProtocolRow, ProtocolTable};
 /// What the held-out camera saw at a frame, as JPEG of any size; none where there is no picture.
 pub type Backdrop<'a> = dyn Fn(&Name, u32) -> Option<Vec<u8>> + Sync + 'a;
 
+/// What is unpacked. Keys are those of the scripts.
+#[derive(Serialize)]
+pub(crate) struct ScenePage<'a> {
+    targets: Vec<Vec<i64>>,
+    things: Vec<ThingPage>,
+    /// By the place of the method.
+    answers: BTreeMap<usize, AnswersPage<'a>>,
+    pool: Vec<String>,
+    backdrops: Vec<Option<String>>,
+    protocols: Value,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct ThingPage {
+    is_object: bool,
+    places: Vec<i64>,
+}
+
+/// Of one method, query by query.
+#[derive(Serialize)]
+struct AnswersPage<'a> {
+    ratios: Vec<Vec<Option<f64>>>,
+    taken: Vec<Option<&'a Name>>,
+    frames: Vec<Vec<i64>>,
+    masks: Vec<Option<Vec<i64>>>,
+}
+
 /// The scene at a place of the board.
-pub(crate) fn scene(board: &Board, place: usize, media: &Media) -> Result<Value, DataError> {
+pub(crate) fn scene<'a>(board: &'a Board, place: usize, media: &Media) -> Result<ScenePage<'a>, DataError> {
     let (asked, exam) = (&board.scenes[place], media.exam);
     let scene = &exam.scenes[place];
     let truth = exam.truth(scene);
@@ -37,11 +68,11 @@ pub(crate) fn scene(board: &Board, place: usize, media: &Media) -> Result<Value,
             let mask = truth.position(frame).and_then(|position| instance.masks[position].as_ref());
             mask.map_or(NOTHING, |mask| pool.place(mask.mask()))
         });
-        json!({ "isObject": instance.role == Role::Object, "places": places.collect::<Vec<_>>() })
+        ThingPage { is_object: instance.role == Role::Object, places: places.collect() }
     });
-    let things: Vec<Value> = things.collect();
+    let things = things.collect();
     let first: usize = board.scenes[..place].iter().map(|scene| scene.queries.len()).sum();
-    let mut answers = Map::new();
+    let mut answers = BTreeMap::new();
     let detailed = |method: &&Method| !method.answers.is_empty();
     for (index, method) in board.methods.iter().take_while(detailed).enumerate() {
         let found = &method.answers[first..first + asked.queries.len()];
@@ -53,34 +84,27 @@ pub(crate) fn scene(board: &Board, place: usize, media: &Media) -> Result<Value,
         let masks = queries.iter().zip(found).map(|(query, counted)| {
             answer_places(&mut pool, reader.as_ref()?, query, (asked, &shown), counted)
         });
-        let masks: Vec<Option<Vec<i64>>> = masks.collect();
-        let entry = json!({
-            "ratios": found.iter().map(|answer| ratios(&answer.ratios)).collect::<Value>(),
-            "taken": found.iter().map(|answer| answer.taken.as_ref()).collect::<Vec<_>>(),
-            "frames": found.iter().map(|answer| codes(asked, answer)).collect::<Value>(),
-            "masks": masks,
-        });
-        answers.insert(index.to_string(), entry);
+        let page = AnswersPage {
+            masks: masks.collect(),
+            ratios: found.iter().map(|answer| ratios(&answer.ratios)).collect(),
+            taken: found.iter().map(|answer| answer.taken.as_ref()).collect(),
+            frames: found.iter().map(|answer| codes(asked, answer)).collect(),
+        };
+        answers.insert(index, page);
     }
-    let backdrops: Vec<Option<String>> =
+    let backdrops =
         shown.iter().map(|&frame| (media.backdrop)(&asked.name, frame).map(|jpeg| base64(&jpeg))).collect();
-    Ok(json!({
-        "targets": targets,
-        "things": things,
-        "answers": answers,
-        "pool": pool.into_texts(),
-        "backdrops": backdrops,
-        "protocols": protocols(&board.protocols, asked),
-    }))
+    let protocols = protocols(&board.protocols, asked);
+    Ok(ScenePage { targets, things, answers, pool: pool.into_texts(), backdrops, protocols })
 }
 
 /// Percent, in the order of all metrics.
-fn ratios(ratios: &Ratios) -> Value {
+fn ratios(ratios: &Ratios) -> Vec<Option<f64>> {
     Metric::ALL.into_iter().map(|metric| ratios.get(metric).map(|ratio| hundredths(100.0 * ratio))).collect()
 }
 
 /// By frame: IoU in thousandths where there is something to find and it was hit, else what happened.
-fn codes(scene: &BoardScene, answer: &Answer) -> Value {
+fn codes(scene: &BoardScene, answer: &Answer) -> Vec<i64> {
     let code = |position: usize| match answer.state(scene, position) {
         State::Hit => (answer.iou(position).unwrap_or(0.0) * 1000.0).round() as i64,
         State::Miss => -1,

@@ -3,10 +3,9 @@
 use l4d_data::{At as _, Progress, QueryId, Severity, StageError};
 use l4d_score::metrics::QueryTally;
 use l4d_score::score::{counts_path, tallies_of_counts};
-use l4d_score::{Options, QuerySet, Scored, counts, score_results};
+use l4d_score::{Options, Scored, counts, score_results};
 use l4d_solve::batch::{Batch, pick};
 use l4d_solve::grounders::Grounders;
-use l4d_solve::method;
 use l4d_splat::source::Told;
 
 use super::Ablation;
@@ -72,12 +71,8 @@ fn answer(variant: &Variant, order: &Ablation<'_>, progress: &dyn Progress) -> R
         told: Told::default(),
     };
     let scenes: Vec<_> = order.exam.scenes.iter().map(|scene| scene.name.clone()).collect();
-    let set = match order.exam.set {
-        QuerySet::Queries => method::QuerySet::Queries,
-        QuerySet::Composites => method::QuerySet::Composites,
-    };
     let everything: &[QueryId] = &[];
-    let picked = pick(&order.exam.bench, set, &scenes, everything, None)?;
+    let picked = pick(&order.exam.bench, order.exam.set, &scenes, everything, None)?;
     batch.run(&order.exam.bench, &scenes, &picked, progress)?.tell(progress);
     Ok(())
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::str::FromStr;
 
 use l4d_data::DataError;
-use l4d_data::error::inert;
 
 use super::{CameraModel, REMEDY};
 
@@ -111,7 +110,7 @@ impl Fields for Binary<'_> {
         let length = rest.iter().position(|&byte| byte == 0);
         let length = length.ok_or_else(|| self.wrong("a name has no end".to_owned(), REMEDY))?;
         let name = std::str::from_utf8(&rest[..length])
-            .map_err(|error| self.wrong(inert(&format!("a name is no UTF-8: {error}")), REMEDY))?;
+            .map_err(|error| self.wrong(format!("a name is no UTF-8: {error}"), REMEDY))?;
         self.offset += length + 1;
         Ok(name.to_owned())
     }
@@ -177,7 +176,7 @@ impl<'a> Text<'a> {
 impl Fields for Text<'_> {
     fn next_entry(&mut self) -> Result<bool, DataError> {
         if !self.is_through() {
-            return Err(self.wrong("end", format!("`{}` is left over", inert(self.rest.trim())), REMEDY));
+            return Err(self.wrong("end", format!("`{}` is left over", self.rest.trim()), REMEDY));
         }
         while self.next_line() {
             if !self.is_through() {
@@ -190,13 +189,13 @@ impl Fields for Text<'_> {
     fn number<T: Number>(&mut self, field: &str) -> Result<T, DataError> {
         let word = self.word(field)?;
         let number = word.parse().ok();
-        number.ok_or_else(|| self.wrong(field, format!("`{}` is no such number", inert(word)), REMEDY))
+        number.ok_or_else(|| self.wrong(field, format!("`{word}` is no such number"), REMEDY))
     }
 
     fn model(&mut self) -> Result<CameraModel, DataError> {
         let name = self.word("model")?;
         name.parse().ok().ok_or_else(|| {
-            let message = format!("camera model `{}` is not understood", inert(name));
+            let message = format!("camera model `{name}` is not understood");
             self.wrong("model", message, "undistort the images first (`colmap image_undistorter`)")
         })
     }

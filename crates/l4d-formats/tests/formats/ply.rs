@@ -1,3 +1,5 @@
+use std::io::Cursor;
+
 use l4d_formats::Fault;
 use l4d_formats::ply::{Ply, PropertyType, ScalarType, encode};
 
@@ -5,7 +7,7 @@ use super::bytes;
 
 /// All rows of the vertices, those columns that are `float` or `double`.
 pub(crate) fn rows(bytes: &[u8]) -> Result<Vec<Vec<f32>>, Fault> {
-    let file = Ply::open(bytes)?;
+    let file = Ply::open(Cursor::new(bytes))?;
     let vertex = file.elements().iter().find(|element| element.name == "vertex");
     let properties = vertex.map(|vertex| vertex.properties.clone()).unwrap_or_default();
     let is_float =
@@ -39,7 +41,7 @@ fn what_is_written_is_read() {
 fn columns_of_another_type_are_refused() {
     let file = replaced(&small(), "float w", "uint w");
     let wanted = |name: &str| {
-        Ply::open(&file)
+        Ply::open(Cursor::new(&file))
             .unwrap()
             .rows("vertex", &[name.to_owned()], "", |_, _| Ok(()))
             .unwrap_err()

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use l4d_data::camera::ViewCard;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use l4d_data::store::list_folder;
@@ -67,20 +68,20 @@ pub(super) fn check_files(scene: &Scene, dir: &SceneDir, report: &mut Report) {
         compare_listing(&dir.view(view), &frames, &cards, report);
     }
     for camera in &scene.cameras {
-        check_card(camera, dir, report);
+        check_card(camera, [scene.width, scene.height], dir, report);
     }
 }
 
 /// The frames were rendered with the camera of `view.json`, where that is still beside them.
-fn check_card(camera: &Camera, dir: &SceneDir, report: &mut Report) {
+fn check_card(camera: &Camera, size: [u32; 2], dir: &SceneDir, report: &mut Report) {
     let path = dir.view_card(&camera.name);
     if !path.exists() {
         return;
     }
     match dir.read_view_card(&camera.name) {
-        Ok(rendered) if rendered == *camera => {}
+        Ok(rendered) if rendered == ViewCard::new(camera.clone(), size) => {}
         Ok(_) => {
-            let message = "the camera that the frames were rendered with differs from scene.json";
+            let message = "what the frames were rendered with differs from scene.json";
             report.error("L4D102", &path, "camera", message, REBUILD);
         }
         Err(error) => report.data_error("L4D102", &error),

@@ -70,6 +70,22 @@ fn scene_json_missing_or_of_another_profile() {
 }
 
 #[test]
+fn a_view_card_that_says_something_else() {
+    let fake = Dataset::new();
+    let path = fake.dir().view_card("cam01");
+    let sound: serde_json::Value = json::read(&path).unwrap();
+    for (field, value) in [("schema", "l4d/view/0".into()), ("width", "128".into()), ("height", 95.into())] {
+        let mut card = sound.clone();
+        card[field] = value;
+        json::write(&path, &card).unwrap();
+        let (_, findings) = check(&fake);
+        let found: Vec<&str> = findings.iter().map(|finding| finding.code).collect();
+        assert_eq!(found, ["L4D102"], "{field}");
+        assert!(findings[0].path.ends_with("view.json"), "{findings:?}");
+    }
+}
+
+#[test]
 fn missing_and_extra_frames_and_views() {
     let fake = Dataset::new();
     fs::remove_file(fake.dir().frame("cam01", 36)).unwrap();

@@ -5,10 +5,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::{Category, DataError};
+use l4d_data::{Category, DataError, toml_file};
 use serde::{Deserialize, Serialize};
-
-use crate::grounder_file::read_toml;
 
 /// Correlations of the ablation of consensus.
 pub const CORRELATIONS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
@@ -72,7 +70,7 @@ impl NoisePreset {
     /// # Errors
     /// The file cannot be read, or a number in it cannot be.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let preset: Self = read_toml(path, "noise preset")?;
+        let preset: Self = toml_file::read(path, "see docs/panopticquery.md for the fields of a preset")?;
         match preset.problem() {
             Some(message) => {
                 Err(DataError::invalid(path, "noise preset", message, "write a number of that range"))

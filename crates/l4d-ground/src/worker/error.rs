@@ -97,9 +97,9 @@ impl WorkerError {
     }
 
     /// What to do about it.
-    pub fn hint(&self) -> String {
+    pub fn hint(&self) -> &str {
         match self {
-            Self::Data(error) => return error.hint().unwrap_or_default(),
+            Self::Data(error) => error.hint(),
             Self::Process { hint, .. } => hint,
             Self::Answer { .. } => READ_THE_PROTOCOL,
             Self::Refused { kind, .. } if kind == "oom" => {
@@ -108,7 +108,6 @@ impl WorkerError {
             Self::Refused { .. } => "see docs/workers.md for what each worker takes",
             Self::Unfit { .. } => "choose another worker or another coupling",
         }
-        .to_owned()
     }
 }
 

@@ -221,7 +221,7 @@ fn read_lines(stdout: ChildStdout, lines: &SyncSender<Result<WorkerLine, String>
             Ok(_) if line.trim_ascii().is_empty() => continue,
             Ok(_) => serde_json::from_slice(&line).map_err(|error| {
                 let excerpt: String = String::from_utf8_lossy(&line).chars().take(80).collect();
-                format!("{error}: {}", inert(excerpt.trim()))
+                format!("{error}: {}", excerpt.trim())
             }),
         };
         let is_broken = read.is_err();

@@ -67,6 +67,10 @@ fn camera_names(folder: &Path) -> Result<Vec<String>, DataError> {
         .collect();
     names.sort();
     names.dedup();
+    if names.is_empty() {
+        let remedy = "put videos `cam00.mp4`, ... or pictures `cam00/images/0000.png`, ... there";
+        return Err(DataError::invalid(folder, "folder", "holds no camera", remedy));
+    }
     Ok(names)
 }
 

@@ -47,11 +47,8 @@ pub fn publish(capture: &Capture, set: &MaskSet, scale: Scale, bench: &Path) -> 
     if !queries.exists() {
         write_atomic(&queries, b"")?;
     }
-    let text = manifest.to_toml(HEADING).map_err(|error| DataError::Format {
-        path: dir.manifest(),
-        location: "manifest".to_owned(),
-        message: error.to_string(),
-    })?;
+    let text = manifest.to_toml(HEADING);
+    let text = text.map_err(|error| DataError::format(&dir.manifest(), "manifest", error))?;
     write_atomic(&dir.manifest(), text.as_bytes())?;
     // What was written must be what will be read.
     Truth::read(&path)?;

@@ -104,15 +104,8 @@ impl Problem {
 
 impl From<DataError> for Problem {
     fn from(error: DataError) -> Self {
-        let hint = error.hint().unwrap_or_default();
-        match error {
-            DataError::Io { action, source, .. } => {
-                Self::unreadable("", format!("cannot {action}: {source}"), &hint)
-            }
-            DataError::Format { location, message, .. } | DataError::Invalid { location, message, .. } => {
-                Self::unreadable(location, message, &hint)
-            }
-        }
+        let (place, message) = error.place_and_message();
+        Self::unreadable(place, message, error.hint())
     }
 }
 

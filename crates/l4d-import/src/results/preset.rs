@@ -6,8 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use l4d_data::DataError;
-use l4d_data::store::read_bounded;
+use l4d_data::{DataError, toml_file};
 use serde::{Deserialize, Serialize};
 
 use super::codec::Codec;
@@ -15,8 +14,7 @@ use super::inside::Inside;
 use super::relevancy::Rules;
 use super::template::Template;
 
-/// No preset is larger.
-const MAX_BYTES: u64 = 1 << 20;
+const REMEDY: &str = "see docs/import/presets.md";
 
 /// What is known of a method's files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -138,8 +136,7 @@ impl Preset {
         }
         let path = Path::new(name);
         if path.extension().is_some_and(|extension| extension == "toml") {
-            let bytes = read_bounded(path, MAX_BYTES)?;
-            return Self::parse(path, &String::from_utf8_lossy(&bytes));
+            return toml_file::read(path, REMEDY).and_then(|preset| Self::checked(path, preset));
         }
         let known: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
         let remedy = format!("give a .toml file, or one of: {}", known.join(", "));
@@ -147,10 +144,11 @@ impl Preset {
     }
 
     fn parse(path: &Path, text: &str) -> Result<Self, DataError> {
-        let invalid = |place: &str, message: String| {
-            DataError::invalid(path, place, l4d_data::error::inert(&message), "see docs/import/presets.md")
-        };
-        let preset: Self = toml::from_str(text).map_err(|error| invalid("preset", error.to_string()))?;
+        toml_file::parse(path, text, REMEDY).and_then(|preset| Self::checked(path, preset))
+    }
+
+    fn checked(path: &Path, preset: Self) -> Result<Self, DataError> {
+        let invalid = |place: &str, message: String| DataError::invalid(path, place, message, REMEDY);
         let claims = preset.claims.iter().map(|claims| &claims.template);
         let images = preset.images.iter().map(|images| &images.template);
         let of_latents = preset.latents.iter().flat_map(|latents| {
@@ -179,7 +177,7 @@ mod tests {
             assert!(!preset.notes.is_empty(), "{name} says nothing of itself");
         }
         let error = Preset::find("nothing").unwrap_err();
-        assert!(error.hint().unwrap().contains("langsplat"));
+        assert!(error.hint().contains("langsplat"));
     }
 
     #[test]

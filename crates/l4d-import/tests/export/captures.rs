@@ -118,7 +118,7 @@ fn without_points_a_layout_says_so_and_takes_those_of_a_model_in_the_same_world(
     turned.write(&world.out("turned")).unwrap();
     let error = with(Origin::Captured(&capture), &world.out("turned"), &world.out("no")).unwrap_err();
     assert!(error.to_string().contains("a world of its own"), "{error}");
-    assert!(error.hint().unwrap().contains("point_triangulator"));
+    assert!(error.hint().contains("point_triangulator"));
     for image in &mut turned.images {
         image.name.insert_str(0, "other");
     }
@@ -187,7 +187,7 @@ fn masks_of_the_held_out_view_alone_are_the_truth_and_no_training_data() {
     }
     std::fs::remove_file(world.capture_dir().root().join("masks.json")).unwrap();
     let error = try_captured(&world, Format::Davis, HeldOut::Pose, &world.out("no")).unwrap_err();
-    assert!(error.hint().unwrap().contains("l4d import-scene --masks"), "{error}");
+    assert!(error.hint().contains("l4d import-scene --masks"), "{error}");
 }
 
 #[test]

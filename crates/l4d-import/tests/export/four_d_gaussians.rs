@@ -167,7 +167,7 @@ fn what_a_reader_would_drop_is_refused_with_the_format_that_keeps_it() {
         let error = try_export(&world, Format::Dynerf, HeldOut::Pose, &world.out("no")).unwrap_err();
         assert!(!world.out("no").exists(), "nothing is written before it is refused");
         assert!(error.to_string().contains(said), "{error}");
-        assert!(error.hint().unwrap().contains("--format 4dgaussians"));
+        assert!(error.hint().contains("--format 4dgaussians"));
         exported(&world, Format::FourDGaussians, HeldOut::Pose, &world.out("yes"));
     }
 }

@@ -1,7 +1,7 @@
 //! One proposal as a model wrote it, read with as much patience as its meaning allows.
 
+use l4d_data::error::is_hidden;
 use l4d_data::{Category, Interval, Temporal};
-use l4d_endpoint::is_hidden;
 use serde_json::{Value, json};
 
 use crate::answer::Reason;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use l4d_data::error::is_hidden;
 use l4d_data::timeline::{LAST_FRAME, MIN_INTERVAL};
 use l4d_data::{Category, Interval, Name, Temporal};
-use l4d_endpoint::is_hidden;
 use l4d_query::prove::{form_problem, says_when, words};
 use l4d_query::verbs::{is_moving, is_state};
 

@@ -210,7 +210,7 @@ pub(super) mod tests {
         other["events"][2].as_object_mut().unwrap().remove("loop_hz");
         other["remark"] = json!("I like bread");
         assert_eq!(Draft::read(&other).unwrap(), draft);
-        let provenance = Provenance { source: "model".to_owned(), note: "tiny".to_owned() };
+        let provenance = Provenance { source: l4d_data::query::Source::Model, note: "tiny".to_owned() };
         let file = Scenario { schema: SCHEMA, draft: draft.clone(), provenance };
         assert_eq!(Draft::read(&serde_json::to_value(file).unwrap()).unwrap(), draft);
     }

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use l4d_data::tracks::{TrackedInstance, Tracks};
 use l4d_data::truth::Truth;
-use l4d_data::{Benchmark, Category, DataError, Name, Profile, Query, Report, Role, Scale, Status, json};
+use l4d_data::{
+    Benchmark, Category, DataError, Name, Profile, Query, Report, Role, Scale, Split, Status, json,
+};
 
 use super::query::{Kind, Prover};
 use super::{Vocabulary, agree, words};
@@ -42,6 +44,12 @@ impl SceneSet {
         let absents = kept(bench.absents(scene), report);
         let has_truth = bench.dir.truth(profile, scene).exists();
         let truth = has_truth.then(|| bench.truth(profile, scene)).and_then(|read| kept(read, report));
+        if let (Some(tracks), Some(truth)) = (&tracks, &truth)
+            && let Some(message) = truth_problem(tracks, truth)
+        {
+            let hint = "build tracks and truth from the same recipe: `l4d build-scenes --update-benchmark`";
+            report.error("L4D201", &bench.dir.truth(profile, scene), "file", message, hint);
+        }
         Some(Self {
             scene: scene.clone(),
             tracks: tracks?,
@@ -77,6 +85,23 @@ impl SceneSet {
     fn all(&self) -> impl Iterator<Item = Asked<'_>> {
         let [_, queries, composites, absents] = &self.paths;
         not_rejected([queries, composites, absents], self.counted().2)
+    }
+}
+
+/// How a truth is not that of a scene.
+fn truth_problem(tracks: &Tracks, truth: &Truth) -> Option<String> {
+    let is_listed = |name: &Name| tracks.cameras.iter().any(|camera| camera.name == *name);
+    let held_out = tracks.cameras.iter().find(|camera| camera.split == Split::Test)?;
+    let described = tracks.instances.iter().map(|one| (one.id, &one.name, one.role, &one.category));
+    if tracks.scene != truth.scene {
+        Some(format!("is of scene {}", truth.scene))
+    } else if held_out.name != truth.test_view {
+        Some(format!("holds out {}, but the tracks hold out {}", truth.test_view, held_out.name))
+    } else if let Some(view) = truth.visible.keys().find(|view| !is_listed(view)) {
+        Some(format!("has counts of {view}, which is no view of the scene"))
+    } else {
+        let seen = truth.instances.iter().map(|one| (one.id, &one.name, one.role, &one.category));
+        described.ne(seen).then(|| "has other instances than the tracks".to_owned())
     }
 }
 

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 use l4d_data::results::{MethodCard, Used};
 use l4d_data::store::{read_bounded, write_atomic};
-use l4d_data::{DataError, Name, Profile, QueryId, json as file};
+use l4d_data::{DataError, Name, Profile, QueryId, QuerySet, json as file};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::Protocol;
 use super::clip::{Judged, LeftOut, Value};
 use super::sheet::{Row, Sheet, file_stem};
-use crate::exam::{Exam, QuerySet};
+use crate::exam::Exam;
 use crate::metrics::Options;
 use crate::summary::{PARTIAL, handicaps};
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use l4d_data::error::inert_name;
+use l4d_data::error::inert;
 use l4d_ground::{Grounder, Grounding, Outcome, Reason, Unreadable};
 use serde::Serialize;
 
@@ -45,7 +45,7 @@ pub struct Answer {
 impl Answer {
     fn new(status: Status, message: &str) -> Self {
         // Of whatever it is made, it stays one line.
-        Self { status, message: inert_name(message), unread_words: Vec::new(), nearest: None }
+        Self { status, message: inert(message), unread_words: Vec::new(), nearest: None }
     }
 
     /// Why there is none; nothing where there is one.

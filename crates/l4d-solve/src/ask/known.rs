@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::error::inert_name;
 use l4d_data::{Benchmark, Name, Query, StageError, Status};
 use strsim::sorensen_dice;
 
@@ -49,7 +48,7 @@ impl Known {
         let (message, hint) = match self.nearest(text, |_| true) {
             Some(nearest) => (
                 format!("{rule}, and this is none of those about scene {scene}"),
-                format!("ask \"{}\", or ask with --grounder geometric", inert_name(nearest)),
+                format!("ask \"{nearest}\", or ask with --grounder geometric"),
             ),
             None => (
                 format!("{rule}, and {bench} has none about scene {scene}"),

@@ -1,8 +1,6 @@
 //! Which queries are answered.
 
-use l4d_data::{Benchmark, Name, Query, QueryId, Shard, StageError, Status};
-
-use crate::method::QuerySet;
+use l4d_data::{Benchmark, Name, Query, QueryId, QuerySet, Shard, StageError, Status};
 
 /// Some queries of a scene, in the order of the benchmark.
 #[derive(Debug)]
@@ -27,11 +25,7 @@ pub fn pick(
     let mut scenes = Vec::new();
     let mut known = 0;
     for name in selected {
-        let mut queries = match set {
-            QuerySet::Queries => bench.queries(name)?,
-            QuerySet::Composites => bench.composites(name)?,
-            QuerySet::Absents => bench.absents(name)?,
-        };
+        let mut queries = bench.asked(set, name)?;
         queries.retain(|query| query.status != Status::Rejected);
         if !ids.is_empty() {
             queries.retain(|query| ids.contains(&query.id));

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 
 use glam::UVec2;
 use l4d_data::digest::sha256_hex;
-use l4d_data::error::inert;
 use l4d_data::store::{list_folder, read_bounded};
 use l4d_data::{Camera, DataError, Name, json};
 use l4d_frames::drawn::{DepthMap, RgbImage, decode_colour, decode_depth_png, encode_colour, picture_of};
@@ -351,7 +350,7 @@ fn read_manifest(path: &Path) -> Result<Manifest, DataError> {
     if manifest.schema == SCHEMA {
         return Ok(manifest);
     }
-    let message = format!("is `{}`, but this l4d writes `{SCHEMA}`", inert(&manifest.schema));
+    let message = format!("is `{}`, but this l4d writes `{SCHEMA}`", manifest.schema);
     Err(DataError::invalid(path, "field `schema`", message, "choose another --out, or delete the folder"))
 }
 

@@ -97,7 +97,9 @@ impl Plan {
     pub(crate) fn view(&self, index: PictureIndex) -> Result<View, StageError> {
         let (camera, instant) = self.of(index);
         View::of_camera(camera, instant.frame.unwrap_or(0), self.camera_size, self.size)
-            .map_err(|error| StageError::of(&error, None))
+            .map_err(|error| {
+                StageError::of(&error, "correct the camera in the card of the scene, or choose another size")
+            })
             .at(format_args!("camera {}", camera.name))
     }
 

@@ -10,7 +10,7 @@ use l4d_splat::view::ViewError;
 
 impl From<LiftError> for StageError {
     fn from(error: LiftError) -> Self {
-        Self::of(&error, None)
+        Self::of(&error, "lift with other settings, or train the scene again")
     }
 }
 

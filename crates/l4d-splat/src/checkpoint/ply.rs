@@ -2,10 +2,12 @@
 //!
 //! Written in the one order that every program reads.
 
+use std::collections::TryReserveError;
+use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use l4d_data::DataError;
-use l4d_data::store::{read_bounded, write_atomic};
+use l4d_data::store::{open_bounded, write_atomic};
 
 use l4d_formats::Fault;
 use l4d_formats::ply::{self, ElementDef, Ply};
@@ -25,7 +27,7 @@ const REMEDY_COMPRESSED: &str =
 /// # Errors
 /// A file that cannot be read, and what [`decode`] refuses.
 pub fn read(path: &Path) -> Result<Gaussians, DataError> {
-    decode(&read_bounded(path, MAX_BYTES)?).map_err(|fault| fault.at(path))
+    read_from(BufReader::new(open_bounded(path, MAX_BYTES)?)).map_err(|fault| fault.at(path))
 }
 
 /// Writes a PLY file, binary little endian.
@@ -42,7 +44,11 @@ pub fn write(path: &Path, gaussians: &Gaussians) -> Result<(), DataError> {
 /// # Errors
 /// Lists, other than 0, 9, 24 or 45 `f_rest_*`, sizes that are not the file's, and values that are not finite.
 pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
-    let file = Ply::open(bytes)?;
+    read_from(Cursor::new(bytes))
+}
+
+fn read_from(source: impl BufRead + Seek) -> Result<Gaussians, Fault> {
+    let file = Ply::open(source)?;
     let vertex = file.elements().iter().find(|element| element.name == "vertex").ok_or_else(|| {
         Fault::new("header", "has no element `vertex`, in which Gaussians are stored", REMEDY_FOREIGN)
     })?;
@@ -56,6 +62,10 @@ pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
     let degree = degree_of(vertex)?;
     let names = parameter_names(degree);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
+    reserve(&mut gaussians, vertex.count).map_err(|_| {
+        let message = format!("{} Gaussians do not fit into memory", vertex.count);
+        Fault::new("header", message, "check that this is the intended file, or allow more memory")
+    })?;
     file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
         if let Some((value, name)) = row.iter().zip(&names).find(|(value, _)| !value.is_finite()) {
             return Err(Fault::new(
@@ -75,9 +85,9 @@ pub fn decode(bytes: &[u8]) -> Result<Gaussians, Fault> {
 /// # Errors
 /// As [`read`].
 pub(super) fn read_language(path: &Path) -> Result<(Vec<f32>, usize), DataError> {
-    let bytes = read_bounded(path, MAX_BYTES)?;
+    let source = BufReader::new(open_bounded(path, MAX_BYTES)?);
     let decode = || {
-        let file = Ply::open(&bytes)?;
+        let file = Ply::open(source)?;
         let vertex = file.elements().iter().find(|element| element.name == "vertex");
         let properties = vertex.into_iter().flat_map(|vertex| &vertex.properties);
         let count = properties.filter(|property| property.name.starts_with("f_lang_")).count();
@@ -148,6 +158,14 @@ fn degree_of(vertex: &ElementDef) -> Result<ShDegree, Fault> {
                 REMEDY_FOREIGN,
             )
         })
+}
+
+fn reserve(gaussians: &mut Gaussians, count: usize) -> Result<(), TryReserveError> {
+    gaussians.means.try_reserve_exact(count)?;
+    gaussians.sh.try_reserve_exact(count * gaussians.sh_degree.coefficients())?;
+    gaussians.opacity_logits.try_reserve_exact(count)?;
+    gaussians.log_scales.try_reserve_exact(count)?;
+    gaussians.rotations.try_reserve_exact(count)
 }
 
 /// Takes one row in the order of [`parameter_names`].

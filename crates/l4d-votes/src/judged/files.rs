@@ -136,13 +136,12 @@ fn current_texts(judged: &Judged, bench: &Benchmark) -> Result<BTreeMap<QueryId,
 }
 
 fn agreement_bytes(agreement: &Agreement) -> Result<Vec<u8>, StageError> {
-    let text = serde_json::to_string_pretty(agreement).map_err(|error| StageError::of(&error, None))?;
-    Ok((text + "\n").into_bytes())
+    Ok((serde_json::to_string_pretty(agreement)? + "\n").into_bytes())
 }
 
 fn verdict_bytes(judged: &Judged) -> Result<Vec<u8>, StageError> {
     let Judged { round, verdicts, changes, .. } = judged;
-    verdicts_csv(round, verdicts, changes).map_err(|error| StageError::of(&error, None))
+    verdicts_csv(round, verdicts, changes).map_err(|error| StageError::of(&error, "run `l4d verdict` again"))
 }
 
 /// `verdicts.csv`: one row per query, by item.
@@ -259,7 +258,7 @@ mod tests {
         assert_eq!(remembered(&path).unwrap(), Some(changes));
         std::fs::write(&path, "item,change\nq0001,no\nq0002,perhaps\n").unwrap();
         let error = remembered(&path).unwrap_err();
-        assert!(error.to_string().contains("line 3") && error.hint().is_some(), "{error}");
+        assert!(error.to_string().contains("line 3") && !error.hint().is_empty(), "{error}");
     }
 
     #[test]

@@ -185,7 +185,7 @@ mod tests {
         let dir = write(folder.path(), &["cam00"]);
         let error = DrawnIds::open(dir.clone(), SIZE, SIZE).unwrap_err();
         assert!(error.to_string().contains("nothing is drawn on a training view"), "{error}");
-        assert!(error.hint().unwrap().contains("--masks-only"));
+        assert!(error.hint().contains("--masks-only"));
         std::fs::remove_file(dir.root().join(MASKS)).unwrap();
         let error = DrawnIds::open(dir, SIZE, SIZE).unwrap_err();
         assert!(error.to_string().contains("has no drawn masks"), "{error}");

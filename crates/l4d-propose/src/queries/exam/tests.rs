@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use l4d_data::query::Source;
 use l4d_data::scene::Scene;
 use l4d_data::tracks::{TrackedCamera, TrackedInstance, Tracks};
 use l4d_data::truth::{self, InstanceTruth, Truth, frame_key};
@@ -123,7 +124,7 @@ fn proposal(category: &str, text: &str, referents: &[u32], frames: &[[u32; 2]], 
 }
 
 fn model() -> Provenance {
-    Provenance { source: "model".to_owned(), note: String::new() }
+    Provenance { source: Source::Model, note: String::new() }
 }
 
 fn judge(set: &SceneSet, proposal: &Proposal) -> Outcome {
