@@ -1,0 +1,4 @@
+//! Target `cfg_args`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| l4d_fuzz::run("cfg_args", bytes));

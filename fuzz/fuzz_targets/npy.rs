@@ -1,0 +1,4 @@
+//! Target `npy`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| l4d_fuzz::run("npy", bytes));

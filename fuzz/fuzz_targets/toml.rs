@@ -1,0 +1,4 @@
+//! Target `toml`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| l4d_fuzz::run("toml", bytes));
