@@ -14,6 +14,7 @@ use l4d_frames::{drawn, exr, photo};
 use l4d_ground::GrounderFile;
 use l4d_masks::{Mask, ids, png};
 use l4d_splat::checkpoint::{foreign, ply};
+use l4d_splat::source::ReaderOptions;
 use tempfile::TempDir;
 
 /// Size of the pictures that are expected, pixels.
@@ -46,7 +47,8 @@ pub fn run(name: &str, bytes: &[u8]) {
 fn cfg_args(bytes: &[u8]) {
     on_disk(&[("cfg_args", bytes)], |folder| {
         let save = "point_cloud/iteration_7";
-        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/l4d-splat/tests/fixtures/checkpoint/model");
+        let shipped =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/l4d-splat/tests/fixtures/checkpoint/model");
         fs::create_dir_all(folder.join(save)).unwrap();
         for file in ["point_cloud.ply", "deformation.pth"] {
             let to = folder.join(save).join(file);
@@ -54,7 +56,7 @@ fn cfg_args(bytes: &[u8]) {
                 fs::copy(shipped.join(save).join(file), to).unwrap();
             }
         }
-        drop(foreign::read(folder));
+        drop(foreign::read(folder, ReaderOptions::default()));
     });
 }
 

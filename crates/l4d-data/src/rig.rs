@@ -7,7 +7,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 use crate::camera::{Camera, Split, cameras_problem};
 use crate::error::DataError;
@@ -28,7 +29,7 @@ pub struct Rig {
     /// From where.
     pub cameras: Vec<Camera>,
     /// Numbers of the moments of a capture, ascending; none of a rendered scene, whose profile says them.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "some_frames")]
     pub frames: Vec<u32>,
     /// Of a capture, where known.
     #[serde(default)]
@@ -36,6 +37,11 @@ pub struct Rig {
     /// View -> moments that it did not see.
     #[serde(default)]
     unseen: BTreeMap<Name, Vec<u32>>,
+}
+
+fn some_frames<'de, D: Deserializer<'de>>(frames: D) -> Result<Vec<u32>, D::Error> {
+    let frames = Vec::deserialize(frames)?;
+    if frames.is_empty() { Err(D::Error::custom("is empty, but a clip has frames")) } else { Ok(frames) }
 }
 
 impl Rig {

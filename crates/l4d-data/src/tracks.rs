@@ -192,12 +192,13 @@ impl Tracks {
     }
 
     fn event_problem(&self, event: &Event) -> Option<(String, String)> {
+        if !is_line(&event.verb, LONGEST_WORD) {
+            let message = format!("the verb is one line of 1 to {LONGEST_WORD} bytes");
+            return Some((format!("event of {}", event.subject), message));
+        }
         let place = format!("event {} {}", event.subject, event.verb);
         if let Some(message) = self.unknown(std::iter::once(&event.subject).chain(&event.object)) {
             return Some((place, message));
-        }
-        if !is_line(&event.verb, LONGEST_WORD) {
-            return Some((place, format!("the verb is one line of 1 to {LONGEST_WORD} bytes")));
         }
         if event.frames.last() > LAST_FRAME || event.frames.frame_count() < MIN_INTERVAL {
             let message = format!(

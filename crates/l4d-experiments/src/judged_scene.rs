@@ -16,7 +16,7 @@ use l4d_score::{Exam, Options};
 use l4d_solve::clips::{PictureIndex, Plan};
 use l4d_solve::scene::{ClipSettings, Places, SolveScene};
 use l4d_splat::raster::Rasterizer;
-use l4d_splat::source::Told;
+use l4d_splat::source::ReaderOptions;
 use serde_json::Value;
 
 use crate::Result;
@@ -41,7 +41,7 @@ impl<'a> JudgedScene<'a> {
     ) -> Result<Self> {
         let (name, profile) = (&asked.name, exam.profile);
         let (data, work) = (space.scene(name), space.work(name));
-        let places = Places { data, work, model: None, told: Told::default() };
+        let places = Places { data, work, model: None, reader_options: ReaderOptions::default() };
         let scene = SolveScene::open(name, profile, &places, clips, draws, &|| {})?;
         Ok(Self { plan: scene.judged(&places)?, truth: exam.truth(asked), places, scene, exam: asked })
     }

@@ -9,7 +9,7 @@ use l4d_splat::checkpoint::foreign::Moments;
 use l4d_splat::clip::{ClipError, Moment, draw};
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, Drawing, RasterSettings};
-use l4d_splat::source::{Source, Told};
+use l4d_splat::source::{ReaderOptions, Source};
 use l4d_splat::view::View;
 use numpy::PyArrayMethods as _;
 use pyo3::prelude::*;
@@ -54,7 +54,7 @@ impl Splats {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self> {
         let source = py.detach(|| {
-            let source = Source::open(&path, Told::default())?;
+            let source = Source::open(&path, ReaderOptions::default())?;
             match source.moments {
                 Some(Moments::Unknown) => Ok(source),
                 _ => source.on(&path, Timeline::CANONICAL, &[]),

@@ -19,7 +19,7 @@ use l4d_masks::Mask;
 use l4d_solve::lift::{Canvas, Evidence, EvidenceFrame, EvidenceView, FieldSettings, LiftSettings, lift};
 use l4d_splat::model::time_of_frame;
 use l4d_splat::raster::{Cpu, RasterSettings, Reference};
-use l4d_splat::source::{Source, Told};
+use l4d_splat::source::{ReaderOptions, Source};
 use l4d_splat::view::View;
 use rayon::prelude::*;
 use serde_json::json;
@@ -33,7 +33,7 @@ fn main() -> Result<(), Failure> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let [scene, splats, what @ ..] = &words[..] else { return Err("SCENE SPLATS come first".into()) };
     let evidence = evidence(Path::new(scene))?;
-    let source = Source::open(Path::new(splats), Told::default())?;
+    let source = Source::open(Path::new(splats), ReaderOptions::default())?;
     let (cpu, raster) = (Cpu::new(), RasterSettings::default());
     let canvas = Canvas { model: &source.model, rasterizer: &cpu, raster: &raster, states: None };
     match what {

@@ -14,7 +14,7 @@ use l4d_frames::drawn::encode_colour;
 use l4d_frames::moving_picture::{self, Pace};
 use l4d_ground::{Question, Unreadable};
 use l4d_splat::raster::Rasterizer;
-use l4d_splat::source::Told;
+use l4d_splat::source::ReaderOptions;
 use serde_json::{Value, json};
 
 pub use self::answer::{Answer, Status};
@@ -45,7 +45,7 @@ pub struct Ask<'a> {
     /// The model, if not the one among the work.
     pub splats: Option<PathBuf>,
     /// What is said of a model of others.
-    pub told: Told,
+    pub reader_options: ReaderOptions,
     /// Name of the grounder, for messages.
     pub grounder: &'a str,
     /// What finds things.
@@ -108,7 +108,7 @@ pub fn ask(order: &Ask<'_>, progress: &dyn Progress) -> Result<Asked, StageError
         data: order.space.scene(&order.scene),
         work: order.space.work(&order.scene),
         model: order.splats.clone(),
-        told: order.told,
+        reader_options: order.reader_options,
     };
     let known = Known::read(order.bench, &order.scene);
     // A scene that is not there is an error later, with what makes it.

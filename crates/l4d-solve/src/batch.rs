@@ -17,7 +17,7 @@ use l4d_ground::Question;
 use l4d_ground::vlm::Vlm;
 use l4d_masks::Mask;
 use l4d_splat::raster::Rasterizer;
-use l4d_splat::source::Told;
+use l4d_splat::source::ReaderOptions;
 use serde_json::Value;
 
 use self::card::Card;
@@ -56,7 +56,7 @@ pub struct Batch<'a> {
     /// The models or masks learned from rendered depth, whatever models say.
     pub used_depth: bool,
     /// What is said of models of others.
-    pub told: Told,
+    pub reader_options: ReaderOptions,
 }
 
 impl Batch<'_> {
@@ -149,7 +149,12 @@ impl Batch<'_> {
     }
 
     fn places(&self, scene: &Name) -> Places {
-        Places { data: self.space.scene(scene), work: self.space.work(scene), model: None, told: self.told }
+        Places {
+            data: self.space.scene(scene),
+            work: self.space.work(scene),
+            model: None,
+            reader_options: self.reader_options,
+        }
     }
 
     fn open(&self, name: &Name, places: &Places) -> Result<SolveScene, StageError> {

@@ -13,7 +13,7 @@ use l4d_data::{Camera, DataError, Interval, Name, Profile, Rig, Split, StageErro
 use l4d_ground::ViewClip;
 use l4d_splat::checkpoint::own::Sampling;
 use l4d_splat::raster::{RasterSettings, Rasterizer};
-use l4d_splat::source::{Source, Told};
+use l4d_splat::source::{ReaderOptions, Source};
 use serde_json::{Value, json};
 
 use crate::clips::{
@@ -48,7 +48,7 @@ pub struct Places {
     /// The model, if not the one among the work.
     pub model: Option<PathBuf>,
     /// What is said of a model of others.
-    pub told: Told,
+    pub reader_options: ReaderOptions,
 }
 
 impl Places {
@@ -230,7 +230,7 @@ fn read_model(name: &Name, profile: Profile, places: &Places) -> Result<Source, 
     if !path.exists() {
         return Err(DataError::invalid(&path, "model", "there are no splats", train));
     }
-    let source = Source::open(&path, places.told)?;
+    let source = Source::open(&path, places.reader_options)?;
     let other = |what: &str, found: &dyn std::fmt::Display| {
         let message = format!("was trained on {what} {found}");
         DataError::invalid(&path, "model", message, format!("{train}, or give the right --model"))

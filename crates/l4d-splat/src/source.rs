@@ -21,7 +21,7 @@ use crate::gaussians::{Gaussians, ShDegree};
 use crate::language::Language;
 use crate::model::Model;
 
-pub use crate::checkpoint::foreign::Told;
+pub use crate::checkpoint::foreign::ReaderOptions;
 
 const REMEDY: &str = "give a checkpoint folder of `l4d train-splats`, a model folder of 4DGaussians or 4D LangSplat, \
                       a checkpoint of their trainers or of gsplat's, or a PLY of 3DGS";
@@ -105,15 +105,15 @@ impl Source {
     ///
     /// # Errors
     /// A path that holds no model, and whatever is wrong with the model that it holds.
-    pub fn open(path: &Path, told: Told) -> Result<Self, DataError> {
+    pub fn open(path: &Path, reader_options: ReaderOptions) -> Result<Self, DataError> {
         if path.is_file() {
-            return Self::open_file(path, told);
+            return Self::open_file(path, reader_options);
         }
         if path.join(own::CARD).is_file() {
             return Self::open_own(path);
         }
         if path.join("cfg_args").is_file() || path.join("point_cloud").is_dir() {
-            return Self::open_foreign(path, told);
+            return Self::open_foreign(path, reader_options);
         }
         let message = if path.is_dir() {
             format!("has neither `{}` nor `cfg_args`", own::CARD)
@@ -172,24 +172,28 @@ impl Source {
         })
     }
 
-    fn open_foreign(folder: &Path, told: Told) -> Result<Self, DataError> {
-        let foreign = foreign::read(folder, told)?;
+    fn open_foreign(folder: &Path, reader_options: ReaderOptions) -> Result<Self, DataError> {
+        let foreign = foreign::read(folder, reader_options)?;
         let save = format!("point_cloud/{}", foreign.save);
         let mut files = vec!["cfg_args".to_owned(), format!("{save}/point_cloud.ply")];
         if foreign.drawn_field().is_some() {
             files.push(format!("{save}/deformation.pth"));
         }
-        Ok(Self::of_foreign(foreign, digests(folder, &files)?, told))
+        Ok(Self::of_foreign(foreign, digests(folder, &files)?, reader_options))
     }
 
-    fn of_foreign(foreign: ForeignModel, mut inputs: BTreeMap<String, String>, told: Told) -> Self {
+    fn of_foreign(
+        foreign: ForeignModel,
+        mut inputs: BTreeMap<String, String>,
+        reader_options: ReaderOptions,
+    ) -> Self {
         let ForeignModel { moments, background, export, language, mut notes, .. } = foreign.clone();
         notes.push(format!("drawn from {}", foreign.save));
         if let Some((path, _)) = &export {
             notes.push(format!("trained on what {} says", path.display()));
         }
         let model = Model::from(foreign);
-        if moments != Moments::Unknown || told.sh_degree.is_some() {
+        if moments != Moments::Unknown || reader_options.sh_degree.is_some() {
             // What the same files are drawn as depends on it.
             let drawn = json!([moments, model.gaussians.sh_degree.get()]);
             inputs.insert("moments".to_owned(), sha256_hex(json::canonical(&drawn).as_bytes()));
@@ -203,7 +207,7 @@ impl Source {
         Self { language, scene, profile, saw_depth, background, moments, notes, ..bare }
     }
 
-    fn open_file(file: &Path, told: Told) -> Result<Self, DataError> {
+    fn open_file(file: &Path, reader_options: ReaderOptions) -> Result<Self, DataError> {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let lower = name.to_ascii_lowercase();
         if let Some((_, what)) = UNREAD.iter().find(|(end, _)| lower.ends_with(end)) {
@@ -216,7 +220,7 @@ impl Source {
         read.map_err(|source| DataError::io(file, "read", source))?;
         let mut inputs = BTreeMap::from([(name.clone(), sha256_file(file)?)]);
         if !head.starts_with(ZIP) {
-            let mut source = Self::still(ply::read(file)?, Family::Ply, inputs, told);
+            let mut source = Self::still(ply::read(file)?, Family::Ply, inputs, reader_options);
             let header = String::from_utf8_lossy(&head);
             let header = header.split("end_header").next().unwrap_or_default();
             let known = WRITERS.iter().filter(|(writer, _)| header.contains(writer));
@@ -228,13 +232,19 @@ impl Source {
             let folder = file.parent().unwrap_or(Path::new(""));
             let stage = if name.contains("coarse") { Stage::Coarse } else { Stage::Fine };
             let save = Save { stage, iteration: saved.iteration };
-            let foreign =
-                foreign::assemble(folder, save, (saved.gaussians, saved.active), field, None, told)?;
+            let foreign = foreign::assemble(
+                folder,
+                save,
+                (saved.gaussians, saved.active),
+                field,
+                None,
+                reader_options,
+            )?;
             inputs.append(&mut digests(folder, &["cfg_args".to_owned()])?);
-            return Ok(Self::of_foreign(foreign, inputs, told));
+            return Ok(Self::of_foreign(foreign, inputs, reader_options));
         }
         let gaussians = saved.active.map_or(saved.gaussians.clone(), |degree| saved.gaussians.up_to(degree));
-        let mut source = Self::still(gaussians, Family::Torch, inputs, told);
+        let mut source = Self::still(gaussians, Family::Torch, inputs, reader_options);
         if saved.active.is_none() {
             source.notes.push(
                 "gsplat's simple_trainer turns and scales the world unless --no-normalize-world-space is given: a model that \
@@ -246,10 +256,15 @@ impl Source {
     }
 
     /// Gaussians that stand still.
-    fn still(gaussians: Gaussians, family: Family, mut inputs: BTreeMap<String, String>, told: Told) -> Self {
-        let trained = told.reader.map(|reader| reader.trained(0));
+    fn still(
+        gaussians: Gaussians,
+        family: Family,
+        mut inputs: BTreeMap<String, String>,
+        reader_options: ReaderOptions,
+    ) -> Self {
+        let trained = reader_options.reader.map(|reader| reader.trained(0));
         let by_reader = trained.as_ref().and_then(|trained| ShDegree::new(trained.sh_degree?));
-        let gaussians = match told.sh_degree.or(by_reader) {
+        let gaussians = match reader_options.sh_degree.or(by_reader) {
             Some(degree) => {
                 inputs.insert("degree".to_owned(), sha256_hex(&[degree.get()]));
                 gaussians.up_to(degree)
@@ -299,13 +314,13 @@ mod tests {
 
         let own = folder.path().join("own");
         model.write(&own).unwrap();
-        let source = Source::open(&own, Told::default()).unwrap();
+        let source = Source::open(&own, ReaderOptions::default()).unwrap();
         assert_eq!((source.family, &source.model), (Family::Own, &model));
         assert_eq!(source.inputs.keys().collect::<Vec<_>>(), ["checkpoint.json"]);
         assert_eq!(source.saw_depth, None, "it does not say how it was trained");
 
         let theirs = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/checkpoint/model");
-        let source = Source::open(theirs.as_ref(), Told::default()).unwrap();
+        let source = Source::open(theirs.as_ref(), ReaderOptions::default()).unwrap();
         assert_eq!(source.family, Family::FourDGaussians);
         assert_eq!(source.model.dynamic.len(), 5, "the original deforms them all");
         assert_eq!((source.inputs.len(), source.background), (3, Some([1.0; 3])));
@@ -313,7 +328,7 @@ mod tests {
 
         let file = folder.path().join("bare.ply");
         ply::write(&file, &model.gaussians).unwrap();
-        let source = Source::open(&file, Told::default()).unwrap();
+        let source = Source::open(&file, ReaderOptions::default()).unwrap();
         assert_eq!((source.family, source.model.field.is_some()), (Family::Ply, false));
         assert_eq!(source.model.gaussians, model.gaussians);
     }
@@ -321,7 +336,7 @@ mod tests {
     #[test]
     fn checkpoints_of_trainers_hold_the_same_gaussians_as_what_they_export() {
         let fixtures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/checkpoint"));
-        let open = |file: &str| Source::open(&fixtures.join(file), Told::default()).unwrap();
+        let open = |file: &str| Source::open(&fixtures.join(file), ReaderOptions::default()).unwrap();
         let exported = open("model");
         let fine = open("trainers/chkpnt_fine_14000.pth");
         assert_eq!((fine.family, &fine.model), (Family::FourDGaussians, &exported.model));
@@ -338,10 +353,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let coarse = folder.path().join("chkpnt_coarse_3000.pth");
         std::fs::copy(fixtures.join("trainers/chkpnt_fine_14000.pth"), &coarse).unwrap();
-        let error = Source::open(&coarse, Told::default()).unwrap_err();
+        let error = Source::open(&coarse, ReaderOptions::default()).unwrap_err();
         assert!(error.to_string().contains("cfg_args"), "{error}");
         std::fs::copy(fixtures.join("model/cfg_args"), folder.path().join("cfg_args")).unwrap();
-        assert!(Source::open(&coarse, Told::default()).unwrap().model.field.is_none());
+        assert!(Source::open(&coarse, ReaderOptions::default()).unwrap().model.field.is_none());
     }
 
     #[test]
@@ -350,7 +365,7 @@ mod tests {
         let open = |name: &str, bytes: &[u8]| {
             let file = folder.path().join(name);
             std::fs::write(&file, bytes).unwrap();
-            Source::open(&file, Told::default())
+            Source::open(&file, ReaderOptions::default())
         };
         let scalars =
             |names: &str| names.split(' ').map(|name| format!("property float {name}\n")).collect::<String>();
@@ -405,7 +420,7 @@ mod tests {
         }
         let fixture =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../l4d-formats/tests/fixtures/pth/many.pth");
-        let error = Source::open(&fixture, Told::default()).unwrap_err();
+        let error = Source::open(&fixture, ReaderOptions::default()).unwrap_err();
         assert!(error.to_string().contains("top level: is no checkpoint of Gaussians"), "{error}");
         assert!(error.hint().contains("chkpnt*.pth"), "{error:?}");
     }
@@ -416,7 +431,7 @@ mod tests {
         for saw_depth in [None, Some(true), Some(false)] {
             let checkpoint = Checkpoint { saw_depth, model: model(), ..Checkpoint::default() };
             own::write(folder.path(), &checkpoint).unwrap();
-            assert_eq!(Source::open(folder.path(), Told::default()).unwrap().saw_depth, saw_depth);
+            assert_eq!(Source::open(folder.path(), ReaderOptions::default()).unwrap().saw_depth, saw_depth);
             assert_eq!(Source::saw_depth_of(folder.path()).unwrap(), saw_depth);
         }
         assert_eq!(Source::saw_depth_of(&folder.path().join("nowhere")).unwrap(), None);
@@ -425,10 +440,10 @@ mod tests {
     #[test]
     fn what_is_no_model_is_told_with_what_would_be_one() {
         let folder = tempfile::tempdir().unwrap();
-        let error = Source::open(folder.path(), Told::default()).unwrap_err();
+        let error = Source::open(folder.path(), ReaderOptions::default()).unwrap_err();
         assert!(error.to_string().contains("neither `checkpoint.json` nor `cfg_args`"), "{error}");
         assert!(error.hint().contains("train-splats"));
-        let error = Source::open(&folder.path().join("nowhere"), Told::default()).unwrap_err();
+        let error = Source::open(&folder.path().join("nowhere"), ReaderOptions::default()).unwrap_err();
         assert!(error.to_string().contains("there is nothing"), "{error}");
     }
 }

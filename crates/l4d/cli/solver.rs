@@ -9,7 +9,7 @@ use l4d_solve::consensus::Preset;
 use l4d_solve::method::LiftChoice;
 
 use super::models::ServerArgs;
-use super::splats::{AdapterArgs, PixelSize, ToldArgs};
+use super::splats::{AdapterArgs, PixelSize, ReaderArgs};
 use super::{BenchArgs, number, one_of};
 
 /// Who finds in one view what a sentence means.
@@ -128,7 +128,7 @@ pub(crate) struct SolveArgs {
     #[arg(long)]
     pub(crate) used_depth: bool,
     #[command(flatten)]
-    pub(crate) told: ToldArgs,
+    pub(crate) reader: ReaderArgs,
     /// Answer again what was answered by another version or with other settings under this name
     #[arg(long)]
     pub(crate) overwrite: bool,
@@ -166,7 +166,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) splats: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) told: ToldArgs,
+    pub(crate) reader: ReaderArgs,
     /// Cameras from which masks are drawn (comma-separated or repeated); default: the held-out one
     #[arg(long, value_name = "VIEW", value_delimiter = ',')]
     pub(crate) camera: Vec<String>,

@@ -7,7 +7,7 @@ use l4d_data::Profile;
 use l4d_data::reader::Reader;
 use l4d_solve::clips::{DepthFormat, DepthKind};
 use l4d_splat::ShDegree;
-use l4d_splat::source::Told;
+use l4d_splat::source::ReaderOptions;
 use l4d_splat::speed::Sweep;
 use l4d_splat::training_run::Initialisation;
 
@@ -100,7 +100,7 @@ pub(crate) struct RenderSplatsArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) model: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) told: ToldArgs,
+    pub(crate) reader: ReaderArgs,
     /// Other cameras: JSON with width, height and cameras as in scene.json
     #[arg(long, value_name = "JSON")]
     pub(crate) cameras: Option<PathBuf>,
@@ -144,7 +144,7 @@ pub(crate) struct RenderSplatsArgs {
 
 /// What a model of others does not say itself.
 #[derive(Debug, Clone, Args)]
-pub(crate) struct ToldArgs {
+pub(crate) struct ReaderArgs {
     /// Reader of 4DGaussians that a model was trained with: it decides when moments are, and panoptic draws at degree 0 over
     /// black; default: what the l4d-export.json of its data says
     #[arg(long, value_name = "READER", value_parser = one_of::<Reader>(["panoptic", "dynerf", "multipleview", "nerfies"]))]
@@ -154,9 +154,9 @@ pub(crate) struct ToldArgs {
     sh_degree: Option<u8>,
 }
 
-impl ToldArgs {
-    pub(crate) fn told(&self) -> Told {
-        Told { reader: self.reader, sh_degree: self.sh_degree.and_then(ShDegree::new) }
+impl ReaderArgs {
+    pub(crate) fn options(&self) -> ReaderOptions {
+        ReaderOptions { reader: self.reader, sh_degree: self.sh_degree.and_then(ShDegree::new) }
     }
 }
 

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &QueryArgs, out: &Printer) -> Result<ExitStatus> {
         space: &space,
         bench: &args.bench,
         splats: args.splats.clone(),
-        told: args.told.told(),
+        reader_options: args.reader.options(),
         grounder: args.method.grounder.as_str(),
         grounders: &grounders,
         method: &args.method.choice(),

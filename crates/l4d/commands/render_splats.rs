@@ -18,7 +18,7 @@ pub(crate) fn run(args: &RenderSplatsArgs, out: &Printer) -> Result<ExitStatus> 
         scene: scene.as_ref(),
         space: &space,
         model: args.model.as_deref(),
-        told: args.told.told(),
+        reader_options: args.reader.options(),
         cameras: args.cameras.as_deref(),
         views: &args.views,
         frames: &args.frames,

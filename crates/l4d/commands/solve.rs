@@ -33,7 +33,7 @@ pub(crate) fn run(args: &SolveArgs, out: &Printer) -> Result<ExitStatus> {
         jobs: args.jobs as usize,
         overwrite: args.overwrite,
         used_depth: args.used_depth,
-        told: args.told.told(),
+        reader_options: args.reader.options(),
     };
     if args.dry_run {
         return estimate(args, &batch, &picked, out);

@@ -6,7 +6,7 @@ use l4d_score::score::{counts_path, tallies_of_counts};
 use l4d_score::{Options, Scored, counts, score_results};
 use l4d_solve::batch::{Batch, pick};
 use l4d_solve::grounders::Grounders;
-use l4d_splat::source::Told;
+use l4d_splat::source::ReaderOptions;
 
 use super::Ablation;
 use super::grid::Variant;
@@ -68,7 +68,7 @@ fn answer(variant: &Variant, order: &Ablation<'_>, progress: &dyn Progress) -> R
         jobs: order.jobs,
         overwrite: order.overwrite,
         used_depth: false,
-        told: Told::default(),
+        reader_options: ReaderOptions::default(),
     };
     let scenes: Vec<_> = order.exam.scenes.iter().map(|scene| scene.name.clone()).collect();
     let everything: &[QueryId] = &[];

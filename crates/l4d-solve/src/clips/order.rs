@@ -6,7 +6,7 @@ use l4d_data::layout::WorkDir;
 use l4d_data::{Camera, DataError, Name, Rig, Split, StageError, Timeline, Workspace};
 use l4d_splat::checkpoint::foreign::Moments;
 use l4d_splat::checkpoint::own::Sampling;
-use l4d_splat::source::{Source, Told};
+use l4d_splat::source::{ReaderOptions, Source};
 
 use super::{Instant, Plan, instants_at};
 
@@ -20,7 +20,7 @@ pub struct Wanted<'a> {
     /// The model, if not that of the scene.
     pub model: Option<&'a Path>,
     /// What is said of a model of others.
-    pub told: Told,
+    pub reader_options: ReaderOptions,
     /// A file of cameras, in place of those of the scene.
     pub cameras: Option<&'a Path>,
     /// Names of the cameras; empty for all training ones.
@@ -78,7 +78,7 @@ impl Order {
             Some(_) => own().ok().flatten().unwrap_or_else(|| rig.clone()),
             None => rig.clone(),
         };
-        let source = Source::open(&model, wanted.told)?;
+        let source = Source::open(&model, wanted.reader_options)?;
         let sampling = source.sampling.unwrap_or(Sampling::WHOLE);
         let (size, camera_size) = match wanted.size {
             Some(size) => (size, rig.size()),

@@ -89,7 +89,7 @@ impl fmt::Display for Save {
 
 /// What a user says of a model that it does not say itself.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Told {
+pub struct ReaderOptions {
     /// The reader that it was trained with.
     pub reader: Option<Reader>,
     /// Degree of the harmonics that are drawn.
@@ -178,7 +178,7 @@ impl ForeignModel {
 ///
 /// # Errors
 /// Files that are missing, damaged or do not belong together, and options that change what the field computes.
-pub fn read(model: &Path, told: Told) -> Result<ForeignModel, DataError> {
+pub fn read(model: &Path, reader_options: ReaderOptions) -> Result<ForeignModel, DataError> {
     let folder = model.join("point_cloud");
     let missing = |message| DataError::invalid(model, "folder `point_cloud`", message, REMEDY_FOLDER);
     if !folder.is_dir() {
@@ -195,7 +195,7 @@ pub fn read(model: &Path, told: Told) -> Result<ForeignModel, DataError> {
         Stage::FineLang | Stage::FineLangDiscrete => Some(ply::read_language(&cloud)?),
         _ => None,
     };
-    assemble(model, save, (gaussians, None), tensors, latents, told)
+    assemble(model, save, (gaussians, None), tensors, latents, reader_options)
 }
 
 /// What a model was trained on, where that is known, and which file says so.
@@ -213,13 +213,13 @@ pub(crate) fn assemble(
     (gaussians, active): (Gaussians, Option<ShDegree>),
     mut tensors: BTreeMap<String, Tensor>,
     latents: Option<(Vec<f32>, usize)>,
-    told: Told,
+    reader_options: ReaderOptions,
 ) -> Result<ForeignModel, DataError> {
     let options = Options::read(&model.join("cfg_args"))?;
     let export = Export::find(model, options.text("source_path"))?;
     let listed = export.as_ref().and_then(|(_, export)| Some((export, export.trained.as_ref()?)));
-    let reader = told.reader.or(listed.map(|(_, trained)| trained.reader));
-    let moments = match (told.reader, listed, &export) {
+    let reader = reader_options.reader.or(listed.map(|(_, trained)| trained.reader));
+    let moments = match (reader_options.reader, listed, &export) {
         (None, Some((export, trained)), _) => Moments::Listed(export.frames.clone(), trained.times.clone()),
         (Some(reader), _, Some((_, export))) => {
             Moments::Listed(export.frames.clone(), reader.trained(export.frames.len()).times)
@@ -227,7 +227,7 @@ pub(crate) fn assemble(
         (Some(reader), _, None) => Moments::Counted(reader),
         (None, None, _) => Moments::Unknown,
     };
-    let trained = match (told.reader, listed) {
+    let trained = match (reader_options.reader, listed) {
         (None, Some((_, trained))) => Some(trained.clone()),
         (reader, _) => reader.map(|reader| reader.trained(0)),
     };
@@ -242,7 +242,7 @@ pub(crate) fn assemble(
                 .to_owned(),
         );
     }
-    let gaussians = match told.sh_degree.or(by_reader).or(active) {
+    let gaussians = match reader_options.sh_degree.or(by_reader).or(active) {
         Some(degree) => gaussians.up_to(degree),
         None => gaussians,
     };

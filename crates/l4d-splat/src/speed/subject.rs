@@ -10,7 +10,7 @@ use super::{Order, Result, plain};
 use crate::Model;
 use crate::clip::Moment;
 use crate::model::time_of_frame;
-use crate::source::{Source, Told};
+use crate::source::{ReaderOptions, Source};
 use crate::synthetic::Room;
 use crate::view::View;
 
@@ -61,7 +61,8 @@ impl Subject {
         let default = || space.work(name).splats();
         let path = order.model.clone().unwrap_or_else(default);
         let all_frames: Vec<u32> = profile.frames().collect();
-        let source = Source::open(&path, Told::default())?.on(&path, Timeline::CANONICAL, &all_frames)?;
+        let source =
+            Source::open(&path, ReaderOptions::default())?.on(&path, Timeline::CANONICAL, &all_frames)?;
         let frames = evenly(&all_frames, order.times);
         let held_out = scene.cameras.iter().filter(|camera| camera.split == Split::Test);
         let training: Vec<Camera> =

@@ -4,7 +4,7 @@ use std::path::Path;
 use l4d_data::reader::Reader;
 use l4d_data::{DataError, json};
 use l4d_splat::Gaussians;
-use l4d_splat::checkpoint::foreign::{self, ForeignModel, Moments, Save, Stage, Told};
+use l4d_splat::checkpoint::foreign::{self, ForeignModel, Moments, ReaderOptions, Save, Stage};
 use l4d_splat::checkpoint::ply;
 use l4d_splat::deform::{DeformConfig, TimeAxis};
 use l4d_splat::gaussians::{FIELDS, ShDegree};
@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::{digest, fixture};
 
 fn read(folder: impl AsRef<Path>) -> Result<ForeignModel, DataError> {
-    foreign::read(folder.as_ref(), Told::default())
+    foreign::read(folder.as_ref(), ReaderOptions::default())
 }
 
 const SAVE: Save = Save { stage: Stage::Fine, iteration: 7 };
@@ -243,14 +243,17 @@ fn the_export_says_when_moments_were_and_how_they_were_drawn() {
     assert_eq!(cut[bias].data, whole[bias].data[..3]);
 
     // A user knows better, and an older export says nothing.
-    let told = Told { reader: Some(Reader::Dynerf), sh_degree: ShDegree::new(2) };
-    let model = foreign::read(&output, told).unwrap();
+    let reader_options = ReaderOptions { reader: Some(Reader::Dynerf), sh_degree: ShDegree::new(2) };
+    let model = foreign::read(&output, reader_options).unwrap();
     assert_eq!(model.moments, Moments::Listed(vec![0, 48, 96], Reader::Dynerf.trained(3).times));
     assert_eq!((model.background, model.gaussians.sh_degree.get()), (Some([1.0; 3]), 2));
     fs::write(data.join("l4d-export.json"), export(&[0, 48, 96], None)).unwrap();
     assert_eq!(read(&output).unwrap().moments, Moments::Unknown);
-    let counted =
-        foreign::read(folder.path(), Told { reader: Some(Reader::Panoptic), ..Told::default() }).unwrap();
+    let counted = foreign::read(
+        folder.path(),
+        ReaderOptions { reader: Some(Reader::Panoptic), ..ReaderOptions::default() },
+    )
+    .unwrap();
     assert_eq!(counted.moments, Moments::Counted(Reader::Panoptic));
 
     // A copy beside the options counts first; damage is named.
@@ -277,8 +280,8 @@ fn colours_that_never_learned_directions_are_noticed() {
     ply::write(&path, &gaussians).unwrap();
     let notes = read(folder.path()).unwrap().notes.concat();
     assert!(notes.contains("say --reader panoptic"), "{notes}");
-    let told = Told { reader: Some(Reader::Panoptic), ..Told::default() };
-    let notes = foreign::read(folder.path(), told).unwrap().notes.concat();
+    let reader_options = ReaderOptions { reader: Some(Reader::Panoptic), ..ReaderOptions::default() };
+    let notes = foreign::read(folder.path(), reader_options).unwrap().notes.concat();
     assert!(!notes.contains("say --reader panoptic"), "{notes}");
 }
 

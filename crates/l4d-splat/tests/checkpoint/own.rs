@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::fixture;
 
 fn checkpoint() -> Checkpoint {
-    let model = foreign::read(&fixture("model"), foreign::Told::default()).unwrap();
+    let model = foreign::read(&fixture("model"), foreign::ReaderOptions::default()).unwrap();
     let moments = Tensor { shape: vec![5, 3], data: (0..15).map(|place| 0.1 * place as f32).collect() };
     let Value::Object(values) = json!({"seed": 7, "stage": "fine"}) else { unreachable!() };
     Checkpoint {

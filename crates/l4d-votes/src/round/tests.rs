@@ -54,9 +54,9 @@ fn settings_that_cannot_be_are_refused_by_field() {
         ("[\"ada\", \"ben\"]", "[]", "names no one"),
         ("views = 3", "views = 0", "field `views`"),
         ("views = 3", "views = 3\ncolour = 1", "colour"),
-        ("views = 3", "views = \u{1b}[2J", "settings"),
+        ("views = 3", "views = \u{1b}[2J", "line "),
         ("seed = 7", "seed = -7", "seed"),
-        ("profile = \"tiny\"", "profile = [", "settings"),
+        ("profile = \"tiny\"", "profile = [", "line "),
     ] {
         assert!(GOOD.contains(from));
         refused(open(&GOOD.replace(from, to), &lines(&two_items())), expected);
