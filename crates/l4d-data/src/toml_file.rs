@@ -17,8 +17,9 @@ const MAX_BYTES: u64 = 1 << 20;
 /// A file that cannot be read, or has another form.
 pub fn read<T: DeserializeOwned>(path: &Path, remedy: &str) -> Result<T, DataError> {
     let bytes = read_bounded(path, MAX_BYTES)?;
-    let text = str::from_utf8(&bytes);
-    parse(path, text.map_err(|_| DataError::invalid(path, "top level", "is not UTF-8 text", remedy))?, remedy)
+    let text = str::from_utf8(&bytes)
+        .map_err(|error| DataError::invalid(path, "top level", format!("is no text: {error}"), remedy))?;
+    parse(path, text, remedy)
 }
 
 /// Parses the text of `path`.

@@ -120,7 +120,7 @@ impl View {
             return Err(Problem::OutOfBounds);
         }
         let mut numbers = Vec::new();
-        numbers.try_reserve_exact(count).map_err(|_| Problem::OutOfMemory)?;
+        numbers.try_reserve_exact(count).or(Err(Problem::OutOfMemory))?;
         let mut place = vec![0; self.shape.len()];
         let mut word = self.offset;
         for index in 0..count {

@@ -147,7 +147,7 @@ impl TensorFileKind {
     pub fn found<'a>(&self, bytes: &'a [u8]) -> Result<Found<'a>, Fault> {
         self.check_header(bytes)?;
         let tensors = SafeTensors::deserialize(bytes).map_err(|error| {
-            let message = format!("is no safetensors header: {}", error);
+            let message = format!("is no safetensors header: {error}");
             Fault::new("header", message, self.remedy)
         })?;
         Ok(Found { kind: *self, untaken: tensors.tensors().into_iter().collect() })
@@ -167,7 +167,7 @@ impl TensorFileKind {
             .split_at_checked(length)
             .ok_or_else(|| fault(format!("claims {length} bytes and is cut")))?;
         let entries: serde_json::Map<String, serde_json::Value> =
-            serde_json::from_slice(header).map_err(|error| fault(format!("is no JSON: {}", error)))?;
+            serde_json::from_slice(header).map_err(|error| fault(format!("is no JSON: {error}")))?;
         for (name, entry) in entries {
             let end = entry.pointer("/data_offsets/1").and_then(serde_json::Value::as_u64);
             if name != "__metadata__" && end.is_none_or(|end| end > data.len() as u64) {
@@ -259,7 +259,7 @@ impl<'a> Found<'a> {
         let words = bytes.as_chunks().0;
         let mut numbers = Vec::new();
         let room = numbers.try_reserve_exact(words.len());
-        room.map_err(|_| self.fault(name, "does not fit into memory".to_owned()))?;
+        room.map_err(|error| self.fault(name, format!("does not fit: {error}")))?;
         numbers.extend(words.iter().map(|&word| number(word)));
         Ok(numbers)
     }

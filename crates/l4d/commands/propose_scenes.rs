@@ -65,7 +65,7 @@ fn print(outcomes: &[ScaleOutcome], out: &Printer) -> Result<()> {
             out.data(format!("    {name}"))?;
         }
         for note in notes {
-            out.warn(format!("{scale}: {}", note));
+            out.warn(format!("{scale}: {note}"));
         }
     }
     Ok(())

@@ -62,8 +62,8 @@ fn read_from(source: impl BufRead + Seek) -> Result<Gaussians, Fault> {
     let degree = degree_of(vertex)?;
     let names = parameter_names(degree);
     let mut gaussians = Gaussians { sh_degree: degree, ..Gaussians::default() };
-    reserve(&mut gaussians, vertex.count).map_err(|_| {
-        let message = format!("{} Gaussians do not fit into memory", vertex.count);
+    reserve(&mut gaussians, vertex.count).map_err(|error| {
+        let message = format!("{} Gaussians do not fit into memory: {error}", vertex.count);
         Fault::new("header", message, "check that this is the intended file, or allow more memory")
     })?;
     file.rows("vertex", &names, REMEDY_FOREIGN, |index, row| {
