@@ -116,6 +116,10 @@ class Kind:
 
     def build(self, name: str, rng: random.Random, **attributes: Any) -> Thing:
         """Builds one at the origin; a keyword is an attribute of this entry or a parameter of its asset."""
+        return self.factory(name, rng, **self.arguments(**attributes))
+
+    def arguments(self, **attributes: Any) -> dict[str, Any]:
+        """What the asset function gets for attributes: `find("cat").arguments(coat="black")["coat"]`."""
         defaults = {
             parameter.name: parameter.default
             for parameter in inspect.signature(self.factory).parameters.values()
@@ -138,7 +142,7 @@ class Kind:
                 arguments[parameter] = value
         for parameter, part, value in fields:
             arguments[parameter] = replace(arguments.get(parameter, defaults[parameter]), **{part: value})
-        return self.factory(name, rng, **arguments)
+        return arguments
 
     def _value(self, key: str, attribute: Attribute, value: Any) -> Any:
         if isinstance(attribute, Range):

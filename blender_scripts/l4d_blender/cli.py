@@ -1,4 +1,4 @@
-"""The worker's command line: plan, render, preview. stdout carries JSON Lines, everything else is stderr.
+"""The worker's command line: plan, render, preview, compose. stdout carries JSON Lines, everything else is stderr.
 
 Exit codes: 0 done, 2 failure (the last line on stdout is then an event "error" with a hint).
 """
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from . import new_scene, recipes
+from .compose import spec as specs
 from .recipes import WorkerError
 from .timeline import CAMERA_COUNT, LAST_FRAME
 
@@ -104,6 +105,23 @@ def _parser() -> argparse.ArgumentParser:
     plan.add_argument("--without-usd", action="store_true", help="tracks.json and plan.json only")
     plan.set_defaults(run=_plan)
 
+    compose = commands.add_parser("compose", help="a new scene from a seed: its composition and its tracks")
+    compose.add_argument("--scene", required=True, help="what it is called")
+    compose.add_argument("--seed", type=int, required=True)
+    compose.add_argument("--scale", required=True, choices=specs.SCALES)
+    compose.add_argument("--first-draw", type=int, default=0, help="draws before it were thrown away")
+    compose.add_argument("--draws", type=int, default=12, help="how many are tried (12)")
+    compose.add_argument("--place")
+    compose.add_argument("--theme")
+    compose.add_argument("--category", action="append", default=[], help="demanded; may be repeated")
+    compose.add_argument("--verb", action="append", default=[], help="demanded; may be repeated")
+    compose.add_argument("--recipes", type=Path, required=True, help="receives <scene>.json")
+    compose.add_argument("--out", type=Path, required=True, help="receives tracks.json and plan.json")
+    compose.set_defaults(run=_compose)
+
+    listed = commands.add_parser("compositions", help="themes and places that compositions draw from")
+    listed.set_defaults(run=_compositions)
+
     render = commands.add_parser("render", help="the images that a job lists, one EXR each")
     render.add_argument("job", type=Path, metavar="JOB.json")
     render.set_defaults(run=_render)
@@ -135,6 +153,55 @@ def _plan(options: argparse.Namespace, events: _Events) -> None:
     ):
         events.send("warning", message=message, numbers=numbers)
     events.send("done")
+
+
+def _compose(options: argparse.Namespace, events: _Events) -> None:
+    _follow_parent()
+    _make_folder(options.out)
+    _make_folder(options.recipes)
+    from .compose import attempts, stage
+
+    spec = specs.Spec(
+        options.scene,
+        options.scale,
+        options.seed,
+        options.first_draw,
+        options.place,
+        options.theme,
+        tuple(options.category),
+        tuple(options.verb),
+    )
+    try:
+        made = attempts.compose(
+            spec,
+            options.recipes,
+            options.out,
+            options.draws,
+            lambda attempt, reason: events.send("rejected", draw=attempt.draw, reason=reason),
+        )
+    except specs.SpecError as error:
+        raise WorkerError(str(error), error.hint) from error
+    except stage.Rejected as error:
+        raise WorkerError(
+            f"{options.draws} draws of seed {options.seed} were thrown away, the last because {error}",
+            "take another seed, or demand less",
+        ) from error
+    events.send("composed", draw=made.draw)
+
+
+def _compositions(options: argparse.Namespace, events: _Events) -> None:
+    from .compose import build
+
+    for scale in specs.SCALES:
+        for theme, fitting in build.settings(scale):
+            events.send(
+                "theme",
+                scale=scale,
+                name=theme.name,
+                places=[place.name for place in fitting],
+                categories=sorted(theme.categories),
+                verbs=sorted(theme.verbs),
+            )
 
 
 def _render(options: argparse.Namespace, events: _Events) -> None:

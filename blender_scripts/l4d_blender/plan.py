@@ -6,6 +6,7 @@ folder with a plan.json is complete.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -17,13 +18,34 @@ _RENDER_MODULES = ("l4d_blender/exr.py", "l4d_blender/worker.py")  # imported on
 Warnings = list[tuple[str, dict[str, object]]]
 
 
-def write(scene: Scene, description: str, out: Path, recipe_folder: Path, *, usd: bool = True) -> Warnings:
-    """Writes the three files; what falls short of the gates comes back as warnings."""
-    (out / "plan.json").unlink(missing_ok=True)
+@dataclass(frozen=True)
+class Measured:
+    """What was measured of a scene: who is seen from where, which camera is held out, all surfaces."""
+
+    seen: visibility.Visibility
+    test: str
+    shapes: list[tracks.Shape]
+
+
+def measure(scene: Scene) -> Measured:
+    """Measures a scene."""
     seen = visibility.measure(scene)
     test = visibility.choose_test(seen, scene.rng("test view"))
-    shapes = tracks.measure(scene)
-    content = tracks.tracks(scene, description, shapes, camera_entries(scene, test))
+    return Measured(seen, test, tracks.measure(scene))
+
+
+def write(scene: Scene, description: str, out: Path, recipe_folder: Path, *, usd: bool = True) -> Warnings:
+    """Writes the three files; what falls short of the gates comes back as warnings."""
+    return write_measured(scene, description, measure(scene), out, recipe_folder, usd=usd)
+
+
+def write_measured(
+    scene: Scene, description: str, measured: Measured, out: Path, recipe_folder: Path, *, usd: bool
+) -> Warnings:
+    """Writes the files of a scene that has been measured."""
+    (out / "plan.json").unlink(missing_ok=True)
+    cameras = camera_entries(scene, measured.test)
+    content = tracks.tracks(scene, description, measured.shapes, cameras)
     files.write_bytes(out / "tracks.json", files.canonical_json(content))
     if usd:
         from . import usd as stage
@@ -36,10 +58,10 @@ def write(scene: Scene, description: str, out: Path, recipe_folder: Path, *, usd
         "seed": scene.seed,
         "bpy": bpy.app.version_string.split()[0],
         "scripts": recipes.script_digests(recipe_folder, _RENDER_MODULES),
-        "gate": visibility.report(seen, test),
+        "gate": visibility.report(measured.seen, measured.test),
     }
     files.write_bytes(out / "plan.json", files.canonical_json(plan))
-    return visibility.warnings(seen, test)
+    return visibility.warnings(measured.seen, measured.test)
 
 
 def camera_entries(scene: Scene, test: str) -> list[dict]:

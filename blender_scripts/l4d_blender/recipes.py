@@ -1,6 +1,7 @@
 """Finds a recipe by its name, runs it, and says where in it an error is.
 
-A recipe is a module with `SCALE` and `build(scene)`; its docstring's first paragraph describes the scene.
+A recipe is a module with `SCALE` and `build(scene)`, whose docstring's first paragraph describes the scene; or a
+composition, `<scene>.json`, which `compose` turns into one.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ class WorkerError(Exception):
 
 def names(folder: Path = RECIPES) -> list[str]:
     """The scenes that exist."""
-    return sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
+    paths = [*folder.glob("*.py"), *folder.glob("*.json")]
+    return sorted(path.stem for path in paths if not path.stem.startswith("_"))
 
 
 def find(name: str, folder: Path = RECIPES) -> Path:
@@ -45,12 +47,15 @@ def find(name: str, folder: Path = RECIPES) -> Path:
         raise WorkerError(
             f"unknown scene {name!r}", f"{guess}scenes that exist: {', '.join(known) or 'none'}"
         )
-    return folder / f"{name}.py"
+    module = folder / f"{name}.py"
+    return module if module.is_file() else module.with_suffix(".json")
 
 
 def build(name: str, variant: int = 0, seed: int = 0, folder: Path = RECIPES) -> tuple[Scene, str]:
     """Runs a recipe in a fresh Blender scene: the scene and its one-paragraph description."""
     path = find(name, folder)
+    if path.suffix == ".json":
+        return _composed(path)
     if str(PROJECT) not in sys.path:
         sys.path.insert(0, str(PROJECT))
     from .scene import RecipeError, Scene
@@ -68,6 +73,20 @@ def build(name: str, variant: int = 0, seed: int = 0, folder: Path = RECIPES) ->
             f"{_where(error, path)}: {type(error).__name__}: {error}", "the traceback is in the log"
         ) from error
     return scene, _first_paragraph(recipe)
+
+
+def _composed(path: Path) -> tuple[Scene, str]:
+    from .compose import build as composer
+    from .compose import spec as specs
+    from .compose import stage
+
+    try:
+        composition = specs.read(path)
+        scene, staged = composer.build(composition)
+    except (specs.SpecError, stage.Rejected) as error:
+        hint = getattr(error, "hint", "compose it again: its scripts have changed since")
+        raise WorkerError(f"{path}: {error}", hint) from error
+    return scene, staged.description
 
 
 def script_digests(folder: Path = RECIPES, also: Sequence[str] = ()) -> dict[str, str]:

@@ -1,0 +1,59 @@
+"""Draws until one becomes a scene, and writes it: its composition, tracks and plan.
+
+What is thrown away is told with its reason. A composed scene that fails a check is never written.
+"""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from .. import files, plan, tracks, visibility
+from ..scene import Scene
+from . import build, checks
+from .spec import Spec
+from .stage import Rejected, Stage
+
+Tell = Callable[[Spec, str], None]
+
+
+def compose(spec: Spec, recipes: Path, out: Path, limit: int, tell: Tell) -> Spec:
+    """Tries `limit` draws from `spec.draw` on; the one that became a scene is in `recipes` and `out`.
+
+    Raises `Rejected` with the last reason if none did.
+    """
+    reason = "no draw was tried"
+    for attempt in _draws(spec, limit):
+        try:
+            scene, stage = build.build(attempt)
+            measured = _measured(scene, stage)
+        except Rejected as error:
+            reason = str(error)
+            tell(attempt, reason)
+            continue
+        except Exception as error:  # a theme's mistake with these numbers: the draw is lost, not the run
+            traceback.print_exc(file=sys.stderr)
+            reason = f"{type(error).__name__}: {error}"
+            tell(attempt, reason)
+            continue
+        files.write_bytes(recipes / f"{spec.scene}.json", files.canonical_json(attempt.to_json()))
+        plan.write_measured(scene, stage.description, measured, out, recipes, usd=False)
+        return attempt
+    raise Rejected(reason)
+
+
+def _draws(spec: Spec, limit: int) -> Iterator[Spec]:
+    return (replace(spec, draw=spec.draw + k) for k in range(limit))
+
+
+def _measured(scene: Scene, stage: Stage) -> plan.Measured:
+    """Measures a scene and rejects what must not be, the quick checks first."""
+    shapes = tracks.measure(scene)
+    checks.collisions(stage, shapes)
+    seen = visibility.measure(scene)
+    test = visibility.choose_test(seen, scene.rng("test view"))
+    checks.unseen(seen, test)
+    return plan.Measured(seen, test, shapes)

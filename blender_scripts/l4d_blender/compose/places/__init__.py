@@ -1,0 +1,61 @@
+"""Where composed scenes happen: each place furnishes a stage and says what it offers to themes.
+
+A place is a function `(stage) -> None` in a module of this package. It builds what surrounds the scene, lights
+it, adds areas and landmarks (three or more, of which no two have the same noun unless a property tells them
+apart), dresses it, and places the cameras. It draws all of that from `stage.rng`, so that no two are alike.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..stage import Stage
+
+OFFERS = frozenset(
+    {
+        "table",  # an area "table" of at least 0.5 m by 0.4 m with at least one seat in stage.seats
+        "floor",  # an area "floor" indoors, at least 2.5 m by 2 m, for people and animals
+        "lawn",  # an area "lawn" or yard outdoors, at least 5 m by 4 m
+        "water",  # an area "water" to swim on
+        "road",  # an area "road", at least 18 m long, its long side along X
+        "counter",  # an area "counter" at standing height, with room to stand along its front
+    }
+)
+
+
+@dataclass(frozen=True)
+class Place:
+    """An entry: what a place is called, where it belongs, what themes find there."""
+
+    name: str
+    scale: str
+    offers: frozenset[str]
+    furnish: Callable[[Stage], None]
+
+
+_PLACES: dict[str, Place] = {}
+
+
+def place(scale: str, *offers: str) -> Callable[[Callable[[Stage], None]], Callable[[Stage], None]]:
+    """Enters a place under the name of its function."""
+    unknown = set(offers) - OFFERS
+    if unknown:
+        raise ValueError(f"no offer {', '.join(sorted(unknown))}")
+
+    def enter(furnish: Callable[[Stage], None]) -> Callable[[Stage], None]:
+        _PLACES[furnish.__name__] = Place(furnish.__name__, scale, frozenset(offers), furnish)
+        return furnish
+
+    return enter
+
+
+def places() -> dict[str, Place]:
+    """All places, by name."""
+    for module in pkgutil.iter_modules(__path__):
+        importlib.import_module(f"{__name__}.{module.name}")
+    return dict(sorted(_PLACES.items()))

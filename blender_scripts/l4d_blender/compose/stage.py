@@ -1,0 +1,257 @@
+"""What places and themes talk to: the scene, where room is left, who is there, and who acts.
+
+Owns ids, free room and the story's text. Draws nothing by itself: a theme decides what it wants.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import hypot
+from typing import Any, Protocol, TypeVar
+
+from .. import catalogue
+from ..placing import Point, Support, Thing
+from ..scene import Instance, Scene
+from .areas import Area, Flat
+from .looks import Look
+from .spec import Spec
+
+T = TypeVar("T")
+
+
+class Rejected(Exception):
+    """This draw does not become a scene; the message says why in a few words."""
+
+
+class Performer(Protocol):
+    """Whom `finish` keys: a Person, Hand, Cat, Dog, Bird, Driver, ..."""
+
+    def finish(self) -> None:
+        """Turns what was planned into keys."""
+
+
+@dataclass(eq=False)
+class Prop:
+    """A thing with an identity and a place: an object of a group, or a landmark."""
+
+    instance: Instance
+    kind: catalogue.Kind
+    look: Look
+    at: Flat
+    heading_deg: float
+    area: Area | None
+    radius_m: float
+
+    @property
+    def name(self) -> str:
+        """Of its instance."""
+        return self.instance.name
+
+    @property
+    def height_m(self) -> float:
+        """Of one with default attributes."""
+        return self.kind.size_m[2]
+
+
+@dataclass(frozen=True)
+class Seat:
+    """Where somebody sits at a table, or reaches over it: shoulders, and where hands rest."""
+
+    at: Flat
+    heading_deg: float
+    shoulder_m: float  # world height of the shoulders
+    rest_m: float  # from `at` towards the table, to where palms rest
+
+
+class Stage:
+    """A composed scene while it is being made."""
+
+    def __init__(self, scene: Scene, spec: Spec) -> None:
+        self.scene, self.spec = scene, spec
+        self.areas: dict[str, Area] = {}
+        self.seats: list[Seat] = []
+        self.landmarks: list[Prop] = []
+        self.objects: list[Prop] = []
+        self.performers: list[Performer] = []
+        self.sentences: list[str] = []
+        self.allowed_contact: set[frozenset[str]] = set()
+
+    # ---- drawing ---------------------------------------------------------------------------------
+
+    def rng(self, key: str) -> random.Random:
+        """A random stream per key; another draw of the same seed has others."""
+        return self.scene.rng(f"compose/{self.spec.draw}/{key}")
+
+    def pick(self, key: str, options: Sequence[T], demanded: Iterable[str] = ()) -> T:
+        """One of the options; those that the composition demands come first (compared as words)."""
+        if not options:
+            raise Rejected(f"nothing to pick for {key}")
+        wanted = [option for option in options if str(option) in set(demanded)]
+        return self.rng(key).choice(wanted or list(options))
+
+    def tell(self, sentence: str) -> None:
+        """Adds a sentence to the description of the scene."""
+        self.sentences.append(sentence)
+
+    @property
+    def description(self) -> str:
+        """The story, for people."""
+        return " ".join(self.sentences)
+
+    # ---- room ------------------------------------------------------------------------------------
+
+    def add_area(self, area: Area) -> Area:
+        """Offers room; a place names its areas after what they are: table, floor, lawn, road, water."""
+        self.areas[area.name] = area
+        return area
+
+    def area(self, *names: str) -> Area:
+        """The first of these areas that the place offers."""
+        for name in names:
+            if name in self.areas:
+                return self.areas[name]
+        raise Rejected(f"the place offers no {' or '.join(names)}")
+
+    # ---- things ----------------------------------------------------------------------------------
+
+    def dress(
+        self,
+        kind: str,
+        name: str,
+        at: Point,
+        heading_deg: float = 0.0,
+        *,
+        on: Support = 0.0,
+        area: Area | None = None,
+        radius_m: float | None = None,
+        **words: Any,
+    ) -> Thing:
+        """Puts something that nobody asks for; with an area, it takes room there."""
+        rng = self.rng(f"dress/{name}")
+        thing = self.scene.put(kind, name, at, heading_deg, rng=rng, on=on, **words)
+        if area is not None:
+            area.take((at[0], at[1]), plan_radius(kind) if radius_m is None else radius_m, owner=name)
+        return thing
+
+    def landmark(
+        self,
+        kind: str,
+        name: str,
+        at: Point,
+        heading_deg: float = 0.0,
+        *,
+        on: Support = 0.0,
+        area: Area | None = None,
+        radius_m: float | None = None,
+        category: str | None = None,
+        attributes: dict[str, str] | None = None,
+        **words: Any,
+    ) -> Prop:
+        """Puts something that sentences may mention ("next to the lamp"); with an area, it takes room there."""
+        thing = self.scene.put(kind, name, at, heading_deg, rng=self.rng(f"landmark/{name}"), on=on, **words)
+        return self.register(
+            kind,
+            name,
+            thing,
+            at=(at[0], at[1]),
+            heading_deg=heading_deg,
+            area=area,
+            radius_m=radius_m,
+            landmark=True,
+            category=category,
+            look=Look(kind, {}, attributes or {}),
+        )
+
+    def member(
+        self,
+        look: Look,
+        name: str,
+        at: Flat,
+        heading_deg: float = 0.0,
+        *,
+        area: Area,
+        on: Support | None = None,
+        radius_m: float | None = None,
+        category: str | None = None,
+        **words: Any,
+    ) -> Prop:
+        """Puts an object that queries may mean; takes room on its area. Bodies that act register themselves:
+        see `register`."""
+        support = area.on if on is None else on
+        thing = self.scene.put(
+            look.kind, name, at, heading_deg, rng=self.rng(f"member/{name}"), on=support, **look.words, **words
+        )
+        return self.register(
+            look.kind,
+            name,
+            thing,
+            at=at,
+            heading_deg=heading_deg,
+            area=area,
+            radius_m=radius_m,
+            category=category,
+            look=look,
+        )
+
+    def register(
+        self,
+        kind: str,
+        name: str,
+        thing: Thing | Instance,
+        *,
+        at: Flat,
+        heading_deg: float,
+        area: Area | None,
+        look: Look,
+        radius_m: float | None = None,
+        landmark: bool = False,
+        category: str | None = None,
+        front: str | None = "of its kind",
+    ) -> Prop:
+        """Gives a thing its identity; an Instance (of a body that registered itself) is taken as it is."""
+        entry = catalogue.find(kind)
+        if isinstance(thing, Instance):
+            instance = thing
+        else:
+            instance = self.scene.instance(
+                name,
+                self.next_id(landmark=landmark),
+                category or entry.category,
+                thing,
+                attributes=look.attributes,
+                front=entry.front if front == "of its kind" else front,
+            )
+        radius = plan_radius(kind) if radius_m is None else radius_m
+        prop = Prop(instance, entry, look, (at[0], at[1]), heading_deg, area, radius)
+        (self.landmarks if instance.role == "landmark" else self.objects).append(prop)
+        if area is not None:
+            area.take(prop.at, radius, owner=name)
+        return prop
+
+    def next_id(self, *, landmark: bool = False) -> int:
+        """The next free id of an object or landmark."""
+        role, first = ("landmark", 1001) if landmark else ("object", 1)
+        return max((i.id for i in self.scene.instances if i.role == role), default=first - 1) + 1
+
+    def perform(self, performer: T) -> T:
+        """Notes somebody whose plan is keyed when the theme has finished."""
+        self.performers.append(performer)  # type: ignore[arg-type]
+        return performer
+
+    def may_touch(self, a: Prop | Instance, b: Prop | Instance) -> None:
+        """These two meet on purpose: they don't count as colliding."""
+        self.allowed_contact.add(frozenset((a.name, b.name)))
+
+    # ---- what is there ---------------------------------------------------------------------------
+
+    def group(self, category: str) -> list[Prop]:
+        """All objects of a category."""
+        return [prop for prop in self.objects if prop.instance.category == category]
+
+
+def plan_radius(kind: str) -> float:
+    """Radius in metres of the disc that one of a kind needs in plan."""
+    x, y, _ = catalogue.find(kind).size_m
+    return hypot(x, y) / 2
