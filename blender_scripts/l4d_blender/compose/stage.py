@@ -65,6 +65,14 @@ class Seat:
     rest_m: float  # from `at` towards the table, to where palms rest
 
 
+@dataclass(frozen=True)
+class Chair:
+    """Something to sit down on: a point on the seat right behind the sitter's feet, and where they face."""
+
+    seat: tuple[float, float, float]
+    heading_deg: float
+
+
 class Stage:
     """A composed scene while it is being made."""
 
@@ -72,6 +80,7 @@ class Stage:
         self.scene, self.spec = scene, spec
         self.areas: dict[str, Area] = {}
         self.seats: list[Seat] = []
+        self.chairs: list[Chair] = []
         self.landmarks: list[Prop] = []
         self.objects: list[Prop] = []
         self.performers: list[Performer] = []

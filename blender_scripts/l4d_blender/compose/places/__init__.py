@@ -23,7 +23,8 @@ OFFERS = frozenset(
         "lawn",  # an area "lawn" or yard outdoors, at least 5 m by 4 m
         "water",  # an area "water" to swim on
         "road",  # an area "road", at least 18 m long, its long side along X
-        "counter",  # an area "counter" at standing height, with room to stand along its front
+        "counter",  # an area "counter" 0.8 to 1.0 m high; people stand along the edge of its first two corners
+        "chairs",  # two or more chairs in stage.chairs, with free floor before them
     }
 )
 
