@@ -187,6 +187,7 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
             "take another seed, or demand less",
         ) from error
     events.send("composed", draw=made.draw)
+    events.send("done")
 
 
 def _compositions(options: argparse.Namespace, events: _Events) -> None:
@@ -202,6 +203,7 @@ def _compositions(options: argparse.Namespace, events: _Events) -> None:
                 categories=sorted(theme.categories),
                 verbs=sorted(theme.verbs),
             )
+    events.send("done")
 
 
 def _render(options: argparse.Namespace, events: _Events) -> None:

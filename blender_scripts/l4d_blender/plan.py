@@ -6,6 +6,7 @@ folder with a plan.json is complete.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -60,6 +61,9 @@ def write_measured(
         "scripts": recipes.script_digests(recipe_folder, _RENDER_MODULES),
         "gate": visibility.report(measured.seen, measured.test),
     }
+    composition = recipe_folder / f"{scene.name}.json"
+    if composition.is_file():
+        plan["composition"] = hashlib.sha256(composition.read_bytes()).hexdigest()
     files.write_bytes(out / "plan.json", files.canonical_json(plan))
     return visibility.warnings(measured.seen, measured.test)
 

@@ -28,6 +28,7 @@ def compose(spec: Spec, recipes: Path, out: Path, limit: int, tell: Tell) -> Spe
     reason = "no draw was tried"
     for attempt in _draws(spec, limit):
         try:
+            attempt = build.pinned(attempt)
             scene, stage = build.build(attempt)
             measured = _measured(scene, stage)
         except Rejected as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 from ..scene import RecipeError, Scene
 from .areas import NoRoom
@@ -17,7 +18,8 @@ def build(spec: Spec) -> tuple[Scene, Stage]:
 
     Raises `Rejected` if it does not become a scene, `SpecError` if no draw of this composition ever could.
     """
-    place, theme = _setting(spec)
+    spec = pinned(spec)
+    place, theme = places()[spec.place], themes()[spec.theme]
     scene = Scene(spec.scene, spec.scale, 0, spec.seed)
     stage = Stage(scene, spec)
     try:
@@ -30,6 +32,12 @@ def build(spec: Spec) -> tuple[Scene, Stage]:
         raise Rejected(f"{theme.name} in {place.name}: {error}") from error
     _demands(spec, scene)
     return scene, stage
+
+
+def pinned(spec: Spec) -> Spec:
+    """The same composition with theme and place drawn: places that are added later do not change it."""
+    place, theme = _setting(spec)
+    return replace(spec, place=place.name, theme=theme.name)
 
 
 def settings(scale: str) -> list[tuple[Theme, list[Place]]]:

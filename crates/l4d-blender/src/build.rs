@@ -10,7 +10,7 @@ use l4d_data::{Draw, Name, Progress, Report, Shard, Workspace};
 
 use crate::Result;
 use crate::env::BlenderEnv;
-use crate::plan::plan;
+use crate::plan::{Recipe, plan};
 use crate::render::{PlannedScene, render};
 use crate::settle::{commit, settle};
 
@@ -23,7 +23,7 @@ pub struct Order<'a> {
     pub draw: Draw,
     /// Profile and folders.
     pub space: &'a Workspace,
-    /// Receives tracks and truth.
+    /// Receives tracks and truth; its compositions come before recipes in Python.
     pub bench: &'a BenchDir,
     /// Logs and job files.
     pub work: &'a SharedWork,
@@ -64,15 +64,17 @@ pub fn build(
 ) -> Result<Built> {
     let profile = order.space.profile();
     // Some scenes at once: a plan is mostly one thread's work.
-    let plans = in_parallel(order.scenes, order.jobs, |name| {
-        progress.note(&format_args!("planning {name}"));
-        plan(env, &order.space.scene(name), name, order.draw, order.work, progress)
+    let recipe = |name| Recipe::of(order.bench, name, order.draw);
+    let recipes: Vec<Recipe> = order.scenes.iter().map(recipe).collect::<Result<_>>()?;
+    let plans = in_parallel(&recipes, order.jobs, |recipe| {
+        progress.note(&format_args!("planning {}", recipe.scene));
+        plan(env, &order.space.scene(&recipe.scene), recipe, order.work, progress)
     })?;
     let mut planned = Vec::new();
-    for (name, plan) in order.scenes.iter().zip(plans) {
-        commit(&order.bench.tracks(name), &plan.tracks, order.update_benchmark, report)?;
-        let dir = order.space.scene(name);
-        planned.push(PlannedScene::new(name.clone(), dir, plan, profile, order.draw, order.samples));
+    for (recipe, plan) in recipes.into_iter().zip(plans) {
+        commit(&order.bench.tracks(&recipe.scene), &plan.tracks, order.update_benchmark, report)?;
+        let dir = order.space.scene(&recipe.scene);
+        planned.push(PlannedScene::new(recipe, dir, plan, profile, order.samples));
     }
     if order.tracks_only {
         return Ok(Built::default());
@@ -82,7 +84,7 @@ pub fn build(
     if order.shard.is_some() {
         let is_unfinished = |scene: &&PlannedScene| !scene.missing().is_empty();
         let unfinished: Vec<Name> =
-            planned.iter().filter(is_unfinished).map(|scene| scene.name.clone()).collect();
+            planned.iter().filter(is_unfinished).map(|scene| scene.recipe.scene.clone()).collect();
         if !unfinished.is_empty() {
             return Ok(Built { rendered, unfinished, settled: Vec::new() });
         }
@@ -91,7 +93,7 @@ pub fn build(
     for scene in &planned {
         sweep(scene.dir.root())?;
         let truth = settle(scene)?;
-        commit(&order.bench.truth(profile, &scene.name), &truth, order.update_benchmark, report)?;
+        commit(&order.bench.truth(profile, &scene.recipe.scene), &truth, order.update_benchmark, report)?;
         settled.push(scene.dir.root().to_owned());
     }
     Ok(Built { rendered, settled, unfinished: Vec::new() })

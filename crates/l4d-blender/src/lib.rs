@@ -3,6 +3,7 @@
 //! Blender's Python is GPL-3 and runs as a separate process; nothing else of the project links or imports it.
 
 pub mod build;
+pub mod compose;
 pub mod env;
 pub mod plan;
 pub mod python;

@@ -3,10 +3,11 @@
 //! A plan stays good as long as the scripts that made it are unchanged; `plan.json` lists them with digests.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use l4d_data::composition::Composition;
 use l4d_data::digest::{sha256_file, sha256_hex};
-use l4d_data::layout::SceneDir;
+use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::store::{list_folder, make_folder};
 use l4d_data::tracks::Tracks;
 use l4d_data::workspace::SharedWork;
@@ -25,6 +26,49 @@ struct PlanCard {
     seed: u64,
     bpy: String,
     scripts: BTreeMap<String, String>,
+    /// Digest of the composition; none of a recipe in Python, which is among the scripts.
+    #[serde(default)]
+    composition: Option<String>,
+}
+
+/// What a scene is built from.
+#[derive(Debug, Clone)]
+pub struct Recipe {
+    /// Which scene.
+    pub scene: Name,
+    /// Variant and seed.
+    pub draw: Draw,
+    /// The folder of its composition, and the composition's digest; none for a recipe in Python.
+    composition: Option<(PathBuf, String)>,
+}
+
+impl Recipe {
+    /// The composition that a benchmark folder has for the scene, which fixes its own draw; otherwise the recipe in
+    /// Python with this draw.
+    ///
+    /// # Errors
+    /// A composition that cannot be read.
+    pub fn of(bench: &BenchDir, scene: &Name, draw: Draw) -> Result<Self> {
+        let path = bench.composition(scene);
+        if !path.exists() {
+            return Ok(Self { scene: scene.clone(), draw, composition: None });
+        }
+        let composition: Composition = json::read_document(&path)?;
+        Ok(Self {
+            scene: scene.clone(),
+            draw: Draw { variant: 0, seed: composition.seed },
+            composition: Some((bench.recipes(), sha256_file(&path)?)),
+        })
+    }
+
+    /// The folder that workers look for it in; none for the project's own.
+    pub fn folder(&self) -> Option<&Path> {
+        self.composition.as_ref().map(|(folder, _)| folder.as_path())
+    }
+
+    fn digest(&self) -> Option<&str> {
+        self.composition.as_ref().map(|(_, digest)| digest.as_str())
+    }
 }
 
 /// A planned scene.
@@ -45,17 +89,18 @@ pub struct Plan {
 pub fn plan(
     env: &BlenderEnv,
     dir: &SceneDir,
-    scene: &Name,
-    draw: Draw,
+    recipe: &Recipe,
     work: &SharedWork,
     progress: &dyn Progress,
 ) -> Result<Plan> {
-    if let Some(plan) = read_current(env.scripts(), dir, scene, draw) {
+    if let Some(plan) = read_current(env.scripts(), dir, recipe) {
         return Ok(plan);
     }
     make_folder(dir.root())?;
+    let Recipe { scene, draw, .. } = recipe;
     let mut command = env.command();
     command.args(["plan", "--scene", scene]);
+    recipe.folder().map(|folder| command.arg("--recipes").arg(folder));
     command.args(["--variant", &draw.variant.to_string(), "--seed", &draw.seed.to_string(), "--out"]);
     command.arg(dir.root());
     let end = worker::run(command, &work.log("plan", scene), &mut |event| {
@@ -72,9 +117,11 @@ pub fn plan(
     }
 }
 
-fn read_current(scripts: &Path, dir: &SceneDir, scene: &Name, draw: Draw) -> Option<Plan> {
+fn read_current(scripts: &Path, dir: &SceneDir, recipe: &Recipe) -> Option<Plan> {
     let card: PlanCard = json::read(&dir.plan()).ok()?;
-    let same_draw = (&card.scene, card.variant, card.seed) == (scene, draw.variant, draw.seed);
+    let Recipe { scene, draw, .. } = recipe;
+    let same_draw = (&card.scene, card.variant, card.seed) == (scene, draw.variant, draw.seed)
+        && card.composition.as_deref() == recipe.digest();
     let unchanged = |(script, digest): (&String, &String)| {
         sha256_file(&scripts.join(script)).is_ok_and(|now| now == *digest)
     };

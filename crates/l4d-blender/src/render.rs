@@ -10,14 +10,14 @@ use l4d_data::layout::SceneDir;
 use l4d_data::parallel::in_parallel;
 use l4d_data::store::Temporary;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{At as _, DataError, Draw, Name, Profile, Progress, Shard, StageError, json};
+use l4d_data::{At as _, DataError, Name, Profile, Progress, Shard, StageError, json};
 use l4d_frames::exr::read_frame;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::env::BlenderEnv;
-use crate::plan::Plan;
+use crate::plan::{Plan, Recipe};
 use crate::worker::{self, WorkerEnd, WorkerEvent};
 
 const JOB_SCHEMA: &str = "l4d/render-job/1";
@@ -57,6 +57,8 @@ struct Job<'a> {
     width: u32,
     height: u32,
     samples: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recipes: Option<&'a Path>,
     denoise: bool,
     threads: usize,
     out: &'a Path,
@@ -75,30 +77,23 @@ struct Piece<'a> {
 /// A scene that is ready to be rendered.
 #[derive(Debug)]
 pub(crate) struct PlannedScene {
-    pub(crate) name: Name,
+    pub(crate) recipe: Recipe,
     pub(crate) dir: SceneDir,
     pub(crate) plan: Plan,
     pub(crate) settings: RenderSettings,
 }
 
 impl PlannedScene {
-    pub(crate) fn new(
-        name: Name,
-        dir: SceneDir,
-        plan: Plan,
-        profile: Profile,
-        draw: Draw,
-        samples: u32,
-    ) -> Self {
+    pub(crate) fn new(recipe: Recipe, dir: SceneDir, plan: Plan, profile: Profile, samples: u32) -> Self {
         let settings = RenderSettings {
             profile,
-            variant: draw.variant,
-            seed: draw.seed,
+            variant: recipe.draw.variant,
+            seed: recipe.draw.seed,
             samples,
             bpy: plan.bpy.clone(),
             scripts_sha256: plan.scripts_sha256.clone(),
         };
-        Self { name, dir, plan, settings }
+        Self { recipe, dir, plan, settings }
     }
 
     /// Every picture of the profile, frame by frame: a worker then moves through time once.
@@ -213,8 +208,9 @@ impl Workers<'_> {
     /// Renders a piece; a worker that dies after making progress is replaced, one that made none is not.
     fn render_piece(&self, piece: &Piece<'_>) -> Result<()> {
         let mut images = piece.images.clone();
-        let end =
-            self.render_images(piece, &mut images).at(format_args!("cannot render {}", piece.scene.name));
+        let end = self
+            .render_images(piece, &mut images)
+            .at(format_args!("cannot render {}", piece.scene.recipe.scene));
         self.stop.fetch_or(end.is_err(), Ordering::Relaxed);
         end
     }
@@ -231,7 +227,8 @@ impl Workers<'_> {
                     return Err(StageError::new(message, hint));
                 }
                 WorkerEnd::Died(error) if images.len() < before => {
-                    self.progress.warn(&format_args!("{}: starting a new worker: {error}", piece.scene.name));
+                    self.progress
+                        .warn(&format_args!("{}: starting a new worker: {error}", piece.scene.recipe.scene));
                 }
                 WorkerEnd::Died(error) | WorkerEnd::Refused(error) => return Err(error),
             }
@@ -246,27 +243,28 @@ impl Workers<'_> {
         let profile = scene.settings.profile;
         let job = Job {
             schema: JOB_SCHEMA,
-            scene: &scene.name,
+            scene: &scene.recipe.scene,
             variant: scene.settings.variant,
             seed: scene.settings.seed,
             profile,
             width: profile.width(),
             height: profile.height(),
             samples: scene.settings.samples,
+            recipes: scene.recipe.folder(),
             denoise: true,
             threads: self.threads,
             tracks: root.join("tracks.json"),
             out: &root,
             images,
         };
-        let name = format!("{}-{profile}-{}-{}", scene.name, std::process::id(), piece.number);
+        let name = format!("{}-{profile}-{}-{}", scene.recipe.scene, std::process::id(), piece.number);
         let mut file = Temporary::create(&self.work.jobs())?;
         let job = serde_json::to_vec(&job).map_err(std::io::Error::from);
         let written = job.and_then(|job| file.write(&job)).and_then(|()| file.flush());
         written.map_err(|error| DataError::io(file.path(), "write", error))?;
         let mut command = self.env.command();
         command.arg("render").arg(file.path());
-        self.progress.item(&scene.name);
+        self.progress.item(&scene.recipe.scene);
         worker::run(command, &self.work.log("render", &name), &mut |event| {
             match event {
                 WorkerEvent::Image { view, frame } => {
@@ -275,7 +273,7 @@ impl Workers<'_> {
                 }
                 WorkerEvent::Warning { message } => self.progress.warn(message),
                 WorkerEvent::Start { device } => {
-                    tracing::info!(scene = %scene.name, device, "worker started");
+                    tracing::info!(scene = %scene.recipe.scene, device, "worker started");
                 }
                 _ => {}
             }

@@ -30,6 +30,10 @@ pub(crate) enum WorkerEvent {
         #[serde(default)]
         hint: String,
     },
+    /// A draw of a composition was thrown away.
+    Rejected { draw: u32, reason: String },
+    /// What compositions draw from.
+    Theme { scale: String, name: String, places: Vec<String>, categories: Vec<String>, verbs: Vec<String> },
     /// Everything that was asked for is done.
     Done,
     /// An event that this version does not know.

@@ -44,6 +44,8 @@ pub enum SetSplit {
     /// Reported scores; nothing is tuned on it.
     #[default]
     Test,
+    /// Learning.
+    Train,
     /// Tuning of thresholds.
     Dev,
     /// Somebody's own draw.

@@ -227,6 +227,16 @@ impl BenchDir {
         }
     }
 
+    /// `recipes`: what the composed scenes are made from.
+    pub fn recipes(&self) -> PathBuf {
+        self.0.join("recipes")
+    }
+
+    /// `recipes/<scene>.json`: the composition of a scene that has no recipe in Python.
+    pub fn composition(&self, scene: &str) -> PathBuf {
+        self.recipes().join(format!("{scene}.json"))
+    }
+
     /// `published/<table>.csv`: numbers from papers.
     pub fn published(&self, table: &str) -> PathBuf {
         self.0.join("published").join(format!("{table}.csv"))

@@ -9,6 +9,7 @@
 pub mod benchmark;
 pub mod camera;
 pub mod capture;
+pub mod composition;
 pub mod digest;
 pub mod error;
 pub mod finding;

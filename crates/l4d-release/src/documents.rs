@@ -192,6 +192,7 @@ const HUB_LICENCES: [&str; 8] = [
 /// Splits of the benchmark as loaders call them.
 pub(crate) fn split(gathered: &Gathered) -> &'static str {
     match gathered.manifest.split {
+        SetSplit::Train => "train",
         SetSplit::Dev => "validation",
         SetSplit::Test | SetSplit::Private => "test",
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use l4d_blender::env::BlenderEnv;
-use l4d_blender::plan::plan;
+use l4d_blender::plan::{Recipe, plan};
 use l4d_data::benchmark::{Manifest, SetSplit};
 use l4d_data::layout::BenchDir;
 use l4d_data::store::write_atomic;
@@ -53,7 +53,13 @@ pub(crate) fn run(args: &DrawVariantArgs, out: &Printer) -> Result<ExitStatus> {
     let mut outcomes = Vec::new();
     for name in &scenes {
         out.note(format!("planning {name}, variant {}", draw.variant));
-        let plan = plan(&env, &space.scene(name), name, draw, &args.python.choice().work, out)?;
+        let plan = plan(
+            &env,
+            &space.scene(name),
+            &Recipe::of(&target, name, draw)?,
+            &args.python.choice().work,
+            out,
+        )?;
         l4d_data::json::write_compact(&target.tracks(name), &plan.tracks)?;
         outcomes.push(carry_over(&source, &target, name, &plan.tracks)?);
     }
