@@ -7,13 +7,15 @@ it for the whole clip. Knows nothing of what the things are.
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import atan2, cos, degrees, hypot, pi, radians, sin
+from typing import TypeVar
 
 from ..placing import Point, Support
 
 Flat = tuple[float, float]
+Plan = TypeVar("Plan")
 
 
 class NoRoom(Exception):
@@ -80,6 +82,10 @@ class Area:
         end = start if end is None else end
         if min(self.margin(start), self.margin(end)) < radius_m:
             return False
+        return self.is_clear(start, end, radius_m, ignoring=ignoring)
+
+    def is_clear(self, start: Flat, end: Flat, radius_m: float, *, ignoring: Sequence[str] = ()) -> bool:
+        """Whether nothing takes room on a way, which may begin or end beyond the edge (an arm's does)."""
         return all(
             other.owner in ignoring
             or _distance(start, end, other.start, other.end) >= radius_m + other.radius_m
@@ -116,6 +122,17 @@ class Area:
             if self.is_free(at, radius_m):
                 return at
         raise NoRoom(f"no room of {100 * radius_m:.0f} cm radius on {self.name}")
+
+
+def retried(area: Area, tries: int, draw: Callable[[], Plan]) -> Plan:
+    """The first of some draws that finds room; what one took that failed is free again."""
+    before = list(area.taken)
+    for _ in range(tries - 1):
+        try:
+            return draw()
+        except NoRoom:
+            area.taken = list(before)
+    return draw()
 
 
 def heading_to(start: Point, end: Point) -> float:

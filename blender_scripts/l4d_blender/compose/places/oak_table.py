@@ -22,9 +22,9 @@ def oak_table(stage: Stage) -> None:
     scene.put("study_room", "room", on=floor_m, rng=rng, wall_y_m=wall_y, window_x_m=(-1.0, 0.4), sill_m=0.86)
     scene.put("desk", "desk", on=floor_m, rng=rng, size_m=size_m)
     table = stage.add_area(Area.rectangle("table", (0.0, 0.0), (0.84, 0.62)))
-    for kind, name in (("desk_lamp", "lamp"), ("book", "book"), ("plant_pot", "plant")):
-        at = table.spot(rng, 0.12)
-        stage.landmark(kind, name, at, rng.uniform(-180, 180), area=table, radius_m=0.1)
+    for kind, name, radius_m in (("desk_lamp", "lamp", 0.1), ("book", "book", 0.13), ("plant_pot", "plant", 0.14)):
+        at = table.spot(rng, radius_m)
+        stage.landmark(kind, name, at, rng.uniform(-180, 180), area=table, radius_m=radius_m)
     stage.seats.append(Seat((0.0, -size_m[1] / 2 - 0.12), 180.0, 0.25, 0.2))
     scene.hdri("interior", 0.4, rotation_deg=rng.uniform(0, 360))
     scene.area_light("daylight", (-0.3, wall_y - 0.05, 0.7), (0.0, 0.0, 0.0), size_m=(1.2, 0.9), power_w=30)
