@@ -71,6 +71,8 @@ class Chair:
 
     seat: tuple[float, float, float]
     heading_deg: float
+    of: Prop | None = None
+    """What it is, if that is a landmark: who sits touches it, and walks into the room that it takes."""
 
 
 class Stage:
@@ -190,7 +192,14 @@ class Stage:
         see `register`."""
         support = area.on if on is None else on
         thing = self.scene.put(
-            look.kind, name, at, heading_deg, rng=self.rng(f"member/{name}"), on=support, **look.words, **words
+            look.kind,
+            name,
+            at,
+            heading_deg,
+            rng=self.rng(f"member/{name}"),
+            on=support,
+            **look.words,
+            **words,
         )
         return self.register(
             look.kind,
