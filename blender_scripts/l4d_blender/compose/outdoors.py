@@ -1,4 +1,4 @@
-"""What outdoor places share: seasons and hours, land with turf and a skyline, what stands round an area, cameras.
+"""What outdoor places share: season and hour, land with turf and a skyline, what is round an area, cameras.
 
 Owns how a free area is framed, so that cameras see all of it and nothing tall is before it. Knows no place.
 """
@@ -81,7 +81,11 @@ class Day:
 
 
 def day(
-    stage: Stage, *, seasons: Sequence[Season] = SEASONS, lights: Sequence[Light] = LIGHTS, facing_deg: float = -90.0
+    stage: Stage,
+    *,
+    seasons: Sequence[Season] = SEASONS,
+    lights: Sequence[Light] = LIGHTS,
+    facing_deg: float = -90.0,
 ) -> Day:
     """Draws season, hour and weather, and lights the scene; the sun is seldom before the cameras."""
     rng = stage.rng("day")
@@ -107,7 +111,7 @@ def day(
 def retint(
     thing: Thing, *, hue: float = 0.0, saturation: float = 1.0, value: float = 1.0, only: str = ""
 ) -> Thing:
-    """Shifts the base colours of a thing's materials whose names contain `only`; a hue of 1 is a whole turn."""
+    """Shifts the base colours of materials whose names contain `only`; a hue of 1 is a whole turn."""
     objects = [thing] if isinstance(thing, bpy.types.Object) else list(getattr(thing, "parts", thing))
     for slot in (slot for obj in objects for slot in obj.material_slots):
         material = slot.material
@@ -266,10 +270,26 @@ def woods(
 # ---- round an area ---------------------------------------------------------------------------------------
 
 
-def yard(name: str, size_m: tuple[float, float], *, centre: Flat = (0.0, 0.0), cut_m: float = 0.9, on: Support = 0.0) -> Area:
+def yard(
+    name: str,
+    size_m: tuple[float, float],
+    *,
+    centre: Flat = (0.0, 0.0),
+    cut_m: float = 0.9,
+    on: Support = 0.0,
+) -> Area:
     """A rectangle whose corners are cut off, because cameras see them last."""
     x, y, c = size_m[0] / 2, size_m[1] / 2, cut_m
-    corners = [(-x + c, -y), (x - c, -y), (x, -y + c), (x, y - c), (x - c, y), (-x + c, y), (-x, y - c), (-x, -y + c)]
+    corners = [
+        (-x + c, -y),
+        (x - c, -y),
+        (x, -y + c),
+        (x, y - c),
+        (x - c, y),
+        (-x + c, y),
+        (-x, y - c),
+        (-x, -y + c),
+    ]
     return Area(name, [(centre[0] + u, centre[1] + v) for u, v in corners], on)
 
 
@@ -378,7 +398,9 @@ def _heading(mark: Mark, at: Flat, area: Area, rng: random.Random) -> float:
     return facing(at, area.centre) + turn_deg + rng.uniform(-9.0, 9.0)
 
 
-def seats(stage: Stage, bench: Prop, *, height_m: float = 0.455, ahead_m: float = 0.05, apart_m: float = 0.44) -> None:
+def seats(
+    stage: Stage, bench: Prop, *, height_m: float = 0.455, ahead_m: float = 0.05, apart_m: float = 0.44
+) -> None:
     """Offers the two places of a bench that faces its heading; `height_m` of the seat over its ground."""
     heading = radians(bench.heading_deg)
     ahead, right = (sin(heading), -cos(heading)), (-cos(heading), -sin(heading))
@@ -386,7 +408,7 @@ def seats(stage: Stage, bench: Prop, *, height_m: float = 0.455, ahead_m: float 
     for side in (-1.0, 1.0):
         x = bench.at[0] + ahead_m * ahead[0] + side * apart_m * right[0]
         y = bench.at[1] + ahead_m * ahead[1] + side * apart_m * right[1]
-        stage.chairs.append(Chair((x, y, base + height_m), bench.heading_deg))
+        stage.chairs.append(Chair((x, y, base + height_m), bench.heading_deg, bench))
 
 
 # ---- cameras ---------------------------------------------------------------------------------------------
@@ -406,7 +428,11 @@ def cameras(
     """Cameras from about -Y, drawn a little each time."""
     rng = stage.rng("cameras")
     low, high = heights_m
-    heights = [low + rng.uniform(-0.1, 0.1), high + rng.uniform(-0.1, 0.2), (low + high) / 2 + rng.uniform(-0.1, 0.1)]
+    heights = [
+        low + rng.uniform(-0.1, 0.1),
+        high + rng.uniform(-0.1, 0.2),
+        (low + high) / 2 + rng.uniform(-0.1, 0.1),
+    ]
     stage.scene.cameras(
         target,
         radius_m=radius_m * rng.uniform(0.97, 1.04),

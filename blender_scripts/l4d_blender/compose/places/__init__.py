@@ -21,8 +21,8 @@ OFFERS = frozenset(
         "table",  # an area "table" of at least 0.5 m by 0.4 m with at least one seat in stage.seats
         "floor",  # an area "floor" indoors, at least 2.5 m by 2 m, for people and animals
         "lawn",  # an area "lawn" or yard outdoors, at least 5 m by 4 m
-        "water",  # an area "water" to swim on
-        "road",  # an area "road", at least 18 m long, its long side along X
+        "water",  # an area "water" to swim on, its bank as an area "lawn"
+        "road",  # an area "road", two lanes, 18 m or more along X; the near pavement as an area "lawn"
         "counter",  # an area "counter" 0.8 to 1.0 m high; people stand along the edge of its first two corners
         "chairs",  # two or more chairs in stage.chairs, with free floor before them
     }

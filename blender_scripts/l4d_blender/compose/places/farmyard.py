@@ -32,7 +32,11 @@ def farmyard(stage: Stage) -> None:
     terrain = ground.Terrain(
         seed=rng.randrange(1 << 30),
         yard=[((0.0, 0.3), rng.uniform(2.6, 3.8)), ((barn_x, barn_y - 3.4), 1.9)],
-        paths=[ground.Path([(barn_x, barn_y - 2.0), (0.0, 0.0), (rng.choice((-1, 1)) * 9.0, -9.0)], 1.2, ruts=True)],
+        paths=[
+            ground.Path(
+                [(barn_x, barn_y - 2.0), (0.0, 0.0), (rng.choice((-1, 1)) * 9.0, -9.0)], 1.2, ruts=True
+            )
+        ],
         level_radius_m=8.0,
         hills_from_m=24.0,
         hill_height_m=rng.uniform(5.0, 10.0),
@@ -74,9 +78,7 @@ def _paddock(stage: Stage, barn_x: float, barn_y: float, terrain: ground.Terrain
     gate = side * rng.uniform(0.6, 2.2) if abs(barn_x) > 1.4 else side * 4.0
     wall = barn_x + side * 3.3
     first, last = (min(wall, gate), max(wall, gate))
-    lines = {
-        "fence": [(side * 7.4, -1.5), (side * 6.2, y - 0.4), (gate + side * 2.3, y)],
-    }
+    lines = {"fence": [(side * 7.4, -1.5), (side * 6.2, y - 0.4), (gate + side * 2.3, y)]}
     if last - first > 1.0:
         lines["rails"] = [(gate - side * 0.1, y), (wall, barn_y - 1.0)]
     for name, line in lines.items():
@@ -84,4 +86,3 @@ def _paddock(stage: Stage, barn_x: float, barn_y: float, terrain: ground.Terrain
         if name == "fence":
             outdoors.named(stage, "fence", "fence", made, line[-1])
     stage.landmark("fence.gate", "gate", (gate, y), 0.0 if side > 0 else 180.0, width_m=2.15)
-
