@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin, tan
+from math import cos, hypot, sin, tan
 
 import bpy
 from mathutils import Matrix, Vector
@@ -70,6 +70,29 @@ def add_to_blender(camera: Camera) -> bpy.types.Object:
     data.clip_start, data.clip_end = 0.001, 10_000.0
     bpy.context.scene.collection.objects.link(obj)
     return obj
+
+
+def nearer(
+    rig: Sequence[Camera], centre: Vector, half_width_m: float, least_rise: float, rng: random.Random
+) -> list[Camera]:
+    """The same cameras closer to `centre`, with longer lenses: pictures are about two half widths wide there.
+
+    None goes further away; all look down by `least_rise` (height over distance) or more.
+    """
+    closer, longer = [], rng.uniform(1.15, 1.35)
+    for camera in rig:
+        old = camera.world_from_camera.translation
+        way = Vector((old.x - centre.x, old.y - centre.y))
+        wanted = 2.0 * longer * camera.focal_over_width * half_width_m
+        distance = min(way.length, wanted * rng.uniform(1.0, 1.04))
+        rise = max((old.z - centre.z) / way.length, least_rise)
+        flat = way.normalized() * (distance / hypot(1.0, rise))
+        position = Vector((centre.x + flat.x, centre.y + flat.y, centre.z + rise * flat.length))
+        off = Vector([half_width_m * rng.uniform(-0.03, 0.03) for _ in range(3)])
+        pose = _round(_look_at(position, centre + off))
+        focal = max(distance / (2.0 * half_width_m), camera.focal_over_width)
+        closer.append(Camera(camera.name, round(focal, 6), pose))
+    return closer
 
 
 def training_subset(training: Sequence[str], count: int) -> list[str]:

@@ -26,9 +26,9 @@ from l4d_blender.assets.cat_anatomy import (
     joint,
     rest_skin,
 )
-from l4d_blender.assets.materials import interior
+from l4d_blender.assets.materials import dogs, interior
 from l4d_blender.assets.rigs import armature, hang
-from l4d_blender.catalogue import Choice, kind
+from l4d_blender.catalogue import Choice, kind, words
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,68 @@ BLACK = Coat(
     stripes=0.25,
     bib=0.1,
 )
-COATS = {coat.name: coat for coat in (GREY_TABBY, ORANGE, BLACK)}
+_SMOKE, _GINGER, _INK = (0.115, 0.118, 0.128), (0.52, 0.21, 0.055), (0.022, 0.020, 0.020)
+_WHITE, _CREAM = (0.66, 0.62, 0.56), (0.60, 0.47, 0.31)
+PLAIN_GREY = Coat(
+    "plain_grey",
+    base=_SMOKE,
+    dark=(0.075, 0.077, 0.085),
+    pale=(0.15, 0.155, 0.165),
+    eye=(0.58, 0.36, 0.05),
+    skin=(0.16, 0.12, 0.12),
+    stripes=0.0,
+    bib=0.0,
+)
+GREY_BIB = Coat(
+    "grey_bib",
+    base=_SMOKE,
+    dark=(0.075, 0.077, 0.085),
+    pale=_WHITE,
+    eye=(0.45, 0.50, 0.10),
+    stripes=0.0,
+    bib=0.9,
+)
+BLACK_BIB = Coat(
+    "black_bib",
+    base=_INK,
+    dark=(0.010, 0.009, 0.009),
+    pale=_WHITE,
+    eye=(0.42, 0.52, 0.10),
+    stripes=0.0,
+    bib=0.9,
+)
+ORANGE_TABBY = Coat(
+    "orange_tabby",
+    base=_GINGER,
+    dark=(0.25, 0.065, 0.012),
+    pale=(0.66, 0.42, 0.20),
+    eye=(0.55, 0.42, 0.06),
+    stripes=1.0,
+    bib=0.2,
+)
+WHITE = Coat(
+    "white",
+    base=_WHITE,
+    dark=(0.52, 0.48, 0.42),
+    pale=(0.74, 0.71, 0.66),
+    eye=(0.10, 0.30, 0.50),
+    stripes=0.0,
+)
+CREAM = Coat(
+    "cream",
+    base=_CREAM,
+    dark=(0.44, 0.30, 0.16),
+    pale=(0.72, 0.64, 0.50),
+    eye=(0.40, 0.45, 0.12),
+    stripes=0.0,
+    bib=0.2,
+)
+COATS = {
+    coat.name: coat
+    for coat in (*(GREY_TABBY, ORANGE, BLACK), *(PLAIN_GREY, GREY_BIB, BLACK_BIB, ORANGE_TABBY, WHITE, CREAM))
+}
+COLLAR_AT, COLLAR_WAY = Vector((0.0, -0.187, 0.288)), Vector((0.0, -0.66, 0.75)).normalized()
+_LIKE_SKIN = "skin"  # weights of the nearest points of the skin
 
 
 def _step(edge_0: float, edge_1: float, x: np.ndarray) -> np.ndarray:
@@ -194,8 +255,38 @@ def _ball(
     return np.array(vertices), quads if upper_only else quads[:, ::-1]
 
 
-@kind("cat", (0.164, 0.806, 0.397), "walks", front="-y", coat=Choice("coat", COATS))
-def cat(name: str, rng: random.Random, *, coat: Coat = GREY_TABBY) -> bpy.types.Object:
+def _collar(skin: Skin) -> tuple[np.ndarray, np.ndarray]:
+    """A band round the neck, wherever its skin is: vertices and quads."""
+    segments, half, thick = 36, 0.0075, 0.0045
+    turn = Vector((0.0, 0.0, 1.0)).rotation_difference(COLLAR_WAY).to_matrix()
+    local = (skin.vertices - np.array(COLLAR_AT)) @ np.array(turn)
+    near = local[(np.abs(local[:, 2]) < 0.012) & (np.hypot(local[:, 0], local[:, 1]) < 0.075)]
+    angles = np.arctan2(near[:, 1], near[:, 0])
+    radii = np.hypot(near[:, 0], near[:, 1])
+    vertices = []
+    for i in range(segments):
+        a = 2 * math.pi * i / segments - math.pi
+        apart = np.abs((angles - a + math.pi) % (2 * math.pi) - math.pi)
+        radius = float(radii[apart < 0.22].max())
+        for r, z in ((-0.002, -half), (thick, -half), (thick, half), (-0.002, half)):
+            point = Vector(((radius + r) * math.cos(a), (radius + r) * math.sin(a), z))
+            vertices.append(tuple(COLLAR_AT + turn @ point))
+    quads = []
+    for i in range(segments):
+        k, n = 4 * i, 4 * ((i + 1) % segments)
+        quads += [[k + j, n + j, n + (j + 1) % 4, k + (j + 1) % 4] for j in range(4)]
+    return np.array(vertices), np.array(quads)
+
+
+@kind(
+    "cat",
+    (0.164, 0.806, 0.397),
+    "walks",
+    front="-y",
+    coat=Choice("coat", COATS),
+    collar=words("collar", "none", *dogs.COLLARS),
+)
+def cat(name: str, rng: random.Random, *, coat: Coat = GREY_TABBY, collar: str = "none") -> bpy.types.Object:
     """The skinned mesh in its rest pose; its parent is the armature, which stands where the cat stands."""
     skin = rest_skin()
     seed = Vector((rng.uniform(0, 50), rng.uniform(0, 50), rng.uniform(0, 50)))
@@ -215,6 +306,9 @@ def cat(name: str, rng: random.Random, *, coat: Coat = GREY_TABBY) -> bpy.types.
         marks = np.zeros((len(vertices), 4))
         marks[:, 0] = 0.35 * coat.stripes
         parts.append((vertices, faces, marks, "lid" + suffix, 0))
+    if collar != "none":
+        vertices, faces = _collar(skin)
+        parts.append((vertices, faces, np.zeros((len(vertices), 4)), _LIKE_SKIN, 2))
 
     mesh = bpy.data.meshes.new(name)
     offset, all_faces, material_index = 0, [], []
@@ -232,6 +326,8 @@ def cat(name: str, rng: random.Random, *, coat: Coat = GREY_TABBY) -> bpy.types.
     mesh.attributes.new("coat", "FLOAT_COLOR", "POINT").data.foreach_set("color", marks.ravel())
     mesh.materials.append(interior.fur(f"{name}_fur", coat, rng))
     mesh.materials.append(interior.cat_eye(f"{name}_eye", coat.eye, tuple(LIMB_JOINTS["eye"])))
+    if collar != "none":
+        mesh.materials.append(dogs.collar(f"{name}_collar", collar))
     mesh.update()
 
     body = bpy.data.objects.new(name, mesh)
@@ -249,6 +345,17 @@ def _weigh(body: bpy.types.Object, skin: Skin, parts: list) -> None:
             target.add([int(index)], float(skin.weights[index, column]), "REPLACE")
     offset = 0
     for vertices, _, _, bone, _ in parts:
-        if bone is not None:
+        if bone == _LIKE_SKIN:
+            _weigh_like_skin(body, skin, vertices, offset)
+        elif bone is not None:
             body.vertex_groups[bone].add(list(range(offset, offset + len(vertices))), 1.0, "REPLACE")
         offset += len(vertices)
+
+
+def _weigh_like_skin(body: bpy.types.Object, skin: Skin, vertices: np.ndarray, offset: int) -> None:
+    for k, vertex in enumerate(vertices):
+        nearest = int(np.argmin(np.square(skin.vertices - vertex).sum(axis=1)))
+        for column in np.nonzero(skin.weights[nearest])[0]:
+            body.vertex_groups[skin.groups[column]].add(
+                [offset + k], float(skin.weights[nearest, column]), "REPLACE"
+            )

@@ -11,10 +11,10 @@ from mathutils import Vector
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import interior
 from l4d_blender.assets.materials.base import principled
-from l4d_blender.catalogue import kind
+from l4d_blender.catalogue import colours, kind
 
 
-@kind("toy", (0.173, 0.271, 0.132), "graspable", front="-y")
+@kind("toy", (0.173, 0.271, 0.132), "graspable", front="-y", colour=colours("colour"))
 def toy_mouse(
     name: str,
     rng: random.Random,

@@ -33,7 +33,11 @@ def of(kind: str, words: Words, fixed: Words | None = None) -> Look:
 
 
 def crossed(
-    rng: random.Random, kind: str, count: int, options: Mapping[str, Sequence[str]], fixed: Words | None = None
+    rng: random.Random,
+    kind: str,
+    count: int,
+    options: Mapping[str, Sequence[str]],
+    fixed: Words | None = None,
 ) -> list[Look]:
     """Looks for a group of `count` (3 to 5): two keys of `options` cross, two members are twins.
 
@@ -70,6 +74,12 @@ PROPERTIES: dict[tuple[str, str], dict[str, dict[str, str]]] = {
         "grey_tabby": {"colour": "grey", "pattern": "striped"},
         "orange": {"colour": "orange", "pattern": "white_bib"},
         "black": {"colour": "black", "pattern": "plain"},
-    },
+        "plain_grey": {"colour": "grey", "pattern": "plain"},
+        "grey_bib": {"colour": "grey", "pattern": "white_bib"},
+        "black_bib": {"colour": "black", "pattern": "white_bib"},
+        "orange_tabby": {"colour": "orange", "pattern": "striped"},
+        "white": {"colour": "white", "pattern": "plain"},
+        "cream": {"colour": "cream", "pattern": "plain"},
+    }
 }
 """What a word of the catalogue means to somebody who looks, where it is more than `key: word`."""

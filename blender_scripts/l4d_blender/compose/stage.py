@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any, Protocol, TypeVar
 
-from .. import catalogue
+from mathutils import Vector
+
+from .. import cameras, catalogue
 from ..placing import Point, Support, Thing
 from ..scene import Instance, Scene
 from .areas import Area, Flat
@@ -124,6 +126,31 @@ class Stage:
             if name in self.areas:
                 return self.areas[name]
         raise Rejected(f"the place offers no {' or '.join(names)}")
+
+    # ---- cameras ---------------------------------------------------------------------------------
+
+    def closer(
+        self,
+        points: Sequence[Flat],
+        *,
+        height_m: float = 0.15,
+        margin_m: float = 0.4,
+        least_rise: float = 0.5,
+    ) -> list[cameras.Camera]:
+        """The place's cameras nearer to where things happen, if that is a small part of what they show."""
+        low = min(x for x, _ in points), min(y for _, y in points)
+        high = max(x for x, _ in points), max(y for _, y in points)
+        centre = Vector(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, height_m))
+        half_width_m = margin_m + max(hypot(x - centre.x, y - centre.y) for x, y in points)
+        rng = self.rng("closer cameras")
+        return cameras.nearer(self.scene.camera_rig, centre, half_width_m, least_rise, rng)
+
+    def film(self, rig: Sequence[cameras.Camera]) -> None:
+        """Has the scene seen by these cameras instead of those that the place chose."""
+        for camera, obj in zip(rig, self.scene.camera_objects):
+            obj.matrix_world = camera.world_from_camera @ cameras.OPENCV_FROM_BLENDER
+            obj.data.lens = camera.focal_over_width * obj.data.sensor_width
+        self.scene.camera_rig = list(rig)
 
     # ---- things ----------------------------------------------------------------------------------
 

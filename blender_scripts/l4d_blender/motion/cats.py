@@ -60,6 +60,7 @@ class Cat(Quadruped):
         id: int,
         *,
         coat: shape.Coat,
+        collar: str = "none",
         at: Sequence[float],
         heading_deg: float,
         ground: Ground = FLOOR,
@@ -74,7 +75,7 @@ class Cat(Quadruped):
         self._ground, self._tail_side = ground, tail_side
         self._asleep = posture == "sleep"
         start = self._posture(posture, np.array([at[0], at[1], math.radians(heading_deg)]))
-        made = shape.cat(name, scene.rng(f"coat/{coat.name}"), coat=coat)
+        made = shape.cat(name, scene.rng(f"coat/{coat.name}"), coat=coat, collar=collar)
         super().__init__(scene, name, id, "cat", made, attributes, start)
 
     def sleep(self, frames: Frames = (0, LAST_FRAME)) -> None:

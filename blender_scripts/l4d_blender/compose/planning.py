@@ -1,0 +1,45 @@
+"""Planning on the ground before anything is built: tries until a plan fits, and undoes what did not."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from math import hypot
+from typing import TypeVar
+
+from .areas import Area, Flat, NoRoom
+from .stage import Prop, Rejected
+
+T = TypeVar("T")
+
+
+class Unfit(Exception):
+    """This try of a plan has no room for something."""
+
+
+def fitting(area: Area, what: str, tries: int, plan: Callable[[], T]) -> T:
+    """The first of `tries` plans that raises no `Unfit`; the room that the others took is free again."""
+    reasons: dict[str, int] = {}
+    before = list(area.taken)
+    for _ in range(tries):
+        try:
+            return plan()
+        except (Unfit, NoRoom) as error:
+            reasons[str(error)] = reasons.get(str(error), 0) + 1
+            area.taken = list(before)
+    most = max(reasons, key=lambda reason: reasons[reason])
+    raise Rejected(f"{what} found no room on {area.name} in {tries} tries, mostly: {most}")
+
+
+def middle_near(area: Area, rng: random.Random, landmarks: list[Prop], clear_m: float, near_m: float) -> Flat:
+    """A point with free room round it, near as many landmarks as a few draws find."""
+    best, most = area.centre, -1
+    for _ in range(16):
+        try:
+            at = area.spot(rng, clear_m, tries=40)
+        except NoRoom:
+            break
+        count = sum(hypot(at[0] - mark.at[0], at[1] - mark.at[1]) < near_m for mark in landmarks)
+        if count > most:
+            best, most = at, count
+    return best
