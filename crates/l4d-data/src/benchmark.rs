@@ -48,6 +48,8 @@ pub enum SetSplit {
     Train,
     /// Tuning of thresholds.
     Dev,
+    /// Training of networks.
+    Train,
     /// Somebody's own draw.
     Private,
 }

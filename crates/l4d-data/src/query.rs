@@ -164,6 +164,8 @@ pub enum Source {
     Model,
     /// Annotations of others.
     Import,
+    /// Enumerated from the tracks of a composed scene, proved, and put into words by rule.
+    Composed,
 }
 
 impl Source {
@@ -173,6 +175,7 @@ impl Source {
             Self::Author => "author",
             Self::Model => "model",
             Self::Import => "import",
+            Self::Composed => "composed",
         }
     }
 }

@@ -52,7 +52,8 @@ pub fn identifies(world: &World<'_>, predicate: &Predicate, instance: &TrackedIn
     predicate.0.iter().all(|clause| holds_over_clip(world, clause, instance))
 }
 
-fn holds_over_clip(world: &World<'_>, clause: &Clause, instance: &TrackedInstance) -> bool {
+/// Whether a clause holds of an instance over the whole clip: an event at some time, a state all the time.
+pub fn holds_over_clip(world: &World<'_>, clause: &Clause, instance: &TrackedInstance) -> bool {
     match clause {
         // "Never does" is the negation of "does at some time".
         Clause::Not(inner) if inner.is_event() => !holds_over_clip(world, inner, instance),

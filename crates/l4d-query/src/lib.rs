@@ -8,6 +8,7 @@ pub mod eval;
 #[cfg(test)]
 mod fixture;
 mod obb;
+pub mod overlap;
 pub mod probes;
 pub mod prove;
 pub mod reground;

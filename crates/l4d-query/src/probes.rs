@@ -7,9 +7,12 @@
 use std::collections::BTreeMap;
 
 use l4d_data::timeline::FRAME_COUNT;
+use l4d_data::tracks::TrackedInstance;
+use l4d_data::truth::Truth;
 use l4d_data::{Category, Query, Temporal};
 use serde::Serialize;
 
+use crate::ast::Predicate;
 use crate::prove::SceneSet;
 use crate::world::World;
 
@@ -81,17 +84,42 @@ impl Probe {
 }
 
 /// The categories that no shortcut may solve; properties may be seen in a single glance.
-const BOUNDED: [Category; 3] = [Category::Action, Category::Spatial, Category::Interaction];
+pub const BOUNDED: [Category; 3] = [Category::Action, Category::Spatial, Category::Interaction];
 
 /// One query that shortcuts are tried on.
-struct Trial<'c, 'a> {
+pub struct Trial<'c, 'a> {
     query: &'c Query,
     category: Category,
     case: Case<'c, 'a>,
 }
 
-impl Trial<'_, '_> {
-    fn chance(&self) -> f64 {
+impl<'c, 'a> Trial<'c, 'a> {
+    /// None of a query that may be seen at a glance, is no single one, or has no candidates; `truth` is what the
+    /// held-out view sees.
+    pub fn new(
+        world: &'c World<'a>,
+        truth: Option<&'c Truth>,
+        query: &'c Query,
+        predicate: Predicate,
+    ) -> Option<Self> {
+        let [category] = query.categories.as_slice() else { return None };
+        let is_candidate = |object: &&TrackedInstance| object.category == predicate.noun();
+        let candidates: Vec<_> = world.objects().filter(is_candidate).collect();
+        let is_tried = BOUNDED.contains(category) && !candidates.is_empty();
+        let (text, frames) = (query.text.as_str(), frames(query));
+        let case = Case { world, truth, text, predicate, candidates, frames };
+        is_tried.then_some(Self { query, category: *category, case })
+    }
+
+    /// Names of the shortcuts that must stay near chance, with the probability that each picks the referent; none
+    /// where it cannot be tried.
+    pub fn bounded(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> {
+        let bounded = SHORTCUTS.iter().filter(|shortcut| shortcut.bounded);
+        bounded.map(|shortcut| (shortcut.name, self.score(shortcut)))
+    }
+
+    /// Probability that a look-alike picked at random is the referent.
+    pub fn chance(&self) -> f64 {
         1.0 / self.case.candidates.len() as f64
     }
 
@@ -118,14 +146,8 @@ pub fn measure(sets: &[SceneSet]) -> Vec<Probe> {
     let mut trials = Vec::new();
     for (set, world) in sets.iter().zip(&worlds) {
         for (query, predicate) in set.scored() {
-            let (Some(predicate), [category]) = (predicate, query.categories.as_slice()) else { continue };
-            let candidates: Vec<_> =
-                world.objects().filter(|object| object.category == predicate.noun()).collect();
-            if BOUNDED.contains(category) && !candidates.is_empty() {
-                let (truth, text, frames) = (set.truth.as_ref(), query.text.as_str(), frames(query));
-                let case = Case { world, truth, text, predicate, candidates, frames };
-                trials.push(Trial { query, category: *category, case });
-            }
+            let Some(predicate) = predicate else { continue };
+            trials.extend(Trial::new(world, set.truth.as_ref(), query, predicate));
         }
     }
     SHORTCUTS.iter().map(|shortcut| Probe::of(shortcut, &trials)).collect()

@@ -17,9 +17,10 @@ pub(crate) use agree::path_length_m;
 pub use query::{COMPOSITES, Kind, Prover};
 use real::RealSet;
 use scene::check_each_is_asked;
+pub(crate) use scene::predicate_of;
 pub use scene::{SceneSet, check_scene, meaning, verbs as plain_events};
 pub use vocabulary::Vocabulary;
-pub use wording::{form_problem, says_when, words};
+pub use wording::{form_problem, says_when, wording_problem, words};
 
 use crate::probes::{self, Probe};
 use crate::summary::SetSummary;

@@ -3,7 +3,7 @@
 //! Owns names, boxes and distances; the definitions of relations are in `relations`.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use l4d_data::timeline::FRAME_COUNT;
 use l4d_data::tracks::{Pair, TrackedInstance, Tracks, at_frame};
@@ -26,6 +26,9 @@ struct Stage<'a> {
     tracks: &'a Tracks,
     pairs: BTreeMap<(&'a str, &'a str), &'a Pair>,
     boxes: BTreeMap<&'a str, Vec<Obb>>,
+    places: BTreeMap<&'a str, usize>,
+    /// Distances between boxes over time, by the places of both; measured when first asked for.
+    gaps: Vec<OnceLock<Vec<f64>>>,
 }
 
 impl<'a> World<'a> {
@@ -35,7 +38,10 @@ impl<'a> World<'a> {
             tracks.pairs.iter().map(|pair| (ordered(pair.a.as_str(), pair.b.as_str()), pair)).collect();
         let boxes =
             tracks.instances.iter().map(|instance| (instance.name.as_str(), boxes_of(instance))).collect();
-        Self { stage: Arc::new(Stage { tracks, pairs, boxes }), slack: Slack::Nominal }
+        let names = tracks.instances.iter().map(|instance| instance.name.as_str());
+        let places: BTreeMap<&str, usize> = names.enumerate().map(|(place, name)| (name, place)).collect();
+        let gaps = (0..places.len() * places.len()).map(|_| OnceLock::new()).collect();
+        Self { stage: Arc::new(Stage { tracks, pairs, boxes, places, gaps }), slack: Slack::Nominal }
     }
 
     /// The same scene with other slack.
@@ -88,8 +94,19 @@ impl<'a> World<'a> {
     pub fn distance_m(&self, a: &TrackedInstance, b: &TrackedInstance, frame: u32) -> f64 {
         match self.pair(a, b) {
             Some(pair) => *at_frame(&pair.distance_m, frame),
-            None => self.obb(a, frame).distance(self.obb(b, frame)).max(self.stage.tracks.pair_reach_m),
+            None => at_frame(self.gap_m(a, b), frame).max(self.stage.tracks.pair_reach_m),
         }
+    }
+
+    /// Distances between two boxes, metres: 1 where both rest, else one a frame.
+    fn gap_m(&self, a: &TrackedInstance, b: &TrackedInstance) -> &[f64] {
+        let Stage { places, gaps, boxes, .. } = &*self.stage;
+        let (first, second) = ordered(a.name.as_str(), b.name.as_str());
+        gaps[places[first] * places.len() + places[second]].get_or_init(|| {
+            let (first, second) = (&boxes[first], &boxes[second]);
+            let frames = first.len().max(second.len()) as u32;
+            (0..frames).map(|frame| at_frame(first, frame).distance(at_frame(second, frame))).collect()
+        })
     }
 
     /// When two instances touch: from [`CONTACT_BEGIN_M`] until [`CONTACT_END_M`].

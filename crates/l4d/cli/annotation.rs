@@ -10,6 +10,9 @@ use super::{BenchArgs, number};
 pub(crate) struct CheckQueriesArgs {
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
+    /// Also compare with the set in this benchmark folder: sentences, predicates, places, and what a memory of it finds
+    #[arg(long, value_name = "BENCH")]
+    pub(crate) against: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

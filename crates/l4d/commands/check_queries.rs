@@ -3,6 +3,7 @@
 use anyhow::Result;
 use l4d_data::{Benchmark, Report};
 use l4d_query::check_set;
+use l4d_query::overlap::{self, Overlap, Recall};
 use l4d_query::probes::Probe;
 
 use crate::cli::annotation::CheckQueriesArgs;
@@ -13,8 +14,19 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
     let scenes = bench.select(&args.bench.scenes)?;
     let mut report = Report::default();
     let summary = check_set(&bench, args.bench.profile, &scenes, &mut report);
+    let overlap = match &args.against {
+        Some(other) => {
+            let other = Benchmark::open(other)?;
+            Some(overlap::check_against(&bench, args.bench.profile, &scenes, &other, &mut report))
+        }
+        None => None,
+    };
     if args.json {
-        return out.document(serde_json::to_value(&summary)?, report);
+        let mut document = serde_json::to_value(&summary)?;
+        if let Some(overlap) = &overlap {
+            document["overlap"] = serde_json::to_value(overlap)?;
+        }
+        return out.document(document, report);
     }
     out.data(format!("{:<14}{:>8}", "scenes", summary.scenes))?;
     for (scale, count) in &summary.scales {
@@ -33,6 +45,9 @@ pub(crate) fn run(args: &CheckQueriesArgs, out: &Printer) -> Result<ExitStatus> 
     out.data(format!("{:<14}{:>8}", "verified", summary.verified))?;
     out.data(format!("{:<14}{:>8}", "rejected", summary.rejected))?;
     print_probes(&summary.probes, out)?;
+    if let Some(overlap) = &overlap {
+        print_overlap(overlap, out)?;
+    }
     out.findings(report, false)
 }
 
@@ -64,5 +79,35 @@ fn print_probes(probes: &[Probe], out: &Printer) -> Result<()> {
         };
         out.data(format!("  {:<22}{numbers}{differences}{mark}", probe.name))?;
     }
+    Ok(())
+}
+
+fn print_overlap(overlap: &Overlap, out: &Printer) -> Result<()> {
+    out.data("")?;
+    out.data(format!(
+        "{:<24}{:>12}{:>12}{:>12}",
+        "shared with the other", "queries", "sentences", "predicates"
+    ))?;
+    for (set, shared) in &overlap.shared {
+        let counts = [shared.queries, shared.sentences, shared.predicates];
+        out.data(format!("  {set:<22}{}", counts.map(|count| format!("{count:>12}")).concat()))?;
+    }
+    out.data("")?;
+    out.data(format!(
+        "{:<24}{:>12}{:>12}{:>12}{:>12}",
+        "memory of the other", "queries", "right", "chance", "+ points"
+    ))?;
+    let row = |name: &str, recall: &Recall| {
+        let Recall { queries, right, by_chance } = recall;
+        out.data(format!("  {name:<22}{queries:>12}{right:>12.1}{by_chance:>12.1}{:>+12.1}", recall.points()))
+    };
+    row("all", &overlap.memory.all)?;
+    for (category, recall) in &overlap.memory.categories {
+        row(category, recall)?;
+    }
+    out.data("")?;
+    let places = &overlap.places;
+    let distance = format!("{:.3} m from it on average", places.mean_distance_m);
+    out.data(format!("{} objects have the name of one of the other, {distance}", places.objects))?;
     Ok(())
 }

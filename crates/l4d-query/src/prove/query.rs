@@ -6,7 +6,7 @@ use std::path::Path;
 use l4d_data::timeline::{Interval, MIN_INTERVAL};
 use l4d_data::tracks::Tracks;
 use l4d_data::truth::{Truth, frame_key};
-use l4d_data::{Category, Name, Query, Report, Role, Temporal};
+use l4d_data::{Category, Finding, Name, Query, Report, Role, Temporal};
 
 use super::{Vocabulary, wording};
 use crate::ast::{Clause, Party, Predicate, Relation};
@@ -62,10 +62,26 @@ impl<'a> Prover<'a> {
         &self.world
     }
 
+    /// The scene with thresholds as stated, harder and easier to satisfy.
+    pub fn worlds(&self) -> [&World<'a>; 3] {
+        let [(_, tight), (_, loose)] = &self.others;
+        [&self.world, tight, loose]
+    }
+
     /// Reports everything that is wrong with a query; `path` is its file.
     pub fn check(&self, kind: Kind, path: &Path, query: &Query, report: &mut Report) {
-        let mut exam = Exam { prover: self, kind, path, query, report };
+        let mut exam = Exam { prover: self, kind, path, query, report, is_said: true };
         exam.run();
+    }
+
+    /// What is wrong with a query whatever its sentence will be, first the finding that comes first; each description
+    /// must mean one instance, as if the sentence said "the".
+    pub fn objection(&self, kind: Kind, query: &Query) -> Option<Finding> {
+        let mut report = Report::default();
+        let path = Path::new("");
+        let mut exam = Exam { prover: self, kind, path, query, report: &mut report, is_said: false };
+        exam.run();
+        report.into_sorted().into_iter().next()
     }
 }
 
@@ -76,6 +92,8 @@ struct Exam<'e, 'a> {
     path: &'e Path,
     query: &'e Query,
     report: &'e mut Report,
+    /// Whether there is a sentence yet.
+    is_said: bool,
 }
 
 impl Exam<'_, '_> {
@@ -98,7 +116,9 @@ impl Exam<'_, '_> {
                 return self.add("L4D203", format!("predicate: {message}"), "see docs/queries.md");
             }
         };
-        self.check_wording(&predicate);
+        if self.is_said {
+            self.check_wording(&predicate);
+        }
         if self.vocabulary_is_known(&predicate) && self.descriptions_fit(&predicate) {
             self.check_category(&predicate);
             match self.kind {
@@ -204,7 +224,7 @@ impl Exam<'_, '_> {
                 0 if self.kind == Kind::Absent => continue,
                 0 => format!("no one is {party}"),
                 1 => continue,
-                _ if wording::is_indefinite(&self.query.text) => continue,
+                _ if self.is_said && wording::is_indefinite(&self.query.text) => continue,
                 _ => format!("{party} is not one but several: {}", names.join(", ")),
             };
             self.add("L4D208", message, "describe it so that it is one, or write \"a\" for any");

@@ -35,6 +35,11 @@ pub fn says_when(text: &str) -> bool {
     words(text).iter().any(|word| is_among(GATES, word))
 }
 
+/// What is wrong with a sentence for a predicate, the spelling of its words aside.
+pub fn wording_problem(text: &str, temporal: Temporal, predicate: &Predicate) -> Option<String> {
+    temporal_problem(text, temporal, predicate).or_else(|| place_problem(text, predicate))
+}
+
 /// What is wrong with how the sentence binds time.
 pub(crate) fn temporal_problem(text: &str, temporal: Temporal, predicate: &Predicate) -> Option<String> {
     match temporal {

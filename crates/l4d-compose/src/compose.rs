@@ -1,0 +1,240 @@
+//! The queries of a scene from its tracks, or why it has too few.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use l4d_data::digest::sha256;
+use l4d_data::layout::BenchDir;
+use l4d_data::query::QueryIdError;
+use l4d_data::tracks::Tracks;
+use l4d_data::truth::Truth;
+use l4d_data::{Category, DataError, Name, Query, QueryId, Report, Role, Severity, Temporal, json};
+use l4d_query::Predicate;
+use l4d_query::probes::Trial;
+use l4d_query::prove::{Kind, Prover, SceneSet, check_scene};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::candidate::Candidate;
+use crate::choose::{self, Entry};
+use crate::enumerate::enumerate;
+use crate::screen;
+use crate::sentence;
+
+/// Fewest single queries of a scene that is worth having.
+pub const LEAST_QUERIES: usize = 8;
+
+/// Fewest and most composites, and absent sentences, of a scene.
+const COMPOSITES: [usize; 2] = [2, 4];
+const ABSENTS: [usize; 2] = [1, 2];
+
+/// All sound phrasings of a predicate, best first; none if it cannot be said.
+pub type Say<'s> = &'s dyn Fn(&Predicate, Temporal) -> Vec<String>;
+
+/// What is wanted beside the scene itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Order<'o> {
+    /// Seed of every draw.
+    pub seed: u64,
+    /// Sentences that are not to be used, as [`l4d_query::prove::words`] joined by blanks.
+    pub avoid: &'o BTreeSet<String>,
+    /// What the held-out view sees, if that is known; else boxes tell it roughly.
+    pub truth: Option<&'o Truth>,
+}
+
+/// The queries of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Composed {
+    /// Of one category, numbered from 001.
+    pub singles: Vec<Query>,
+    /// Of two categories, numbered from 501.
+    pub composites: Vec<Query>,
+    /// Sentences that nothing satisfies, numbered from 901.
+    pub absents: Vec<Query>,
+}
+
+/// Why a scene has no queries.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// It affords too few.
+    #[error("scene `{scene}` affords {found} queries, but {LEAST_QUERIES} are the least: {}", short.join("; "))]
+    TooFew {
+        /// Which.
+        scene: Name,
+        /// How many could be had.
+        found: usize,
+        /// What was short.
+        short: Vec<String>,
+    },
+    /// The proof of the whole has a finding: tracks that contradict their events, or a mistake of this crate.
+    #[error("scene `{scene}` is not proved: {code} at {place}: {message}")]
+    Unproved {
+        /// Which.
+        scene: Name,
+        /// Of the first finding.
+        code: &'static str,
+        /// Which query or event.
+        place: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// More queries than numbers have digits.
+    #[error(transparent)]
+    Id(#[from] QueryIdError),
+    /// A predicate that is no JSON.
+    #[error("scene `{scene}`: a predicate cannot be written: {source}")]
+    Unwritable {
+        /// Which.
+        scene: Name,
+        /// Why.
+        source: serde_json::Error,
+    },
+}
+
+/// The queries of a scene: a function of its tracks and the order alone.
+///
+/// # Errors
+/// A scene that affords fewer than [`LEAST_QUERIES`], or whose tracks contradict themselves.
+pub fn queries(tracks: &Tracks, order: &Order<'_>, say: Say<'_>) -> Result<Composed, Refused> {
+    let prover = Prover::new(tracks, order.truth, None);
+    let boxes = if order.truth.is_none() { screen::seen(tracks) } else { None };
+    let seen = order.truth.or(boxes.as_ref());
+    let desk = Desk { prover: &prover, order, seen, say };
+    let mut pools: BTreeMap<usize, Vec<Entry>> = BTreeMap::new();
+    for candidate in enumerate(&prover) {
+        let pool = pools.entry(candidate.kind as usize).or_default();
+        pool.extend(desk.entry(candidate)?);
+    }
+    let mut random = desk.random("set");
+    let objects = tracks.instances.iter().filter(|instance| instance.role == Role::Object).count();
+    let mut pool = |kind: Kind| pools.remove(&(kind as usize)).unwrap_or_default();
+    let (singles, mut composites, mut absents) =
+        (pool(Kind::Single), pool(Kind::Composite), pool(Kind::Absent));
+
+    let chosen = choose::singles(&singles, objects, &mut random);
+    if chosen.len() < LEAST_QUERIES {
+        let short = shortage(tracks, &singles);
+        return Err(Refused::TooFew { scene: tracks.scene.clone(), found: chosen.len(), short });
+    }
+    let said: BTreeSet<&str> = chosen.iter().map(|&place| singles[place].text.as_str()).collect();
+    for pool in [&mut composites, &mut absents] {
+        pool.retain(|entry| !said.contains(entry.text.as_str()));
+    }
+    let mut count = |[least, most]: [usize; 2]| random.random_range(least..=most);
+    let (composite_count, absent_count) = (count(COMPOSITES), count(ABSENTS));
+    let paired = choose::varied(&composites, composite_count, &mut random);
+    let unmet = choose::varied(&absents, absent_count, &mut random);
+    let composed = Composed {
+        singles: desk.numbered(1, &singles, &chosen)?,
+        composites: desk.numbered(501, &composites, &paired)?,
+        absents: desk.numbered(901, &absents, &unmet)?,
+    };
+    prove(tracks, order.truth, &composed)?;
+    Ok(composed)
+}
+
+/// Writes the queries of a scene into a benchmark folder.
+///
+/// # Errors
+/// What the disk refuses.
+pub fn write(bench: &BenchDir, scene: &Name, composed: &Composed) -> Result<(), DataError> {
+    let Composed { singles, composites, absents } = composed;
+    json::write_lines(&bench.queries(scene), singles)?;
+    json::write_lines(&bench.composites(scene), composites)?;
+    json::write_lines(&bench.absents(scene), absents)
+}
+
+/// What candidates are made into queries with.
+struct Desk<'d, 'a> {
+    prover: &'d Prover<'a>,
+    order: &'d Order<'d>,
+    seen: Option<&'d Truth>,
+    say: Say<'d>,
+}
+
+impl Desk<'_, '_> {
+    fn scene(&self) -> &Name {
+        &self.prover.world().tracks().scene
+    }
+
+    /// A generator of its own for everything that is drawn, so that no draw depends on the others.
+    fn random(&self, what: &str) -> ChaCha8Rng {
+        ChaCha8Rng::from_seed(sha256(format!("{}/{}/{what}", self.order.seed, self.scene()).as_bytes()))
+    }
+
+    /// A candidate with the phrasing that is drawn for it; none if it cannot be said, or if no one sees what is meant.
+    fn entry(&self, candidate: Candidate) -> Result<Option<Entry>, Refused> {
+        let is_hidden = |name: &Name| self.seen.is_some_and(|seen| !screen::shows(seen, name));
+        if candidate.referent.as_ref().is_some_and(is_hidden) {
+            return Ok(None);
+        }
+        let forms = (self.say)(&candidate.predicate, candidate.temporal);
+        let mut random = self.random(&format!("{} {:?}", candidate.predicate, candidate.temporal));
+        let Some(text) = sentence::draw(&candidate, forms, self.order.avoid, &mut random) else {
+            return Ok(None);
+        };
+        let query = self.query(&candidate, &text, 0)?;
+        let trial = Trial::new(self.prover.world(), self.seen, &query, candidate.predicate.clone());
+        let above_chance = trial.map_or_else(Vec::new, |trial| {
+            let chance = trial.chance();
+            trial.bounded().map(|(_, right)| right.map_or(0.0, |right| right - chance)).collect()
+        });
+        Ok(Some(Entry { candidate, text, above_chance }))
+    }
+
+    fn numbered(&self, first: usize, pool: &[Entry], chosen: &[usize]) -> Result<Vec<Query>, Refused> {
+        let query = |(place, &index): (usize, &usize)| {
+            self.query(&pool[index].candidate, &pool[index].text, first + place)
+        };
+        chosen.iter().enumerate().map(query).collect()
+    }
+
+    fn query(&self, candidate: &Candidate, text: &str, number: usize) -> Result<Query, Refused> {
+        let id: QueryId = format!("{}/{number:03}", self.scene()).parse()?;
+        let unwritable = |source| Refused::Unwritable { scene: self.scene().clone(), source };
+        candidate.query(id, text).map_err(unwritable)
+    }
+}
+
+/// What keeps a scene from having more queries.
+fn shortage(tracks: &Tracks, singles: &[Entry]) -> Vec<String> {
+    let mut short = Vec::new();
+    for category in Category::ALL {
+        let of = singles.iter().filter(|entry| entry.candidate.categories() == [category]).count();
+        if of < 3 {
+            short.push(format!("{of} predicates of category {} mean one object", category.as_str()));
+        }
+    }
+    let objects = || tracks.instances.iter().filter(|instance| instance.role == Role::Object);
+    for object in objects() {
+        if objects().filter(|other| other.category == object.category).count() == 1 {
+            short.push(format!("`{}` has no look-alike", object.name));
+        } else if !singles.iter().any(|entry| entry.candidate.referent.as_ref() == Some(&object.name)) {
+            short.push(format!("no predicate means `{}` alone", object.name));
+        }
+    }
+    if short.is_empty() {
+        short.push("too many predicates say the same of the same object".to_owned());
+    }
+    short
+}
+
+/// What `l4d check-queries` will say of the scene.
+fn prove(tracks: &Tracks, truth: Option<&Truth>, composed: &Composed) -> Result<(), Refused> {
+    let set = SceneSet {
+        scene: tracks.scene.clone(),
+        tracks: tracks.clone(),
+        truth: truth.cloned(),
+        queries: composed.singles.clone(),
+        composites: composed.composites.clone(),
+        absents: composed.absents.clone(),
+        paths: [const { PathBuf::new() }; 4],
+    };
+    let mut report = Report::default();
+    check_scene(&set, None, &mut report);
+    let mut errors = report.into_sorted().into_iter().filter(|finding| finding.severity == Severity::Error);
+    errors.next().map_or(Ok(()), |finding| {
+        let (code, place, message) = (finding.code, finding.location, finding.message);
+        Err(Refused::Unproved { scene: tracks.scene.clone(), code, place, message })
+    })
+}
