@@ -48,8 +48,6 @@ pub enum SetSplit {
     Train,
     /// Tuning of thresholds.
     Dev,
-    /// Training of networks.
-    Train,
     /// Somebody's own draw.
     Private,
 }

@@ -194,7 +194,6 @@ pub(crate) fn split(gathered: &Gathered) -> &'static str {
     match gathered.manifest.split {
         SetSplit::Train => "train",
         SetSplit::Dev => "validation",
-        SetSplit::Train => "train",
         SetSplit::Test | SetSplit::Private => "test",
     }
 }
