@@ -107,7 +107,7 @@ def pairs(scene: Scene, shapes: Sequence[Shape]) -> list[dict]:
         or frozenset((a.instance.name, b.instance.name)) in acting
     ]
     reach_m = PAIR_REACH_M[scene.scale]
-    with _collector_paused():
+    with collector_paused():
         found = [pair for pair in candidates if pair.names in acting or pair.comes_within(reach_m)]
         for frame in range(FRAME_COUNT):
             for pair in found:
@@ -124,7 +124,7 @@ def pairs(scene: Scene, shapes: Sequence[Shape]) -> list[dict]:
 
 
 @contextmanager
-def _collector_paused() -> Iterator[None]:
+def collector_paused() -> Iterator[None]:
     """Millions of short lists without cycles: looking through them for garbage took half of the time."""
     was_on = gc.isenabled()
     gc.disable()

@@ -27,17 +27,24 @@ def collisions(stage: Stage, shapes: list[tracks.Shape]) -> None:
         if event.object is not None
     }
     limit_m = DEPTH_M[stage.scene.scale]
-    for a, b in combinations(shapes, 2):
-        names = frozenset((a.instance.name, b.instance.name))
-        if names in acting or names in stage.allowed_contact:
-            continue
-        for frame in _FRAMES if not (a.static and b.static) else (0,):
-            depth_m = max(_depth(a, b, frame), _depth(b, a, frame))
-            if depth_m > limit_m:
-                raise Rejected(
-                    f"{a.instance.name} and {b.instance.name} are {100 * depth_m:.1f} cm in each other "
-                    f"at frame {frame}"
-                )
+    pairs = [
+        (a, b)
+        for a, b in combinations(shapes, 2)
+        if (names := frozenset((a.instance.name, b.instance.name))) not in acting
+        and names not in stage.allowed_contact
+    ]
+    with tracks.collector_paused():
+        for frame in _FRAMES:
+            trees: dict[str, BVHTree] = {}
+            for a, b in pairs:
+                if frame > 0 and a.static and b.static:
+                    continue
+                depth_m = max(_depth(a, b, frame, trees), _depth(b, a, frame, trees))
+                if depth_m > limit_m:
+                    raise Rejected(
+                        f"{a.instance.name} and {b.instance.name} are {100 * depth_m:.1f} cm in each other "
+                        f"at frame {frame}"
+                    )
 
 
 def unseen(seen: visibility.Visibility, test: str) -> None:
@@ -47,8 +54,11 @@ def unseen(seen: visibility.Visibility, test: str) -> None:
         raise Rejected(found[0][0])
 
 
-def _depth(inner: tracks.Shape, outer: tracks.Shape, frame: int) -> float:
-    """How deep points of one surface are below another's, in metres; 0 if they are apart."""
+def _depth(inner: tracks.Shape, outer: tracks.Shape, frame: int, trees: dict[str, BVHTree]) -> float:
+    """How deep points of one surface are below another's, in metres; 0 if they are apart.
+
+    `trees` keeps what was built for the same frame.
+    """
     i, j = (0 if shape.static else frame for shape in (inner, outer))
     low, high = outer.low[j], outer.high[j]
     if np.any(inner.low[i] > high) or np.any(inner.high[i] < low):
@@ -57,7 +67,12 @@ def _depth(inner: tracks.Shape, outer: tracks.Shape, frame: int) -> float:
     points = points[np.all((points > low) & (points < high), axis=1)]
     if not len(points):
         return 0.0
-    tree = BVHTree.FromPolygons(outer.points[j].tolist(), outer.triangles.tolist(), all_triangles=True)
+    name = outer.instance.name
+    if name not in trees:
+        trees[name] = BVHTree.FromPolygons(
+            outer.points[j].tolist(), outer.triangles.tolist(), all_triangles=True
+        )
+    tree = trees[name]
     step = max(1, len(points) // 400)
     deepest = 0.0
     for point in points[::step].tolist():

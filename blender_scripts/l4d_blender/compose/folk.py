@@ -10,7 +10,8 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..assets.anatomy import Anatomy
+from ..assets.anatomy import BUILDS as BODIES
+from ..assets.anatomy import CHIN_M
 from ..assets.person import Cloth
 from ..assets.person import Look as Dress
 from . import looks
@@ -48,7 +49,7 @@ class Figure:
     @property
     def scale(self) -> float:
         """Of the body, 1 for the reference woman."""
-        return Anatomy(self.dress.build, self.dress.height_m, self.dress.girth).scale
+        return self.dress.height_m * (1.0 - 1.0 / BODIES[self.dress.build].heads) / CHIN_M
 
 
 def cast(rng: random.Random, noun: str, count: int) -> list[Figure]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .. import errands, folk
 from ..areas import Area
 from ..looks import Look
-from ..rehearsal import Board, rehearse
+from ..rehearsal import Board, rehearse, roomy_m2
 from ..roles import Item, Role, perform
 from ..wares import WARES, Ware
 from . import theme
@@ -49,8 +49,9 @@ def _play(stage: Stage, area: Area, nouns: tuple[str, ...], wares: tuple[str, ..
     rng = stage.rng("carriers")
     noun = stage.pick("carriers/noun", nouns, stage.spec.categories)
     ware = WARES[stage.pick("carriers/ware", wares, stage.spec.categories)]
-    figures = folk.cast(rng, noun, rng.choice((3, 3, 4)))
-    things = ware.draw(rng, rng.choice((3, 4)))
+    roomy = roomy_m2(area) > 8.0
+    figures = folk.cast(rng, noun, rng.choice((3, 4)) if roomy else 3)
+    things = ware.draw(rng, rng.choice((3, 4)) if roomy else 3)
 
     def draw(k: int) -> tuple[list[Role], list[Item]]:
         tried, board = stage.rng(f"carriers/{k}"), Board(stage.scene, area)
@@ -66,7 +67,8 @@ def _play(stage: Stage, area: Area, nouns: tuple[str, ...], wares: tuple[str, ..
 
 def _lay(rng: random.Random, board: Board, ware: Ware, number: int, look: Look) -> Item:
     def lie() -> Item:
-        at = board.area.spot(rng, ware.radius_m + 0.05)
+        spots = [board.area.spot(rng, ware.radius_m + 0.05) for _ in range(3)]
+        at = min(spots, key=board.area.margin) if rng.random() < 0.7 else spots[0]
         return Item.lying(f"{ware.noun}_{number + 1}", ware, look, at, rng.uniform(-180, 180))
 
     return board.add(lie, lambda item: [item.disc])
