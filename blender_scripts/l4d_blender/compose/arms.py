@@ -15,6 +15,7 @@ from typing import TypeVar
 from ..assets.hand import FOREARM_M, UPPER_ARM_M, HandLook
 from ..assets.person import CLOTH_COLOURS, SKIN_TONES, Cloth
 from ..motion.hands import Hand, wrist_bend
+from . import bodies
 from .areas import Area, Flat, NoRoom
 from .stage import Rejected, Seat, Stage
 
@@ -158,6 +159,8 @@ class Reach:
             table_m=height,
         )
         stage.perform(_Unbent(hand))
+        if self.seat.sitter:
+            _seat_body(stage, self)
         return hand
 
 
@@ -172,6 +175,27 @@ class _Unbent:
         bend = wrist_bend(self.hand)
         if bend > _BEND_RAD:
             raise Rejected(f"{self.hand.instance.name} bends its wrist by {degrees(bend):.0f} degrees")
+
+
+@dataclass
+class _Body:
+    """Who owns the hands of a seat; built when it is known which arms act."""
+
+    stage: Stage
+    arm: Reach
+    busy: set[str]
+
+    def finish(self) -> None:
+        bodies.seat_body(self.stage, self.arm.seat, self.arm.owner, self.arm.look, self.busy)
+
+
+def _seat_body(stage: Stage, arm: Reach) -> None:
+    """One body a seat, whichever of its arms asks first."""
+    for performer in stage.performers:
+        if isinstance(performer, _Body) and performer.arm.owner == arm.owner:
+            performer.busy.add(arm.side)
+            return
+    stage.perform(_Body(stage, arm, {arm.side}))
 
 
 def reaches(stage: Stage, rng: random.Random) -> list[Reach]:

@@ -65,6 +65,7 @@ class Seat:
     heading_deg: float
     shoulder_m: float  # world height of the shoulders
     rest_m: float  # from `at` towards the table, to where palms rest
+    sitter: bool = False  # whether cameras see the body that the arms belong to
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,10 @@
-"""A bare oak table by a window."""
+"""An oak table in a living room."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...assets import desk
-from ..areas import Area
-from ..stage import Seat
+from ..tabletops import OAK, WALNUT, Tabletop, wood
 from . import place
 
 if TYPE_CHECKING:
@@ -15,20 +13,23 @@ if TYPE_CHECKING:
 
 @place("tabletop", "table")
 def oak_table(stage: Stage) -> None:
-    """The smallest place there can be: a table, three landmarks, light and cameras."""
-    scene, rng = stage.scene, stage.rng("oak table")
-    floor_m, size_m = -desk.HEIGHT_M, (rng.uniform(1.2, 1.5), rng.uniform(0.75, 0.9))
-    wall_y = size_m[1] / 2 + rng.uniform(0.25, 0.4)
-    scene.put("study_room", "room", on=floor_m, rng=rng, wall_y_m=wall_y, window_x_m=(-1.0, 0.4), sill_m=0.86)
-    scene.put("desk", "desk", on=floor_m, rng=rng, size_m=size_m)
-    table = stage.add_area(Area.rectangle("table", (0.0, 0.0), (0.84, 0.62)))
-    for kind, name, radius_m in (("desk_lamp", "lamp", 0.1), ("book", "book", 0.13), ("plant_pot", "plant", 0.14)):
-        at = table.spot(rng, radius_m)
-        stage.landmark(kind, name, at, rng.uniform(-180, 180), area=table, radius_m=radius_m)
-    stage.seats.append(Seat((0.0, -size_m[1] / 2 - 0.12), 180.0, 0.25, 0.2))
-    scene.hdri("interior", 0.4, rotation_deg=rng.uniform(0, 360))
-    scene.area_light("daylight", (-0.3, wall_y - 0.05, 0.7), (0.0, 0.0, 0.0), size_m=(1.2, 0.9), power_w=30)
-    scene.cameras(
-        (0.0, 0.0, 0.03), radius_m=0.95, heights_m=(0.45, 0.62), arc_deg=140, facing_deg=-90, fov_deg=50
+    """A bare table by a window, with what a family leaves on it."""
+    rng = stage.rng("oak table")
+    top = Tabletop(stage, "oak table", (rng.uniform(1.05, 1.25), rng.uniform(0.64, 0.70)))
+    timber = wood(rng, OAK, OAK, WALNUT)
+    stage.scene.put("dining_table", "table", rng=rng, size_m=top.size_m, **timber)
+    top.seats("b", "B", "br", "bl", "lr", **timber)
+    top.landmarks(
+        rng.choice((3, 4)), "lamp", "book", "plant", "candle", "tray", "tin", "vase", "coaster", "notepad"
     )
-    stage.tell("A table by a window.")
+    top.clutter(rng.randint(1, 3), "magazine", "glasses", "phone", "mug", "pear", "lemon", "rubber")
+    back = top.room(("boards", "boards", "carpet"), ("plaster", "wallpaper", "panelled"), back_m=(0.9, 1.3))
+    top.furnish(
+        back,
+        ("cabinet", 1.3, {"fronts": rng.choice(("doors", "drawers"))}),
+        ("armchair", 0.8, {"colour": rng.choice(("green", "red", "blue", "beige"))}),
+        ("floor_lamp", 0.4, {}),
+    )
+    top.light()
+    top.cameras()
+    stage.tell(f"An oak table in a living room {top.mood.words}.")
