@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from itertools import combinations
-from math import cos, radians, sin
 
 import bpy  # noqa: F401, it brings mathutils
 import pytest
 from mathutils import Vector
 
 from l4d_blender.compose.places import places
-from l4d_blender.compose.rooms import TALL_M
+from l4d_blender.compose.rooms import FEET_M, TALL_M, Room
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Stage
 from l4d_blender.scene import Scene
@@ -53,10 +52,8 @@ def test_a_room_keeps_what_it_offers(place, seed: int) -> None:
         assert len(stage.chairs) >= 2
         floor = stage.area("floor")
         for chair in stage.chairs:
-            a = radians(chair.heading_deg)
-            feet = chair.seat[0] + 0.45 * sin(a), chair.seat[1] - 0.45 * cos(a)
             own = [chair.of.name] if chair.of else []
-            assert floor.is_free(feet, 0.15, ignoring=own), f"{own} has no free floor before it"
+            assert floor.is_free(Room.feet(chair), FEET_M, ignoring=own), f"{own} has no free floor before it"
     if "counter" in place.offers:
         counter = stage.area("counter")
         assert 0.8 <= counter.on <= 1.0

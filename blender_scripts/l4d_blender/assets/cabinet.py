@@ -1,4 +1,4 @@
-"""Sideboards, chests of drawers and wardrobes: a carcass on legs or a plinth, with doors or drawers."""
+"""Storage: cabinets and wardrobes with doors or drawers, open shelves with what is kept on them, chests."""
 
 from __future__ import annotations
 
@@ -67,4 +67,129 @@ def cabinet(
                 (knob_x, -depth_m / 2 - 0.028, z + (0.5 if fronts == "drawers" else 0.6) * tall),
             )
             parts.append(mesh.set_material(knob, metal))
+    return mesh.join(name, parts)
+
+
+@kind(
+    "shelf",
+    (1.0, 0.38, 1.79),
+    "surface",
+    front="-y",
+    width_m=Range("width_m", 0.5, 2.0),
+    height_m=Range("height_m", 0.6, 2.1),
+    content=words("content", "empty", "boxes", "jars", "toys", "linen"),
+)
+def open_shelf(
+    name: str,
+    rng: random.Random,
+    *,
+    width_m: float = 1.0,
+    depth_m: float = 0.38,
+    height_m: float = 1.6,
+    boards: int = 4,
+    timber: Colour = (0.46, 0.32, 0.19),
+    content: str = "boxes",
+) -> bpy.types.Object:
+    """Boards between two frames, with things of one sort on them; its back is at +Y."""
+    wood = interior.wood(f"{name}_wood", timber, rng, grain_axis="X")
+    parts = []
+    for x in (-1, 1):
+        for y in (-1, 1):
+            post = mesh.bevel_box(f"{name}_post", (0.035, 0.035, height_m), 0.003, 1)
+            mesh.move(post, x=x * (width_m / 2 - 0.018), y=y * (depth_m / 2 - 0.018))
+            parts.append(mesh.set_material(post, wood))
+    gap = (height_m - 0.14) / (boards - 1)
+    for k in range(boards):
+        z = 0.10 + k * gap
+        board = mesh.bevel_box(f"{name}_board", (width_m - 0.01, depth_m - 0.01, 0.022), 0.003, 1)
+        parts.append(mesh.set_material(mesh.move(board, z=z), wood))
+        if content != "empty":
+            top = gap - 0.05 if k < boards - 1 else 0.28
+            parts += _kept(f"{name}_{k}", rng, content, width_m - 0.10, depth_m - 0.08, z + 0.022, top)
+    return mesh.join(name, parts)
+
+
+_TONES: dict[str, tuple[Colour, ...]] = {
+    "boxes": ((0.36, 0.24, 0.13), (0.42, 0.30, 0.18), (0.25, 0.28, 0.30), (0.50, 0.46, 0.38)),
+    "jars": (
+        (0.45, 0.12, 0.04),
+        (0.50, 0.36, 0.08),
+        (0.12, 0.18, 0.05),
+        (0.30, 0.16, 0.08),
+        (0.6, 0.55, 0.45),
+    ),
+    "toys": (
+        (0.48, 0.05, 0.04),
+        (0.70, 0.43, 0.03),
+        (0.04, 0.14, 0.40),
+        (0.07, 0.28, 0.10),
+        (0.55, 0.25, 0.3),
+    ),
+    "linen": ((0.62, 0.60, 0.55), (0.45, 0.52, 0.56), (0.56, 0.44, 0.36), (0.36, 0.42, 0.34)),
+}
+
+
+def _kept(
+    name: str, rng: random.Random, content: str, width: float, depth: float, z: float, room: float
+) -> list[bpy.types.Object]:
+    """One board's row of things, with gaps as people leave them."""
+    paints = [products.paper(f"{name}_{k}", tone, rng) for k, tone in enumerate(_TONES[content])]
+    made, x = [], -width / 2
+    while True:
+        wide = {"boxes": (0.18, 0.34), "jars": (0.08, 0.12), "toys": (0.08, 0.22), "linen": (0.26, 0.34)}[
+            content
+        ]
+        step = rng.uniform(*wide)
+        if x + step > width / 2:
+            return made
+        tall = min(room, rng.uniform(0.4, 0.95) * room if content != "jars" else rng.uniform(0.10, 0.18))
+        paint = rng.choice(paints)
+        if rng.random() < 0.85 and tall > 0.03:
+            if content == "jars" or (content == "toys" and rng.random() < 0.4):
+                thing = mesh.cylinder(f"{name}_jar", 0.43 * step, tall, 14, 0.008)
+                made.append(
+                    mesh.set_material(mesh.move(thing, x + step / 2, rng.uniform(-0.04, 0.02), z), paint)
+                )
+            elif content == "linen":
+                for layer in range(max(1, int(tall / 0.05))):
+                    fold = mesh.bevel_box(f"{name}_fold", (step - 0.03, depth - 0.06, 0.045), 0.015, 2)
+                    mesh.move(fold, x + step / 2 + rng.uniform(-0.006, 0.006), 0.0, z + 0.046 * layer)
+                    made.append(mesh.set_material(fold, rng.choice(paints)))
+            else:
+                box = mesh.bevel_box(
+                    f"{name}_box", (step - 0.02, depth * rng.uniform(0.7, 0.95), tall), 0.004, 1
+                )
+                mesh.rotate(box, "Z", rng.uniform(-3, 3))
+                made.append(mesh.set_material(mesh.move(box, x + step / 2, 0.0, z), paint))
+        x += step + rng.uniform(0.0, 0.05)
+
+
+@kind("chest", (0.9, 0.46, 0.5), "container", "surface", front="-y", colour=colours("paint"))
+def chest(
+    name: str,
+    rng: random.Random,
+    *,
+    size_m: tuple[float, float, float] = (0.9, 0.45, 0.5),
+    paint: Colour | None = None,
+    bands: bool = True,
+) -> bpy.types.Object:
+    """A blanket chest with a lid and, if wanted, iron bands; its back is at +Y."""
+    width, depth, height = size_m
+    wood = products.wood(f"{name}_wood", (0.32, 0.18, 0.08), (0.16, 0.08, 0.035), rng, grain_axis="X")
+    front = products.lacquer(f"{name}_paint", paint, rng) if paint else wood
+    iron = products.metal(f"{name}_iron", (0.12, 0.12, 0.12), rng, roughness=0.5)
+    body = mesh.bevel_box(f"{name}_body", (width - 0.04, depth - 0.03, height - 0.10), 0.006, 1)
+    lid = mesh.bevel_box(f"{name}_lid", (width, depth, 0.07), 0.025, 3)
+    foot = mesh.bevel_box(f"{name}_foot", (width, depth - 0.01, 0.06), 0.006, 1)
+    parts = [
+        mesh.set_material(mesh.move(body, z=0.04), front),
+        mesh.set_material(mesh.move(lid, z=height - 0.07), front),
+        mesh.set_material(foot, wood),
+    ]
+    if bands:
+        for x in (-0.3 * width, 0.3 * width):
+            band = mesh.bevel_box(f"{name}_band", (0.045, depth + 0.01, height - 0.05), 0.01, 2)
+            parts.append(mesh.set_material(mesh.move(band, x=x, z=0.055), iron))
+        lock = mesh.bevel_box(f"{name}_lock", (0.08, 0.02, 0.10), 0.004, 1)
+        parts.append(mesh.set_material(mesh.move(lock, y=-depth / 2, z=height - 0.16), iron))
     return mesh.join(name, parts)

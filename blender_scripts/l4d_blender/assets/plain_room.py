@@ -88,6 +88,8 @@ def plain_room(
             parts.append(sheet)
         rails = [(0.016, 0.09, 0.0)] if wall not in ("two_tone", "panelled") else _RAILS
         parts += _trim(f"{name}_{side}", along, holes, rails, trim, frame)
+        if wall == "panelled":
+            parts += _battens(f"{name}_{side}", along, holes, layers[-1][-1], frame)
         parts += _reveals(f"{name}_{side}", holes, trim, frame)
     return Shell(parts)
 
@@ -110,7 +112,7 @@ def _layers(
     if wall == "two_tone":
         return [plaster, (0.0, DADO_M, 0.004, True, products.lacquer(f"{name}_lower", second, rng))]
     if wall == "panelled":
-        return [plaster, (0.0, DADO_M, 0.008, False, interior.floorboards(f"{name}_panels", second, rng))]
+        return [plaster, (0.0, DADO_M, 0.008, True, products.lacquer(f"{name}_panels", second, rng))]
     if wall == "tiled":
         return [plaster, (0.0, 1.5, 0.006, True, kitchen.wall_tiles(f"{name}_tiles", second, rng))]
     return [plaster]
@@ -177,6 +179,22 @@ def _trim(
                 made.append(bar)
             start = max(start, b)
     return made
+
+
+def _battens(
+    name: str, along: Sequence[float], holes: Sequence[Opening], paint: bpy.types.Material, frame: Matrix
+) -> list[bpy.types.Object]:
+    """Upright laths that divide panelling into fields."""
+    count = max(1, round((along[1] - along[0]) / 0.42))
+    laths = []
+    for k in range(count + 1):
+        u = along[0] + (along[1] - along[0]) * k / count
+        if not any(a - 0.05 < u < b + 0.05 and low < DADO_M for a, b, low, _ in holes):
+            lath = mesh.bevel_box(f"{name}_lath", (0.07, 0.022, DADO_M), 0.004, 1)
+            laths.append(mesh.move(lath, x=u, y=-0.011))
+    made = mesh.set_material(mesh.join(f"{name}_laths", laths), paint)
+    made.matrix_basis = frame
+    return [made]
 
 
 def _reveals(

@@ -14,7 +14,8 @@ from math import asin, atan2, cos, degrees, hypot, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
 from .. import catalogue
-from .areas import Area, Flat
+from ..assets import floor_lamp
+from .areas import Area, Flat, heading_to
 from .stage import Chair, Prop, Rejected
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ Colour = tuple[float, float, float]
 HEADINGS = {"back": 0.0, "left": 90.0, "right": -90.0}
 TALL_M = 1.85
 """Of the tallest person, hair included: has to fit into every picture."""
-_EDGE_M = 0.3  # how close to the edge of the floor anybody's middle comes
+FEET_M = 0.2
 _ASPECT = 0.75
 
 PLASTERS: tuple[Colour, ...] = (
@@ -67,12 +68,12 @@ class Mood:
 
 
 MOODS = (
-    Mood("sun", "day", 1.15, 7.0, 45.0, 0.0, 95.0, 0.5, (1.0, 0.95, 0.88), "in the sun"),
-    Mood("morning", "day", 1.0, 5.0, 40.0, 6.0, 90.0, 0.45, (1.0, 0.88, 0.74), "in the early sun"),
+    Mood("sun", "day", 1.15, 9.0, 40.0, 0.0, 80.0, 0.42, (1.0, 0.95, 0.88), "in the sun"),
+    Mood("morning", "day", 1.0, 7.0, 40.0, 6.0, 80.0, 0.40, (1.0, 0.88, 0.74), "in the early sun"),
     Mood("overcast", "overcast", 0.9, 0.0, 42.0, 0.0, 85.0, 0.5, (0.90, 0.95, 1.0), "on a grey day"),
     Mood("noon", "day", 1.1, 0.0, 38.0, 0.0, 130.0, 0.55, (0.98, 0.99, 1.0), "at noon"),
     Mood("dusk", "dusk", 0.8, 0.0, 7.0, 50.0, 90.0, 0.2, (1.0, 0.84, 0.64), "at dusk"),
-    Mood("evening", "night", 1.0, 0.0, 0.0, 55.0, 100.0, 0.16, (1.0, 0.80, 0.58), "in the evening"),
+    Mood("evening", "night", 1.0, 0.0, 0.0, 62.0, 120.0, 0.2, (1.0, 0.80, 0.58), "in the evening"),
 )
 
 
@@ -280,6 +281,135 @@ class Room:
         self.keep_clear(box, name)
         return prop
 
+    def rim(
+        self,
+        kind: str,
+        name: str,
+        *,
+        size_m: tuple[float, float] | None = None,
+        sides: Sequence[str] = ("left", "right"),
+        out_m: tuple[float, float] = (0.02, 0.2),
+        hidden: float = 0.08,
+        turned: bool = True,
+        seat: bool = False,
+        landmark: bool = True,
+        attributes: dict[str, str] | None = None,
+        category: str | None = None,
+        **words: Any,
+    ) -> Prop | None:
+        """Puts something at the rim of the floor, turned to its middle; None if it hides too much there.
+
+        `size_m` is its diameter in plan and its height, `out_m` how far outside its middle is, `hidden` the
+        share of all views onto the floor that it may be in the way of; a `seat` has free floor before it.
+        """
+        rng = self.rng
+        box_size = catalogue.find(kind).size_m
+        wide, tall = size_m or (max(box_size[:2]), box_size[2])
+        half_x, half_y = self.floor_width_m / 2, self.floor_depth_m / 2
+        for _ in range(40):
+            side, out = rng.choice(list(sides)), rng.uniform(*out_m)
+            if side == "back":
+                at = rng.uniform(-0.9, 0.9) * half_x, half_y + out
+            else:
+                at = (-1 if side == "left" else 1) * (half_x + out), rng.uniform(-0.25, 0.95) * half_y
+            box = Box((at[0] - wide / 2, at[0] + wide / 2), (at[1] - wide / 2, at[1] + wide / 2), (0.0, tall))
+            goal = rng.uniform(-0.3, 0.3), rng.uniform(-0.4, 0.1)
+            heading = heading_to(at, goal) if turned else rng.uniform(-180, 180)
+            inside = box.y[1] < self.back_m and max(-box.x[0], box.x[1]) < self.half_m
+            if not inside or any(box.meets(other) for other in self.taken) or self.hides(box, hidden):
+                continue
+            if not seat or self.floor.is_free(self.feet(Chair((*at, 0.0), heading)), FEET_M + 0.1):
+                break
+        else:
+            return None
+        self.taken.append(box)
+        more = dict(area=self.floor, radius_m=0.44 * wide)
+        if landmark:
+            return self.stage.landmark(
+                kind, name, at, heading, attributes=attributes, category=category, **more, **words
+            )
+        self.stage.dress(kind, name, at, heading, **more, **words)
+        return None
+
+    def bed(self, name: str, *, width_m: float = 0.98, **words: Any) -> Prop | None:
+        """Along a side wall with its head in the corner, or with its head to the back wall."""
+        rng, size = self.rng, (width_m, 2.07, 0.85)
+        ways = [("left", 0.0), ("right", 0.0), ("back", 0.0)]
+        rng.shuffle(ways)
+        for wall, _ in ways:
+            if wall == "back":
+                found = self.free_on("back", size)
+                if found is None:
+                    continue
+                box = self.box_on("back", found[1], size, 0.0, 0.03)
+            else:
+                side = -1 if wall == "left" else 1
+                x = side * (self.half_m - 0.04 - width_m / 2)
+                box = Box(
+                    (x - width_m / 2, x + width_m / 2), (self.back_m - 2.1, self.back_m - 0.03), (0.0, 0.85)
+                )
+                if any(box.meets(other, 0.06) for other in self.taken) or self.hides(box, 0.03):
+                    continue
+            self.taken.append(box)
+            at = (box.x[0] + box.x[1]) / 2, (box.y[0] + box.y[1]) / 2
+            prop = self.stage.landmark("bed", name, at, width_m=width_m, **words)
+            self.keep_clear(box, name)
+            return prop
+        return None
+
+    def litter(self, kinds: Sequence[str], count: int) -> None:
+        """Small things on the floor outside of where people act, as they were left."""
+        rng = self.stage.rng("litter")
+        for k in range(count):
+            kind = rng.choice(list(kinds))
+            size = catalogue.find(kind).size_m
+            wide = max(size[:2])
+            for _ in range(20):
+                x = rng.choice((-1, 1)) * (self.floor_width_m / 2 + rng.uniform(0.05, 0.5))
+                y = rng.uniform(-0.3, 0.5) * self.floor_depth_m
+                box = Box((x - wide / 2, x + wide / 2), (y - wide / 2, y + wide / 2), (0.0, size[2]))
+                if not any(box.meets(other, 0.03) for other in self.taken) and not self.hides(box):
+                    self.taken.append(box)
+                    self.stage.dress(kind, f"litter_{k + 1}", (x, y), rng.uniform(-180, 180))
+                    break
+
+    def reject(self, what: str) -> None:
+        """Ends a draw in which something that the place offers found no room."""
+        raise Rejected(f"no room for the {what}")
+
+    def lamp(self, name: str = "lamp", *, walls: Sequence[str] = ("back", "left", "right")) -> Prop | None:
+        """A standing lamp, lit when it is dark outside."""
+        glow = 1.4 if self.mood.lamps_w else 0.45
+        prop = self.stand("floor_lamp", name, walls, size_m=(0.42, 0.42, 1.35), glow=glow)
+        if prop is not None:
+            self.bulbs.append((*prop.at, floor_lamp.SHADE_HEIGHT_M + 0.02))
+        return prop
+
+    def pendants(self, count: int, at: Flat = (0.0, 0.0), *, z: float = 2.15, spread_m: float = 0.8) -> None:
+        """Lamps in a row under the ceiling, above everybody's head."""
+        rng = self.stage.rng("pendants")
+        looks = dict(
+            colour=rng.choice((*CLOTHS, "white", "black")),
+            shape=rng.choice(("dome", "cone", "drum", "bowl")),
+            glow=4.0 if self.mood.lamps_w else 0.6,
+        )
+        for k in range(count):
+            x = at[0] + (k - (count - 1) / 2) * spread_m
+            self.stage.dress("pendant_lamp", f"pendant_{k + 1}", (x, at[1], z), **looks)
+            self.bulbs.append((x, at[1], z - 0.02))
+
+    def plant(self, name: str = "plant", *, landmark: bool = True) -> Prop | None:
+        """A plant in a pot on the floor, in a corner or beside something."""
+        tall = self.rng.uniform(0.7, 1.3)
+        return self.stand(
+            "houseplant",
+            name,
+            ("back", "left", "right"),
+            size_m=(0.8, 0.8, 1.05 * tall),
+            height_m=tall,
+            landmark=landmark,
+        )
+
     def keep_clear(self, box: Box, owner: str, *, in_front_m: float = 0.0) -> None:
         """Takes the part of the floor that a box on it covers; less where somebody sits down before it."""
         width, depth = box.x[1] - box.x[0], box.y[1] - box.y[0]
@@ -291,14 +421,27 @@ class Room:
             ends = (x, box.y[0] + radius), (x, box.y[1] - radius)
         self.floor.take(ends[0], max(radius - in_front_m, 0.05), ends[1], owner=owner)
 
-    def seat(self, prop: Prop, *, height_m: float, ahead_m: float = 0.1, along_m: float = 0.0) -> Chair:
-        """Makes a chair of a landmark: where on the seat, in the landmark's own axes (it faces -Y)."""
+    def seat(
+        self, prop: Prop, *, height_m: float, ahead_m: float = 0.1, along_m: float = 0.0
+    ) -> Chair | None:
+        """Makes a chair of a landmark: where on the seat, in the landmark's own axes (it faces -Y).
+
+        None if there is no free floor for the feet.
+        """
         a = radians(prop.heading_deg)
         x = prop.at[0] + along_m * cos(a) + ahead_m * sin(a)
         y = prop.at[1] + along_m * sin(a) - ahead_m * cos(a)
         chair = Chair((x, y, height_m), prop.heading_deg, prop)
+        if not self.floor.is_free(self.feet(chair), FEET_M, ignoring=[prop.name]):
+            return None
         self.stage.chairs.append(chair)
         return chair
+
+    @staticmethod
+    def feet(chair: Chair) -> Flat:
+        """Where those who sit on a chair have their feet."""
+        a = radians(chair.heading_deg)
+        return chair.seat[0] + 0.45 * sin(a), chair.seat[1] - 0.45 * cos(a)
 
     def hang(
         self,
@@ -420,6 +563,7 @@ class Room:
             openings=self.openings,
             **shell,
         )
+        self.scene.exposure = _exposure(shell)
         self._light()
         lens = self.lens
         self.scene.cameras(
@@ -462,6 +606,47 @@ class Room:
         if mood.sun and self.panes:
             self._sun()
 
+    def rug(self, name: str = "rug", *, at: Flat | None = None, plain: bool | None = None) -> Prop:
+        """Lays a rug, woven or tufted, somewhere in the middle of the floor."""
+        rng = self.stage.rng(f"rug/{name}")
+        at = at or (rng.uniform(-0.3, 0.3), rng.uniform(-0.25, 0.2))
+        turn = rng.choice((0.0, rng.uniform(-8, 8)))
+        size = rng.uniform(1.6, 2.3), rng.uniform(1.2, 1.6)
+        if not (rng.random() < 0.6 if plain is None else plain):
+            return self.stage.landmark("rug", name, at, turn, size_m=size, palette=rng.choice("012"))
+        ground, accent = rng.sample((*CLOTHS, "white", "black"), 2)
+        shape = rng.choice(("oblong", "oblong", "round"))
+        pattern = rng.choice(
+            ("banded", "bordered", "checked", "plain")
+            if shape == "oblong"
+            else ("rings", "bordered", "plain")
+        )
+        return self.stage.landmark(
+            "flat_rug",
+            name,
+            at,
+            turn,
+            size_m=size,
+            colour=ground,
+            accent=accent,
+            shape=shape,
+            pattern=pattern,
+        )
+
+    def pictures(self, count: int, *, walls: Sequence[str] = ("back", "left", "right")) -> None:
+        """Hangs pictures at eye height, single or side by side."""
+        rng = self.stage.rng("pictures")
+        for k in range(count):
+            wide, tall = rng.uniform(0.28, 0.6), rng.uniform(0.32, 0.62)
+            self.hang(
+                "picture_frame",
+                f"picture_{k + 1}",
+                walls,
+                1.62 - tall / 2 + rng.uniform(-0.06, 0.06),
+                size_m=(wide, 0.03, tall),
+                palette=rng.randrange(3),
+            )
+
     def _sun(self) -> None:
         """Through the first window, towards the floor."""
         wall, u, _, sill, height = self.panes[0]
@@ -475,6 +660,15 @@ class Room:
             angle_deg=1.2,
             colour=(1.0, 0.86, 0.68) if self.mood.name == "morning" else (1.0, 0.93, 0.82),
         )
+
+
+def _exposure(shell: dict[str, Any]) -> float:
+    """As a camera would: a pale room is exposed less than a dark one."""
+    wall = shell["wall_colour"]
+    if shell["wall"] in ("panelled", "tiled", "two_tone"):
+        wall = tuple(0.6 * a + 0.4 * b for a, b in zip(wall, shell["second_colour"]))
+    pale = 0.5 * sum(wall) / 3 + 0.5 * sum(shell["floor_colour"]) / 3
+    return round(min(1.35, max(0.75, (0.32 / pale) ** 0.5)), 3)
 
 
 def shell_looks(rng: random.Random, floors: Sequence[str], walls: Sequence[str]) -> dict[str, Any]:

@@ -26,10 +26,8 @@ CLUTTER = (
     "kitchen_clutter.jar",
     "kitchen_clutter.bottle",
     "kitchen_clutter.plate_stack",
-    "kitchen_tools.crock",
-    "kitchen_clutter.herb_pot",
     "kitchen_clutter.loaf",
-    "coffee_table.fruit_bowl",
+    "biscuit_tin",
 )
 
 
@@ -66,7 +64,7 @@ def kitchen(stage: Stage) -> None:
     stage.add_area(counter)
     _units(room, finish)
     _wall(room)
-    _pendants(room, half)
+    room.pendants(rng.randint(1, 3), (0.0, -0.05), spread_m=0.3 * width_m)
     _on_counter(stage, counter)
     room.finish(
         **rooms.shell_looks(
@@ -164,40 +162,21 @@ def _wall(room: rooms.Room) -> None:
         )
 
 
-def _pendants(room: rooms.Room, half: float) -> None:
-    """One to three lamps over the island, above everybody's head."""
-    rng = room.rng
-    count, looks = (
-        rng.randint(1, 3),
-        dict(colour=rng.choice(rooms.CLOTHS), shape=rng.choice(("dome", "cone", "drum", "bowl"))),
-    )
-    for k in range(count):
-        x, z = half * 1.2 * ((k + 0.5) / count - 0.5) * (count > 1), 2.1
-        room.stage.dress(
-            "pendant_lamp", f"pendant_{k + 1}", (x, -0.05, z), glow=4.0 if room.mood.lamps_w else 0.6, **looks
-        )
-        room.bulbs.append((x, -0.05, z + 0.04))
-
-
 def _on_counter(stage: Stage, counter: Area) -> None:
     """A few things at the ends of the island, which leave its middle free."""
     rng = stage.rng("kitchen/on counter")
     side = rng.choice((-1, 1))
     x = side * (abs(counter.corners[0][0]) - 0.17)
-    stage.landmark(
-        rng.choice(("kitchen_clutter.herb_pot", "plant_pot")),
-        "plant",
-        (x, rng.uniform(-0.2, -0.05)),
-        on=counter.on,
-        area=counter,
-        radius_m=0.13,
-    ) if not any(prop.name == "plant" for prop in stage.landmarks) else None
-    if rng.random() < 0.7:
-        stage.dress(
-            "coffee_table.fruit_bowl",
-            "fruit",
-            (-x, rng.uniform(-0.15, 0.1)),
+    if not any(prop.name == "plant" for prop in stage.landmarks):
+        stage.landmark(
+            rng.choice(("kitchen_clutter.herb_pot", "plant_pot")),
+            "plant",
+            (x, rng.uniform(-0.2, -0.05)),
             on=counter.on,
             area=counter,
-            radius_m=0.16,
+            radius_m=0.13,
         )
+    if rng.random() < 0.7:
+        kind = rng.choice(("kitchen_clutter.loaf", "flower_vase", "candle"))
+        at = -x, rng.uniform(-0.15, 0.1)
+        stage.dress(kind, "thing", at, on=counter.on, area=counter, radius_m=0.16)
