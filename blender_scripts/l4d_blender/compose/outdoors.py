@@ -248,6 +248,49 @@ def plant(
     )
 
 
+def houses(
+    stage: Stage,
+    rng: random.Random,
+    count: int,
+    *,
+    size_m: tuple[tuple[float, float], tuple[float, float]] = ((7.5, 10.0), (6.0, 7.5)),
+    eaves_m: tuple[float, float] = (4.0, 5.2),
+) -> list[bpy.types.Object]:
+    """Models of houses whose walls and tiles differ."""
+    made = []
+    for k in range(count):
+        size = rng.uniform(*size_m[0]), rng.uniform(*size_m[1])
+        model = stage.scene.make(
+            "house", f"house_model_{k}", rng, size_xy=size, eaves_m=rng.uniform(*eaves_m)
+        )
+        retint(
+            model,
+            hue=rng.uniform(-0.02, 0.03),
+            saturation=rng.uniform(0.5, 1.2),
+            value=rng.uniform(0.75, 0.95),
+            only="_wall",
+        )
+        retint(model, hue=rng.uniform(-0.02, 0.02), saturation=rng.uniform(0.3, 1.0), only="_tiles")
+        made.append(model)
+    return made
+
+
+def house_row(
+    stage: Stage,
+    models: Sequence[bpy.types.Object],
+    spots: Sequence[tuple[Flat, float]],
+    *,
+    on: Support = 0.0,
+) -> Prop:
+    """Copies of the models at spots; the one nearest to the middle is the landmark "house"."""
+    middle = min(spots, key=lambda spot: abs(spot[0][0]))
+    house = stage.scene.place(mesh.duplicate(models[0], "house", linked=True), *middle, on=on)
+    others = [spot for spot in spots if spot is not middle]
+    turned = [*models[1:], models[0]]
+    scatter(stage.scene, "house", turned, others, stage.rng("houses"), on=on, sunk_m=0.0, turn_deg=(0.0, 0.0))
+    return named(stage, "house", "house", house, *middle)
+
+
 def woods(
     stage: Stage,
     season: Season,
@@ -370,7 +413,7 @@ def put_round(
 
 
 def put_in(
-    stage: Stage, area: Area, marks: Sequence[Mark], *, on: Support = 0.0, away_m: float = 0.9
+    stage: Stage, area: Area, marks: Sequence[Mark], *, on: Support = 0.0, away_m: float = 1.4
 ) -> dict[str, Prop]:
     """Puts landmarks on an area, out of its middle, with free room round them."""
     rng = stage.rng(f"in {area.name}")

@@ -66,7 +66,7 @@ def farmyard(stage: Stage) -> None:
     spots += [(rng.uniform(-16, 16), rng.uniform(13, 19)) for _ in range(7)]
     outdoors.plant(stage, now.season, "tree", spots, on=terrain, height_m=rng.uniform(5.5, 7.5))
     outdoors.woods(stage, now.season, terrain)
-    outdoors.cameras(stage, (0.0, -0.15, 0.55), radius_m=5.5, fov_deg=56.0)
+    outdoors.cameras(stage, (0.0, -0.15, 0.55), radius_m=5.4, fov_deg=54.0)
     stage.tell(f"A farmyard on {now.words}.")
 
 

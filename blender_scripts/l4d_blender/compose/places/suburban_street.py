@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from ...assets import ground, mesh
 from ...assets.materials import street
-from ...scattering import scatter
 from .. import outdoors
 from ..areas import Area
 from . import place
@@ -113,33 +112,13 @@ class _Sunk:
 def _houses(stage: Stage, now: Day) -> None:
     rng = stage.rng("houses")
     scene = stage.scene
-    models = []
-    for k in range(3):
-        size = rng.uniform(7.5, 10.0), rng.uniform(6.0, 7.5)
-        model = scene.make("house", f"house_model_{k}", rng, size_xy=size, eaves_m=rng.uniform(4.0, 5.2))
-        outdoors.retint(model, hue=rng.uniform(-0.02, 0.03), saturation=rng.uniform(0.5, 1.2), only="_wall")
-        outdoors.retint(model, hue=rng.uniform(-0.02, 0.02), saturation=rng.uniform(0.3, 1.0), only="_tiles")
-        models.append(model)
-    row, x = [], -36.0 + rng.uniform(-4, 4)
+    models = outdoors.houses(stage, rng, 3)
+    spots, x = [], -36.0 + rng.uniform(-4, 4)
     while x < 36.0:
-        row.append(((x + 5.0, rng.uniform(12.5, 14.5)), rng.uniform(-4, 4)))
+        spots.append(((x + 5.0, rng.uniform(12.5, 14.5)), rng.uniform(-4, 4)))
         x += rng.uniform(11.0, 15.0)
-    middle = min(row, key=lambda spot: abs(spot[0][0]))
-    house = scene.place(mesh.duplicate(models[0], "house", linked=True), *middle, on=KERB_M)
-    outdoors.named(stage, "house", "house", house, *middle)
-    others = [spot for spot in row if spot is not middle] + [
-        ((s * 58.0, rng.uniform(-3, 3)), -90.0 * s) for s in (-1, 1)
-    ]
-    scatter(
-        scene,
-        "house",
-        [models[1], models[2], models[0]],
-        others,
-        rng,
-        on=KERB_M,
-        sunk_m=0.0,
-        turn_deg=(0.0, 0.0),
-    )
+    spots += [((s * 58.0, rng.uniform(-3, 3)), -90.0 * s) for s in (-1, 1)]
+    outdoors.house_row(stage, models, spots, on=KERB_M)
     y = FAR_M + 0.35
     if rng.random() < 0.5:
         paints = [rng.choice(("white", "green", "blue", "white"))]
