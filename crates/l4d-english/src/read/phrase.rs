@@ -1,0 +1,297 @@
+//! Noun phrases: "the red cup on the tray that a hand lifts".
+
+use std::rc::Rc;
+
+use l4d_query::{Clause, Party, Predicate};
+
+use super::{Reader, Readings, distinct};
+use crate::lexicon::{Form, Way, Wording, lexicon};
+
+/// Article.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Article {
+    The,
+    A,
+    No,
+}
+
+/// A noun with what is said of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Phrase {
+    pub(super) article: Article,
+    pub(super) noun: String,
+    pub(super) clauses: Vec<Clause>,
+    /// Whether a relative clause says some of it.
+    pub(super) has_relative: bool,
+}
+
+/// Something before the noun: what it means depends on the noun.
+#[derive(Debug, Clone, PartialEq)]
+enum Before {
+    Property(Vec<&'static Wording>),
+    Clause(Clause),
+}
+
+/// Order in time, said before the noun.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    First,
+    Last,
+}
+
+impl Order {
+    pub(super) fn of(self, clause: Clause) -> Clause {
+        match self {
+            Self::First => Clause::First(Box::new(clause)),
+            Self::Last => Clause::Last(Box::new(clause)),
+        }
+    }
+}
+
+impl Phrase {
+    pub(super) fn predicate(&self) -> Predicate {
+        let mut clauses = vec![Clause::Category(self.noun.clone())];
+        clauses.extend(self.clauses.iter().cloned());
+        Predicate(clauses)
+    }
+}
+
+impl Reader<'_, '_> {
+    /// Others that are mentioned: "the lamp", "a hand", "another cup", "the red one".
+    pub(super) fn parties(&self, at: usize) -> Readings<Party> {
+        let phrases = self.phrases_at(at);
+        let meant = phrases.iter().filter(|(phrase, _)| phrase.article != Article::No);
+        distinct(meant.map(|(phrase, end)| (self.party(phrase), *end)).collect())
+    }
+
+    pub(super) fn party(&self, phrase: &Phrase) -> Party {
+        if phrase.article != Article::The {
+            return match phrase.clauses.is_empty() {
+                true => Party::Category(phrase.noun.clone()),
+                false => Party::Such(phrase.predicate()),
+            };
+        }
+        match self.words.named(&phrase.noun, &phrase.clauses).filter(|_| !phrase.has_relative) {
+            Some(name) if phrase.clauses.iter().all(|clause| matches!(clause, Clause::Attribute { .. })) => {
+                Party::Name(name)
+            }
+            _ => Party::Such(phrase.predicate()),
+        }
+    }
+
+    /// All noun phrases at a place.
+    pub(super) fn phrases_at(&self, at: usize) -> Rc<Readings<Phrase>> {
+        if let Some(found) = self.phrases.borrow().get(&at) {
+            return Rc::clone(found);
+        }
+        let mut found = self.noun_phrases(at);
+        let is_name = |phrase: &Phrase| matches!(self.party(phrase), Party::Name(_));
+        // What is named needs nothing more; otherwise what stands close belongs to it.
+        found.sort_by_key(|(phrase, end)| (!is_name(phrase), std::cmp::Reverse(*end)));
+        let found = Rc::new(distinct(found));
+        self.phrases.borrow_mut().insert(at, Rc::clone(&found));
+        found
+    }
+
+    fn noun_phrases(&self, at: usize) -> Readings<Phrase> {
+        if let Some(another) = self.any_of(at, "another") {
+            return self.others(another);
+        }
+        let (article, next) = if let Some(next) = self.any_of(at, "the") {
+            (Article::The, self.skip(next, "only|one and only|same"))
+        } else if let Some(next) = self.any_of(at, "a an any some each every") {
+            (Article::A, next)
+        } else if let Some(next) = self.any_of(at, "no") {
+            (Article::No, next)
+        } else {
+            return self.bare(at);
+        };
+        self.nominals(next, article)
+    }
+
+    /// Nouns that need no article: "water", "books".
+    fn bare(&self, at: usize) -> Readings<Phrase> {
+        let bare = |noun: &str| lexicon().noun(noun).is_some_and(|noun| !noun.counts());
+        let mut found = self.nominals(at, Article::A);
+        found.retain(|(phrase, _)| bare(&phrase.noun));
+        found
+    }
+
+    /// After "another": the noun, "one", or nothing.
+    fn others(&self, at: usize) -> Readings<Phrase> {
+        let mut found = self.nominals(at, Article::A);
+        if let Some(noun) = self.head.borrow().clone() {
+            found.push((Phrase { article: Article::A, noun, clauses: Vec::new(), has_relative: false }, at));
+        }
+        found
+    }
+
+    /// From what goes before the noun to the end.
+    fn nominals(&self, at: usize, article: Article) -> Readings<Phrase> {
+        let order = match self.word(at) {
+            "first" => Some(Order::First),
+            "last" => Some(Order::Last),
+            _ => None,
+        };
+        let start = if order.is_some() { self.reached(at + 1) } else { at };
+        let mut found = Readings::new();
+        for (before, noun_at) in self.before_noun(start) {
+            for (noun, extra, after) in self.nouns(noun_at) {
+                for mut clauses in self.resolved(&before, &noun) {
+                    clauses.extend(extra.clone());
+                    for (ordered, next) in self.ordered(after, order, &noun) {
+                        for ((more, has_relative), end) in self.after_noun(next, &noun) {
+                            let all = clauses.iter().chain(&ordered).cloned().chain(more);
+                            let clauses = all.collect();
+                            let noun = noun.clone();
+                            found.push((Phrase { article, noun, clauses, has_relative }, end));
+                        }
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// What "first" or "last" orders: "to jump", "that jumps", "lifted by a hand".
+    fn ordered(&self, at: usize, order: Option<Order>, noun: &str) -> Readings<Vec<Clause>> {
+        let Some(order) = order else { return vec![(Vec::new(), at)] };
+        let mut found: Readings<Clause> = Vec::new();
+        if let Some(to) = self.any_of(at, "to") {
+            found.extend(self.event(to, Form::Base));
+            for be in self.phrases(to, "be|get") {
+                found.extend(self.passive(be));
+            }
+        }
+        for (clauses, end) in self.relative(at, noun) {
+            if let [clause] = &clauses[..] {
+                found.push((clause.clone(), end));
+            }
+        }
+        found.extend(self.passive(at));
+        found.extend(self.contact_relative(at));
+        found.retain(|(clause, _)| matches!(clause, Clause::Does { .. } | Clause::Undergoes { .. }));
+        distinct(found.into_iter().map(|(clause, end)| (vec![order.of(clause)], end)).collect())
+    }
+
+    /// Adjectives and the like.
+    fn before_noun(&self, at: usize) -> Readings<Vec<Before>> {
+        let mut found = vec![(Vec::new(), at)];
+        let mut next = 0;
+        while let Some((before, at)) = found.get(next).cloned() {
+            next += 1;
+            let mut more: Readings<Before> = Vec::new();
+            for way in [Way::Adjective, Way::Before] {
+                let wordings = self.wordings(at, way).into_iter();
+                more.extend(wordings.map(|(wordings, end)| (Before::Property(wordings), end)));
+            }
+            more.extend(self.superlative(at).into_iter().map(|(clause, end)| (Before::Clause(clause), end)));
+            let doing = self.event(at, Form::Ing).into_iter();
+            let doing = doing.filter(|(clause, _)| matches!(clause, Clause::Does { to: None, .. }));
+            more.extend(doing.map(|(clause, end)| (Before::Clause(clause), end)));
+            for (item, end) in more {
+                let mut longer = before.clone();
+                longer.push(item);
+                // "big and red", "big, red".
+                found.push((longer, self.skip(end, "and")));
+            }
+        }
+        found
+    }
+
+    fn resolved(&self, before: &[Before], noun: &str) -> Vec<Vec<Clause>> {
+        let mut found = vec![Vec::new()];
+        for item in before {
+            let choices = match item {
+                Before::Property(wordings) => self.meant(noun, wordings),
+                Before::Clause(clause) => vec![clause.clone()],
+            };
+            found = found
+                .into_iter()
+                .flat_map(|clauses: Vec<Clause>| {
+                    choices.iter().map(move |choice| [&clauses[..], std::slice::from_ref(choice)].concat())
+                })
+                .collect();
+        }
+        found
+    }
+
+    /// Nouns at a place, with what the noun itself says.
+    pub(super) fn nouns(&self, at: usize) -> Vec<(String, Option<Clause>, usize)> {
+        let mut found = Vec::new();
+        for (category, end) in self.categories(at, false) {
+            found.push((category, None, end));
+        }
+        for (wordings, end) in self.wordings(at, Way::Noun) {
+            for wording in wordings {
+                let Some(category) = &wording.category else { continue };
+                if self.words.has_category(category) {
+                    let clause = Clause::Attribute { key: wording.key.clone(), value: wording.value.clone() };
+                    found.push((category.clone(), Some(clause), end));
+                }
+            }
+        }
+        if let (Some(end), Some(head)) = (self.any_of(at, "one"), self.head.borrow().clone()) {
+            found.push((head, None, end));
+        }
+        found
+    }
+
+    /// Categories that are named at a place; of those that end alike, those that the scene has.
+    pub(super) fn categories(&self, at: usize, plural: bool) -> Readings<String> {
+        let rest = self.rest(at);
+        let named = if plural { lexicon().plural_at(rest) } else { lexicon().singular_at(rest) };
+        let mut found: Readings<String> = Vec::new();
+        let mut lengths: Vec<usize> = named.iter().map(|(_, length)| *length).collect();
+        lengths.sort_unstable_by(|a, b| b.cmp(a));
+        lengths.dedup();
+        for length in lengths {
+            let alike: Vec<&str> =
+                named.iter().filter(|(_, other)| *other == length).map(|(category, _)| *category).collect();
+            let words = rest[..length].join(" ");
+            let is_own = |category: &&str| {
+                lexicon()
+                    .noun(category)
+                    .is_some_and(|noun| if plural { noun.plural == words } else { noun.singular == words })
+            };
+            let present: Vec<&str> =
+                alike.iter().filter(|category| self.words.has_category(category)).copied().collect();
+            let pool = if present.is_empty() { alike } else { present };
+            let own: Vec<&str> = pool.iter().filter(|category| is_own(category)).copied().collect();
+            let pool = if own.is_empty() { pool } else { own };
+            let end = self.reached(at + length);
+            found.extend(pool.into_iter().map(|category| (category.to_owned(), end)));
+        }
+        found
+    }
+
+    /// What follows the noun, as often as it goes on.
+    pub(super) fn after_noun(&self, at: usize, noun: &str) -> Readings<(Vec<Clause>, bool)> {
+        let mut found = vec![((Vec::new(), false), at)];
+        for ((clauses, is_relative), next) in self.modifier(at, noun) {
+            let next = if self.starts_modifier(next) { self.reached(next + 1) } else { next };
+            for ((more, has_relative), end) in self.after_noun(next, noun) {
+                let all = [&clauses[..], &more[..]].concat();
+                found.push(((all, is_relative || has_relative), end));
+            }
+        }
+        distinct(found)
+    }
+
+    /// "and" between two modifiers: "on the tray and beside the lamp".
+    fn starts_modifier(&self, at: usize) -> bool {
+        self.word(at) == "and" && at + 1 < self.tokens.len()
+    }
+
+    fn modifier(&self, at: usize, noun: &str) -> Readings<(Vec<Clause>, bool)> {
+        let plain = self.state(at, noun).into_iter();
+        let mut found: Readings<(Vec<Clause>, bool)> =
+            plain.map(|(clause, end)| ((vec![clause], false), end)).collect();
+        let relatives = self.relative(at, noun).into_iter();
+        found.extend(relatives.map(|(clauses, end)| ((clauses, true), end)));
+        found.extend(self.property_pairs(at, noun).into_iter().map(|(clauses, end)| ((clauses, false), end)));
+        let contact = self.contact_relative(at).into_iter();
+        found.extend(contact.map(|(clause, end)| ((vec![clause], true), end)));
+        found
+    }
+}
