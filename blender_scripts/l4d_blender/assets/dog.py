@@ -114,6 +114,17 @@ COATS: dict[str, Coat] = {
         ears="pricked",
     ),
     "chocolate": Coat(base=(0.115, 0.048, 0.022), pale=(0.17, 0.080, 0.040), dark=(0.075, 0.030, 0.014)),
+    "black": Coat(base=(0.020, 0.018, 0.018), pale=(0.030, 0.026, 0.024), dark=(0.014, 0.013, 0.013)),
+    "white": Coat(base=(0.62, 0.57, 0.49), pale=(0.72, 0.69, 0.63), dark=(0.52, 0.44, 0.34), ears="pricked"),
+    "grey": Coat(
+        base=(0.17, 0.17, 0.18), pale=(0.30, 0.30, 0.30), dark=(0.085, 0.087, 0.095), ears="pricked"
+    ),
+    "brown_white": Coat(
+        base=(0.20, 0.075, 0.025),
+        pale=(0.24, 0.10, 0.04),
+        dark=(0.13, 0.045, 0.016),
+        white=(0.74, 0.71, 0.66),
+    ),
 }
 
 

@@ -80,6 +80,15 @@ PROPERTIES: dict[tuple[str, str], dict[str, dict[str, str]]] = {
         "orange_tabby": {"colour": "orange", "pattern": "striped"},
         "white": {"colour": "white", "pattern": "plain"},
         "cream": {"colour": "cream", "pattern": "plain"},
-    }
+    },
+    ("dog", "coat"): {
+        "golden": {"colour": "golden", "pattern": "plain", "ears": "floppy"},
+        "black_white": {"colour": "black_and_white", "pattern": "patched", "ears": "pricked"},
+        "chocolate": {"colour": "brown", "pattern": "plain", "ears": "floppy"},
+        "black": {"colour": "black", "pattern": "plain", "ears": "floppy"},
+        "white": {"colour": "white", "pattern": "plain", "ears": "pricked"},
+        "grey": {"colour": "grey", "pattern": "plain", "ears": "pricked"},
+        "brown_white": {"colour": "brown_and_white", "pattern": "patched", "ears": "floppy"},
+    },
 }
 """What a word of the catalogue means to somebody who looks, where it is more than `key: word`."""

@@ -31,15 +31,17 @@ def fitting(area: Area, what: str, tries: int, plan: Callable[[], T]) -> T:
     raise Rejected(f"{what} found no room on {area.name} in {tries} tries, mostly: {most}")
 
 
-def middle_near(area: Area, rng: random.Random, landmarks: list[Prop], clear_m: float, near_m: float) -> Flat:
-    """A point with free room round it, near as many landmarks as a few draws find."""
-    best, most = area.centre, -1
+def middles_near(
+    area: Area, rng: random.Random, landmarks: list[Prop], clear_m: float, near_m: float
+) -> list[Flat]:
+    """Points with free room round them: of a few draws those that are near most landmarks."""
+    found: list[tuple[int, Flat]] = []
     for _ in range(16):
         try:
             at = area.spot(rng, clear_m, tries=40)
         except NoRoom:
             break
         count = sum(hypot(at[0] - mark.at[0], at[1] - mark.at[1]) < near_m for mark in landmarks)
-        if count > most:
-            best, most = at, count
-    return best
+        found.append((count, at))
+    found.sort(key=lambda row: -row[0])
+    return [at for _, at in found[:6]] or [area.centre]

@@ -76,17 +76,24 @@ class Dog(Quadruped):
         self, points: Sequence[Sequence[float]], frames: Frames, *, after: Instance | None = None
     ) -> None:
         """Runs along a smooth curve from where it stands; `after` is what it chases."""
+        self._travel(_Trot, points, frames)
+        self.scene.event(self.instance, "run", frames)
+        if after is not None:
+            self.scene.event(self.instance, "chase", frames, after)
+
+    def walk_along(self, points: Sequence[Sequence[float]], frames: Frames) -> None:
+        """A four-beat walk along a smooth curve from where it stands."""
+        self._travel(_Walk, points, frames)
+        self.scene.event(self.instance, "walk", frames)
+
+    def _travel(self, gait: type[_Trot], points: Sequence[Sequence[float]], frames: Frames) -> None:
         first, last = frames
         start = self.poses[first].copy()
         x, y, heading = start.root
         here = Vector((x, y, 0.0))
         ahead = here + 0.20 * Vector((math.sin(heading), -math.cos(heading), 0.0))
         track = _Track(keys.Path([here, ahead, *[Vector((p[0], p[1], 0.0)) for p in points]]), heading)
-        gait = _Trot(track, start, (last - first) / FPS)
-        self._go(gait, standing(start.root), frames)
-        self.scene.event(self.instance, "run", frames)
-        if after is not None:
-            self.scene.event(self.instance, "chase", frames, after)
+        self._go(gait(track, start, (last - first) / FPS), standing(start.root), frames)
 
     # ---- head and nose ---------------------------------------------------------------------------
 
@@ -97,10 +104,15 @@ class Dog(Quadruped):
         heading = pose.root[2]
         return tip + forward_m * Vector((math.sin(heading), -math.cos(heading), 0.0))
 
-    def nudge(self, thing: Instance, frames: Frames, *, strike: int) -> None:
-        """Puts the nose down to a thing before its paws and shoves it at `strike`, then looks up again."""
+    def nudge(self, thing: Instance, frames: Frames, *, strike: int, bow: float = 1.0) -> None:
+        """Puts the nose down to a thing before its paws and shoves it at `strike`, then looks up again.
+
+        `bow` says how far down the nose goes; `nudge_reach` tells it for a ball.
+        """
         first, last = frames
         low = POSTURES["sniff"](self.poses[first].root)
+        if bow < 1.0:
+            low = standing(self.poses[first].root).blended(low, bow)
         for frame in range(first, last + 1):
             pose = self.poses[frame]
             down = keys.ease_between(frame, first, strike - 3) * (
@@ -196,6 +208,10 @@ class _Trot(Gait):
     STANCE: ClassVar = {"fore": (0.060, -0.196), "hind": (0.064, 0.268)}
     REACH_AHEAD_M = 0.12
     MAX_HZ = 2.9
+    LIFT_M: ClassVar = {"fore": 0.095, "hind": 0.070}
+    HEEL: ClassVar = {"fore": 0.75, "hind": -0.35}
+    PEEL: ClassVar = {"fore": 0.85, "hind": 0.75}
+    BOB_M = (-0.022, 0.016)
 
     def pose(self, u: float, rest: DogPose) -> DogPose:
         """The pose at a share of the time."""
@@ -209,7 +225,7 @@ class _Trot(Gait):
         middle = hips.lerp(chest, 0.255 / 0.455)
         pose.root = np.array([middle.x, middle.y, heading])
         swing = 2 * math.pi * beat
-        pose.pelvis[2] += moving * (-0.022 + 0.016 * math.cos(2 * swing - 0.5))
+        pose.pelvis[2] += moving * (self.BOB_M[0] + self.BOB_M[1] * math.cos(2 * swing - 0.5))
         pose.pelvis_turn = moving * np.array(
             [0.03 * math.sin(2 * swing), 0.03 * math.sin(swing), 0.05 * math.cos(swing)]
         )
@@ -232,8 +248,8 @@ class _Trot(Gait):
         swings = self._steps[paw]
         current = max(k for k, step in enumerate(swings) if step[0] <= beat)
         lift, landing, plant = swings[current]
-        fore = paw.startswith("fore")
-        peel = 0.85 if fore else 0.75
+        kind = paw.split(".")[0]
+        peel = self.PEEL[kind]
         if beat >= landing:
             row = plant.copy()
             following = swings[current + 1][0] if current + 1 < len(swings) else None
@@ -243,8 +259,37 @@ class _Trot(Gait):
         t = (beat - lift) / (landing - lift)
         before = swings[current - 1][2]
         row = before + keys.ease(t) * (plant - before)
-        row[2] += (0.095 if fore else 0.070) * math.sin(math.pi * t) ** 1.1
+        row[2] += self.LIFT_M[kind] * math.sin(math.pi * t) ** 1.1
         started = lift > 0.2
         row[3] = (peel if started else peel * keys.ease(t / 0.3)) * (1 - keys.ease(1.3 * t))
-        row[5] += (0.75 if fore else -0.35) * math.sin(math.pi * t) ** 2
+        row[5] += self.HEEL[kind] * math.sin(math.pi * t) ** 2
         return row
+
+
+class _Walk(_Trot):
+    """Foot plants of a lateral-sequence walk."""
+
+    STRIDE_M = 0.62
+    SWING = 0.42
+    PHASE: ClassVar = {"fore.R": 0.0, "hind.L": 0.25, "fore.L": 0.5, "hind.R": 0.75}
+    SOFT = 0.24
+    MAX_HZ = 2.6
+    LIFT_M: ClassVar = {"fore": 0.055, "hind": 0.042}
+    HEEL: ClassVar = {"fore": 0.45, "hind": -0.22}
+    PEEL: ClassVar = {"fore": 0.60, "hind": 0.50}
+    BOB_M = (-0.016, 0.007)
+
+
+def nudge_reach(radius_m: float) -> tuple[float, float]:
+    """(how far a dog bows, metres from its middle to a ball's) so that its nose meets the ball."""
+    shove = keys.ease(4 / 6)
+    for k in range(101):
+        bow = k / 100
+        pose = standing((0.0, 0.0, 0.0)).blended(POSTURES["sniff"]((0.0, 0.0, 0.0)), bow)
+        pose.pelvis[1] -= 0.045 * shove
+        pose.head[0] -= 0.22 * shove
+        nose = trunk(pose)["head"] @ NOSE_TIP
+        if nose.z <= 1.15 * radius_m:
+            break
+    above = min(max(nose.z - radius_m, -0.9 * radius_m), 0.9 * radius_m)
+    return bow, -nose.y + math.sqrt(radius_m**2 - above**2)
