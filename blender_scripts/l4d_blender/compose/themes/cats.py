@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from math import ceil
 from typing import TYPE_CHECKING
@@ -70,8 +71,11 @@ def _play(stage: Stage, area: Area, count: int, toys: list[Toy]) -> None:
     cats = _cast(rng, count)
     indoors = area.name == "floor"
 
+    wanted, tries = (rng.random() < 0.75, rng.random() < 0.65), itertools.count()
+
     def make(middle: Flat) -> Plan:
-        return _Planner(rng, area, middle, 1.05 if indoors else 1.5, CAT, toys).plan(count)
+        wish = wanted if next(tries) < 220 else (rng.random() < 0.5, False)
+        return _Planner(rng, area, middle, 1.05 if indoors else 1.5, CAT, toys).plan(count, *wish)
 
     plan = planned(stage, area, rng, "cats at play", 1.5 if indoors else 2.2, make)
     rng.shuffle(cats)
@@ -81,16 +85,14 @@ def _play(stage: Stage, area: Area, count: int, toys: list[Toy]) -> None:
 class _Planner(Planner):
     """Draws who plays, who walks and who rests, and plans them in this order."""
 
-    def plan(self, count: int) -> Plan:
-        """Draws who does what when."""
+    def plan(self, count: int, early: bool, again: bool) -> Plan:
+        """Draws who does what when; `early` plays from the start on, `again` with the same toy."""
         rng = self.rng
         balls = [toy for toy in self.toys if playthings.rolls(toy)]
         rng.shuffle(balls)
-        early = rng.random() < 0.75
         if early:
             self._play_first(balls[0])
-        again = early and rng.random() < 0.6
-        if again:
+        if early and again:
             self._walk_to_play(balls[0])
         elif len(balls) > 1 and rng.random() < 0.7:
             self._walk_to_play(balls[1])

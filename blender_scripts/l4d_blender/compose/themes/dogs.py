@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from math import ceil
 from typing import TYPE_CHECKING
 
@@ -55,8 +56,11 @@ def dogs_outdoors(stage: Stage) -> None:
     options = {"coat": looks.words_of("dog", "coat"), "collar": ("red", "blue", "green", "orange", "yellow")}
     dogs = looks.crossed(rng, "dog", count, options)
 
+    wanted, tries = (rng.random() < 0.6, rng.random() < 0.85), itertools.count()
+
     def make(middle: Flat) -> Plan:
-        return _Planner(rng, area, middle, 1.9, DOG, toys).plan(count)
+        wish = wanted if next(tries) < 220 else (rng.random() < 0.5, False)
+        return _Planner(rng, area, middle, 1.9, DOG, toys).plan(count, *wish)
 
     plan = planned(stage, area, rng, "dogs at play", 2.8, make, height_m=0.25)
     rng.shuffle(dogs)
@@ -66,17 +70,16 @@ def dogs_outdoors(stage: Stage) -> None:
 class _Planner(Planner):
     """Draws who plays, who goes somewhere and who rests, and plans them in this order."""
 
-    def plan(self, count: int) -> Plan:
-        """Draws who does what when."""
+    def plan(self, count: int, early: bool, again: bool) -> Plan:
+        """Draws who does what when; `early` nudges from the start on, `again` another does so later."""
         rng = self.rng
         balls = list(self.toys)
         rng.shuffle(balls)
-        early = rng.random() < 0.6
         if early:
             self._nudge(balls[0], rng.randint(11, 18))
         else:
             self._run_to_nudge(balls[0], rng.randint(34, 46), None)
-        if rng.random() < 0.75:
+        if again:
             self._run_to_nudge(balls[0] if early else balls[1], None, balls[0] if early else None)
         self.lay_rest(0.06)
         left = count - len(self.parts)
