@@ -22,7 +22,6 @@ _MARKS = (
     Mark("slide", "slide", 1.2, 0.0, low=False),
 )
 _INSIDE = (
-    Mark("basket", "basket", 0.3, "any"),
     Mark("bird_feeder.water_dish", "dish", 0.2, "any"),
     Mark("plant_pot", "plant", 0.2, "any").of(pot_radius_m=0.14, pot_height_m=0.22, spread_m=0.26, leaves=60),
     Mark("wooden_chair", "chair", 0.35, "any"),

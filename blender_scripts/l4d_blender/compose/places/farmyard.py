@@ -17,9 +17,9 @@ _MARKS = (
     Mark("well", "well", 0.85, 0.0, low=False),
     Mark("farm_tools.wheelbarrow", "wheelbarrow", 0.8, "any", low=False),
     Mark("farm_tools.milk_churn", "churn", 0.25, "any"),
+    Mark("bird_feeder.water_dish", "dish", 0.2, "any"),
     Mark("haystack.hay_bale", "bale", 0.6, "any", low=False),
     Mark("wooden_chair", "chair", 0.32, 25.0, low=False),
-    Mark("basket", "basket", 0.28, "any"),
 )
 
 

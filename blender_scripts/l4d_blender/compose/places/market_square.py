@@ -23,8 +23,8 @@ _BACK = (
     Mark("well", "well", 0.85, 0.0, low=False),
 )
 _INSIDE = (
+    Mark("plant_pot", "plant", 0.2, "any").of(pot_radius_m=0.14, pot_height_m=0.22, spread_m=0.26, leaves=60),
     Mark("street_furniture.bollard", "bollard", 0.15, "any"),
-    Mark("basket", "basket", 0.3, "any"),
     Mark("wooden_chair", "chair", 0.32, "any"),
 )
 _CLOTHS = ("red", "green", "navy", "orange", "teal", "purple")
