@@ -11,18 +11,22 @@ from mathutils import Vector
 from l4d_blender.compose.places import places
 from l4d_blender.compose.rooms import FEET_M, TALL_M, Room
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Stage
+from l4d_blender.compose.stage import Rejected, Stage
 from l4d_blender.scene import Scene
 
 ROOMS = [place for place in places().values() if place.scale == "room"]
 
 
 def furnished(place, seed: int) -> Stage:
-    spec = Spec(f"room_{seed}", "room", seed)
-    scene = Scene(spec.scene, "room", 0, seed)
-    stage = Stage(scene, spec)
-    place.furnish(stage)
-    return stage
+    for draw in range(4):
+        spec = Spec(f"room_{seed}", "room", seed, draw)
+        stage = Stage(Scene(spec.scene, "room", 0, seed), spec)
+        try:
+            place.furnish(stage)
+        except Rejected:
+            continue
+        return stage
+    raise AssertionError(f"four draws of {place.name} in a row found no room")
 
 
 def plan(stage: Stage) -> list[tuple]:

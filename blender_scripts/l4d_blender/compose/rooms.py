@@ -27,6 +27,7 @@ HEADINGS = {"back": 0.0, "left": 90.0, "right": -90.0}
 TALL_M = 1.85
 """Of the tallest person, hair included: has to fit into every picture."""
 FEET_M = 0.2
+_SLIGHTLY = 0.02
 _ASPECT = 0.75
 
 PLASTERS: tuple[Colour, ...] = (
@@ -206,7 +207,7 @@ class Room:
             tries.sort(key=lambda at: abs(at[1] - near))
         for wall, u in tries:
             box = self.box_on(wall, u, size_m, z, out_m)
-            if not any(box.meets(other, gap_m) for other in self.taken) and not self.hides(box):
+            if not any(box.meets(other, gap_m) for other in self.taken) and not self.hides(box, _SLIGHTLY):
                 return wall, u
         return None
 
@@ -230,6 +231,7 @@ class Room:
                 for x, y in self.floor.corners
             ),
         ]
+        goals = [(x, y) for x, y in goals if not (x0 < x < x1 and y0 < y < y1)]
         eyes, hidden = self.lens.eyes(), 0
         for eye in eyes:
             if x0 - 0.25 < eye[0] < x1 + 0.25 and y0 - 0.25 < eye[1] < y1 + 0.25:
@@ -377,6 +379,40 @@ class Room:
         """Ends a draw in which something that the place offers found no room."""
         raise Rejected(f"no room for the {what}")
 
+    def rim_bench(
+        self,
+        kind: str,
+        name: str,
+        *,
+        length_m: float,
+        depth_m: float,
+        sides: Sequence[str] = ("left", "right", "back"),
+        **words: Any,
+    ) -> Prop:
+        """A long seat along an edge of the floor, its front to the middle."""
+        rng, half_x, half_y = self.rng, self.floor_width_m / 2, self.floor_depth_m / 2
+        for _ in range(60):
+            side = rng.choice(list(sides))
+            out = rng.uniform(-0.25, 0.0) + depth_m / 2
+            if side == "back":
+                slack = max(0.0, half_x - length_m / 2)
+                at, sizes = (rng.uniform(-slack, slack), half_y + out), (length_m, depth_m)
+            else:
+                at = (-1 if side == "left" else 1) * (half_x + out), rng.uniform(-0.1, half_y - length_m / 2)
+                sizes = depth_m, length_m
+            box = Box(
+                (at[0] - sizes[0] / 2, at[0] + sizes[0] / 2),
+                (at[1] - sizes[1] / 2, at[1] + sizes[1] / 2),
+                (0.0, catalogue.find(kind).size_m[2]),
+            )
+            inside = box.y[1] < self.back_m and max(-box.x[0], box.x[1]) < self.half_m
+            if inside and not any(box.meets(other) for other in self.taken) and not self.hides(box, 0.08):
+                self.taken.append(box)
+                prop = self.stage.landmark(kind, name, at, HEADINGS[side], **words)
+                self.keep_clear(box, name)
+                return prop
+        raise Rejected(f"no room for the {name}")
+
     def lamp(self, name: str = "lamp", *, walls: Sequence[str] = ("back", "left", "right")) -> Prop | None:
         """A standing lamp, lit when it is dark outside."""
         glow = 1.4 if self.mood.lamps_w else 0.45
@@ -453,20 +489,27 @@ class Room:
         size_m: tuple[float, float, float] | None = None,
         near: float | None = None,
         landmark: bool = False,
+        middle_m: float = 0.0,
         **words: Any,
     ) -> Prop | None:
-        """Hangs something on a wall where nothing is; its origin is on the wall, in the middle below."""
+        """Hangs something on a wall where nothing is; its origin is `middle_m` above its foot."""
         size = size_m or catalogue.find(kind).size_m
         found = self.free_on(walls, size, z=z, out_m=0.0, near=near, gap_m=0.1)
         if found is None:
             return None
         wall, u = found
         self.taken.append(self.box_on(wall, u, size, z, 0.0))
-        at, heading = self.on_wall(wall, u, z, 0.012), HEADINGS[wall]
+        at, heading = self.on_wall(wall, u, z + middle_m, 0.012), HEADINGS[wall]
         if landmark:
             return self.stage.landmark(kind, name, at, heading, **words)
         self.stage.dress(kind, name, at, heading, **words)
         return None
+
+    def clock(self, walls: Sequence[str] = ("back", "left", "right"), *, z: float = 1.9) -> Prop | None:
+        """A station clock; `z` is its lower edge."""
+        return self.hang(
+            "waiting_room.clock", "clock", walls, z, size_m=(0.36, 0.03, 0.36), landmark=True, middle_m=0.18
+        )
 
     def window(
         self,

@@ -142,14 +142,7 @@ def _wall(room: rooms.Room) -> None:
         )
         if found is None and k == 0:
             break
-    room.hang(
-        "waiting_room.clock",
-        "clock",
-        ("back", "left", "right"),
-        1.9,
-        size_m=(0.36, 0.03, 0.36),
-        landmark=True,
-    )
+    room.clock(z=1.9)
     if rng.random() < 0.6:
         room.door("door", ("left", "right"), style=rng.choice(("panels", "glazed")))
     if rng.random() < 0.6:

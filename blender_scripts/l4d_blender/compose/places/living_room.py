@@ -31,6 +31,7 @@ def living_room(stage: Stage) -> None:
         cushion=catalogue.COLOURS[cloths[1]] if rng.random() < 0.7 else None,
         arms=rng.choice(("wide", "slim", "low")),
         out_m=0.06,
+        near=rng.uniform(-0.7, 0.7),
         must=True,
     )
     for along_m in (-0.25 * width_m + 0.08, 0.25 * width_m - 0.08):
@@ -46,6 +47,8 @@ def living_room(stage: Stage) -> None:
     )
     if chair is not None:
         room.seat(chair, height_m=couch.SEAT_M, ahead_m=couch.SEAT_AHEAD_M)
+    if len(stage.chairs) < 2:
+        room.reject("chairs")
     room.window(
         "window",
         ("left", "right", "back"),
