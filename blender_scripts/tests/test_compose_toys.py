@@ -12,7 +12,7 @@ from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Seat
 from l4d_blender.timeline import MIN_EVENT_FRAMES
 
-THEMES = ("windup_toys",)
+THEMES = ("windup_toys", "spinning_tops")
 _PLACE = "oak_table"
 
 

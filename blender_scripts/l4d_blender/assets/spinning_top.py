@@ -16,7 +16,7 @@ import bpy
 from l4d_blender.assets import mesh
 from l4d_blender.assets.materials import products
 from l4d_blender.assets.toy_robot import printed_tin
-from l4d_blender.catalogue import Choice, kind, words
+from l4d_blender.catalogue import COLOURS, Choice, kind, words
 
 Colour = tuple[float, float, float]
 Profile = Sequence[tuple[float, float]]
@@ -29,6 +29,11 @@ RED, CREAM, BLUE, GREEN, YELLOW = (
     (0.72, 0.46, 0.04),
 )
 BEECH: Colour = (0.58, 0.40, 0.23)
+# Three segments of a colour and a cream one, so that one sees it turn.
+SEGMENTS: dict[str, tuple[Colour, ...]] = {
+    word: (COLOURS[word], tuple(0.62 * c for c in COLOURS[word]), COLOURS[word], CREAM)
+    for word in ("red", "orange", "yellow", "green", "teal", "blue", "purple", "black")
+}
 
 BROAD: Profile = (
     (0.0, 0.0),
@@ -83,6 +88,7 @@ class Look:
     "spins",
     shape=Choice("look.profile", {"broad": BROAD, "pear": PEAR}),
     material=words("look.material", "tin", "wood"),
+    colour=Choice("look.segments", SEGMENTS),
 )
 def spinning_top(name: str, rng: random.Random, *, look: Look = Look()) -> bpy.types.Object:
     """A top about 9 cm tall; the segments are uneven, so that one sees it turn."""

@@ -129,10 +129,42 @@ class Reach:
     ) -> Flat:
         """A free spot that the arm reaches and whose way is clear, if it was at the spots of `after` before."""
         for _ in range(tries):
-            at = table.spot(rng, radius_m, near=near, within_m=within_m)
+            at = table.spot(rng, radius_m, near=near, within_m=within_m, tries=60)
             if self.reaches(table, at) and self.is_clear(table, *after, at):
                 return at
         raise NoRoom(f"{self.name} reaches no free spot")
+
+    def push(
+        self,
+        rng: random.Random,
+        table: Area,
+        radius_m: float,
+        length_m: tuple[float, float],
+        *,
+        followed: float = 1.0,
+        after: Sequence[Flat] = (),
+        tries: int = 300,
+    ) -> tuple[Flat, Flat]:
+        """Where something lies that the arm pushes away, and where it comes to rest.
+
+        Fingers follow it over a share of its way; what was at the spots of `after` before has a clear way too.
+        """
+        for _ in range(tries):
+            at = table.spot(rng, radius_m)
+            if not self.reaches(table, at):
+                continue
+            turn = radians(self.heading_deg(at) + rng.uniform(-24.0, 24.0))
+            way = rng.uniform(*length_m)
+            dx, dy = way * sin(turn), -way * cos(turn)
+            end = at[0] + dx, at[1] + dy
+            stop = at[0] + followed * dx, at[1] + followed * dy
+            if (
+                table.is_free(at, radius_m, end)
+                and self.reaches(table, stop)
+                and self.is_clear(table, *after, at, stop)
+            ):
+                return at, end
+        raise NoRoom(f"{self.name} has nowhere to push something")
 
     def heading_deg(self, at: Flat) -> float:
         """Where fingers point that take something there: away from the shoulder, a little inwards."""
