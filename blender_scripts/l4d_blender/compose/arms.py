@@ -230,8 +230,12 @@ def _seat_body(stage: Stage, arm: Reach) -> None:
     stage.perform(_Body(stage, arm, {arm.side}))
 
 
-def reaches(stage: Stage, rng: random.Random) -> list[Reach]:
-    """All arms at the table, in random order; those of one owner look alike, those of two differ."""
+def reaches(stage: Stage, rng: random.Random, table: Area | None = None) -> list[Reach]:
+    """All arms at the table, in random order; those of one owner look alike, those of two differ.
+
+    Places keep room on their tables for all arms; on `table` it is free again, for arms that don't act lie in
+    the lap.
+    """
     skins, sleeves = list(SKIN_TONES), [c for c in CLOTH_COLOURS if c not in ("denim", "light_blue", "black")]
     rng.shuffle(skins)
     rng.shuffle(sleeves)
@@ -247,5 +251,7 @@ def reaches(stage: Stage, rng: random.Random) -> list[Reach]:
         found += [Reach(seat, side, look, owner) for side in ("l", "r")]
     if not found:
         raise Rejected("no one sits at the table")
+    for arm in found if table else ():
+        table.free(arm.name)
     rng.shuffle(found)
     return found

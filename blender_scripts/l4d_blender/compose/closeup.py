@@ -8,7 +8,6 @@ from math import hypot
 
 from mathutils import Matrix, Vector
 
-from .. import cameras
 from .areas import Area, Flat
 from .stage import Stage
 
@@ -41,12 +40,12 @@ def move_in(stage: Stage, table: Area, part: Area) -> None:
     share = max(_NEAREST, min(1.0, 0.06 + share))
     here, there = Vector(table.point(*table.centre)), Vector(part.point(*part.centre))
     moved = Matrix.Translation(there) @ Matrix.Scale(share, 4) @ Matrix.Translation(-here)
-    scene = stage.scene
-    for k, (camera, obj) in enumerate(zip(scene.camera_rig, scene.camera_objects)):
+    rig = []
+    for camera in stage.scene.camera_rig:
         pose = camera.world_from_camera.copy()
         pose.translation = Vector([round(x, 6) for x in moved @ pose.translation])
-        scene.camera_rig[k] = replace(camera, world_from_camera=pose)
-        obj.matrix_world = pose @ cameras.OPENCV_FROM_BLENDER
+        rig.append(replace(camera, world_from_camera=pose))
+    stage.film(rig)
     stage.areas[table.name] = part
 
 

@@ -84,7 +84,7 @@ def _draw_cast(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, lis
     for top in order:
         if top.act == "lies" and rng.random() < 0.35:
             top.act = "spins on"
-    arms = reaches(stage, rng)
+    arms = reaches(stage, rng, table)
     for top in cast:
         if top.act.startswith("spun"):
             top.arm = arms.pop()

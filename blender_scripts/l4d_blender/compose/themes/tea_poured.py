@@ -107,7 +107,7 @@ def _plan(stage: Stage, rng: random.Random, area: Area) -> Table:
     """Pots that pour with their cups first, then what is stirred, then the rest."""
     cups, pots = _cast(rng)
     plan = Table(cups, pots)
-    arms = reaches(stage, rng)
+    arms = reaches(stage, rng, area)
     order = rng.sample(cups, len(cups))
     pouring = rng.sample(pots, min(len(pots), rng.choice((1, 1, 2)), len(arms)))
     for k, pot in enumerate(pouring):

@@ -150,7 +150,7 @@ def _draw_cast(stage: Stage, rng: random.Random, table: Area) -> list[Robot]:
     group = looks.crossed(rng, "toy_robot", rng.choice((3, 4, 4, 5)), options)
     parts = _parts(rng, len(group))
     cast = [Robot(f"robot_{k + 1}", look, part) for k, (look, part) in enumerate(zip(group, parts))]
-    for help_, arm in zip(_helps(rng, parts), reaches(stage, rng)):
+    for help_, arm in zip(_helps(rng, parts), reaches(stage, rng, table)):
         cast[help_.robot].help, cast[help_.robot].arm = help_, arm
     facing = stage.seats[0].heading_deg - 180.0
     for robot in sorted(cast, key=lambda r: (r.help is None, -r.part.walked_m)):
