@@ -12,13 +12,13 @@ from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Seat
 from l4d_blender.timeline import MIN_EVENT_FRAMES
 
-THEMES = ("windup_toys", "spinning_tops")
-_PLACE = "oak_table"
+THEMES = ("windup_toys", "spinning_tops", "tea_poured")
+_PLACE = "kitchen_table"
 
 
 def _played(theme: str, seed: int):
     """The first draw of a seed that becomes a scene."""
-    for draw in range(12):
+    for draw in range(20):
         try:
             return build.build(Spec(f"tabletop_{seed}", "tabletop", seed, draw, _PLACE, theme))
         except Rejected:

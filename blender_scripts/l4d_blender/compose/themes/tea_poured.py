@@ -85,7 +85,7 @@ class Table:
 def tea_poured(stage: Stage) -> None:
     """Cups are filled by turns from one or two pots; in another somebody stirs."""
     rng, area = stage.rng("tea poured"), stage.area("table")
-    plan = retried(area, 60, lambda: _plan(stage, rng, area))
+    plan = retried(area, 25, lambda: _plan(stage, rng, area))
     content = rng.choice(("tea", "tea", "coffee"))
     for cup_ in plan.cups:
         cup_.drink = _build_cup(stage, rng, area, cup_, DRINKS[content])
@@ -109,14 +109,14 @@ def _plan(stage: Stage, rng: random.Random, area: Area) -> Table:
     plan = Table(cups, pots)
     arms = reaches(stage, rng, area)
     order = rng.sample(cups, len(cups))
-    pouring = rng.sample(pots, min(len(pots), rng.choice((1, 1, 2)), len(arms)))
+    pouring = rng.sample(pots, min(rng.choice((1, 1, 1, 2)), len(arms)))
     for k, pot in enumerate(pouring):
         pot.arm, pot.late = arms.pop(), k == 1
-        twice = len(pouring) == 1 and rng.random() < 0.6
+        twice = len(pouring) == 1 and rng.random() < 0.5
         again = k == 1 and rng.random() < 0.25
         pot.fills = [pouring[0].fills[0]] if again else [order.pop() for _ in range(2 if twice else 1)]
         _find_room(rng, area, pot)
-    if arms and order and (len(pouring) == 1 or rng.random() < 0.4):
+    if arms and order and len(pouring) == 1 and rng.random() < 0.6:
         arm, cup_ = arms.pop(), order.pop()
         cup_.at = arm.spot(rng, area, CUP_M, tries=40)
         arm.take(area, cup_.at)
@@ -127,20 +127,31 @@ def _plan(stage: Stage, rng: random.Random, area: Area) -> Table:
         area.take(cup_.at, CUP_M, owner=cup_.name)
     for pot in pots:
         if pot.arm is None:
-            pot.heading_deg = rng.uniform(-180.0, 180.0)
-            pot.at = area.spot(rng, 0.125)
-            area.take(pot.at, 0.125, owner=pot.name)
+            _rest(rng, area, pot)
     return plan
+
+
+def _rest(rng: random.Random, area: Area, pot: Pot) -> None:
+    """Where a pot stands that nobody takes."""
+    for _ in range(60):
+        pot.at, pot.heading_deg = area.spot(rng, POT_M), rng.uniform(-180.0, 180.0)
+        if _is_room(area, pot.at, pot.ahead, 0.12, 0.12):
+            break
+    else:
+        raise NoRoom(f"no room for {pot.name}")
+    area.take(pot.at, POT_M, owner=pot.name)
+    ahead, behind = ((pot.at[0] + m * pot.ahead[0], pot.at[1] + m * pot.ahead[1]) for m in (0.12, -0.12))
+    area.take(behind, 0.03, ahead, owner=pot.name)
 
 
 def _cast(rng: random.Random) -> tuple[list[Cup], list[Pot]]:
     options = {"colour": rng.sample(GLAZES, 3)}
     key = rng.choice(("shape", "pattern"))
     options[key] = rng.sample(looks.words_of("cup", key), 2)
-    group = looks.crossed(rng, "cup", rng.choice((3, 4, 4)), options)
+    group = looks.crossed(rng, "cup", rng.choice((3, 3, 4)), options)
     cups = [Cup(f"cup_{k + 1}", look) for k, look in enumerate(group)]
     options = {"colour": rng.sample(GLAZES, 2), "shape": ["round", "tall"]}
-    group = looks.crossed(rng, "teapot", 3, options)[: rng.choice((2, 2, 3))]
+    group = looks.crossed(rng, "teapot", 3, options)[:2]
     return cups, [Pot(f"teapot_{k + 1}", look) for k, look in enumerate(group)]
 
 
@@ -149,17 +160,17 @@ def _find_room(rng: random.Random, area: Area, pot: Pot) -> None:
     arm, (first, *others) = pot.arm, pot.fills
     assert arm is not None
     left = 1.0 if arm.side == "r" else -1.0
-    for _ in range(60):
+    for _ in range(500):
         spot = area.spot(rng, POT_M)
         if not arm.reaches(area, spot):
             continue
-        fingers = arm.heading_deg(spot) + rng.uniform(-12.0, 22.0) * left
+        fingers = arm.heading_deg(spot) + rng.uniform(-16.0, 26.0) * left
         pot.at, pot.heading_deg = spot, fingers + 90.0 * left
         if not _is_room(area, pot.at, pot.ahead, 0.13, 0.13):
             continue
         if first.at == (0.0, 0.0):
             turn = radians(pot.heading_deg + rng.uniform(-30.0, 30.0))
-            far = rng.uniform(0.20, 0.34)
+            far = rng.uniform(0.195, 0.32)
             first.at = spot[0] + far * sin(turn), spot[1] - far * cos(turn)
             placed = True
         else:
