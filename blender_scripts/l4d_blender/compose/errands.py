@@ -37,24 +37,24 @@ def bystander(rng: random.Random, area: Area, figure: Figure, faces: Flat, loose
 def fetch(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Walks up to a thing, lifts it and carries it off."""
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = _stand_before(rng, area, figure, item.at, side)
-    role = _arriving(rng, area, figure, stand, facing, (0.6, 1.5))
+    facing, stand = stand_before(rng, area, figure, item.at, side)
+    role = arriving(rng, area, figure, stand, facing, (0.6, 1.5))
     role.wait(delay)
     role.walk([stand], facing_deg=facing, pace=rng.uniform(2.0, 2.3))
     role.lift(item, side, rng.randint(24, 30))
     if role.left >= 26:
-        _walk_off(rng, area, role, _LOADED_M)
+        walk_off(rng, area, role, _LOADED_M)
     return role
 
 
 def move(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Lifts a thing at its feet, carries it elsewhere and puts it down."""
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = _stand_before(rng, area, figure, item.at, side)
+    facing, stand = stand_before(rng, area, figure, item.at, side)
     role = Role(figure, stand, facing)
     role.wait(delay)
     role.lift(item, side, rng.randint(24, 28))
-    _walk_off(rng, area, role, _LOADED_M, longest_m=1.6)
+    walk_off(rng, area, role, _LOADED_M, longest_m=1.6)
     role.put_down(item, rng.randint(22, 26))
     return role
 
@@ -65,7 +65,7 @@ def bring(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     role = Role(figure, at, rng.uniform(-180, 180))
     role.hold(item, None if item.ware.two_hands else rng.choice("lr"))
     role.wait(delay)
-    _walk_off(rng, area, role, _LOADED_M, fresh=True)
+    walk_off(rng, area, role, _LOADED_M, fresh=True)
     role.put_down(item, rng.randint(22, 28))
     if not area.is_free(item_end(item), 0.8 * item.ware.radius_m):
         raise Misfit("there is no room to put something down")
@@ -78,7 +78,7 @@ def carry_about(rng: random.Random, area: Area, figure: Figure, item: Item, dela
     role = Role(figure, at, rng.uniform(-180, 180))
     role.hold(item, None if item.ware.two_hands else rng.choice("lr"))
     role.wait(delay)
-    first, last = _walk_off(rng, area, role, _LOADED_M, fresh=True)
+    first, last = walk_off(rng, area, role, _LOADED_M, fresh=True)
     if item.ware.noun in ("basket", "bucket"):
         _swings(role, item, (first, last))
     return role
@@ -88,14 +88,22 @@ def relay(rng: random.Random, area: Area, figure: Figure, item: Item, before: Ro
     """Takes up what another has put down, later."""
     at, free_from = item_end(item), before.now
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = _stand_before(rng, area, figure, at, side)
-    role = _arriving(rng, area, figure, stand, facing, (0.45, 1.2))
+    facing, stand = stand_before(rng, area, figure, at, side)
+    role = arriving(rng, area, figure, stand, facing, (0.45, 1.2))
     role.disc.friends.add(before.disc.name)
     role.waits_for.append(before)
     role.walk([stand], facing_deg=facing)
     role.wait(max(0, free_from - 2 - role.now))
     role.lift(item, side, rng.randint(24, 30))
     return role
+
+
+def brought_and_taken(
+    rng: random.Random, area: Area, one: Figure, two: Figure, item: Item
+) -> tuple[Role, Role]:
+    """One brings a thing and puts it down, another takes it up."""
+    first = bring(rng, area, one, item)
+    return first, relay(rng, area, two, item, first)
 
 
 def hand_over(
@@ -108,7 +116,7 @@ def hand_over(
     stand = ahead(at, first.facing, gap, -0.05 * (first.k + taker.scale))
     if not area.is_free(stand, _BODY_M, at):
         raise Misfit("there is no room to meet")
-    second = _arriving(rng, area, taker, stand, first.facing + 180.0, (0.5, 1.4))
+    second = arriving(rng, area, taker, stand, first.facing + 180.0, (0.5, 1.4))
     bar, (grip,) = np.array(item.ware.bar), item.ware.grips(item.look)
     near, far = (tuple(np.array(grip) + d * bar) for d in (-0.048, 0.048))
     ware = item.ware
@@ -137,7 +145,7 @@ def hand_over(
     first.disc.friends.add(second.disc.name)
     item.disc.friends |= {first.disc.name, second.disc.name}
     if second.left >= 26:
-        _walk_off(rng, area, second, _LOADED_M, turn_deg=140.0)
+        walk_off(rng, area, second, _LOADED_M, turn_deg=140.0)
     return first, second
 
 
@@ -190,7 +198,7 @@ def item_end(item: Item) -> Flat:
 # ---- ways --------------------------------------------------------------------------------------------
 
 
-def _stand_before(
+def stand_before(
     rng: random.Random, area: Area, figure: Figure, point: Flat, side: str | None
 ) -> tuple[float, Flat]:
     """A heading and a free spot from which a thing at a point is taken."""
@@ -204,18 +212,24 @@ def _stand_before(
     raise Misfit("nobody can stand there")
 
 
-def _arriving(
-    rng: random.Random, area: Area, figure: Figure, stand: Flat, facing: float, way_m: tuple[float, float]
+def arriving(
+    rng: random.Random,
+    area: Area,
+    figure: Figure,
+    stand: Flat,
+    facing: float,
+    way_m: tuple[float, float],
+    spread_deg: float = 60.0,
 ) -> Role:
     """Somebody who will come to a spot more or less from behind it."""
     for _ in range(16):
-        start = ahead(stand, facing + rng.uniform(-60, 60), -rng.uniform(*way_m))
+        start = ahead(stand, facing + rng.uniform(-spread_deg, spread_deg), -rng.uniform(*way_m))
         if area.is_free(start, _BODY_M, stand):
             return Role(figure, start, heading_to(start, stand) + rng.uniform(-15, 15))
     raise Misfit("there is no way to get there")
 
 
-def _walk_off(
+def walk_off(
     rng: random.Random,
     area: Area,
     role: Role,

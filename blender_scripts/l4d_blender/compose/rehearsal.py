@@ -20,7 +20,7 @@ from .areas import Area, Flat, NoRoom
 from .stage import Rejected, Stage
 
 T = TypeVar("T")
-TRIES = 60
+TRIES = 80
 _SAMPLED = range(0, FRAME_COUNT, 12)
 _PIXELS = 180.0  # more than visibility.GATE_PIXELS: discs are not bodies
 _VIEWS = 9  # of 17 cameras, so that more than six of the twelve training views remain
@@ -42,6 +42,7 @@ class Disc:
     height_m: float
     base_m: np.ndarray = field(default_factory=lambda: np.zeros(FRAME_COUNT))
     friends: set[str] = field(default_factory=set)  # whom it may touch
+    ignores: set[str] = field(default_factory=set)  # furniture that it may touch
 
     @classmethod
     def at(cls, name: str, xy: Flat, radius_m: float, body_m: float, height_m: float, base_m: float = 0.0) -> Disc:
@@ -114,6 +115,8 @@ class Board:
         if (margins < radius).any():
             return False
         for taken in self.area.taken:
+            if taken.owner in disc.ignores:
+                continue
             start, way = np.array(taken.start), np.array(taken.end) - np.array(taken.start)
             t = np.clip((at - start) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
             if (np.linalg.norm(at - start - t[:, None] * way, axis=1) < radius + taken.radius_m).any():

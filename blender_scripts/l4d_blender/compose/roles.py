@@ -44,6 +44,8 @@ class Item:
     on: float | None = None
     alike: bool = False
     holder: Role | None = None
+    before: list[Callable[[], None]] = field(default_factory=list)
+    after: list[Callable[[], None]] = field(default_factory=list)
 
     @property
     def at(self) -> Flat:
@@ -53,7 +55,7 @@ class Item:
     @classmethod
     def lying(cls, name: str, ware: Ware, look: Look, at: Flat, heading_deg: float, base_m: float = 0.0) -> Item:
         """One that nobody has moved yet."""
-        disc = Disc.at(name, at, ware.radius_m, ware.radius_m * 0.9, ware.height_m, base_m)
+        disc = Disc.at(name, at, ware.radius_m, ware.radius_m * ware.wide, ware.height_m, base_m)
         return cls(name, ware, look, disc, heading_deg)
 
     def build(self, stage: Stage, area: Area) -> None:
@@ -97,7 +99,7 @@ class Role:
         self.waits_for: list[Role] = []
         self.actor: Actor | None = None
         self._steps: list[Callable[[Actor], None]] = []
-        self._ground_m = 0.0
+        self.ground_m = 0.0
 
     # ---- where it is -----------------------------------------------------------------------------
 
@@ -294,7 +296,7 @@ class Role:
         first, at = self.now, self.put_spot(item)
         release = first + round(0.55 * frames)
         span = self.act(
-            frames, lambda a, f: a.put_down(item.prop.instance, (*at, self._ground_m), f), 0.40
+            frames, lambda a, f: a.put_down(item.prop.instance, (*at, self.ground_m), f), 0.40
         )
         self.disc_of(item, release, at)
         self.let_go(item)
@@ -364,10 +366,16 @@ def perform(stage: Stage, area: Area, roles: Sequence[Role], items: Sequence[Ite
     for role in roles:
         at = float(role.disc.xy[0, 0]), float(role.disc.xy[0, 1])
         ground = area.point(*at)[2]
-        role._ground_m = ground
+        role.ground_m = ground
         role.actor = hire(stage, role.figure, role.name, at, float(role.heading[0]), ground)
+    for item in items:
+        for step in item.before:
+            step()
     waiting = list(roles)
     while waiting:
         ready = next(role for role in waiting if not any(other in waiting for other in role.waits_for))
         ready.perform(stage)
         waiting.remove(ready)
+    for item in items:
+        for step in item.after:
+            step()

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..assets import bags, basket, bucket, dumbbell, suitcase, teddy
 from . import looks
 from .looks import Look
 
 Point = tuple[float, float, float]
+BALL_M = 0.15
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Ware:
     height_m: float
     draw: Callable[[random.Random, int], list[Look]]
     carry: str = "side"
+    wide: float = 0.9  # what is seen of its width, as a share
 
     @property
     def two_hands(self) -> bool:
@@ -80,7 +82,8 @@ def _balls(rng: random.Random, count: int) -> list[Look]:
         "colour": ("red", "orange", "green", "blue", "purple"),
         "pattern": ("striped", "dotted", "banded"),
     }
-    return looks.crossed(rng, "ball", count, options)
+    members = looks.crossed(rng, "ball", count, options)
+    return [Look("ball", {**member.words, "radius_m": BALL_M}, member.attributes) for member in members]
 
 
 def _teddies(rng: random.Random, count: int) -> list[Look]:
@@ -93,18 +96,22 @@ DUMBBELL_COLOURS = {"black": (0.030, 0.031, 0.034), "red": (0.45, 0.03, 0.03), "
 
 
 def _dumbbells(rng: random.Random, count: int) -> list[Look]:
-    words = {"shape": ("hex", "round"), "colour": tuple(DUMBBELL_COLOURS)}
+    words = {"shape": ("hex", "round"), "colour": ("black", "red", "blue")}
     made = {"hex": dumbbell.hexagonal, "round": dumbbell.round_plates}
     found = []
     for member in looks.crossed(rng, "dumbbell", count, words):
         colour = DUMBBELL_COLOURS[member.words["colour"]]
-        look = made[member.words["shape"]](colour, (0.55, 0.55, 0.56))
+        look = replace(made[member.words["shape"]](colour, (0.55, 0.55, 0.56)), radius_m=0.112, head_m=0.12)
         found.append(Look("dumbbell", {"look": look}, member.attributes))
     return found
 
 
 def _bag_grips(look: Look) -> tuple[Point, ...]:
     return (tuple(bags.DUFFEL_GRIP if look.kind.endswith("duffel") else bags.BACKPACK_GRIP),)
+
+
+def _dumbbell_grips(look: Look) -> tuple[Point, ...]:
+    return (look.words["look"].grip,)
 
 
 looks.PROPERTIES[("bucket", "look")] = {
@@ -136,11 +143,19 @@ WARES = {
         ),
         Ware("bag", _bag_grips, (1.0, 0.0, 0.0), 0.13, 0.26, 0.40, _bags),
         Ware("teddy", lambda _: teddy.SIDES_M, None, 0.10, 0.16, teddy.HEIGHT_M, _teddies, "chest"),
-        Ware("ball", lambda _: ((0.0, 0.0, 0.12),), None, 0.09, 0.13, 0.24, _balls),
-        Ware("suitcase", lambda _: ((0.0, 0.0, 0.99),), (1.0, 0.0, 0.0), 0.2, 0.30, 0.85, _suitcases),
-        Ware("dumbbell", lambda _: ((0.0, 0.0, 0.08),), (0.0, 1.0, 0.0), 0.1, 0.20, 0.17, _dumbbells),
+        Ware(
+            "ball",
+            lambda _: ((-BALL_M, 0.0, BALL_M), (BALL_M, 0.0, BALL_M)),
+            None,
+            0.09,
+            BALL_M,
+            2 * BALL_M,
+            _balls,
+            "chest",
+            1.1,
+        ),
+        Ware("suitcase", lambda _: ((0.0, 0.0, suitcase.HANDLE_OUT_M),), (1.0, 0.0, 0.0), 0.2, 0.30, 0.85, _suitcases),
+        Ware("dumbbell", _dumbbell_grips, (0.0, 1.0, 0.0), 0.1, 0.20, 0.22, _dumbbells),
     )
 }
 """By noun."""
-
-SUITCASE_PULLED_M = suitcase.HANDLE_OUT_M

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import random
 from typing import TYPE_CHECKING
 
-from .. import errands, folk
+from .. import crowd, errands, folk
 from ..areas import Area
-from ..looks import Look
-from ..rehearsal import Board, rehearse, roomy_m2
-from ..roles import Item, Role, perform
-from ..wares import WARES, Ware
+from ..wares import WARES
 from . import theme
 
 if TYPE_CHECKING:
@@ -49,70 +45,28 @@ def _play(stage: Stage, area: Area, nouns: tuple[str, ...], wares: tuple[str, ..
     rng = stage.rng("carriers")
     noun = stage.pick("carriers/noun", nouns, stage.spec.categories)
     ware = WARES[stage.pick("carriers/ware", wares, stage.spec.categories)]
-    roomy = roomy_m2(area) > 8.0
-    figures = folk.cast(rng, noun, rng.choice((3, 4)) if roomy else 3)
-    things = ware.draw(rng, rng.choice((3, 4)) if roomy else 3)
-
-    def draw(k: int) -> tuple[list[Role], list[Item]]:
-        tried, board = stage.rng(f"carriers/{k}"), Board(stage.scene, area)
-        items = [_lay(tried, board, ware, n, look) for n, look in enumerate(things)]
-        roles = _errands(tried, board, figures, items)
-        board.check_sight()
-        return roles, items
-
-    roles, items = rehearse(stage, "errands", draw)
-    perform(stage, area, roles, items)
+    figures = folk.cast(rng, noun, crowd.head_count(rng, area))
+    looks = ware.draw(rng, crowd.head_count(rng, area))
+    crowd.play(stage, area, "carriers", _errands, figures, ware, looks)
     stage.tell(f"People carry {ware.noun}s to and fro; some wait.")
 
 
-def _lay(rng: random.Random, board: Board, ware: Ware, number: int, look: Look) -> Item:
-    def lie() -> Item:
-        spots = [board.area.spot(rng, ware.radius_m + 0.05) for _ in range(3)]
-        at = min(spots, key=board.area.margin) if rng.random() < 0.7 else spots[0]
-        return Item.lying(f"{ware.noun}_{number + 1}", ware, look, at, rng.uniform(-180, 180))
-
-    return board.add(lie, lambda item: [item.disc])
-
-
-def _errands(
-    rng: random.Random, board: Board, figures: list[folk.Figure], items: list[Item]
-) -> list[Role]:
+def _errands(group: crowd.Crowd) -> None:
     """Two or three people have errands with different things, the others pass the time."""
-    area, spare = board.area, rng.sample(items, len(items))
-    order = rng.sample(figures, len(figures))
-    roles: list[Role] = []
+    rng, area = group.rng, group.area
 
-    def send(errand: str, item: Item) -> None:
-        start = item.disc.copy()
+    def send(errand: str) -> None:
+        item = group.spare.pop()
+        if errand == "hand_over":
+            group.send(lambda *who: errands.hand_over(rng, area, *who), people=2, item=item)
+        elif errand == "relay":
+            group.send(lambda *who: errands.brought_and_taken(rng, area, *who), people=2, item=item)
+        else:
+            do, delay = getattr(errands, errand), rng.randint(0, 8)
+            group.send(lambda *who: do(rng, area, *who, delay), item=item)
 
-        def draw() -> list[Role]:
-            item.disc.restore(start)
-            figure = order[0]
-            if errand == "hand_over":
-                return list(errands.hand_over(rng, area, figure, order[1], item))
-            if errand == "relay":
-                one = errands.bring(rng, area, figure, item)
-                return [one, errands.relay(rng, area, order[1], item, one)]
-            return [getattr(errands, errand)(rng, area, figure, item, rng.randint(0, 8))]
-
-        made = board.add(draw, lambda roles: [item.disc, *(role.disc for role in roles)])
-        del order[: len(made)]
-        roles.extend(made)
-
-    send(rng.choice(("fetch", "bring", "move", "hand_over", "relay", "carry_about")), spare.pop())
+    send(rng.choice(("fetch", "bring", "move", "hand_over", "relay", "carry_about")))
     for errand in rng.sample(("fetch", "bring", "move", "carry_about"), rng.choice((1, 1, 2))):
-        if len(order) > (0 if len(roles) < 2 else 1) and len(spare) > 1:
-            send(errand, spare.pop())
-    for figure in order:
-        bystander = board.add(
-            lambda figure=figure: errands.bystander(rng, area, figure, area.centre), lambda role: [role.disc]
-        )
-        if rng.random() < 0.6:
-            bystander.stand(rng.randint(16, 34))
-        roles.append(bystander)
-    for role in roles:
-        if role.left >= 16:
-            errands.gesture(rng, role, ("wave", "phone", "stretch", "crouch", "bend_down"))
-        if role.left >= 16:
-            role.stand()
-    return sorted(roles, key=lambda role: role.name)
+        if len(group.idle) > (0 if len(group.roles) < 2 else 1) and len(group.spare) > 1:
+            send(errand)
+    group.stand_about()
