@@ -1,4 +1,4 @@
-"""People of composed scenes: whom a draw casts, what a plan refuses, and what is recorded of those who act."""
+"""People of composed scenes: whom a draw casts, what a plan refuses, what is recorded of those who act."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ def test_a_group_has_twins_and_no_one_else_is_alone_with_a_property(noun: str, s
     assert sorted(looks.values()) == [1, 1, 2]
     twins = [f for f in figures if looks[appearance(f.look.attributes)] == 2]
     first, second = (twin.dress for twin in twins)
-    assert (first.build, first.top, first.lower, first.skin) == (second.build, second.top, second.lower, second.skin)
+    worn = [(dress.build, dress.top, dress.lower, dress.skin) for dress in (first, second)]
+    assert worn[0] == worn[1]
     assert abs(first.height_m / second.height_m - 1.0) < 0.04
     assert {figure.dress.build for figure in figures} <= set(folk.BUILDS[noun])
 

@@ -85,6 +85,10 @@ class Actor(Cook, Lifter, Reader, OfficeWorker, Traveller, Thrower, Player, Trad
             self.hand_on_knee(side, (last - 12, last))
         self.scene.event(self.instance, "wave", frames)
 
+    def ease_grip(self, side: str, curl: float) -> None:
+        """Fingers that lie round something big instead of closing to a fist."""
+        self._curl[side][:] = curl
+
     def nod(self, frames: Frames, depth: float = 0.12) -> None:
         """Leans forward a little for a while, without a word."""
         first, last = frames

@@ -14,22 +14,22 @@ from ..motion.ball_games import Ball, RollingBall, slowing
 from ..motion.playing import kick_spot
 from ..motion.throwing import toss
 from ..timeline import FRAME_COUNT, LAST_FRAME
+from .actors import Actor
 from .areas import Area, Flat
 from .errands import arriving
 from .folk import Figure
 from .rehearsal import Misfit, ahead
 from .roles import Item, Role
-from .wares import BALL_M
 
 _STEP_IN_M = 0.42  # how far a kick carries the body, on the reference body
-_ROLL_M = 0.17  # room for a rolling ball
+_CLEAR_M = 0.22  # a ball that hangs from a hand is beside the leg
 _POWER = 2.2
 
 
 def kick(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Steps up to a ball and kicks it away."""
-    heading, end = _aim(rng, area, figure, item.at, (0.9, 2.2))
-    role = _kicker(rng, area, figure, item.at, heading, delay)
+    heading, end = _aim(rng, area, item, item.at, (0.9, 2.2))
+    role = _kicker(rng, area, figure, item, heading, delay)
     strike = _kick(rng, role, item)
     _roll(rng, area, item, [(strike, end)])
     return role
@@ -37,11 +37,11 @@ def kick(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int 
 
 def kicked_back(rng: random.Random, area: Area, one: Figure, two: Figure, item: Item) -> tuple[Role, Role]:
     """One kicks a ball to another, who kicks it on."""
-    heading, between = _aim(rng, area, one, item.at, (1.1, 1.8))
-    first = _kicker(rng, area, one, item.at, heading, rng.randint(0, 3))
+    heading, between = _aim(rng, area, item, item.at, (1.1, 1.8))
+    first = _kicker(rng, area, one, item, heading, rng.randint(0, 3))
     strike = _kick(rng, first, item)
     back = heading + 180.0 + rng.uniform(-70, 70)
-    spot = kick_spot(two.dress, between, back, BALL_M)
+    spot = kick_spot(two.dress, between, back, item.ware.radius_m)
     if not area.is_free(spot, 0.26):
         raise Misfit("there is no room to kick")
     second = Role(two, spot, back)
@@ -62,7 +62,7 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     way = role.facing + rng.uniform(-12, 12)
     reach = rng.uniform(1.3, 2.0)
     spots = [ahead(at, way, m) for m in (reach, reach + 0.35, reach + rng.uniform(0.6, 0.9))]
-    if rest > LAST_FRAME or not area.is_free(ahead(at, way, 0.5), _ROLL_M, spots[-1]):
+    if rest > LAST_FRAME or not area.is_free(ahead(at, way, 0.5), item.ware.radius_m + 0.03, spots[-1]):
         raise Misfit("there is no room to throw")
     role.held[side] = item
     role.free_hands = {"l", "r"} - {side}
@@ -75,7 +75,7 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
         places = [item.disc.xy[0, axis], *(spot[axis] for spot in spots)]
         item.disc.xy[:, axis] = np.interp(frames, knots, places)
     item.disc.base_m[:] = np.interp(frames, knots[:2], [1.0, 0.0])
-    role.do(lambda a: a.hold_ball(item.prop.instance, BALL_M, side=side))
+    role.do(lambda a: _hang(a, item, side))
     role.wait(first)
     role.act(
         40,
@@ -85,35 +85,44 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
         0.34,
     )
     role.let_go(item)
-    role.after.append(lambda: _thrown(role, item, release, [(bounce, spots[0]), (again, spots[1])], (rest, spots[2])))
+    hops = [(bounce, spots[0]), (again, spots[1])]
+    role.after.append(lambda: _thrown(role, item, release, hops, (rest, spots[2])))
     return role
+
+
+def _hang(actor: Actor, item: Item, side: str) -> None:
+    """A ball at a hanging hand, with the palm against its outer side."""
+    sign, radius = (1.0 if side == "l" else -1.0), item.ware.radius_m
+    actor.hold(item.prop.instance, (sign * 0.85 * radius, 0.0, radius), side=side, clear_m=_CLEAR_M)
+    actor.ease_grip(side, 0.45)
 
 
 def _thrown(
     role: Role, item: Item, release: int, hops: list[tuple[int, Flat]], rest: tuple[int, Flat]
 ) -> None:
-    ball = Ball(item.prop.instance, BALL_M, rest[1], role.ground_m)
+    ball = Ball(item.prop.instance, item.ware.radius_m, rest[1], role.ground_m)
     toss(ball, release, hops, rest)
     ball.finish()
 
 
 def _aim(
-    rng: random.Random, area: Area, figure: Figure, ball: Flat, way_m: tuple[float, float]
+    rng: random.Random, area: Area, item: Item, ball: Flat, way_m: tuple[float, float]
 ) -> tuple[float, Flat]:
     """A heading for a kick with room before and behind the ball, and where the ball shall stop."""
     for _ in range(24):
         heading = rng.uniform(-180, 180)
         end = ahead(ball, heading, rng.uniform(*way_m))
-        if area.is_free(ball, _ROLL_M, end) and area.is_free(ahead(ball, heading, -0.9), 0.26, ball):
+        start = ahead(ball, heading, -0.9)
+        if area.is_free(ball, item.ware.radius_m + 0.03, end) and area.is_free(start, 0.26, ball):
             return heading, end
     raise Misfit("there is no room to kick")
 
 
 def _kicker(
-    rng: random.Random, area: Area, figure: Figure, ball: Flat, heading: float, delay: int
+    rng: random.Random, area: Area, figure: Figure, item: Item, heading: float, delay: int
 ) -> Role:
     """Somebody who stands behind a ball, or who walks up to it."""
-    spot = kick_spot(figure.dress, ball, heading, BALL_M)
+    spot = kick_spot(figure.dress, item.at, heading, item.ware.radius_m)
     if not area.is_free(spot, 0.24):
         raise Misfit("there is no room to kick")
     if rng.random() < 0.5:
@@ -143,7 +152,7 @@ def _roll(rng: random.Random, area: Area, item: Item, rolls: list[tuple[int, Fla
     """Lets a ball roll from where it lies from each frame to each place."""
     here, spans = item.at, []
     for start, end in rolls:
-        if not area.is_free(here, _ROLL_M, end):
+        if not area.is_free(here, item.ware.radius_m + 0.03, end):
             raise Misfit("there is no room to roll")
         stop = start + rng.randint(30, 34)
         if stop > LAST_FRAME:
@@ -153,12 +162,12 @@ def _roll(rng: random.Random, area: Area, item: Item, rolls: list[tuple[int, Fla
         item.disc.xy[start:] = np.array(here) + share * (np.array(end) - np.array(here))
         spans.append((start, stop, end))
         here = end
-    turn = Quaternion((0.5, 0.3, 0.8), rng.uniform(0.0, 6.0))
+    turn, radius = Quaternion((0.5, 0.3, 0.8), rng.uniform(0.0, 6.0)), item.ware.radius_m
 
     def key() -> None:
         at = item.prop.instance.matrix(0).translation
-        centre = (at.x, at.y, at.z + BALL_M)
-        ball = RollingBall(item.prop.instance, BALL_M, centre, turn)
+        centre = (at.x, at.y, at.z + radius)
+        ball = RollingBall(item.prop.instance, radius, centre, turn)
         for start, stop, end in spans:
             ball.roll_along([(*end, centre[2])], (start, stop), slowing(_POWER))
         ball.finish()

@@ -1,7 +1,7 @@
 """A group of people and their things while a theme plans: who has an errand, who passes the time.
 
-Takes errands from a theme, tries them on the plan until they fit, and lets everybody else rest. Builds nothing
-before the whole plan works.
+Takes errands from a theme, tries them on the plan until they fit, and lets everybody else rest. Builds
+nothing before the whole plan works.
 """
 
 from __future__ import annotations
@@ -45,7 +45,9 @@ class Crowd:
             self.items.append(self.board.add(lie, lambda item: [item.disc]))
         self.spare = self.rng.sample(self.items, len(self.items))
 
-    def send(self, errand: Errand, *, people: int = 1, item: Item | None = None, tries: int = 30) -> list[Role]:
+    def send(
+        self, errand: Errand, *, people: int = 1, item: Item | None = None, tries: int = 30
+    ) -> list[Role]:
         """Gives the next idle people an errand: `errand(figures..., item)`; the item only if there is one."""
         if len(self.idle) < people:
             raise Misfit("there are too few people")

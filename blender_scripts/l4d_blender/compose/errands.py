@@ -1,7 +1,7 @@
 """Errands: whole little stories of one or two people with things, drawn on the plan.
 
-Each draws where its people start, which ways they take and how long, for things that have their places. Raises
-`Misfit` where there is no room or time. Builds nothing.
+Each draws where its people start, which ways they take and how long, for things that have their places.
+Raises `Misfit` where there is no room or time. Builds nothing.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from collections.abc import Sequence
 from math import hypot
 
 import numpy as np
+from mathutils import Vector
 
 from ..motion.traders import swing_while_carried
 from ..timeline import FRAME_COUNT, LAST_FRAME
+from .actors import Actor
 from .areas import Area, Flat, heading_to
 from .folk import Figure
 from .rehearsal import Misfit, ahead
@@ -37,7 +39,7 @@ def bystander(rng: random.Random, area: Area, figure: Figure, faces: Flat, loose
 def fetch(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Walks up to a thing, lifts it and carries it off."""
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = stand_before(rng, area, figure, item.at, side)
+    facing, stand = stand_before(rng, area, figure, item.at, side, item.ware.height_m)
     role = arriving(rng, area, figure, stand, facing, (0.6, 1.5))
     role.wait(delay)
     role.walk([stand], facing_deg=facing, pace=rng.uniform(2.0, 2.3))
@@ -50,7 +52,7 @@ def fetch(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
 def move(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Lifts a thing at its feet, carries it elsewhere and puts it down."""
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = stand_before(rng, area, figure, item.at, side)
+    facing, stand = stand_before(rng, area, figure, item.at, side, item.ware.height_m)
     role = Role(figure, stand, facing)
     role.wait(delay)
     role.lift(item, side, rng.randint(24, 28))
@@ -88,7 +90,7 @@ def relay(rng: random.Random, area: Area, figure: Figure, item: Item, before: Ro
     """Takes up what another has put down, later."""
     at, free_from = item_end(item), before.now
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = stand_before(rng, area, figure, at, side)
+    facing, stand = stand_before(rng, area, figure, at, side, item.ware.height_m)
     role = arriving(rng, area, figure, stand, facing, (0.45, 1.2))
     role.disc.friends.add(before.disc.name)
     role.waits_for.append(before)
@@ -149,6 +151,49 @@ def hand_over(
     return first, second
 
 
+def fetch_and_hug(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
+    """Goes to something soft, takes it up with both hands and hugs it."""
+    facing, stand = stand_before(rng, area, figure, item.at, None, item.ware.height_m)
+    if rng.random() < 0.35:
+        role = Role(figure, stand, facing)
+        role.wait(delay)
+    else:
+        role = arriving(rng, area, figure, stand, facing, (0.4, 1.1))
+        role.walk([stand], facing_deg=facing)
+    role.lift(item, None, rng.randint(26, 32))
+    half_m = abs(item.ware.grips(item.look)[0][0])
+    role.act(
+        LAST_FRAME - role.now, lambda a, f: a.hug(item.prop.instance, f, half_m=half_m), 0.36
+    )
+    return role
+
+
+def wait_with_suitcase(rng: random.Random, area: Area, figure: Figure, item: Item) -> Role:
+    """Stands with a hand on the handle of a suitcase, then lets go."""
+    side = rng.choice("lr")
+    sign = 1.0 if side == "l" else -1.0
+    facing = item.heading_deg + rng.uniform(-25, 25)
+    at = ahead(item.at, facing, -0.05, -sign * 0.44 * figure.scale)
+    if not area.is_free(at, _BODY_M):
+        raise Misfit("nobody can stand there")
+    role = Role(figure, at, facing)
+    role.free_hands = {"l", "r"} - {side}
+    role.disc.friends.add(item.name)
+    last = rng.randint(26, 60)
+
+    def do(a: Actor) -> None:
+        pose = item.prop.instance.matrix(0)
+        bar = pose.to_3x3() @ Vector((1.0, 0.0, 0.0))
+        a.hand_on(item.prop.instance, pose @ item.thing.grip, last, side=side, bar=bar)
+
+    role.do(do)
+    gesture(rng, role, ("wave", "phone"))
+    if role.now < last + 18:
+        role.wait(last + 18 - role.now)
+    role.free_hands = {"l", "r"}
+    return role
+
+
 def pull_suitcase(rng: random.Random, area: Area, figure: Figure, item: Item) -> Role:
     """Pulls a trolley suitcase along and parks it."""
     at, side = area.spot(rng, _LOADED_M), rng.choice("lr")
@@ -171,15 +216,22 @@ def pull_suitcase(rng: random.Random, area: Area, figure: Figure, item: Item) ->
     return role
 
 
-def gesture(rng: random.Random, role: Role, options: Sequence[str] = ("wave", "phone", "stretch", "crouch")) -> str:
+def gesture(rng: random.Random, role: Role, options: Sequence[str]) -> str:
     """One of these on the spot, if there is time and a free hand; else it stands."""
-    lengths = {"wave": (34, 50), "phone": (26, 44), "stretch": (48, 60), "crouch": (36, 50), "cheer": (32, 44),
-               "bend_down": (34, 44)}  # fmt: skip
+    lengths = {
+        "wave": (34, 50),
+        "phone": (26, 44),
+        "stretch": (48, 60),
+        "crouch": (36, 50),
+        "cheer": (32, 44),
+        "bend_down": (34, 44),
+    }
     fitting = []
     for verb in options:
         needs = lengths[verb][0] + (28 if verb == "phone" and role.now > 0 else 0)
         one_handed = verb in ("wave", "phone")
-        if needs <= role.left and (role.free_hands if one_handed else not role.held and len(role.free_hands) == 2):
+        hands = role.free_hands if one_handed else not role.held and len(role.free_hands) == 2
+        if needs <= role.left and hands:
             fitting.append(verb)
     if not fitting:
         role.stand()
@@ -199,14 +251,15 @@ def item_end(item: Item) -> Flat:
 
 
 def stand_before(
-    rng: random.Random, area: Area, figure: Figure, point: Flat, side: str | None
+    rng: random.Random, area: Area, figure: Figure, point: Flat, side: str | None, height_m: float
 ) -> tuple[float, Flat]:
-    """A heading and a free spot from which a thing at a point is taken."""
+    """A heading and a free spot from which a thing at a point is taken; low things want to be near."""
+    ahead_m = 0.36 if side is not None else 0.30 if height_m > 0.32 else 0.23
     for _ in range(12):
         facing = rng.uniform(-180, 180)
         k = figure.scale
         aside = 0.0 if side is None else (1.0 if side == "l" else -1.0) * 0.14 * k
-        stand = ahead(point, facing, -(0.30 if side is None else 0.36) * k, -aside)
+        stand = ahead(point, facing, -ahead_m * k, -aside)
         if area.is_free(stand, _BODY_M):
             return facing, stand
     raise Misfit("nobody can stand there")
@@ -261,7 +314,8 @@ def _way_out(
         heading = role.facing + rng.uniform(-turn_deg, turn_deg)
         goal = ahead(here, heading, rng.uniform(shortest_m, longest_m))
         if rng.random() < 0.4 and hypot(goal[0] - here[0], goal[1] - here[1]) > 1.2:
-            middle = ahead(((here[0] + goal[0]) / 2, (here[1] + goal[1]) / 2), heading, 0.0, rng.uniform(-0.2, 0.2))
+            halfway = (here[0] + goal[0]) / 2, (here[1] + goal[1]) / 2
+            middle = ahead(halfway, heading, 0.0, rng.uniform(-0.2, 0.2))
             if area.is_free(here, radius_m, middle) and area.is_free(middle, radius_m, goal):
                 return [middle, goal]
         elif area.is_free(here, radius_m, goal):

@@ -52,9 +52,12 @@ class Figure:
         return self.dress.height_m * (1.0 - 1.0 / BODIES[self.dress.build].heads) / CHIN_M
 
 
-def cast(rng: random.Random, noun: str, count: int) -> list[Figure]:
-    """A group of `count` people of a noun; two are twins, two properties cross."""
-    options = _options(rng, noun)
+def cast(rng: random.Random, noun: str, count: int, *, wardrobe: str | None = None) -> list[Figure]:
+    """A group of `count` people of a noun; two are twins, two properties cross.
+
+    `wardrobe` is the noun whose clothes they wear, if it is not their own.
+    """
+    options = _options(rng, wardrobe or noun)
     members = looks.crossed(rng, "person", count, options)
     bodies: dict[tuple[tuple[str, str], ...], Dress] = {}
     figures = []
@@ -91,12 +94,14 @@ def _options(rng: random.Random, noun: str) -> Mapping[str, Sequence[str]]:
         }
     options |= {"pattern": tuple(_PATTERNS), "sleeves": ("short", "long")}
     if noun == "man":
-        options |= {"trousers": _TROUSERS, "jacket": ("none", *rng.sample(("red", "green", "blue", "black"), 2))}
+        options |= {"trousers": _TROUSERS}
+        if rng.random() < 0.4:
+            options |= {"jacket": ("none", *rng.sample(("red", "green", "blue", "black"), 2))}
     elif noun == "child":
         options |= {"trousers": _TROUSERS, "bottom": ("trousers", "shorts"), "hair": ("short", "long")}
     else:
         options |= {"hair": ("short", rng.choice(("long", "bun")))}
-        clothes = rng.choice(("trousers", "trousers", "skirt", "dress", "jacket", "apron"))
+        clothes = rng.choice(("trousers",) * 3 + ("skirt", "dress", "dress", "jacket", "jacket", "apron"))
         if clothes == "dress" and noun == "woman":
             del options["top"]
             return {**options, "dress": _TOPS}
@@ -107,13 +112,16 @@ def _options(rng: random.Random, noun: str) -> Mapping[str, Sequence[str]]:
             options |= {"jacket": ("none", *rng.sample(("red", "yellow", "green", "blue"), 2))}
         elif clothes == "apron":
             options |= {"apron": ("none", *rng.sample(("white", "red", "green", "brown"), 2))}
-    if "jacket" in options:  # it hides most of what is under it
-        options |= {"pattern": ("plain",), "sleeves": ("long",)}
-    return options
+    return _under_jackets(rng, options) if "jacket" in options else options
+
+
+def _under_jackets(rng: random.Random, options: Mapping[str, Sequence[str]]) -> Mapping[str, Sequence[str]]:
+    """A jacket hides most of what is under it: that is the same for all."""
+    return {**options, "top": (rng.choice(_TOPS),), "pattern": ("plain",), "sleeves": ("long",)}
 
 
 def _properties(words: Mapping[str, str]) -> dict[str, str]:
-    """What queries may name: what somebody has none of is a property only where others of the group have it."""
+    """What queries may name: shorts show no trousers."""
     seen = dict(words)
     if seen.get("bottom") == "shorts":
         seen.pop("trousers", None)

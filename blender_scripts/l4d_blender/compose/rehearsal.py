@@ -1,7 +1,7 @@
 """A plan of who is where at every frame, before anything is built: what would collide or hide is drawn anew.
 
-People and things are discs with a height that move over the plan. Knows cameras and free floor; knows no acts,
-bodies or looks.
+People and things are discs with a height that move over the plan. Knows cameras and free floor; knows no
+acts, bodies or looks.
 """
 
 from __future__ import annotations
@@ -43,9 +43,12 @@ class Disc:
     base_m: np.ndarray = field(default_factory=lambda: np.zeros(FRAME_COUNT))
     friends: set[str] = field(default_factory=set)  # whom it may touch
     ignores: set[str] = field(default_factory=set)  # furniture that it may touch
+    leaves_floor: int = FRAME_COUNT  # from here on it sits somewhere
 
     @classmethod
-    def at(cls, name: str, xy: Flat, radius_m: float, body_m: float, height_m: float, base_m: float = 0.0) -> Disc:
+    def at(
+        cls, name: str, xy: Flat, radius_m: float, body_m: float, height_m: float, base_m: float = 0.0
+    ) -> Disc:
         """One that stays where it is."""
         return cls(
             name,
@@ -107,7 +110,10 @@ class Board:
 
     def _is_free(self, disc: Disc) -> bool:
         """Whether a disc is on the area, clear of the furniture, all the time (arms may reach over it)."""
-        at, radius = disc.xy[::4], np.minimum(disc.radius_m[::4], 0.24)
+        frames = range(0, disc.leaves_floor, 4)
+        if not frames:
+            return True
+        at, radius = disc.xy[frames], np.minimum(disc.radius_m[frames], 0.24)
         corners = np.array(self.area.corners)
         edges = np.roll(corners, -1, axis=0) - corners
         inwards = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]

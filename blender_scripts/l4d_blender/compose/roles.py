@@ -1,6 +1,6 @@
-"""What somebody does in a drawn plan, act after act: where it happens on the plan, and how a body does it later.
+"""What somebody does in a drawn plan, act after act: where it happens, and how a body does it later.
 
-A role moves over the plan while it is being written (`rehearsal` judges it) and is performed once by an Actor.
+A role moves over the plan while it is written (`rehearsal` judges it) and is performed once by an Actor.
 Knows acts and how long they take; draws nothing.
 """
 
@@ -53,7 +53,9 @@ class Item:
         return float(self.disc.xy[0, 0]), float(self.disc.xy[0, 1])
 
     @classmethod
-    def lying(cls, name: str, ware: Ware, look: Look, at: Flat, heading_deg: float, base_m: float = 0.0) -> Item:
+    def lying(
+        cls, name: str, ware: Ware, look: Look, at: Flat, heading_deg: float, base_m: float = 0.0
+    ) -> Item:
         """One that nobody has moved yet."""
         disc = Disc.at(name, at, ware.radius_m, ware.radius_m * ware.wide, ware.height_m, base_m)
         return cls(name, ware, look, disc, heading_deg)
@@ -97,6 +99,8 @@ class Role:
         self.held: dict[str, Item] = {}
         self.after: list[Callable[[], None]] = []
         self.waits_for: list[Role] = []
+        self.touches: list[Prop] = []  # furniture
+        self.start: Flat | None = None  # where its feet are at first, if that is not where its disc is
         self.actor: Actor | None = None
         self._steps: list[Callable[[Actor], None]] = []
         self.ground_m = 0.0
@@ -256,7 +260,7 @@ class Role:
     # ---- things ----------------------------------------------------------------------------------
 
     def hold(self, item: Item, side: str | None = None, grip: Sequence[float] | None = None) -> None:
-        """Has something in the hand from the first frame on; `grip` is the middle of its handle unless given."""
+        """Has something in the hand from the first frame on; `grip` if not the middle of its handle."""
         ware, side = item.ware, self._take(item, side)
         item.holder = self
         self._steps.append(
@@ -340,9 +344,12 @@ class Role:
         """What is held goes along from a frame on."""
         for side, item in self.held.items():
             clear = item.ware.clear_m
-            local = (0.0, 0.36) if item.ware.two_hands else (_SIGN[side] * (0.165 * self.k + 0.86 * clear), 0.02)
-            item.disc.xy[first:] = ahead_of(self.disc.xy[first:], self.heading[first:], local[1], local[0])
-            item.disc.base_m[first:] = 0.95 * self.k if item.ware.two_hands else 0.86 * self.k - item.ware.height_m
+            aside_m, ahead_m, base_m = 0.0, 0.36, 0.95 * self.k
+            if not item.ware.two_hands:
+                aside_m, ahead_m = _SIGN[side] * (0.165 * self.k + 0.86 * clear), 0.02
+                base_m = 0.86 * self.k - item.ware.height_m
+            item.disc.xy[first:] = ahead_of(self.disc.xy[first:], self.heading[first:], ahead_m, aside_m)
+            item.disc.base_m[first:] = base_m
 
     # ---- the performance -------------------------------------------------------------------------
 
@@ -364,10 +371,12 @@ def perform(stage: Stage, area: Area, roles: Sequence[Role], items: Sequence[Ite
     for item in items:
         item.build(stage, area)
     for role in roles:
-        at = float(role.disc.xy[0, 0]), float(role.disc.xy[0, 1])
+        at = role.start or (float(role.disc.xy[0, 0]), float(role.disc.xy[0, 1]))
         ground = area.point(*at)[2]
         role.ground_m = ground
         role.actor = hire(stage, role.figure, role.name, at, float(role.heading[0]), ground)
+        for prop in role.touches:
+            stage.may_touch(role.actor.instance, prop)
     for item in items:
         for step in item.before:
             step()

@@ -14,7 +14,6 @@ from . import looks
 from .looks import Look
 
 Point = tuple[float, float, float]
-BALL_M = 0.15
 
 
 @dataclass(frozen=True)
@@ -77,13 +76,19 @@ def _suitcases(rng: random.Random, count: int) -> list[Look]:
     return looks.crossed(rng, "suitcase", count, options)
 
 
-def _balls(rng: random.Random, count: int) -> list[Look]:
-    options = {
-        "colour": ("red", "orange", "green", "blue", "purple"),
-        "pattern": ("striped", "dotted", "banded"),
-    }
-    members = looks.crossed(rng, "ball", count, options)
-    return [Look("ball", {**member.words, "radius_m": BALL_M}, member.attributes) for member in members]
+def balls(radius_m: float) -> Ware:
+    """Balls of a size; two hands carry one."""
+
+    def draw(rng: random.Random, count: int) -> list[Look]:
+        options = {
+            "colour": ("red", "orange", "green", "blue", "purple"),
+            "pattern": ("striped", "dotted", "banded"),
+        }
+        members = looks.crossed(rng, "ball", count, options)
+        return [Look("ball", {**m.words, "radius_m": radius_m}, m.attributes) for m in members]
+
+    grips = ((-radius_m, 0.0, radius_m), (radius_m, 0.0, radius_m))
+    return Ware("ball", lambda _: grips, None, 0.09, radius_m, 2 * radius_m, draw, "chest", 1.1)
 
 
 def _teddies(rng: random.Random, count: int) -> list[Look]:
@@ -143,18 +148,16 @@ WARES = {
         ),
         Ware("bag", _bag_grips, (1.0, 0.0, 0.0), 0.13, 0.26, 0.40, _bags),
         Ware("teddy", lambda _: teddy.SIDES_M, None, 0.10, 0.16, teddy.HEIGHT_M, _teddies, "chest"),
+        balls(0.14),
         Ware(
-            "ball",
-            lambda _: ((-BALL_M, 0.0, BALL_M), (BALL_M, 0.0, BALL_M)),
-            None,
-            0.09,
-            BALL_M,
-            2 * BALL_M,
-            _balls,
-            "chest",
-            1.1,
+            "suitcase",
+            lambda _: ((0.0, 0.0, suitcase.HANDLE_OUT_M),),
+            (1.0, 0.0, 0.0),
+            0.2,
+            0.30,
+            0.85,
+            _suitcases,
         ),
-        Ware("suitcase", lambda _: ((0.0, 0.0, suitcase.HANDLE_OUT_M),), (1.0, 0.0, 0.0), 0.2, 0.30, 0.85, _suitcases),
         Ware("dumbbell", _dumbbell_grips, (0.0, 1.0, 0.0), 0.1, 0.20, 0.22, _dumbbells),
     )
 }

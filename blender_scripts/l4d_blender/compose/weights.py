@@ -6,13 +6,16 @@ import random
 
 import numpy as np
 
+from ..assets import gym_equipment
 from ..motion.lifters import OVERHAND
+from .actors import Actor
 from .areas import Area
 from .errands import arriving
 from .folk import Figure
 from .rehearsal import Misfit, ahead
 from .roles import Item, Role
 
+STEP_M = gym_equipment.STEP_TOP_M  # they lie on steps: nobody curls from the floor
 _OVERHAND_DEG = float(np.degrees(OVERHAND))
 
 
@@ -22,7 +25,7 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     sign = 1.0 if side == "l" else -1.0
     for _ in range(12):
         facing = rng.uniform(-180, 180)
-        stand = ahead(item.at, facing, -0.30 * figure.scale, -sign * 0.25 * figure.scale)
+        stand = ahead(item.at, facing, -0.40 * figure.scale, -sign * 0.22 * figure.scale)
         if area.is_free(stand, 0.28):
             break
     else:
@@ -34,6 +37,7 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
         role = arriving(rng, area, figure, stand, facing, (0.45, 1.2))
         role.walk([stand], facing_deg=facing)
     item.heading_deg = facing + (_OVERHAND_DEG if side == "r" else -_OVERHAND_DEG)
+    item.on = STEP_M
     item.disc.friends.add(role.disc.name)
     first = role.now
     take, reps = (first, first + rng.randint(24, 28)), rng.choice((1, 2, 2))
@@ -43,7 +47,7 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     if curl[1] > 96:
         raise Misfit("there is no time to curl")
 
-    def do(a, frames) -> None:
+    def do(a: Actor, _: tuple[int, int]) -> None:
         bar_m = item.look.words["look"].bar_height_m
         rest = np.array(item.prop.instance.matrix(0))
         a.train(

@@ -1,4 +1,4 @@
-"""People who carry things to and fro: buckets in a yard, baskets at a market, bags and suitcases in a hall."""
+"""People who carry things to and fro: buckets in a yard, baskets at a market, bags in a hall."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from . import theme
 if TYPE_CHECKING:
     from ..stage import Stage
 
-_VERBS = (
-    "walk lift carry hold put_down hand_over take swing wave phone stand stretch crouch bend_down point_at".split()
+_VERBS = tuple(
+    "walk lift carry hold put_down hand_over take swing wave phone stand stretch crouch bend_down".split()
 )
 _INDOORS = ("person", "woman", "man"), ("bag", "basket", "bucket")
 _OUTDOORS = ("person", "woman", "man", "pedestrian", "child"), ("bucket", "basket", "bag")
@@ -23,7 +23,7 @@ _OUTDOORS = ("person", "woman", "man", "pedestrian", "child"), ("bucket", "baske
     "room",
     needs=("floor",),
     categories=(*_INDOORS[0], *_INDOORS[1]),
-    verbs=tuple(_VERBS),
+    verbs=_VERBS,
 )
 def carriers_indoors(stage: Stage) -> None:
     """People carry bags, baskets or buckets about in a room."""
@@ -34,7 +34,7 @@ def carriers_indoors(stage: Stage) -> None:
     "outdoor",
     needs=("lawn",),
     categories=(*_OUTDOORS[0], *_OUTDOORS[1]),
-    verbs=tuple(_VERBS),
+    verbs=_VERBS,
 )
 def carriers_outdoors(stage: Stage) -> None:
     """People carry buckets, baskets or bags about in a yard or on a lawn."""

@@ -1,10 +1,10 @@
-"""Athletes with dumbbells: one curls, another stretches, a third fetches a weight."""
+"""Athletes with dumbbells: two curl, others stretch."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import crowd, errands, folk, weights
+from .. import crowd, folk, weights
 from ..wares import WARES
 from . import theme
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..stage import Stage
 
 _NOUNS = ("athlete", "man", "woman")
-_VERBS = tuple("lift hold curl rise put_down stretch walk carry crouch bend_down stand wave".split())
+_VERBS = tuple("lift hold curl rise put_down stretch walk crouch bend_down stand".split())
 
 
 @theme("room", needs=("floor",), categories=(*_NOUNS, "dumbbell"), verbs=_VERBS)
@@ -20,17 +20,29 @@ def training(stage: Stage) -> None:
     """Athletes train on the floor of a room."""
     area, rng = stage.area("floor"), stage.rng("training")
     noun = stage.pick("training/noun", ("athlete", *_NOUNS), stage.spec.categories)
-    figures = folk.cast(rng, noun, crowd.head_count(rng, area))
+    figures = folk.cast(rng, noun, crowd.head_count(rng, area), wardrobe="athlete")
     looks = WARES["dumbbell"].draw(rng, crowd.head_count(rng, area))
-    crowd.play(stage, area, "training", _train, figures, WARES["dumbbell"], looks)
+    made = crowd.play(stage, area, "training", _train, figures, WARES["dumbbell"], looks)
+    mats = stage.rng("training/steps")
+    colour = mats.choice(((0.10, 0.34, 0.36), (0.36, 0.10, 0.10), (0.14, 0.16, 0.36), (0.20, 0.21, 0.22)))
+    for n, item in enumerate(made.items, 1):
+        stage.dress(
+            "gym_equipment.step", f"step_{n}", item.at, item.heading_deg + 90.0, on=area.on, colour=colour
+        )
     stage.tell("Athletes train with dumbbells, others stretch or rest.")
 
 
 def _train(group: crowd.Crowd) -> None:
-    """One or two curl, perhaps one fetches or moves a weight, the others stretch."""
+    """Two curl, one after the other or both at once, the others stretch."""
     rng, area = group.rng, group.area
-    group.send(lambda *who: weights.train(rng, area, *who, rng.randint(0, 6)), item=group.spare.pop())
-    for errand in rng.sample((weights.train, errands.fetch, errands.move), rng.choice((1, 1, 2))):
-        if len(group.idle) > 1 and len(group.spare) > 1:
-            group.send(lambda *who, do=errand: do(rng, area, *who, rng.randint(0, 4)), item=group.spare.pop())
+    for item in group.items:
+        item.on = weights.STEP_M
+        item.disc.radius_m[:] = 0.36  # of the step
+        item.disc.base_m[:] = weights.STEP_M
+    for latest in (6, 20):
+        if len(group.idle) > 1:
+            group.send(
+                lambda *who, latest=latest: weights.train(rng, area, *who, rng.randint(0, latest)),
+                item=group.spare.pop(),
+            )
     group.stand_about(("stretch", "crouch", "bend_down", "stretch"))
