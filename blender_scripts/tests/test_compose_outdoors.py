@@ -8,6 +8,8 @@ import bpy
 import pytest
 from mathutils import Vector
 
+from l4d_blender import tracks
+from l4d_blender.compose import checks
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.places import places
 from l4d_blender.compose.spec import Spec
@@ -28,8 +30,10 @@ def furnished(place, seed: int) -> Stage:
 
 
 @pytest.mark.parametrize("place", OUTDOORS, ids=lambda place: place.name)
-def test_an_outdoor_place_keeps_what_it_offers(place) -> None:
+def test_an_outdoor_place_keeps_what_it_offers(place, monkeypatch) -> None:
     stage = furnished(place, 31)
+    monkeypatch.setattr(tracks, "FRAME_COUNT", 1)  # nothing moves yet
+    checks.collisions(stage, tracks.measure(stage.scene))
     nouns = [prop.instance.category for prop in stage.landmarks]
     assert len(set(nouns)) >= 4, nouns
     assert len(nouns) == len(set(nouns)), f"which of {nouns}?"

@@ -75,7 +75,7 @@ def _edges(stage: Stage, now: Day, terrain: ground.Terrain, side: float, house_x
         "picket_fence",
         "fence",
         rng,
-        line=[(-side * 5.4, -1.6), (-side * 5.4, back), (house_x - side * 4.6, back)],
+        line=[(-side * 5.4, -1.6), (-side * 5.4, back), (house_x - side * 5.7, back)],
         colours=[colour],
         height=terrain.height,
     )

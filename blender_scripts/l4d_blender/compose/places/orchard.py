@@ -10,7 +10,7 @@ from ..outdoors import Mark
 from . import place
 
 if TYPE_CHECKING:
-    from ..stage import Stage
+    from ..stage import Prop, Stage
 
 _MARKS = (
     Mark("farm_tools.wheelbarrow", "wheelbarrow", 0.75, "any", low=False),
@@ -68,12 +68,11 @@ def orchard(stage: Stage) -> None:
     own = outdoors.tree(stage, now.season, "tree", rng, height_m=rng.uniform(3.9, 4.4), sprays=1300)
     at = rng.choice((-1, 1)) * rng.uniform(1.2, 2.6), rng.uniform(2.6, 3.0)
     stage.scene.place(own, at, rng.uniform(-180, 180))
-    outdoors.named(stage, "tree", "tree", own, at)
-    _ladder(stage, at)
+    stage.may_touch(outdoors.named(stage, "tree", "tree", own, at), _ladder(stage, at))
     inside = rng.choice(_INSIDE)
     outdoors.put_in(stage, lawn, [inside])
     marks = rng.sample([mark for mark in _MARKS if mark.name != inside.name], 2)
-    outdoors.put_round(stage, lawn, marks, clear=[(at, 1.1)], back_deg=(8.0, 172.0))
+    outdoors.put_round(stage, lawn, marks, clear=[(at, 1.9)], back_deg=(8.0, 172.0))
     side = -1.0 if at[0] > 0 else 1.0
     rails = stage.scene.make(
         "fence",
@@ -88,9 +87,9 @@ def orchard(stage: Stage) -> None:
     stage.tell(f"An orchard on {now.words}.")
 
 
-def _ladder(stage: Stage, tree: tuple[float, float]) -> None:
+def _ladder(stage: Stage, tree: tuple[float, float]) -> Prop:
     """Leans into the tree from the back."""
     rng = stage.rng("ladder")
     x = tree[0] + rng.uniform(-0.25, 0.25)
     thing = stage.scene.put("farm_tools.ladder", "ladder", (x, tree[1] + 0.95), 0.0, rng=rng, tilt_deg=16.0)
-    outdoors.named(stage, "farm_tools.ladder", "ladder", thing, (x, tree[1] + 0.8))
+    return outdoors.named(stage, "farm_tools.ladder", "ladder", thing, (x, tree[1] + 0.8))

@@ -166,7 +166,7 @@ def _furniture(stage: Stage) -> None:
     """Landmarks and clutter along both kerbs and fences."""
     rng = stage.rng("furniture")
     far = HALF_M + 0.45
-    slots = [-9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0]
+    slots = [-6.5, -3.3, 0.0, 3.3, 6.5]
     rng.shuffle(slots)
     x = iter(s + rng.uniform(-0.7, 0.7) for s in slots)
     stage.landmark("street_furniture.lamp_post", "lamp_post", (next(x), far), 0.0, on=KERB_M, glow=0.0)
@@ -201,7 +201,7 @@ def _furniture(stage: Stage) -> None:
         tree = outdoors.tree(
             stage, outdoors.SEASONS[1], "tree", rng, height_m=rng.uniform(4.4, 5.2), sprays=1200
         )
-        at = (next(x), FAR_M - 0.4)
+        at = (rng.choice((-1, 1)) * rng.uniform(9.6, 10.6), FAR_M - 0.4)
         stage.scene.place(tree, at, rng.uniform(-180, 180), on=KERB_M)
         outdoors.named(stage, "tree", "tree", tree, at)
     for k in range(2):

@@ -58,7 +58,7 @@ def village_green(stage: Stage) -> None:
     stage.scene.place(big, at, rng.uniform(-180, 180))
     outdoors.named(stage, "tree", "tree", big, at)
     others = rng.sample([mark for mark in _BACK if mark.name != inside.name], 2)
-    outdoors.put_round(stage, lawn, others, clear=[(bench, 1.0), (at, 0.6)])
+    outdoors.put_round(stage, lawn, others, clear=[(bench, 1.0), (at, 2.3)])
     _cottages(stage, now, terrain, lane_y)
     outdoors.woods(stage, now.season, terrain, distance_m=(34.0, 50.0))
     outdoors.cameras(stage, (0.0, -0.15, 0.55), radius_m=5.4, fov_deg=54.0)
