@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 Colour = tuple[float, float, float]
 
 SHOULDER_M = 0.25
+_RESTING = "resting hands"
 _BEHIND_M = 0.115  # how far behind the edge of the table a chest is
-_WIDE_M = 0.125  # radius of landmarks of which one is enough
-_REST_M = 0.235  # from the chest to where a palm rests
+_WIDE_M = 0.128  # radius of landmarks of which one is enough
+_REST_M = 0.28  # from the chest to where a palm rests
 CLOTHS = ("red", "orange", "yellow", "green", "teal", "blue", "navy", "purple", "brown", "beige", "white", "grey")
 OAK = ((0.40, 0.235, 0.115), (0.21, 0.105, 0.045))
 WALNUT = ((0.20, 0.105, 0.055), (0.09, 0.045, 0.025))
@@ -52,9 +53,9 @@ class Put:
 
 _ANY = {"colour": CLOTHS}
 PUTS: dict[str, Put] = {
-    "lamp": Put("desk_lamp", 0.13, True, None, {"colour": ("red", "orange", "yellow", "green", "teal", "white", "black")}),
+    "lamp": Put("desk_lamp", 0.15, True, None, {"colour": ("red", "orange", "yellow", "green", "teal", "white", "black")}),
     "book": Put("book", 0.135, False, None, _ANY),
-    "plant": Put("plant_pot", 0.125, True, None, {"colour": ("brown", "orange", "teal", "white", "grey", "blue")}),
+    "plant": Put("plant_pot", 0.14, True, None, {"colour": ("brown", "orange", "teal", "white", "grey", "blue")}),
     "herbs": Put("kitchen_clutter.herb_pot", 0.10, True, None),
     "notepad": Put("notepad", 0.10),
     "keyboard": Put("keyboard", 0.15, False, 180.0),
@@ -132,7 +133,7 @@ class Tabletop:
     def __init__(self, stage: Stage, key: str, size_m: tuple[float, float], height_m: float = 0.74) -> None:
         self.stage, self.scene, self.rng = stage, stage.scene, stage.rng(f"tabletop/{key}")
         self.size_m, self.height_m = size_m, height_m
-        width, depth = min(size_m[0] - 0.10, 0.92), min(size_m[1] - 0.08, 0.60)
+        width, depth = min(size_m[0] - 0.10, 0.84), min(size_m[1] - 0.08, 0.56)
         self.table = stage.add_area(Area.rectangle("table", (0.0, 0.0), (width, depth)))
         self.mood = self.rng.choice(MOODS)
 
@@ -166,14 +167,16 @@ class Tabletop:
                     thing, at, heading + self.rng.uniform(-4, 4), on=-self.height_m, scale=chair_scale
                 )
         for arm in reaches(self.stage, self.rng):
-            self.table.take(arm.rest, 0.075, owner=arm.name)
-            self.table.take(arm.shoulder, 0.05, arm.rest, owner=arm.name)
+            ahead = arm.rest[0] + 0.06 * arm.forward[0], arm.rest[1] + 0.06 * arm.forward[1]
+            self.table.take(arm.rest, 0.075, ahead, owner=_RESTING)
+            for start, end in arm.ways():
+                self.table.take(start, 0.07, end, owner=_RESTING)
 
     # ---- things ----------------------------------------------------------------------------------
 
     def landmarks(self, count: int, *choices: str) -> None:
         """Lays some of the choices on the table: things that sentences may mention, at most one a noun."""
-        for name, at in retried(self.table, 40, lambda: self._layout(count, choices)):
+        for name, at in retried(self.table, 120, lambda: self._layout(count, choices)):
             put, looks = PUTS[name], self._looks(PUTS[name])
             self.stage.landmark(
                 put.kind,
@@ -193,7 +196,10 @@ class Tabletop:
         for name in self.rng.sample(list(choices), len(choices)):
             noun = catalogue.find(PUTS[name].kind).category
             wide = sum(PUTS[other].radius_m > _WIDE_M for other in names)
-            if len(names) < count and noun not in nouns and not (wide and PUTS[name].radius_m > _WIDE_M):
+            tall = sum(PUTS[other].tall for other in names)
+            if noun in nouns or (wide and PUTS[name].radius_m > _WIDE_M) or (tall > 1 and PUTS[name].tall):
+                continue
+            if len(names) < count:
                 names.append(name)
                 nouns.add(noun)
         found = []
@@ -330,16 +336,17 @@ class Tabletop:
             )
 
     def cameras(self) -> None:
-        """The rig in front; narrower where somebody sits at an end."""
+        """The rig in front; narrower where somebody sits at an end. The last step: themes may use all room."""
         rng = self.rng
+        self.table.free(_RESTING)
         ends = any(abs(abs(seat.heading_deg) - 90) < 1 for seat in self.stage.seats)
         self.scene.cameras(
             (rng.uniform(-0.02, 0.02), rng.uniform(-0.04, 0.0), 0.02),
-            radius_m=rng.uniform(0.93, 1.03),
+            radius_m=rng.uniform(0.93, 1.0),
             heights_m=(rng.uniform(0.52, 0.62), rng.uniform(0.72, 0.86)),
             arc_deg=rng.uniform(92, 104) if ends else rng.uniform(110, 132),
             facing_deg=-90 + rng.uniform(-7, 7),
-            fov_deg=rng.uniform(46, 49),
+            fov_deg=rng.uniform(41.5, 44.0),
         )
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def sill_desk(stage: Stage) -> None:
     """A desk pushed against the wall below a window; plants on the sill."""
     rng = stage.rng("sill desk")
-    top = Tabletop(stage, "sill desk", (rng.uniform(1.0, 1.12), rng.uniform(0.60, 0.66)), desk.HEIGHT_M)
+    top = Tabletop(stage, "sill desk", (rng.uniform(0.94, 1.02), rng.uniform(0.60, 0.66)), desk.HEIGHT_M)
     stage.scene.put("desk", "desk", on=-desk.HEIGHT_M, rng=rng, size_m=top.size_m, **wood(rng, BIRCH, OAK, PINE))
     top.seats("lr", **wood(rng, BIRCH, OAK))
     top.landmarks(
