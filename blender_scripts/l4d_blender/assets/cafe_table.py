@@ -45,7 +45,9 @@ def cafe_table(
     bevel = 0.11 if shape == "round_ended" else 0.012
     slab = mesh.from_pydata(f"{name}_top", *_prism(length, depth, bevel), smooth=False)
     if top == "wood":
-        skin = products.wood(f"{name}_wood", light, dark, rng, grain_axis="X", stave_m=0.09, stave_length_m=1.2)
+        skin = products.wood(
+            f"{name}_wood", light, dark, rng, grain_axis="X", stave_m=0.09, stave_length_m=1.2
+        )
     elif top == "marble":
         skin = products.stoneware(f"{name}_marble", rng)
     else:

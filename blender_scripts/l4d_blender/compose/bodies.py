@@ -44,7 +44,9 @@ def seat_body(stage: Stage, seat: Seat, number: int, look: HandLook, busy: set[s
             [0.058, 0.050, 0.045, 0.040, 0.032],
             segments=18,
         )
-        fist = mesh.ellipsoid(f"{name}_{side}_fist", (0.042, 0.055, 0.028), 16, 10, tuple(wrist - Vector((0, 0.05, 0.01))))
+        fist = mesh.ellipsoid(
+            f"{name}_{side}_fist", (0.042, 0.055, 0.028), 16, 10, tuple(wrist - Vector((0, 0.05, 0.01)))
+        )
         mesh.set_material(sleeve, cloth)
         mesh.set_material(fist, skin.skin(f"{name}_{side}_skin", SKIN_TONES[look.skin]))
         for part in (sleeve, fist):

@@ -100,7 +100,21 @@ def apart(rng: random.Random, words: Sequence[str], count: int = 3) -> list[str]
     return found
 
 
-_ALL = ("red", "orange", "yellow", "green", "teal", "blue", "navy", "purple", "brown", "beige", "white", "grey", "black")
+_ALL = (
+    "red",
+    "orange",
+    "yellow",
+    "green",
+    "teal",
+    "blue",
+    "navy",
+    "purple",
+    "brown",
+    "beige",
+    "white",
+    "grey",
+    "black",
+)
 _PAINTS = ("red", "orange", "yellow", "green", "blue", "purple", "light_blue", "light_green", "black")
 _PEN = {"colour": _ALL, "pattern": ("plain", "banded")}
 
@@ -145,7 +159,17 @@ GRASPABLES: dict[str, Graspable] = {
             {"radius_m": 0.038, "mark": "white"},
             rolls_m=0.038,
         ),
-        Graspable("yarn_ball", 0.046, 0.015, 0.086, "crown", "crown", {"colour": _ALL}, {"radius_m": 0.043}, rolls_m=0.043),
+        Graspable(
+            "yarn_ball",
+            0.046,
+            0.015,
+            0.086,
+            "crown",
+            "crown",
+            {"colour": _ALL},
+            {"radius_m": 0.043},
+            rolls_m=0.043,
+        ),
         Graspable(
             "toy_block",
             0.036,
@@ -167,7 +191,9 @@ GRASPABLES: dict[str, Graspable] = {
             {"colour": _ALL, "pattern": ("plain", "dotted")},
         ),
         Graspable("computer_mouse", 0.066, 0.03, 0.038, "top", "mouse", {"colour": ("black", "white")}),
-        Graspable("marker_pen", 0.076, 0.02, 0.016, "pinch", "push", _PEN, rolls_m=0.008, axle="x", thin_m=0.031),
+        Graspable(
+            "marker_pen", 0.076, 0.02, 0.016, "pinch", "push", _PEN, rolls_m=0.008, axle="x", thin_m=0.031
+        ),
         Graspable(
             "spoon",
             0.11,

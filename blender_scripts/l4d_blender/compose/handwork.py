@@ -1,7 +1,8 @@
 """Hands at a table that move things: who does what with which thing, where to, and when.
 
-All of it is planned in the plane before anything is built: spots that an arm reaches, ways that are clear, times
-that fit into the clip. Then `perform` builds the things and lets the hands act. Knows no kinds: see graspables.
+All of it is planned in the plane before anything is built: spots that an arm reaches, ways that are clear,
+times that fit into the clip. Then `perform` builds the things and lets the hands act. Knows no kinds: see
+graspables.
 """
 
 from __future__ import annotations
@@ -167,10 +168,7 @@ def _show(stage: Stage, plan: Plan) -> None:
     for late in (False, True):
         ends = {id(task.item): task.to for task in plan.tasks if late and task.to is not None}
         moments.append(
-            [
-                sight.Bulk(ends.get(id(item), item.at), item.of.seen_m, item.of.height_m)
-                for item in plan.items
-            ]
+            [sight.Bulk(ends.get(id(item), item.at), item.of.seen_m, item.of.height_m) for item in plan.items]
         )
     missed = sight.hidden(stage.scene.camera_rig, moments, others)
     if missed:
@@ -251,7 +249,9 @@ def _find(
         elif task.act == "point":
             here = arm.rest
             bend = atan2(at[1] - here[1], at[0] - here[0]) - way
-            if hypot(at[0] - here[0], at[1] - here[1]) < 0.18 or abs((bend + pi) % (2 * pi) - pi) > radians(32):
+            if hypot(at[0] - here[0], at[1] - here[1]) < 0.18 or abs((bend + pi) % (2 * pi) - pi) > radians(
+                32
+            ):
                 continue
         stops = [at] if task.to is None else [at, task.to]
         skip = flat if task.on is None else (*flat, task.on.name)
@@ -283,7 +283,7 @@ def _find(
 
 
 def _hand_room(task: Task, start: Flat, at: Flat) -> list[tuple[Flat, Flat]]:
-    """Where the hand itself is (its middle line) while it has something at a spot, as it comes and as it holds."""
+    """Middle lines of the hand while it has something at a spot: as it comes and as it holds."""
     arm, of = task.arm, task.item.of
     if task.act in ("push", "roll"):
         turn = radians(task.heading_deg or 0.0)
@@ -360,13 +360,7 @@ def _goal(
 
 
 def _way(
-    rng: random.Random,
-    table: Area,
-    task: Task,
-    at: Flat,
-    ahead: float,
-    distance: float,
-    low: tuple[str, ...],
+    rng: random.Random, table: Area, task: Task, at: Flat, ahead: float, distance: float, low: tuple[str, ...]
 ) -> bool:
     """Along which straight line something slides or rolls, and where fingers point then."""
     item, arm = task.item, task.arm

@@ -1,4 +1,4 @@
-"""What the tables of composed scenes share: who sits where, what lies on them, the room round them, light, cameras.
+"""What tables of composed scenes share: sitters, what lies on them, the room round them, light, cameras.
 
 The middle of a table's top is the origin and z = 0 is where things lie; sitters are at its back (+Y) and its
 ends, cameras look from the front (-Y), where no one sits. Knows no particular table.
@@ -27,7 +27,20 @@ _RESTING = "resting hands"
 _BEHIND_M = 0.115  # how far behind the edge of the table a chest is
 _WIDE_M = 0.128  # radius of landmarks of which one is enough
 _REST_M = 0.28  # from the chest to where a palm rests
-CLOTHS = ("red", "orange", "yellow", "green", "teal", "blue", "navy", "purple", "brown", "beige", "white", "grey")
+CLOTHS = (
+    "red",
+    "orange",
+    "yellow",
+    "green",
+    "teal",
+    "blue",
+    "navy",
+    "purple",
+    "brown",
+    "beige",
+    "white",
+    "grey",
+)
 OAK = ((0.40, 0.235, 0.115), (0.21, 0.105, 0.045))
 WALNUT = ((0.20, 0.105, 0.055), (0.09, 0.045, 0.025))
 PINE = ((0.56, 0.38, 0.19), (0.40, 0.25, 0.11))
@@ -53,9 +66,17 @@ class Put:
 
 _ANY = {"colour": CLOTHS}
 PUTS: dict[str, Put] = {
-    "lamp": Put("desk_lamp", 0.15, True, None, {"colour": ("red", "orange", "yellow", "green", "teal", "white", "black")}),
+    "lamp": Put(
+        "desk_lamp",
+        0.15,
+        True,
+        None,
+        {"colour": ("red", "orange", "yellow", "green", "teal", "white", "black")},
+    ),
     "book": Put("book", 0.135, False, None, _ANY),
-    "plant": Put("plant_pot", 0.14, True, None, {"colour": ("brown", "orange", "teal", "white", "grey", "blue")}),
+    "plant": Put(
+        "plant_pot", 0.14, True, None, {"colour": ("brown", "orange", "teal", "white", "grey", "blue")}
+    ),
     "herbs": Put("kitchen_clutter.herb_pot", 0.10, True, None),
     "notepad": Put("notepad", 0.10),
     "keyboard": Put("keyboard", 0.15, False, 180.0),
@@ -136,6 +157,7 @@ class Tabletop:
         width, depth = min(size_m[0] - 0.10, 0.84), min(size_m[1] - 0.08, 0.56)
         self.table = stage.add_area(Area.rectangle("table", (0.0, 0.0), (width, depth)))
         self.mood = self.rng.choice(MOODS)
+        self.window_at: tuple[float, float, float, float, float] | None = None
 
     # ---- people ----------------------------------------------------------------------------------
 
@@ -210,7 +232,7 @@ class Tabletop:
         return found
 
     def clutter(self, count: int, *choices: str) -> None:
-        """Small things near the edges, that nobody asks for; what finds no room is left out."""
+        """Small things near the edges, without an identity; what finds no room is left out."""
         half_x, half_y = self.size_m[0] / 2 - 0.02, self.size_m[1] / 2 - 0.02
         nouns = {prop.instance.category for prop in self.stage.landmarks}
         whole = Area.rectangle("top", (0.0, 0.0), (2 * half_x, 2 * half_y))
@@ -286,7 +308,7 @@ class Tabletop:
             columns=rng.choice((1, 2, 2, 3)),
             rows=rng.choice((1, 2)),
         )
-        self._window = (middle, back, sill + height / 2 - self.height_m, width, height)
+        self.window_at = (middle, back, sill + height / 2 - self.height_m, width, height)
         return back
 
     def furnish(self, back: float, *choices: tuple[str, float, dict[str, Any]]) -> None:
@@ -307,8 +329,10 @@ class Tabletop:
     def light(self) -> None:
         """Panorama, daylight from the window side, light from above, a lamp over the table by night."""
         scene, mood, rng = self.scene, self.mood, self.rng
-        scene.hdri(mood.world, mood.world_strength * rng.uniform(0.85, 1.15), rotation_deg=rng.uniform(0, 360))
-        x, y, z, width, height = getattr(self, "_window", (rng.uniform(-0.6, 0.6), 1.2, 0.8, 1.2, 1.0))
+        scene.hdri(
+            mood.world, mood.world_strength * rng.uniform(0.85, 1.15), rotation_deg=rng.uniform(0, 360)
+        )
+        x, y, z, width, height = self.window_at or (rng.uniform(-0.6, 0.6), 1.2, 0.8, 1.2, 1.0)
         if mood.daylight_w:
             scene.area_light(
                 "daylight",
@@ -336,7 +360,7 @@ class Tabletop:
             )
 
     def cameras(self) -> None:
-        """The rig in front; narrower where somebody sits at an end. The last step: themes may use all room."""
+        """The rig in front, narrower where somebody sits at an end. The last step: all room is free now."""
         rng = self.rng
         self.table.free(_RESTING)
         ends = any(abs(abs(seat.heading_deg) - 90) < 1 for seat in self.stage.seats)

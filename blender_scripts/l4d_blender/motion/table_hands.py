@@ -1,6 +1,6 @@
 """Hands that move all sorts of small things on a table.
 
-Adds to `Roller` what is not a grip: fingertips that push, a palm that lies on something. Knows timing and touch.
+Adds to `Roller` what is no grip: fingertips that push, a palm that lies on something. Knows timing and touch.
 """
 
 from __future__ import annotations

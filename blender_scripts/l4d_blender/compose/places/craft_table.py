@@ -19,11 +19,22 @@ def craft_table(stage: Stage) -> None:
     stage.scene.put("dining_table", "table", rng=rng, size_m=top.size_m, **wood(rng, BIRCH, PINE, PAINTED))
     top.seats("b", "B", "br", "bl", "lr", **wood(rng, BIRCH, PINE, PAINTED))
     top.landmarks(
-        rng.choice((3, 4)), "crayons", "picture_book", "pen_pot", "paper", "tin", "bowl", "notepad", "mat", "tray",
+        rng.choice((3, 4)),
+        "crayons",
+        "picture_book",
+        "pen_pot",
+        "paper",
+        "tin",
+        "bowl",
+        "notepad",
+        "mat",
+        "tray",
     )
     top.clutter(rng.randint(2, 3), "loose_crayons", "rubber", "ruler", "notes", "spool", "mug")
     back = top.room(("boards", "carpet"), ("plaster", "wallpaper", "plaster", "panelled"), back_m=(1.0, 1.4))
-    stage.scene.put("play_mat", "play_mat", (rng.uniform(-0.2, 0.2), 0.0), rng.uniform(-8, 8), on=-top.height_m + 0.001)
+    stage.scene.put(
+        "play_mat", "play_mat", (rng.uniform(-0.2, 0.2), 0.0), rng.uniform(-8, 8), on=-top.height_m + 0.001
+    )
     top.furnish(
         back,
         ("toy_chest", 0.85, {"colour": rng.choice(("red", "blue", "yellow", "teal", "white"))}),

@@ -11,13 +11,20 @@ from . import place
 if TYPE_CHECKING:
     from ..stage import Stage
 
-_LINENS = ((0.62, 0.58, 0.48), (0.66, 0.65, 0.62), (0.30, 0.36, 0.40), (0.42, 0.20, 0.15), (0.36, 0.42, 0.32), (0.60, 0.47, 0.24))
+_LINENS = (
+    (0.62, 0.58, 0.48),
+    (0.66, 0.65, 0.62),
+    (0.30, 0.36, 0.40),
+    (0.42, 0.20, 0.15),
+    (0.36, 0.42, 0.32),
+    (0.60, 0.47, 0.24),
+)
 _CHECKS = ((0.42, 0.06, 0.05), (0.06, 0.14, 0.36), (0.08, 0.26, 0.14), (0.55, 0.33, 0.04))
 
 
 @place("tabletop", "table")
 def dining_table(stage: Stage) -> None:
-    """A table under a linen or chequered cloth, laid for nobody in particular."""
+    """A table under a linen or chequered cloth, before anyone eats."""
     rng = stage.rng("dining table")
     top = Tabletop(stage, "dining table", (rng.uniform(1.05, 1.3), rng.uniform(0.66, 0.72)))
     timber = wood(rng, OAK, WALNUT)
@@ -27,12 +34,21 @@ def dining_table(stage: Stage) -> None:
     else:
         cloth = tableware.linen("cloth", rng.choice(_LINENS), rng)
     stage.scene.put(
-        "dining_table.tablecloth", "cloth", rng=rng, table_m=top.size_m, overhang_m=rng.uniform(0.14, 0.2), material=cloth
+        "dining_table.tablecloth",
+        "cloth",
+        rng=rng,
+        table_m=top.size_m,
+        overhang_m=rng.uniform(0.14, 0.2),
+        material=cloth,
     )
     top.seats("b", "B", "br", "bl", "lr", **timber)
-    top.landmarks(rng.choice((3, 4)), "candle", "plate", "jug", "vase", "bowl", "tray", "board", "trivet", "tin")
+    top.landmarks(
+        rng.choice((3, 4)), "candle", "plate", "jug", "vase", "bowl", "tray", "board", "trivet", "tin"
+    )
     top.clutter(rng.randint(1, 2), "sugar", "grapes", "bottle", "biscuits", "pear")
-    back = top.room(("boards", "boards", "carpet", "chequered"), ("wallpaper", "panelled", "plaster"), back_m=(1.0, 1.4))
+    back = top.room(
+        ("boards", "boards", "carpet", "chequered"), ("wallpaper", "panelled", "plaster"), back_m=(1.0, 1.4)
+    )
     top.furnish(
         back,
         ("cabinet", 1.5, {"width_m": 1.5, "fronts": "doors"}),

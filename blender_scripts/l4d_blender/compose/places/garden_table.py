@@ -27,7 +27,9 @@ def garden_table(stage: Stage) -> None:
     timber = wood(rng, GREY, PINE, OAK, PAINTED)
     stage.scene.put("dining_table", "table", rng=rng, size_m=top.size_m, **timber)
     top.seats("b", "B", "br", "bl", "lr", **timber)
-    top.landmarks(rng.choice((3, 4)), "vase", "tray", "jug", "bowl", "candle", "plate", "book", "plant", "napkin")
+    top.landmarks(
+        rng.choice((3, 4)), "vase", "tray", "jug", "bowl", "candle", "plate", "book", "plant", "napkin"
+    )
     top.clutter(rng.randint(1, 2), "glasses", "grapes", "pear", "lemon", "magazine", "biscuits", "bottle")
     stage.scene.make("garden", "garden", stage.rng("garden"), floor_m=-top.height_m)
     world, strength, sun, elevation, colour, words = rng.choice(_LIGHTS)

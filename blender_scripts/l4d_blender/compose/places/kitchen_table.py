@@ -20,10 +20,22 @@ def kitchen_table(stage: Stage) -> None:
     """A wooden table where bread is cut and vegetables wait."""
     rng = stage.rng("kitchen table")
     top = Tabletop(stage, "kitchen table", (rng.uniform(1.0, 1.25), rng.uniform(0.66, 0.72)))
-    stage.scene.put("dining_table", "table", rng=rng, size_m=top.size_m, **wood(rng, PINE, BIRCH, OAK, PAINTED))
+    stage.scene.put(
+        "dining_table", "table", rng=rng, size_m=top.size_m, **wood(rng, PINE, BIRCH, OAK, PAINTED)
+    )
     top.seats("b", "B", "br", "bl", "lr", **wood(rng))
     top.landmarks(
-        rng.choice((3, 4)), "board", "jug", "bowl", "tin", "plate", "trivet", "herbs", "candle", "napkin", "jar",
+        rng.choice((3, 4)),
+        "board",
+        "jug",
+        "bowl",
+        "tin",
+        "plate",
+        "trivet",
+        "herbs",
+        "candle",
+        "napkin",
+        "jar",
     )
     top.clutter(rng.randint(1, 3), "grapes", "pear", "lemon", "sugar", "mug", "bottle", "biscuits")
     back = top.room(("tiles", "chequered", "boards"), ("tiled", "plaster", "two_tone"), back_m=(1.3, 1.6))

@@ -18,12 +18,33 @@ def study_desk(stage: Stage) -> None:
     rng = stage.rng("study desk")
     top = Tabletop(stage, "study desk", (rng.uniform(1.1, 1.3), rng.uniform(0.64, 0.70)), desk.HEIGHT_M)
     stage.scene.put(
-        "desk", "desk", on=-desk.HEIGHT_M, heading_deg=180.0, rng=rng, size_m=top.size_m,
+        "desk",
+        "desk",
+        on=-desk.HEIGHT_M,
+        heading_deg=180.0,
+        rng=rng,
+        size_m=top.size_m,
         **wood(rng, OAK, WALNUT, BIRCH, PAINTED),
     )
-    top.seats("b", "B", "br", "bl", chair="office_chair", colour=rng.choice(("navy", "black", "green", "red", "grey")))
+    top.seats(
+        "b",
+        "B",
+        "br",
+        "bl",
+        chair="office_chair",
+        colour=rng.choice(("navy", "black", "green", "red", "grey")),
+    )
     top.landmarks(
-        rng.choice((3, 4, 4)), "lamp", "book", "keyboard", "pen_pot", "mat", "notepad", "plant", "coaster", "box",
+        rng.choice((3, 4, 4)),
+        "lamp",
+        "book",
+        "keyboard",
+        "pen_pot",
+        "mat",
+        "notepad",
+        "plant",
+        "coaster",
+        "box",
     )
     top.clutter(rng.randint(2, 4), "phone", "glasses", "notes", "ruler", "rubber", "headphones", "mug")
     back = top.room(("boards", "carpet"), ("plaster", "plaster", "wallpaper", "boards"), back_m=(1.0, 1.4))

@@ -18,9 +18,15 @@ def workbench(stage: Stage) -> None:
     top = Tabletop(stage, "workbench", (rng.uniform(1.15, 1.3), rng.uniform(0.62, 0.68)), 0.74)
     stage.scene.put("dining_table", "bench", rng=rng, size_m=top.size_m, **wood(rng, GREY, PINE, OAK))
     top.seats("b", "B", "br", "bl", chair=rng.choice(("wooden_chair", None)))
-    top.landmarks(rng.choice((3, 4)), "box", "lamp", "tin", "oil_can", "jar", "notepad", "pen_pot", "tray", "book")
-    top.clutter(rng.randint(3, 5), "parts", "screwdriver", "spool", "ruler", "rubber", "glasses", "bottle", "mug")
-    back = top.room(("concrete", "boards", "tiles"), ("brick", "boards", "brick", "plaster"), back_m=(0.9, 1.2))
+    top.landmarks(
+        rng.choice((3, 4)), "box", "lamp", "tin", "oil_can", "jar", "notepad", "pen_pot", "tray", "book"
+    )
+    top.clutter(
+        rng.randint(3, 5), "parts", "screwdriver", "spool", "ruler", "rubber", "glasses", "bottle", "mug"
+    )
+    back = top.room(
+        ("concrete", "boards", "tiles"), ("brick", "boards", "brick", "plaster"), back_m=(0.9, 1.2)
+    )
     top.furnish(
         back,
         ("cabinet", 1.4, {"fronts": "drawers", "width_m": 1.4, "height_m": 0.9}),

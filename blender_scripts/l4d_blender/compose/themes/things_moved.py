@@ -80,7 +80,10 @@ def _play(
     stage: Stage, key: str, first: Sequence[str], second: Sequence[str], acts: Mapping[str, float]
 ) -> None:
     rng, table = stage.rng(key), stage.area("table")
-    acts = {act: weight * (6.0 if set(handwork.VERBS[act]) & set(stage.spec.verbs) else 1.0) for act, weight in acts.items()}
+    acts = {
+        act: weight * (6.0 if set(handwork.VERBS[act]) & set(stage.spec.verbs) else 1.0)
+        for act, weight in acts.items()
+    }
     plan = retried(
         table, 200, lambda: handwork.draw(stage, rng, table, _groups(stage, rng, first, second), acts)
     )
