@@ -235,13 +235,20 @@ def _leg(name: str, side: str) -> list[tuple[bpy.types.Object, str, str]]:
     return parts
 
 
-@kind("hen", (0.203, 0.486, 0.453), "walks", front="-y", plumage=words("plumage", *outdoors.PLUMAGES))
-def hen(name: str, rng: random.Random, *, plumage: str = "russet") -> bpy.types.Object:
+@kind(
+    "hen",
+    (0.203, 0.486, 0.453),
+    "walks",
+    front="-y",
+    plumage=words("plumage", *outdoors.PLUMAGES),
+    neck=words("neck", "own", *outdoors.NECKS),
+)
+def hen(name: str, rng: random.Random, *, plumage: str = "russet", neck: str = "own") -> bpy.types.Object:
     """The skinned mesh; its parent is the armature, which stands where the hen stands.
 
-    `plumage` is a key of `outdoors.PLUMAGES`. Textures stick to the attribute "rest_position".
+    `plumage` is a key of `outdoors.PLUMAGES`, `neck` one of `outdoors.NECKS`. Textures stick to the attribute "rest_position".
     """
-    tissues = outdoors.hen_tissues(name, plumage)
+    tissues = outdoors.hen_tissues(name, plumage, neck)
     parts: list[bpy.types.Object] = []
 
     def add(part: bpy.types.Object, weights: str | Weights, tissue: str) -> None:

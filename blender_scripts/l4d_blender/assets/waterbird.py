@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -22,7 +22,7 @@ from l4d_blender.catalogue import kind, words
 from . import implicit, mesh
 from .materials.birds import beak, eye, plumage_surface, scales
 from .rigs import hang, upright_armature
-from .waterbird_species import DUCK, GULL, PLUMAGES, Colour, Plumage, Species
+from .waterbird_species import DUCK, GULL, HEADS, PLUMAGES, Colour, Plumage, Species
 
 __all__ = ["DUCK", "GULL", "PLUMAGES", "SIDES", "Species", "waterbird", "wing_motion"]
 
@@ -340,13 +340,22 @@ def _face(name: str, species: Species, coat: Plumage, parts: _Parts) -> None:
 
 
 @kind(
-    "bird", (1.21, 0.474, 0.339), "walks", "flies", "swims", front="-y", plumage=words("plumage", *PLUMAGES)
+    "bird",
+    (1.21, 0.474, 0.339),
+    "walks",
+    "flies",
+    "swims",
+    front="-y",
+    plumage=words("plumage", *PLUMAGES),
+    head=words("head", "own", *HEADS),
 )
 def waterbird(
-    name: str, rng: random.Random, *, species: Species = GULL, plumage: str = "grey_backed"
+    name: str, rng: random.Random, *, species: Species = GULL, plumage: str = "grey_backed", head: str = "own"
 ) -> bpy.types.Object:
     """The skinned mesh; its parent is the armature, which stands where the bird stands."""
     coat = PLUMAGES[plumage]
+    if head != "own":
+        coat = replace(coat, hood=HEADS[head])
     surface, skin = plumage_surface(f"{name}_feathers", coat.mottle), scales(f"{name}_legs")
     parts = _Parts()
     verts, quads = _trunk(species)

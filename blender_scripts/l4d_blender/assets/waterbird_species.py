@@ -225,4 +225,47 @@ PLUMAGES: dict[str, Plumage] = {
         eye=(0.03, 0.02, 0.015),
         mottle=1.0,
     ),
+    "black_backed": Plumage(
+        *(_WHITE, _WHITE, _WHITE),
+        mantle=(0.028, 0.028, 0.031),
+        wing=(0.034, 0.034, 0.038),
+        tips=(0.015, 0.015, 0.016),
+        tail=_WHITE,
+        bill=(0.75, 0.47, 0.04),
+        legs=(0.66, 0.40, 0.30),
+        eye=(0.55, 0.45, 0.12),
+    ),
+    "white_duck": Plumage(
+        *(_WHITE, _WHITE, _WHITE),
+        mantle=_WHITE,
+        wing=(0.66, 0.65, 0.62),
+        tips=(0.60, 0.58, 0.54),
+        tail=_WHITE,
+        bill=(0.75, 0.33, 0.03),
+        legs=(0.72, 0.26, 0.02),
+        eye=(0.03, 0.02, 0.015),
+        hood_to_z_m=0.256,
+    ),
+    "black_duck": Plumage(
+        body=(0.030, 0.030, 0.033),
+        hood=(0.020, 0.020, 0.022),
+        breast=(0.026, 0.026, 0.028),
+        mantle=(0.022, 0.022, 0.025),
+        wing=(0.026, 0.027, 0.030),
+        tips=(0.015, 0.015, 0.016),
+        tail=(0.020, 0.020, 0.022),
+        bill=(0.62, 0.42, 0.05),
+        legs=(0.66, 0.26, 0.04),
+        eye=(0.30, 0.16, 0.02),
+        hood_to_z_m=0.256,
+    ),
 }
+
+HEADS: dict[str, Colour] = {
+    "green": (0.004, 0.075, 0.030),
+    "brown": (0.115, 0.050, 0.024),
+    "white": _WHITE,
+    "black": (0.020, 0.020, 0.022),
+    "red": (0.26, 0.040, 0.018),
+}
+"""Colours that a head may have instead of that of its plumage."""

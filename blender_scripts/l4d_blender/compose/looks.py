@@ -90,5 +90,26 @@ PROPERTIES: dict[tuple[str, str], dict[str, dict[str, str]]] = {
         "grey": {"colour": "grey", "pattern": "plain", "ears": "pricked"},
         "brown_white": {"colour": "brown_and_white", "pattern": "patched", "ears": "floppy"},
     },
+    ("car", "roof"): {
+        "plain": {"roof": "plain"},
+        "rack": {"roof": "box"},
+        "white": {"roof": "white_roof"},
+        "black": {"roof": "black_roof"},
+    },
+    ("hen", "plumage"): {
+        "russet": {"colour": "russet"},
+        "white": {"colour": "white"},
+        "slate": {"colour": "grey"},
+        "buff": {"colour": "golden"},
+    },
+    ("waterbird", "plumage"): {
+        "grey_backed": {"back": "grey"},
+        "black_backed": {"back": "black"},
+        "mottled_young": {"back": "brown"},
+        "drake": {"colour": "grey", "pattern": "plain", "collar": "white"},
+        "duck_hen": {"colour": "brown", "pattern": "mottled", "collar": "none"},
+        "white_duck": {"colour": "white", "pattern": "plain", "collar": "none"},
+        "black_duck": {"colour": "black", "pattern": "plain", "collar": "none"},
+    },
 }
 """What a word of the catalogue means to somebody who looks, where it is more than `key: word`."""

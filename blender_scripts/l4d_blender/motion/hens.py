@@ -7,6 +7,7 @@ What they share with other birds is birds.py's business, shapes and joints are t
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from mathutils import Matrix, Vector
 
@@ -34,11 +35,20 @@ class Hen(Bird):
     BREATH = (0.0015, 40.0)
 
     def __init__(
-        self, scene: Scene, name: str, id: int, *, plumage: str, at: Vector, heading_deg: float
+        self,
+        scene: Scene,
+        name: str,
+        id: int,
+        *,
+        plumage: str,
+        neck: str = "own",
+        attributes: Mapping[str, str] | None = None,
+        at: Vector,
+        heading_deg: float,
     ) -> None:
         """`heading_deg` 0 faces -Y, counter-clockwise seen from above."""
-        body = shape.hen(name, scene.rng(name), plumage=plumage)
-        looks = {"colour": plumage}
+        body = shape.hen(name, scene.rng(name), plumage=plumage, neck=neck)
+        looks = {"colour": plumage} if attributes is None else attributes
         super().__init__(scene, name, id, "hen", body, looks, shape.joint, at, heading_deg)
 
     def peck(self, first: int, last: int) -> None:

@@ -38,13 +38,16 @@ class WaterBird(Bird):
         *,
         species: shape.Species,
         plumage: str,
+        head: str = "own",
         category: str,
         attributes: Mapping[str, str],
         at: Sequence[float],
         heading_deg: float,
     ) -> None:
         """`at` is (x, y, z of what it stands on); `heading_deg` 0 faces -Y, counter-clockwise from above."""
-        body = shape.waterbird(name, scene.rng(f"plumage/{plumage}"), species=species, plumage=plumage)
+        body = shape.waterbird(
+            name, scene.rng(f"plumage/{plumage}"), species=species, plumage=plumage, head=head
+        )
         self._species = species
         self._wake: tuple[bpy.types.Object, dict[int, float]] | None = None
         super().__init__(scene, name, id, category, body, attributes, species.joint, at, heading_deg)
@@ -162,6 +165,45 @@ class WaterBird(Bird):
             pose.ankles[side] = hanging.lerp(inside @ spots[side], planted)
             pose.foot_pitch[side] = (2.9 * (1.0 - lowered) - 0.5 * lowered) * (1.0 - planted)
         return pose
+
+    def fly_over(
+        self, points: Sequence[Sequence[float]], first: int, off: int, touch: int, last: int
+    ) -> None:
+        """Spreads its wings from `first` on, leaves the ground at `off`, lands along points, folds by `last`.
+
+        The points begin where it stands and rise and sink between the two spots.
+        """
+        path = keys.Path(points)
+        start, leaving = self._heading, {side: spot for side, (spot, _) in self._feet.items()}
+        began = self._standing()
+        self._position = path.point(path.length)
+        self._heading = math.atan2(path.tangent(path.length).x, -path.tangent(path.length).y)
+        self._plant_feet()
+        landing, rest = {side: spot for side, (spot, _) in self._feet.items()}, self._heading
+        climb, sink = 0.45 * (touch - off), 0.55 * (touch - off)
+        for frame in range(first, last + 1):
+            t = min(1.0, max(0.0, (frame - off) / (touch - off)))
+            s = path.length * even(t, 0.30)
+            self._position = path.point(s)
+            way = path.tangent(min(max(s, 0.05 * path.length), 0.9 * path.length))
+            travel = start + math.remainder(math.atan2(way.x, -way.y) - start, 2 * math.pi)
+            gone, near = keys.ease(t / 0.3), keys.ease((t - 0.6) / 0.4)
+            heading = start + gone * (travel - start)
+            self._heading = heading + near * math.remainder(rest - heading, 2 * math.pi)
+            if frame < off + climb:
+                # A landing played backwards.
+                pose = self._airborne(
+                    off - frame, 1.0 - max(0.0, frame - off) / climb, 0, off - first, leaving
+                )
+                settled = keys.ease_between(frame, first, first + 8)
+                pose.head = began.head.lerp(pose.head, settled)
+            else:
+                share = min(1.0, (frame - touch + sink) / sink)
+                pose = self._airborne(frame, share, touch, last, landing)
+            self._put(frame, pose)
+        scene = self.instance.scene
+        scene.event(self.instance, "fly", (off, touch))
+        scene.event(self.instance, "land", (max(first, touch - 6), last))
 
     # ---- on the water ----------------------------------------------------------------------------
 

@@ -30,6 +30,14 @@ PLUMAGES: dict[str, tuple[Colour, Colour, Colour, Colour]] = {
     "buff": ((0.56, 0.30, 0.090), (0.34, 0.15, 0.040), (0.64, 0.38, 0.13), (0.20, 0.085, 0.030)),
 }
 
+#: Colours that the feathers of a hen's neck may have instead of those of its plumage.
+NECKS: dict[str, Colour] = {
+    "white": (0.76, 0.72, 0.63),
+    "black": (0.020, 0.020, 0.022),
+    "golden": (0.66, 0.34, 0.06),
+    "grey": (0.20, 0.20, 0.20),
+}
+
 #: Light that the air adds between the camera and something far away.
 HAZE: Colour = (0.95, 0.90, 0.78)
 
@@ -394,9 +402,10 @@ def _plumage(
     return material
 
 
-def hen_tissues(name: str, plumage: str) -> dict[str, bpy.types.Material]:
+def hen_tissues(name: str, plumage: str, neck: str = "own") -> dict[str, bpy.types.Material]:
     """Materials of a hen by tissue: feathers, wing, hackle, tail, comb, horn, scales, eye."""
     body, edge, hackle, tail = PLUMAGES[plumage]
+    hackle = NECKS.get(neck, hackle)
     return {
         "feathers": _plumage(f"{name}_feathers", body, edge, 52.0, (1.0, 0.6, 1.0)),
         "wing": _plumage(f"{name}_wing", _scaled(body, 0.85), edge, 44.0, (1.0, 0.45, 1.0)),
