@@ -246,7 +246,8 @@ def _leg(name: str, side: str) -> list[tuple[bpy.types.Object, str, str]]:
 def hen(name: str, rng: random.Random, *, plumage: str = "russet", neck: str = "own") -> bpy.types.Object:
     """The skinned mesh; its parent is the armature, which stands where the hen stands.
 
-    `plumage` is a key of `outdoors.PLUMAGES`, `neck` one of `outdoors.NECKS`. Textures stick to the attribute "rest_position".
+    `plumage` is a key of `outdoors.PLUMAGES`, `neck` one of `outdoors.NECKS`. Textures stick to the
+    attribute "rest_position".
     """
     tissues = outdoors.hen_tissues(name, plumage, neck)
     parts: list[bpy.types.Object] = []

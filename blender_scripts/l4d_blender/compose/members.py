@@ -76,6 +76,9 @@ class Part:
             if what in TRAVELS and frame >= first:
                 points = about[0].points
                 at = points[round(min((frame - first) / (last - first), 1.0) * (len(points) - 1))]
+            elif what == "fly" and frame >= first:
+                points = about[0]
+                at = points[round(min((frame - first) / (last - first), 1.0) * (len(points) - 1))][:2]
         return Bulk(at, self.half_width_m, self.height_m, floor_m)
 
 
@@ -96,6 +99,7 @@ class Plan:
         found = [at for toy in self.toys for at in (toy.at, toy.final) if at is not None]
         for part in self.parts:
             found += [part.at, *(point for way in part.ways() for point in way.points[::6])]
+            found += [point[:2] for act in part.acts if act[0] == "fly" for point in act[2]]
         return found
 
 
