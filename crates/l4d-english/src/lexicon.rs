@@ -63,6 +63,8 @@ pub(crate) struct Noun {
     pub(crate) plural: String,
     /// "he", "she", "they"; none of things.
     pub(crate) person: Option<String>,
+    /// Moves by itself.
+    pub(crate) is_alive: bool,
     /// Names several things.
     pub(crate) is_many: bool,
     pub(crate) is_mass: bool,
@@ -376,6 +378,7 @@ struct NounEntry {
     plural: Option<String>,
     also: Vec<String>,
     person: Option<String>,
+    animal: bool,
     many: bool,
     mass: bool,
 }
@@ -391,7 +394,8 @@ impl NounEntry {
         };
         // "A row of chairs" is one.
         let is_many = self.many && plural == singular;
-        Noun { singular, plural, person: self.person, is_many, is_mass: self.mass, also: self.also }
+        let is_alive = self.animal || self.person.is_some();
+        Noun { singular, plural, person: self.person, is_alive, is_many, is_mass: self.mass, also: self.also }
     }
 }
 

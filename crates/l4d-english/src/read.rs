@@ -30,17 +30,20 @@ const LONGEST: usize = 40;
 const MOST_READINGS: usize = 120;
 
 /// Words that the grammar itself knows.
-const GRAMMAR: &str = "a about after afterwards again all along always an and any anybody anyone are around as at away \
-    be been before begin beginning beginning begins behind being beneath beside between bigger biggest both by called \
-    clip close closer closest contact did do does dressed during each else end ends every facing faces farther \
-    farthest final finally finishes first for from front get gets got had has have having he her him his in initially \
-    inside into is it its itself just larger largest last later lower lowest last-named made moment near nearest never \
-    next no no-one not nothing of off on once one ones only onto or originally other others out over remain remains \
-    scene she small smaller smallest some somebody someone something start starting starts stay stays still taller \
-    tallest than that the their them then there these they this those three time to top touches touching two four five \
-    six seven under underneath up was wearing wears wear were when whenever where which while who whole whom whose \
-    will with within without higher highest video another alongside begins possibly eventually slowly quickly gently \
-    below atop";
+const GRAMMAR: &str = "a after afterwards all along alongside among an and another any anybody anyone are around as at atop away \
+    be been before begin beginning begins behind being below beneath beside between bigger biggest but by \
+    clip close closer closest comes contact did do does dressed during each end ends eventually every faces \
+    facing farther farthest final finally finish finishes first five for four from front get gets getting had \
+    has have having he her higher highest him his in initially inside into is it its keep keeps larger \
+    largest last later located long lower lowest made moment near nearest never next no no-one not nothing of \
+    off on once one ones only onto or originally other others out put remain remains rest same scene she \
+    smaller smallest some somebody someone something start starting starts stay stays still taller tallest \
+    than that the their them then there these they this those three time to top touches touching two under \
+    underneath until up video was wear wearing wears were when whenever where which while who whom whose with \
+    within without";
+
+/// Words that say how something is done, which no clause speaks of.
+const SKIPPED: &str = "slowly quickly gently carefully just also always currently very";
 
 static KNOWN: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
     let mut known = lexicon().content_words();
@@ -119,7 +122,8 @@ fn predicate_json(predicate: &Predicate) -> serde_json::Value {
 /// Words in their usual spelling, "doesn't" as two.
 fn sentence_tokens(text: &str) -> Vec<String> {
     let mut found = Vec::new();
-    for word in tokens(text) {
+    let skipped = |word: &String| SKIPPED.split(' ').any(|other| other == word);
+    for word in tokens(text).into_iter().filter(|word| !skipped(word)) {
         match word.as_str() {
             "can't" | "cannot" => found.extend(["can".to_owned(), "not".to_owned()]),
             "it's" => found.extend(["it".to_owned(), "is".to_owned()]),
@@ -216,6 +220,39 @@ fn distinct<T: PartialEq>(readings: Readings<T>) -> Readings<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn meaning(text: &str) -> String {
+        let (predicate, temporal) = read(text, &Words::all()).unwrap();
+        let when = if temporal == Temporal::While { " while" } else { "" };
+        format!("{predicate}{when}")
+    }
+
+    #[test]
+    fn wordings_of_other_people() {
+        let cases = [
+            ("A woman whose top is light blue", "woman(x) and top(x) = light_blue"),
+            (
+                "The gray cup nearest the lamp",
+                "cup(x) and colour(x) = grey and closest_to(x, the y: lamp(y))",
+            ),
+            ("The dog which isn't slowly running", "dog(x) and not run(x)"),
+            ("The cup standing on the tray", "cup(x) and on(x, the y: tray(y))"),
+            ("The cup next to another one", "cup(x) and beside(x, any cup)"),
+            (
+                "The man in black trousers and a red shirt",
+                "man(x) and shirt(x) = red and trousers(x) = black",
+            ),
+            ("The cat while it sits on the sofa", "cat(x) and on(x, the y: sofa(y)) and sit(x) while"),
+            ("The cup when it's on the tray", "cup(x) and on(x, the y: tray(y)) while"),
+            ("The tallest of the three women", "woman(x) and tallest(x)"),
+            ("The lady who wears a green dress", "woman(x) and dress(x) = green"),
+            ("The ball that is not touched by the cat", "ball(x) and not touch(the y: cat(y), x)"),
+            ("The couch between two lamps", "sofa(x) and between(x, any lamp, any lamp)"),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(meaning(text), expected, "{text}");
+        }
+    }
 
     #[test]
     fn a_sentence_that_is_not_read_says_why() {

@@ -29,6 +29,8 @@ pub const LONGEST: usize = 20;
 const MOST_TRIED: usize = 160;
 /// Sentences that are given.
 const MOST_GIVEN: usize = 24;
+/// Sentences among which the best are sought: an ambiguous one may be worse than some that cost more at first.
+const ENOUGH: usize = 36;
 /// What a sentence may cost more than the best.
 const WORST: f64 = 1.6;
 /// The price of a word.
@@ -83,6 +85,9 @@ pub fn forms(predicate: &Predicate, temporal: Temporal, words: &Words<'_>) -> Ve
             sentence.cost += AMBIGUOUS;
         }
         given.push(sentence);
+        if given.len() >= ENOUGH {
+            break;
+        }
     }
     given.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let limit = given.first().map_or(0.0, |best| best.cost) + WORST;

@@ -12,7 +12,7 @@ const MOST_PROPERTIES: usize = 2;
 /// Keys that tell landmarks apart best.
 const FIRST_KEYS: [&str; 3] = ["colour", "material", "size"];
 
-/// What a scene calls its things: nouns of objects, phrases of landmarks ("the green book").
+/// What a scene calls its things: nouns of objects, phrases of landmarks ("the lamp", "the book that is green").
 #[derive(Debug, Clone)]
 pub struct Words<'a> {
     world: Option<World<'a>>,
@@ -124,9 +124,11 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Whether anything of this category does this.
+    /// Whether anything of this category does this; without a scene, whether it might.
     pub(crate) fn is_done_by(&self, verb: &str, category: &str) -> bool {
-        let Some(world) = &self.world else { return false };
+        let Some(world) = &self.world else {
+            return lexicon().noun(category).is_some_and(|noun| noun.is_alive);
+        };
         let is_such = |name: &Name| world.instance(name).is_some_and(|found| found.category == category);
         world.events().any(|event| event.verb == verb && is_such(&event.subject))
     }

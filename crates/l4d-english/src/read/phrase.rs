@@ -71,9 +71,16 @@ impl Reader<'_, '_> {
                 false => Party::Such(phrase.predicate()),
             };
         }
-        match self.words.named(&phrase.noun, &phrase.clauses).filter(|_| !phrase.has_relative) {
-            Some(name) if phrase.clauses.iter().all(|clause| matches!(clause, Clause::Attribute { .. })) => {
-                Party::Name(name)
+        // "The lamp" is a name where there is one lamp; "the green book" describes a book; "the book that is green" names
+        // a landmark that has no shorter name.
+        let is_name = phrase.clauses.is_empty()
+            || phrase.has_relative
+                && phrase.clauses.iter().all(|clause| matches!(clause, Clause::Attribute { .. }));
+        match self.words.named(&phrase.noun, &phrase.clauses).filter(|_| is_name) {
+            Some(name) => Party::Name(name),
+            // "The hand" where there are several is any of them.
+            _ if phrase.clauses.is_empty() && self.words.count(&phrase.noun) > 1 => {
+                Party::Category(phrase.noun.clone())
             }
             _ => Party::Such(phrase.predicate()),
         }
@@ -136,7 +143,12 @@ impl Reader<'_, '_> {
         let start = if order.is_some() { self.reached(at + 1) } else { at };
         let mut found = Readings::new();
         for (before, noun_at) in self.before_noun(start) {
-            for (noun, extra, after) in self.nouns(noun_at) {
+            let is_extreme = matches!(before.last(), Some(Before::Clause(Clause::Superlative(_))));
+            let mut nouns = self.nouns(noun_at);
+            if order.is_some() || is_extreme {
+                nouns.extend(self.of_several(noun_at).into_iter().map(|(noun, end)| (noun, None, end)));
+            }
+            for (noun, extra, after) in nouns {
                 for mut clauses in self.resolved(&before, &noun) {
                     clauses.extend(extra.clone());
                     for (ordered, next) in self.ordered(after, order, &noun) {
@@ -151,6 +163,13 @@ impl Reader<'_, '_> {
             }
         }
         found
+    }
+
+    /// After "the first" or "the tallest": "of the cups".
+    fn of_several(&self, at: usize) -> Readings<String> {
+        let starts =
+            self.phrases(at, "of the|of all the|of all|of the two|of the three|of the four|of the five");
+        starts.into_iter().flat_map(|next| self.categories(next, true)).collect()
     }
 
     /// What "first" or "last" orders: "to jump", "that jumps", "lifted by a hand".
@@ -269,18 +288,24 @@ impl Reader<'_, '_> {
     pub(super) fn after_noun(&self, at: usize, noun: &str) -> Readings<(Vec<Clause>, bool)> {
         let mut found = vec![((Vec::new(), false), at)];
         for ((clauses, is_relative), next) in self.modifier(at, noun) {
-            let next = if self.starts_modifier(next) { self.reached(next + 1) } else { next };
+            // "and" joins what is alike: "on the tray and beside the lamp", "that rolls and that a hand lifts".
+            let (next, is_joined) = match self.any_of(next, "and") {
+                Some(after) if !self.is_end(after) => (after, true),
+                _ => (next, false),
+            };
+            let starts_relative = self.any_of(next, "that which who whom whose").is_some();
+            if is_joined && starts_relative != is_relative {
+                continue;
+            }
             for ((more, has_relative), end) in self.after_noun(next, noun) {
+                if is_joined && more.is_empty() {
+                    continue;
+                }
                 let all = [&clauses[..], &more[..]].concat();
                 found.push(((all, is_relative || has_relative), end));
             }
         }
         distinct(found)
-    }
-
-    /// "and" between two modifiers: "on the tray and beside the lamp".
-    fn starts_modifier(&self, at: usize) -> bool {
-        self.word(at) == "and" && at + 1 < self.tokens.len()
     }
 
     fn modifier(&self, at: usize, noun: &str) -> Readings<(Vec<Clause>, bool)> {

@@ -67,7 +67,22 @@ impl Reader<'_, '_> {
         for worn in self.phrases(at, "in|wearing|dressed in") {
             found.extend(self.property(worn, Way::Wears, category));
         }
+        if let Some(worn) = self.any_of(at, "wearing") {
+            let lacked = self.property(worn, Way::Lacks, category).into_iter();
+            found.extend(lacked.map(|(clause, end)| (negated(clause), end)));
+        }
         found
+    }
+
+    /// "a backpack": the noun says it.
+    pub(super) fn kind(&self, at: usize, category: &str) -> Readings<Clause> {
+        let wordings = self.wordings(at, Way::Noun).into_iter();
+        let fitting =
+            wordings.flat_map(|(wordings, end)| wordings.into_iter().map(move |wording| (wording, end)));
+        let fitting = fitting.filter(|(wording, _)| wording.category.as_deref() == Some(category));
+        let clause =
+            |wording: &Wording| Clause::Attribute { key: wording.key.clone(), value: wording.value.clone() };
+        fitting.map(|(wording, end)| (clause(wording), end)).collect()
     }
 
     /// "in a red top and jeans", "with a ponytail and a red ribbon": two properties after one preposition.
@@ -90,6 +105,9 @@ impl Reader<'_, '_> {
     pub(super) fn having(&self, at: usize, category: &str) -> Readings<Clause> {
         let mut found = self.property(at, Way::Has, category);
         found.extend(self.property(at, Way::Wears, category));
+        // What others lack.
+        let lacked = self.property(at, Way::Lacks, category).into_iter();
+        found.extend(lacked.map(|(clause, end)| (negated(clause), end)));
         if let Some(no) = self.any_of(at, "no") {
             found.extend(self.lacking(no, category));
         }

@@ -75,8 +75,9 @@ impl Reader<'_, '_> {
     }
 
     fn plain_state(&self, at: usize, category: &str) -> Readings<Clause> {
-        let at = self.skip(at, "still|always|just");
+        let at = self.skip(at, "still");
         let mut found = self.property_phrase(at, category);
+        found.extend(self.posture(at, category));
         let is_relation = match self.word(at) {
             "touching" => !self.is_done("touch"),
             "facing" => !self.is_done("face"),
@@ -86,7 +87,6 @@ impl Reader<'_, '_> {
             found.extend(self.event(at, Form::Ing));
         }
         found.extend(self.relation(at));
-        found.extend(self.posture(at, category));
         found.extend(self.passive(at));
         for being in self.phrases(at, "being|getting") {
             found.extend(self.passive(being));
@@ -97,6 +97,7 @@ impl Reader<'_, '_> {
     /// What may follow "is": all that may follow a noun, adjectives, extremes and order.
     pub(super) fn complement(&self, at: usize, category: &str) -> Readings<Clause> {
         let mut found = self.property(at, Way::Adjective, category);
+        found.extend(self.kind(at, category));
         found.extend(self.state(at, category));
         found.extend(self.timed(self.extreme(at)));
         found.extend(self.order(at, category));

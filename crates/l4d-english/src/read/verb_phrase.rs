@@ -6,7 +6,7 @@ use super::phrase::{Article, Order};
 use super::property::negated;
 use super::state::{Edge, POSTURES};
 use super::{Reader, Readings, distinct};
-use crate::lexicon::{Form, Way};
+use crate::lexicon::{Form, Way, lexicon};
 
 const THEN: &str =
     "and then|then|and afterwards|and later|and after that|and next|before it|and then it|then it";
@@ -36,6 +36,11 @@ impl Reader<'_, '_> {
         let starts_with_be = self.any_of(at, "is are was were be").is_some();
         for (clause, end) in self.ordered_steps(at, form, category) {
             found.push((vec![clause.clone()], end));
+            // "sits on the bench".
+            if matches!(clause, Clause::Does { to: None, .. }) {
+                let places = self.timed(self.relation(end)).into_iter();
+                found.extend(places.map(|(place, end)| (vec![clause.clone(), place], end)));
+            }
             let Some(next) = self.any_of(end, "and") else { continue };
             let mut others = self.verb_phrase(next, form, category);
             if starts_with_be {
@@ -55,6 +60,11 @@ impl Reader<'_, '_> {
         let mut found = Readings::new();
         if let Some(first) = self.any_of(at, "first") {
             for (one, end) in self.clause(first, form, category) {
+                found.extend(self.second_step(&one, end, THEN, form, category));
+            }
+        }
+        for first in self.phrases(at, "is first|are first|was first|gets first") {
+            for (one, end) in self.passive(first) {
                 found.extend(self.second_step(&one, end, THEN, form, category));
             }
         }
@@ -119,12 +129,13 @@ impl Reader<'_, '_> {
 
     /// One clause.
     fn clause(&self, at: usize, form: Form, category: &str) -> Readings<Clause> {
-        let at = self.skip(at, "still|always|also");
+        let at = self.skip(at, "still");
         if let Some(next) = self.any_of(at, "never not") {
             let found = self.clause(next, form, category).into_iter();
             return self.timed(found.map(|(clause, end)| (negated(clause), end)).collect());
         }
-        let mut found = self.being(at, form, category);
+        let mut found = self.placed(at, form, category);
+        found.extend(self.being(at, form, category));
         if let Some(not) = self.any_of(at, "does do did").and_then(|next| self.any_of(next, "not never")) {
             let inner = self.clause(not, Form::Base, category).into_iter();
             found.extend(inner.map(|(clause, end)| (negated(clause), end)));
@@ -135,7 +146,6 @@ impl Reader<'_, '_> {
         if let Some(wears) = self.any_of(at, if form == Form::Third { "wears" } else { "wear" }) {
             found.extend(self.property(wears, Way::Wears, category));
         }
-        found.extend(self.placed(at, form, category));
         let is_relation = match self.word(at) {
             "touches" | "touch" => !self.is_done("touch"),
             "faces" | "face" => !self.is_done("face"),
@@ -234,8 +244,31 @@ impl Reader<'_, '_> {
         found
     }
 
-    /// "that rolls", "which a hand lifts".
+    /// After "whose": "top is green", "hair is long".
+    fn whose(&self, at: usize, category: &str) -> Readings<Clause> {
+        let mut found = Readings::new();
+        for is in at + 1..at + 4 {
+            let Some(value) = self.any_of(is, "is are") else { continue };
+            for end in value + 1..=(value + 3).min(self.tokens.len()) {
+                let words = [&self.tokens[value..end], &self.tokens[at..is]].concat();
+                for way in [Way::Has, Way::Wears] {
+                    let said = lexicon().properties_at(way, &words).into_iter();
+                    let said =
+                        said.filter_map(|(wording, length)| (length == words.len()).then_some(wording));
+                    let wordings: Vec<_> = said.collect();
+                    let meant = self.meant(category, &wordings).into_iter();
+                    found.extend(meant.map(|clause| (clause, self.reached(end))));
+                }
+            }
+        }
+        found
+    }
+
+    /// "that rolls", "which a hand lifts", "whose top is green".
     pub(super) fn relative(&self, at: usize, category: &str) -> Readings<Vec<Clause>> {
+        if let Some(next) = self.any_of(at, "whose") {
+            return self.whose(next, category).into_iter().map(|(clause, end)| (vec![clause], end)).collect();
+        }
         let Some(next) = self.any_of(at, "that which who whom") else { return Vec::new() };
         let mut found = self.verb_phrase(next, Form::Third, category);
         let gaps = self.gap(next, false).into_iter();
@@ -303,7 +336,7 @@ impl Reader<'_, '_> {
             add(next, Form::Base, true);
         }
         if let Some(is) = self.any_of(at, "is was") {
-            add(self.skip(is, "still|always|just"), Form::Ing, false);
+            add(self.skip(is, "still"), Form::Ing, false);
             if let Some(not) = self.any_of(is, "not never") {
                 add(not, Form::Ing, true);
             }

@@ -92,7 +92,7 @@ impl Speaker<'_, '_> {
     fn denied_slots(&self, inner: &Clause) -> Vec<(Slot, f64)> {
         let mut found = Vec::new();
         match inner {
-            Clause::Relation { .. } => {
+            Clause::Relation { kind, .. } if !is_among_its_like(*kind) => {
                 let states = self.relation(inner).into_iter();
                 found.extend(
                     states.map(|state| (Slot::After(3, format!("not {}", state.text)), state.cost + 0.4)),

@@ -257,7 +257,14 @@ impl Speaker<'_, '_> {
             for b in seconds {
                 let cost = a.cost + b.cost;
                 found.push(said(format!("{} and then {}", a.text, b.text), cost));
-                found.push(said(format!("first {} and then {}", a.text, b.text), cost + 0.2));
+                let is = person.is();
+                // "is first lifted" rather than "first is lifted".
+                let first = match a.text.strip_prefix(is).filter(|_| matches!(one, Clause::Undergoes { .. }))
+                {
+                    Some(state) => format!("{is} first{state}"),
+                    None => format!("first {}", a.text),
+                };
+                found.push(said(format!("{first} and then {}", b.text), cost + 0.2));
             }
             for b in self.events(two, person) {
                 found

@@ -3,9 +3,9 @@
 use l4d_data::Name;
 use l4d_query::{Clause, Party, Predicate};
 
-use super::clause::Slot;
+use super::clause::{Slot, is_among_its_like};
 use super::{Said, Speaker, cheapest, products, said};
-use crate::lexicon::lexicon;
+use crate::lexicon::{lexicon, tokens};
 
 /// Wordings of others that are tried.
 const MOST_MENTIONS: usize = 4;
@@ -109,8 +109,12 @@ impl Speaker<'_, '_> {
     pub(super) fn whole_sentences(&self, predicate: &Predicate) -> Vec<Said> {
         let mut found = Vec::new();
         let clauses: Vec<&Clause> = predicate.discriminating().collect();
+        // What can only be true of one is never "the only" one.
+        let is_extreme = clauses.iter().any(|clause| ranks(clause));
         for parts in self.parts(predicate.noun(), &clauses, true) {
-            found.extend(self.sentences(predicate.noun(), &parts));
+            let mut sentences = self.sentences(predicate.noun(), &parts);
+            sentences.retain(|sentence| !is_extreme || !sentence.text.starts_with("the only "));
+            found.extend(sentences);
         }
         found
     }
@@ -126,16 +130,38 @@ impl Speaker<'_, '_> {
                 found.push(said(format!("the only {text}"), parts.cost + cost + 0.35));
             }
         }
+        if let (Some((which, ordered)), true) = (&parts.ordered, self.words.count(category) > 1) {
+            found.push(said(format!("the {which} of the {} {ordered}", noun.plural), parts.cost + 0.25));
+        }
         if let ([gap], []) = (&parts.gaps[..], &parts.relatives[..])
             && parts.after.is_empty()
+            && !gap.starts_with("another ")
         {
             let text = Parts { gaps: Vec::new(), ..parts.clone() }.text(&noun.singular, "that");
             found.push(said(format!("the {text} {gap}"), parts.cost + 0.3));
         }
+        if let ([(0, extreme)], [], None) = (&parts.before[..], &parts.after[..], &parts.noun)
+            && !parts.has_clause()
+        {
+            let count = self.words.count(category);
+            let of = if count == 2 { "of the two" } else { "of the" };
+            // Of two, the larger; of more, the largest.
+            if (count == 2) == extreme.ends_with('r') {
+                found.push(said(format!("the {extreme} {of} {}", noun.plural), parts.cost + 0.15));
+            }
+        }
         let is_bare = parts.before.is_empty() && parts.after.is_empty() && parts.noun.is_none();
-        if is_bare && parts.relatives.len() + parts.gaps.len() == 1 && self.words.count(category) > 1 {
+        if is_bare
+            && parts.ordered.is_none()
+            && parts.relatives.len() + parts.gaps.len() == 1
+            && self.words.count(category) > 1
+        {
             let clause = parts.relative_clauses(pronouns(category, parts)[0].0);
-            found.push(said(format!("of the {}, the one{clause}", noun.plural), parts.cost + 0.25));
+            let repeats = tokens(&clause).iter().any(|word| *word == noun.plural || *word == noun.singular);
+            found.push(said(
+                format!("of the {}, the one{clause}", noun.plural),
+                parts.cost + if repeats { 2.0 } else { 0.25 },
+            ));
         }
         found
     }
@@ -168,8 +194,10 @@ impl Speaker<'_, '_> {
         let Some((category, clauses)) = self.words.telling(name) else { return Vec::new() };
         let all: Vec<&Clause> = clauses.iter().collect();
         let mut found = self.noun_phrases(category, &all, "the");
-        // What is told by a relative clause is described rather than named.
-        found.retain(|phrase| !phrase.text.contains(" that ") && !phrase.text.contains(" who "));
+        // Without a relative clause it would be described rather than named.
+        found.retain(|phrase| {
+            clauses.is_empty() || phrase.text.contains(" that ") || phrase.text.contains(" who ")
+        });
         found
     }
 
@@ -204,6 +232,16 @@ impl Speaker<'_, '_> {
             found.push(said(format!("{article} {}", parts.text(&noun.singular, pronoun)), cost));
         }
         found
+    }
+}
+
+/// Whether it compares with all others of the category.
+fn ranks(clause: &Clause) -> bool {
+    match clause {
+        Clause::Superlative(_) | Clause::First(_) | Clause::Last(_) => true,
+        Clause::Relation { kind, .. } => is_among_its_like(*kind),
+        Clause::AtStart(inner) | Clause::AtEnd(inner) => ranks(inner),
+        _ => false,
     }
 }
 

@@ -33,7 +33,10 @@ pub(super) fn slots(category: &str, key: &str, value: &str) -> Vec<(Slot, f64)> 
                 add(Slot::Relative(format!("is {text}")), 0.4);
             }
             Way::Before => add(Slot::Before(6, text.clone()), 0.0),
-            Way::Noun => add(Slot::Noun(text.clone()), 0.0),
+            Way::Noun => {
+                add(Slot::Noun(text.clone()), 0.0);
+                add(Slot::Relative(format!("is a {text}")), 0.3);
+            }
             Way::Contents => add(Slot::After(0, format!("of {text}")), 0.0),
             Way::Is => {
                 add(Slot::After(2, text.clone()), 0.1);
@@ -83,7 +86,9 @@ pub(super) fn denied(category: &str, key: &str, value: &str) -> Vec<(Slot, f64)>
                 add(Slot::Relative(format!("is not wearing {text}")), 0.0);
                 add(Slot::After(1, format!("not wearing {text}")), 0.3);
             }
-            Way::Before | Way::Noun | Way::Contents | Way::Lacks => {}
+            Way::Lacks => add(Slot::After(2, format!("with {text}")), 0.0),
+            Way::Noun => add(Slot::Relative(format!("is not a {text}")), 0.0),
+            Way::Before | Way::Contents => {}
         }
     }
     found
