@@ -436,12 +436,12 @@ class Room:
 
     def plant(self, name: str = "plant", *, landmark: bool = True) -> Prop | None:
         """A plant in a pot on the floor, in a corner or beside something."""
-        tall = self.rng.uniform(0.7, 1.3)
+        tall = self.rng.uniform(0.65, 1.15)
         return self.stand(
             "houseplant",
             name,
             ("back", "left", "right"),
-            size_m=(0.8, 0.8, 1.05 * tall),
+            size_m=(tall, tall, 1.05 * tall),
             height_m=tall,
             landmark=landmark,
         )
@@ -534,20 +534,23 @@ class Room:
         opening = (u - width_m / 2, u + width_m / 2, sill_m, sill_m + height_m)
         self.openings.setdefault(wall, []).append(opening)
         self.panes.append((wall, u, width_m, sill_m, height_m))
-        looks = dict(
-            width_m=width_m,
-            height_m=height_m,
-            sill_m=sill_m,
-            sky=self.mood.sky,
-            glow=self.mood.glow,
-            hanging=hanging or self.rng.choice(("bare", "curtains", "curtains", "blind")),
-            columns=self.rng.choice((1, 2, 2, 3)),
-            rows=self.rng.choice((1, 2, 3)),
+        looks = (
+            dict(
+                width_m=width_m,
+                height_m=height_m,
+                sill_m=sill_m,
+                sky=self.mood.sky,
+                glow=self.mood.glow,
+                hanging=hanging or self.rng.choice(("bare", "curtains", "curtains", "blind")),
+                columns=self.rng.choice((1, 2, 2, 3)),
+                rows=self.rng.choice((1, 2, 3)),
+            )
+            | words
         )
         at, heading = self.on_wall(wall, u), HEADINGS[wall]
         if landmark:
-            return self.stage.landmark("lit_window", name, at[:2], heading, **looks, **words)
-        self.stage.dress("lit_window", name, at[:2], heading, **looks, **words)
+            return self.stage.landmark("lit_window", name, at[:2], heading, **looks)
+        self.stage.dress("lit_window", name, at[:2], heading, **looks)
         return None
 
     def door(
@@ -703,6 +706,32 @@ class Room:
             angle_deg=1.2,
             colour=(1.0, 0.86, 0.68) if self.mood.name == "morning" else (1.0, 0.93, 0.82),
         )
+
+
+def behind_counter(
+    stage: Stage, key: str, size_m: tuple[float, float], top_m: float, aisle_m: tuple[float, float]
+) -> Room:
+    """A room round a counter at the origin, seen from its front: whoever uses it stands behind, in the aisle.
+
+    The cameras are close, since what lies on a counter is small. Adds the area "counter", whose first two
+    corners are its back edge.
+    """
+    x, y = size_m[0] / 2, size_m[1] / 2
+    wide, aisle = x + 0.35, stage.rng(f"{key}/aisle").uniform(*aisle_m)
+    room = Room(
+        stage,
+        key,
+        corners=[(-wide, y), (wide, y), (wide, y + aisle), (-wide, y + aisle)],
+        in_sight=[
+            *((a, b, z) for a in (-x, x) for b in (-y, y) for z in (top_m - 0.35, top_m + 0.05)),
+            *((a, b, TALL_M) for a in (-x, x) for b in (y + 0.1, y + aisle)),
+        ],
+        back_m=(0.66, 0.7),
+    )
+    room.beside(Box((-x, x), (-y, y), (0.0, top_m + 0.05)))
+    corners = [(x - 0.03, y - 0.03), (0.03 - x, y - 0.03), (0.03 - x, 0.03 - y), (x - 0.03, 0.03 - y)]
+    stage.add_area(Area("counter", corners, on=top_m))
+    return room
 
 
 def _exposure(shell: dict[str, Any]) -> float:

@@ -35,37 +35,15 @@ CLUTTER = (
 def kitchen(stage: Stage) -> None:
     """An island before a run of units with a sink, a fridge, cupboards or shelves, a window."""
     rng = stage.rng("kitchen")
-    width_m, aisle_m = rng.uniform(1.8, 2.4), rng.uniform(1.05, 1.3)
-    half, edge = width_m / 2, kitchen_units.ISLAND_DEPTH_M / 2
-    ends = half + 0.35
-    room = rooms.Room(
-        stage,
-        "kitchen",
-        corners=[(-ends, edge), (ends, edge), (ends, edge + aisle_m), (-ends, edge + aisle_m)],
-        in_sight=[
-            *((x, y, z) for x in (-half, half) for y in (-edge, edge) for z in (0.55, 0.95)),
-            *((x, y, rooms.TALL_M) for x in (-half, half) for y in (edge + 0.1, edge + aisle_m)),
-        ],
-        back_m=(0.66, 0.7),
-    )
+    width_m = rng.uniform(1.8, 2.4)
+    size_m = width_m, kitchen_units.ISLAND_DEPTH_M
+    room = rooms.behind_counter(stage, "kitchen", size_m, kitchen_units.TOP_M, (1.05, 1.3))
     finish = kitchen_units.Finish(rng.choice(FRONTS), rng.choice(STONES))
     stage.landmark("kitchen_units.island", "island", (0.0, 0.0), width_m=width_m, finish=finish)
-    room.beside(rooms.Box((-half, half), (-edge, edge), (0.0, 0.95)))
-    counter = Area(
-        "counter",
-        [
-            (half - 0.03, edge - 0.03),
-            (0.03 - half, edge - 0.03),
-            (0.03 - half, 0.03 - edge),
-            (half - 0.03, 0.03 - edge),
-        ],
-        on=kitchen_units.TOP_M,
-    )
-    stage.add_area(counter)
     _units(room, finish)
     _wall(room)
     room.pendants(rng.randint(1, 3), (0.0, -0.05), spread_m=0.3 * width_m)
-    _on_counter(stage, counter)
+    _on_counter(stage, stage.area("counter"))
     room.finish(
         **rooms.shell_looks(
             rng, ("tiles", "tiles", "boards", "chequered"), ("tiled", "tiled", "plaster", "panelled")
@@ -146,13 +124,7 @@ def _wall(room: rooms.Room) -> None:
     if rng.random() < 0.6:
         room.door("door", ("left", "right"), style=rng.choice(("panels", "glazed")))
     if rng.random() < 0.6:
-        room.stand(
-            "houseplant",
-            "plant",
-            ("left", "right", "back"),
-            size_m=(0.75, 0.75, 1.0),
-            height_m=rng.uniform(0.7, 1.2),
-        )
+        room.plant()
 
 
 def _on_counter(stage: Stage, counter: Area) -> None:
