@@ -11,11 +11,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::candidate::Candidate;
 
-/// A candidate with its sentence.
+/// A candidate, and its sentence once it has been said.
 #[derive(Debug, Clone)]
 pub(crate) struct Entry {
     pub(crate) candidate: Candidate,
-    pub(crate) text: String,
+    pub(crate) text: Option<String>,
     /// How far each bounded shortcut is above chance on it; empty where shortcuts are not tried.
     pub(crate) above_chance: Vec<f64>,
 }
@@ -32,10 +32,13 @@ const QUERIES_PER_OBJECT: f64 = 2.7;
 /// Fewest and most single queries wanted.
 const WANTED: [f64; 2] = [10.0, 16.0];
 
-/// Steps of the search.
+/// Steps of the search from nothing, and of one that goes on.
 const STEPS: usize = 40_000;
-/// Temperatures at which the search begins and ends, in units of the price.
-const TEMPERATURES: [f64; 2] = [3.0, 0.02];
+const MORE_STEPS: usize = 10_000;
+/// Temperatures at which the search begins, goes on from a set that is nearly good, and ends, in units of the price.
+const HOT: f64 = 3.0;
+const WARM: f64 = 0.4;
+const COLD: f64 = 0.02;
 
 /// What a query is worth at most; a set is better off without one that costs more.
 const WORTH: f64 = 9.0;
@@ -54,19 +57,24 @@ const SAME_REFERENT: f64 = 0.25;
 const GAIN: f64 = 3.0;
 const LOSS: f64 = 2.0;
 
-/// The chosen single queries, as places in `entries`, ascending.
-pub(crate) fn singles(entries: &[Entry], objects: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
+/// The chosen single queries, as places in `entries`, ascending; `start` is a set that was chosen before.
+pub(crate) fn singles(
+    entries: &[Entry],
+    wanted: [f64; 4],
+    start: Vec<usize>,
+    random: &mut ChaCha8Rng,
+) -> Vec<usize> {
     if entries.is_empty() {
         return Vec::new();
     }
-    let wanted = wanted(objects, random);
     let board = Board::of(entries, wanted);
-    let mut chosen: Vec<usize> = Vec::new();
+    let (first, steps) = if start.is_empty() { (HOT, STEPS) } else { (WARM, MORE_STEPS) };
+    let mut chosen = start;
     let mut price = board.price(&chosen);
     let mut best = (price, chosen.clone());
-    for step in 0..STEPS {
-        let progress = step as f64 / STEPS as f64;
-        let temperature = TEMPERATURES[0] * (TEMPERATURES[1] / TEMPERATURES[0]).powf(progress);
+    for step in 0..steps {
+        let progress = step as f64 / steps as f64;
+        let temperature = first * (COLD / first).powf(progress);
         let mut next = chosen.clone();
         let newcomer = random.random_range(0..entries.len());
         match random.random_range(0..4) {
@@ -94,7 +102,7 @@ pub(crate) fn singles(entries: &[Entry], objects: usize, random: &mut ChaCha8Rng
 }
 
 /// How many of each category are wanted: the mix of the test set on average over many scenes.
-fn wanted(objects: usize, random: &mut ChaCha8Rng) -> [f64; 4] {
+pub(crate) fn wanted(objects: usize, random: &mut ChaCha8Rng) -> [f64; 4] {
     let total = (objects as f64 * QUERIES_PER_OBJECT).clamp(WANTED[0], WANTED[1]);
     MIX.map(|(_, share)| (share * total + random.random::<f64>()).floor())
 }
@@ -151,13 +159,13 @@ impl<'e> Board<'e> {
         }
     }
 
-    /// No two say the same of the same object, or in the same words.
+    /// No two say the same of the same object.
     fn is_allowed(&self, chosen: &[usize]) -> bool {
         chosen.iter().enumerate().all(|(place, &one)| {
             chosen[place + 1..].iter().all(|&other| {
-                let is_alike = self.referents[one] == self.referents[other]
-                    && self.cores[one].iter().any(|core| self.cores[other].contains(core));
-                !is_alike && self.entries[one].text != self.entries[other].text
+                one != other
+                    && (self.referents[one] != self.referents[other]
+                        || !self.cores[one].iter().any(|core| self.cores[other].contains(core)))
             })
         })
     }
@@ -196,24 +204,20 @@ impl<'e> Board<'e> {
 /// At least as many as `l4d_query::probes` has bounded ones.
 pub(crate) const MOST_SHORTCUTS: usize = 8;
 
-/// Up to `count` of the entries, cheap ones that differ in form, content and referent; as places, in order of choice.
-pub(crate) fn varied(entries: &[Entry], count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
-    let whims: Vec<f64> = entries.iter().map(|_| random.random::<f64>()).collect();
-    let mut chosen: Vec<usize> = Vec::new();
-    while chosen.len() < count {
-        let price = |place: &usize| {
-            let entry = &entries[*place];
-            let again: f64 = chosen.iter().map(|&other| likeness(entry, &entries[other])).sum();
-            entry.candidate.price + whims[*place] + again
-        };
-        let left = (0..entries.len()).filter(|place| {
-            chosen.iter().all(|&other| other != *place && entries[other].text != entries[*place].text)
-        });
-        let next = left.map(|place| (price(&place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, next)) = next else { break };
-        chosen.push(next);
-    }
-    chosen
+/// The next of the entries after those that are chosen: a cheap one that differs in form, content and referent. `whims`
+/// are a draw for each.
+pub(crate) fn next_varied(
+    entries: &[Entry],
+    chosen: &[usize],
+    left: &[usize],
+    whims: &[f64],
+) -> Option<usize> {
+    let price = |place: usize| {
+        let again: f64 = chosen.iter().map(|&other| likeness(&entries[place], &entries[other])).sum();
+        entries[place].candidate.price + whims[place] + again
+    };
+    let priced = left.iter().map(|&place| (price(place), place));
+    priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
 }
 
 /// How much worse an entry is after another one.

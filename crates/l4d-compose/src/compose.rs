@@ -11,7 +11,7 @@ use l4d_data::truth::Truth;
 use l4d_data::{Category, DataError, Name, Query, QueryId, Report, Role, Severity, Temporal, json};
 use l4d_query::Predicate;
 use l4d_query::probes::Trial;
-use l4d_query::prove::{Kind, Prover, SceneSet, check_scene};
+use l4d_query::prove::{Kind, Prover, SceneSet, check_scene, words};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -99,31 +99,26 @@ pub fn queries(tracks: &Tracks, order: &Order<'_>, say: Say<'_>) -> Result<Compo
     let prover = Prover::new(tracks, order.truth, None);
     let boxes = if order.truth.is_none() { screen::seen(tracks) } else { None };
     let seen = order.truth.or(boxes.as_ref());
-    let desk = Desk { prover: &prover, order, seen, say };
+    let mut desk = Desk { prover: &prover, order, seen, say, said: BTreeSet::new() };
     let mut pools: BTreeMap<usize, Vec<Entry>> = BTreeMap::new();
-    for candidate in enumerate(&prover) {
-        let pool = pools.entry(candidate.kind as usize).or_default();
-        pool.extend(desk.entry(candidate)?);
+    for candidate in enumerate(&prover).into_iter().filter(|candidate| desk.can_be_seen(candidate)) {
+        let entry = desk.entry(candidate)?;
+        pools.entry(entry.candidate.kind as usize).or_default().push(entry);
     }
     let mut random = desk.random("set");
-    let objects = tracks.instances.iter().filter(|instance| instance.role == Role::Object).count();
     let mut pool = |kind: Kind| pools.remove(&(kind as usize)).unwrap_or_default();
-    let (singles, mut composites, mut absents) =
-        (pool(Kind::Single), pool(Kind::Composite), pool(Kind::Absent));
+    let [mut singles, mut composites, mut absents] =
+        [Kind::Single, Kind::Composite, Kind::Absent].map(&mut pool);
 
-    let chosen = choose::singles(&singles, objects, &mut random);
+    let chosen = desk.choose(&mut singles, &mut random)?;
     if chosen.len() < LEAST_QUERIES {
         let short = shortage(tracks, &singles);
         return Err(Refused::TooFew { scene: tracks.scene.clone(), found: chosen.len(), short });
     }
-    let said: BTreeSet<&str> = chosen.iter().map(|&place| singles[place].text.as_str()).collect();
-    for pool in [&mut composites, &mut absents] {
-        pool.retain(|entry| !said.contains(entry.text.as_str()));
-    }
     let mut count = |[least, most]: [usize; 2]| random.random_range(least..=most);
     let (composite_count, absent_count) = (count(COMPOSITES), count(ABSENTS));
-    let paired = choose::varied(&composites, composite_count, &mut random);
-    let unmet = choose::varied(&absents, absent_count, &mut random);
+    let paired = desk.vary(&mut composites, composite_count, &mut random)?;
+    let unmet = desk.vary(&mut absents, absent_count, &mut random)?;
     let composed = Composed {
         singles: desk.numbered(1, &singles, &chosen)?,
         composites: desk.numbered(501, &composites, &paired)?,
@@ -150,6 +145,8 @@ struct Desk<'d, 'a> {
     order: &'d Order<'d>,
     seen: Option<&'d Truth>,
     say: Say<'d>,
+    /// Sentences of the scene so far.
+    said: BTreeSet<String>,
 }
 
 impl Desk<'_, '_> {
@@ -162,29 +159,90 @@ impl Desk<'_, '_> {
         ChaCha8Rng::from_seed(sha256(format!("{}/{}/{what}", self.order.seed, self.scene()).as_bytes()))
     }
 
-    /// A candidate with the phrasing that is drawn for it; none if it cannot be said, or if no one sees what is meant.
-    fn entry(&self, candidate: Candidate) -> Result<Option<Entry>, Refused> {
-        let is_hidden = |name: &Name| self.seen.is_some_and(|seen| !screen::shows(seen, name));
-        if candidate.referent.as_ref().is_some_and(is_hidden) {
-            return Ok(None);
-        }
-        let forms = (self.say)(&candidate.predicate, candidate.temporal);
-        let mut random = self.random(&format!("{} {:?}", candidate.predicate, candidate.temporal));
-        let Some(text) = sentence::draw(&candidate, forms, self.order.avoid, &mut random) else {
-            return Ok(None);
-        };
-        let query = self.query(&candidate, &text, 0)?;
+    fn can_be_seen(&self, candidate: &Candidate) -> bool {
+        let is_seen = |name: &Name| self.seen.is_none_or(|seen| screen::shows(seen, name));
+        candidate.referent.as_ref().is_none_or(is_seen)
+    }
+
+    /// A candidate that has not been said yet: to shortcuts its text form is the sentence, whose colours are the same.
+    fn entry(&self, candidate: Candidate) -> Result<Entry, Refused> {
+        let above_chance = self.above_chance(&candidate, &candidate.predicate.to_string())?;
+        Ok(Entry { candidate, text: None, above_chance })
+    }
+
+    fn above_chance(&self, candidate: &Candidate, text: &str) -> Result<Vec<f64>, Refused> {
+        let query = self.query(candidate, text, 0)?;
         let trial = Trial::new(self.prover.world(), self.seen, &query, candidate.predicate.clone());
-        let above_chance = trial.map_or_else(Vec::new, |trial| {
+        Ok(trial.map_or_else(Vec::new, |trial| {
             let chance = trial.chance();
             trial.bounded().map(|(_, right)| right.map_or(0.0, |right| right - chance)).collect()
-        });
-        Ok(Some(Entry { candidate, text, above_chance }))
+        }))
+    }
+
+    /// Says an entry in the phrasing that is drawn for it, unless it has been said; whether it can be.
+    fn say(&mut self, entry: &mut Entry) -> Result<bool, Refused> {
+        if entry.text.is_some() {
+            return Ok(true);
+        }
+        let candidate = &entry.candidate;
+        let mut random = self.random(&format!("{} {:?}", candidate.predicate, candidate.temporal));
+        let forms = (self.say)(&candidate.predicate, candidate.temporal);
+        let is_taken = |text: &str| self.order.avoid.contains(text) || self.said.contains(text);
+        let Some(text) = sentence::draw(candidate, forms, is_taken, &mut random) else { return Ok(false) };
+        self.said.insert(words(&text).join(" "));
+        entry.above_chance = self.above_chance(candidate, &text)?;
+        entry.text = Some(text);
+        Ok(true)
+    }
+
+    /// The single queries: chosen, said, and chosen again without what cannot be said, until all of them can.
+    fn choose(&mut self, pool: &mut Vec<Entry>, random: &mut ChaCha8Rng) -> Result<Vec<usize>, Refused> {
+        let objects = self.prover.world().objects().count();
+        let wanted = choose::wanted(objects, random);
+        let mut chosen = Vec::new();
+        loop {
+            chosen = choose::singles(pool, wanted, chosen, random);
+            let mut mute = BTreeSet::new();
+            for &place in &chosen {
+                if !self.say(&mut pool[place])? {
+                    mute.insert(place);
+                }
+            }
+            if mute.is_empty() {
+                return Ok(chosen);
+            }
+            let moved = |place: &usize| place - mute.range(..place).count();
+            chosen = chosen.iter().filter(|place| !mute.contains(place)).map(moved).collect();
+            let mut places = 0..;
+            pool.retain(|_| places.next().is_some_and(|place| !mute.contains(&place)));
+        }
+    }
+
+    /// Up to `count` of the others, as they differ.
+    fn vary(
+        &mut self,
+        pool: &mut [Entry],
+        count: usize,
+        random: &mut ChaCha8Rng,
+    ) -> Result<Vec<usize>, Refused> {
+        let whims: Vec<f64> = pool.iter().map(|_| random.random::<f64>()).collect();
+        let mut left: Vec<usize> = (0..pool.len()).collect();
+        let mut chosen = Vec::new();
+        while chosen.len() < count
+            && let Some(next) = choose::next_varied(pool, &chosen, &left, &whims)
+        {
+            left.retain(|place| *place != next);
+            if self.say(&mut pool[next])? {
+                chosen.push(next);
+            }
+        }
+        Ok(chosen)
     }
 
     fn numbered(&self, first: usize, pool: &[Entry], chosen: &[usize]) -> Result<Vec<Query>, Refused> {
         let query = |(place, &index): (usize, &usize)| {
-            self.query(&pool[index].candidate, &pool[index].text, first + place)
+            let Entry { candidate, text, .. } = &pool[index];
+            self.query(candidate, text.as_deref().unwrap_or_default(), first + place)
         };
         chosen.iter().enumerate().map(query).collect()
     }

@@ -17,6 +17,8 @@ use crate::parties::{Somebody, everybody};
 
 /// Most candidates of one kind that mean the same object and have the same form.
 const MOST_ALIKE: usize = 3;
+/// Most absent ones that ask for the same kinds of reasoning: a scene needs two at all.
+const MOST_ABSENT: usize = 15;
 /// Longest clauses that are joined with another, by price.
 const MOST_OF_A_PAIR: f64 = 2.2;
 /// The plainest two-clause sentence is longer than a plain one by this.
@@ -166,7 +168,7 @@ impl<'g, 'a> Known<'g, 'a> {
         let mut found = Vec::new();
         for draft in drafts {
             let count = alike.entry(draft.likeness()).or_default();
-            if *count == MOST_ALIKE {
+            if *count == if draft.kind == Kind::Absent { MOST_ABSENT } else { MOST_ALIKE } {
                 continue;
             }
             let candidate = draft.candidate(self.group.noun);
@@ -199,6 +201,11 @@ fn kind_of(first: Category, second: Category) -> Option<Kind> {
 impl Draft<'_> {
     /// The same for candidates of which a set needs only a few.
     fn likeness(&self) -> String {
+        if self.kind == Kind::Absent {
+            let mut categories: Vec<&str> = self.clauses.iter().map(|atom| atom.category.as_str()).collect();
+            categories.sort_unstable();
+            return format!("absent {}", categories.join(", "));
+        }
         let mut shapes: Vec<&str> = self.clauses.iter().map(|atom| atom.shape.as_str()).collect();
         shapes.sort_unstable();
         format!("{:?} {:?} {:?} {}", self.kind, self.referent, self.temporal, shapes.join(", "))

@@ -1,6 +1,5 @@
 //! Which of its phrasings a query gets.
 
-use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use l4d_query::prove::{wording_problem, words};
@@ -18,10 +17,11 @@ const FALL: f64 = 0.75;
 pub(crate) fn draw(
     candidate: &Candidate,
     forms: Vec<String>,
-    avoid: &BTreeSet<String>,
+    is_taken: impl Fn(&str) -> bool,
     random: &mut ChaCha8Rng,
 ) -> Option<String> {
-    let mut forms: Vec<String> = forms.into_iter().filter(|form| is_sound(candidate, form, avoid)).collect();
+    let mut forms: Vec<String> =
+        forms.into_iter().filter(|form| is_sound(candidate, form, &is_taken)).collect();
     let weights: Vec<f64> = (0..forms.len()).map(|place| FALL.powi(place as i32)).collect();
     let mut left = random.random::<f64>() * weights.iter().sum::<f64>();
     let drawn = weights.iter().position(|weight| {
@@ -32,9 +32,9 @@ pub(crate) fn draw(
     (drawn < forms.len()).then(|| forms.swap_remove(drawn))
 }
 
-fn is_sound(candidate: &Candidate, form: &str, avoid: &BTreeSet<String>) -> bool {
+fn is_sound(candidate: &Candidate, form: &str, is_taken: &dyn Fn(&str) -> bool) -> bool {
     let said = words(form);
     LENGTHS.contains(&said.len())
-        && !avoid.contains(&said.join(" "))
+        && !is_taken(&said.join(" "))
         && wording_problem(form, candidate.temporal, &candidate.predicate).is_none()
 }
