@@ -11,6 +11,8 @@ use l4d_query::{Clause, Party, Relation, Superlative, World, verbs};
 use crate::facts::Group;
 use crate::parties::Somebody;
 
+/// A place is rarely told by something that goes about.
+const RESTLESS: f64 = 0.5;
 /// A plain clause that holds of no one: as good as two that hold of different ones.
 const STRANGE: f64 = 2.0;
 
@@ -69,7 +71,7 @@ fn attributes(group: &Group<'_>) -> Vec<Atom> {
     all.filter(|pair| seen.insert(*pair))
         .flat_map(|(key, value)| {
             let clause = Clause::Attribute { key: key.clone(), value: value.clone() };
-            let core = format!("{key} {value}");
+            let core = key.clone();
             let not = Clause::Not(Box::new(clause.clone()));
             [atom(clause, format!("attribute {key}"), &core, 1.0), atom(not, "not attribute", &core, 2.4)]
         })
@@ -87,7 +89,11 @@ fn extremes(group: &Group<'_>, world: &World<'_>) -> Vec<Atom> {
     ];
     let bases = all.map(|(extreme, price)| {
         let clause = Clause::Superlative(extreme);
-        Base { clause, shape: format!("superlative {extreme}"), core: extreme.to_string(), price }
+        let core = match extreme {
+            Superlative::Largest | Superlative::Smallest => "size".to_owned(),
+            other => other.to_string(),
+        };
+        Base { clause, shape: format!("superlative {extreme}"), core, price }
     });
     bases.iter().filter(|base| varies(world, group, &base.clause)).flat_map(wrapped_state).collect()
 }
@@ -117,7 +123,7 @@ fn relations(world: &World<'_>, group: &Group<'_>, everybody: &[Somebody]) -> Ve
             if fits {
                 let clause = Clause::Relation { kind, of: vec![other.party.clone()] };
                 let core = format!("{kind} {}", meant(other));
-                let price = relation_price(kind) + other.price;
+                let price = relation_price(kind) + other.price + if other.moves { RESTLESS } else { 0.0 };
                 found.push(Base { clause, shape: format!("relation {kind}"), core, price });
             }
         }
@@ -128,7 +134,8 @@ fn relations(world: &World<'_>, group: &Group<'_>, everybody: &[Somebody]) -> Ve
         for second in &single[place + 1..] {
             let clause = Clause::Relation { kind, of: vec![first.party.clone(), second.party.clone()] };
             let core = format!("{kind} {} {}", meant(first), meant(second));
-            let price = relation_price(kind) + first.price + second.price;
+            let restless = f64::from(u8::from(first.moves) + u8::from(second.moves));
+            let price = relation_price(kind) + first.price + second.price + RESTLESS * restless;
             found.push(Base { clause, shape: format!("relation {kind}"), core, price });
         }
     }
@@ -154,8 +161,8 @@ const fn relation_price(kind: Relation) -> f64 {
         Relation::On | Relation::In => 1.0,
         Relation::Under | Relation::Beside => 1.1,
         Relation::ClosestTo | Relation::InFrontOf | Relation::Behind => 1.2,
-        Relation::FarthestFrom | Relation::Facing => 1.4,
-        Relation::Between => 1.5,
+        Relation::FarthestFrom => 1.4,
+        Relation::Between | Relation::Facing => 1.5,
         Relation::Touching => 1.7,
     }
 }
@@ -263,7 +270,7 @@ pub(crate) fn strange(world: &World<'_>, group: &Group<'_>, everybody: &[Somebod
         let is_own = group.members.iter().any(|member| member.attributes.get(key) == Some(value));
         if has_key(key) && !is_own && seen.insert((key, value)) {
             let clause = Clause::Attribute { key: key.clone(), value: value.clone() };
-            found.extend(atom(clause, format!("attribute {key}"), format!("{key} {value}"), STRANGE));
+            found.extend(atom(clause, format!("attribute {key}"), key, STRANGE));
         }
     }
     let noun_of = |name: &Name| world.instance(name).map(|instance| instance.category.as_str());

@@ -18,6 +18,8 @@ pub(crate) struct Somebody {
     pub(crate) party: Party,
     /// Who is meant, by name; of a category all of them.
     pub(crate) meant: Vec<Name>,
+    /// Whether it goes about.
+    pub(crate) moves: bool,
     /// How much longer or stranger a sentence gets that speaks of it.
     pub(crate) price: f64,
 }
@@ -45,15 +47,16 @@ pub(crate) fn everybody(prover: &Prover<'_>) -> Vec<Somebody> {
         match alike.as_slice() {
             [only] if only.role == Role::Landmark => {
                 let party = Party::Name(only.name.clone());
-                found.push(Somebody { party, meant: names(), price: 0.0 });
+                found.push(Somebody { party, meant: names(), moves: moves(only), price: 0.0 });
             }
-            [_] => {
+            [only] => {
                 let party = Party::Such(Predicate(vec![Clause::Category(noun.to_owned())]));
-                found.push(Somebody { party, meant: names(), price: 0.1 });
+                found.push(Somebody { party, meant: names(), moves: moves(only), price: 0.1 });
             }
             _ => {
                 let party = Party::Category(noun.to_owned());
-                found.push(Somebody { party, meant: names(), price: 0.3 });
+                let moves = alike.iter().any(|one| moves(one));
+                found.push(Somebody { party, meant: names(), moves, price: 0.3 });
                 for one in &alike {
                     found.extend(descriptions(prover, one));
                 }
@@ -61,6 +64,14 @@ pub(crate) fn everybody(prover: &Prover<'_>) -> Vec<Somebody> {
         }
     }
     found
+}
+
+/// Whether the centre of its box ever strays from where it begins by more than a quarter of its size.
+fn moves(instance: &TrackedInstance) -> bool {
+    let [centres, extents] = [&instance.track.centre, &instance.track.extents];
+    let length = |vector: [f64; 3]| vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let apart = |centre: &[f64; 3]| length(std::array::from_fn(|axis| centre[axis] - centres[0][axis]));
+    centres.iter().map(apart).fold(0.0, f64::max) > 0.25 * length(extents[0])
 }
 
 /// The descriptions that mean this instance and no other, however strictly thresholds are meant.
@@ -74,7 +85,8 @@ fn descriptions(prover: &Prover<'_>, instance: &TrackedInstance) -> Vec<Somebody
             matches!(members.as_slice(), [one] if one.name == instance.name)
         });
         if is_one {
-            found.push(Somebody { party, meant: vec![instance.name.clone()], price });
+            let meant = vec![instance.name.clone()];
+            found.push(Somebody { party, meant, moves: moves(instance), price });
         }
         if found.len() == MOST_DESCRIPTIONS {
             break;
