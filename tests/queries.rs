@@ -100,6 +100,24 @@ fn wrong_queries_and_files_have_their_findings() {
 }
 
 #[test]
+fn a_set_that_repeats_another_says_so_and_must_not_if_it_claims_to_be_new() {
+    let dir = one_scene();
+    let check = format!("{CHECK} --against {}", root().join("benchmark").display());
+    let document = dir.json(format!("{check} --json"));
+    let overlap = &document["overlap"];
+    let shared = &overlap["shared"]["queries"];
+    assert!(shared["queries"].as_u64().unwrap() >= 10);
+    assert_eq!((&shared["sentences"], &shared["predicates"]), (&shared["queries"], &shared["queries"]));
+    assert_eq!(overlap["memory"]["all"]["right"].as_f64(), overlap["memory"]["all"]["queries"].as_f64());
+    assert_eq!(overlap["places"]["mean_distance_m"], 0.0);
+    assert_eq!(document["findings"], json!([]));
+    dir.run(&check).says(0, &["memory of the other", "+ points", "0.000 m from it"]);
+    dir.write("benchmark/panoptic-l4d.toml", dir.read("benchmark/panoptic-l4d.toml") + "split = \"dev\"\n");
+    let run = dir.run(format!("{check} --json"));
+    assert!(run.code == 1 && codes(&run.value()) == ["L4D231"], "{run}");
+}
+
+#[test]
 fn stats_write_tables_and_figures_of_the_same_bytes_each_time() {
     let dir = one_scene();
     let document = dir.json("stats --profile tiny -o stats");

@@ -41,12 +41,14 @@ const WARM: f64 = 0.4;
 const COLD: f64 = 0.02;
 
 /// What a query is worth at most; a set is better off without one that costs more.
-const WORTH: f64 = 9.0;
+const WORTH: f64 = 6.0;
 /// An object that no query means.
 const UNASKED: f64 = 8.0;
 /// For the square of what a category lacks of the wanted number, and of what it has more.
 const LACK: f64 = 1.5;
-const EXCESS: f64 = 4.0;
+const EXCESS: f64 = 5.0;
+/// For the square of what a set lacks of the fewest that are wanted.
+const SHORT: f64 = 4.0;
 /// For the squared number of queries of one form.
 const SAME_SHAPE: f64 = 0.35;
 /// For the squared number of queries about the same thing.
@@ -54,8 +56,8 @@ const SAME_CORE: f64 = 0.5;
 /// For the squared number of queries that mean the same object.
 const SAME_REFERENT: f64 = 0.25;
 /// For the square of what a shortcut gains in a category, in queries; a shortcut that loses is the lesser evil.
-const GAIN: f64 = 3.0;
-const LOSS: f64 = 2.0;
+const GAIN: f64 = 8.0;
+const LOSS: f64 = 3.0;
 
 /// The chosen single queries, as places in `entries`, ascending; `start` is a set that was chosen before.
 pub(crate) fn singles(
@@ -193,6 +195,7 @@ impl<'e> Board<'e> {
         for (have, want) in categories.iter().zip(self.wanted) {
             price += if have < &want { LACK } else { EXCESS } * (have - want).powi(2);
         }
+        price += SHORT * (WANTED[0] - chosen.len() as f64).max(0.0).powi(2);
         price += UNASKED * referents.iter().filter(|count| **count == 0.0).count() as f64;
         price +=
             SAME_REFERENT * squares(&referents) + SAME_SHAPE * squares(&shapes) + SAME_CORE * squares(&cores);
