@@ -45,7 +45,7 @@ const WORTH: f64 = 6.0;
 /// An object that no query means.
 const UNASKED: f64 = 8.0;
 /// For the square of what a category lacks of the wanted number, and of what it has more.
-const LACK: f64 = 1.5;
+const LACK: f64 = 2.5;
 const EXCESS: f64 = 5.0;
 /// For the square of what a set lacks of the fewest that are wanted.
 const SHORT: f64 = 4.0;
@@ -54,7 +54,7 @@ const SAME_SHAPE: f64 = 0.35;
 /// For the squared number of queries about the same thing.
 const SAME_CORE: f64 = 0.5;
 /// For the squared number of queries that mean the same object.
-const SAME_REFERENT: f64 = 0.25;
+const SAME_REFERENT: f64 = 0.5;
 /// For the square of what a shortcut gains in a category, in queries; a shortcut that loses is the lesser evil.
 const GAIN: f64 = 8.0;
 const LOSS: f64 = 3.0;
