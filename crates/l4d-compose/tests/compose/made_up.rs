@@ -43,17 +43,18 @@ pub(crate) fn scene(label: &str, groups: &[(&'static str, usize)], seed: u64) ->
         let front = (noun == "lamp").then(|| "-y".to_owned());
         add(&mut things, noun.to_owned(), noun, front, &mut random);
     }
-    for hand in ["hand_plain", "hand_gloved"] {
+    for hand in ["hand_a", "hand_b"] {
         add(&mut things, hand.to_owned(), "hand", None, &mut random);
     }
-    let [plain, gloved] = [objects + 3, objects + 4];
-    things[gloved].attributes = BTreeMap::from([("glove".to_owned(), "yellow".to_owned())]);
-    things[plain].attributes = BTreeMap::from([("sleeve".to_owned(), "blue".to_owned())]);
+    let [brown, blue] = [objects + 3, objects + 4];
+    for (hand, sleeve) in [(brown, "brown"), (blue, "blue")] {
+        things[hand].attributes = BTreeMap::from([("sleeve".to_owned(), sleeve.to_owned())]);
+    }
 
     let mut events = Vec::new();
     for slot in SLOTS {
         let mut left: Vec<usize> = (0..objects).collect();
-        for hand in [plain, gloved] {
+        for hand in [brown, blue] {
             let verb = ["push", "lift", "tap"][random.random_range(0..3)];
             let object = left.swap_remove(random.random_range(0..left.len()));
             act(&mut things, hand, object, verb, slot, &mut random);
@@ -98,7 +99,7 @@ fn add(
     let mut draw = |values: &[&str]| values[random.random_range(0..values.len())].to_owned();
     let attributes = BTreeMap::from([
         ("colour".to_owned(), draw(&["red", "blue", "green"])),
-        ("material".to_owned(), draw(&["wooden", "plastic"])),
+        ("material".to_owned(), draw(&["wood", "plastic"])),
         ("pattern".to_owned(), draw(&["striped", "dotted", "plain"])),
     ]);
     let place = loop {
