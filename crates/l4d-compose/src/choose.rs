@@ -10,6 +10,7 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::candidate::Candidate;
+use crate::compose::LEAST_QUERIES;
 
 /// A candidate, and its sentence once it has been said.
 #[derive(Debug, Clone)]
@@ -47,8 +48,9 @@ const UNASKED: f64 = 8.0;
 /// For the square of what a category lacks of the wanted number, and of what it has more.
 const LACK: f64 = 2.5;
 const EXCESS: f64 = 5.0;
-/// For the square of what a set lacks of the fewest that are wanted.
+/// For the square of what a set lacks of the fewest that are wanted, and for each query that it must have and lacks.
 const SHORT: f64 = 4.0;
+const TOO_SHORT: f64 = 30.0;
 /// For the squared number of queries of one form.
 const SAME_SHAPE: f64 = 0.35;
 /// For the squared number of queries about the same thing.
@@ -56,8 +58,8 @@ const SAME_CORE: f64 = 0.5;
 /// For the squared number of queries that mean the same object.
 const SAME_REFERENT: f64 = 0.5;
 /// For the square of what a shortcut gains in a category, in queries; a shortcut that loses is the lesser evil.
-const GAIN: f64 = 8.0;
-const LOSS: f64 = 3.0;
+const GAIN: f64 = 12.0;
+const LOSS: f64 = 4.0;
 
 /// The chosen single queries, as places in `entries`, ascending; `start` is a set that was chosen before.
 pub(crate) fn singles(
@@ -196,6 +198,7 @@ impl<'e> Board<'e> {
             price += if have < &want { LACK } else { EXCESS } * (have - want).powi(2);
         }
         price += SHORT * (WANTED[0] - chosen.len() as f64).max(0.0).powi(2);
+        price += TOO_SHORT * LEAST_QUERIES.saturating_sub(chosen.len()) as f64;
         price += UNASKED * referents.iter().filter(|count| **count == 0.0).count() as f64;
         price +=
             SAME_REFERENT * squares(&referents) + SAME_SHAPE * squares(&shapes) + SAME_CORE * squares(&cores);
