@@ -103,7 +103,7 @@ fn wrong_queries_and_files_have_their_findings() {
 fn a_set_that_repeats_another_says_so_and_must_not_if_it_claims_to_be_new() {
     let dir = one_scene();
     let check = format!("{CHECK} --against {}", root().join("benchmark").display());
-    let document = dir.json(format!("{check} --json"));
+    let document = dir.json(&check);
     let overlap = &document["overlap"];
     let shared = &overlap["shared"]["queries"];
     assert!(shared["queries"].as_u64().unwrap() >= 10);
