@@ -34,6 +34,11 @@ from .stage import Prop, Stage
 class Actor(Cook, Lifter, Reader, OfficeWorker, Traveller, Thrower, Player, Trader, Toddler):
     """A person with all verbs."""
 
+    @property
+    def stands_at(self) -> tuple[float, float]:
+        """Where it stands in the first frame."""
+        return float(self._xy[0, 0]), float(self._xy[0, 1])
+
     def point_out(self, target: Instance, spot: Point, frames: Frames, *, side: str = "r") -> None:
         """Points at `spot`, a world point of something, such as its middle."""
         before = len(self.scene.events)

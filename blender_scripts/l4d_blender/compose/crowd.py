@@ -73,7 +73,9 @@ class Crowd:
         for figure in list(self.idle):
 
             def stand(figure: Figure) -> Role:
-                return errands.bystander(self.rng, self.area, figure, self.area.centre)
+                return errands.bystander(
+                    self.rng, self.area, figure, self.area.centre, apart_from=self.board.discs
+                )
 
             (role,) = self.send(stand)
             if self.rng.random() < 0.6:

@@ -18,7 +18,7 @@ from ..timeline import FRAME_COUNT, LAST_FRAME
 from .actors import Actor
 from .areas import Area, Flat, heading_to
 from .folk import Figure
-from .rehearsal import Misfit, ahead
+from .rehearsal import Disc, Misfit, ahead
 from .roles import Item, Role
 
 _BODY_M, _LOADED_M = 0.26, 0.34
@@ -30,16 +30,24 @@ def camera_heading(stage_scene, at: Flat) -> float:
     return heading_to(at, (float(eyes[0]), float(eyes[1])))
 
 
-def bystander(rng: random.Random, area: Area, figure: Figure, faces: Flat, loose_deg: float = 50.0) -> Role:
-    """Somebody who stands somewhere, turned roughly to a point."""
-    at = area.spot(rng, _BODY_M)
+def bystander(
+    rng: random.Random,
+    area: Area,
+    figure: Figure,
+    faces: Flat,
+    loose_deg: float = 50.0,
+    apart_from: Sequence[Disc] = (),
+) -> Role:
+    """Somebody who stands somewhere, turned roughly to a point, rather not beside others."""
+    spots = [area.spot(rng, _BODY_M) for _ in range(3)]
+    at = max(spots, key=lambda spot: min((_gap(spot, disc) for disc in apart_from), default=0.0))
     return Role(figure, at, heading_to(at, faces) + rng.uniform(-loose_deg, loose_deg))
 
 
 def fetch(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Walks up to a thing, lifts it and carries it off."""
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = stand_before(rng, area, figure, item.at, side, item.ware.height_m)
+    facing, stand = stand_before(rng, area, figure, item.at, side, item)
     role = arriving(rng, area, figure, stand, facing, (0.6, 1.5))
     role.wait(delay)
     role.walk([stand], facing_deg=facing, pace=rng.uniform(2.0, 2.3))
@@ -52,7 +60,7 @@ def fetch(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
 def move(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Lifts a thing at its feet, carries it elsewhere and puts it down."""
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = stand_before(rng, area, figure, item.at, side, item.ware.height_m)
+    facing, stand = stand_before(rng, area, figure, item.at, side, item)
     role = Role(figure, stand, facing)
     role.wait(delay)
     role.lift(item, side, rng.randint(24, 28))
@@ -90,7 +98,7 @@ def relay(rng: random.Random, area: Area, figure: Figure, item: Item, before: Ro
     """Takes up what another has put down, later."""
     at, free_from = item_end(item), before.now
     side = None if item.ware.two_hands else rng.choice("lr")
-    facing, stand = stand_before(rng, area, figure, at, side, item.ware.height_m)
+    facing, stand = stand_before(rng, area, figure, at, side, item)
     role = arriving(rng, area, figure, stand, facing, (0.45, 1.2))
     role.disc.friends.add(before.disc.name)
     role.waits_for.append(before)
@@ -153,7 +161,7 @@ def hand_over(
 
 def fetch_and_hug(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int = 0) -> Role:
     """Goes to something soft, takes it up with both hands and hugs it."""
-    facing, stand = stand_before(rng, area, figure, item.at, None, item.ware.height_m)
+    facing, stand = stand_before(rng, area, figure, item.at, None, item)
     if rng.random() < 0.35:
         role = Role(figure, stand, facing)
         role.wait(delay)
@@ -242,6 +250,10 @@ def gesture(rng: random.Random, role: Role, options: Sequence[str]) -> str:
     return verb
 
 
+def _gap(spot: Flat, disc: Disc) -> float:
+    return float(np.linalg.norm(disc.xy[::8] - np.array(spot), axis=1).min())
+
+
 def item_end(item: Item) -> Flat:
     """Where something is in the end."""
     return float(item.disc.xy[-1, 0]), float(item.disc.xy[-1, 1])
@@ -251,15 +263,15 @@ def item_end(item: Item) -> Flat:
 
 
 def stand_before(
-    rng: random.Random, area: Area, figure: Figure, point: Flat, side: str | None, height_m: float
+    rng: random.Random, area: Area, figure: Figure, point: Flat, side: str | None, item: Item
 ) -> tuple[float, Flat]:
-    """A heading and a free spot from which a thing at a point is taken; low things want to be near."""
-    ahead_m = 0.36 if side is not None else 0.30 if height_m > 0.32 else 0.23
+    """A heading and a free spot from which a thing at a point is taken."""
+    ahead_m = item.ware.reach_m(item.look, figure.scale)
     for _ in range(12):
         facing = rng.uniform(-180, 180)
         k = figure.scale
         aside = 0.0 if side is None else (1.0 if side == "l" else -1.0) * 0.14 * k
-        stand = ahead(point, facing, -ahead_m * k, -aside)
+        stand = ahead(point, facing, -ahead_m, -aside)
         if area.is_free(stand, _BODY_M):
             return facing, stand
     raise Misfit("nobody can stand there")

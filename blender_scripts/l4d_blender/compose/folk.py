@@ -101,7 +101,7 @@ def _options(rng: random.Random, noun: str) -> Mapping[str, Sequence[str]]:
         options |= {"trousers": _TROUSERS, "bottom": ("trousers", "shorts"), "hair": ("short", "long")}
     else:
         options |= {"hair": ("short", rng.choice(("long", "bun")))}
-        clothes = rng.choice(("trousers",) * 3 + ("skirt", "dress", "dress", "jacket", "jacket", "apron"))
+        clothes = rng.choice(("trousers",) * 3 + ("skirt", "dress", "dress", "jacket", "jacket"))
         if clothes == "dress" and noun == "woman":
             del options["top"]
             return {**options, "dress": _TOPS}
@@ -110,8 +110,6 @@ def _options(rng: random.Random, noun: str) -> Mapping[str, Sequence[str]]:
         options |= {"trousers": _TROUSERS}
         if clothes == "jacket":
             options |= {"jacket": ("none", *rng.sample(("red", "yellow", "green", "blue"), 2))}
-        elif clothes == "apron":
-            options |= {"apron": ("none", *rng.sample(("white", "red", "green", "brown"), 2))}
     return _under_jackets(rng, options) if "jacket" in options else options
 
 

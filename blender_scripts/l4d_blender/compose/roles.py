@@ -251,7 +251,7 @@ class Role:
             prop = target()
             a.point_out(prop.instance, middle_of(prop), f, side=side)
 
-        return self.act(frames, do, 0.36)
+        return self.act(frames, do, 0.5)
 
     def look(self, point: tuple[float, float, float], frames: Frames) -> None:
         """Looks at a point during an interval."""
@@ -309,7 +309,7 @@ class Role:
     def put_spot(self, item: Item) -> Flat:
         """Where something comes to stand that is put down here."""
         if item.ware.two_hands:
-            return ahead(self.here, self.facing, 0.40 * self.k)
+            return ahead(self.here, self.facing, item.ware.reach_m(item.look, self.k) + 0.04 * self.k)
         side = next(s for s, held in self.held.items() if held is item)
         return ahead(
             self.here, self.facing, 0.24 * self.k, _SIGN[side] * (0.19 * self.k + 0.8 * item.ware.clear_m)

@@ -35,6 +35,13 @@ class Ware:
         """Whether both hands are needed."""
         return self.carry != "side"
 
+    def reach_m(self, look: Look, scale: float) -> float:
+        """How far ahead of somebody with this scale it lies well, in metres: low things want to be near."""
+        if not self.two_hands:
+            return 0.36 * scale
+        height = self.grips(look)[0][2] / scale
+        return scale * min(max(0.23 + 1.2 * (height - 0.14), 0.23), 0.40)
+
     def grip_of(self, look: Look) -> tuple[Point, ...] | Point:
         """As `Person.lift` wants it."""
         grips = self.grips(look)

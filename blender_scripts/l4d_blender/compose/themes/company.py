@@ -77,7 +77,7 @@ def _point(group: crowd.Crowd, figure: folk.Figure) -> Role:
     """Points at a landmark."""
     rng = group.rng
     target = rng.choice([prop for prop in group.stage.landmarks if prop.height_m > 0.05])
-    role = errands.bystander(rng, group.area, figure, target.at, 50.0)
+    role = errands.bystander(rng, group.area, figure, target.at, 50.0, group.board.discs)
     bearing = heading_to(role.here, target.at)
     role.wait(rng.randint(0, 24))
     if abs((bearing - role.facing + 180) % 360 - 180) > 70:
