@@ -26,7 +26,7 @@ SOUPS = (
     ((0.72, 0.33, 0.04), (0.25, 0.33, 0.07)),
     ((0.30, 0.36, 0.07), (0.66, 0.30, 0.05)),
 )
-AHEAD_M = 0.50  # from a cook to the pot
+AHEAD_M = 0.54  # from a cook to the pot
 _LOW_M = 0.030  # a pot that is poured into is less full
 
 
@@ -76,7 +76,7 @@ def stir(
         cook.lean_in((later - 16, later), 0.22)
         _round(cook, way, other or own, (later, LAST_FRAME), top_m)
     cook.use_spoon(spoon.instance, way, 0.255)
-    cook.rest_hand("l", (x + 0.27, cook.stands_at[1] - 0.26, top_m), (0, LAST_FRAME))
+    cook.rest_hand("l", (x + 0.27, cook.stands_at[1] - 0.30, top_m), (0, LAST_FRAME))
     cook.look_at((own.at[0], own.at[1] - 0.4, top_m + 0.1), (0, change))
 
 
@@ -88,21 +88,21 @@ def pour(rng: random.Random, stage: Stage, cook: Actor, x: float, own: Prop, top
     cook.lean_in((-2, -1), 0.10)
     route = JugPath(kitchen_jug.LIP, turn)
     over = np.array([own.at[0] + 0.035, own.at[1] + 0.005, top_m + shape.height_m + 0.135])
-    route.stand(0, (x + 0.22, y - 0.32, top_m + 0.10))
+    route.stand(0, (x + 0.22, y - 0.36, top_m + 0.10))
     if first > 12:
-        route.stand(first - 10, (x + 0.22, y - 0.32, top_m + 0.10))
+        route.stand(first - 10, (x + 0.22, y - 0.36, top_m + 0.10))
     route.at(first, over, 1.00)
     route.at(last - 2, over + np.array((0, 0, 0.004)), 1.20)
     route.at(last + 8, over + np.array((0.10, 0.04, 0.02)), 0.10)
     down = (last + 6, last + 24)
-    route.stand(down[1], (x + 0.40, y - 0.32, top_m))
+    route.stand(down[1], (x + 0.40, y - 0.36, top_m))
     handle = Grip(kitchen_jug.GRIP, (0, 0, 1), (-0.30, -0.95, 0))
     path = cook.pour(jug.instance, route, handle, own.instance, (first, last), side="l", puts_down=down)
     colour, _ = SOUPS[0]
     falling = kitchen_jug.stream("stream", colour=colour)
     surface = np.full(FRAME_COUNT, top_m + shape.soup_m - _LOW_M)
     key_path(falling, stream_matrices(path, kitchen_jug.LIP, surface, (first - 1, last - 2), turn))
-    cook.rest_hand("r", (x - 0.27, y - 0.26, top_m), (0, LAST_FRAME))
+    cook.rest_hand("r", (x - 0.27, y - 0.30, top_m), (0, LAST_FRAME))
     cook.look_at((own.at[0], own.at[1] - 0.4, top_m + 0.1), (0, last))
 
 

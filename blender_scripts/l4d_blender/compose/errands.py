@@ -24,12 +24,6 @@ from .roles import Item, Role
 _BODY_M, _LOADED_M = 0.26, 0.34
 
 
-def camera_heading(stage_scene, at: Flat) -> float:
-    """The heading of somebody at a point who faces the middle of the cameras."""
-    eyes = np.mean([np.array(camera.world_from_camera)[:2, 3] for camera in stage_scene.camera_rig], axis=0)
-    return heading_to(at, (float(eyes[0]), float(eyes[1])))
-
-
 def bystander(
     rng: random.Random,
     area: Area,

@@ -43,6 +43,7 @@ class Disc:
     base_m: np.ndarray = field(default_factory=lambda: np.zeros(FRAME_COUNT))
     friends: set[str] = field(default_factory=set)  # whom it may touch
     ignores: set[str] = field(default_factory=set)  # furniture that it may touch
+    cover: float = 1.0  # how much wider it is for what it hides than for what is seen of it
     leaves_floor: int = FRAME_COUNT  # from here on it sits somewhere
 
     @classmethod
@@ -159,6 +160,7 @@ def _seen(scene: Scene, discs: Sequence[Disc]) -> np.ndarray:
     at = np.array([disc.xy[frames] for disc in discs])  # discs x frames x 2
     base = np.array([disc.base_m[frames] for disc in discs])
     wide = np.array([disc.body_m for disc in discs])
+    hiding = wide * np.array([disc.cover for disc in discs])
     tall = np.array([disc.height_m for disc in discs])
     u, v = np.array(_SEEN_FROM).T
     found = []
@@ -178,7 +180,7 @@ def _seen(scene: Scene, discs: Sequence[Disc]) -> np.ndarray:
             np.abs(f_px * local[..., 1] / depth) < 0.5 * small.height
         )
         for k in range(len(discs)):
-            hidden = _behind(eye, points, at[k], base[k], wide[k], tall[k])
+            hidden = _behind(eye, points, at[k], base[k], hiding[k], tall[k])
             hidden[k] = False
             free &= ~hidden
         pixels = (f_px / depth.mean(axis=2)) ** 2 * (2 * wide * tall * 0.7)[:, None] * free.mean(axis=2)

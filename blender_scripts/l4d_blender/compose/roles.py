@@ -309,7 +309,7 @@ class Role:
     def put_spot(self, item: Item) -> Flat:
         """Where something comes to stand that is put down here."""
         if item.ware.two_hands:
-            return ahead(self.here, self.facing, item.ware.reach_m(item.look, self.k) + 0.04 * self.k)
+            return ahead(self.here, self.facing, item.ware.reach_m(item.look, self.k) - 0.03 * self.k)
         side = next(s for s, held in self.held.items() if held is item)
         return ahead(
             self.here, self.facing, 0.24 * self.k, _SIGN[side] * (0.19 * self.k + 0.8 * item.ware.clear_m)
@@ -330,6 +330,7 @@ class Role:
             if self.held:
                 raise Misfit("no hand is free")
             self.held = {"l": item, "r": item}
+            self.disc.cover = 1.6  # arms and trunk before it
             side = "r"
         else:
             side = side or self.hand()

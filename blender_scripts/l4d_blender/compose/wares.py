@@ -40,7 +40,7 @@ class Ware:
         if not self.two_hands:
             return 0.36 * scale
         height = self.grips(look)[0][2] / scale
-        return scale * min(max(0.23 + 1.2 * (height - 0.14), 0.23), 0.40)
+        return scale * min(max(0.22 + 1.0 * (height - 0.14), 0.22), 0.38)
 
     def grip_of(self, look: Look) -> tuple[Point, ...] | Point:
         """As `Person.lift` wants it."""
