@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import random
 from collections import Counter
+from itertools import combinations
 
 import bpy  # noqa: F401, it brings mathutils
 import numpy as np
 import pytest
 
 from l4d_blender import tracks
-from l4d_blender.compose import build, checks, folk
+from l4d_blender.compose import build, checks, crowd, folk
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.errands import hand_over, pull_suitcase
 from l4d_blender.compose.rehearsal import Disc, Misfit, _behind, ahead
 from l4d_blender.compose.roles import Item, Role
 from l4d_blender.compose.spec import Spec
-from l4d_blender.compose.stage import Rejected
+from l4d_blender.compose.stage import Chair, Rejected, Stage
+from l4d_blender.compose.themes import themes
 from l4d_blender.compose.wares import WARES
+from l4d_blender.scene import Scene
 
 
 def appearance(attributes) -> tuple:
@@ -98,6 +101,52 @@ def test_those_who_hand_over_face_each_other() -> None:
     gap = np.linalg.norm(giver.disc.xy[46] - taker.disc.xy[46])
     assert 0.8 < gap < 1.2
     assert taker.waits_for == [giver]
+
+
+def planned(theme: str, monkeypatch, draw: int = 0) -> tuple[Stage, list[Role], list[Item]]:
+    """A theme's plan on a bare floor with two chairs and a plant, without bodies."""
+    scene = Scene("room_5", "room", 0, 5)
+    stage = Stage(scene, Spec("room_5", "room", 5, draw))
+    scene.cameras((0, 0.2, 0.7), radius_m=4.2, heights_m=(1.6, 2.0), arc_deg=120, facing_deg=-90, fov_deg=54)
+    floor = stage.add_area(Area.rectangle("floor", (0.0, 0.2), (3.8, 3.0)))
+    stage.landmark("houseplant", "plant", (1.7, 1.5), area=floor, radius_m=0.3)
+    stage.chairs += [Chair((-1.2, 1.5, 0.45), 0.0), Chair((-0.4, 1.5, 0.45), 0.0)]
+    found: list[tuple] = []
+
+    def perform(_, __, roles, items) -> None:
+        found.append((roles, items))
+        for item in items:
+            item.prop = stage.landmarks[0]
+
+    monkeypatch.setattr(crowd, "perform", perform)
+    themes()[theme].play(stage)
+    return stage, *found[0]
+
+
+INDOORS = ("balls", "carriers", "company", "luggage", "teddies")
+PEOPLE = [*(f"{theme}_indoors" for theme in INDOORS), "training"]
+
+
+@pytest.mark.parametrize("theme", PEOPLE)
+def test_a_plan_keeps_people_apart_and_draws_the_same_twice(theme: str, monkeypatch) -> None:
+    _, roles, items = planned(theme, monkeypatch)
+    assert len({role.name for role in roles}) == len(roles) >= 3
+    discs = [role.disc for role in roles] + [item.disc for item in items]
+    for a, b in combinations(discs, 2):
+        if b.name not in a.friends and a.name not in b.friends:
+            assert (np.linalg.norm(a.xy - b.xy, axis=1) >= a.radius_m + b.radius_m).all()
+    _, again, things = planned(theme, monkeypatch)
+    assert [role.disc.xy.tolist() for role in roles] == [role.disc.xy.tolist() for role in again]
+    assert [item.disc.xy.tolist() for item in items] == [item.disc.xy.tolist() for item in things]
+    _, other, _ = planned(theme, monkeypatch, draw=1)
+    assert [role.disc.xy.tolist() for role in roles] != [role.disc.xy.tolist() for role in other]
+
+
+def test_every_theme_tells_what_it_may_cast() -> None:
+    for name in [*PEOPLE, "cooking"]:
+        theme = themes()[name]
+        assert theme.categories & set(folk.BUILDS)
+        assert len(theme.verbs) >= 6
 
 
 @pytest.fixture(scope="module", params=[("room", "carriers_indoors"), ("outdoor", "carriers_outdoors")])

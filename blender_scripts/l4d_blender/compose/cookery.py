@@ -95,7 +95,7 @@ def pour(rng: random.Random, stage: Stage, cook: Actor, x: float, own: Prop, top
     route.at(last - 2, over + np.array((0, 0, 0.004)), 1.20)
     route.at(last + 8, over + np.array((0.10, 0.04, 0.02)), 0.10)
     down = (last + 6, last + 24)
-    route.stand(down[1], (x + 0.40, y - 0.36, top_m))
+    route.stand(down[1], (x + 0.29, y - 0.36, top_m))
     handle = Grip(kitchen_jug.GRIP, (0, 0, 1), (-0.30, -0.95, 0))
     path = cook.pour(jug.instance, route, handle, own.instance, (first, last), side="l", puts_down=down)
     colour, _ = SOUPS[0]

@@ -82,7 +82,10 @@ class Crowd:
                 role.stand(self.rng.randint(16, 34))
         for role in self.roles:
             if role.left >= 16:
+                before = role.mark()
                 errands.gesture(self.rng, role, gestures)
+                if self.board.is_hit(role.disc):  # arms need room
+                    role.back_to(before)
             if role.left >= 16:
                 role.stand()
 

@@ -96,13 +96,14 @@ class Board:
         """Refuses a plan in which something would be hidden from the held-out view or from most cameras."""
         _check_sight(self.scene, self.discs)
 
+    def is_hit(self, disc: Disc) -> bool:
+        """Whether somebody meets another of those on the plan."""
+        return any(_meet(disc, other) for other in self.discs if other is not disc)
+
     def _check(self, news: Sequence[Disc]) -> None:
         olds = [disc for disc in self.discs if not any(disc is other for other in news)]
-        for a, b in [*combinations(news, 2), *product(news, olds)]:
-            if b.name not in a.friends and a.name not in b.friends:
-                gaps = np.linalg.norm(a.xy - b.xy, axis=1) - a.radius_m - b.radius_m
-                if gaps.min() < 0.0:
-                    raise Misfit("two are in each other's way")
+        if any(_meet(a, b) for a, b in [*combinations(news, 2), *product(news, olds)]):
+            raise Misfit("two are in each other's way")
         for disc in news:
             if not self._is_free(disc):
                 raise Misfit("somebody leaves the free floor")
@@ -129,6 +130,12 @@ class Board:
             if (np.linalg.norm(at - start - t[:, None] * way, axis=1) < radius + taken.radius_m).any():
                 return False
         return True
+
+
+def _meet(a: Disc, b: Disc) -> bool:
+    if b.name in a.friends or a.name in b.friends:
+        return False
+    return bool((np.linalg.norm(a.xy - b.xy, axis=1) < a.radius_m + b.radius_m).any())
 
 
 def rehearse(stage: Stage, key: str, draw: Callable[[int], T], tries: int = TRIES) -> T:

@@ -182,6 +182,15 @@ class Role:
         """Lets time pass."""
         self.now += frames
 
+    def mark(self) -> tuple[int, int, np.ndarray]:
+        """What `back_to` needs to forget later acts on the spot."""
+        return self.now, len(self._steps), self.disc.radius_m.copy()
+
+    def back_to(self, mark: tuple[int, int, np.ndarray]) -> None:
+        """Forgets acts on the spot that were added after a mark."""
+        self.now, count, self.disc.radius_m = mark
+        del self._steps[count:]
+
     # ---- gestures --------------------------------------------------------------------------------
 
     def stand(self, until: int | None = None) -> None:

@@ -6,6 +6,7 @@ import random
 from math import hypot
 from typing import TYPE_CHECKING
 
+from ...timeline import LAST_FRAME
 from .. import cookery, folk
 from ..actors import Actor, hire
 from ..areas import Area, Flat
@@ -15,7 +16,7 @@ from . import theme
 if TYPE_CHECKING:
     from ..stage import Stage
 
-_VERBS = tuple("stir taste pour_into hold put_down circle stand wave".split())
+_VERBS = tuple("stir taste pour_into hold put_down circle stand phone".split())
 _BACK_M, _APART_M = 0.21, 0.74
 
 
@@ -77,7 +78,7 @@ def _row(
 
 
 def _wait(rng: random.Random, cook: Actor) -> None:
-    """Stands by; waves for a while."""
-    first = rng.randint(16, 50)
-    cook.stand((0, first))
-    cook.wave((first, first + rng.randint(34, 44)))
+    """Stands by; telephones for a while."""
+    first = rng.randint(44, 60)
+    cook.stand((0, first - 28))
+    cook.phone((first, min(first + rng.randint(26, 40), LAST_FRAME)), side=rng.choice("lr"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import crowd, folk, weights
@@ -21,8 +22,9 @@ def training(stage: Stage) -> None:
     area, rng = stage.area("floor"), stage.rng("training")
     noun = stage.pick("training/noun", ("athlete", *_NOUNS), stage.spec.categories)
     figures = folk.cast(rng, noun, crowd.head_count(rng, area), wardrobe="athlete")
-    looks = WARES["dumbbell"].draw(rng, crowd.head_count(rng, area))
-    made = crowd.play(stage, area, "training", _train, figures, WARES["dumbbell"], looks)
+    ware = replace(WARES["dumbbell"], radius_m=0.38, wide=0.5)  # the room of a step
+    looks = ware.draw(rng, crowd.head_count(rng, area))
+    made = crowd.play(stage, area, "training", _train, figures, ware, looks)
     mats = stage.rng("training/steps")
     colour = mats.choice(((0.10, 0.34, 0.36), (0.36, 0.10, 0.10), (0.14, 0.16, 0.36), (0.20, 0.21, 0.22)))
     for n, item in enumerate(made.items, 1):
@@ -37,7 +39,6 @@ def _train(group: crowd.Crowd) -> None:
     rng, area = group.rng, group.area
     for item in group.items:
         item.on = weights.STEP_M
-        item.disc.radius_m[:] = 0.36  # of the step
         item.disc.base_m[:] = weights.STEP_M
     for latest in (6, 20):
         if len(group.idle) > 1:
