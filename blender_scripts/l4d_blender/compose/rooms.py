@@ -658,7 +658,7 @@ class Room:
         at = at or (rng.uniform(-0.3, 0.3), rng.uniform(-0.25, 0.2))
         turn = rng.choice((0.0, rng.uniform(-8, 8)))
         size = rng.uniform(1.6, 2.3), rng.uniform(1.2, 1.6)
-        if not (rng.random() < 0.6 if plain is None else plain):
+        if not (rng.random() < 0.75 if plain is None else plain):
             return self.stage.landmark("rug", name, at, turn, size_m=size, palette=rng.choice("012"))
         ground, accent = rng.sample((*CLOTHS, "white", "black"), 2)
         shape = rng.choice(("oblong", "oblong", "round"))

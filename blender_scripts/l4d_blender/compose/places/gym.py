@@ -19,7 +19,7 @@ def gym(stage: Stage) -> None:
     room = rooms.Room(
         stage,
         "gym",
-        floor_m=((3.1, 3.6), (2.5, 2.9)),
+        floor_m=((2.9, 3.3), (2.4, 2.7)),
         back_m=(0.5, 0.8),
         moods=("sun", "overcast", "noon", "evening"),
     )
