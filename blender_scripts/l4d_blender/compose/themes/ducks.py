@@ -17,6 +17,7 @@ from ..areas import Area, Flat, heading_to
 from ..looks import Look
 from ..members import Part, Plan, Planner, planned
 from ..planning import Unfit
+from ..stage import Rejected
 from ..ways import ahead
 from . import theme
 
@@ -137,9 +138,17 @@ def _bird(stage: Stage, look: Look, name: str, category: str, part: Part, level:
 
 def _food(stage: Stage, area: Area, what: str, at: Flat) -> Prop:
     rng = stage.rng(f"food/{what}")
-    kind, name = ("bird_feeder.water_dish", "dish") if what == "drink" else ("bird_feeder.seed_tray", "tray")
+    kind, nouns = (
+        ("bird_feeder.water_dish", ("dish", "bowl"))
+        if what == "drink"
+        else ("bird_feeder.seed_tray", ("tray", "box"))
+    )
+    taken = {instance.category for instance in stage.scene.instances}
+    name = next((noun for noun in nouns if noun not in taken), None)
+    if name is None:
+        raise Rejected(f"the place has every noun for a {nouns[0]}")
     colour = {"colour": rng.choice(("blue", "teal", "white", "brown"))} if what == "drink" else {}
-    return stage.landmark(kind, name, at, rng.uniform(-180.0, 180.0), on=area.on, **colour)
+    return stage.landmark(kind, name, at, rng.uniform(-180.0, 180.0), on=area.on, category=name, **colour)
 
 
 # ---- on the water ----------------------------------------------------------------------------------------
