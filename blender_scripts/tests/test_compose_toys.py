@@ -12,8 +12,8 @@ from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Seat
 from l4d_blender.timeline import MIN_EVENT_FRAMES
 
-THEMES = ("windup_toys", "spinning_tops", "tea_poured")
-_PLACE = "kitchen_table"
+THEMES = ("windup_toys", "spinning_tops", "tea_poured", "building_blocks", "rolling_toys", "dinner_laid")
+_PLACE = "garden_table"
 
 
 def _played(theme: str, seed: int):
@@ -34,7 +34,7 @@ def _told(scene) -> list[tuple[str, str, str, int, int]]:
 def test_a_theme_casts_twins_and_lets_several_things_happen(theme: str) -> None:
     entry = themes.themes()[theme]
     seen: set[str] = set()
-    for seed in (2000, 2001, 2002):
+    for seed in (2000, 2001):
         scene, stage = _played(theme, seed)
         looks = Counter(
             (p.instance.category, *sorted(p.look.attributes.items())) for p in stage.objects

@@ -7,7 +7,7 @@ clear, and gets the hand when it knows what the hand does. Knows no acts.
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import atan2, cos, degrees, hypot, radians, sin, sqrt
 from typing import TypeVar
@@ -30,6 +30,7 @@ _DROP_M = 0.17  # of a wrist below its shoulder
 _SIDEWAYS = 0.75  # how much of an elbow's bend is outwards rather than down
 _OUTWARDS_DEG, _ACROSS_DEG = 62.0, 38.0
 _BEND_RAD = 1.35
+_EASY_M = 0.30  # round the middle of what an arm reaches
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,11 @@ class Reach:
         return self._off(0.0, _APART_M)
 
     @property
+    def middle(self) -> Flat:
+        """Of what it reaches with ease."""
+        return self._off(0.42, _APART_M - 0.06)
+
+    @property
     def rest(self) -> Flat:
         """Where the palm lies when it has nothing to do."""
         return self._off(self.seat.rest_m, _APART_M + 0.04)
@@ -93,7 +99,7 @@ class Reach:
         ]
 
     def _elbow(self, at: Flat) -> Flat:
-        """Where the elbow is in plan while fingers are at a spot: out of the straight line, the more so the nearer."""
+        """Where the elbow is in plan while fingers are at a spot: farther out the nearer the spot."""
         dx, dy = at[0] - self.shoulder[0], at[1] - self.shoulder[1]
         flat = max(hypot(dx, dy), 1e-6)
         dx, dy = dx / flat, dy / flat
@@ -128,6 +134,8 @@ class Reach:
         tries: int = 200,
     ) -> Flat:
         """A free spot that the arm reaches and whose way is clear, if it was at the spots of `after` before."""
+        if near is None:
+            near, within_m = self.middle, (0.0, _EASY_M)
         for _ in range(tries):
             at = table.spot(rng, radius_m, near=near, within_m=within_m, tries=60)
             if self.reaches(table, at) and self.is_clear(table, *after, at):
@@ -150,7 +158,7 @@ class Reach:
         Fingers follow it over a share of its way; what was at the spots of `after` before has a clear way too.
         """
         for _ in range(tries):
-            at = table.spot(rng, radius_m)
+            at = table.spot(rng, radius_m, near=self.middle, within_m=(0.0, _EASY_M), tries=60)
             if not self.reaches(table, at):
                 continue
             turn = radians(self.heading_deg(at) + rng.uniform(-24.0, 24.0))
@@ -228,6 +236,18 @@ def _seat_body(stage: Stage, arm: Reach) -> None:
             performer.busy.add(arm.side)
             return
     stage.perform(_Body(stage, arm, {arm.side}))
+
+
+def willing(arms: list[Reach], plan: Callable[[Reach], object]) -> Reach:
+    """The first arm with which a plan finds room; it is taken from the list."""
+    for arm in list(arms):
+        try:
+            plan(arm)
+        except NoRoom:
+            continue
+        arms.remove(arm)
+        return arm
+    raise NoRoom("no arm has room for what it should do")
 
 
 def reaches(stage: Stage, rng: random.Random, table: Area | None = None) -> list[Reach]:

@@ -15,8 +15,10 @@ _NEAREST = 0.62  # of the distance that the place chose
 
 
 def piece(rng: random.Random, table: Area, size_m: tuple[float, float]) -> Area:
-    """A random piece of an area, of a size or less; what took room on the area takes it on the piece."""
+    """A random piece of an area, of a size or a bit more; what took room on the area takes it on the piece."""
     a, b, _, d = table.corners
+    grow = rng.uniform(1.0, 1.25)
+    size_m = size_m[0] * grow, size_m[1] * grow
     along, across = _between(a, b), _between(a, d)
     shares = min(size_m[0] / hypot(*along), 1.0), min(size_m[1] / hypot(*across), 1.0)
     u, v = (rng.uniform(0.0, 1.0 - share) for share in shares)

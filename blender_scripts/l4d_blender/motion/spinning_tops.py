@@ -101,7 +101,8 @@ class TopHand(Hand):
     ) -> None:
         """Takes a lying top by its stem, stands it up until frame `upright`, twists it, lets it spin.
 
-        `way` is 1 for counter-clockwise, -1 for clockwise. With `falls` it leans more and more, falls over during these frames and rolls to rest.
+        `way` is 1 for counter-clockwise, -1 for clockwise. With `falls` it leans more and more, falls over
+        during these frames and rolls to rest.
         """
         lying = lean_at_rest(profile)
         start = Attitude(lying, radians(towards_deg), 0.0).matrix(at)
@@ -119,7 +120,8 @@ class TopHand(Hand):
             lean = lying * (1.0 - up) + 0.06 * min(away / 8.0, 1.0)
             towards = radians(towards_deg) + 2 * pi * 0.5 * away / FPS
             track.append(Attitude(lean, towards, turn).matrix(at))
-            held.append(Attitude(lying * (1.0 - up), radians(towards_deg), way * min(way * turn, 1.1)).matrix(at))
+            twisted = way * min(way * turn, 1.1)
+            held.append(Attitude(lying * (1.0 - up), radians(towards_deg), twisted).matrix(at))
         if falls is not None:
             track = _toppling(track, profile, at, let_go, falls, way)
         self._carry(top, held, took)

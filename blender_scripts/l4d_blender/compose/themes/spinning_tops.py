@@ -13,7 +13,7 @@ from ...assets import spinning_top
 from ...motion.spinning_tops import TopHand, lie, run_down, spin_on
 from .. import looks
 from ..areas import Area, Flat, retried
-from ..arms import Reach, reaches
+from ..arms import Reach, reaches, willing
 from ..closeup import move_in, piece
 from ..looks import Look
 from . import theme
@@ -85,17 +85,19 @@ def _draw_cast(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, lis
         if top.act == "lies" and rng.random() < 0.35:
             top.act = "spins on"
     arms = reaches(stage, rng, table)
-    for top in cast:
+    for top in sorted(cast, key=lambda t: not t.act.startswith("spun")):
         if top.act.startswith("spun"):
-            top.arm = arms.pop()
-    for top in sorted(cast, key=lambda t: t.arm is None):
-        if top.arm is not None:
-            top.at = top.arm.spot(rng, table, top.radius_m, tries=40)
-            top.arm.take(table, top.at)
+            top.arm = willing(arms, lambda arm, top=top: _reached(rng, table, arm, top))
         else:
             top.at = table.spot(rng, top.radius_m)
         table.take(top.at, top.radius_m, owner=top.name)
     return table, cast
+
+
+def _reached(rng: random.Random, table: Area, arm: Reach, top: Top) -> None:
+    """A spot where an arm takes it."""
+    top.at = arm.spot(rng, table, top.radius_m, tries=40)
+    arm.take(table, top.at)
 
 
 def _play(stage: Stage, rng: random.Random, table: Area, top: Top) -> None:

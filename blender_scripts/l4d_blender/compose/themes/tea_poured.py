@@ -97,7 +97,7 @@ def tea_poured(stage: Stage) -> None:
     if plan.stirrer is not None and plan.stirred is not None:
         _stir(stage, rng, plan.stirrer, plan.stirred)
     filled = sum(len(pot.fills) for pot in plan.pots)
-    stage.tell(f"{len(plan.cups)} cups and {len(plan.pots)} pots of {content} on a table; {filled} cups are filled.")
+    stage.tell(f"{len(plan.cups)} cups and {len(plan.pots)} pots of {content}; {filled} cups are filled.")
 
 
 # ---- the plan ------------------------------------------------------------------------------------

@@ -183,7 +183,8 @@ def _start(
             if not (arm.reaches(table, taken) and arm.is_clear(table, taken)):
                 continue
             dx, dy = taken[0] - arm.shoulder[0], taken[1] - arm.shoulder[1]
-            if way and not early and (end[0] - at[0]) * dx + (end[1] - at[1]) * dy < 0.2 * way * hypot(dx, dy):
+            along = (end[0] - at[0]) * dx + (end[1] - at[1]) * dy
+            if way and not early and along < 0.2 * way * hypot(dx, dy):
                 continue
         return at, heading, end
     raise NoRoom("no room for a robot and its way")
