@@ -37,9 +37,9 @@ def draw_pots(rng: random.Random, count: int) -> list[Look]:
     for member in looks.crossed(rng, "pot", count, words):
         enamel = ENAMELS.get(member.words["colour"])
         small = member.words["size"] == "small"
-        shape = pot.PotLook(0.140, 0.170, "two_loops", enamel)
+        shape = pot.PotLook(0.150, 0.185, "two_loops", enamel)
         if small:
-            shape = pot.PotLook(0.112, 0.125, "one_long", enamel)
+            shape = pot.PotLook(0.122, 0.138, "one_long", enamel)
         properties = {**member.attributes, "material": "steel" if enamel is None else "enamel"}
         found.append(Look("pot", {"look": shape}, properties))
     return found
@@ -56,7 +56,7 @@ def put_pot(
     scene.place(body, (*at, top_m), heading_deg)
     scene.place(surface, (*at, top_m + shape.soup_m - (_LOW_M if low else 0.0)), heading_deg)
     return stage.register(
-        "pot", name, [body, surface], at=at, heading_deg=heading_deg, area=None, look=look, radius_m=0.16
+        "pot", name, [body, surface], at=at, heading_deg=heading_deg, area=None, look=look, radius_m=0.19
     )
 
 

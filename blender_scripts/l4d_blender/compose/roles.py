@@ -271,11 +271,15 @@ class Role:
     def hold(self, item: Item, side: str | None = None, grip: Sequence[float] | None = None) -> None:
         """Has something in the hand from the first frame on; `grip` if not the middle of its handle."""
         ware, side = item.ware, self._take(item, side)
+        if grip is None:
+            grip = ware.grip_of(item.look)
+            if ware.two_hands:  # the left hand's comes first
+                grip = tuple(sorted(grip, key=lambda point: -point[0]))
         item.holder = self
         self._steps.append(
             lambda a: a.hold(
                 item.prop.instance,
-                ware.grip_of(item.look) if grip is None else grip,
+                grip,
                 side=side,
                 bar=ware.bar,
                 carry=ware.carry,

@@ -29,6 +29,9 @@ def cooking(stage: Stage) -> None:
         raise Rejected("cooks stand only behind counters that face the cameras")
     top_m, y = counter.point(0.0, 0.0)[2], ay + _BACK_M
     xs, deeds, spots = _row(rng, counter, bx, ax, y)
+    stage.film(
+        stage.closer([(xs[0], y), (xs[2], y), *spots], height_m=1.12, margin_m=0.3, least_rise=0.25)
+    )
     figures = folk.cast(rng, "cook", 3)
     soup = rng.randrange(len(cookery.SOUPS))
     pots = []
@@ -67,8 +70,8 @@ def _row(
         for x, deed in zip(xs, deeds):
             at = x + rng.uniform(-0.14, 0.06), y - cookery.AHEAD_M + rng.uniform(-0.03, 0.04)
             if deed == "wait":
-                at = x + rng.uniform(-0.3, 0.3), rng.uniform(counter.corners[2][1] + 0.14, y - 0.3)
-            apart = all(hypot(at[0] - b[0], at[1] - b[1]) > 0.36 for b in spots)
+                at = x + rng.uniform(-0.3, 0.3), rng.uniform(counter.corners[2][1] + 0.17, y - 0.34)
+            apart = all(hypot(at[0] - b[0], at[1] - b[1]) > 0.40 for b in spots)
             if not apart or not counter.is_free(at, 0.13):
                 break
             spots.append(at)
