@@ -63,8 +63,8 @@ class Item:
     def build(self, stage: Stage, area: Area) -> None:
         """Puts it on the stage; it is taken as moving, so that it takes no room for good."""
         base_m = float(self.disc.base_m[0]) if self.on is None else self.on
-        if self.holder is not None:  # a handle points ahead in the hand, a teddy looks ahead
-            self.heading_deg = float(self.holder.heading[0]) - (0.0 if self.ware.bar is None else 90.0)
+        if self.holder is not None:  # a handle points ahead; `Person.hold` turns what has none with the body
+            self.heading_deg = 0.0 if self.ware.bar is None else float(self.holder.heading[0]) - 90.0
         self.thing = stage.scene.put(
             self.look.kind,
             self.name,
