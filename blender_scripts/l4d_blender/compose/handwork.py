@@ -17,6 +17,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from .. import keys
+from ..assets import apple
 from ..motion.rolling import Round
 from ..motion.table_hands import TableHand
 from . import sight
@@ -60,6 +61,7 @@ VERBS = {
     "roll": ("push", "roll"),
     "point": ("point_at",),
 }
+"""What the acts of hands show."""
 
 
 @dataclass(eq=False)
@@ -77,8 +79,8 @@ class Item:
 
     @property
     def radius_m(self) -> float:
-        """In plan."""
-        return self.of.radius_m
+        """In plan; elbows keep away from what is tall."""
+        return self.of.radius_m + (0.025 if self.of.height_m > 0.15 else 0.0)
 
 
 @dataclass
@@ -214,7 +216,7 @@ def _settle(stage: Stage, rng: random.Random, table: Area, plan: Plan) -> None:
         if id(item) in acting:
             continue
         item.at = table.spot(rng, item.radius_m)
-        item.heading_deg = _heading(rng, item)
+        item.heading_deg = rng.uniform(-180, 180)
         if item.of.axle == "z" and rng.random() < 0.4:
             item.axle_deg = rng.uniform(-180, 180)
         table.take(item.at, item.radius_m, owner=item.name)
@@ -234,7 +236,7 @@ def _find(
         at = table.spot(rng, radius)
         if not _reaches(arm, table, at) or not arm.is_clear(table, *before, at, ignoring=low):
             continue
-        item.heading_deg, item.axle_deg = _heading(rng, item), None
+        item.heading_deg, item.axle_deg = rng.uniform(-180, 180), None
         task.to, task.on, task.heading_deg = None, None, None
         way = atan2(at[1] - arm.shoulder[1], at[0] - arm.shoulder[0])
         distance = hypot(at[0] - arm.shoulder[0], at[1] - arm.shoulder[1])
@@ -391,10 +393,6 @@ def _way(
     return True
 
 
-def _heading(rng: random.Random, item: Item) -> float:
-    return rng.uniform(-180, 180)
-
-
 def _between(a: Flat, b: Flat, t: float) -> Flat:
     return a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
 
@@ -497,8 +495,6 @@ def _round(item: Item) -> Round:
     radius = item.of.rolls_m
     middle = Vector((0.0, 0.0, radius))
     if item.of.kind == "apple":
-        from ..assets import apple
-
         middle = apple.Look(radius_m=radius).middle
     return Round(item.prop.instance, radius, middle)
 

@@ -108,7 +108,6 @@ PUTS: dict[str, Put] = {
     "glasses": Put("glasses", 0.1, False, 180.0),
     "headphones": Put("headphones", 0.125, False, 180.0, _ANY),
     "jar": Put("kitchen_clutter.jar", 0.062, True, None, _ANY),
-    "bottle": Put("kitchen_clutter.bottle", 0.036, True, None, _ANY),
     "parts": Put("workshop_clutter.loose_parts", 0.065, False, None),
     "spool": Put("workshop_clutter.spool", 0.022, False, None, _ANY),
     "notes": Put("paper_sheets.sticky_notes", 0.055, False, 180.0, _ANY),
@@ -119,8 +118,6 @@ PUTS: dict[str, Put] = {
     "lemon": Put("fruit.lemon", 0.045, False, None),
     "loaf": Put("kitchen_clutter.loaf", 0.17, False, 0.0),
     "biscuits": Put("sugar_bowl.biscuits", 0.096, False, None),
-    "sugar": Put("sugar_bowl", 0.052, False, None, _ANY),
-    "mug": Put("coffee_table.mug", 0.062, False, None, _ANY),
 }
 
 
@@ -232,7 +229,7 @@ class Tabletop:
         return found
 
     def clutter(self, count: int, *choices: str) -> None:
-        """Small things near the edges, without an identity; what finds no room is left out."""
+        """Small things near the edges, of kinds that no theme casts; what finds no room is left out."""
         half_x, half_y = self.size_m[0] / 2 - 0.02, self.size_m[1] / 2 - 0.02
         nouns = {prop.instance.category for prop in self.stage.landmarks}
         whole = Area.rectangle("top", (0.0, 0.0), (2 * half_x, 2 * half_y))

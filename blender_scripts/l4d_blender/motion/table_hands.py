@@ -9,6 +9,8 @@ from ..scene import Instance
 from .hands import Frames, Point
 from .rolling import Roller
 
+_LOOSE = ("push", "touch", "flat", "mouse")  # the palm or the fingertips lie on the thing
+
 
 class TableHand(Roller):
     """A hand that knows when it holds something and when it only touches it."""
@@ -35,5 +37,5 @@ class TableHand(Roller):
         self.scene.event(self.instance, "touch", frames, thing)
 
     def _note_hold(self, thing: Instance, until: int) -> None:
-        if self._grip not in ("push", "touch"):
+        if self._grip not in _LOOSE:
             super()._note_hold(thing, until)

@@ -36,7 +36,7 @@ def cafe_table(stage: Stage) -> None:
         "tin",
         "saucer",
     )
-    top.clutter(rng.randint(1, 2), "sugar", "phone", "glasses", "biscuits", "mug")
+    top.clutter(rng.randint(1, 2), "phone", "glasses", "biscuits")
     back = top.room(
         ("chequered", "tiles", "boards"), ("brick", "two_tone", "panelled", "tiled"), back_m=(1.5, 1.9)
     )

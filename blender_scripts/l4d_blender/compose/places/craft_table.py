@@ -30,7 +30,7 @@ def craft_table(stage: Stage) -> None:
         "mat",
         "tray",
     )
-    top.clutter(rng.randint(2, 3), "loose_crayons", "rubber", "ruler", "notes", "spool", "mug")
+    top.clutter(rng.randint(2, 3), "loose_crayons", "rubber", "ruler", "notes", "spool")
     back = top.room(("boards", "carpet"), ("plaster", "wallpaper", "plaster", "panelled"), back_m=(1.0, 1.4))
     stage.scene.put(
         "play_mat", "play_mat", (rng.uniform(-0.2, 0.2), 0.0), rng.uniform(-8, 8), on=-top.height_m + 0.001

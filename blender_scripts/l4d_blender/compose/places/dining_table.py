@@ -45,7 +45,7 @@ def dining_table(stage: Stage) -> None:
     top.landmarks(
         rng.choice((3, 4)), "candle", "plate", "jug", "vase", "bowl", "tray", "board", "trivet", "tin"
     )
-    top.clutter(rng.randint(1, 2), "sugar", "grapes", "bottle", "biscuits", "pear")
+    top.clutter(rng.randint(1, 2), "grapes", "biscuits", "pear")
     back = top.room(
         ("boards", "boards", "carpet", "chequered"), ("wallpaper", "panelled", "plaster"), back_m=(1.0, 1.4)
     )

@@ -30,7 +30,7 @@ def garden_table(stage: Stage) -> None:
     top.landmarks(
         rng.choice((3, 4)), "vase", "tray", "jug", "bowl", "candle", "plate", "book", "plant", "napkin"
     )
-    top.clutter(rng.randint(1, 2), "glasses", "grapes", "pear", "lemon", "magazine", "biscuits", "bottle")
+    top.clutter(rng.randint(1, 2), "glasses", "grapes", "pear", "lemon", "magazine", "biscuits")
     stage.scene.make("garden", "garden", stage.rng("garden"), floor_m=-top.height_m)
     world, strength, sun, elevation, colour, words = rng.choice(_LIGHTS)
     stage.scene.hdri(world, strength, rotation_deg=rng.uniform(0, 360))

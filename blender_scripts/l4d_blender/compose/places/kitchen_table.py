@@ -37,7 +37,7 @@ def kitchen_table(stage: Stage) -> None:
         "napkin",
         "jar",
     )
-    top.clutter(rng.randint(1, 3), "grapes", "pear", "lemon", "sugar", "mug", "bottle", "biscuits")
+    top.clutter(rng.randint(1, 3), "grapes", "pear", "lemon", "biscuits")
     back = top.room(("tiles", "chequered", "boards"), ("tiled", "plaster", "two_tone"), back_m=(1.3, 1.6))
     finish = kitchen_units.Finish(rng.choice(_FRONTS), rng.choice(_STONES))
     stage.scene.put(

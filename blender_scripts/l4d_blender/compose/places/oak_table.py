@@ -22,7 +22,7 @@ def oak_table(stage: Stage) -> None:
     top.landmarks(
         rng.choice((3, 4)), "lamp", "book", "plant", "candle", "tray", "tin", "vase", "coaster", "notepad"
     )
-    top.clutter(rng.randint(1, 3), "magazine", "glasses", "phone", "mug", "pear", "lemon", "rubber")
+    top.clutter(rng.randint(1, 3), "magazine", "glasses", "phone", "pear", "lemon", "rubber")
     back = top.room(("boards", "boards", "carpet"), ("plaster", "wallpaper", "panelled"), back_m=(0.9, 1.3))
     top.furnish(
         back,

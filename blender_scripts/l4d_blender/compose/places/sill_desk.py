@@ -34,7 +34,7 @@ def sill_desk(stage: Stage) -> None:
         "keyboard",
         "tin",
     )
-    top.clutter(rng.randint(1, 3), "glasses", "notes", "phone", "ruler", "rubber", "mug")
+    top.clutter(rng.randint(1, 3), "glasses", "notes", "phone", "ruler", "rubber")
     back = top.room(
         ("boards", "carpet", "tiles"), ("plaster", "boards", "wallpaper", "brick"), back_m=(0.03, 0.08)
     )

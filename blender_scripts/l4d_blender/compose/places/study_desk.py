@@ -46,7 +46,7 @@ def study_desk(stage: Stage) -> None:
         "coaster",
         "box",
     )
-    top.clutter(rng.randint(2, 4), "phone", "glasses", "notes", "ruler", "rubber", "headphones", "mug")
+    top.clutter(rng.randint(2, 4), "phone", "glasses", "notes", "ruler", "rubber", "headphones")
     back = top.room(("boards", "carpet"), ("plaster", "plaster", "wallpaper", "boards"), back_m=(1.0, 1.4))
     top.furnish(
         back,

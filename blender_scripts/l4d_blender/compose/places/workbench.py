@@ -21,9 +21,7 @@ def workbench(stage: Stage) -> None:
     top.landmarks(
         rng.choice((3, 4)), "box", "lamp", "tin", "oil_can", "jar", "notepad", "pen_pot", "tray", "book"
     )
-    top.clutter(
-        rng.randint(3, 5), "parts", "screwdriver", "spool", "ruler", "rubber", "glasses", "bottle", "mug"
-    )
+    top.clutter(rng.randint(3, 5), "parts", "screwdriver", "spool", "ruler", "rubber", "glasses")
     back = top.room(
         ("concrete", "boards", "tiles"), ("brick", "boards", "brick", "plaster"), back_m=(0.9, 1.2)
     )
