@@ -125,8 +125,12 @@ def draw(
     table: Area,
     groups: Sequence[tuple[Graspable, int]],
     weights: Mapping[str, float],
+    must: str | None = None,
 ) -> Plan:
-    """A plan for groups (kind and count); `weights` says how often each act is drawn. Raises `NoRoom`."""
+    """A plan for groups (kind and count); `weights` says how often each act is drawn, `must` is the first.
+
+    Raises `NoRoom` if this draw does not fit.
+    """
     items = []
     for kind, count in groups:
         cast = kind.group(rng, count)
@@ -134,7 +138,9 @@ def draw(
     arms = reaches(stage, rng)[: rng.choice((2, 2, 3))]
     plan = Plan(items)
     free = rng.sample(items, len(items))
-    again: str | None = None
+    if must is not None:
+        free.sort(key=lambda item: not can(item.of, must))
+    again = must
     for k, arm in enumerate(arms):
         clock = rng.randint(1, 8) if k == 0 else rng.randint(1, 24)
         while free:
@@ -144,7 +150,7 @@ def draw(
                 for act, weight in weights.items()
                 if can(item.of, act) and clock + _REACH[1] + SPANS[act][0] + _RELEASE <= LAST
             }
-            if again in possible and rng.random() < 0.55:
+            if again in possible and (not plan.tasks or rng.random() < 0.55):
                 possible = {again: 1.0}
             if not possible or not any(possible.values()):
                 break
@@ -152,10 +158,12 @@ def draw(
             grips = clock + rng.randint(*_REACH)
             lets_go = min(grips + rng.randint(*SPANS[act]), LAST - _RELEASE)
             plan.tasks.append(Task(arm, act, free.pop(0), clock, grips, lets_go))
-            again = None if act == again else act
+            again = None if act == again and len(plan.tasks) > 1 else act
             clock = lets_go + _RELEASE + _BACK[1] + rng.randint(1, 4)
             if len(free) <= 1:
                 break
+    if must is not None and all(task.act != must for task in plan.tasks):
+        raise NoRoom(f"no time to {must} something")
     if len(plan.tasks) < 2 or sum(len(VERBS[task.act]) for task in plan.tasks) < 4:
         raise NoRoom("too little happens")
     _settle(stage, rng, table, plan)
@@ -366,11 +374,11 @@ def _way(
 ) -> bool:
     """Along which straight line something slides or rolls, and where fingers point then."""
     item, arm = task.item, task.arm
-    length = rng.uniform(0.16, 0.32) if task.act == "roll" else rng.uniform(0.09, 0.2)
+    length = rng.uniform(0.12, 0.28) if task.act == "roll" else rng.uniform(0.09, 0.2)
     if task.act in ("push", "roll"):
         if distance < 0.34:
             return False
-        turn = ahead + radians(rng.uniform(-38, 38))
+        turn = ahead + radians(rng.uniform(-42, 42))
     elif task.act == "pull":
         turn = ahead + pi + radians(rng.uniform(-35, 35))
     else:

@@ -61,31 +61,37 @@ _ROLLED = {"roll": 6.0, "lift": 1.5, "transfer": 1.0, "point": 1.0, "touch": 0.5
 @theme("tabletop", needs=("table",), categories=_nouns(*LIFTED), verbs=_verbs(_MOVED))
 def things_moved(stage: Stage) -> None:
     """Hands lift things, carry them to trays, plates, books or other spots, and set them down."""
-    _play(stage, "things moved", LIFTED, (), _MOVED)
+    _play(stage, "things moved", LIFTED, (), _MOVED, ("transfer", "transfer", None))
 
 
 @theme("tabletop", needs=("table",), categories=_nouns(*SLID), verbs=_verbs(_SLID))
 def things_slid(stage: Stage) -> None:
     """Hands push, pull, move and turn things on the table top."""
-    _play(stage, "things slid", SLID, (), _SLID)
+    _play(stage, "things slid", SLID, (), _SLID, ("push", "pull", "move", "turn", None))
 
 
 @theme("tabletop", needs=("table",), categories=_nouns(*ROLLED, *LIFTED), verbs=_verbs(_ROLLED))
 def things_rolled(stage: Stage) -> None:
     """Hands send round things rolling, which run on by themselves and come to rest."""
-    _play(stage, "things rolled", ROLLED, LIFTED, _ROLLED)
+    _play(stage, "things rolled", ROLLED, LIFTED, _ROLLED, ("roll",))
 
 
 def _play(
-    stage: Stage, key: str, first: Sequence[str], second: Sequence[str], acts: Mapping[str, float]
+    stage: Stage,
+    key: str,
+    first: Sequence[str],
+    second: Sequence[str],
+    acts: Mapping[str, float],
+    musts: Sequence[str | None],
 ) -> None:
     rng, table = stage.rng(key), stage.area("table")
     acts = {
         act: weight * (6.0 if set(handwork.VERBS[act]) & set(stage.spec.verbs) else 1.0)
         for act, weight in acts.items()
     }
+    must = rng.choice(musts)
     plan = retried(
-        table, 200, lambda: handwork.draw(stage, rng, table, _groups(stage, rng, first, second), acts)
+        table, 200, lambda: handwork.draw(stage, rng, table, _groups(stage, rng, first, second), acts, must)
     )
     handwork.perform(stage, rng, table, plan)
     kinds = list(dict.fromkeys(item.of.kind for item in plan.items))
