@@ -61,7 +61,8 @@ VERBS = {
     "roll": ("push", "roll"),
     "point": ("point_at",),
 }
-"""What the acts of hands show."""
+"""What the acts of hands may show."""
+_EVENTS = {"transfer": 4, "lift": 3, "touch": 1, "point": 1}  # at least; two if not listed
 
 
 @dataclass(eq=False)
@@ -143,7 +144,7 @@ def draw(
     again = must
     for k, arm in enumerate(arms):
         clock = rng.randint(1, 8) if k == 0 else rng.randint(1, 24)
-        while free:
+        while len(free) > 1:
             item = free[0]
             possible = {
                 act: weight
@@ -160,11 +161,9 @@ def draw(
             plan.tasks.append(Task(arm, act, free.pop(0), clock, grips, lets_go))
             again = None if act == again and len(plan.tasks) > 1 else act
             clock = lets_go + _RELEASE + _BACK[1] + rng.randint(1, 4)
-            if len(free) <= 1:
-                break
     if must is not None and all(task.act != must for task in plan.tasks):
         raise NoRoom(f"no time to {must} something")
-    if len(plan.tasks) < 2 or sum(len(VERBS[task.act]) for task in plan.tasks) < 4:
+    if len(plan.tasks) < 2 or sum(_EVENTS.get(task.act, 2) for task in plan.tasks) < 4:
         raise NoRoom("too little happens")
     _settle(stage, rng, table, plan)
     _show(stage, plan)
