@@ -7,7 +7,7 @@ use l4d_query::{Clause, Party, World};
 
 use crate::lexicon::lexicon;
 
-/// Most properties that a landmark is told from its like by.
+/// Most properties that tell a landmark from its like.
 const MOST_PROPERTIES: usize = 2;
 /// Keys that tell landmarks apart best.
 const FIRST_KEYS: [&str; 3] = ["colour", "material", "size"];

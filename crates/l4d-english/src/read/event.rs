@@ -96,18 +96,18 @@ impl Reader<'_, '_> {
         self.parties(at).into_iter().map(|(party, end)| (Some(party), end)).collect()
     }
 
-    /// Who does it: "by a hand"; where nothing is said, whoever does this in the scene if they are all alike.
+    /// Who does it: "by a hand"; where nothing is said, all that do this in the scene if they are alike.
     fn agents(&self, at: usize, verb: &str) -> Readings<Party> {
-        let whoever = || self.words.agent(verb).map(Party::Category);
+        let all_who_do = || self.words.agent(verb).map(Party::Category);
         match self.any_of(at, "by") {
             Some(by) => {
                 let mut found = self.parties(by);
                 if let Some(end) = self.any_of(by, "somebody someone anybody anyone something") {
-                    found.extend(whoever().map(|party| (party, end)));
+                    found.extend(all_who_do().map(|party| (party, end)));
                 }
                 found
             }
-            None => whoever().map(|party| (party, at)).into_iter().collect(),
+            None => all_who_do().map(|party| (party, at)).into_iter().collect(),
         }
     }
 

@@ -24,7 +24,7 @@ enum Subject {
         is_no: bool,
     },
     /// "somebody", "no-one": all who do it.
-    Whoever {
+    Somebody {
         is_no: bool,
     },
 }
@@ -314,7 +314,7 @@ impl Reader<'_, '_> {
     fn undergone(&self, subject: &Subject, verb: &str, is_not: bool) -> Option<Clause> {
         let (by, is_no) = match subject {
             Subject::Party { party, is_no } => (party.clone(), *is_no),
-            Subject::Whoever { is_no } => (Party::Category(self.words.agent(verb)?), *is_no),
+            Subject::Somebody { is_no } => (Party::Category(self.words.agent(verb)?), *is_no),
         };
         let clause = Clause::Undergoes { verb: verb.to_owned(), by };
         Some(if is_no != is_not { negated(clause) } else { clause })
@@ -346,10 +346,10 @@ impl Reader<'_, '_> {
 
     fn subjects(&self, at: usize) -> Readings<Subject> {
         if let Some(end) = self.any_of(at, "somebody someone something anybody anyone") {
-            return vec![(Subject::Whoever { is_no: false }, end)];
+            return vec![(Subject::Somebody { is_no: false }, end)];
         }
         if let Some(end) = self.any_of(at, "no-one nothing") {
-            return vec![(Subject::Whoever { is_no: true }, end)];
+            return vec![(Subject::Somebody { is_no: true }, end)];
         }
         let phrases = self.phrases_at(at);
         let subjects = phrases.iter().map(|(phrase, end)| {
