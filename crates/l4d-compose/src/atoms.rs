@@ -116,6 +116,10 @@ fn relations(world: &World<'_>, group: &Group<'_>, everybody: &[Somebody]) -> Ve
                 .all(|name| world.instance(name).is_some_and(|instance| instance.front.is_some()));
             let fits = match kind {
                 Relation::InFrontOf | Relation::Behind => others_have_fronts && other.only().is_some(),
+                // What acts has no inside: boxes of bodies overlap, and a hand hovers.
+                Relation::In | Relation::Under => {
+                    !world.events().any(|event| other.meant.contains(&event.subject))
+                }
                 Relation::Facing => have_fronts && other.only().is_some(),
                 Relation::ClosestTo | Relation::FarthestFrom => other.only().is_some(),
                 _ => true,

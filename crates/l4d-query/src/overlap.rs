@@ -283,7 +283,9 @@ fn places(these: &[SceneSet], those: &[SceneSet]) -> Places {
         }
     }
     let objects = distances.len();
-    Places { objects, mean_distance_m: distances.iter().sum::<f64>() / objects.max(1) as f64 }
+    // The sum of nothing is -0.
+    let sum = distances.iter().fold(0.0, |sum, distance| sum + distance);
+    Places { objects, mean_distance_m: sum / objects.max(1) as f64 }
 }
 
 #[cfg(test)]
