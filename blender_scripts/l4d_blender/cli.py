@@ -181,12 +181,10 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
         )
     except specs.SpecError as error:
         raise WorkerError(str(error), error.hint) from error
-    except stage.Rejected as error:
-        raise WorkerError(
-            f"{options.draws} draws of seed {options.seed} were thrown away, the last because {error}",
-            "take another seed, or demand less",
-        ) from error
-    events.send("composed", draw=made.draw)
+    except stage.Rejected:
+        events.send("exhausted", draws=options.draws)
+    else:
+        events.send("composed", draw=made.draw)
     events.send("done")
 
 

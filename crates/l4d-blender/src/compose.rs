@@ -47,10 +47,11 @@ pub struct Theme {
     pub verbs: Vec<String>,
 }
 
-/// Tries `draws` draws from `wish.draw` on, in a folder that holds the files of this scene alone.
+/// Tries `draws` draws from `wish.draw` on, in a folder that holds the files of this scene alone; none if all of them
+/// were thrown away.
 ///
 /// # Errors
-/// A wish that no draw can fulfil, a seed none of whose draws became a scene, or a worker that dies.
+/// A wish that no draw can fulfil, or a worker that dies.
 pub fn compose(
     env: &BlenderEnv,
     wish: &Composition,
@@ -58,7 +59,7 @@ pub fn compose(
     folder: &Path,
     work: &SharedWork,
     rejected: &mut Vec<Rejection>,
-) -> Result<Composed> {
+) -> Result<Option<Composed>> {
     let scene = &wish.scene;
     let mut command = env.command();
     command.args(["compose", "--scene", scene, "--scale", wish.scale.as_str()]);
@@ -76,17 +77,23 @@ pub fn compose(
     }
     let files = BenchDir::new(folder);
     command.arg("--recipes").arg(files.recipes()).arg("--out").arg(folder);
+    let mut is_composed = false;
     let end = worker::run(command, &work.log("compose", scene), &mut |event| {
-        if let WorkerEvent::Rejected { draw, reason } = event {
-            rejected.push(Rejection { draw: *draw, reason: reason.clone() });
+        match event {
+            WorkerEvent::Rejected { draw, reason } => {
+                rejected.push(Rejection { draw: *draw, reason: reason.clone() });
+            }
+            WorkerEvent::Composed { .. } => is_composed = true,
+            _ => {}
         }
         true
     })?;
     match end {
-        WorkerEnd::Done | WorkerEnd::Stopped => Ok(Composed {
+        WorkerEnd::Done if is_composed => Ok(Some(Composed {
             composition: json::read_document(&files.composition(scene))?,
             tracks: Tracks::read(&folder.join("tracks.json"))?,
-        }),
+        })),
+        WorkerEnd::Done | WorkerEnd::Stopped => Ok(None),
         WorkerEnd::Refused(error) | WorkerEnd::Died(error) => {
             Err(error).at(format_args!("cannot compose {scene}"))
         }

@@ -32,6 +32,8 @@ pub(crate) enum WorkerEvent {
     },
     /// A draw of a composition was thrown away.
     Rejected { draw: u32, reason: String },
+    /// A draw of a composition became a scene.
+    Composed { draw: u32 },
     /// What compositions draw from.
     Theme { scale: String, name: String, places: Vec<String>, categories: Vec<String>, verbs: Vec<String> },
     /// Everything that was asked for is done.

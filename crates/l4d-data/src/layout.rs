@@ -237,6 +237,11 @@ impl BenchDir {
         self.recipes().join(format!("{scene}.json"))
     }
 
+    /// `rejected/<scene>.jsonl`: draws of a composed scene that were thrown away, with the reasons.
+    pub fn rejected(&self, scene: &str) -> PathBuf {
+        self.0.join("rejected").join(format!("{scene}.jsonl"))
+    }
+
     /// `published/<table>.csv`: numbers from papers.
     pub fn published(&self, table: &str) -> PathBuf {
         self.0.join("published").join(format!("{table}.csv"))
