@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use glam::{DMat4, DVec3};
-use l4d_data::{Camera, Split};
+use glam::DVec3;
 use l4d_formats::npy;
-use l4d_testing::{SIZE, flat, name, scene, write_scene};
 
+use crate::interop::wall;
 use crate::support::{Dir, copy, root};
 
 const RENDER: &str = "render-splats wall --profile tiny --views cam01 --frames 0,48,96";
@@ -15,18 +14,7 @@ const FRAMES: [&str; 3] = ["0000", "0048", "0096"];
 /// A folder with the scene `wall` in profile tiny, its exports below `data/`, and below `output/` a model for each as
 /// 4DGaussians leaves it that was started there: two dozen moving Gaussians about the origin.
 fn folder() -> Dir {
-    let dir = Dir::new();
-    let camera = |number: u32| {
-        let split = if number == 1 { Split::Test } else { Split::Train };
-        let pose = DMat4::from_translation(DVec3::new(f64::from(number) - 1.0, 0.25, -6.0));
-        Camera { split, ..Camera::new(name(format!("cam{number:02}")), SIZE, 140.0, pose) }
-    };
-    let scene = scene("wall", (0..3).map(camera).collect(), Vec::new());
-    write_scene(&dir.path("data/tiny"), scene, |camera, _| {
-        let mut picture = flat(|_, _| 0);
-        picture.surfaces.depth_m.fill(2.0);
-        (camera.split == Split::Train).then_some(picture)
-    });
+    let dir = wall(|number| DVec3::new(number - 1.0, 0.25, -6.0));
     for (reader, format) in [("panoptic", "4dgaussians"), ("dynerf", "4dgaussians-dynerf")] {
         dir.succeed(format!("export wall --profile tiny --format {format} --out data/{reader}"));
         model(&dir, reader);

@@ -11,12 +11,17 @@ use crate::support::Dir;
 
 const EXPORT: &str = "export wall --profile tiny --out out --format";
 
-/// A folder with the scene `wall` in profile tiny: three cameras before a wall, the second is held out.
+/// [`wall`] with cameras a metre apart.
 pub(crate) fn folder() -> Dir {
+    wall(|number| number * DVec3::X)
+}
+
+/// A folder with the scene `wall` in profile tiny: three cameras before a wall, the second is held out.
+pub(crate) fn wall(place: impl Fn(f64) -> DVec3) -> Dir {
     let dir = Dir::new();
     let camera = |number: u32| {
         let split = if number == 1 { Split::Test } else { Split::Train };
-        let pose = DMat4::from_translation(f64::from(number) * DVec3::X);
+        let pose = DMat4::from_translation(place(number.into()));
         Camera { split, ..Camera::new(name(format!("cam{number:02}")), SIZE, 140.0, pose) }
     };
     let scene = scene("wall", (0..3).map(camera).collect(), Vec::new());

@@ -2,9 +2,8 @@
 //!
 //! Such a file is a zip of a pickle, a program for a small stack machine that can call anything in Python, and of one
 //! entry of raw numbers per storage. The machine here knows the 33 opcodes and the few globals that tensors and the
-//! numbers beside them need. It
-//! calls nothing: each allowed global has one meaning that is spelled out in this crate, and any other is refused by
-//! name, before anything that follows it is read.
+//! numbers beside them need. It calls nothing: each allowed global has one meaning that is
+//! spelled out in this crate, and any other is refused by name, before anything that follows it is read.
 //!
 //! Memory stays in proportion to the file: storages are slices of it, values that the pickle shares stay shared, and
 //! tensors together hold no more numbers than the file has bytes.
