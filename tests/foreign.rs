@@ -13,7 +13,7 @@ const FRAMES: [&str; 3] = ["0000", "0048", "0096"];
 
 /// A folder with the scene `wall` in profile tiny, its exports below `data/`, and below `output/` a model for each as
 /// 4DGaussians leaves it that was started there: two dozen moving Gaussians about the origin.
-fn folder() -> Dir {
+pub(crate) fn folder() -> Dir {
     let dir = wall(|number| DVec3::new(number - 1.0, 0.25, -6.0));
     for (reader, format) in [("panoptic", "4dgaussians"), ("dynerf", "4dgaussians-dynerf")] {
         dir.succeed(format!("export wall --profile tiny --format {format} --out data/{reader}"));

@@ -2,6 +2,7 @@
 //! memory, and touch nothing outside.
 
 mod inputs;
+mod mutations;
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -21,11 +22,15 @@ const CARD: &str = "results/oracle/method.json";
 const MEMORY_KIB: u32 = 1_500_000;
 const SECONDS: u32 = 60;
 
-/// Runs the binary with little memory and time.
+/// Runs the binary with little memory and time on the profile tiny.
 fn bounded(dir: &Dir, arguments: &str) -> Run {
+    bounded_line(dir, &format!("{arguments} --profile tiny"))
+}
+
+/// Runs the binary with little memory and time.
+fn bounded_line(dir: &Dir, line: &str) -> Run {
     let binary = env!("CARGO_BIN_EXE_l4d");
-    let script =
-        format!("ulimit -v {MEMORY_KIB}; exec timeout {SECONDS} {binary} {arguments} --profile tiny");
+    let script = format!("ulimit -v {MEMORY_KIB}; exec timeout {SECONDS} {binary} {line}");
     let output = Command::new("sh")
         .args(["-c", &script])
         .current_dir(dir.path(""))

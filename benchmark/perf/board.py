@@ -6,21 +6,24 @@ share) and runs the verb on it.
     python3 benchmark/perf/board.py --l4d target/release/l4d --methods 50
     python3 benchmark/perf/board.py --l4d target/release/l4d --methods 50 -- --html
     python3 benchmark/perf/board.py --l4d target/release/l4d --methods 10000 --scenes tabletop_tea -- --html
+    python3 benchmark/perf/board.py --l4d target/release/l4d --methods 2 --copies 70 --repeat 1 -- --html
 
 prints one JSON object with the best wall time, the best processor time (which can be compared on a machine that others use
 as well), the peak memory and the size of the page; what follows `--` goes to the verb. Methods beyond the first hundred have
-the counts of one of them under a name of their own. Needs no render, and Python's standard library alone.
+the counts of one of them under a name of their own; `--copies 70` asks each query 70 times, which makes 20 230. Needs no render, and Python's standard library alone.
 
 Targets: 50 methods on all queries in under 10 s; time in proportion to the methods, memory far below that of their counts.
 """
 
 import argparse
 import csv
+import hashlib
 import importlib.util
 import json
 import os
 import random
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -58,7 +61,7 @@ def spoil(rows: list[dict], number: int) -> list[dict]:
     return spoilt
 
 
-def write_method(scores: Path, name: str, rows: list[dict], summary: dict) -> None:
+def write_method(scores: Path, bench: Path, name: str, rows: list[dict], summary: dict) -> None:
     folder = scores / name
     folder.mkdir()
     with (folder / "counts.csv").open("w", newline="", encoding="utf-8") as file:
@@ -66,7 +69,7 @@ def write_method(scores: Path, name: str, rows: list[dict], summary: dict) -> No
         writer.writeheader()
         writer.writerows(rows)
     recompute = recompute_module()
-    referents = recompute.read_referents(BENCHMARK)
+    referents = recompute.read_referents(bench)
     headline = recompute.headline(folder, referents, argparse.Namespace(missing="zero", hit_iou=0.0))
     headline.pop("miou_error")
     used = {**summary["used"], "ground_truth": False}
@@ -83,7 +86,7 @@ def copy_method(scores: Path, source: str, name: str) -> None:
     (folder / "summary.json").write_text(json.dumps({**summary, "name": name}), encoding="utf-8")
 
 
-def make_methods(scores: Path, count: int) -> tuple[dict, int]:
+def make_methods(scores: Path, bench: Path, count: int) -> tuple[dict, int]:
     """Methods beside the oracle that stands in a folder of scores, `count` with it; gives its summary and rows."""
     with (scores / "oracle/counts.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -91,10 +94,32 @@ def make_methods(scores: Path, count: int) -> tuple[dict, int]:
     for number in range(count - 1):
         name = f"method-{number:05}"
         if number < MADE_UP:
-            write_method(scores, name, spoil(rows, number), summary)
+            write_method(scores, bench, name, spoil(rows, number), summary)
         else:
             copy_method(scores, f"method-{number % MADE_UP:05}", name)
     return summary, len(rows)
+
+
+def copy_benchmark(target: Path, profile: str, copies: int) -> None:
+    """The benchmark with every query under `copies` numbers."""
+    shutil.copytree(BENCHMARK / "published", target / "published")
+    shutil.copytree(BENCHMARK / "scenes", target / "scenes")
+    shutil.copytree(BENCHMARK / "truth" / profile, target / "truth" / profile)
+    shutil.copy(BENCHMARK / "panoptic-l4d.toml", target)
+    (target / "queries").mkdir()
+    for path in sorted((BENCHMARK / "queries").glob("*.jsonl")):
+        if path.stem.endswith((".composite", ".absent")):
+            continue
+        lines = []
+        for query in map(json.loads, path.read_text(encoding="utf-8").splitlines()):
+            scene, number = query["id"].split("/")
+            predicate = json.dumps(query["predicate"], sort_keys=True, separators=(",", ":"))
+            for copy in range(copies):
+                text = f"{query['text']} {copy}"
+                digest = hashlib.sha256(f"{text}\n{predicate}".encode()).hexdigest()[:16]
+                numbered = {"id": f"{scene}/{copy + 1:03}{number}", "text": text, "text_digest": digest}
+                lines.append(json.dumps({**query, **numbered}))
+        (target / "queries" / path.name).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def processor_seconds() -> float:
@@ -109,13 +134,18 @@ def main() -> None:
     parser.add_argument("--methods", type=int, default=50)
     parser.add_argument("--profile", default="small")
     parser.add_argument("--scenes", help="these alone, with commas between them (all)")
+    parser.add_argument("--copies", type=int, default=1, help="how often each query is asked")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("rest", nargs="*", help="arguments of `l4d leaderboard`")
     options = parser.parse_args()
     l4d = options.l4d.resolve()
-    bench = ["--bench", str(BENCHMARK), "--profile", options.profile]
-    bench += ["--scenes", options.scenes] if options.scenes else []
     with tempfile.TemporaryDirectory() as root:
+        source = BENCHMARK
+        if options.copies > 1:
+            source = Path(root) / "benchmark"
+            copy_benchmark(source, options.profile, options.copies)
+        bench = ["--bench", str(source), "--profile", options.profile]
+        bench += ["--scenes", options.scenes] if options.scenes else []
 
         def run(*arguments: str) -> tuple[float, float]:
             """Wall and processor seconds."""
@@ -126,7 +156,7 @@ def main() -> None:
         run("-q", "baseline", "oracle")
         run("-q", "score")
         scores = Path(root) / "scores"
-        summary, rows = make_methods(scores, options.methods)
+        summary, rows = make_methods(scores, source, options.methods)
         seconds = [run("-q", "leaderboard", *options.rest) for _ in range(options.repeat)]
         files = [path for path in (Path(root) / "leaderboard").rglob("*") if path.is_file()]
         report = {
