@@ -2,6 +2,7 @@
 //!
 //! The environment is made once in the project's `work/` folder and shared by all tests.
 
+mod composed;
 mod scenes;
 
 use std::collections::BTreeMap;

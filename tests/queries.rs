@@ -134,3 +134,28 @@ fn stats_write_tables_and_figures_of_the_same_bytes_each_time() {
     // Every referent of this scene is in plain sight.
     assert!(queries.iter().all(|query| query["pixels"].as_f64().unwrap() > 10.0));
 }
+
+#[test]
+fn what_cannot_be_composed_is_refused_before_anything_is_drawn() {
+    let dir = Dir::new();
+    dir.write("short", "secret");
+    dir.write("secret", [7; 32]);
+    dir.write(
+        "empty.json",
+        r#"{"schema":"l4d/scenario/1","name":"room_a","scale":"room","groups":[],"events":[]}"#,
+    );
+    dir.write("other.json", r#"{"schema":"l4d/scene/1"}"#);
+    for (arguments, reasons) in [
+        ("--seed 999", vec!["seed 999 belongs to the development set", "1000"]),
+        ("--split dev --seed 990 --count 20", vec!["seeds from 1000 on belong to training"]),
+        ("--split private", vec!["needs a secret", "--secret"]),
+        ("--split private --secret short", vec!["short", "at least 16"]),
+        ("--secret secret", vec!["--split private"]),
+        ("--spec empty.json", vec!["empty.json", "events"]),
+        ("--spec other.json", vec!["other.json", "schema"]),
+        ("--avoid nowhere", vec!["nowhere"]),
+    ] {
+        dir.refuses(format!("compose --out set {arguments}"), &reasons);
+    }
+    assert!(!dir.path("set").exists());
+}

@@ -24,7 +24,9 @@ use self::interop::{ExportArgs, ImportArgs, ImportSceneArgs};
 use self::judging::{BaselineArgs, CheckResultsArgs, LeaderboardArgs, ScoreArgs};
 use self::models::{EndpointCommand, ProposePromptsArgs, ProposeScenesArgs};
 use self::publishing::{HostCommand, ReleaseArgs};
-use self::scenes::{BuildScenesArgs, CheckScenesArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs};
+use self::scenes::{
+    BuildScenesArgs, CheckScenesArgs, ComposeArgs, DoctorArgs, DrawVariantArgs, PythonArgs, SheetArgs,
+};
 use self::solver::{AblateArgs, QueryArgs, SolveArgs};
 use self::splats::{BenchCommand, RenderSplatsArgs, TrainSplatsArgs};
 
@@ -60,6 +62,8 @@ pub(crate) enum Command {
     CheckScenes(CheckScenesArgs),
     /// Draw a contact sheet of a scene: views, moments, outlines, queries
     Sheet(SheetArgs),
+    /// Compose new scenes with proved queries from seeds: training sets, private tests
+    Compose(ComposeArgs),
     /// Show the scenes with other looks and keep the queries that still mean one thing
     DrawVariant(DrawVariantArgs),
     /// Prove that each query has exactly one referent and real distractors
@@ -137,6 +141,7 @@ impl Command {
             Self::TrainSplats(_) => Some("run the same command again: it goes on from the last checkpoint"),
             Self::Quickstart(_)
             | Self::BuildScenes(_)
+            | Self::Compose(_)
             | Self::DrawVariant(_)
             | Self::ProposePrompts(_)
             | Self::ProposeScenes(_)

@@ -1,8 +1,9 @@
-//! Queries of composed scenes: enumerated from tracks, proved, chosen so that no shortcut finds the referents, said.
+//! Sets of composed scenes (docs/compose.md): draws until a scene has queries that are proved, chosen so that no shortcut
+//! finds the referents, and said.
 //!
-//! Owns which predicates are tried, which of the proved ones make a set, and what is refused. Refuses to know how scenes
-//! are composed or rendered, what a clause means (`l4d-query` judges every candidate), and how English works: sentences
-//! come from a function.
+//! Owns what is asked of a seed, which predicates are tried, which of the proved ones make a set, and what is refused.
+//! Refuses to know how scenes are drawn and rendered (`l4d-blender` runs workers), what a clause means (`l4d-query` judges
+//! every candidate), and how English works (`l4d-english`).
 
 mod atoms;
 mod candidate;
@@ -13,6 +14,8 @@ mod facts;
 mod parties;
 mod screen;
 mod sentence;
+pub mod set;
+pub mod wish;
 
 pub use candidate::Candidate;
 pub use compose::{Composed, LEAST_QUERIES, Order, Refused, Say, queries, write};

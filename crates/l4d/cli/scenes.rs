@@ -1,15 +1,15 @@
-//! Grammar of the verbs around rendered scenes: doctor, build-scenes, check-scenes, sheet, draw-variant.
+//! Grammar of the verbs around rendered scenes: doctor, build-scenes, check-scenes, sheet, compose, draw-variant.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use l4d_data::Shard;
 use l4d_data::benchmark::SetSplit;
+use l4d_data::{Scale, Shard};
 
 use l4d_blender::env::PythonChoice;
 use l4d_data::workspace::SharedWork;
 
-use super::BenchArgs;
+use super::{BenchArgs, one_of};
 
 #[derive(Debug, Args)]
 pub(crate) struct DoctorArgs {
@@ -120,6 +120,60 @@ pub(crate) struct SheetArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct ComposeArgs {
+    /// Folder of the new set; a set that is there grows
+    #[arg(long, short, value_name = "BENCH", required_unless_present = "list")]
+    pub(crate) out: Option<PathBuf>,
+    /// The first seed; training seeds begin with 1000
+    #[arg(long, default_value_t = 1000)]
+    pub(crate) seed: u64,
+    /// How many scenes, each of the next seed
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) count: u32,
+    /// outdoor, room or tabletop; default: in turn
+    #[arg(long, value_parser = one_of::<Scale>(Scale::ALL.map(Scale::as_str)))]
+    pub(crate) scale: Option<Scale>,
+    /// What the set is for: train, dev (seeds below 1000) or private (with --secret)
+    #[arg(long, default_value = "train", value_parser = one_of::<SetSplit>(["train", "dev", "private"]))]
+    pub(crate) split: SetSplit,
+    /// File of random bytes from which the seeds of a private set come; who has it can compose the set again
+    #[arg(long, value_name = "FILE")]
+    pub(crate) secret: Option<PathBuf>,
+    /// Compositions, or scenarios of `l4d propose-scenes`, whose nouns and verbs are demanded (comma-separated or repeated)
+    #[arg(long, value_name = "JSON", value_delimiter = ',')]
+    pub(crate) spec: Vec<PathBuf>,
+    /// Where it happens; default: drawn
+    #[arg(long)]
+    pub(crate) place: Option<String>,
+    /// What kind of things happen; default: drawn
+    #[arg(long)]
+    pub(crate) theme: Option<String>,
+    /// Nouns that have to be there (comma-separated or repeated)
+    #[arg(long = "category", value_name = "NOUN", value_delimiter = ',')]
+    pub(crate) categories: Vec<String>,
+    /// Verbs that have to happen (comma-separated or repeated)
+    #[arg(long = "verb", value_name = "VERB", value_delimiter = ',')]
+    pub(crate) verbs: Vec<String>,
+    /// A benchmark whose sentences are not used
+    #[arg(long, value_name = "BENCH")]
+    pub(crate) avoid: Option<PathBuf>,
+    /// Draws of a seed that are tried before it is given up
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) draws: u32,
+    /// Print the themes with their places, nouns and verbs instead
+    #[arg(long, conflicts_with = "out")]
+    pub(crate) list: bool,
+    /// Blender processes at once
+    #[arg(long, default_value_t = 1)]
+    pub(crate) jobs: usize,
+    #[command(flatten)]
+    pub(crate) python: PythonArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct DrawVariantArgs {
     /// Which permutation of looks, roles, layout and cameras
     pub(crate) variant: u32,
@@ -135,7 +189,7 @@ pub(crate) struct DrawVariantArgs {
     pub(crate) out: PathBuf,
     /// What the manifest calls the new set: private or dev; a variant shows the same scenes with other looks, and is
     /// neither a training set nor a private test
-    #[arg(long, default_value = "private", value_parser = set_split)]
+    #[arg(long, default_value = "private", value_parser = one_of::<SetSplit>(["private", "dev"]))]
     pub(crate) split: SetSplit,
     /// Folder that receives the plans; default: data/<profile>-v<variant>
     #[arg(long, value_name = "DIR")]
@@ -146,12 +200,4 @@ pub(crate) struct DrawVariantArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-fn set_split(text: &str) -> Result<SetSplit, String> {
-    match text {
-        "private" => Ok(SetSplit::Private),
-        "dev" => Ok(SetSplit::Dev),
-        _ => Err("must be `private` or `dev`: there is one test set, the benchmark".to_owned()),
-    }
 }

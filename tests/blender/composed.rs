@@ -1,0 +1,81 @@
+//! Scenes from seeds, from the draw to scores.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::support::{Run, l4d, succeed};
+
+fn compose(out: &Path, more: &str) -> Command {
+    let mut command = l4d(&format!("compose {more} --out"));
+    command.arg(out);
+    command
+}
+
+fn json(command: &mut Command) -> Value {
+    let run: Run = command.output().unwrap().into();
+    assert_eq!(run.code, 0, "{run}");
+    run.value()
+}
+
+fn sums(out: &Path) -> String {
+    std::fs::read_to_string(out.join("SHA256SUMS")).unwrap()
+}
+
+#[test]
+fn seeds_become_scenes_whose_queries_are_proved_and_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    let made = json(&mut compose(&set, "--seed 1001 --count 3 --jobs 2 --json"));
+    let scales = made["scenes"].as_array().unwrap().iter().map(|scene| scene["scale"].as_str().unwrap());
+    assert!(scales.eq(["tabletop", "outdoor", "room"]), "{made}");
+    let bench = |verb: &str| {
+        let mut command = l4d(&format!("{verb} --profile tiny --bench"));
+        command.arg(&set);
+        command
+    };
+    let checked = json(&mut bench("check-queries --json"));
+    assert_eq!(checked["findings"], Value::Array(Vec::new()));
+    let counts = checked["queries"].as_object().unwrap().values().map(|count| count.as_u64().unwrap());
+    assert!(counts.sum::<u64>() >= 24, "{checked}");
+
+    // A scene that is missing is drawn again, and ends with the same bytes.
+    let whole = sums(&set);
+    std::fs::remove_file(set.join("queries/tabletop_1001.jsonl")).unwrap();
+    std::fs::remove_file(set.join("scenes/tabletop_1001.json")).unwrap();
+    succeed(&mut compose(&set, "--seed 1001 --count 3"));
+    assert_eq!(sums(&set), whole);
+    // Another seed of the same name is none of this set.
+    let run: Run = compose(&set, "--seed 1001 --theme no_theme").output().unwrap().into();
+    run.refused(&["tabletop_1001.json", "another composition"]);
+
+    let data = folder.path().join("data");
+    let mut build = bench("build-scenes --samples 0 --scenes tabletop_1001");
+    succeed(build.arg("--data").arg(&data));
+    let mut check = bench("check-scenes --json --scenes tabletop_1001");
+    assert_eq!(json(check.arg("--data").arg(&data))["findings"], Value::Array(Vec::new()));
+    assert!(set.join("truth/tiny/tabletop_1001.json").is_file());
+}
+
+#[test]
+fn a_scenario_is_composed_or_refused_with_the_words_that_exist() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scenario.json");
+    let scenario = |noun: &str, verb: &str| {
+        let text = format!(
+            r#"{{"schema":"l4d/scenario/1","name":"tabletop_morning","scale":"tabletop","groups":[{{"category":"{noun}"}}],
+                "events":[{{"subject":"hand","verb":"{verb}","object":"x","frames":[8,30]}}]}}"#
+        );
+        std::fs::write(&path, text).unwrap();
+        let mut command = l4d("compose --json --spec");
+        command.arg(&path).arg("--out").arg(folder.path().join("set"));
+        command
+    };
+    let run: Run = scenario("unicorn", "lift").output().unwrap().into();
+    run.refused(&["categories", "unicorn", "cup"]);
+    let made = json(&mut scenario("cup", "lift"));
+    assert_eq!(made["scenes"][0]["scene"], "tabletop_morning");
+    let tracks = std::fs::read_to_string(folder.path().join("set/scenes/tabletop_morning.json")).unwrap();
+    assert!(tracks.contains(r#""verb":"lift""#) && tracks.contains(r#""category":"cup""#));
+}
