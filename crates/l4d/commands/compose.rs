@@ -136,9 +136,8 @@ fn print(made: &[Made], args: &ComposeArgs, out: &Printer) -> Result<ExitStatus>
     let heading = ["scene", "theme", "place", "queries", "composites", "absent", "thrown away"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(made.iter().map(|made| {
-        let Composition { scene, theme, place, .. } = &made.composition;
-        let word = |word: &Option<String>| word.clone().unwrap_or_default();
-        let mut row = vec![scene.to_string(), word(theme), word(place)];
+        let Composition { scene, theme, place, .. } = made.composition.clone();
+        let mut row = vec![scene.to_string(), theme.unwrap_or_default(), place.unwrap_or_default()];
         row.extend(made.queries.iter().map(usize::to_string));
         row.push(made.rejected.len().to_string());
         row

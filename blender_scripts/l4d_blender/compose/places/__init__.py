@@ -24,6 +24,7 @@ OFFERS = frozenset(
         "water",  # an area "water" to swim on, its bank as an area "lawn"
         "road",  # an area "road", two lanes, 18 m or more along X; the near pavement as an area "lawn"
         "counter",  # an area "counter" 0.8 to 1.0 m high; people stand along the edge of its first two corners
+        "hob",  # its counter is one that people cook at
         "chairs",  # two or more chairs in stage.chairs, with free floor before them
     }
 )

@@ -31,7 +31,7 @@ CLUTTER = (
 )
 
 
-@place("room", "counter")
+@place("room", "counter", "hob")
 def kitchen(stage: Stage) -> None:
     """An island before a run of units with a sink, a fridge, cupboards or shelves, a window."""
     rng = stage.rng("kitchen")

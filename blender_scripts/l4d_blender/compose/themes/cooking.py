@@ -20,7 +20,7 @@ _VERBS = tuple("stir taste pour_into hold put_down circle stand phone".split())
 _BACK_M, _APART_M = 0.21, 0.74
 
 
-@theme("room", needs=("counter",), categories=("cook", "pot"), verbs=_VERBS)
+@theme("room", needs=("counter", "hob"), categories=("cook", "pot"), verbs=_VERBS)
 def cooking(stage: Stage) -> None:
     """Three cooks in a row, a pot before each."""
     rng, counter = stage.rng("cooking"), stage.area("counter")
