@@ -3,7 +3,7 @@
 use l4d_data::query::text_digest;
 use serde_json::{Value, json};
 
-use crate::support::{Dir, codes, root};
+use crate::support::{Dir, codes, root, shipped};
 
 const SCENE: &str = "tabletop_mouse_cups";
 const QUERIES: &str = "benchmark/queries/tabletop_mouse_cups.jsonl";
@@ -50,11 +50,21 @@ fn the_shipped_set_is_sound() {
 }
 
 #[test]
-fn the_shipped_dev_set_is_sound_and_owes_no_totals() {
-    let document = checked("benchmark/dev");
-    assert_eq!(document["scales"], json!({"outdoor": 2, "room": 2, "tabletop": 2}));
+fn the_shipped_dev_set_is_sound_leaks_nothing_and_has_no_shortcut() {
+    let document = checked("benchmark/dev --against benchmark");
+    assert_eq!(document["scales"], json!({"outdoor": 4, "room": 4, "tabletop": 4}));
     let queries = document["queries"].as_object().unwrap();
-    assert!(queries.values().all(|count| count.as_u64().unwrap() >= 15), "{queries:?}");
+    assert!(queries.values().all(|count| count.as_u64().unwrap() >= 20), "{queries:?}");
+    for probe in document["probes"].as_array().unwrap().iter().filter(|probe| probe["bounded"] == true) {
+        let differences = probe["categories"].as_object().unwrap().values();
+        assert!(differences.clone().all(|points| points.as_f64().unwrap() <= 10.0), "{probe}");
+    }
+    // Frozen: another draw would be another set.
+    let sums = shipped("benchmark/dev/SHA256SUMS");
+    for (digest, file) in sums.lines().map(|line| l4d_data::sums::parse_line(line).unwrap()) {
+        let bytes = std::fs::read(root().join("benchmark/dev").join(file)).unwrap();
+        assert_eq!(l4d_data::digest::sha256_hex(&bytes), digest, "{file}");
+    }
 }
 
 #[test]

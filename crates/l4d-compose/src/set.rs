@@ -152,7 +152,9 @@ fn make(env: &BlenderEnv, order: &SetOrder<'_>, wish: &Composition) -> Result<Ma
         let (composition, tracks) = (drawn.composition, drawn.tracks);
         match ask(&tracks, &composition, order.avoid) {
             Ok(asked) => {
-                json::write_lines(&out.rejected(scene), &rejected)?;
+                if !rejected.is_empty() {
+                    json::write_lines(&out.rejected(scene), &rejected)?;
+                }
                 json::write(&out.composition(scene), &composition)?;
                 json::write_compact(&out.tracks(scene), &tracks)?;
                 write(out, scene, &asked)?;

@@ -5,6 +5,7 @@ use l4d_blender::build::{Order, build};
 use l4d_blender::env::{BlenderEnv, scripts_folder};
 use l4d_blender::plan::recipes;
 use l4d_data::layout::BenchDir;
+use l4d_data::store::list_folder;
 use l4d_data::{Benchmark, Draw, Name, Profile, Report, Workspace};
 
 use crate::cli::scenes::BuildScenesArgs;
@@ -53,7 +54,12 @@ pub(crate) fn run(args: &BuildScenesArgs, out: &Printer) -> Result<ExitStatus> {
 
 /// The benchmark's scenes, or those asked for; variants and new recipes need not be in the benchmark.
 fn chosen_scenes(args: &BuildScenesArgs) -> Result<Vec<Name>> {
-    let known = recipes(&scripts_folder(&args.python.blender_scripts)?)?;
+    let mut known = recipes(&scripts_folder(&args.python.blender_scripts)?)?;
+    let composed = BenchDir::new(&args.bench.bench).recipes();
+    if composed.exists() {
+        let files = list_folder(&composed)?;
+        known.extend(files.iter().filter_map(|file| file.strip_suffix(".json")).map(str::to_owned));
+    }
     let wanted = match args.bench.scenes.as_slice() {
         [] => Benchmark::open(&args.bench.bench)?.manifest.scenes.iter().map(Name::to_string).collect(),
         wanted => wanted.to_vec(),

@@ -1,6 +1,6 @@
-//! Every threshold of the geometric grounder, in one place. Tuned on `benchmark/dev`, which is no disjoint split: it is
-//! another variant of six of the 21 scenes, and its 78 sentences are in the test set. Who changes one raises the
-//! version in the grounder's identity.
+//! Every threshold of the geometric grounder, in one place. Tuned on another variant of six of the 21
+//! scenes, whose 78 sentences are in the test set, and not chosen again since. Who changes one raises the version in the
+//! grounder's identity.
 
 // Perception.
 /// Pixels filled less than this show nothing.
