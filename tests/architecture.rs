@@ -15,8 +15,7 @@ const FORBIDDEN: &str = "
     l4d-formats: l4d-masks l4d-frames l4d-splat l4d-import exr image
     l4d-frames: l4d-query l4d-score l4d-board polars plotters
     l4d-query: l4d-frames l4d-score l4d-board exr image polars plotters
-    l4d-compose: l4d-frames l4d-blender l4d-votes l4d-score l4d-solve l4d-splat l4d-board exr image polars \
-        plotters ratatui ureq
+    l4d-compose: l4d-votes l4d-score l4d-solve l4d-splat l4d-board polars plotters ratatui ureq
     l4d-english: l4d-masks l4d-frames l4d-splat l4d-ground l4d-score l4d-board exr image polars plotters
     l4d-score: l4d-frames l4d-query l4d-votes l4d-board l4d-gpu l4d-ground l4d-import l4d-solve exr image \
         polars plotters ratatui ureq

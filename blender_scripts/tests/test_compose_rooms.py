@@ -8,13 +8,13 @@ import bpy  # noqa: F401, it brings mathutils
 import pytest
 from mathutils import Vector
 
-from l4d_blender.compose.places import places
+from l4d_blender.compose.places import shipped_places
 from l4d_blender.compose.rooms import FEET_M, TALL_M, Room
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Stage
 from l4d_blender.scene import Scene
 
-ROOMS = [place for place in places().values() if place.scale == "room"]
+ROOMS = [place for place in shipped_places() if place.scale == "room"]
 
 
 def furnished(place, seed: int) -> Stage:

@@ -14,7 +14,7 @@ from pathlib import Path
 from .. import files, plan, tracks, visibility
 from ..scene import Scene
 from . import build, checks
-from .spec import Spec
+from .spec import Spec, SpecError
 from .stage import Rejected, Stage
 
 Tell = Callable[[Spec, str], None]
@@ -31,6 +31,8 @@ def compose(spec: Spec, recipes: Path, out: Path, limit: int, tell: Tell) -> Spe
             attempt = build.pinned(attempt)
             scene, stage = build.build(attempt)
             measured = _measured(scene, stage)
+        except SpecError:
+            raise
         except Rejected as error:
             reason = str(error)
             tell(attempt, reason)

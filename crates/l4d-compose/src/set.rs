@@ -74,9 +74,10 @@ pub fn compose_set(
         progress.item(&wish.scene);
         progress.advance(1);
         Ok::<_, StageError>(made)
-    })?;
+    });
     progress.finish();
     remove_folder(&order.out.root().join(".drawing"))?;
+    let made = made?;
     let mut scenes: Vec<Name> = known;
     scenes.extend(order.wishes.iter().map(|wish| wish.scene.clone()));
     publish(order, scenes)?;

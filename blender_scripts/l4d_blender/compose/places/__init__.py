@@ -56,6 +56,11 @@ def place(scale: str, *offers: str) -> Callable[[Callable[[Stage], None]], Calla
     return enter
 
 
+def shipped_places() -> list[Place]:
+    """Those of this package: tests and tools may have entered others."""
+    return [entry for entry in places().values() if entry.furnish.__module__.startswith(__name__)]
+
+
 def places() -> dict[str, Place]:
     """All places, by name."""
     for module in pkgutil.iter_modules(__path__):

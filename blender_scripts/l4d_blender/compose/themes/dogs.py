@@ -177,7 +177,7 @@ class _Planner(Planner):
     def _rest(self) -> None:
         rng = self.rng
         rolling = [toy for toy in self.toys if toy.rolls_to is not None]
-        watched = rng.choice(rolling) if rng.random() < 0.6 else None
+        watched = rng.choice(rolling) if rng.random() < 0.6 and rolling else None
         at, heading = self.spot(self.spread_m, facing=watched.at if watched else None, astray_deg=40.0)
         posture = rng.choice(("sit", "lie", "stand"))
         part = _part(at, heading, posture)
