@@ -51,7 +51,7 @@ fn the_shipped_set_is_sound() {
 
 #[test]
 fn the_shipped_dev_set_is_sound_leaks_nothing_and_has_no_shortcut() {
-    let document = checked("benchmark/dev --against benchmark");
+    let document = checked(&format!("benchmark/dev --against {}/benchmark", root().display()));
     assert_eq!(document["scales"], json!({"outdoor": 4, "room": 4, "tabletop": 4}));
     let queries = document["queries"].as_object().unwrap();
     assert!(queries.values().all(|count| count.as_u64().unwrap() >= 20), "{queries:?}");

@@ -23,7 +23,7 @@ pub(crate) struct Atom {
     pub(crate) category: Category,
     /// Its form, so that a set can have many: `at_end relation on`.
     pub(crate) shape: String,
-    /// What it is about, however it is wrapped and whoever is described how: `on tray`.
+    /// What it is about, however it is wrapped and others are described: `on tray`.
     pub(crate) core: String,
     /// How long or strange a sentence gets; the plainest clauses cost 1.
     pub(crate) price: f64,

@@ -48,7 +48,7 @@ pub fn read_secret(path: &Path) -> Result<Secret, DataError> {
     Ok(Secret(bytes))
 }
 
-/// What of a scenario becomes a demand; how it is told, looks and lasts is drawn.
+/// What of a scenario becomes a demand; its story, looks and times are drawn.
 #[derive(Debug, Deserialize)]
 struct Scenario {
     name: Name,
