@@ -1,13 +1,13 @@
 """Draws until one becomes a scene, and writes it: its composition, tracks and plan.
 
-What is thrown away is told with its reason. A composed scene that fails a check is never written.
+Draws that are thrown away are reported with the reason. A composed scene that fails a check is never written.
 """
 
 from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,9 +26,9 @@ def compose(spec: Spec, recipes: Path, out: Path, limit: int, tell: Tell) -> Spe
     Raises `Rejected` with the last reason if none did.
     """
     reason = "no draw was tried"
-    for attempt in _draws(spec, limit):
+    for draw in range(spec.draw, spec.draw + limit):
+        attempt = replace(spec, draw=draw)
         try:
-            attempt = build.pinned(attempt)
             scene, stage = build.build(attempt)
             measured = _measured(scene, stage)
         except SpecError:
@@ -42,14 +42,10 @@ def compose(spec: Spec, recipes: Path, out: Path, limit: int, tell: Tell) -> Spe
             reason = f"{type(error).__name__}: {error}"
             tell(attempt, reason)
             continue
-        files.write_bytes(recipes / f"{spec.scene}.json", files.canonical_json(attempt.to_json()))
+        files.write_bytes(recipes / f"{spec.scene}.json", files.canonical_json(stage.spec.to_json()))
         plan.write_measured(scene, stage.description, measured, out, recipes, usd=False)
-        return attempt
+        return stage.spec
     raise Rejected(reason)
-
-
-def _draws(spec: Spec, limit: int) -> Iterator[Spec]:
-    return (replace(spec, draw=spec.draw + k) for k in range(limit))
 
 
 def _measured(scene: Scene, stage: Stage) -> plan.Measured:

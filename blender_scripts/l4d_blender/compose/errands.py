@@ -177,7 +177,7 @@ def wait_with_suitcase(rng: random.Random, area: Area, figure: Figure, item: Ite
     facing = item.heading_deg + rng.uniform(-25, 25)
     at = ahead(item.at, facing, -0.05, -sign * 0.44 * figure.scale)
     if not area.is_free(at, _BODY_M):
-        raise Misfit("nobody can stand there")
+        raise Misfit("no room to stand")
     role = Role(figure, at, facing)
     role.free_hands = {"l", "r"} - {side}
     role.disc.friends.add(item.name)
@@ -268,7 +268,7 @@ def stand_before(
         stand = ahead(point, facing, -ahead_m, -aside)
         if area.is_free(stand, _BODY_M):
             return facing, stand
-    raise Misfit("nobody can stand there")
+    raise Misfit("no room to stand")
 
 
 def arriving(

@@ -12,6 +12,7 @@ from typing import Any
 
 from .. import catalogue
 from ..assets import spoon
+from ..catalogue import COLOURS
 from . import looks
 from .looks import Look
 
@@ -100,21 +101,7 @@ def apart(rng: random.Random, words: Sequence[str], count: int = 3) -> list[str]
     return found
 
 
-_ALL = (
-    "red",
-    "orange",
-    "yellow",
-    "green",
-    "teal",
-    "blue",
-    "navy",
-    "purple",
-    "brown",
-    "beige",
-    "white",
-    "grey",
-    "black",
-)
+_ALL = tuple(COLOURS)
 _PAINTS = ("red", "orange", "yellow", "green", "blue", "purple", "light_blue", "light_green", "black")
 _PEN = {"colour": _ALL, "pattern": ("plain", "banded")}
 

@@ -6,7 +6,7 @@ A theme's planner adds what its animals do. An act is (what, frames, more...); "
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import hypot
 from typing import TYPE_CHECKING, TypeVar
@@ -101,6 +101,15 @@ class Plan:
             found += [part.at, *(point for way in part.ways() for point in way.points[::6])]
             found += [point[:2] for act in part.acts if act[0] == "fly" for point in act[2]]
         return found
+
+    def story(self, noun: str, words: Mapping[str, str]) -> str:
+        """How many do what, for the acts that have words."""
+        counts: dict[str, int] = {}
+        for part in self.parts:
+            for what in dict.fromkeys(act[0] for act in part.acts):
+                counts[what] = counts.get(what, 0) + 1
+        parts = [f"{counts[what]} {verb}" for what, verb in words.items() if what in counts]
+        return f"Of {len(self.parts)} {noun} {', '.join(parts)}."
 
 
 class Planner:

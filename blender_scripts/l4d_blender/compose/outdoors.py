@@ -486,6 +486,19 @@ def cameras(
     )
 
 
+def road_cameras(stage: Stage) -> None:
+    """Cameras that see cars on both lanes of a road along X."""
+    cameras(
+        stage,
+        (0.0, -1.3, 0.8),
+        radius_m=12.0,
+        fov_deg=62.0,
+        heights_m=(2.4, 4.0),
+        arc_deg=(96.0, 116.0),
+        lean_deg=5.0,
+    )
+
+
 def height_at(terrain: HeightField | float, at: Flat) -> float:
     """Of the ground at a point."""
     return terrain.height(*at) if hasattr(terrain, "height") else float(terrain)

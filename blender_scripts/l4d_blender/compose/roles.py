@@ -56,7 +56,7 @@ class Item:
     def lying(
         cls, name: str, ware: Ware, look: Look, at: Flat, heading_deg: float, base_m: float = 0.0
     ) -> Item:
-        """One that nobody has moved yet."""
+        """One that no one has moved yet."""
         disc = Disc.at(name, at, ware.radius_m, ware.radius_m * ware.wide, ware.height_m, base_m)
         return cls(name, ware, look, disc, heading_deg)
 

@@ -167,7 +167,7 @@ class Stage:
         radius_m: float | None = None,
         **words: Any,
     ) -> Thing:
-        """Puts something that nobody asks for; with an area, it takes room there."""
+        """Puts something that no query asks for; with an area, it takes room there."""
         rng = self.rng(f"dress/{name}")
         thing = self.scene.put(kind, name, at, heading_deg, rng=rng, on=on, **words)
         if area is not None:

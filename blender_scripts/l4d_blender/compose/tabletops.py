@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from .. import catalogue
+from ..catalogue import COLOURS
 from . import rooms
 from .areas import Area, Flat, NoRoom, retried
 from .arms import reaches
@@ -27,20 +28,7 @@ _RESTING = "resting hands"
 _BEHIND_M = 0.115  # how far behind the edge of the table a chest is
 _WIDE_M = 0.128  # radius of landmarks of which one is enough
 _REST_M = 0.28  # from the chest to where a palm rests
-CLOTHS = (
-    "red",
-    "orange",
-    "yellow",
-    "green",
-    "teal",
-    "blue",
-    "navy",
-    "purple",
-    "brown",
-    "beige",
-    "white",
-    "grey",
-)
+CLOTHS = tuple(word for word in COLOURS if word != "black")
 OAK = ((0.40, 0.235, 0.115), (0.21, 0.105, 0.045))
 WALNUT = ((0.20, 0.105, 0.055), (0.09, 0.045, 0.025))
 PINE = ((0.56, 0.38, 0.19), (0.40, 0.25, 0.11))

@@ -15,7 +15,7 @@ from .folk import Figure
 from .rehearsal import Misfit, ahead
 from .roles import Item, Role
 
-STEP_M = gym_equipment.STEP_TOP_M  # they lie on steps: nobody curls from the floor
+STEP_M = gym_equipment.STEP_TOP_M  # they lie on steps: no one curls from the floor
 _OVERHAND_DEG = float(np.degrees(OVERHAND))
 
 
@@ -29,7 +29,7 @@ def train(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
         if area.is_free(stand, 0.28):
             break
     else:
-        raise Misfit("nobody can stand there")
+        raise Misfit("no room to stand")
     if rng.random() < 0.5:
         role = Role(figure, stand, facing)
         role.wait(delay)

@@ -47,15 +47,7 @@ def country_road(stage: Stage) -> None:
     _beyond(stage, now, terrain)
     _marks(stage, now, terrain)
     outdoors.woods(stage, now.season, terrain, count=13, distance_m=(36.0, 56.0))
-    outdoors.cameras(
-        stage,
-        (0.0, -1.3, 0.8),
-        radius_m=12.0,
-        fov_deg=62.0,
-        heights_m=(2.4, 4.0),
-        arc_deg=(96.0, 116.0),
-        lean_deg=5.0,
-    )
+    outdoors.road_cameras(stage)
     stage.tell(f"A country road on {now.words}.")
 
 

@@ -35,15 +35,7 @@ def suburban_street(stage: Stage) -> None:
     _houses(stage, now)
     _furniture(stage)
     outdoors.woods(stage, now.season, terrain, count=11, distance_m=(34.0, 50.0))
-    outdoors.cameras(
-        stage,
-        (0.0, -1.3, 0.8),
-        radius_m=12.0,
-        fov_deg=62.0,
-        heights_m=(2.4, 4.0),
-        arc_deg=(96.0, 116.0),
-        lean_deg=5.0,
-    )
+    outdoors.road_cameras(stage)
     stage.tell(f"A street of houses on {now.words}.")
 
 

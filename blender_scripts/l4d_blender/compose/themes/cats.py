@@ -28,6 +28,16 @@ RISE, LOWER, POISE = 14, 14, 9  # frames
 LEAD_M = 0.16  # how far the act of walking goes straight ahead by itself
 TAP_FRAMES = 11
 
+_TOLD = {
+    "bat": "bat a toy",
+    "walk": "walk",
+    "sleep": "sleep",
+    "sit": "sit",
+    "crouch": "crouch",
+    "watch": "watch",
+}
+"""What the story says of acts."""
+
 
 @theme(
     "room",
@@ -295,7 +305,7 @@ def _act(stage: Stage, area: Area, cast: list[Look], plan: Plan) -> None:
     for ball in balls:
         if ball is not None:
             stage.perform(ball)
-    stage.tell(_story(plan))
+    stage.tell(plan.story("cats", _TOLD))
 
 
 def _perform(cat: Cat, part: Part, balls: dict[int, Ball | None]) -> None:
@@ -325,20 +335,3 @@ def _perform(cat: Cat, part: Part, balls: dict[int, Ball | None]) -> None:
             cat.sleep(frames)
         elif long:  # sit, stand, crouch
             event(cat.instance, what, frames)
-
-
-def _story(plan: Plan) -> str:
-    counts: dict[str, int] = {}
-    for part in plan.parts:
-        for what in dict.fromkeys(act[0] for act in part.acts):
-            counts[what] = counts.get(what, 0) + 1
-    words = {
-        "bat": "bat a toy",
-        "walk": "walk",
-        "sleep": "sleep",
-        "sit": "sit",
-        "crouch": "crouch",
-        "watch": "watch",
-    }
-    parts = [f"{counts[what]} {verb}" for what, verb in words.items() if what in counts]
-    return f"Of {len(plan.parts)} cats {', '.join(parts)}."

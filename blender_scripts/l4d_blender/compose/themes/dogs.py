@@ -28,6 +28,16 @@ LEAD_M = 0.26  # how far a run goes straight ahead by itself
 RISE, LOWER, LIE = 14, 14, 18  # frames
 NUDGE_BEFORE, NUDGE_AFTER = 10, 12  # frames round the strike
 
+_TOLD = {
+    "run": "run",
+    "nudge": "nudge a ball",
+    "walk": "walk",
+    "lie": "lie",
+    "sit": "sit",
+    "watch": "watch",
+}
+"""What the story says of acts."""
+
 
 @theme(
     "outdoor",
@@ -270,7 +280,7 @@ def _act(stage: Stage, area: Area, cast: list[Look], plan: Plan) -> None:
         _perform(dog, part, balls)
     for ball in balls.values():
         stage.perform(ball)
-    stage.tell(_story(plan))
+    stage.tell(plan.story("dogs", _TOLD))
 
 
 def _perform(dog: Dog, part: Part, balls: dict[int, Ball]) -> None:
@@ -304,20 +314,3 @@ def _perform(dog: Dog, part: Part, balls: dict[int, Ball]) -> None:
 def _look_after(dog: Dog, ball: Ball, first: int) -> None:
     if first < LAST_FRAME - 12:
         dog.watch([Vector(centre) for centre in ball.centres], (first, LAST_FRAME), ease_frames=10)
-
-
-def _story(plan: Plan) -> str:
-    counts: dict[str, int] = {}
-    for part in plan.parts:
-        for what in dict.fromkeys(act[0] for act in part.acts):
-            counts[what] = counts.get(what, 0) + 1
-    words = {
-        "run": "run",
-        "nudge": "nudge a ball",
-        "walk": "walk",
-        "lie": "lie",
-        "sit": "sit",
-        "watch": "watch",
-    }
-    parts = [f"{counts[what]} {verb}" for what, verb in words.items() if what in counts]
-    return f"Of {len(plan.parts)} dogs {', '.join(parts)}."

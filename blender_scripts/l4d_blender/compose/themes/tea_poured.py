@@ -132,7 +132,7 @@ def _plan(stage: Stage, rng: random.Random, area: Area) -> Table:
 
 
 def _rest(rng: random.Random, area: Area, pot: Pot) -> None:
-    """Where a pot stands that nobody takes."""
+    """Where a pot is that no one takes."""
     for _ in range(60):
         pot.at, pot.heading_deg = area.spot(rng, POT_M), rng.uniform(-180.0, 180.0)
         if _is_room(area, pot.at, pot.ahead, 0.12, 0.12):
