@@ -15,10 +15,10 @@ from agreement import disagreements
 
 from l4d_blender import tracks
 from l4d_blender.compose import build, checks
+from l4d_blender.compose.animals.ways import Body, ahead, find_way, fits
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Stage
-from l4d_blender.compose.ways import Body, ahead, find_way, fits
 from l4d_blender.scene import Scene
 
 THEMES = {

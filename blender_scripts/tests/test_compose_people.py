@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 
 from l4d_blender import tracks
-from l4d_blender.compose import build, checks, crowd, folk
+from l4d_blender.compose import build, checks
 from l4d_blender.compose.areas import Area
-from l4d_blender.compose.errands import hand_over, pull_suitcase
-from l4d_blender.compose.rehearsal import Disc, Misfit, _behind, ahead
-from l4d_blender.compose.roles import Item, Role
+from l4d_blender.compose.people import crowd, folk
+from l4d_blender.compose.people.errands import hand_over, pull_suitcase
+from l4d_blender.compose.people.rehearsal import Disc, Misfit, _behind, ahead
+from l4d_blender.compose.people.roles import Item, Role
+from l4d_blender.compose.people.wares import WARES
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Chair, Rejected, Stage
 from l4d_blender.compose.themes import themes
-from l4d_blender.compose.wares import WARES
 from l4d_blender.scene import Scene
 
 

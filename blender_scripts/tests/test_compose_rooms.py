@@ -9,7 +9,7 @@ import pytest
 from mathutils import Vector
 
 from l4d_blender.compose.places import shipped_places
-from l4d_blender.compose.rooms import FEET_M, TALL_M, Room
+from l4d_blender.compose.settings.rooms import FEET_M, TALL_M, Room
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Stage
 from l4d_blender.scene import Scene

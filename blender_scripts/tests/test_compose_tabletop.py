@@ -7,7 +7,8 @@ from collections import Counter
 import pytest
 
 from l4d_blender import catalogue
-from l4d_blender.compose import build, graspables
+from l4d_blender.compose import build
+from l4d_blender.compose.hands import graspables
 from l4d_blender.compose.places import places
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Stage

@@ -6,8 +6,9 @@ from collections import Counter
 
 import pytest
 
-from l4d_blender.compose import arms, build, themes
+from l4d_blender.compose import build, themes
 from l4d_blender.compose.areas import Area
+from l4d_blender.compose.hands import arms
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Seat
 from l4d_blender.timeline import MIN_EVENT_FRAMES
@@ -36,9 +37,7 @@ def test_a_theme_casts_twins_and_lets_several_things_happen(theme: str) -> None:
     seen: set[str] = set()
     for seed in (2000, 2001):
         scene, stage = _played(theme, seed)
-        looks = Counter(
-            (p.instance.category, *sorted(p.look.attributes.items())) for p in stage.objects
-        )
+        looks = Counter((p.instance.category, *sorted(p.look.attributes.items())) for p in stage.objects)
         groups = Counter(p.instance.category for p in stage.objects)
         assert set(groups) <= entry.categories
         assert max(groups.values()) >= 3

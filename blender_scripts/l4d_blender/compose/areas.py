@@ -43,7 +43,12 @@ class Area:
 
     @classmethod
     def rectangle(
-        cls, name: str, centre: Point, size_m: tuple[float, float], heading_deg: float = 0.0, on: Support = 0.0
+        cls,
+        name: str,
+        centre: Point,
+        size_m: tuple[float, float],
+        heading_deg: float = 0.0,
+        on: Support = 0.0,
     ) -> Area:
         """A rectangle round a point."""
         c, s = cos(radians(heading_deg)), sin(radians(heading_deg))

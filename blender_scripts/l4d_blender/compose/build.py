@@ -96,4 +96,3 @@ def _demands(spec: Spec, scene: Scene) -> None:
     missing = [*(set(spec.categories) - categories), *(set(spec.verbs) - verbs)]
     if missing:
         raise Rejected(f"lacks {', '.join(sorted(missing))}")
-

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...assets import flower_vase, ground
-from .. import outdoors
-from ..outdoors import Mark
+from ..settings import outdoors
+from ..settings.outdoors import Mark
 from . import place
 
 if TYPE_CHECKING:
-    from ..outdoors import Day
+    from ..settings.outdoors import Day
     from ..stage import Stage
 
 _MARKS = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..tabletops import BIRCH, OAK, WALNUT, Tabletop, wood
+from ..settings.tabletops import BIRCH, OAK, WALNUT, Tabletop, wood
 from . import place
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...assets.materials import tableware
-from ..tabletops import OAK, WALNUT, Tabletop, wood
+from ..settings.tabletops import OAK, WALNUT, Tabletop, wood
 from . import place
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..tabletops import GREY, OAK, PAINTED, PINE, Tabletop, wood
+from ..settings.tabletops import GREY, OAK, PAINTED, PINE, Tabletop, wood
 from . import place
 
 if TYPE_CHECKING:

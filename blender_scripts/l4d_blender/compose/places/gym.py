@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...assets import gym_equipment
-from .. import rooms
+from ..settings import rooms
 from . import place
 
 if TYPE_CHECKING:

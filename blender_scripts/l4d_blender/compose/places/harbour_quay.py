@@ -8,12 +8,12 @@ import bpy
 
 from ...assets import mesh, shopfront
 from ...assets.materials import lakeside, street
-from .. import outdoors
-from ..outdoors import Mark
+from ..settings import outdoors
+from ..settings.outdoors import Mark
 from . import place
 
 if TYPE_CHECKING:
-    from ..outdoors import Day
+    from ..settings.outdoors import Day
     from ..stage import Stage
 
 _TRADES = ("FISH", "ROPES", "CAFE", "INN", "BOATS", "SAILS")

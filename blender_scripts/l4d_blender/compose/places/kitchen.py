@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...assets import kitchen_units
-from .. import rooms
 from ..areas import Area
+from ..settings import rooms
 from . import place
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import rooms
+from ..settings import rooms
 from . import place
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ... import catalogue
 from ...assets import couch
-from .. import rooms
+from ..settings import rooms
 from . import place
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...assets import mesh, shopfront
-from .. import outdoors
-from ..outdoors import Mark
+from ..settings import outdoors
+from ..settings.outdoors import Mark
 from . import place
 
 if TYPE_CHECKING:
-    from ..outdoors import Day
+    from ..settings.outdoors import Day
     from ..stage import Stage
 
 _BENCH = Mark("street_bench", "bench", 0.85, low=False, away_m=-0.05)

@@ -7,12 +7,12 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from ...assets import ground
-from .. import outdoors
-from ..outdoors import Mark
+from ..settings import outdoors
+from ..settings.outdoors import Mark
 from . import place
 
 if TYPE_CHECKING:
-    from ..outdoors import Day
+    from ..settings.outdoors import Day
     from ..stage import Stage
 
 WATER_M = -0.22

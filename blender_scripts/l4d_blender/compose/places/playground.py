@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from ...assets import ground, mesh
 from ...assets.materials import playground as materials
-from .. import outdoors
-from ..outdoors import Mark
+from ..settings import outdoors
+from ..settings.outdoors import Mark
 from . import place
 
 if TYPE_CHECKING:
-    from ..outdoors import Day
+    from ..settings.outdoors import Day
     from ..stage import Stage
 
 _COLOURS = ("red", "orange", "yellow", "green", "blue", "light_blue", "purple")

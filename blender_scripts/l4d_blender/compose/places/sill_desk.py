@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...assets import desk
-from ..tabletops import BIRCH, OAK, PINE, Tabletop, wood
+from ..settings.tabletops import BIRCH, OAK, PINE, Tabletop, wood
 from . import place
 
 if TYPE_CHECKING:

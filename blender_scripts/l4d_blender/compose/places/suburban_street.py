@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from ...assets import ground, mesh
 from ...assets.materials import street
-from .. import outdoors
 from ..areas import Area
+from ..settings import outdoors
 from . import place
 
 if TYPE_CHECKING:
-    from ..outdoors import Day
+    from ..settings.outdoors import Day
     from ..stage import Stage
 
 KERB_M = 0.11

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import ball_play, crowd, errands, folk
 from ..areas import Area
-from ..wares import balls
+from ..people import ball_play, crowd, errands, folk
+from ..people.wares import balls
 from . import theme
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
 _NOUNS = ("child", "person", "woman", "man")
-_VERBS = tuple("kick throw roll cheer wave walk stand lift hold carry crouch".split())
+_VERBS = tuple(["kick", "throw", "roll", "cheer", "wave", "walk", "stand", "lift", "hold", "carry", "crouch"])
 
 
 @theme("room", needs=("floor",), categories=(*_NOUNS, "ball"), verbs=_VERBS)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from .. import looks
 from ..areas import Area, NoRoom, retried
-from ..arms import reaches, willing
-from ..closeup import move_in, piece
-from ..handling import Deed, Item, rest_of
+from ..hands.arms import reaches, willing
+from ..hands.closeup import move_in, piece
+from ..hands.handling import Deed, Item, rest_of
 from . import theme
 
 if TYPE_CHECKING:
@@ -58,9 +58,7 @@ def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, list[Ite
     if key == "figure":
         options["size"] = ["large"]
     group = looks.crossed(rng, "toy_block", rng.choice((4, 5, 5)), options)
-    items = [
-        Item(f"block_{k + 1}", look, 0.72 * SIZE_M[look.words["size"]]) for k, look in enumerate(group)
-    ]
+    items = [Item(f"block_{k + 1}", look, 0.72 * SIZE_M[look.words["size"]]) for k, look in enumerate(group)]
     order, arms = rng.sample(items, len(items)), reaches(stage, rng, table)
     deeds = []
     for k, verb in enumerate(rng.choice(STORIES)):

@@ -4,38 +4,43 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import crowd, errands, folk
 from ..areas import Area
-from ..wares import WARES
+from ..people import crowd, errands, folk
+from ..people.wares import WARES
 from . import theme
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
 _VERBS = tuple(
-    "walk lift carry hold put_down hand_over take swing wave phone stand stretch crouch bend_down".split()
+    [
+        "walk",
+        "lift",
+        "carry",
+        "hold",
+        "put_down",
+        "hand_over",
+        "take",
+        "swing",
+        "wave",
+        "phone",
+        "stand",
+        "stretch",
+        "crouch",
+        "bend_down",
+    ]
 )
 _INDOORS = ("person", "woman", "man"), ("bag", "basket", "bucket")
 _OUTDOORS = ("person", "woman", "man", "pedestrian", "child"), ("bucket", "basket", "bag")
 
 
-@theme(
-    "room",
-    needs=("floor",),
-    categories=(*_INDOORS[0], *_INDOORS[1]),
-    verbs=_VERBS,
-)
+@theme("room", needs=("floor",), categories=(*_INDOORS[0], *_INDOORS[1]), verbs=_VERBS)
 def carriers_indoors(stage: Stage) -> None:
     """People carry bags, baskets or buckets about in a room."""
     _play(stage, stage.area("floor"), *_INDOORS)
 
 
-@theme(
-    "outdoor",
-    needs=("lawn",),
-    categories=(*_OUTDOORS[0], *_OUTDOORS[1]),
-    verbs=_VERBS,
-)
+@theme("outdoor", needs=("lawn",), categories=(*_OUTDOORS[0], *_OUTDOORS[1]), verbs=_VERBS)
 def carriers_outdoors(stage: Stage) -> None:
     """People carry buckets, baskets or bags about in a yard or on a lawn."""
     _play(stage, stage.area("lawn"), *_OUTDOORS)

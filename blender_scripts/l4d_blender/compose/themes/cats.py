@@ -11,12 +11,13 @@ from ... import catalogue
 from ...motion.ball_games import Ball
 from ...motion.cats import Cat, Tap
 from ...timeline import FPS, LAST_FRAME
-from .. import looks, playthings, ways
+from .. import looks
+from ..animals import playthings, ways
+from ..animals.members import Part, Plan, Planner, Toy, planned
+from ..animals.ways import Way, ahead
 from ..areas import Area, Flat
 from ..looks import Look
-from ..members import Part, Plan, Planner, Toy, planned
 from ..planning import Unfit
-from ..ways import Way, ahead
 from . import theme
 
 if TYPE_CHECKING:

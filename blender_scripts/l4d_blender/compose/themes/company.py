@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import crowd, errands, folk, seated
 from ..areas import Area, heading_to
-from ..rehearsal import Misfit
-from ..roles import Role
+from ..people import crowd, errands, folk, seated
+from ..people.rehearsal import Misfit
+from ..people.roles import Role
 from . import theme
 
 if TYPE_CHECKING:
@@ -15,7 +15,21 @@ if TYPE_CHECKING:
 
 _INDOORS = ("person", "woman", "man")
 _OUTDOORS = ("person", "woman", "man", "pedestrian")
-_VERBS = tuple("sit hold turn_page phone wave walk stand point_at crouch stretch bend_down".split())
+_VERBS = tuple(
+    [
+        "sit",
+        "hold",
+        "turn_page",
+        "phone",
+        "wave",
+        "walk",
+        "stand",
+        "point_at",
+        "crouch",
+        "stretch",
+        "bend_down",
+    ]
+)
 
 
 @theme("room", needs=("floor", "chairs"), categories=_INDOORS, verbs=_VERBS)

@@ -7,16 +7,16 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from ...timeline import LAST_FRAME
-from .. import cookery, folk
-from ..actors import Actor, hire
 from ..areas import Area, Flat
+from ..people import cookery, folk
+from ..people.actors import Actor, hire
 from ..stage import Rejected
 from . import theme
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
-_VERBS = tuple("stir taste pour_into hold put_down circle stand phone".split())
+_VERBS = tuple(["stir", "taste", "pour_into", "hold", "put_down", "circle", "stand", "phone"])
 _BACK_M, _APART_M = 0.21, 0.74
 
 
@@ -29,9 +29,7 @@ def cooking(stage: Stage) -> None:
         raise Rejected("cooks stand only behind counters that face the cameras")
     top_m, y = counter.point(0.0, 0.0)[2], ay + _BACK_M
     xs, deeds, spots = _row(rng, counter, bx, ax, y)
-    stage.film(
-        stage.closer([(xs[0], y), (xs[2], y), *spots], height_m=1.12, margin_m=0.3, least_rise=0.25)
-    )
+    stage.film(stage.closer([(xs[0], y), (xs[2], y), *spots], height_m=1.12, margin_m=0.3, least_rise=0.25))
     figures = folk.cast(rng, "cook", 3)
     soup = rng.randrange(len(cookery.SOUPS))
     pots = []

@@ -12,9 +12,9 @@ from ...assets import apple, soup_bowl
 from ...motion.rolling import Round, rock
 from .. import looks
 from ..areas import Area, retried
-from ..arms import reaches, willing
-from ..closeup import move_in, piece
-from ..handling import Deed, Item, rest_of
+from ..hands.arms import reaches, willing
+from ..hands.closeup import move_in, piece
+from ..hands.handling import Deed, Item, rest_of
 from ..looks import Look
 from . import theme
 
@@ -57,9 +57,7 @@ def dinner_laid(stage: Stage) -> None:
     stage.tell(f"{apples} apples and {len(items) - apples} bowls of soup; hands move some of them.")
 
 
-def _plan(
-    stage: Stage, rng: random.Random, table: Area
-) -> tuple[Area, list[Item], list[Deed], list[Item]]:
+def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, list[Item], list[Deed], list[Item]]:
     """What hands move first, then the rest; the last are the apples that no hand moves."""
     options = {"colour": ["red", "green", "yellow"], "state": ["whole", "bitten"], "size": ["large"]}
     apples = [

@@ -12,12 +12,13 @@ from ... import catalogue
 from ...motion.ball_games import Ball
 from ...motion.dogs import Dog, nudge_reach
 from ...timeline import FPS, LAST_FRAME
-from .. import looks, playthings, ways
+from .. import looks
+from ..animals import playthings, ways
+from ..animals.members import Part, Plan, Planner, Toy, planned
+from ..animals.ways import Way, ahead
 from ..areas import Area, Flat
 from ..looks import Look
-from ..members import Part, Plan, Planner, Toy, planned
 from ..planning import Unfit
-from ..ways import Way, ahead
 from . import theme
 
 if TYPE_CHECKING:
@@ -28,14 +29,7 @@ LEAD_M = 0.26  # how far a run goes straight ahead by itself
 RISE, LOWER, LIE = 14, 14, 18  # frames
 NUDGE_BEFORE, NUDGE_AFTER = 10, 12  # frames round the strike
 
-_TOLD = {
-    "run": "run",
-    "nudge": "nudge a ball",
-    "walk": "walk",
-    "lie": "lie",
-    "sit": "sit",
-    "watch": "watch",
-}
+_TOLD = {"run": "run", "nudge": "nudge a ball", "walk": "walk", "lie": "lie", "sit": "sit", "watch": "watch"}
 """What the story says of acts."""
 
 

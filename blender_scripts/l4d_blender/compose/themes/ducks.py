@@ -12,13 +12,14 @@ from ...assets import waterbird as shape
 from ...assets.bird_feeder import DISH_RADIUS_M, SEED_Z_M, WATER_Z_M
 from ...motion.waterbirds import DRAFT_M, WaterBird
 from ...timeline import FPS, LAST_FRAME
-from .. import looks, ways
+from .. import looks
+from ..animals import ways
+from ..animals.members import Part, Plan, Planner, planned
+from ..animals.ways import ahead
 from ..areas import Area, Flat, heading_to
 from ..looks import Look
-from ..members import Part, Plan, Planner, planned
 from ..planning import Unfit
 from ..stage import Rejected
-from ..ways import ahead
 from . import theme
 
 if TYPE_CHECKING:

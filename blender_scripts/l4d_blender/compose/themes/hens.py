@@ -9,9 +9,10 @@ from mathutils import Vector
 from ... import keys
 from ...motion.hens import Hen
 from ...timeline import FPS, LAST_FRAME
-from .. import looks, ways
+from .. import looks
+from ..animals import ways
+from ..animals.members import Part, Plan, Planner, planned
 from ..areas import Flat
-from ..members import Part, Plan, Planner, planned
 from . import theme
 
 if TYPE_CHECKING:

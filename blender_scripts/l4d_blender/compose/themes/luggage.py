@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import crowd, errands, folk
 from ..areas import Area
-from ..wares import WARES
+from ..people import crowd, errands, folk
+from ..people.wares import WARES
 from . import theme
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
 _NOUNS = ("person", "woman", "man")
-_VERBS = tuple("walk pull hold roll wave phone stand stretch".split())
+_VERBS = tuple(["walk", "pull", "hold", "roll", "wave", "phone", "stand", "stretch"])
 
 
 @theme("room", needs=("floor",), categories=(*_NOUNS, "suitcase"), verbs=_VERBS)

@@ -12,9 +12,9 @@ from mathutils import Vector
 from ...motion.rolling import Round, roll
 from .. import looks
 from ..areas import Area, Flat, NoRoom, retried
-from ..arms import reaches, willing
-from ..closeup import move_in, piece
-from ..handling import Deed, Item, rest_of
+from ..hands.arms import reaches, willing
+from ..hands.closeup import move_in, piece
+from ..hands.handling import Deed, Item, rest_of
 from ..looks import Look
 from . import theme
 
@@ -77,9 +77,7 @@ def _cast(rng: random.Random) -> tuple[list[Item], list[Item]]:
     return balls, cars
 
 
-def _plan(
-    stage: Stage, rng: random.Random, table: Area
-) -> tuple[Area, list[Item], list[Deed], list[Alone]]:
+def _plan(stage: Stage, rng: random.Random, table: Area) -> tuple[Area, list[Item], list[Deed], list[Alone]]:
     """What hands send first, then what rolls by itself, then the rest."""
     balls, cars = _cast(rng)
     queues = {"ball": rng.sample(balls, len(balls)), "car": rng.sample(cars, len(cars))}

@@ -13,8 +13,8 @@ from ...assets import spinning_top
 from ...motion.spinning_tops import TopHand, lie, run_down, spin_on
 from .. import looks
 from ..areas import Area, Flat, retried
-from ..arms import Reach, reaches, willing
-from ..closeup import move_in, piece
+from ..hands.arms import Reach, reaches, willing
+from ..hands.closeup import move_in, piece
 from ..looks import Look
 from . import theme
 

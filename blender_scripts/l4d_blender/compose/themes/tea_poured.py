@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 from mathutils import Vector
 
 from ... import catalogue
-from ...assets import cup, spoon, tea, teapot
+from ...assets import cup, spoon, tea
 from ...motion.pouring import Drink, Pourer, spout_over
 from ...motion.servers import Server, Stirring
 from .. import looks
 from ..areas import Area, Flat, NoRoom, retried
-from ..arms import Reach, reaches
+from ..hands.arms import Reach, reaches
 from ..looks import Look
 from . import theme
 

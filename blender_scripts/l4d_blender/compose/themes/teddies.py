@@ -4,15 +4,30 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import crowd, errands, folk
 from ..areas import Area
-from ..wares import WARES
+from ..people import crowd, errands, folk
+from ..people.wares import WARES
 from . import theme
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
-_VERBS = tuple("walk lift hold hug rock carry put_down wave stand crouch stretch cheer".split())
+_VERBS = tuple(
+    [
+        "walk",
+        "lift",
+        "hold",
+        "hug",
+        "rock",
+        "carry",
+        "put_down",
+        "wave",
+        "stand",
+        "crouch",
+        "stretch",
+        "cheer",
+    ]
+)
 
 
 @theme("room", needs=("floor",), categories=("child", "teddy"), verbs=_VERBS)

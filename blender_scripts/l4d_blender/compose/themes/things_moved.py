@@ -6,9 +6,9 @@ import random
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from .. import handwork
 from ..areas import retried
-from ..graspables import GRASPABLES, Graspable
+from ..hands import handwork
+from ..hands.graspables import GRASPABLES, Graspable
 from ..stage import Rejected
 from . import theme
 

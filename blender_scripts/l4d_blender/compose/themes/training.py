@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .. import crowd, folk, weights
-from ..wares import WARES
+from ..people import crowd, folk, weights
+from ..people.wares import WARES
 from . import theme
 
 if TYPE_CHECKING:
     from ..stage import Stage
 
 _NOUNS = ("athlete", "man", "woman")
-_VERBS = tuple("lift hold curl rise put_down stretch walk crouch bend_down stand".split())
+_VERBS = tuple(
+    ["lift", "hold", "curl", "rise", "put_down", "stretch", "walk", "crouch", "bend_down", "stand"]
+)
 
 
 @theme("room", needs=("floor",), categories=(*_NOUNS, "dumbbell"), verbs=_VERBS)

@@ -13,7 +13,7 @@ from ...motion.rolling import Roller, Round
 from ...motion.windup_robots import STEP_FRAMES, WindUpRobot
 from .. import looks
 from ..areas import Area, Flat, NoRoom, retried
-from ..arms import Reach, reaches
+from ..hands.arms import Reach, reaches
 from ..looks import Look
 from . import theme
 
@@ -51,10 +51,7 @@ class Help:
 
 
 @theme(
-    "tabletop",
-    needs=("table",),
-    categories=("robot",),
-    verbs=("walk", "turn", "hold", "lift", "put_down"),
+    "tabletop", needs=("table",), categories=("robot",), verbs=("walk", "turn", "hold", "lift", "put_down")
 )
 def windup_toys(stage: Stage) -> None:
     """Robots act by turns: what one does first, another does later."""
@@ -166,9 +163,7 @@ def _is_early(part: Part) -> bool:
     return bool(part.acts) and part.acts[0][1][0] < 40
 
 
-def _start(
-    rng: random.Random, table: Area, robot: Robot, facing: float
-) -> tuple[Flat, float, Flat]:
+def _start(rng: random.Random, table: Area, robot: Robot, facing: float) -> tuple[Flat, float, Flat]:
     """A spot, a heading and where the way ends; a hand reaches the end, or the spot if it lets go there."""
     radius, way, arm = robot.radius_m, robot.part.walked_m, robot.arm
     for _ in range(200):

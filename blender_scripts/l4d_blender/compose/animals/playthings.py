@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import random
 
-from .. import catalogue
-from ..motion.ball_games import Ball
-from . import looks
-from .areas import Area
+from ... import catalogue
+from ...motion.ball_games import Ball
+from .. import looks
+from ..areas import Area
+from ..stage import Stage
 from .members import Toy
-from .stage import Stage
 
 _WOOL = ("red", "blue", "green", "yellow", "purple", "orange", "white", "grey")
 _PAINT = ("red", "blue", "yellow", "purple", "orange", "green")

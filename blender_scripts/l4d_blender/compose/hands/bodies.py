@@ -9,12 +9,12 @@ from math import radians
 
 from mathutils import Matrix, Vector
 
-from ..assets import mesh
-from ..assets.hand import HandLook
-from ..assets.materials import skin
-from ..assets.person import CLOTH_COLOURS, SKIN_TONES
-from ..assets.sitter import SHOULDER
-from .stage import Seat, Stage
+from ...assets import mesh
+from ...assets.hand import HandLook
+from ...assets.materials import skin
+from ...assets.person import CLOTH_COLOURS, SKIN_TONES
+from ...assets.sitter import SHOULDER
+from ..stage import Seat, Stage
 
 JEANS = ((0.04, 0.07, 0.14), (0.10, 0.09, 0.075), (0.03, 0.03, 0.035), (0.16, 0.13, 0.09), (0.10, 0.12, 0.16))
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from math import atan2, cos, degrees, hypot, radians, sin, sqrt
 from typing import TypeVar
 
-from ..assets.hand import FOREARM_M, UPPER_ARM_M, HandLook
-from ..assets.person import CLOTH_COLOURS, SKIN_TONES, Cloth
-from ..motion.hands import Hand, wrist_bend
+from ...assets.hand import FOREARM_M, UPPER_ARM_M, HandLook
+from ...assets.person import CLOTH_COLOURS, SKIN_TONES, Cloth
+from ...motion.hands import Hand, wrist_bend
+from ..areas import Area, Flat, NoRoom
+from ..stage import Rejected, Seat, Stage
 from . import bodies
-from .areas import Area, Flat, NoRoom
-from .stage import Rejected, Seat, Stage
 
 AnyHand = TypeVar("AnyHand", bound=Hand)
 
@@ -45,7 +45,9 @@ class Reach:
     @property
     def name(self) -> str:
         """What its instance is called."""
-        return f"{'left' if self.side == 'l' else 'right'}_hand" + (f"_{self.owner + 1}" if self.owner else "")
+        return f"{'left' if self.side == 'l' else 'right'}_hand" + (
+            f"_{self.owner + 1}" if self.owner else ""
+        )
 
     @property
     def forward(self) -> Flat:
@@ -86,17 +88,13 @@ class Reach:
         flat = max(hypot(dx, dy) - _WRIST_M, 0.0)
         rise = self.seat.shoulder_m - table.point(*at)[2] - 0.10
         far = (UPPER_ARM_M + FOREARM_M) * self.look.scale * 0.93 + _LEAN_M
-        return -_ACROSS_DEG <= angle <= _OUTWARDS_DEG and 0.20 < flat and hypot(flat, rise) < far
+        return -_ACROSS_DEG <= angle <= _OUTWARDS_DEG and flat > 0.20 and hypot(flat, rise) < far
 
     def ways(self, *targets: Flat) -> list[tuple[Flat, Flat]]:
         """Where the arm is on its way from rest to spots, one after another."""
         stops = [self.rest, *targets]
         elbows = [self._elbow(stop) for stop in stops]
-        return [
-            *((self.shoulder, elbow) for elbow in elbows),
-            *zip(elbows, stops),
-            *zip(stops, stops[1:]),
-        ]
+        return [*((self.shoulder, elbow) for elbow in elbows), *zip(elbows, stops), *zip(stops, stops[1:])]
 
     def _elbow(self, at: Flat) -> Flat:
         """Where the elbow is in plan while fingers are at a spot: farther out the nearer the spot."""

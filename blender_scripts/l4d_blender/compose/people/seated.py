@@ -7,15 +7,15 @@ import random
 import numpy as np
 from mathutils import Euler, Matrix
 
-from ..motion.reading import Spread
-from ..timeline import LAST_FRAME
+from ...motion.reading import Spread
+from ...timeline import LAST_FRAME
+from ..areas import Area
+from ..looks import Look
+from ..stage import Chair, Stage
 from .actors import Actor
-from .areas import Area
 from .folk import Figure
-from .looks import Look
 from .rehearsal import Misfit, ahead
 from .roles import Role
-from .stage import Chair, Stage
 
 _FEET_M = 0.41  # before the point on the seat
 _PLAIN = Look("magazine", {}, {})

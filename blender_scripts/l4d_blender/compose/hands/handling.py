@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 
 from mathutils import Vector
 
-from ..motion.coasting import CoastingHand
-from ..motion.rolling import Round
-from ..scene import Instance
-from .areas import Area, Flat, NoRoom, heading_to
+from ...motion.coasting import CoastingHand
+from ...motion.rolling import Round
+from ...scene import Instance
+from ..areas import Area, Flat, NoRoom, heading_to
+from ..looks import Look
+from ..stage import Stage
 from .arms import Reach
-from .looks import Look
-from .stage import Stage
 
 Frames = tuple[int, int]
 
@@ -161,9 +161,7 @@ class Deed:
             hand.push_on(self.way_m, (first, rest), let_go=let_go, thing_verb=self.thing_verb)
         return let_go + 9
 
-    def _lift(
-        self, stage: Stage, hand: CoastingHand, thing: Instance, rng: random.Random, first: int
-    ) -> int:
+    def _lift(self, stage: Stage, hand: CoastingHand, thing: Instance, rng: random.Random, first: int) -> int:
         """Up, and down again where it was or on top of another; returns the frame at which it stands."""
         here = thing.matrix(first).translation
         top, down = first + rng.randint(14, 17), first + rng.randint(31, 36)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 
+from ..areas import Area
+from ..looks import Look
+from ..stage import Stage
 from . import errands
-from .areas import Area
 from .folk import Figure
-from .looks import Look
 from .rehearsal import Board, Misfit, rehearse, roomy_m2
 from .roles import Item, Role, perform
-from .stage import Stage
 from .wares import Ware
 
 Errand = Callable[..., Role | Sequence[Role]]

@@ -12,15 +12,15 @@ from math import ceil, radians
 
 import numpy as np
 
-from .. import keys
-from ..placing import Thing
-from ..timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from ... import keys
+from ...placing import Thing
+from ...timeline import FRAME_COUNT, LAST_FRAME, MIN_EVENT_FRAMES
+from ..areas import Area, Flat, heading_to
+from ..looks import Look
+from ..stage import Prop, Stage
 from .actors import Actor, hire, middle_of
-from .areas import Area, Flat, heading_to
 from .folk import Figure
-from .looks import Look
 from .rehearsal import Disc, Misfit, ahead, ahead_of
-from .stage import Prop, Stage
 from .wares import Ware
 
 ROOM_M = 0.29  # radius of somebody who stands or walks
@@ -278,12 +278,7 @@ class Role:
         item.holder = self
         self._steps.append(
             lambda a: a.hold(
-                item.prop.instance,
-                grip,
-                side=side,
-                bar=ware.bar,
-                carry=ware.carry,
-                clear_m=ware.clear_m,
+                item.prop.instance, grip, side=side, bar=ware.bar, carry=ware.carry, clear_m=ware.clear_m
             )
         )
         self.hands_follow(0)
@@ -312,9 +307,7 @@ class Role:
         """Sets what it holds down beside its feet (before them, if both hands hold it)."""
         first, at = self.now, self.put_spot(item)
         release = first + round(0.55 * frames)
-        span = self.act(
-            frames, lambda a, f: a.put_down(item.prop.instance, (*at, self.ground_m), f), 0.40
-        )
+        span = self.act(frames, lambda a, f: a.put_down(item.prop.instance, (*at, self.ground_m), f), 0.40)
         self.disc_of(item, release, at)
         self.let_go(item)
         return span

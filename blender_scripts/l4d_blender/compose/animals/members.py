@@ -11,15 +11,15 @@ from dataclasses import dataclass, field, replace
 from math import hypot
 from typing import TYPE_CHECKING, TypeVar
 
+from ..areas import Area, Flat
+from ..looks import Look
+from ..planning import Unfit, fitting, middles_near
+from ..sight import Bulk, hidden
 from . import ways
-from .areas import Area, Flat
-from .looks import Look
-from .planning import Unfit, fitting, middles_near
-from .sight import Bulk, hidden
 from .ways import Body, Way
 
 if TYPE_CHECKING:
-    from .stage import Stage
+    from ..stage import Stage
 
 Frames = tuple[int, int]
 TRAVELS = ("walk", "run", "swim")

@@ -10,25 +10,25 @@ from math import pi
 
 import numpy as np
 
-from ..assets import chef_hat
-from ..assets.anatomy import SIDES, vec
-from ..motion.cooks import Cook
-from ..motion.deskwork import OfficeWorker
-from ..motion.ik import ease, turn_z
-from ..motion.lifters import Lifter
-from ..motion.nursery import Toddler
-from ..motion.plan_person import ROWS, SIGN, Frames
-from ..motion.playing import Player
-from ..motion.reading import Reader
-from ..motion.throwing import Thrower
-from ..motion.traders import Trader
-from ..motion.travellers import Traveller
-from ..placing import Point
-from ..scene import Instance
-from ..timeline import FPS, LAST_FRAME
+from ...assets import chef_hat
+from ...assets.anatomy import SIDES, vec
+from ...motion.cooks import Cook
+from ...motion.deskwork import OfficeWorker
+from ...motion.ik import ease, turn_z
+from ...motion.lifters import Lifter
+from ...motion.nursery import Toddler
+from ...motion.plan_person import ROWS, SIGN, Frames
+from ...motion.playing import Player
+from ...motion.reading import Reader
+from ...motion.throwing import Thrower
+from ...motion.traders import Trader
+from ...motion.travellers import Traveller
+from ...placing import Point
+from ...scene import Instance
+from ...timeline import FPS, LAST_FRAME
+from ..looks import Look
+from ..stage import Prop, Stage
 from .folk import Figure
-from .looks import Look
-from .stage import Prop, Stage
 
 
 class Actor(Cook, Lifter, Reader, OfficeWorker, Traveller, Thrower, Player, Trader, Toddler):

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, hypot, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
-from .. import catalogue
-from ..assets import floor_lamp
-from .areas import Area, Flat, heading_to
-from .stage import Chair, Prop, Rejected
+from ... import catalogue
+from ...assets import floor_lamp
+from ..areas import Area, Flat, heading_to
+from ..stage import Chair, Prop, Rejected
 
 if TYPE_CHECKING:
-    from .stage import Stage
+    from ..stage import Stage
 
 Colour = tuple[float, float, float]
 

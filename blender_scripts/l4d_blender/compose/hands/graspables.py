@@ -10,11 +10,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from .. import catalogue
-from ..assets import spoon
-from ..catalogue import COLOURS
-from . import looks
-from .looks import Look
+from ... import catalogue
+from ...assets import spoon
+from ...catalogue import COLOURS
+from .. import looks
+from ..looks import Look
 
 NEAR: tuple[frozenset[str], ...] = tuple(
     frozenset(pair.split())

@@ -16,19 +16,19 @@ from typing import TYPE_CHECKING
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from .. import keys
-from ..assets import apple
-from ..motion.rolling import Round
-from ..motion.table_hands import TableHand
-from . import sight
-from .areas import Area, Flat, NoRoom
+from ... import keys
+from ...assets import apple
+from ...motion.rolling import Round
+from ...motion.table_hands import TableHand
+from .. import sight
+from ..areas import Area, Flat, NoRoom
+from ..looks import Look
+from ..stage import Prop, Rejected
 from .arms import Reach, reaches
 from .graspables import Graspable
-from .looks import Look
-from .stage import Prop, Rejected
 
 if TYPE_CHECKING:
-    from .stage import Stage
+    from ..stage import Stage
 
 LAST = 96
 LOW_M = 0.035

@@ -14,10 +14,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..scene import Scene
-from ..timeline import FRAME_COUNT, PROFILES
-from .areas import Area, Flat, NoRoom
-from .stage import Rejected, Stage
+from ...scene import Scene
+from ...timeline import FRAME_COUNT, PROFILES
+from ..areas import Area, Flat, NoRoom
+from ..stage import Rejected, Stage
 
 T = TypeVar("T")
 TRIES = 80
@@ -212,10 +212,7 @@ def _behind(
 def ahead(at: Flat, heading_deg: float, forward_m: float, left_m: float = 0.0) -> Flat:
     """A point before (and to the left of) somebody who stands at a point; a heading of 0 faces -Y."""
     a = radians(heading_deg)
-    return (
-        at[0] + forward_m * sin(a) + left_m * cos(a),
-        at[1] - forward_m * cos(a) + left_m * sin(a),
-    )
+    return (at[0] + forward_m * sin(a) + left_m * cos(a), at[1] - forward_m * cos(a) + left_m * sin(a))
 
 
 def ahead_of(at: np.ndarray, heading_deg: np.ndarray, forward_m: float, left_m: float = 0.0) -> np.ndarray:

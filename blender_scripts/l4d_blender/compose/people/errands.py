@@ -13,10 +13,10 @@ from math import hypot
 import numpy as np
 from mathutils import Vector
 
-from ..motion.traders import swing_while_carried
-from ..timeline import FRAME_COUNT, LAST_FRAME
+from ...motion.traders import swing_while_carried
+from ...timeline import FRAME_COUNT, LAST_FRAME
+from ..areas import Area, Flat, heading_to
 from .actors import Actor
-from .areas import Area, Flat, heading_to
 from .folk import Figure
 from .rehearsal import Disc, Misfit, ahead
 from .roles import Item, Role
@@ -110,9 +110,7 @@ def brought_and_taken(
     return first, relay(rng, area, two, item, first)
 
 
-def hand_over(
-    rng: random.Random, area: Area, giver: Figure, taker: Figure, item: Item
-) -> tuple[Role, Role]:
+def hand_over(rng: random.Random, area: Area, giver: Figure, taker: Figure, item: Item) -> tuple[Role, Role]:
     """One holds out what hangs from the hand, the other comes and takes it."""
     at, release = area.spot(rng, 0.3), rng.randint(42, 52)
     first = Role(giver, at, rng.uniform(-180, 180))
@@ -126,18 +124,14 @@ def hand_over(
     ware = item.ware
     first.hold(item, "r", near)
     first.wait(release - 24)
-    first.act(
-        44, lambda a, f: a.offer(item.prop.instance, f, release=f[0] + 24, side="r"), 0.30
-    )
+    first.act(44, lambda a, f: a.offer(item.prop.instance, f, release=f[0] + 24, side="r"), 0.30)
     second.walk([stand], facing_deg=first.facing + 180.0)
     if second.now > release - 16:
         raise Misfit("somebody comes too late")
     second.wait(release - 16 - second.now)
     second.act(
         34,
-        lambda a, f: a.take(
-            item.prop.instance, far, f, release=f[0] + 16, side="r", clear_m=ware.clear_m
-        ),
+        lambda a, f: a.take(item.prop.instance, far, f, release=f[0] + 16, side="r", clear_m=ware.clear_m),
         0.30,
     )
     first.let_go(item)
@@ -164,9 +158,7 @@ def fetch_and_hug(rng: random.Random, area: Area, figure: Figure, item: Item, de
         role.walk([stand], facing_deg=facing)
     role.lift(item, None, rng.randint(26, 32))
     half_m = abs(item.ware.grips(item.look)[0][0])
-    role.act(
-        LAST_FRAME - role.now, lambda a, f: a.hug(item.prop.instance, f, half_m=half_m), 0.36
-    )
+    role.act(LAST_FRAME - role.now, lambda a, f: a.hug(item.prop.instance, f, half_m=half_m), 0.36)
     return role
 
 

@@ -8,8 +8,8 @@ from math import hypot
 
 from mathutils import Matrix, Vector
 
-from .areas import Area, Flat
-from .stage import Stage
+from ..areas import Area, Flat
+from ..stage import Stage
 
 _NEAREST = 0.62  # of the distance that the place chose
 

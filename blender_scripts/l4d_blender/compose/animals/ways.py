@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, remainder, sin
 
-from .areas import Area, Flat, NoRoom, heading_to
+from ..areas import Area, Flat, NoRoom, heading_to
 
 _SAMPLES = 24
 

@@ -12,13 +12,13 @@ from math import atan2, cos, degrees, hypot, radians, sin
 
 import bpy
 
-from .. import catalogue
-from ..assets import autumn, ground, mesh
-from ..placing import HeightField, Support, Thing
-from ..scattering import NEARLY, scatter, skyline
-from .areas import Area, Flat
-from .looks import Look
-from .stage import Chair, Prop, Stage
+from ... import catalogue
+from ...assets import autumn, ground, mesh
+from ...placing import HeightField, Support, Thing
+from ...scattering import NEARLY, scatter, skyline
+from ..areas import Area, Flat
+from ..looks import Look
+from ..stage import Chair, Prop, Stage
 
 Colour = tuple[float, float, float]
 

@@ -6,10 +6,10 @@ import random
 
 import numpy as np
 
-from ..assets import gym_equipment
-from ..motion.lifters import OVERHAND
+from ...assets import gym_equipment
+from ...motion.lifters import OVERHAND
+from ..areas import Area
 from .actors import Actor
-from .areas import Area
 from .errands import arriving
 from .folk import Figure
 from .rehearsal import Misfit, ahead

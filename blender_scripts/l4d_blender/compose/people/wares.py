@@ -9,9 +9,9 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..assets import bags, basket, bucket, dumbbell, suitcase, teddy
-from . import looks
-from .looks import Look
+from ...assets import bags, basket, bucket, dumbbell, suitcase, teddy
+from .. import looks
+from ..looks import Look
 
 Point = tuple[float, float, float]
 

@@ -10,12 +10,12 @@ import random
 import numpy as np
 from mathutils import Quaternion
 
-from ..motion.ball_games import Ball, RollingBall, slowing
-from ..motion.playing import kick_spot
-from ..motion.throwing import toss
-from ..timeline import FRAME_COUNT, LAST_FRAME
+from ...motion.ball_games import Ball, RollingBall, slowing
+from ...motion.playing import kick_spot
+from ...motion.throwing import toss
+from ...timeline import FRAME_COUNT, LAST_FRAME
+from ..areas import Area, Flat
 from .actors import Actor
-from .areas import Area, Flat
 from .errands import arriving
 from .folk import Figure
 from .rehearsal import Misfit, ahead
@@ -79,9 +79,7 @@ def throw(rng: random.Random, area: Area, figure: Figure, item: Item, delay: int
     role.wait(first)
     role.act(
         40,
-        lambda a, f: a.throw(
-            item.prop.instance, f, release=release, towards=(*spots[-1], 0.1), side=side
-        ),
+        lambda a, f: a.throw(item.prop.instance, f, release=release, towards=(*spots[-1], 0.1), side=side),
         0.34,
     )
     role.let_go(item)
@@ -118,9 +116,7 @@ def _aim(
     raise Misfit("there is no room to kick")
 
 
-def _kicker(
-    rng: random.Random, area: Area, figure: Figure, item: Item, heading: float, delay: int
-) -> Role:
+def _kicker(rng: random.Random, area: Area, figure: Figure, item: Item, heading: float, delay: int) -> Role:
     """Somebody who stands behind a ball, or who walks up to it."""
     spot = kick_spot(figure.dress, item.at, heading, item.ware.radius_m)
     if not area.is_free(spot, 0.24):
@@ -139,9 +135,7 @@ def _kick(rng: random.Random, role: Role, item: Item) -> int:
     """Plans a kick from where somebody stands; returns the frame at which foot and ball meet."""
     first, here, heading = role.now, role.here, role.facing
     strike = first + rng.randint(10, 12)
-    role.act(
-        strike + 16 - first, lambda a, f: a.kick(item.prop.instance, f, strike=strike, side="r"), 0.36
-    )
+    role.act(strike + 16 - first, lambda a, f: a.kick(item.prop.instance, f, strike=strike, side="r"), 0.36)
     role.disc.xy[first:] = ahead(here, heading, 0.5 * _STEP_IN_M * role.k)
     role.disc.xy[strike:] = ahead(here, heading, _STEP_IN_M * role.k)
     role.disc.friends.add(item.name)
@@ -173,4 +167,3 @@ def _roll(rng: random.Random, area: Area, item: Item, rolls: list[tuple[int, Fla
         ball.finish()
 
     item.before.append(key)
-

@@ -11,15 +11,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from .. import catalogue
-from ..catalogue import COLOURS
+from ... import catalogue
+from ...catalogue import COLOURS
+from ..areas import Area, Flat, NoRoom, retried
+from ..hands.arms import reaches
+from ..stage import Seat
 from . import rooms
-from .areas import Area, Flat, NoRoom, retried
-from .arms import reaches
-from .stage import Seat
 
 if TYPE_CHECKING:
-    from .stage import Stage
+    from ..stage import Stage
 
 Colour = tuple[float, float, float]
 

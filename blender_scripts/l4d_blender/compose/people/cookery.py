@@ -10,15 +10,15 @@ from math import radians
 
 import numpy as np
 
-from ..assets import kitchen_jug, pot
-from ..motion.cooks import JugPath, SpoonPath, stream_matrices
-from ..motion.handling import Grip, key_path, still
-from ..timeline import FRAME_COUNT, LAST_FRAME
-from . import looks
+from ...assets import kitchen_jug, pot
+from ...motion.cooks import JugPath, SpoonPath, stream_matrices
+from ...motion.handling import Grip, key_path, still
+from ...timeline import FRAME_COUNT, LAST_FRAME
+from .. import looks
+from ..areas import Flat
+from ..looks import Look
+from ..stage import Prop, Stage
 from .actors import Actor
-from .areas import Flat
-from .looks import Look
-from .stage import Prop, Stage
 
 ENAMELS = {"red": (0.50, 0.035, 0.025), "blue": (0.03, 0.10, 0.33), "green": (0.05, 0.22, 0.11)}
 SOUPS = (
@@ -117,4 +117,3 @@ def _landmark(stage: Stage, kind: str, name: str) -> Prop:
     return stage.register(
         kind, name, thing, at=(0.0, 0.0), heading_deg=0.0, area=None, look=Look(kind, {}, {}), landmark=True
     )
-

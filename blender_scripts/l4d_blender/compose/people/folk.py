@@ -10,11 +10,11 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..assets.anatomy import BUILDS as BODIES
-from ..assets.anatomy import CHIN_M
-from ..assets.person import Cloth
-from ..assets.person import Look as Dress
-from . import looks
+from ...assets.anatomy import BUILDS as BODIES
+from ...assets.anatomy import CHIN_M
+from ...assets.person import Cloth
+from ...assets.person import Look as Dress
+from .. import looks
 
 BUILDS: dict[str, tuple[str, ...]] = {
     "person": ("woman", "man"),

@@ -1,0 +1,1 @@
+"""Animals of composed scenes and what they play with, planned on the ground before anything is built."""
