@@ -5,11 +5,12 @@ mod metadata;
 use std::collections::BTreeMap;
 use std::process::Command;
 
+use l4d_data::composition::Composition;
 use l4d_data::digest::sha256_file;
 use l4d_data::layout::SceneDir;
 use l4d_data::query::text_digest;
 use l4d_data::truth::frame_key;
-use l4d_data::{Benchmark, Profile, json, sums};
+use l4d_data::{Benchmark, Name, Profile, Scale, json, sums};
 use serde_json::{Value, json};
 
 use crate::annotation::{bench, opened, panel_votes};
@@ -261,6 +262,18 @@ fn renders_are_complete_or_refused() {
     dir.edit("benchmark/panoptic-l4d.toml", "variant = 3\n", "");
     released(&dir, "--profile tiny");
     assert!(dir.path(format!("{RELEASE}/archives/renders/tiny/room_living_cats.tar")).exists());
+}
+
+#[test]
+fn renders_of_composed_scenes_have_the_seeds_of_their_compositions() {
+    let dir = bench();
+    let name: Name = "tabletop_mouse_cups".parse().unwrap();
+    dir.edit("benchmark/scenes/tabletop_mouse_cups.json", "\"seed\":0", "\"seed\":7");
+    write_renders(&dir);
+    release(&dir, "--profile tiny").says(1, &["L4D604", "wanted is profile tiny, variant 0, seed 0"]);
+    let composition = Composition::of(name, Scale::Tabletop, 7);
+    json::write(&dir.path("benchmark/recipes/tabletop_mouse_cups.json"), &composition).unwrap();
+    released(&dir, "--profile tiny");
 }
 
 #[test]

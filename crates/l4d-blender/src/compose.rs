@@ -65,15 +65,16 @@ pub fn compose(
     command.args(["compose", "--scene", scene, "--scale", wish.scale.as_str()]);
     command.args(["--seed", &wish.seed.to_string(), "--first-draw", &wish.draw.to_string()]);
     command.args(["--draws", &draws.to_string()]);
-    for (option, word) in [("--place", &wish.place), ("--theme", &wish.theme)] {
-        word.iter().for_each(|word| {
+    let wanted: [(&str, &[String]); 4] = [
+        ("--place", wish.place.as_slice()),
+        ("--theme", wish.theme.as_slice()),
+        ("--category", &wish.categories),
+        ("--verb", &wish.verbs),
+    ];
+    for (option, words) in wanted {
+        for word in words {
             command.args([option, word]);
-        });
-    }
-    for (option, words) in [("--category", &wish.categories), ("--verb", &wish.verbs)] {
-        words.iter().for_each(|word| {
-            command.args([option, word]);
-        });
+        }
     }
     let files = BenchDir::new(folder);
     command.arg("--recipes").arg(files.recipes()).arg("--out").arg(folder);

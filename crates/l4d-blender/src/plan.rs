@@ -5,7 +5,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use l4d_data::composition::Composition;
 use l4d_data::digest::{sha256_file, sha256_hex};
 use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::store::{list_folder, make_folder};
@@ -49,15 +48,13 @@ impl Recipe {
     /// # Errors
     /// A composition that cannot be read.
     pub fn of(bench: &BenchDir, scene: &Name, draw: Draw) -> Result<Self> {
-        let path = bench.composition(scene);
-        if !path.exists() {
-            return Ok(Self { scene: scene.clone(), draw, composition: None });
-        }
-        let composition: Composition = json::read_document(&path)?;
-        Ok(Self {
-            scene: scene.clone(),
-            draw: Draw { variant: 0, seed: composition.seed },
-            composition: Some((bench.recipes(), sha256_file(&path)?)),
+        let scene = scene.clone();
+        Ok(match bench.read_composition(&scene)? {
+            None => Self { scene, draw, composition: None },
+            Some(composition) => {
+                let digest = sha256_file(&bench.composition(&scene))?;
+                Self { scene, draw: composition.draw(), composition: Some((bench.recipes(), digest)) }
+            }
         })
     }
 

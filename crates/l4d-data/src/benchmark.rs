@@ -150,6 +150,15 @@ impl Benchmark {
         if path.exists() { read_absents(&path, scene) } else { Ok(Vec::new()) }
     }
 
+    /// Which draw a scene is: that of its composition, or of the whole set.
+    ///
+    /// # Errors
+    /// A composition that is damaged.
+    pub fn draw_of(&self, scene: &Name) -> Result<Draw, DataError> {
+        let composition = self.dir.read_composition(scene)?;
+        Ok(composition.map_or(self.manifest.draw(), |composition| composition.draw()))
+    }
+
     /// Queries of a set of a scene.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::benchmark::Draw;
 use crate::json::Document;
 use crate::name::Name;
 use crate::scene::Scale;
@@ -51,6 +52,13 @@ impl Composition {
             categories: Vec::new(),
             verbs: Vec::new(),
         }
+    }
+}
+
+impl Composition {
+    /// The draw that its frames and tracks name.
+    pub fn draw(&self) -> Draw {
+        Draw { variant: 0, seed: self.seed }
     }
 }
 

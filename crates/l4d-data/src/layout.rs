@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::camera::ViewCard;
 use crate::capture::{CAPTURE, Capture, SPARSE};
+use crate::composition::Composition;
 use crate::error::DataError;
 use crate::json;
 use crate::query::{QueryId, QuerySet};
@@ -235,6 +236,15 @@ impl BenchDir {
     /// `recipes/<scene>.json`: the composition of a scene that has no recipe in Python.
     pub fn composition(&self, scene: &str) -> PathBuf {
         self.recipes().join(format!("{scene}.json"))
+    }
+
+    /// The composition of a scene; none where a recipe in Python takes its place.
+    ///
+    /// # Errors
+    /// One that is damaged.
+    pub fn read_composition(&self, scene: &str) -> Result<Option<Composition>, DataError> {
+        let path = self.composition(scene);
+        path.exists().then(|| json::read_document(&path)).transpose()
     }
 
     /// `rejected/<scene>.jsonl`: draws of a composed scene that were thrown away, with the reasons.

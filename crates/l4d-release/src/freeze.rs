@@ -87,7 +87,7 @@ pub fn plan(order: &ReleaseOptions<'_>, report: &mut Report) -> Result<Plan, Dat
     let gathered = examine(order.bench, order.votes, report)?;
     let renders = order.renders.map(|(data, profile)| {
         let rendered = gathered.scenes.iter().filter(|scene| scene.tracks.is_some()).map(|scene| &scene.name);
-        renders::list(data, profile, order.bench.manifest.draw(), rendered, report)
+        renders::list(data, profile, order.bench, rendered, report)
     });
     let contents = Contents::of(&gathered, order.votes, renders.as_ref(), order.publication);
     let before = order.since.map(Contents::read).transpose()?;

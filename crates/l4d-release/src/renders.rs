@@ -6,7 +6,7 @@ use std::path::Path;
 use l4d_data::layout::SceneDir;
 use l4d_data::scene::Scene;
 use l4d_data::truth::frame_key;
-use l4d_data::{DataError, Draw, Name, Profile, Report, sums};
+use l4d_data::{Benchmark, DataError, Draw, Name, Profile, Report, sums};
 
 use crate::codes;
 use crate::gather::Source;
@@ -27,13 +27,15 @@ const NAMED: usize = 4;
 pub fn list<'a>(
     data: &Path,
     profile: Profile,
-    draw: Draw,
+    bench: &Benchmark,
     scenes: impl Iterator<Item = &'a Name>,
     report: &mut Report,
 ) -> Renders {
     let mut found = BTreeMap::new();
     for name in scenes {
-        match scene(&SceneDir::new(data, name), profile, draw, report) {
+        let files =
+            bench.draw_of(name).and_then(|draw| scene(&SceneDir::new(data, name), profile, draw, report));
+        match files {
             Ok(files) => drop(found.insert(name.clone(), files)),
             Err(error) => report.data_error(codes::RENDERS, &error),
         }

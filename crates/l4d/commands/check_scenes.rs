@@ -1,7 +1,6 @@
 //! `l4d check-scenes`: is every picture there, whole, and in agreement with all the others?
 
 use anyhow::Result;
-use l4d_blender::plan::Recipe;
 use l4d_data::Progress as _;
 use l4d_data::{Benchmark, Name, Report, Workspace};
 use l4d_frames::check::{Request, SceneStats, check_scene};
@@ -13,8 +12,7 @@ use crate::out::{ExitStatus, Printer, refusal, table};
 
 pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let bench = Benchmark::open(&args.bench.bench)?;
-    let of_set = bench.manifest.draw();
-    let space = Workspace::new(args.bench.profile, of_set).with_data(args.data.as_deref());
+    let space = Workspace::new(args.bench.profile, bench.manifest.draw()).with_data(args.data.as_deref());
     let scenes = scenes_to_check(&args.bench, &bench, &space, out)?;
     let frames_a_scene = args.bench.profile.frames().count();
     out.start("checking", (scenes.len() * frames_a_scene) as u64);
@@ -22,7 +20,7 @@ pub(crate) fn run(args: &CheckScenesArgs, out: &Printer) -> Result<ExitStatus> {
     let mut stats = Vec::new();
     for scene in &scenes {
         out.item(&scene);
-        let draw = Recipe::of(&bench.dir, scene, of_set)?.draw;
+        let draw = bench.draw_of(scene)?;
         let request =
             Request { data: space.data(), bench: &bench.dir, draw, profile: args.bench.profile, scene };
         let (found, problems) = check_scene(request, &|| out.advance(1));
