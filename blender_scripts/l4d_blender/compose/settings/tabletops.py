@@ -27,6 +27,7 @@ SHOULDER_M = 0.25
 _RESTING = "resting hands"
 _BEHIND_M = 0.115  # how far behind the edge of the table a chest is
 _WIDE_M = 0.128  # radius of landmarks of which one is enough
+_ENDS = 0.74  # share of the half length beyond which the ends of a table begin
 _REST_M = 0.28  # from the chest to where a palm rests
 CLOTHS = tuple(word for word in COLOURS if word != "black")
 OAK = ((0.40, 0.235, 0.115), (0.21, 0.105, 0.045))
@@ -136,12 +137,21 @@ MOODS = (
 class Tabletop:
     """A table that is being laid, `size_m` long and deep, its top `height_m` above the floor."""
 
-    def __init__(self, stage: Stage, key: str, size_m: tuple[float, float], height_m: float = 0.74) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        key: str,
+        size_m: tuple[float, float],
+        height_m: float = 0.74,
+        *,
+        widest_m: float = 0.84,
+    ) -> None:
         self.stage, self.scene, self.rng = stage, stage.scene, stage.rng(f"tabletop/{key}")
         self.size_m, self.height_m = size_m, height_m
-        width, depth = min(size_m[0] - 0.10, 0.84), min(size_m[1] - 0.08, 0.56)
+        width, depth = min(size_m[0] - 0.10, widest_m), min(size_m[1] - 0.08, 0.56)
         self.table = stage.add_area(Area.rectangle("table", (0.0, 0.0), (width, depth)))
         self.mood = self.rng.choice(MOODS)
+        self._aside = False
         self.window_at: tuple[float, float, float, float, float] | None = None
 
     # ---- people ----------------------------------------------------------------------------------
@@ -181,8 +191,12 @@ class Tabletop:
 
     # ---- things ----------------------------------------------------------------------------------
 
-    def landmarks(self, count: int, *choices: str) -> None:
-        """Lays some of the choices on the table: things that sentences may mention, at most one a noun."""
+    def landmarks(self, count: int, *choices: str, aside: bool = False) -> None:
+        """Lays some of the choices on the table: things that sentences may mention, at most one a noun.
+
+        `aside` keeps them to the ends, so that the middle is left for something large.
+        """
+        self._aside = aside
         for name, at in retried(self.table, 120, lambda: self._layout(count, choices)):
             put, looks = PUTS[name], self._looks(PUTS[name])
             self.stage.landmark(
@@ -245,6 +259,8 @@ class Tabletop:
             if put.tall and (at[1] < 0.0 or abs(at[0]) < 0.45 * half):
                 continue
             if not put.tall and put.radius_m > 0.12 and abs(at[0]) < 0.2 * half:
+                continue
+            if self._aside and abs(at[0]) < _ENDS * half:
                 continue
             return at
         raise NoRoom(f"no room for the {put.kind}")
