@@ -1,4 +1,4 @@
-"""Themes of pens and of laptops: ink comes out of the nib, lids swing open, and twins are not all used."""
+"""Themes of pens, spoons and laptops: ink comes out of the nib, spoons ride in bowls, lids swing open."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from mathutils import Vector
 from l4d_blender import keys
 from l4d_blender.compose import build, themes
 from l4d_blender.compose.hands.penwork import Oblong, Spread, overlap
+from l4d_blender.compose.hands.spoonwork import SHAPE
 from l4d_blender.compose.looks import Look
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected
@@ -82,3 +83,35 @@ def test_laptops_swing_open_and_are_typed_on_by_both_hands() -> None:
         assert angle(last) == pytest.approx(108.0, abs=1.0)
     used = {event.object.name for event in scene.events if event.verb in ("open", "type_on")}
     assert used and {prop.name for prop in stage.group("laptop")} - used, "all laptops are used"
+
+
+def test_a_spoon_stirs_in_its_bowl_or_rides_in_it() -> None:
+    seen: set[str] = set()
+    for seed in (3103, 3104):
+        scene, stage = _played("spoons", "tabletop", seed)
+        verbs = {event.verb for event in scene.events}
+        assert verbs <= themes.themes()["spoons"].verbs
+        seen |= verbs
+        bowls = stage.group("bowl")
+        for event in scene.events:
+            first, last = event.frames
+            if event.verb == "circle":
+                middle = next(
+                    other.object.matrix(first).translation
+                    for other in scene.events
+                    if other.verb == "stir" and other.subject is event.subject
+                )
+                tips = [event.subject.matrix(f) @ SHAPE.tip - middle for f in range(first, last + 1)]
+                assert all(tip.xy.length < 0.04 and 0.0 < tip.z < 0.05 for tip in tips)
+            if event.verb == "ride":
+                a, b = (event.subject.matrix(f).translation for f in (first, last))
+                ways = [
+                    prop.instance.matrix(last).translation - prop.instance.matrix(first).translation
+                    for prop in bowls
+                ]
+                assert (b - a).length > 0.05
+                assert min((b - a - way).length for way in ways) < 1e-4, "it leaves its bowl"
+        used = {event.object.name for event in scene.events if event.object}
+        used |= {event.subject.name for event in scene.events}
+        assert {prop.name for prop in stage.group("spoon")} - used, "all spoons are used"
+    assert seen & {"stir", "ride"}

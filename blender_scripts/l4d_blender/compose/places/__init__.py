@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 OFFERS = frozenset(
     {
         "table",  # an area "table" of at least 0.5 m by 0.4 m with at least one seat in stage.seats
-        "paper",  # its table's middle is left for notebooks and the like: landmarks are at its ends
+        "paper",  # its table is one that somebody writes at
+        "clear",  # its table's middle is clear for wide things: landmarks are at its ends
         "floor",  # an area "floor" indoors, at least 2.5 m by 2 m, for people and animals
         "lawn",  # an area "lawn" or yard outdoors, at least 5 m by 4 m
         "water",  # an area "water" to swim on, its bank as an area "lawn"

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..stage import Stage
 
 
-@place("tabletop", "table", "paper")
+@place("tabletop", "table", "clear", "paper")
 def writing_desk(stage: Stage) -> None:
     """A desk against no wall; what is on it keeps to its ends. Its user faces the room."""
     rng = stage.rng("writing desk")

@@ -26,7 +26,7 @@ STORIES = (("write", "roll"), ("write", "roll"), ("write", "lift"), ("write", "p
 
 @theme(
     "tabletop",
-    needs=("table", "paper"),
+    needs=("table", "clear", "paper"),
     categories=("pen", "notebook"),
     verbs=("write", "write_in", "lift", "put_down", "hold", "push", "roll", "slide"),
 )
