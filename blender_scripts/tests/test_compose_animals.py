@@ -6,6 +6,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -19,6 +20,7 @@ from l4d_blender.compose.animals.ways import Body, ahead, find_way, fits
 from l4d_blender.compose.areas import Area
 from l4d_blender.compose.spec import Spec
 from l4d_blender.compose.stage import Rejected, Stage
+from l4d_blender.motion.acting import grip_points
 from l4d_blender.scene import Scene
 
 THEMES = {
@@ -94,3 +96,25 @@ def test_ways_are_clear_and_no_tighter_than_a_body_turns() -> None:
     assert found > 20
     assert not fits(area, body, (0.2, 0.2), 0.0)
     assert ahead((1.0, 1.0), 0.0, 0.5, 0.2) == pytest.approx((1.2, 0.5))
+
+
+def test_hands_come_to_the_heads_of_dogs_that_are_stroked() -> None:
+    for draw in range(5):
+        try:
+            scene, stage = build.build(Spec("outdoor_7", "outdoor", 7, draw, "plain_lawn", "dogs_petted"))
+        except Rejected:
+            continue
+        break
+    petted = [event for event in scene.events if event.verb == "pet"]
+    assert len(petted) == 2 and petted[0].object is not petted[1].object
+    performers = {performer.instance.name: performer for performer in stage.performers}
+    for event in petted:
+        actor, dog = performers[event.subject.name], performers[event.object.name]
+        first, last = event.frames
+        palm = min(
+            float(np.linalg.norm(grip_points(actor, actor.played, frame, ("r",))[0] - dog.crown(frame)))
+            for frame in range(first + (last - first) // 3, last - (last - first) // 3)
+        )
+        assert palm < 0.12, f"{100 * palm:.0f} cm from the crown"
+    stroked = {event.object.name for event in petted}
+    assert any(prop.name not in stroked for prop in stage.group("dog"))
