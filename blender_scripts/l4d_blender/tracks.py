@@ -10,13 +10,14 @@ import gc
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import bpy
 import numpy as np
 from mathutils import Vector
-from mathutils.bvhtree import BVHTree
 
+from . import distances
 from .scene import Instance, Scene
 from .timeline import FPS, FRAME_COUNT, LAST_FRAME
 
@@ -25,9 +26,6 @@ RELEASE_M = 0.010  # ... which lasts until they are further apart than this
 # Pairs that never come closer have no distances; a bit more than what counts as beside at each scale.
 PAIR_REACH_M = {"outdoor": 1.2, "room": 0.8, "tabletop": 0.5}
 _STATIC = 1e-6
-_EDGE_SAMPLE_M = 0.03
-_EDGE_SAMPLES_MAX = 4000
-_CLUSTER = 24
 
 
 @dataclass
@@ -96,12 +94,12 @@ def pairs(scene: Scene, shapes: Sequence[Shape]) -> list[dict]:
     """Distances and contact of the pairs that matter, ordered by their ids.
 
     First only whether a pair ever comes within reach is looked for, where its boxes are nearest; then those
-    that do (and those that interact) are measured at all frames, so that every surface is prepared once.
+    that do (and those that interact) are measured at all frames.
     """
     acting = {frozenset((e.subject.name, e.object.name)) for e in scene.events if e.object is not None}
-    bodies = {shape.instance.name: _Body(shape) for shape in shapes}
+    bodies: dict[str, distances.Body] = {}
     candidates = [
-        _Pair(bodies[a.instance.name], bodies[b.instance.name])
+        _Pair(a, b, bodies)
         for a, b in combinations(shapes, 2)
         if "object" in (a.instance.role, b.instance.role)
         or frozenset((a.instance.name, b.instance.name)) in acting
@@ -109,13 +107,12 @@ def pairs(scene: Scene, shapes: Sequence[Shape]) -> list[dict]:
     reach_m = PAIR_REACH_M[scene.scale]
     with collector_paused():
         found = [pair for pair in candidates if pair.names in acting or pair.comes_within(reach_m)]
-        for frame in range(FRAME_COUNT):
-            for pair in found:
-                pair.measure(frame, np.inf)
+        for pair in found:
+            pair.measure()
     return [
         {
-            "a": pair.a.shape.instance.name,
-            "b": pair.b.shape.instance.name,
+            "a": pair.a.instance.name,
+            "b": pair.b.instance.name,
             "distance_m": rounded(pair.distances),
             "contact": contact_runs(pair.distances),
         }
@@ -161,6 +158,7 @@ class _Surface:
     def __init__(self, instance: Instance) -> None:
         self._objects = instance.objects
         self._rigid: dict[str, np.ndarray] = {}
+        self._last: tuple[list[np.ndarray], np.ndarray] | None = None
         triangles, offset = [], 0
         for obj in self._objects:
             mesh = obj.data
@@ -174,168 +172,76 @@ class _Surface:
         self.triangles = np.concatenate(triangles)
 
     def points(self, depsgraph: bpy.types.Depsgraph) -> np.ndarray:
+        """World vertices at the frame; the very same array as before if nothing moved."""
+        evaluated = [obj.evaluated_get(depsgraph) for obj in self._objects]
+        matrices = [np.array(obj.matrix_world, dtype=np.float64) for obj in evaluated]
+        if len(self._rigid) == len(self._objects) and self._last is not None:
+            before, points = self._last
+            if all(map(np.array_equal, before, matrices)):
+                return points
         parts = []
-        for obj in self._objects:
-            evaluated = obj.evaluated_get(depsgraph)
+        for obj, shown, matrix in zip(self._objects, evaluated, matrices):
             local = self._rigid.get(obj.name)
             if local is None:
-                local = _vertices(evaluated.data)
-            matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+                local = _vertices(shown.data)
             parts.append(local @ matrix[:3, :3].T + matrix[:3, 3])
-        return np.concatenate(parts)
-
-
-class _Body:
-    """A shape made ready for distance queries: BVH and query points of the frame that was asked for last.
-
-    Query points are vertices and points along long edges, in clusters of neighbours: a cluster whose centre
-    is further away than its radius plus the best distance so far needs no second look.
-    """
-
-    def __init__(self, shape: Shape) -> None:
-        self.shape = shape
-        self.tree: BVHTree
-        self.points: np.ndarray
-        self.centres: np.ndarray
-        self.radii: np.ndarray
-        self._triangles = shape.triangles.tolist()
-        self._edges = _edge_samples(shape.points[0], shape.triangles)
-        self._order, self.offsets = _clusters(self._query_points(shape.points[0]))
-        self._frame: int | None = None
-
-    def index(self, frame: int) -> int:
-        """Where a frame is in the shape's arrays."""
-        return 0 if self.shape.static else frame
-
-    def move_to(self, frame: int) -> None:
-        """Rebuilds what depends on the frame."""
-        frame = self.index(frame)
-        if frame == self._frame:
-            return
-        vertices = self.shape.points[frame]
-        self.tree = BVHTree.FromPolygons(vertices.tolist(), self._triangles, all_triangles=True)
-        self.points = self._query_points(vertices)[self._order]
-        sizes = np.diff(self.offsets)
-        self.centres = np.add.reduceat(self.points, self.offsets[:-1]) / sizes[:, None]
-        spokes = np.linalg.norm(self.points - np.repeat(self.centres, sizes, axis=0), axis=1)
-        self.radii = np.maximum.reduceat(spokes, self.offsets[:-1])
-        self._frame = frame
-
-    def _query_points(self, vertices: np.ndarray) -> np.ndarray:
-        first, second, t = self._edges
-        return np.concatenate([vertices, vertices[first] * (1.0 - t) + vertices[second] * t])
+        points = np.concatenate(parts)
+        self._last = matrices, points
+        return points
 
 
 class _Pair:
-    """Two bodies and the distance between their surfaces, frame after frame (one frame if neither moves)."""
+    """Two instances and the distance between them, frame after frame (one frame if neither moves)."""
 
-    def __init__(self, a: _Body, b: _Body) -> None:
+    def __init__(self, a: Shape, b: Shape, bodies: dict[str, distances.Body]) -> None:
         self.a, self.b = a, b
-        self.names = frozenset((a.shape.instance.name, b.shape.instance.name))
-        frames = 1 if a.shape.static and b.shape.static else FRAME_COUNT
+        self.names = frozenset((a.instance.name, b.instance.name))
+        frames = 1 if a.static and b.static else FRAME_COUNT
         self.distances = [np.inf] * frames
-        self._start_a = self._start_b = 0
+        self._bodies = bodies
 
     def comes_within(self, limit: float) -> bool:
         """Whether the surfaces are ever closer than `limit`; frames with near boxes are tried first."""
-        gaps = [self._boxes_apart(frame) for frame in range(len(self.distances))]
-        for frame in sorted(range(len(gaps)), key=gaps.__getitem__):
+        gaps = self._boxes_apart()
+        for frame in np.argsort(gaps, kind="stable").tolist():
             if gaps[frame] >= limit:
                 return False
-            self.measure(frame, limit)
+            self.distances[frame] = self._gap.at(frame, limit)
             if self.distances[frame] < np.inf:
                 return True
         return False
 
-    def measure(self, frame: int, limit: float) -> None:
-        """Finds the distance at `frame` if it is not known and below `limit`; 0 if the surfaces intersect."""
-        if frame >= len(self.distances) or self.distances[frame] < np.inf:
-            return
-        a, b = self.a, self.b
-        i, j = a.index(frame), b.index(frame)
-        gap = self._boxes_apart(frame)
-        if gap >= limit:
-            return
-        a.move_to(frame)
-        b.move_to(frame)
-        if gap == 0.0 and a.tree.overlap(b.tree):
-            self.distances[frame] = 0.0
-            return
-        best, self._start_a = _nearest(a, b, b.shape.low[j], b.shape.high[j], self._start_a, limit)
-        best, self._start_b = _nearest(b, a, a.shape.low[i], a.shape.high[i], self._start_b, best)
-        self.distances[frame] = best if best < limit else np.inf
+    @cached_property
+    def _gap(self) -> distances.Gap:
+        """Bodies are made ready when a pair first asks for them: most pairs never do."""
+        for shape in (self.a, self.b):
+            if shape.instance.name not in self._bodies:
+                self._bodies[shape.instance.name] = distances.Body(shape.points, shape.triangles)
+        return distances.Gap(*(self._bodies[shape.instance.name] for shape in (self.a, self.b)))
 
-    def _boxes_apart(self, frame: int) -> float:
-        a, b = self.a.shape, self.b.shape
-        i, j = self.a.index(frame), self.b.index(frame)
-        return _gap(a.low[i], a.high[i], b.low[j], b.high[j])
+    def measure(self) -> None:
+        """Finds the distances that are not known yet."""
+        for frame, known in enumerate(self.distances):
+            if known == np.inf:
+                self.distances[frame] = self._gap.at(frame)
 
-
-def _gap(low_a: np.ndarray, high_a: np.ndarray, low_b: np.ndarray, high_b: np.ndarray) -> float:
-    """Distance between two world-aligned boxes."""
-    return float(np.linalg.norm(np.maximum(np.maximum(low_a - high_b, low_b - high_a), 0.0)))
-
-
-def _nearest(
-    source: _Body, target: _Body, low: np.ndarray, high: np.ndarray, start: int, limit: float
-) -> tuple[float, int]:
-    """Least distance below `limit` from the points of `source` to the surface of `target`, inside low..high.
-
-    Also returns which point it was: in the next frame its distance is the first bound (`start`).
-    """
-    find = target.tree.find_nearest
-    best, chosen = min(find(source.points[start])[3], limit), start
-    apart = np.maximum(np.maximum(low - source.centres, source.centres - high), 0.0)
-    near = np.nonzero(np.sqrt(np.einsum("ij,ij->i", apart, apart)) - source.radii < best)[0]
-    bounds = []
-    for cluster, centre, radius in zip(near.tolist(), source.centres[near], source.radii[near].tolist()):
-        distance = find(centre, best + radius)[3]
-        if distance is not None:
-            bounds.append((distance - radius, cluster))
-    for bound, cluster in sorted(bounds):
-        if bound >= best:
-            break
-        first, last = source.offsets[cluster], source.offsets[cluster + 1]
-        for i, point in enumerate(source.points[first:last].tolist(), start=int(first)):
-            distance = find(point, best)[3]
-            if distance is not None and distance < best:
-                best, chosen = distance, i
-    return best, chosen
-
-
-def _clusters(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """An order of the points, and the offsets in it of clusters of neighbours (median splits)."""
-    parts, leaves = [np.arange(len(points))], []
-    while parts:
-        part = parts.pop()
-        if len(part) <= _CLUSTER:
-            leaves.append(part)
-            continue
-        axis = int(np.argmax(np.ptp(points[part], axis=0)))
-        part = part[np.argsort(points[part, axis], kind="stable")]
-        parts += [part[: len(part) // 2], part[len(part) // 2 :]]
-    return np.concatenate(leaves), np.cumsum([0] + [len(leaf) for leaf in leaves])
-
-
-def _edge_samples(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points along long edges, as (vertex, vertex, share): big faces have few vertices."""
-    edges = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    step = max(_EDGE_SAMPLE_M, lengths.sum() / _EDGE_SAMPLES_MAX)
-    counts = np.floor(lengths / step).astype(np.int64)
-    chosen = np.repeat(np.arange(len(edges)), counts)
-    within = np.arange(len(chosen)) - np.repeat(np.cumsum(counts) - counts, counts)
-    t = (within + 1) / (counts[chosen] + 1)
-    return edges[chosen, 0], edges[chosen, 1], t[:, None]
+    def _boxes_apart(self) -> np.ndarray:
+        """How far the boxes are apart, frame by frame."""
+        gap = np.maximum(self.a.low - self.b.high, self.b.low - self.a.high)
+        return np.linalg.norm(np.maximum(gap, 0.0), axis=1)
 
 
 def _shape(instance: Instance, points: list[np.ndarray], triangles: np.ndarray, axes: np.ndarray) -> Shape:
-    local = [p @ r for p, r in zip(points, axes)]
-    low = np.array([p.min(axis=0) for p in local])
-    high = np.array([p.max(axis=0) for p in local])
+    low, high = np.empty((len(points), 3)), np.empty((len(points), 3))
+    for k, (surface, turn) in enumerate(zip(points, axes)):
+        if k > 0 and surface is points[k - 1] and np.array_equal(turn, axes[k - 1]):
+            low[k], high[k] = low[k - 1], high[k - 1]
+            continue
+        local = surface @ turn
+        low[k], high[k] = local.min(axis=0), local.max(axis=0)
     centre = np.einsum("fij,fj->fi", axes, (low + high) / 2)
     extents = high - low
-    moving = any(np.abs(p - points[0]).max() > _STATIC for p in points[1:])
+    moving = any(p is not points[0] and np.abs(p - points[0]).max() > _STATIC for p in points[1:])
     if not moving and np.abs(axes - axes[0]).max() <= _STATIC:
         points, axes, centre, extents = points[:1], axes[:1], centre[:1], extents[:1]
     return Shape(instance, points, triangles, axes, centre, extents)
