@@ -12,6 +12,9 @@ from .spec import Spec, SpecError
 from .stage import Rejected, Stage
 from .themes import Theme, themes
 
+_PLANS = 3
+"""Plans of a place, and of a theme on it, before a draw is thrown away for want of room."""
+
 
 def build(spec: Spec) -> tuple[Scene, Stage]:
     """Runs one draw.
@@ -20,18 +23,46 @@ def build(spec: Spec) -> tuple[Scene, Stage]:
     """
     spec = pinned(spec)
     place, theme = places()[spec.place], themes()[spec.theme]
-    scene = Scene(spec.scene, spec.scale, 0, spec.seed)
-    stage = Stage(scene, spec)
     try:
-        place.furnish(stage)
-        theme.play(stage)
+        stage = _furnished(spec, place)
+        _play(stage, theme)
         for performer in stage.performers:
             performer.finish()
-        scene.check()
+        stage.scene.check()
     except (RecipeError, NoRoom, Rejected) as error:
         raise Rejected(f"{theme.name} in {place.name}: {error}") from error
-    _demands(spec, scene)
-    return scene, stage
+    _demands(spec, stage.scene)
+    return stage.scene, stage
+
+
+def _furnished(spec: Spec, place: Place) -> Stage:
+    """An empty scene with the place in it; one without room for all of its landmarks is furnished anew."""
+    plan = 0
+    while True:
+        stage = Stage(Scene(spec.scene, spec.scale, 0, spec.seed), spec, plan)
+        try:
+            place.furnish(stage)
+            return stage
+        except (NoRoom, Rejected):
+            plan += 1
+            if plan == _PLANS:
+                raise
+
+
+def _play(stage: Stage, theme: Theme) -> None:
+    """Lets the theme act. One that finds no room before it has built anything plans again, on the same stage.
+
+    A plan costs a fraction of what furnishing another place does. The first is what it would be if there were
+    no others.
+    """
+    furnished = stage.memory()
+    for plan in range(_PLANS):
+        stage.plan = plan
+        try:
+            return theme.play(stage)
+        except (NoRoom, Rejected):
+            if plan + 1 == _PLANS or not stage.recall(furnished):
+                raise
 
 
 def pinned(spec: Spec) -> Spec:

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any, Protocol, TypeVar
 
+import bpy
 from mathutils import Vector
 
 from .. import cameras, catalogue
 from ..placing import Point, Support, Thing
 from ..scene import Instance, Scene
-from .areas import Area, Flat
+from .areas import Area, Flat, Taken
 from .looks import Look
 from .spec import Spec
 
@@ -78,11 +79,23 @@ class Chair:
     """What it is, if that is a landmark: who sits touches it, and walks into the room that it takes."""
 
 
+@dataclass(frozen=True)
+class Memory:
+    """A stage before a theme plans: room, cameras, words, and how much was built."""
+
+    areas: dict[str, tuple[Area, list[Taken]]]
+    camera_rig: list[cameras.Camera]
+    sentences: list[str]
+    allowed_contact: set[frozenset[str]]
+    built: tuple[int, ...]
+
+
 class Stage:
     """A composed scene while it is being made."""
 
-    def __init__(self, scene: Scene, spec: Spec) -> None:
+    def __init__(self, scene: Scene, spec: Spec, plan: int = 0) -> None:
         self.scene, self.spec = scene, spec
+        self.plan = plan  # how many plans of the place, or of the theme, found no room before
         self.areas: dict[str, Area] = {}
         self.seats: list[Seat] = []
         self.chairs: list[Chair] = []
@@ -92,11 +105,43 @@ class Stage:
         self.sentences: list[str] = []
         self.allowed_contact: set[frozenset[str]] = set()
 
+    # ---- planning again --------------------------------------------------------------------------
+
+    def memory(self) -> Memory:
+        """What a theme changes while it plans, to be recalled when the plan does not work."""
+        return Memory(
+            {name: (area, list(area.taken)) for name, area in self.areas.items()},
+            list(self.scene.camera_rig),
+            list(self.sentences),
+            set(self.allowed_contact),
+            self._built(),
+        )
+
+    def recall(self, memory: Memory) -> bool:
+        """Forgets what was planned since then; false if something has been built, which cannot be undone."""
+        if self._built() != memory.built:
+            return False
+        self.areas = {name: area for name, (area, _) in memory.areas.items()}
+        for area, taken in memory.areas.values():
+            area.taken = list(taken)
+        if self.scene.camera_rig != memory.camera_rig:
+            self.film(memory.camera_rig)
+        self.sentences = list(memory.sentences)
+        self.allowed_contact = set(memory.allowed_contact)
+        return True
+
+    def _built(self) -> tuple[int, ...]:
+        """How much there is of what themes build."""
+        scene = self.scene
+        made = (bpy.data.objects, bpy.data.meshes, scene.instances, scene.events, self.performers)
+        return tuple(map(len, made))
+
     # ---- drawing ---------------------------------------------------------------------------------
 
     def rng(self, key: str) -> random.Random:
-        """A random stream per key; another draw of the same seed has others."""
-        return self.scene.rng(f"compose/{self.spec.draw}/{key}")
+        """A random stream per key; another draw of the same seed has others, as has another plan of it."""
+        draw = f"{self.spec.draw}.{self.plan}" if self.plan else self.spec.draw
+        return self.scene.rng(f"compose/{draw}/{key}")
 
     def pick(self, key: str, options: Sequence[T], demanded: Iterable[str] = ()) -> T:
         """One of the options; those that the composition demands come first (compared as words)."""

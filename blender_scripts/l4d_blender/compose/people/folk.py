@@ -59,6 +59,8 @@ def cast(rng: random.Random, noun: str, count: int, *, wardrobe: str | None = No
     """
     options = _options(rng, wardrobe or noun)
     members = looks.crossed(rng, "person", count, options)
+    if not all(_builds(noun, member.words) for member in members):  # athletes with buns, on men
+        members = looks.crossed(rng, "person", count, {**options, "hair": ("short",)})
     bodies: dict[tuple[tuple[str, str], ...], Dress] = {}
     figures = []
     for k, member in enumerate(members, 1):
@@ -129,8 +131,7 @@ def _properties(words: Mapping[str, str]) -> dict[str, str]:
 def _dressed(rng: random.Random, noun: str, words: Mapping[str, str]) -> Dress:
     """The clothes that show these words on a drawn body."""
     hair = words.get("hair", "short")
-    builds = [build for build in BUILDS[noun] if build != "man" or hair == "short"]
-    build = rng.choice(builds)
+    build = rng.choice(_builds(noun, words))
     if "hair" not in words and build != "man":
         hair = rng.choice(("bob", "bun", "ponytail", "short"))
     top = _cloth(words.get("dress") or words.get("top", "white"), words.get("pattern", "plain"))
@@ -162,6 +163,11 @@ def _dressed(rng: random.Random, noun: str, words: Mapping[str, str]) -> Dress:
         nose=rng.uniform(0.92, 1.08),
         seed=rng.randrange(1000),
     )
+
+
+def _builds(noun: str, words: Mapping[str, str]) -> list[str]:
+    """The builds of a noun that wear hair like that."""
+    return [build for build in BUILDS[noun] if build != "man" or words.get("hair", "short") == "short"]
 
 
 def _cloth(colour: str, pattern: str) -> Cloth:
