@@ -72,7 +72,7 @@ pub(crate) struct BuildScenesArgs {
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
     /// Samples per pixel of the colour pass, before denoising; 0 leaves pictures black and renders depth and ids alone,
-    /// which is all that the truth needs; default: 8 (tiny), 4 (small), 16 (full)
+    /// which is all that the truth needs; default: 4 (tiny, small), 16 (full)
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub(crate) samples: Option<u32>,
     /// Render again what other scripts, seeds or samples rendered before
