@@ -27,6 +27,7 @@ _SPOON = 0.088, 0.030  # half the length of a spoon's middle line, and the radiu
 BOWL = soup_bowl.Look(rim_m=(0.086, 0.084), foot_m=0.042, level=0.68)
 SHAPE = spoon.Look(0.195, (0.043, 0.056), (0.0110, 0.0200), 0.0028)
 _DEEP_M = 0.005  # of the tip of a spoon that stirs above the floor of the bowl
+_PALM_M = 0.055
 _LAST = 96
 
 
@@ -82,6 +83,7 @@ class Stir:
         self.bowl.place(table, at)
         self.spoon.at, self.arm = at, arm
         arm.take(table, *grips)
+        _keep_rest(table, arm)
 
     def _lies_free(self, table: Area) -> bool:
         """Whether the spoon has room beside the bowl."""
@@ -140,6 +142,7 @@ class PushWithSpoon:
         self.spoon.at, self.spoon.placed = at, True
         table.take(at, BOWL_M + 0.02, self.end, owner=self.bowl.name)
         arm.take(table, at, self.end)
+        _keep_rest(table, arm)
 
     def build(self, rng: random.Random, stage: Stage, table: Area) -> None:
         """The spoon leans across its bowl, to a side of the way."""
@@ -174,6 +177,7 @@ class Lift:
             if self.spoon.is_free(table):
                 self.spoon.place(table, at)
                 arm.take(table, at)
+                _keep_rest(table, arm)
                 self.arm = arm
                 return
         raise NoRoom(f"{arm.name} reaches no spoon")
@@ -208,6 +212,15 @@ def lean_in(
     put_spoon(stage, item, spoon_between(low, high, SHAPE.tip))
     assert item.thing is not None and bowl.thing is not None
     stage.may_touch(item.thing, bowl.thing)
+
+
+def _keep_rest(table: Area, arm: Reach) -> None:
+    """Nothing may stand where the palm begins and ends, from the start or later."""
+    (x, y), (dx, dy) = arm.rest, arm.forward
+    ahead = x + 0.06 * dx, y + 0.06 * dy
+    if not table.is_clear(arm.rest, ahead, _PALM_M, ignoring=(arm.name,)):
+        raise NoRoom(f"{arm.name} has nowhere to rest")
+    table.take(arm.rest, _PALM_M, ahead, owner=f"{arm.name} at rest")
 
 
 def _leave(hand: Diner, done: int) -> None:

@@ -97,12 +97,12 @@ def _seen(
     """Cameras near enough; refuses a plan in which things hide each other."""
     ends = [deed.end for deed in deeds if isinstance(deed, PushWithSpoon)]
     points = [item.at for item in (*spoons, *bowls)] + ends
-    rig = stage.closer(points, height_m=0.03, margin_m=0.14)
+    rig = stage.closer(points, height_m=0.03, margin_m=0.11)
     bulks = [Bulk(bowl.at, BOWL.rim_m[0], BOWL.rim_m[1]) for bowl in bowls]
     marks = [Bulk(prop.at, 0.7 * prop.radius_m, prop.height_m) for prop in stage.landmarks]
     high = {deed.spoon.name for deed in deeds if not isinstance(deed, Lift)} | set(leaning)
     for item in spoons:
-        bulks.append(Bulk(item.at, 0.04, 0.04, BOWL.rim_m[1] + 0.002 if item.name in high else 0.0))
+        bulks.append(Bulk(item.at, 0.027, 0.034, BOWL.rim_m[1] + 0.002 if item.name in high else 0.0))
     if hidden(rig, [bulks], marks):
         raise NoRoom("something would hardly be seen")
     return rig
