@@ -9,7 +9,7 @@ use l4d_query::prove::Prover;
 use l4d_query::{Clause, Party, Relation, Superlative, World, verbs};
 
 use crate::facts::Group;
-use crate::parties::Somebody;
+use crate::parties::{Somebody, is_upright};
 
 /// A place is rarely told by something that goes about.
 const RESTLESS: f64 = 0.5;
@@ -95,7 +95,12 @@ fn extremes(group: &Group<'_>, world: &World<'_>) -> Vec<Atom> {
         };
         Base { clause, shape: format!("superlative {extreme}"), core, price }
     });
-    bases.iter().filter(|base| varies(world, group, &base.clause)).flat_map(wrapped_state).collect()
+    let fits = |base: &&Base| {
+        let is_height = base.clause == Clause::Superlative(Superlative::Tallest);
+        (!is_height || group.members.iter().all(|member| is_upright(member)))
+            && varies(world, group, &base.clause)
+    };
+    bases.iter().filter(fits).flat_map(wrapped_state).collect()
 }
 
 /// Whether a clause holds differently of different members, or at different times.
@@ -116,6 +121,14 @@ fn relations(world: &World<'_>, group: &Group<'_>, everybody: &[Somebody]) -> Ve
                 .all(|name| world.instance(name).is_some_and(|instance| instance.front.is_some()));
             let fits = match kind {
                 Relation::InFrontOf | Relation::Behind => others_have_fronts && other.only().is_some(),
+                // What somebody carries or lifts is held by them, not on them.
+                Relation::On => !world.events().any(|event| {
+                    other.meant.contains(&event.subject)
+                        && event
+                            .object
+                            .as_ref()
+                            .is_some_and(|object| group.members.iter().any(|member| member.name == *object))
+                }),
                 // What acts has no inside: boxes of bodies overlap, and a hand hovers.
                 Relation::In | Relation::Under => {
                     !world.events().any(|event| other.meant.contains(&event.subject))

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use l4d_data::tracks::TrackedInstance;
+use l4d_data::tracks::{TrackedInstance, at_frame};
 use l4d_data::{Name, Role};
 use l4d_query::eval::members;
 use l4d_query::prove::Prover;
@@ -74,6 +74,13 @@ fn moves(instance: &TrackedInstance) -> bool {
     centres.iter().map(apart).fold(0.0, f64::max) > 0.25 * length(extents[0])
 }
 
+/// Whether its box is at least half as high as long when the clip begins: what lies flat is not called tall.
+pub(crate) fn is_upright(instance: &TrackedInstance) -> bool {
+    let (extents, axes) = (at_frame(&instance.track.extents, 0), at_frame(&instance.track.axes, 0));
+    let height: f64 = extents.iter().zip(&axes[6..]).map(|(extent, up)| extent * up.abs()).sum();
+    height >= 0.5 * extents.iter().copied().fold(0.0, f64::max)
+}
+
 /// The descriptions that mean this instance and no other, however strictly thresholds are meant.
 fn descriptions(prover: &Prover<'_>, instance: &TrackedInstance) -> Vec<Somebody> {
     let noun = Clause::Category(instance.category.clone());
@@ -102,8 +109,11 @@ fn traits(prover: &Prover<'_>, instance: &TrackedInstance) -> Vec<(Clause, f64)>
     for (key, value) in &instance.attributes {
         found.push((Clause::Attribute { key: key.clone(), value: value.clone() }, 0.5));
     }
-    for extreme in [Superlative::Largest, Superlative::Smallest, Superlative::Tallest] {
+    for extreme in [Superlative::Largest, Superlative::Smallest] {
         found.push((Clause::Superlative(extreme), 0.7));
+    }
+    if world.instances().filter(|one| one.category == instance.category).all(is_upright) {
+        found.push((Clause::Superlative(Superlative::Tallest), 0.7));
     }
     let mut own: Vec<&str> = world
         .events()
