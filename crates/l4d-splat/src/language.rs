@@ -2,10 +2,13 @@
 //!
 //! Owns what they are at a time. What a latent means, a decoder outside of the model knows.
 
+mod drift;
+
 use std::collections::BTreeMap;
 
 use l4d_formats::{Fault, Tensor};
 
+use self::drift::Drift;
 use crate::checkpoint::build_field;
 use crate::deform::{DeformConfig, DeformError, DeformationField, PREFIX};
 
@@ -22,16 +25,34 @@ pub struct Language {
     pub width: usize,
     /// Of unit length, one a Gaussian; or one for each state, then as long as the number of states.
     latents: Vec<f32>,
-    /// How much of each state there is at a time: the first harmonics of what this field adds. None for latents that
-    /// stay the same.
-    states: Option<DeformationField>,
+    change: Change,
+}
+
+/// How latents change with time.
+#[derive(Debug, Clone, PartialEq)]
+enum Change {
+    None,
+    /// How much of each state there is at a time: the first harmonics of what this field adds.
+    States(Box<DeformationField>),
+    /// What is added to the latents at a time.
+    Drift(Drift),
 }
 
 impl Language {
     /// Latents that stay the same: columns `f_lang_*` of a save.
     pub(crate) fn constant(mut columns: Vec<f32>, width: usize) -> Self {
         columns.chunks_mut(width).for_each(normalise);
-        Self { width, latents: columns, states: None }
+        Self { width, latents: columns, change: Change::None }
+    }
+
+    /// Latents that the layers `lang_deform` change: columns `f_lang_*` of a save, and the parameters of the model.
+    pub(crate) fn drifting(
+        columns: Vec<f32>,
+        width: usize,
+        tensors: &BTreeMap<String, Tensor>,
+    ) -> Result<Self, Fault> {
+        let change = Change::Drift(Drift::new(width, tensors)?);
+        Ok(Self { change, ..Self::constant(columns, width) })
     }
 
     /// Latents between states: `config` and `tensors` are those of the model's field.
@@ -76,12 +97,12 @@ impl Language {
             sh_coefficients: MOST_STATES / 3,
             ..config.clone()
         };
-        let states = Some(build_field(config, &tensors)?);
+        let change = Change::States(Box::new(build_field(config, &tensors)?));
         let width = total / count;
         // All states of a Gaussian together first, as the original does before it takes them apart.
         columns.chunks_mut(total).for_each(normalise);
         columns.chunks_mut(width).for_each(normalise);
-        Ok(Self { width, latents: columns, states })
+        Ok(Self { width, latents: columns, change })
     }
 
     /// The latents at a time that the field knows, one a Gaussian.
@@ -89,7 +110,16 @@ impl Language {
     /// # Errors
     /// A time outside of 0 to 1.
     pub fn at(&self, means: &[[f32; 3]], time: f32) -> Result<Vec<f32>, DeformError> {
-        let Some(states) = &self.states else { return Ok(self.latents.clone()) };
+        let states = match &self.change {
+            Change::None => return Ok(self.latents.clone()),
+            Change::States(states) => states,
+            Change::Drift(drift) => {
+                let mut latents = drift.at(&self.latents, self.width, time);
+                latents.iter_mut().zip(&self.latents).for_each(|(sum, latent)| *sum += latent);
+                latents.chunks_mut(self.width).for_each(normalise);
+                return Ok(latents);
+            }
+        };
         let shares = states.offsets(means, time)?.sh;
         let shares = shares.as_flattened().chunks(MOST_STATES);
         let total = self.latents.len() / means.len().max(1);

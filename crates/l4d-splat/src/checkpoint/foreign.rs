@@ -254,11 +254,8 @@ pub(crate) fn assemble(
         Some((latents, total)) if save.stage == Stage::FineLangDiscrete => Some(
             Language::between_states(latents, total, &config, &tensors).map_err(|fault| fault.at(model))?,
         ),
-        Some(_) if !options.is_on("no_dlang") => {
-            notes.push(
-                "its language changes by `lang_deform`, which is not computed: it is left out".to_owned(),
-            );
-            None
+        Some((latents, width)) if width > 0 && options.is_zero("no_dlang") => {
+            Some(Language::drifting(latents, width, &tensors).map_err(|fault| fault.at(model))?)
         }
         Some((latents, width)) if width > 0 => Some(Language::constant(latents, width)),
         _ => None,

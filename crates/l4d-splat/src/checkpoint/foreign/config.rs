@@ -105,9 +105,9 @@ impl Options {
         }
     }
 
-    /// Whether an option is there and on, True or a number: what 4D LangSplat means by `no_dlang`.
-    pub(super) fn is_on(&self, name: &str) -> bool {
-        matches!(self.get(name), Some(Literal::Bool(true) | Literal::Int(1..)))
+    /// Whether an option is there and 0 or False: 4D LangSplat's `no_dlang` is a number, and 1 where nothing is said.
+    pub(super) fn is_zero(&self, name: &str) -> bool {
+        matches!(self.get(name), Some(Literal::Bool(false) | Literal::Int(0)))
     }
 
     /// What shows where nothing is, display colour.
