@@ -17,6 +17,18 @@ use crate::support::{Dir, Run};
 const SCENES: [&str; 2] = ["room_living_cats", "tabletop_mouse_cups"];
 const PANEL: [&str; 5] = ["ada", "ben", "cyd", "dee", "eve"];
 
+/// Opens the round `pilot` in [`bench`].
+pub(crate) const OPEN: &str = "open-round pilot --profile tiny --annotators ada,ben,cyd,dee,eve";
+
+/// A folder in which everybody has voted in the round `pilot`, one of them otherwise than the rest on a query.
+pub(crate) fn voted() -> Dir {
+    let dir = bench();
+    let (_, _, key) = opened(&dir, "pilot", "");
+    let wrong = BTreeMap::from([(queries(&key)[3].0.clone(), choose(Choice::None))]);
+    panel_votes(&dir, "pilot", "cyd", &wrong);
+    dir
+}
+
 /// A folder with a benchmark of two shipped scenes.
 pub(crate) fn bench() -> Dir {
     let files = [

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::support::{Dir, Noise, Run};
-use crate::{hosting, interop, releasing, solving, splats};
+use crate::{annotation, hosting, interop, originals, proposing, releasing, solving, splats};
 
 /// A verb that writes, and a folder in which it can be run.
 struct Verb {
@@ -33,12 +33,17 @@ const TRAIN: &str = "train-splats ball --profile tiny --data data --gaussians 80
      --patience 0 --checkpoint-seconds 0.1";
 
 /// All that write more than a file and need no Blender, whose kills are in `blender`.
-static VERBS: [Verb; 12] = [
+static VERBS: [Verb; 17] = [
     quick("baseline", Dir::with_benchmark, "baseline --profile tiny"),
     quick("score", Dir::with_baselines, "score --profile tiny"),
     verb("leaderboard", scored, "leaderboard --profile tiny --html"),
     quick("export", interop::folder, "export wall --profile tiny --format colmap --out out"),
     quick("import-scene", interop::shelf, interop::IMPORT),
+    quick("import", originals::folder, "import mevis theirs --profile tiny"),
+    quick("open-round", annotation::bench, annotation::OPEN),
+    quick("verdict", annotation::voted, "verdict --round pilot"),
+    quick("propose-prompts", proposing::taped_prompts, proposing::PROMPTS_AGAIN),
+    quick("propose-scenes", proposing::taped_scenes, proposing::SCENES_AGAIN),
     quick("host", hosting::bench, hosting::HOST),
     quick(
         "release",
@@ -112,7 +117,8 @@ fn kill(verb: &Verb, kills: u32, noise: &mut Noise) -> Result<(), String> {
             child.wait().unwrap();
         }
         let run = shaken.run(verb.line);
-        if run.code != 0 {
+        // A round that is whole is never opened again.
+        if run.code != 0 && !run.stderr.contains("there is such a round already") {
             return Err(format!("{} does not go on after {killed} kills: {run}", verb.name));
         }
         let found = files(&shaken);
@@ -148,7 +154,13 @@ fn every_verb_goes_on_after_fifty_kills() {
 
 #[test]
 fn two_runs_do_not_write_into_one_folder() {
-    for (verb, folder) in [("export", "out"), ("host", "hosting/codabench"), ("release", "release")] {
+    let places = [
+        ("export", "out"),
+        ("host", "hosting/codabench"),
+        ("import", "results/mevis"),
+        ("release", "release"),
+    ];
+    for (verb, folder) in places {
         let verb = VERBS.iter().find(|other| other.name == verb).unwrap();
         let dir = (verb.stage)();
         let lock = l4d_data::store::FolderLock::take(&dir.path(folder)).unwrap();
@@ -200,4 +212,34 @@ fn what_cannot_be_written_is_refused_with_file_and_remedy() {
     let dir = Dir::with_oracle();
     dir.write("scores/oracle/counts.csv/in the way", "");
     dir.refuses("score --profile tiny", &["counts.csv", "a folder is where a file is needed"]);
+}
+
+#[test]
+fn results_of_others_are_never_taken_for_the_rest_of_an_import() {
+    let dir = originals::folder();
+    let line = "import mevis theirs --profile tiny";
+    dir.succeed(line);
+    let whole = dir.tree("results");
+    dir.succeed(line);
+    assert_eq!(dir.tree("results"), whole, "the same import once more");
+    // An import that was killed leaves its claim, and the card comes last.
+    let mask = "results/mevis/masks/tabletop_cups/003.json";
+    for card in [true, false] {
+        dir.write("results/mevis/.l4d-import", "");
+        dir.edit(mask, "0000", "0001");
+        if card {
+            dir.remove("results/mevis/method.json");
+        }
+        dir.succeed(line);
+        assert_eq!(dir.tree("results"), whole);
+    }
+    // Without one they are somebody's.
+    dir.edit(mask, "0000", "0001");
+    let theirs = dir.tree("results");
+    dir.refuses(line, &["holds results already", "--force"]);
+    dir.remove("results/mevis/method.json");
+    dir.refuses(line, &["holds results already"]);
+    assert_eq!(dir.read(mask).into_bytes(), theirs["mevis/masks/tabletop_cups/003.json"]);
+    dir.succeed(format!("{line} --force"));
+    assert_eq!(dir.tree("results"), whole);
 }

@@ -235,6 +235,11 @@ fn refersplat_goes_through() {
     originals.agrees("refersplat", "langsplat", "refersplat");
 }
 
+/// A folder with what a method wrote as MeViS has it.
+pub(crate) fn folder() -> Dir {
+    mevis().dir
+}
+
 fn mevis() -> Originals {
     let originals = Originals::new();
     for (query, moment) in pairs() {

@@ -11,8 +11,44 @@ mod stage;
 
 use serde_json::json;
 
-use self::stage::{CATS, CUPS, prompts, stage};
+use self::scripted::{Seen, Server, says, thinks};
+use self::stage::{CATS, CUPS, answer, endpoint, prompts, proposal, stage};
 use crate::endpoint::Process;
+use crate::support::Dir;
+
+/// Proposals from what [`taped_prompts`] and [`taped_scenes`] recorded.
+pub(crate) const PROMPTS_AGAIN: &str = "propose-prompts --profile tiny --endpoint endpoint.toml --frames 2 \
+     --training-views 0 --link replay:tape --out proposals";
+pub(crate) const SCENES_AGAIN: &str =
+    "propose-scenes --endpoint endpoint.toml --scales room --link replay:tape --out scenarios";
+
+/// A folder with the recorded answers of a model that was asked for prompts.
+pub(crate) fn taped_prompts() -> Dir {
+    let (dir, left_out) = stage(&[CUPS, CATS]);
+    let [cups, cats] = [0, 2].map(|index| answer(&[proposal(&dir, &left_out[index])]));
+    let reply = thinks(move |seen: &Seen| says(if seen.body.contains("keyboard") { &cups } else { &cats }));
+    taped(dir, reply, PROMPTS_AGAIN)
+}
+
+/// The same of one that was asked for scenes.
+pub(crate) fn taped_scenes() -> Dir {
+    let (dir, _) = stage(&[CUPS]);
+    let reply = says(&json!({ "scenarios": [scenarios::bakery()] }).to_string());
+    taped(dir, reply, SCENES_AGAIN)
+}
+
+fn taped(dir: Dir, reply: scripted::Turn, line: &str) -> Dir {
+    let server = Server::start(vec![reply]);
+    endpoint(&dir, &server, "");
+    let run = dir.run(line.replace("replay", "record"));
+    assert!(run.code < 2, "{run}");
+    for left in ["proposals", "scenarios", "work"] {
+        if dir.path(left).exists() {
+            dir.remove(left);
+        }
+    }
+    dir
+}
 
 /// Random weights answer garbage: all of it is kept with its reasons, and nothing breaks.
 #[test]

@@ -1,11 +1,13 @@
-//! Scenes from seeds, from the draw to scores.
+//! Scenes from seeds, from the draw to scores; what is left of verbs that draw, when they are killed.
 
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::support::{Run, l4d, succeed};
+use crate::support::{Dir, Noise, Run, l4d, succeed};
 
 fn compose(out: &Path, more: &str) -> Command {
     let mut command = l4d(&format!("compose {more} --out"));
@@ -78,4 +80,35 @@ fn a_scenario_is_composed_or_refused_with_the_words_that_exist() {
     assert_eq!(made["scenes"][0]["scene"], "tabletop_morning");
     let tracks = std::fs::read_to_string(folder.path().join("set/scenes/tabletop_morning.json")).unwrap();
     assert!(tracks.contains(r#""verb":"lift""#) && tracks.contains(r#""category":"cup""#));
+}
+
+/// Kills a verb that writes into a folder at random moments, and lets it end then: the same files as without a kill.
+fn goes_on_after(kills: u32, verb: &str, line: impl Fn(&str) -> Command) {
+    let (dir, mut noise) = (Dir::new(), Noise::new(7));
+    let into = |name: &str| line(dir.path(name).to_str().unwrap());
+    let begin = Instant::now();
+    succeed(&mut into("calm"));
+    let whole = begin.elapsed();
+    for _ in 0..kills {
+        let mut child = into("shaken").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(whole * noise.below(900) / 1000);
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    succeed(&mut into("shaken"));
+    let [calm, shaken]: [BTreeMap<String, Vec<u8>>; 2] = ["calm", "shaken"].map(|name| dir.tree(name));
+    let differing: Vec<&String> =
+        calm.keys().chain(shaken.keys()).filter(|name| calm.get(*name) != shaken.get(*name)).collect();
+    assert!(!calm.is_empty() && differing.is_empty(), "{verb}: {differing:?}");
+}
+
+#[test]
+#[ignore = "slow: kills compose and draw-variant ten times each"]
+fn verbs_that_draw_scenes_go_on_after_ten_kills() {
+    goes_on_after(10, "compose", |out| compose(Path::new(out), "--seed 1001 --count 2"));
+    goes_on_after(10, "draw-variant", |out| {
+        let mut command = l4d("draw-variant 3 --profile tiny --scenes tabletop_tea --out");
+        command.arg(format!("{out}/set")).args(["--data", &format!("{out}/data")]);
+        command
+    });
 }

@@ -7,7 +7,7 @@ use super::stage::*;
 use crate::support::{self, shipped};
 
 /// The example of the instructions: a scenario in which nothing is wrong.
-fn bakery() -> Value {
+pub(super) fn bakery() -> Value {
     let brief = shipped("crates/l4d-propose/briefs/scenarios.md");
     serde_json::from_str::<Value>(brief.lines().last().unwrap()).unwrap()["scenarios"][0].clone()
 }

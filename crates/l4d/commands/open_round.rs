@@ -129,7 +129,8 @@ fn refuse_to_replace(dir: &RoundDir, force: bool) -> Result<()> {
             "give the new round another name; votes are never thrown away",
         ));
     }
-    if !force && !list_folder(dir.root())?.is_empty() {
+    // Its settings are written last: without them there is what a killed run left.
+    if !force && dir.settings().exists() {
         return Err(refusal(
             format!("{}: there is such a round already, without votes", dir.root().display()),
             "give another name, or replace it with --force",
@@ -138,7 +139,7 @@ fn refuse_to_replace(dir: &RoundDir, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// Removes what a round without votes left; everything else in the folder stays.
+/// Removes what a round without votes left, its settings first; everything else in the folder stays.
 fn clear(dir: &RoundDir) -> Result<()> {
     for path in [dir.settings(), dir.items(), dir.key(), dir.verdicts(), dir.agreement(), dir.refine()] {
         if path.exists() {

@@ -1,18 +1,23 @@
 //! What an import leaves: `method.json` with its assumptions and digests, and a file of masks a query.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use l4d_data::digest::{RunningDigest, sha256_file};
 use l4d_data::layout::ResultsDir;
 use l4d_data::results::{Import, MaskFile, MethodCard, Used};
-use l4d_data::store::remove_folder;
+use l4d_data::store::{FolderLock, list_folder, remove_folder, write_atomic};
 use l4d_data::truth::frame_key;
-use l4d_data::{DataError, Name, json};
+use l4d_data::{DataError, Name, QueryId, json};
 
 use super::super::relevancy::Smoothing;
 use super::super::template::Hit;
 use super::{Imported, Request};
+
+/// Beside the masks while an import writes them: what it left when it was killed is its own, and a later one replaces it.
+const CLAIM: &str = ".l4d-import";
 
 /// Who the results belong to.
 #[derive(Debug, Clone)]
@@ -27,10 +32,12 @@ pub struct Identity {
     pub depth: bool,
 }
 
-/// Writes results below a folder of methods; gives the folder of this one.
+/// Writes results below a folder of methods, the card last; gives the folder of this one. What an import left that was
+/// killed is replaced, and results that are there already are kept.
 ///
 /// # Errors
-/// A folder that holds results already, unless `force`, and whatever keeps files from being written.
+/// A folder that holds results already, unless `force`, or that another run writes into, and whatever keeps files from
+/// being written.
 pub fn write(
     results: &Path,
     identity: &Identity,
@@ -39,23 +46,32 @@ pub fn write(
     force: bool,
 ) -> Result<PathBuf, DataError> {
     let dir = ResultsDir::new(results.join(identity.name.as_str()));
-    if dir.masks().exists() {
-        if !force {
-            let remedy = "give another --name, or replace what is there with --force";
-            return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
+    let _lock = FolderLock::take(dir.root())?;
+    let claim = dir.root().join(CLAIM);
+    let card = card(identity, request, imported)?;
+    if dir.masks().exists() && !force && !claim.exists() {
+        if holds(&dir, &card, imported) {
+            return Ok(dir.root().to_owned());
         }
-        // Old answers must not mix with new ones.
-        remove_folder(&dir.masks())?;
+        let remedy = "give another --name, or replace what is there with --force";
+        return Err(DataError::invalid(dir.root(), "folder", "holds results already", remedy));
     }
-    let profile = request.profile;
-    for (query, answers) in &imported.answers {
-        let frames = answers.iter().map(|(&frame, mask)| (frame_key(frame), mask.clone())).collect();
-        let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
-        let file = MaskFile { size: [height, width], frames };
+    write_atomic(&claim, b"")?;
+    // Old answers must not mix with new ones, nor an old card with either.
+    remove_file(&dir.card())?;
+    remove_folder(&dir.masks())?;
+    for (query, file) in mask_files(imported) {
         json::write_compact(&dir.mask_file(query), &file)?;
     }
+    json::write(&dir.card(), &card)?;
+    remove_file(&claim)?;
+    Ok(dir.root().to_owned())
+}
+
+fn card(identity: &Identity, request: &Request<'_>, imported: &Imported) -> Result<MethodCard, DataError> {
+    let profile = request.profile;
     let digest = request.bench.truth_digest(profile)?;
-    let card = MethodCard {
+    Ok(MethodCard {
         link: request.preset.link.clone(),
         used: Used { test_view: identity.test_view, depth: identity.depth, ..Used::default() },
         reported: imported.claimed.clone(),
@@ -71,9 +87,33 @@ pub fn write(
             digest,
             profile,
         )
-    };
-    json::write(&dir.card(), &card)?;
-    Ok(dir.root().to_owned())
+    })
+}
+
+fn mask_files(imported: &Imported) -> impl Iterator<Item = (&QueryId, MaskFile)> {
+    imported.answers.iter().map(|(query, answers)| {
+        let frames = answers.iter().map(|(&frame, mask)| (frame_key(frame), mask.clone())).collect();
+        let (width, height) = imported.sizes.get(&query.scene).copied().unwrap_or_default();
+        (query, MaskFile { size: [height, width], frames })
+    })
+}
+
+/// Whether a folder holds these results already: the card, these masks and no other scene.
+fn holds(dir: &ResultsDir, card: &MethodCard, imported: &Imported) -> bool {
+    let scenes: BTreeSet<&str> = imported.answers.keys().map(|query| query.scene.as_str()).collect();
+    json::read::<MethodCard>(&dir.card()).is_ok_and(|found| found == *card)
+        && list_folder(&dir.masks()).is_ok_and(|found| found.iter().eq(scenes))
+        && mask_files(imported).all(|(query, file)| {
+            json::read::<MaskFile>(&dir.mask_file(query)).is_ok_and(|found| found == file)
+        })
+}
+
+/// A file that is not there is no error.
+fn remove_file(path: &Path) -> Result<(), DataError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(DataError::io(path, "remove", source)),
+        _ => Ok(()),
+    }
 }
 
 /// One digest of all files of a scene, by their paths below the root.
