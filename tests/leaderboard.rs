@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use l4d_board::Board;
 use serde_json::Value;
 
-use crate::support::{Dir, Run, named, root, shipped};
+use crate::support::{Dir, Run, named, root, shipped, succeed};
 
 const BASELINES: [&str; 6] =
     ["all", "look-alike-union", "none", "oracle", "random-look-alike", "time-agnostic"];
@@ -391,4 +391,16 @@ fn methods_that_learned_from_depth_are_ranked_among_their_own() {
     let board = dir.json(LEADERBOARD);
     let deep = named(&board["ranked"], "deep");
     assert_eq!((&deep["track"], &deep["rank"]), (&"colour+depth".into(), &1.into()));
+}
+
+/// 991 270 rows a method: held as rows they alone would be 100 MB each.
+#[test]
+#[ignore = "slow: makes scores of 20 230 queries"]
+fn a_page_of_twenty_thousand_queries_takes_less_than_300_mb() {
+    let mut harness = Command::new("python3");
+    harness.arg(root().join("benchmark/perf/board.py")).args(["--l4d", env!("CARGO_BIN_EXE_l4d")]);
+    let said = succeed(harness.args("--methods 2 --copies 70 --repeat 1 -- --html".split(' ')));
+    let report: Value = serde_json::from_str(said.lines().next().unwrap()).unwrap();
+    assert_eq!(report["queries"], 20_230, "{report}");
+    assert!(report["peak_memory_mib"].as_u64().unwrap() < 300, "{report}");
 }

@@ -12,7 +12,8 @@ prints one JSON object with the best wall time, the best processor time (which c
 as well), the peak memory and the size of the page; what follows `--` goes to the verb. Methods beyond the first hundred have
 the counts of one of them under a name of their own; `--copies 70` asks each query 70 times, which makes 20 230. Needs no render, and Python's standard library alone.
 
-Targets: 50 methods on all queries in under 10 s; time in proportion to the methods, memory far below that of their counts.
+Targets: 50 methods on all queries in under 10 s; time in proportion to the methods, memory far below that of their counts: below 300 MB
+for 20 230 queries and two methods with the page.
 """
 
 import argparse

@@ -11,7 +11,7 @@ use l4d_data::{
 };
 use l4d_score::compare::Pair;
 use l4d_score::counts::State;
-use l4d_score::metrics::Ratios;
+use l4d_score::metrics::{QueryFacts, Ratios};
 use l4d_score::{Breakdown, Estimate, Group, GroupKind, Metric};
 use serde::{Deserialize, Serialize};
 
@@ -306,6 +306,19 @@ impl From<&Query> for BoardQuery {
             temporal: query.temporal,
             frames: query.frames.clone(),
             verified: query.status == Status::Verified,
+        }
+    }
+}
+
+impl BoardQuery {
+    /// What the metrics must know of it, in a scene of some scale.
+    pub(crate) fn facts(&self, scale: Scale) -> QueryFacts {
+        QueryFacts {
+            id: self.id.clone(),
+            categories: self.categories.clone(),
+            scale,
+            referents: self.referents.clone(),
+            verified: self.verified,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Why a board could not be made.
 
+use std::path::Path;
+
 use l4d_data::{DataError, StageError};
 
 /// A refusal of this crate.
@@ -48,5 +50,10 @@ impl From<BoardError> for StageError {
 impl BoardError {
     pub(crate) fn render(file: &str, error: impl std::fmt::Display) -> Self {
         Self::Render { file: file.to_owned(), message: error.to_string() }
+    }
+
+    /// What the disk said while a file was written.
+    pub(crate) fn write(path: &Path, error: impl Into<std::io::Error>) -> Self {
+        DataError::io(path, "write", error.into()).into()
     }
 }

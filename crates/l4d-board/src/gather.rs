@@ -7,12 +7,12 @@ use std::path::Path;
 use l4d_data::published::{Metric as PublishedMetric, Published};
 use l4d_data::results::Track;
 use l4d_data::store::list_folder;
-use l4d_data::{DataError, Name, Report, Role, Status};
+use l4d_data::{DataError, Name, QueryId, Report, Role, Status};
 use l4d_score::compare::Pair;
-use l4d_score::counts::{self, FrameCount, State};
+use l4d_score::counts::{self, FrameCount, Rows, State};
 use l4d_score::exam::SceneExam;
 use l4d_score::metrics::{QueryTally, taken};
-use l4d_score::score::{counts_path, rows_by_query, summary_path, tallies_of_counts};
+use l4d_score::score::{counts_path, summary_path};
 use l4d_score::{
     Breakdown, Estimate, Exam, GroupKind, Metric, Metrics, Missing, Options, QuerySet, Summary, all_pairs,
     groups,
@@ -221,14 +221,32 @@ pub(crate) struct Source<'a> {
     pub(crate) options: Options,
 }
 
+/// What `counts.csv` says of a method.
+pub(crate) struct Counted {
+    /// In the order of the board's queries.
+    tallies: Vec<QueryTally>,
+    /// In the same order, where they were asked for.
+    pub(crate) answers: Vec<Answer>,
+    frames: FrameIous,
+    /// What contradicts the benchmark.
+    problem: Option<String>,
+}
+
+/// The IoUs that count, each with its frame, side by side.
+#[derive(Default)]
+struct FrameIous {
+    frames: Vec<u32>,
+    ious: Vec<f64>,
+}
+
 impl Source<'_> {
     /// Fills in what `counts.csv` says of the method at a place of the board; gives its tallies if it is compared.
     fn count(&self, method: &mut Method, place: usize) -> Result<Vec<QueryTally>, BoardError> {
         let path = counts_path(self.scores, &method.name);
-        let counts = counts::read(&path)?;
+        let Counted { tallies, answers, frames, problem } =
+            self.counted(counts::by_query(Rows::open(&path)?), place < MOST_DETAILED)?;
         let contradicts =
             |message: String| DataError::invalid(&path, "rows", message, "run `l4d score` again");
-        let tallies = tallies_of_counts(&counts, self.exam, &self.options);
         // A method that was scored on other scenes cannot be derived from the queries of these.
         if method.asked == tallies.len() {
             let derived = Breakdown::of(&tallies);
@@ -238,63 +256,104 @@ impl Source<'_> {
             }
             method.scores = derived;
         }
+        if let Some(problem) = problem {
+            return Err(contradicts(problem).into());
+        }
         method.miou = Estimate::of_ratio(&tallies, |ratios| ratios.miou, self.seed);
-        method.iou_of_frames =
-            iou_of_frames(&counts, &self.options).map_err(|error| BoardError::render("board.json", error))?;
+        method.iou_of_frames = frames.means().map_err(|error| BoardError::render("board.json", error))?;
         if place < MOST_DETAILED {
             method.groups = groups(&tallies, self.exam, |kind| has_group(kind, place), self.seed);
-            self.detail(method, &counts, &tallies).map_err(contradicts)?;
+            fill(method, answers);
         }
         Ok(if place < MOST_COMPARED { tallies } else { Vec::new() })
     }
 
-    /// What the method did query by query; refuses rows that contradict the benchmark.
-    pub(crate) fn detail(
+    /// Adds up rows, query by query; says what the method did in each query if the answers are `wanted`.
+    pub(crate) fn counted(
         &self,
-        method: &mut Method,
-        counts: &[FrameCount],
-        tallies: &[QueryTally],
-    ) -> Result<(), String> {
-        let rows = rows_by_query(counts);
-        let asked =
-            self.scenes.iter().flat_map(|scene| scene.queries.iter().map(move |query| (scene, query)));
-        for ((scene, query), tally) in asked.zip(tallies) {
-            let rows = rows.get(&query.id).map_or(&[][..], Vec::as_slice);
-            if !rows.is_empty() && rows.iter().map(|row| row.frame).ne(scene.clip.iter().copied()) {
-                return Err(format!("query {} has not one row per frame of its clip", query.id));
+        blocks: impl Iterator<Item = Result<Vec<FrameCount>, DataError>>,
+        wanted: bool,
+    ) -> Result<Counted, DataError> {
+        let asked: Vec<(&BoardScene, &BoardQuery)> = self
+            .scenes
+            .iter()
+            .flat_map(|scene| scene.queries.iter().map(move |query| (scene, query)))
+            .collect();
+        let places: BTreeMap<&QueryId, usize> =
+            asked.iter().enumerate().map(|(place, (_, query))| (&query.id, place)).collect();
+        let mut frames = FrameIous::default();
+        let mut problem = None;
+        let mut found: Vec<Option<(QueryTally, Option<Answer>)>> = asked.iter().map(|_| None).collect();
+        for block in blocks {
+            let block = block?;
+            block.iter().for_each(|row| frames.add(row, &self.options));
+            let Some(&place) = places.get(&block[0].query) else { continue };
+            let (scene, query) = asked[place];
+            if found[place].is_some() {
+                problem.get_or_insert_with(|| format!("those of query {} are not together", query.id));
+            } else if wanted && block.iter().map(|row| row.frame).ne(scene.clip.iter().copied()) {
+                problem.get_or_insert_with(|| {
+                    format!("query {} has not one row per frame of its clip", query.id)
+                });
             }
-            let answer = answer(scene, query, tally, rows);
-            if let Some(choice) = answer.choice {
-                *method.choices.entry(choice).or_default() += 1;
-            }
-            method.answers.push(answer);
+            found[place] = Some(self.of_query(scene, query, &block, wanted));
         }
-        Ok(())
+        let or_nothing = |(found, (scene, query)): (Option<_>, (&BoardScene, &BoardQuery))| {
+            found.unwrap_or_else(|| self.of_query(scene, query, &[], wanted))
+        };
+        let (tallies, answers): (Vec<QueryTally>, Vec<Option<Answer>>) =
+            found.into_iter().zip(asked).map(or_nothing).unzip();
+        Ok(Counted { tallies, answers: answers.into_iter().flatten().collect(), frames, problem })
+    }
+
+    fn of_query(
+        &self,
+        scene: &BoardScene,
+        query: &BoardQuery,
+        rows: &[FrameCount],
+        wanted: bool,
+    ) -> (QueryTally, Option<Answer>) {
+        let tally = QueryTally::of(query.facts(scene.scale), rows, &self.options);
+        let answer = wanted.then(|| answer(scene, query, &tally, rows));
+        (tally, answer)
     }
 }
 
-/// Canonical frame -> mean IoU, percent, over the queries with a true or predicted pixel there; a false alarm counts 0.
-/// No metric: those are made by `l4d-score` alone, without polars. The group-by is eager, because lazy frames of this
-/// version of polars bring an HTTP client and 180 more crates.
-fn iou_of_frames(counts: &[FrameCount], options: &Options) -> PolarsResult<BTreeMap<u32, f64>> {
-    let is_counted = |count: &&FrameCount| match count.state {
-        State::NotAnnotated => false,
-        State::Missing => options.missing != Missing::Skip && count.union > 0,
-        _ => count.union > 0,
-    };
-    let (frames, ious): (Vec<u32>, Vec<f64>) = counts
-        .iter()
-        .filter(is_counted)
-        .map(|count| (count.frame, 100.0 * count.intersection as f64 / count.union as f64))
-        .unzip();
-    let table = DataFrame::new(
-        frames.len(),
-        vec![Column::new("frame".into(), frames), Column::new("iou".into(), ious)],
-    )?;
-    #[expect(deprecated, reason = "what replaces it is lazy frames")]
-    let means = table.group_by_stable(["frame"])?.select(["iou"]).mean()?;
-    let pairs = means.column("frame")?.u32()?.iter().zip(means.column("iou_mean")?.f64()?.iter());
-    Ok(pairs.filter_map(|(frame, mean)| Some((frame?, mean?))).collect())
+/// Adds what a method did query by query.
+pub(crate) fn fill(method: &mut Method, answers: Vec<Answer>) {
+    for choice in answers.iter().filter_map(|answer| answer.choice) {
+        *method.choices.entry(choice).or_default() += 1;
+    }
+    method.answers = answers;
+}
+
+impl FrameIous {
+    fn add(&mut self, count: &FrameCount, options: &Options) {
+        let is_counted = match count.state {
+            State::NotAnnotated => false,
+            State::Missing => options.missing != Missing::Skip && count.union > 0,
+            _ => count.union > 0,
+        };
+        if is_counted {
+            self.frames.push(count.frame);
+            self.ious.push(100.0 * count.intersection as f64 / count.union as f64);
+        }
+    }
+
+    /// Canonical frame -> mean IoU, percent, over the queries with a true or predicted pixel there; a false alarm counts 0.
+    /// No metric: those are made by `l4d-score` alone, without polars. The group-by is eager, because lazy frames of this
+    /// version of polars bring an HTTP client and 180 more crates.
+    fn means(self) -> PolarsResult<BTreeMap<u32, f64>> {
+        let Self { frames, ious } = self;
+        let table = DataFrame::new(
+            frames.len(),
+            vec![Column::new("frame".into(), frames), Column::new("iou".into(), ious)],
+        )?;
+        #[expect(deprecated, reason = "what replaces it is lazy frames")]
+        let means = table.group_by_stable(["frame"])?.select(["iou"]).mean()?;
+        let pairs = means.column("frame")?.u32()?.iter().zip(means.column("iou_mean")?.f64()?.iter());
+        Ok(pairs.filter_map(|(frame, mean)| Some((frame?, mean?))).collect())
+    }
 }
 
 /// Single queries are groups of which [`Method::answers`] say everything.
@@ -306,10 +365,10 @@ fn has_group(kind: GroupKind, place: usize) -> bool {
     }
 }
 
-fn answer(scene: &BoardScene, query: &BoardQuery, tally: &QueryTally, rows: &[&FrameCount]) -> Answer {
+fn answer(scene: &BoardScene, query: &BoardQuery, tally: &QueryTally, rows: &[FrameCount]) -> Answer {
     let ratios = tally.ratios();
-    let taken = taken(&query.referents, rows.iter().copied()).cloned();
-    let column = |value: fn(&FrameCount) -> u64| rows.iter().map(|row| value(row)).collect();
+    let taken = taken(&query.referents, rows).cloned();
+    let column = |value: fn(&FrameCount) -> u64| rows.iter().map(value).collect();
     let missing = rows.iter().enumerate().filter(|(_, row)| row.state == State::Missing);
     Answer {
         choice: ratios.select.map(|selected| choice(scene, query, taken.as_ref(), selected > 0.5)),

@@ -9,15 +9,18 @@ mod masks;
 mod overview;
 mod scene;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
-use l4d_data::store::write_atomic;
+use l4d_data::store::AtomicFile;
 use l4d_score::Exam;
 use rayon::prelude::*;
 
 pub use masks::LONGEST_SIDE_PX;
 pub use scene::Backdrop;
 
+use self::document::Page;
+use self::overview::Overview;
 use crate::board::Board;
 use crate::error::BoardError;
 
@@ -31,25 +34,27 @@ pub struct Media<'a> {
     pub backdrop: &'a Backdrop<'a>,
 }
 
-/// Writes `index.html` into `folder`; gives its path.
+/// Writes `index.html` into `folder`; gives its path. Scenes are made as they are written, as many at once as there are
+/// threads.
 ///
 /// # Errors
 /// Truth that is damaged, and what the disk refuses.
 pub fn publish_page(board: &Board, media: &Media, folder: &Path) -> Result<PathBuf, BoardError> {
     let path = folder.join("index.html");
-    write_atomic(&path, page(board, media)?.as_bytes())?;
-    Ok(path)
-}
-
-fn page(board: &Board, media: &Media) -> Result<String, BoardError> {
-    let mut data = vec![("board".to_owned(), "application/json", embed::json(&overview::overview(board)))];
-    let places: Vec<usize> = (0..board.scenes.len()).collect();
-    let pack = |place: &usize| {
-        let value = scene::scene(board, *place, media)?;
-        let packed = embed::packed(&value).map_err(|error| BoardError::render("index.html", error))?;
-        Ok((format!("scene-{place}"), "text/plain", packed))
-    };
-    data.extend(places.par_iter().map(pack).collect::<Result<Vec<_>, BoardError>>()?);
+    let mut file = AtomicFile::create(&path)?;
+    let failed = |error: io::Error| BoardError::write(&path, error);
     let title = format!("{} {}: leaderboard", board.heading.benchmark, board.heading.on.benchmark_version);
-    Ok(document::document(&title, &data))
+    let mut page = Page::begin(file.writer(), &title).map_err(failed)?;
+    page.json("board", &Overview(board)).map_err(failed)?;
+    let places: Vec<usize> = (0..board.scenes.len()).collect();
+    for places in places.chunks(rayon::current_num_threads()) {
+        let pack = |place: &usize| embed::packed(&scene::scene(board, *place, media)?).map_err(failed);
+        let packed: Vec<String> = places.par_iter().map(pack).collect::<Result<_, BoardError>>()?;
+        for (place, packed) in places.iter().zip(packed) {
+            page.text(&format!("scene-{place}"), &packed).map_err(failed)?;
+        }
+    }
+    page.end().map_err(failed)?;
+    file.commit()?;
+    Ok(path)
 }

@@ -1,8 +1,9 @@
-//! Writing a board: everything is made in memory first, so that a refusal leaves the folder as it was.
+//! Writing a board: tables and figures are made in memory first, so that a refusal leaves the folder as it was. The
+//! document, which is as large as the board, is written as it is made.
 
 use std::path::{Path, PathBuf};
 
-use l4d_data::store::write_atomic;
+use l4d_data::store::{AtomicFile, write_atomic};
 use rayon::prelude::*;
 
 use crate::board::Board;
@@ -16,10 +17,7 @@ use crate::{latex, layout, markdown, tables};
 /// # Errors
 /// What polars, plotters or the disk refuses.
 pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError> {
-    let mut document = serde_json::to_vec(board).map_err(|error| BoardError::render("board.json", error))?;
-    document.push(b'\n');
     let mut files = vec![
-        ("board.json".to_owned(), document),
         ("leaderboard.csv".to_owned(), tables::leaderboard(board)?),
         ("per_category.csv".to_owned(), tables::per_group(board, "category")?),
         ("per_scale.csv".to_owned(), tables::per_group(board, "scale")?),
@@ -47,13 +45,21 @@ pub fn publish(board: &Board, folder: &Path) -> Result<Vec<PathBuf>, BoardError>
     // The page comes last: when it is new, so is everything that it shows.
     files.push(("leaderboard.md".to_owned(), markdown::page(board, &figures).into_bytes()));
 
-    let mut paths = Vec::new();
+    let mut paths = vec![publish_document(board, folder.join("board.json"))?];
     for (name, bytes) in files {
         let path = folder.join(name);
         write_atomic(&path, &bytes)?;
         paths.push(path);
     }
     Ok(paths)
+}
+
+fn publish_document(board: &Board, path: PathBuf) -> Result<PathBuf, BoardError> {
+    let mut file = AtomicFile::create(&path)?;
+    serde_json::to_writer(file.writer(), board).map_err(|error| BoardError::write(&path, error))?;
+    file.write(b"\n")?;
+    file.commit()?;
+    Ok(path)
 }
 
 #[cfg(test)]

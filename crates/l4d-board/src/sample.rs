@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use l4d_data::results::Track;
 use l4d_data::{Benchmark, Category, Name, Profile, Report, Scale};
-use l4d_score::counts::{FrameCount, State};
+use l4d_score::counts::{FrameCount, State, by_query};
 use l4d_score::metrics::PerMetric;
 use l4d_score::protocols::{LeftOut, Protocol};
-use l4d_score::score::tallies_of_counts;
 use l4d_score::{
     Average, Breakdown, Comparison, Estimate, Exam, Group, GroupKind, Metric, Metrics, Options, Pair,
     QuerySet,
@@ -16,7 +15,7 @@ use l4d_score::{
 use crate::board::{
     Board, BoardScene, Comparisons, Heading, Method, PublishedRow, PublishedTable, SCHEMA, ScoredOn,
 };
-use crate::gather::{Source, board_scene};
+use crate::gather::{Source, board_scene, fill};
 use crate::protocols::{ProtocolRow, ProtocolTable};
 use crate::ranking::arrange;
 
@@ -169,11 +168,10 @@ pub(crate) fn answered(mut board: Board) -> Board {
     let options = Options::default();
     let scenes: Vec<BoardScene> = exam.scenes.iter().map(|scene| board_scene(scene, &options)).collect();
     for (place, method) in board.methods.iter_mut().enumerate() {
-        let counts: Vec<FrameCount> = scenes.iter().flat_map(|scene| made_up(scene, place)).collect();
-        let tallies = tallies_of_counts(&counts, &exam, &options);
+        let counts = scenes.iter().flat_map(|scene| made_up(scene, place)).map(Ok);
         let scores = std::path::Path::new("scores");
         let source = Source { scores, exam: &exam, scenes: &scenes, seed: 0, options };
-        source.detail(method, &counts, &tallies).unwrap();
+        fill(method, source.counted(by_query(counts), true).unwrap().answers);
     }
     board.scenes = scenes;
     board

@@ -1,7 +1,8 @@
 //! `counts.csv`: one row per query and frame, from which every score is derived.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 
 use l4d_data::store::open_bounded;
 use l4d_data::{DataError, Name, QueryId};
@@ -63,6 +64,9 @@ pub struct FrameCount {
     pub instance_overlap: u64,
 }
 
+/// No file of counts is larger.
+const MAX_BYTES: u64 = 1 << 30;
+
 const HEADER: &str = "scene,query,frame,state,intersection,union,predicted,truth,instance,instance_overlap";
 
 /// A row of the file.
@@ -98,36 +102,83 @@ pub fn to_csv(counts: &[FrameCount], with_header: bool) -> Vec<u8> {
     writer.into_inner().expect("memory takes all bytes")
 }
 
+/// The rows of a `counts.csv`, one after another, so that a file of any length takes no more memory than a row.
+pub struct Rows {
+    path: PathBuf,
+    rows: csv::DeserializeRecordsIntoIter<File, Row>,
+    line: usize,
+    /// Names come again and again: rows share them.
+    names: BTreeSet<Name>,
+}
+
+impl Rows {
+    /// Opens a file and checks its header.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or has another header.
+    pub fn open(path: &Path) -> Result<Self, DataError> {
+        let mut reader = csv::Reader::from_reader(open_bounded(path, MAX_BYTES)?);
+        let header = reader.headers().map_err(|error| invalid(path, 1, error.to_string()))?;
+        if header.iter().ne(HEADER.split(',')) {
+            return Err(invalid(path, 1, format!("is not `{HEADER}`")));
+        }
+        Ok(Self { path: path.to_owned(), rows: reader.into_deserialize(), line: 1, names: BTreeSet::new() })
+    }
+
+    fn parsed(&mut self, row: csv::Result<Row>) -> Result<FrameCount, DataError> {
+        let row = row.map_err(|error| invalid(&self.path, self.line, error.to_string()))?;
+        let mut count = FrameCount::of(row).map_err(|message| invalid(&self.path, self.line, message))?;
+        let QueryId { scene, number } = &mut count.query;
+        for name in [scene, number].into_iter().chain(&mut count.instance) {
+            match self.names.get(name.as_str()) {
+                Some(known) => name.clone_from(known),
+                None => drop(self.names.insert(name.clone())),
+            }
+        }
+        Ok(count)
+    }
+}
+
+/// Rows that are none or contradict themselves are errors, by line.
+impl Iterator for Rows {
+    type Item = Result<FrameCount, DataError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = self.rows.next()?;
+        self.line += 1;
+        Some(self.parsed(row))
+    }
+}
+
+fn invalid(path: &Path, line: usize, message: String) -> DataError {
+    DataError::invalid(path, format!("line {line}"), message, "run `l4d score` again")
+}
+
+/// Rows that follow each other and are of one query, together.
+pub fn by_query<E>(
+    rows: impl Iterator<Item = Result<FrameCount, E>>,
+) -> impl Iterator<Item = Result<Vec<FrameCount>, E>> {
+    let mut rows = rows.peekable();
+    std::iter::from_fn(move || {
+        let mut block = match rows.next()? {
+            Ok(first) => vec![first],
+            Err(error) => return Some(Err(error)),
+        };
+        let is_of =
+            |row: &Result<FrameCount, E>, query: &QueryId| row.as_ref().is_ok_and(|row| row.query == *query);
+        while let Some(row) = rows.next_if(|row| is_of(row, &block[0].query)) {
+            block.extend(row);
+        }
+        Some(Ok(block))
+    })
+}
+
 /// Reads a `counts.csv`.
 ///
 /// # Errors
 /// A file that cannot be read, and rows that are none or contradict themselves, by line.
 pub fn read(path: &Path) -> Result<Vec<FrameCount>, DataError> {
-    let mut rows = csv::Reader::from_reader(open_bounded(path, 1 << 30)?);
-    let invalid = |line: usize, message: String| {
-        let remedy = "run `l4d score` again";
-        DataError::invalid(path, format!("line {line}"), message, remedy)
-    };
-    let header = rows.headers().map_err(|error| invalid(1, error.to_string()))?;
-    if header.iter().ne(HEADER.split(',')) {
-        return Err(invalid(1, format!("is not `{HEADER}`")));
-    }
-    // Names come again and again: rows share them.
-    let mut names: BTreeSet<Name> = BTreeSet::new();
-    let mut shared = |name: &mut Name| match names.get(name.as_str()) {
-        Some(known) => name.clone_from(known),
-        None => drop(names.insert(name.clone())),
-    };
-    let counts = rows.deserialize::<Row>().enumerate().map(|(index, row)| {
-        // The header is line 1.
-        let line = index + 2;
-        let row = row.map_err(|error| invalid(line, error.to_string()))?;
-        let mut count = FrameCount::of(row).map_err(|message| invalid(line, message))?;
-        let QueryId { scene, number } = &mut count.query;
-        [scene, number].into_iter().chain(&mut count.instance).for_each(&mut shared);
-        Ok(count)
-    });
-    counts.collect()
+    Rows::open(path)?.collect()
 }
 
 #[cfg(test)]
@@ -161,6 +212,19 @@ mod tests {
                         farm,003,12,false_alarm,2,5,3,4,,2\n";
         assert_eq!(text, expected);
         assert_eq!(read(&path).unwrap(), rows);
+    }
+
+    #[test]
+    fn rows_come_query_by_query_and_an_error_ends_them() {
+        let of = |number: &str, frame: u32| {
+            let query = format!("farm/{number}").parse().unwrap();
+            Ok(FrameCount { query, ..row(frame, State::Hit, None) })
+        };
+        let rows = [of("001", 0), of("001", 12), of("002", 0), Err("torn"), of("002", 12), of("001", 24)];
+        let blocks: Vec<Result<Vec<u32>, &str>> = by_query(rows.into_iter())
+            .map(|block| Ok(block?.into_iter().map(|row| row.frame).collect()))
+            .collect();
+        assert_eq!(blocks, [Ok(vec![0, 12]), Ok(vec![0]), Err("torn"), Ok(vec![12]), Ok(vec![24])]);
     }
 
     #[test]

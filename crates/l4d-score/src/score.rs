@@ -162,7 +162,7 @@ fn judge_scene(
 }
 
 /// The rows of each query, in the order of the file.
-pub fn rows_by_query(counts: &[FrameCount]) -> BTreeMap<&QueryId, Vec<&FrameCount>> {
+fn rows_by_query(counts: &[FrameCount]) -> BTreeMap<&QueryId, Vec<&FrameCount>> {
     let mut rows: BTreeMap<&QueryId, Vec<&FrameCount>> = BTreeMap::new();
     for count in counts {
         rows.entry(&count.query).or_default().push(count);

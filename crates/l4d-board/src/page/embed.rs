@@ -1,30 +1,40 @@
 //! How data travels inside an HTML file: as JSON that cannot end its element, or as packed text that is unpacked when
 //! it is looked at.
 
-use std::io::BufWriter;
+use std::io::{self, BufWriter, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use serde::Serialize;
-use serde_json::Value;
 
-/// JSON for an element that is no markup: `<`, `>` and `&` are written as escapes of JSON, so that nothing in a name
-/// or a sentence can end the element or begin another.
-pub(crate) fn json(value: &Value) -> String {
-    let mut safe = String::new();
-    for letter in value.to_string().chars() {
-        match letter {
-            '<' => safe.push_str("\\u003c"),
-            '>' => safe.push_str("\\u003e"),
-            '&' => safe.push_str("\\u0026"),
-            '\u{2028}' => safe.push_str("\\u2028"),
-            '\u{2029}' => safe.push_str("\\u2029"),
-            other => safe.push(other),
+/// Writes JSON for an element that is no markup: `<`, `>` and `&` are written as escapes of JSON, so that nothing in a
+/// name or a sentence can end the element or begin another.
+pub(crate) fn json(value: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+    Ok(serde_json::to_writer(Escaping(out), value)?)
+}
+
+/// Passes on JSON without markup. It is given whole letters at a time, as `serde_json` writes them.
+struct Escaping<'a, W: Write>(&'a mut W);
+
+impl<W: Write> Write for Escaping<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let text = std::str::from_utf8(bytes).map_err(io::Error::other)?;
+        let mut rest = text;
+        while let Some(at) = rest.find(['<', '>', '&', '\u{2028}', '\u{2029}']) {
+            let (before, after) = rest.split_at(at);
+            let letter = after.chars().next().unwrap_or_default();
+            write!(self.0, "{before}\\u{:04x}", u32::from(letter))?;
+            rest = &after[letter.len_utf8()..];
         }
+        self.0.write_all(rest.as_bytes())?;
+        Ok(bytes.len())
     }
-    safe
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// JSON as zlib (RFC 1950) in base64, which `DecompressionStream("deflate")` of a browser reads.
@@ -61,7 +71,7 @@ mod tests {
     use std::io::Read as _;
 
     use flate2::read::ZlibDecoder;
-    use serde_json::json;
+    use serde_json::{Value, json as value};
 
     use super::*;
 
@@ -69,15 +79,17 @@ mod tests {
 
     #[test]
     fn json_holds_no_markup_and_reads_back_the_same() {
-        let value = json!({ "text": HOSTILE, HOSTILE: [1, null] });
-        let text = json(&value);
+        let value = value!({ "text": HOSTILE, HOSTILE: [1, null] });
+        let mut text = Vec::new();
+        json(&value, &mut text).unwrap();
+        let text = String::from_utf8(text).unwrap();
         assert!(!text.contains(['<', '>', '&', '\u{2028}']), "{text}");
         assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
     }
 
     #[test]
     fn packed_text_is_of_base64_alone_and_unpacks_to_the_same() {
-        let value = json!({ "text": HOSTILE.repeat(100) });
+        let value = value!({ "text": HOSTILE.repeat(100) });
         let text = packed(&value).unwrap();
         assert!(text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+/=".contains(&byte)));
         assert!(text.len() < HOSTILE.len() * 10, "{}", text.len());

@@ -50,13 +50,12 @@ pub(crate) fn shown_size((width, height): (u32, u32)) -> (u32, u32) {
 pub(crate) struct Pool {
     size: (u32, u32),
     places: HashMap<String, i64>,
-    texts: Vec<String>,
 }
 
 impl Pool {
     /// Empty, for masks of this size.
     pub(crate) fn new(size: (u32, u32)) -> Self {
-        Self { size, places: HashMap::new(), texts: Vec::new() }
+        Self { size, places: HashMap::new() }
     }
 
     /// The place of a mask, or [`NOTHING`] if it has no pixel.
@@ -69,18 +68,16 @@ impl Pool {
         if mask.is_empty() {
             return NOTHING;
         }
-        if let Some(&place) = self.places.get(&text) {
-            return place;
-        }
-        let place = self.texts.len() as i64;
-        self.texts.push(text.clone());
-        self.places.insert(text, place);
-        place
+        let next = self.places.len() as i64;
+        *self.places.entry(text).or_insert(next)
     }
 
     /// The masks in the order of their places.
     pub(crate) fn into_texts(self) -> Vec<String> {
-        self.texts
+        let mut texts: Vec<(i64, String)> =
+            self.places.into_iter().map(|(text, place)| (place, text)).collect();
+        texts.sort_unstable();
+        texts.into_iter().map(|(_, text)| text).collect()
     }
 }
 

@@ -5,36 +5,63 @@ use l4d_data::{Category, Scale, Temporal};
 use l4d_score::cluster::FEW_SCENES;
 use l4d_score::protocols::Measure;
 use l4d_score::{Comparison, Estimate, GroupKind, Metric, Metrics, Pair};
+use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use serde_json::{Map, Value, json};
 
 use super::masks::{shown_frames, shown_size};
 use crate::board::{Board, BoardQuery, BoardScene, Method, PublishedRow, PublishedTable};
 use crate::protocols::{ProtocolRow, ProtocolTable, group_filters, group_key};
 
-/// The first element of data. Keys are those of the scripts.
-pub(crate) fn overview(board: &Board) -> Value {
-    let heading = &board.heading;
-    json!({
-        "software": env!("CARGO_PKG_VERSION"),
-        "benchmark": heading.benchmark,
-        "version": heading.on.benchmark_version,
-        "truthDigest": heading.on.truth_digest,
-        "protocol": heading.on.protocol,
-        "profile": heading.on.profile,
-        "queries": heading.queries,
-        "sceneCount": heading.scenes,
-        "verified": heading.verified,
-        "rejected": heading.rejected,
-        "line": heading.line(),
-        "metrics": Metric::ALL.into_iter().map(metric).collect::<Value>(),
-        "tracks": Track::ALL.into_iter().map(|track| json!({ "key": track, "title": track.title() })).collect::<Value>(),
-        "fewScenes": FEW_SCENES,
-        "methods": board.methods.iter().map(|one| method(board, one)).collect::<Value>(),
-        "comparisons": comparisons(board),
-        "protocols": board.protocols.iter().map(|table| protocol(board, table)).collect::<Value>(),
-        "scenes": board.scenes.iter().map(scene).collect::<Value>(),
-        "published": board.published.iter().map(published).collect::<Value>(),
-    })
+/// The first element of data. Keys are those of the scripts. Methods and scenes, which may be many, become values one
+/// after another.
+pub(crate) struct Overview<'a>(pub(crate) &'a Board);
+
+impl Serialize for Overview<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let board = self.0;
+        let heading = &board.heading;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("software", env!("CARGO_PKG_VERSION"))?;
+        map.serialize_entry("benchmark", &heading.benchmark)?;
+        map.serialize_entry("version", &heading.on.benchmark_version)?;
+        map.serialize_entry("truthDigest", &heading.on.truth_digest)?;
+        map.serialize_entry("protocol", &heading.on.protocol)?;
+        map.serialize_entry("profile", &heading.on.profile)?;
+        map.serialize_entry("queries", &heading.queries)?;
+        map.serialize_entry("sceneCount", &heading.scenes)?;
+        map.serialize_entry("verified", &heading.verified)?;
+        map.serialize_entry("rejected", &heading.rejected)?;
+        map.serialize_entry("line", &heading.line())?;
+        map.serialize_entry("metrics", &list(|| Metric::ALL.into_iter().map(metric)))?;
+        map.serialize_entry("tracks", &list(|| Track::ALL.into_iter().map(track)))?;
+        map.serialize_entry("fewScenes", &FEW_SCENES)?;
+        map.serialize_entry("methods", &list(|| board.methods.iter().map(|one| method(board, one))))?;
+        map.serialize_entry("comparisons", &comparisons(board))?;
+        map.serialize_entry(
+            "protocols",
+            &list(|| board.protocols.iter().map(|table| protocol(board, table))),
+        )?;
+        map.serialize_entry("scenes", &list(|| board.scenes.iter().map(scene)))?;
+        map.serialize_entry("published", &list(|| board.published.iter().map(published)))?;
+        map.end()
+    }
+}
+
+/// A list whose members are made as they are written.
+struct List<F>(F);
+
+fn list<I: Iterator<Item: Serialize>, F: Fn() -> I>(members: F) -> List<F> {
+    List(members)
+}
+
+impl<I: Iterator<Item: Serialize>, F: Fn() -> I> Serialize for List<F> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq((self.0)())
+    }
+}
+
+fn track(track: Track) -> Value {
+    json!({ "key": track, "title": track.title() })
 }
 
 fn metric(metric: Metric) -> Value {

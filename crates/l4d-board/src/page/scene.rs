@@ -45,7 +45,7 @@ struct ThingPage {
 struct AnswersPage<'a> {
     ratios: Vec<Vec<Option<f64>>>,
     taken: Vec<Option<&'a Name>>,
-    frames: Vec<Vec<i64>>,
+    frames: Vec<Vec<i16>>,
     masks: Vec<Option<Vec<i64>>>,
 }
 
@@ -104,9 +104,9 @@ fn ratios(ratios: &Ratios) -> Vec<Option<f64>> {
 }
 
 /// By frame: IoU in thousandths where there is something to find and it was hit, else what happened.
-fn codes(scene: &BoardScene, answer: &Answer) -> Vec<i64> {
+fn codes(scene: &BoardScene, answer: &Answer) -> Vec<i16> {
     let code = |position: usize| match answer.state(scene, position) {
-        State::Hit => (answer.iou(position).unwrap_or(0.0) * 1000.0).round() as i64,
+        State::Hit => (answer.iou(position).unwrap_or(0.0) * 1000.0).round() as i16,
         State::Miss => -1,
         State::FalseAlarm => -2,
         State::TrueAbsent => -3,

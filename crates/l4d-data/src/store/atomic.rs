@@ -95,6 +95,11 @@ impl AtomicFile {
         self.temporary.write(bytes).map_err(|source| DataError::io(&self.path, "write", source))
     }
 
+    /// What writes into it, for libraries that write by themselves.
+    pub fn writer(&mut self) -> &mut (impl io::Write + use<>) {
+        &mut self.temporary.writer
+    }
+
     /// Puts the file in place.
     ///
     /// # Errors
