@@ -29,6 +29,16 @@ fn public_readers_see_what_we_wrote() {
     let capture = Capture { points: 0, ..Capture::read(folder.root()).unwrap() };
     l4d_data::json::write(&folder.root().join(CAPTURE), &capture).unwrap();
     exported_as(Kind::Captured, &world, Format::Colmap, HeldOut::Pose, &world.out("captured/without"));
+    write_probes(&world);
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/readers.py");
+    let said = said(Command::new(python).arg(script).arg(world.out("")));
+    let last = said.lines().last().unwrap_or_default();
+    let counts: Vec<u64> = last.split(' ').map(|count| count.parse().unwrap()).collect();
+    assert!(counts.iter().all(|&count| count > 50), "readers saw {counts:?}");
+}
+
+/// Points of the world, and where each training camera sees them.
+fn write_probes(world: &World) {
     let seen: serde_json::Map<String, serde_json::Value> = world
         .training()
         .into_iter()
@@ -39,11 +49,32 @@ fn public_readers_see_what_we_wrote() {
         })
         .collect();
     std::fs::write(world.out("probes.json"), serde_json::Value::Object(seen).to_string()).unwrap();
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/readers.py");
-    let output = Command::new(python).arg(script).arg(world.out("")).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stdout);
+}
+
+fn said(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
-    let last = said.lines().last().unwrap_or_default();
-    let counts: Vec<u64> = last.split(' ').map(|count| count.parse().unwrap()).collect();
-    assert!(counts.iter().all(|&count| count > 50), "readers saw {counts:?}");
+    said
+}
+
+#[test]
+#[ignore = "needs checkouts of 4DGaussians, 4DLangSplat and nerfstudio, and Python with PyTorch (docs/import/verified.md)"]
+fn the_originals_readers_see_what_we_wrote() {
+    let [checkouts, python] =
+        ["L4D_ORIGINALS", "L4D_ORIGINALS_PYTHON"].map(|name| std::env::var(name).expect(name));
+    let checkouts = std::fs::canonicalize(checkouts).unwrap();
+    let world = World::new();
+    for format in [Format::FourDGaussians, Format::Dynerf, Format::FourDLangSplat, Format::Nerfstudio] {
+        exported(&world, format, HeldOut::Pose, &world.out(&format.to_string()));
+    }
+    write_probes(&world);
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/original_readers.py");
+    let said = said(Command::new(python).arg(script).arg(checkouts).arg(world.out("")));
+    let said: serde_json::Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
+    assert_eq!(said.as_object().unwrap().len(), 4, "{said}");
+    for (format, seen) in said.as_object().unwrap() {
+        println!("{format}: {seen}");
+        assert!(seen["cameras"].as_u64().unwrap() >= 4, "{format}: {seen}");
+    }
 }
