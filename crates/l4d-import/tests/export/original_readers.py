@@ -3,7 +3,7 @@
     python original_readers.py CHECKOUTS FOLDER
 
 CHECKOUTS holds the repositories 4DGaussians, 4DLangSplat and nerfstudio; FOLDER the exports `4dgaussians`, `4dgaussians-dynerf`,
-`4d-langsplat`, `nerfstudio`, and `probes.json`: points of the world and where each view sees them. Their code runs as it is, on
+`4d-langsplat`, `colmap`, `nerfstudio`, and `probes.json`: points of the world and where each view sees them. Their code runs as it is, on
 a processor: `.cuda()` does nothing, and extensions that need a GPU are empty modules, since readers only name them. Needs
 PyTorch 1.12, torchvision, numpy, pillow, opencv-python-headless, plyfile, tqdm and scipy; nerfstudio's reader what it imports.
 """
@@ -12,6 +12,7 @@ import importlib
 import json
 import pathlib
 import sys
+import tempfile
 import types
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ import numpy as np
 import torch
 
 # Readers keep poses and fields of view in single precision.
-TOLERANCE_PX = 1e-2
+TOLERANCE_PX = 1e-4
 SIZE = (128, 96)
 # 4DGaussians and its kin read pictures of Neu3D at half of 2704x2028.
 NEU3D = (1352, 1014)
@@ -128,6 +129,23 @@ def dynerf(checkout: pathlib.Path, root: pathlib.Path, probes: dict) -> list:
     return worst
 
 
+def colmap(checkout: pathlib.Path, root: pathlib.Path, probes: dict) -> list:
+    """Cameras of a model of COLMAP, by the loader of 3DGS that 4DGaussians carries."""
+    parts = reader(checkout)
+    loader, readers = (importlib.import_module(f"scene.{name}") for name in ("colmap_loader", "dataset_readers"))
+    moment = root / "frame_0048"
+    extrinsics = loader.read_extrinsics_binary(str(moment / "sparse/0/images.bin"))
+    intrinsics = loader.read_intrinsics_binary(str(moment / "sparse/0/cameras.bin"))
+    found = readers.readColmapCameras(extrinsics, intrinsics, str(moment / "images"))
+    data = parts["dataset"](found, None, "colmap")
+    worst = []
+    for place, info in enumerate(found):
+        at = pixels(points_of(probes[info.image_name]), data[place].full_proj_transform, SIZE)
+        worst.append(agree(at, probes[info.image_name], SIZE, info.image_name))
+    assert len(worst) == len(probes)
+    return worst
+
+
 def nerfstudio(checkout: pathlib.Path, root: pathlib.Path, probes: dict) -> list:
     """Cameras of the default reader of nerfstudio, with the options that the page of the export names."""
     sys.path.insert(0, str(checkout))
@@ -153,16 +171,26 @@ def nerfstudio(checkout: pathlib.Path, root: pathlib.Path, probes: dict) -> list
 
 
 def main() -> None:
-    checkouts, root = map(pathlib.Path, sys.argv[1:3])
+    checkouts = pathlib.Path(sys.argv[1])
     on_a_processor()
+    # The reader dynerf cuts paths at their first full stop, and temporary folders begin with one.
+    with tempfile.TemporaryDirectory(prefix="exports") as folder:
+        root = pathlib.Path(folder) / "all"
+        root.symlink_to(pathlib.Path(sys.argv[2]).resolve())
+        said = seen(checkouts, root)
+    print(json.dumps({name: {"cameras": len(worst), "worst_px": max(worst)} for name, worst in said.items()}))
+
+
+def seen(checkouts: pathlib.Path, root: pathlib.Path) -> dict:
+    """Format -> how far off the reader's cameras are, pixels."""
     probes = json.loads((root / "probes.json").read_text())
-    said = {
+    return {
         "4dgaussians": panoptic(checkouts / "4DGaussians", root / "4dgaussians", probes),
         "4dgaussians-dynerf": dynerf(checkouts / "4DGaussians", root / "4dgaussians-dynerf", probes),
         "4d-langsplat": dynerf(checkouts / "4DLangSplat", root / "4d-langsplat", probes),
+        "colmap": colmap(checkouts / "4DGaussians", root / "colmap", probes),
         "nerfstudio": nerfstudio(checkouts / "nerfstudio", root / "nerfstudio", probes),
     }
-    print(json.dumps({name: {"cameras": len(worst), "worst_px": max(worst)} for name, worst in said.items()}))
 
 
 if __name__ == "__main__":

@@ -65,14 +65,16 @@ fn the_originals_readers_see_what_we_wrote() {
         ["L4D_ORIGINALS", "L4D_ORIGINALS_PYTHON"].map(|name| std::env::var(name).expect(name));
     let checkouts = std::fs::canonicalize(checkouts).unwrap();
     let world = World::new();
-    for format in [Format::FourDGaussians, Format::Dynerf, Format::FourDLangSplat, Format::Nerfstudio] {
+    for format in
+        [Format::FourDGaussians, Format::Dynerf, Format::FourDLangSplat, Format::Colmap, Format::Nerfstudio]
+    {
         exported(&world, format, HeldOut::Pose, &world.out(&format.to_string()));
     }
     write_probes(&world);
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/original_readers.py");
     let said = said(Command::new(python).arg(script).arg(checkouts).arg(world.out("")));
     let said: serde_json::Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
-    assert_eq!(said.as_object().unwrap().len(), 4, "{said}");
+    assert_eq!(said.as_object().unwrap().len(), 5, "{said}");
     for (format, seen) in said.as_object().unwrap() {
         println!("{format}: {seen}");
         assert!(seen["cameras"].as_u64().unwrap() >= 4, "{format}: {seen}");
