@@ -66,7 +66,7 @@ pub struct ReprojectionSettings {
     /// the median depth begins to exist.
     pub min_alpha: f64,
     /// Depths that differ by this share of themselves are the same surface. `paper` 0.05, our rule: the paper has no
-    /// test. `robust` 0.02, to which the spread is added: the best of those that were tried (docs/panopticquery.md).
+    /// test. `robust` 0.02, to which the spread is added (docs/constants.md says on what it was chosen).
     pub tolerance: f64,
     /// Whether half of the distance from `near_m` to `far_m`, in either pixel, is added to the tolerance.
     pub with_spread: bool,
