@@ -1,6 +1,7 @@
 //! Scenes from seeds, from the draw to scores; what is left of verbs that draw, when they are killed.
 
 use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -42,8 +43,14 @@ fn seeds_become_scenes_whose_queries_are_proved_and_scored() {
     let counts = checked["queries"].as_object().unwrap().values().map(|count| count.as_u64().unwrap());
     assert!(counts.sum::<u64>() >= 24, "{checked}");
 
-    // A scene that is missing is drawn again, and ends with the same bytes.
+    // Anyone who composes these seeds gets the bytes whose digests are shipped.
     let whole = sums(&set);
+    let shipped = std::fs::read_to_string(root().join("benchmark/train/SHA256SUMS")).unwrap();
+    let known: BTreeSet<&str> = shipped.lines().collect();
+    let others: Vec<&str> = whole.lines().filter(|line| !known.contains(line)).collect();
+    assert!(others.is_empty(), "{others:#?}");
+
+    // A scene that is missing is drawn again, and ends with the same bytes.
     std::fs::remove_file(set.join("queries/tabletop_1001.jsonl")).unwrap();
     std::fs::remove_file(set.join("scenes/tabletop_1001.json")).unwrap();
     succeed(&mut compose(&set, "--seed 1001 --count 3"));
