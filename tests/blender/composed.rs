@@ -1,14 +1,13 @@
 //! Scenes from seeds, from the draw to scores; what is left of verbs that draw, when they are killed.
 
-use std::collections::BTreeMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::support::{Dir, Noise, Run, l4d, succeed};
+use crate::support::{Dir, Noise, Run, l4d, root, succeed};
 
 fn compose(out: &Path, more: &str) -> Command {
     let mut command = l4d(&format!("compose {more} --out"));
