@@ -134,32 +134,65 @@ fn check_against_shipped_truth(bench: &Path) {
 }
 
 #[test]
-fn a_killed_build_ends_with_the_same_bytes() {
-    ends_with_the_same_bytes_after(3);
+fn a_killed_build_ends_with_the_same_bytes_and_a_torn_frame_is_rendered_again() {
+    let build = Build::whole();
+    build.ends_with_the_same_bytes_after(3);
+    build.renders_torn_frames_again_and_keeps_good_ones();
 }
 
 #[test]
 #[ignore = "slow: kills a build twenty times"]
 fn a_build_killed_twenty_times_ends_with_the_same_bytes() {
-    ends_with_the_same_bytes_after(20);
+    Build::whole().ends_with_the_same_bytes_after(20);
 }
 
-fn ends_with_the_same_bytes_after(kills: u64) {
-    let folder = tempfile::tempdir().unwrap();
-    let bench = bench_copy(folder.path());
-    let (calm, shaken) = (folder.path().join("calm"), folder.path().join("shaken"));
-    succeed(&mut build(&calm, &bench, &[]));
-    for kill in 0..kills {
-        let mut child =
-            build(&shaken, &bench, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        // Spread over planning, rendering and settling without a random source: primes of milliseconds.
-        std::thread::sleep(Duration::from_millis(1500 + (kill * 2711) % 9973));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        assert!(temporaries_are_hidden(&shaken), "a half-written file has a final name");
+/// A scene that was rendered without a kill.
+struct Build {
+    folder: tempfile::TempDir,
+    bench: PathBuf,
+    data: PathBuf,
+}
+
+impl Build {
+    fn whole() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let (bench, data) = (bench_copy(folder.path()), folder.path().join("calm"));
+        succeed(&mut build(&data, &bench, &[]));
+        Self { folder, bench, data }
     }
-    succeed(&mut build(&shaken, &bench, &[]));
-    assert_same_build(&SceneDir::new(&calm, SCENE), &SceneDir::new(&shaken, SCENE));
+
+    fn ends_with_the_same_bytes_after(&self, kills: u64) {
+        let shaken = self.folder.path().join("shaken");
+        for kill in 0..kills {
+            let mut child =
+                build(&shaken, &self.bench, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            // Spread over planning, rendering and settling without a random source: primes of milliseconds.
+            std::thread::sleep(Duration::from_millis(1500 + (kill * 2711) % 9973));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            assert!(temporaries_are_hidden(&shaken), "a half-written file has a final name");
+        }
+        succeed(&mut build(&shaken, &self.bench, &[]));
+        assert_same_build(&SceneDir::new(&self.data, SCENE), &SceneDir::new(&shaken, SCENE));
+    }
+
+    fn renders_torn_frames_again_and_keeps_good_ones(&self) {
+        let dir = SceneDir::new(&self.data, SCENE);
+        let before = std::fs::read(dir.scene()).unwrap();
+        let camera = Scene::read(&dir.scene()).unwrap().cameras[0].name.clone();
+        let (torn, kept) = (dir.frame(&camera, 12), dir.frame(&camera, 24));
+        let bytes = std::fs::read(&torn).unwrap();
+        std::fs::write(&torn, &bytes[..bytes.len() / 2]).unwrap();
+        let modified = kept.metadata().unwrap().modified().unwrap();
+        let talk = succeed(&mut build(&self.data, &self.bench, &[]));
+        assert!(talk.contains("rendered 1 picture"), "{talk}");
+        assert_eq!(kept.metadata().unwrap().modified().unwrap(), modified, "a good frame was rendered again");
+        assert_eq!(std::fs::read(dir.scene()).unwrap(), before);
+
+        let refused = build(&self.data, &self.bench, &["--samples", "2"]).output().unwrap();
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&refused.stderr).contains("--overwrite"), "{refused:?}");
+    }
 }
 
 fn temporaries_are_hidden(data: &Path) -> bool {
@@ -200,29 +233,6 @@ fn assert_close_colour(calm: &Frame, shaken: &Frame, place: &str) {
         let difference = (left.to_f32() - right.to_f32()).abs();
         assert!(difference <= 1e-4 || step <= 1, "colour of {place}: {left} and {right}");
     }
-}
-
-#[test]
-fn torn_frames_are_rendered_again_and_good_ones_kept() {
-    let folder = tempfile::tempdir().unwrap();
-    let bench = bench_copy(folder.path());
-    let data = folder.path().join("data");
-    succeed(&mut build(&data, &bench, &[]));
-    let dir = SceneDir::new(&data, SCENE);
-    let before = std::fs::read(dir.scene()).unwrap();
-    let camera = Scene::read(&dir.scene()).unwrap().cameras[0].name.clone();
-    let (torn, kept) = (dir.frame(&camera, 12), dir.frame(&camera, 24));
-    let bytes = std::fs::read(&torn).unwrap();
-    std::fs::write(&torn, &bytes[..bytes.len() / 2]).unwrap();
-    let modified = kept.metadata().unwrap().modified().unwrap();
-    let talk = succeed(&mut build(&data, &bench, &[]));
-    assert!(talk.contains("rendered 1 picture"), "{talk}");
-    assert_eq!(kept.metadata().unwrap().modified().unwrap(), modified, "a good frame was rendered again");
-    assert_eq!(std::fs::read(dir.scene()).unwrap(), before);
-
-    let refused = build(&data, &bench, &["--samples", "2"]).output().unwrap();
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("--overwrite"), "{refused:?}");
 }
 
 #[test]

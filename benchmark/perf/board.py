@@ -89,7 +89,7 @@ def copy_method(scores: Path, source: str, name: str) -> None:
 
 
 def make_methods(scores: Path, bench: Path, count: int) -> tuple[int, int]:
-    """Methods beside the oracle that stands in a folder of scores, `count` with it; gives its numbers of queries and rows."""
+    """Adds methods to a folder of scores that holds the oracle, `count` in all; returns the numbers of queries and rows."""
     with (scores / "oracle/counts.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     summary = json.loads((scores / "oracle/summary.json").read_text(encoding="utf-8"))

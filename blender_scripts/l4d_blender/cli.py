@@ -1,4 +1,4 @@
-"""The worker's command line: plan, render, preview, compose. stdout carries JSON Lines, everything else is stderr.
+"""The worker's command line: plan, render, preview, compose. stdout has JSON Lines, all else goes to stderr.
 
 Exit codes: 0 done, 2 failure (the last line on stdout is then an event "error" with a hint).
 """

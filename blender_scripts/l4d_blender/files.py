@@ -21,8 +21,8 @@ _NUMBERS = count()
 def atomic(path: Path) -> Iterator[Path]:
     """Yields a temporary path to write to; it becomes `path` when the block ends well, and vanishes if not.
 
-    Its name is like those of the binary, and it is locked: by that the binary knows what killed workers left, and
-    removes it, together with files that differ in their suffix alone.
+    Its name is like those of the binary, and it is locked: by that the binary knows what killed workers left,
+    and removes it, together with files that differ in their suffix alone.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".l4d-{os.getpid()}-{next(_NUMBERS)}.tmp")

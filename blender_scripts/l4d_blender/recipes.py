@@ -1,7 +1,7 @@
 """Finds a recipe by its name, runs it, and says where in it an error is.
 
-A recipe is a module with `SCALE` and `build(scene)`, whose docstring's first paragraph describes the scene; or a
-composition, `<scene>.json`, which `compose` turns into one.
+A recipe is a module with `SCALE` and `build(scene)`, whose docstring's first paragraph describes the scene;
+or a composition, `<scene>.json`, which `compose` turns into one.
 """
 
 from __future__ import annotations

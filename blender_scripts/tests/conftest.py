@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,6 +15,11 @@ HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parent
 TOY = HERE / "recipes"
 WIDTH, HEIGHT = 128, 96
+
+
+def first_of(values: Iterable[Any]) -> list:
+    """Parameters of a long test: the first value is in the plain suite, the others are slow."""
+    return [pytest.param(value, marks=[pytest.mark.slow] * bool(k)) for k, value in enumerate(values)]
 
 
 def start_worker(*arguments: str) -> subprocess.CompletedProcess[str]:

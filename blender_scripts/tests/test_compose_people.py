@@ -164,7 +164,7 @@ def played(request):
 
 
 def test_carriers_carry(played) -> None:
-    scene, stage = played
+    scene, _ = played
     verbs = {event.verb for event in scene.events}
     assert "hold" in verbs and verbs & {"lift", "put_down", "carry", "hand_over"}
     categories = Counter(i.category for i in scene.instances if i.role == "object")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
+from conftest import first_of
 
 from l4d_blender.compose import build, themes
 from l4d_blender.compose.areas import Area
@@ -34,24 +35,22 @@ def _told(scene) -> list[tuple[str, str, str, int, int]]:
 @pytest.mark.parametrize("theme", THEMES)
 def test_a_theme_casts_twins_and_lets_several_things_happen(theme: str) -> None:
     entry = themes.themes()[theme]
-    seen: set[str] = set()
-    for seed in (2000, 2001):
-        scene, stage = _played(theme, seed)
-        looks = Counter((p.instance.category, *sorted(p.look.attributes.items())) for p in stage.objects)
-        groups = Counter(p.instance.category for p in stage.objects)
-        assert set(groups) <= entry.categories
-        assert max(groups.values()) >= 3
-        assert max(looks.values()) >= 2, "no twins"
-        assert len(looks) >= 2, "all alike"
-        assert 3 <= len(scene.events) <= 14
-        for event in scene.events:
-            assert event.frames[1] - event.frames[0] + 1 >= MIN_EVENT_FRAMES
-        seen |= {event.verb for event in scene.events}
+    scene, stage = _played(theme, 2000)
+    looks = Counter((p.instance.category, *sorted(p.look.attributes.items())) for p in stage.objects)
+    groups = Counter(p.instance.category for p in stage.objects)
+    assert set(groups) <= entry.categories
+    assert max(groups.values()) >= 3
+    assert max(looks.values()) >= 2, "no twins"
+    assert len(looks) >= 2, "all alike"
+    assert 3 <= len(scene.events) <= 14
+    for event in scene.events:
+        assert event.frames[1] - event.frames[0] + 1 >= MIN_EVENT_FRAMES
+    seen = {event.verb for event in scene.events}
     assert seen <= entry.verbs
     assert len(seen) >= 2
 
 
-@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize("theme", first_of(THEMES))
 def test_the_same_seed_tells_the_same_story(theme: str) -> None:
     first, _ = _played(theme, 2003)
     places = {i.name: [[i.matrix(f) for f in (0, 48, 96)]] for i in first.instances}

@@ -188,6 +188,7 @@ def test_requirements_and_pyproject_pin_the_same_versions():
     assert sorted(pinned) == sorted(line for line in lines if line and line[0] != "#")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", recipes.names())
 def test_the_benchmark_recipes_plan_without_findings(name, tmp_path):
     process = start_worker("plan", "--scene", name, "--out", str(tmp_path), "--without-usd")

@@ -233,7 +233,7 @@ class Stage:
         attributes: dict[str, str] | None = None,
         **words: Any,
     ) -> Prop:
-        """Puts something that sentences may mention ("next to the lamp"); with an area, it takes room there."""
+        """Puts something that sentences may mention ("next to the lamp"); in an area, it takes room."""
         thing = self.scene.put(kind, name, at, heading_deg, rng=self.rng(f"landmark/{name}"), on=on, **words)
         return self.register(
             kind,

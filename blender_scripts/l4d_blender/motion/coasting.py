@@ -25,7 +25,7 @@ class CoastingHand(PushingHand, Roller):
     def push_on(
         self, way_m: Sequence[float], frames: Frames, *, let_go: int, thing_verb: str = "roll"
     ) -> None:
-        """Pushes what it touches along a vector (x, y) until `let_go`; it goes on to rest at the last frame."""
+        """Pushes what it touches along a vector (x, y) until `let_go`; it rests at the last frame."""
         thing = self._require("push")
         first, last = frames
         start = self._where(thing, first)

@@ -69,7 +69,13 @@ class Pourer(Server):
         self.scene.event(self.instance, "carry", frames, thing)
 
     def fill(
-        self, drink: Drink, look: teapot.Look, frames: Frames, *, to: float, colour: tuple[float, float, float]
+        self,
+        drink: Drink,
+        look: teapot.Look,
+        frames: Frames,
+        *,
+        to: float,
+        colour: tuple[float, float, float],
     ) -> None:
         """Pours from the raised pot until a cup is filled to a share of its height."""
         pot = self._require("pour")

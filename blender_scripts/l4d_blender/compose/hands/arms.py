@@ -131,7 +131,7 @@ class Reach:
         after: Sequence[Flat] = (),
         tries: int = 200,
     ) -> Flat:
-        """A free spot that the arm reaches and whose way is clear, if it was at the spots of `after` before."""
+        """A free spot that the arm reaches by a clear way, if it was at the spots of `after` before."""
         if near is None:
             near, within_m = self.middle, (0.0, _EASY_M)
         for _ in range(tries):
@@ -153,7 +153,7 @@ class Reach:
     ) -> tuple[Flat, Flat]:
         """Where something lies that the arm pushes away, and where it comes to rest.
 
-        Fingers follow it over a share of its way; what was at the spots of `after` before has a clear way too.
+        Fingers follow it over a share of its way; what was at the spots of `after` has a clear way too.
         """
         for _ in range(tries):
             at = table.spot(rng, radius_m, near=self.middle, within_m=(0.0, _EASY_M), tries=60)

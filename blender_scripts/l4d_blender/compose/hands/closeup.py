@@ -15,7 +15,7 @@ _NEAREST = 0.62  # of the distance that the place chose
 
 
 def piece(rng: random.Random, table: Area, size_m: tuple[float, float]) -> Area:
-    """A random piece of an area, of a size or a bit more; what took room on the area takes it on the piece."""
+    """A random piece of an area, of a size or a bit more; what takes room on the area takes it there too."""
     a, b, _, d = table.corners
     grow = rng.uniform(1.0, 1.25)
     size_m = size_m[0] * grow, size_m[1] * grow

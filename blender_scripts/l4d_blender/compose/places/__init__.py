@@ -1,8 +1,9 @@
 """Where composed scenes happen: each place furnishes a stage and says what it offers to themes.
 
-A place is a function `(stage) -> None` in a module of this package. It builds what surrounds the scene, lights
-it, adds areas and landmarks (three or more, of which no two have the same noun unless a property tells them
-apart), dresses it, and places the cameras. It draws all of that from `stage.rng`, so that no two are alike.
+A place is a function `(stage) -> None` in a module of this package. It builds what surrounds the scene,
+lights it, adds areas and landmarks (three or more, of which no two have the same noun unless a property tells
+them apart), dresses it, and places the cameras. It draws all of that from `stage.rng`, so that no two are
+alike.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ OFFERS = frozenset(
         "lawn",  # an area "lawn" or yard outdoors, at least 5 m by 4 m
         "water",  # an area "water" to swim on, its bank as an area "lawn"
         "road",  # an area "road", two lanes, 18 m or more along X; the near pavement as an area "lawn"
-        "counter",  # an area "counter" 0.8 to 1.0 m high; people stand along the edge of its first two corners
+        "counter",  # an area "counter" 0.8 to 1.0 m high; people stand at the edge of its first two corners
         "hob",  # its counter is one that people cook at
         "chairs",  # two or more chairs in stage.chairs, with free floor before them
     }

@@ -398,17 +398,7 @@ def put_round(
         else:
             continue
         taken.append((at, mark.radius_m))
-        made[mark.name] = stage.landmark(
-            mark.kind,
-            mark.name,
-            at,
-            _heading(mark, at, area, rng),
-            on=on,
-            area=area,
-            radius_m=mark.radius_m,
-            category=mark.category,
-            **dict(mark.words),
-        )
+        made[mark.name] = _put(stage, mark, at, area, rng, on)
     return made
 
 
@@ -420,18 +410,22 @@ def put_in(
     made = {}
     for mark in marks:
         at = area.spot(rng, mark.radius_m + 0.3, near=area.centre, within_m=(away_m, 6.0))
-        made[mark.name] = stage.landmark(
-            mark.kind,
-            mark.name,
-            at,
-            _heading(mark, at, area, rng),
-            on=on,
-            area=area,
-            radius_m=mark.radius_m,
-            category=mark.category,
-            **dict(mark.words),
-        )
+        made[mark.name] = _put(stage, mark, at, area, rng, on)
     return made
+
+
+def _put(stage: Stage, mark: Mark, at: Flat, area: Area, rng: random.Random, on: Support) -> Prop:
+    return stage.landmark(
+        mark.kind,
+        mark.name,
+        at,
+        _heading(mark, at, area, rng),
+        on=on,
+        area=area,
+        radius_m=mark.radius_m,
+        category=mark.category,
+        **dict(mark.words),
+    )
 
 
 def _heading(mark: Mark, at: Flat, area: Area, rng: random.Random) -> float:

@@ -1,9 +1,10 @@
 """What happens in composed scenes: each theme casts groups on a furnished stage and lets them act.
 
-A theme is a function `(stage) -> None` in a module of this package. It casts one or two groups of three to five
-of a category with twins and crossing looks (`looks.crossed`), puts them where room is, and plans the acts of
-two to four performers with drawn roles, order and times, so that the same act falls on one twin and not on the
-other, or on another member later. Motion code records the events. It tells the story in a sentence or two.
+A theme is a function `(stage) -> None` in a module of this package. It casts one or two groups of three to
+five of a category with twins and crossing looks (`looks.crossed`), puts them where room is, and plans the
+acts of two to four performers with drawn roles, order and times, so that the same act falls on one twin and
+not on the other, or on another member later. Motion code records the events. It tells the story in a sentence
+or two.
 """
 
 from __future__ import annotations

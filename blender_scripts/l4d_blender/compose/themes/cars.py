@@ -34,7 +34,7 @@ STAYS: Knots = [(0, 0.0)]
 
 @dataclass
 class Trip:
-    """What one car does: where it begins, its speeds and steering, and what is told of it besides."""
+    """What one car does: where it begins, its speeds and steering, and events besides those of driving."""
 
     at: Flat
     heading_deg: float

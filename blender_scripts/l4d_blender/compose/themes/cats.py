@@ -12,7 +12,7 @@ from ...motion.ball_games import Ball
 from ...motion.cats import Cat, Tap
 from ...timeline import FPS, LAST_FRAME
 from .. import looks
-from ..animals import playthings, ways
+from ..animals import bodies, playthings, ways
 from ..animals.members import Part, Plan, Planner, Toy, planned
 from ..animals.ways import Way, ahead
 from ..areas import Area, Flat
@@ -288,15 +288,7 @@ def _act(stage: Stage, area: Area, cast: list[Look], plan: Plan) -> None:
             tail_side=rng.choice((-1.0, 1.0)),
             attributes=look.attributes,
         )
-        stage.register(
-            "cat",
-            cat.instance.name,
-            cat.instance,
-            at=part.at,
-            heading_deg=part.heading_deg,
-            area=None,
-            look=look,
-        )
+        bodies.enter(stage, "cat", cat, look, part)
         cats.append(stage.perform(cat))
     rolled = {id(toy): ball for toy, ball in zip(plan.toys, balls)}
     for wanted in ("bat", "watch"):

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 from mathutils import Vector
 
-from ... import catalogue
 from ...motion.ball_games import Ball
 from ...motion.dogs import Dog, nudge_reach
 from ...timeline import FPS, LAST_FRAME
 from .. import looks
-from ..animals import playthings, ways
+from ..animals import bodies, playthings, ways
 from ..animals.members import Part, Plan, Planner, Toy, planned
 from ..animals.ways import Way, ahead
 from ..areas import Area, Flat
@@ -245,25 +244,7 @@ def _act(stage: Stage, area: Area, cast: list[Look], plan: Plan) -> None:
     balls = {id(toy): playthings.put(stage, area, toy, k) for k, toy in enumerate(plan.toys)}
     dogs: list[Dog] = []
     for k, (look, part) in enumerate(zip(cast, plan.parts)):
-        dog = Dog(
-            stage.scene,
-            f"dog_{k + 1}",
-            stage.next_id(),
-            **catalogue.find("dog").arguments(**look.words),
-            at=part.at,
-            heading_deg=part.heading_deg,
-            posture=part.posture,
-            attributes=look.attributes,
-        )
-        stage.register(
-            "dog",
-            dog.instance.name,
-            dog.instance,
-            at=part.at,
-            heading_deg=part.heading_deg,
-            area=None,
-            look=look,
-        )
+        dog = bodies.dog(stage, k + 1, look, part)
         dogs.append(stage.perform(dog))
     for part in plan.parts:
         for what, _, *about in part.acts:

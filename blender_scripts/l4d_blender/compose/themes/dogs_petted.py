@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
-from ... import catalogue
-from ...motion.dogs import Dog
 from ...timeline import LAST_FRAME
 from .. import looks
-from ..animals import ways
+from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned
 from ..animals.ways import Way, ahead
 from ..areas import Flat, heading_to
@@ -20,6 +18,7 @@ from ..planning import Unfit
 from . import theme
 
 if TYPE_CHECKING:
+    from ...motion.dogs import Dog
     from ..stage import Stage
 
 DOG = ways.Body(ahead_m=0.50, behind_m=0.50, half_width_m=0.22)
@@ -31,7 +30,7 @@ _NOUNS = ("person", "woman", "man")
 
 @dataclass
 class _Visit:
-    """Somebody's way to a dog (none for who only stands about), and when the hand is on its head."""
+    """Somebody's way to a dog (none for somebody who only looks on), and when the hand is on its head."""
 
     dog: int | None
     facing_deg: float
@@ -62,25 +61,7 @@ def dogs_petted(stage: Stage) -> None:
     plan = planned(stage, area, rng, "dogs and people", 2.8, make, height_m=0.7, margin_m=0.75)
     dogs = []
     for k, (look, part) in enumerate(zip(cast, plan.parts[:3]), 1):
-        dog = Dog(
-            stage.scene,
-            f"dog_{k}",
-            stage.next_id(),
-            **catalogue.find("dog").arguments(**look.words),
-            at=part.at,
-            heading_deg=part.heading_deg,
-            posture=part.posture,
-            attributes=look.attributes,
-        )
-        stage.register(
-            "dog",
-            dog.instance.name,
-            dog.instance,
-            at=part.at,
-            heading_deg=part.heading_deg,
-            area=None,
-            look=look,
-        )
+        dog = bodies.dog(stage, k, look, part)
         for what, frames in part.acts:
             if what == "lie_down":
                 dog.lie_down(frames)
@@ -126,7 +107,7 @@ def _visit(stage: Stage, figure: folk.Figure, part: Part, visit: _Visit, dogs: l
 
 
 class _Planner(Planner):
-    """Dogs take room first, then those who come to them, then who stands about."""
+    """Dogs take room first, then the people who come to them, then those who only look on."""
 
     def plan(self) -> Plan:
         """Two dogs are stroked, one after the other or at once; the third is not."""

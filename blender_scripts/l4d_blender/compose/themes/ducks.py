@@ -13,7 +13,7 @@ from ...assets.bird_feeder import DISH_RADIUS_M, SEED_Z_M, WATER_Z_M
 from ...motion.waterbirds import DRAFT_M, WaterBird
 from ...timeline import FPS, LAST_FRAME
 from .. import looks
-from ..animals import ways
+from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned
 from ..animals.ways import ahead
 from ..areas import Area, Flat, heading_to
@@ -131,9 +131,7 @@ def _bird(stage: Stage, look: Look, name: str, category: str, part: Part, level:
         at=(*part.at, level),
         heading_deg=part.heading_deg,
     )
-    stage.register(
-        "waterbird", name, bird.instance, at=part.at, heading_deg=part.heading_deg, area=None, look=look
-    )
+    bodies.enter(stage, "waterbird", bird, look, part)
     return bird
 
 

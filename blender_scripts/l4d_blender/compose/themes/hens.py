@@ -10,7 +10,7 @@ from ... import keys
 from ...motion.hens import Hen
 from ...timeline import FPS, LAST_FRAME
 from .. import looks
-from ..animals import ways
+from ..animals import bodies, ways
 from ..animals.members import Part, Plan, Planner, planned
 from ..areas import Flat
 from . import theme
@@ -45,15 +45,7 @@ def hens_outdoors(stage: Stage) -> None:
             at=Vector(area.point(*part.at)),
             heading_deg=part.heading_deg,
         )
-        stage.register(
-            "hen",
-            hen.instance.name,
-            hen.instance,
-            at=part.at,
-            heading_deg=part.heading_deg,
-            area=None,
-            look=look,
-        )
+        bodies.enter(stage, "hen", hen, look, part)
         for what, (first, last), *about in part.acts:
             if what == "walk":
                 hen.walk(keys.Path([area.point(*point) for point in about[0].points[::2]]), first, last)

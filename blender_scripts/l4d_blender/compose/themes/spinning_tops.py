@@ -1,4 +1,4 @@
-"""Spinning tops on a table: some run down and topple, some are stood up and spun by a hand, some lie there."""
+"""Spinning tops on a table: some run down and topple, some are spun by a hand, some lie there."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ NEU3D = (1352, 1014)
 
 
 class Settings(NamedTuple):
-    """What the rasterizer of 3DGS is told of a camera."""
+    """The camera as the rasterizer of 3DGS takes it."""
 
     image_height: int
     image_width: int
