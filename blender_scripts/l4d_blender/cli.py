@@ -119,6 +119,18 @@ def _parser() -> argparse.ArgumentParser:
     compose.add_argument("--out", type=Path, required=True, help="receives tracks.json and plan.json")
     compose.set_defaults(run=_compose)
 
+    arrange = commands.add_parser(
+        "arrange", help="pictures of furnished places filled with drawn things, one arrangement a seed"
+    )
+    arrange.add_argument("--first", type=int, required=True, help="the first seed")
+    arrange.add_argument("--count", type=int, required=True, help="how many seeds")
+    arrange.add_argument("--every", type=int, default=1, help="take every n-th of these seeds (1)")
+    arrange.add_argument("--views", type=int, default=3, help="pictures of each (3)")
+    arrange.add_argument("--samples", type=int, default=4, help="light samples a pixel (4)")
+    arrange.add_argument("--threads", type=int, default=1, help="threads of the renderer (1)")
+    arrange.add_argument("--out", type=Path, required=True, help="receives a folder for each")
+    arrange.set_defaults(run=_arrange)
+
     listed = commands.add_parser("compositions", help="themes and places that compositions draw from")
     listed.set_defaults(run=_compositions)
 
@@ -185,6 +197,17 @@ def _compose(options: argparse.Namespace, events: _Events) -> None:
         events.send("exhausted", draws=options.draws)
     else:
         events.send("composed", draw=made.draw)
+    events.send("done")
+
+
+def _arrange(options: argparse.Namespace, events: _Events) -> None:
+    _follow_parent()
+    _make_folder(options.out)
+    from .compose.arrangements import pictures
+
+    for seed in range(options.first, options.first + options.count, options.every):
+        made = pictures.render(options.out, seed, options.views, options.samples, options.threads)
+        events.send("arranged", seed=seed, made=made)
     events.send("done")
 
 
