@@ -277,6 +277,14 @@ fn renders_of_composed_scenes_have_the_seeds_of_their_compositions() {
 }
 
 #[test]
+fn answers_of_a_private_test_are_not_released() {
+    let dir = bench();
+    dir.edit("benchmark/panoptic-l4d.toml", "scenes", "split = \"private\"\nscenes");
+    expect(&release(&dir, "--json"), &[("L4D606", "benchmark/panoptic-l4d.toml")]);
+    assert!(!dir.path("release").exists(), "nothing may be written");
+}
+
+#[test]
 fn a_check_finds_everything_at_once() {
     let dir = bench();
     released(&dir, "");

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use l4d_data::benchmark::SetSplit;
 use l4d_data::digest::sha256_file;
 use l4d_data::store::{FolderLock, make_folder, remove_folder, write_atomic};
 use l4d_data::{Benchmark, DataError, Profile, Report, json, sums};
@@ -85,6 +86,11 @@ pub fn examine(bench: &Benchmark, votes: &Votes, report: &mut Report) -> Result<
 /// If the benchmark or the earlier release cannot be read.
 pub fn plan(order: &ReleaseOptions<'_>, report: &mut Report) -> Result<Plan, DataError> {
     let gathered = examine(order.bench, order.votes, report)?;
+    if order.bench.manifest.split == SetSplit::Private {
+        let message = "is `private`: a release holds referents, predicates, tracks and truth";
+        let hint = "hand out the training views (`l4d export`) and the sentences, and keep the rest";
+        report.error(codes::PRIVATE, &order.bench.dir.manifest(), "field `split`", message, hint);
+    }
     let renders = order.renders.map(|(data, profile)| {
         let rendered = gathered.scenes.iter().filter(|scene| scene.tracks.is_some()).map(|scene| &scene.name);
         renders::list(data, profile, order.bench, rendered, report)
