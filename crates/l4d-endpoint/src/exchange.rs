@@ -48,7 +48,7 @@ pub(crate) struct Response {
     /// The few headers that matter, in lower case.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) headers: BTreeMap<String, String>,
-    /// The body; bytes that are no UTF-8 are replaced.
+    /// The body; bytes that are no UTF-8 are replaced. Empty where the status is an error.
     pub(crate) body: String,
 }
 

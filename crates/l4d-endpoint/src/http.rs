@@ -67,7 +67,11 @@ impl Http {
             }
             None => self.run(request.body(())?, timeout)?,
         };
-        let body = response.body_mut().with_config().limit(MAX_RESPONSE_BYTES).read_to_vec()?;
+        // What a server says of an error may hold the key in any encoding: it is not even read.
+        let body = match response.status().is_success() {
+            true => response.body_mut().with_config().limit(MAX_RESPONSE_BYTES).read_to_vec()?,
+            false => Vec::new(),
+        };
         let header = |name: &&str| {
             let value = response.headers().get(*name)?.to_str().ok()?;
             Some(((*name).to_owned(), self.redactor.text(value)))
@@ -75,7 +79,7 @@ impl Http {
         Ok(exchange::Response {
             status: response.status().as_u16(),
             headers: exchange::Response::HEADERS.iter().filter_map(header).collect(),
-            body: self.redactor.text(&String::from_utf8_lossy(&body)),
+            body: self.redactor.body(&String::from_utf8_lossy(&body)),
         })
     }
 

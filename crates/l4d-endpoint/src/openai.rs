@@ -129,8 +129,7 @@ fn read_json(call: &Call, response: &Response) -> Result<Value, Failure> {
         return Err(failure(call, response));
     }
     if is_web_page(response) {
-        let message =
-            format!("HTTP {}: the server sent a web page: {}", response.status, excerpt(&response.body));
+        let message = format!("HTTP {}: the server sent a web page", response.status);
         return Err(Failure::lasting(
             &call.url,
             message,
@@ -151,6 +150,8 @@ fn read_json(call: &Call, response: &Response) -> Result<Value, Failure> {
     }
 }
 
+const CHECK_KEY: &str = "check the key in the variable that `api_key_env` names, and what it may do";
+
 fn failure(call: &Call, response: &Response) -> Failure {
     let status = response.status;
     if (300..400).contains(&status) {
@@ -159,28 +160,33 @@ fn failure(call: &Call, response: &Response) -> Failure {
             "set `base_url` to where the server points, if you trust it: keys are not sent after a redirect";
         return Failure::lasting(&call.url, message, remedy);
     }
-    let message = match serde_json::from_str(&response.body) {
-        Ok(document) => error_in(&document).map_or_else(|| excerpt(&response.body), |(message, _)| message),
-        Err(_) => excerpt(&response.body),
-    };
-    let remedy = match status {
-        401 | 403 => "check the key in the variable that `api_key_env` names, and what it may do",
-        404 => "check `base_url` (it often ends in /v1) and `model`: `l4d endpoint check` lists the models",
-        413 => "send fewer or smaller pictures",
-        429 => {
-            "wait, use fewer --jobs, or ask the provider for a higher limit; answers so far are in the cache"
-        }
-        400 | 422 => {
-            "the server does not take the question as it is: name a field that it rejects under `omit` of the \
-             endpoint file; `l4d endpoint check` tells what it supports"
-        }
-        500.. => "see the server's own log",
-        _ => "`l4d endpoint check` tells what the server supports",
+    // What the body says is not shown: it may hold the key.
+    let (meaning, remedy) = match status {
+        401 => ("the key is missing or wrong", CHECK_KEY),
+        403 => ("the key is not allowed to do this", CHECK_KEY),
+        404 => (
+            "the path or the model is not there",
+            "check `base_url` (it often ends in /v1) and `model`: `l4d endpoint check` lists the models",
+        ),
+        413 => ("the question is too large", "send fewer or smaller pictures"),
+        429 => (
+            "the limit of questions, or the quota, is used up",
+            "wait, use fewer --jobs, or ask the provider for a higher limit; answers so far are in the cache",
+        ),
+        400 | 422 => (
+            "the server does not take the question as it is",
+            "`l4d endpoint check` tells what it supports, and its own log which field it rejects: name that under \
+             `omit` of the endpoint file",
+        ),
+        408 | 504 => ("the server gave up waiting", "see the server's own log"),
+        502 | 503 => ("the server is overloaded or not there", "see the server's own log"),
+        500.. => ("the server failed", "see the server's own log"),
+        _ => ("an error", "`l4d endpoint check` tells what the server supports"),
     };
     Failure {
         is_passing: is_passing(status),
         retry_after: retry_after(response),
-        ..Failure::lasting(&call.url, format!("HTTP {status}: {message}"), remedy)
+        ..Failure::lasting(&call.url, format!("HTTP {status}: {meaning}"), remedy)
     }
 }
 

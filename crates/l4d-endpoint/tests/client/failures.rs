@@ -113,8 +113,8 @@ fn what_is_no_answer_is_named_and_not_asked_for_again() {
         (ok(&json!({"error": "CUDA out of memory"})), "CUDA out of memory"),
         (ok(&json!({"object": "error", "message": "CUDA out of memory"})), "CUDA out of memory"),
         (ok(&json!({"detail": "CUDA out of memory"})), "CUDA out of memory"),
-        (page(200, login), "a web page: <!DOCTYPE html><html><head><title> Sign in </title>"),
-        (text(&format!("\n  {login}")), "a web page: <!DOCTYPE html><html><head><title> Sign in </title>"),
+        (page(200, login), "HTTP 200: the server sent a web page"),
+        (text(&format!("\n  {login}")), "HTTP 200: the server sent a web page"),
     ] {
         let (failure, count) = failure(vec![turn]);
         assert!(failure.to_string().contains(words), "{failure}");
@@ -153,7 +153,8 @@ fn passing_failures_pass_and_lasting_ones_are_reported_at_once() {
     }
     for code in [400, 401, 403, 404, 413, 422] {
         let (failure, count) = failure(vec![boom(code)]);
-        assert!(failure.to_string().contains(&format!("HTTP {code}: boom")), "{failure}");
+        let told = failure.to_string();
+        assert!(told.contains(&format!("HTTP {code}: the")) && !told.contains("boom"), "{failure}");
         assert_eq!(count, 1, "{code}");
     }
     // A router that wraps a passing failure of another server.
@@ -161,7 +162,7 @@ fn passing_failures_pass_and_lasting_ones_are_reported_at_once() {
     passes([overloaded(), overloaded()]);
     let gateway = || page(502, "<html><title>502 Bad Gateway</title></html>");
     passes([gateway(), gateway()]);
-    assert!(failure(vec![gateway()]).0.to_string().contains("<title>502 Bad Gateway</title>"));
+    assert!(failure(vec![gateway()]).0.to_string().contains("HTTP 502: the server is overloaded"));
     // Longer than all tries may take together.
     let headers = vec![("retry-after", "3600".to_owned())];
     let (failure, count) = failure(vec![Turn::Say(429, headers, "{}".to_owned())]);
