@@ -5,6 +5,7 @@
 pub mod annotations;
 pub mod capture;
 pub mod export;
+pub mod handout;
 pub mod points;
 pub mod pose;
 pub mod results;

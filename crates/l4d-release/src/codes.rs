@@ -10,7 +10,7 @@ pub const VERSION: &str = "L4D603";
 pub const RENDERS: &str = "L4D604";
 /// The version was released before, with other contents.
 pub const FROZEN: &str = "L4D605";
-/// A private test that cannot be divided into what participants get and what the organiser keeps.
+/// A private test without what participants get: renders of all its scenes.
 pub const PRIVATE: &str = "L4D606";
 /// `SHA256SUMS` or `release.json` of a release is missing or malformed.
 pub const LIST: &str = "L4D611";

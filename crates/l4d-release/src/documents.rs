@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use crate::contents::{Contents, slug};
 use crate::gather::Gathered;
 use crate::tables::Table;
-use crate::words::KEYWORDS;
+use crate::words::{KEYWORDS, is_public};
 
 /// Name in a release, template.
 const TEMPLATES: [(&str, &str); 3] = [
@@ -63,7 +63,8 @@ impl Documents {
             "publication": contents.publication,
             "summary": summary(contents, gathered),
             "keywords": KEYWORDS,
-            "split": split(gathered),
+            "split": if is_public(gathered) { split(gathered) } else { "private" },
+            "is_public": is_public(gathered),
             "is_dev": gathered.manifest.split == SetSplit::Dev,
             "variant": gathered.manifest.variant,
             "seed": gathered.manifest.seed,
@@ -90,6 +91,15 @@ impl Documents {
             "words": words,
             "bibtex": bibtex(contents),
         }))
+    }
+
+    /// What the templates speak of, and more.
+    pub(crate) fn with(&self, more: Value) -> Value {
+        let mut values = self.0.clone();
+        if let (Value::Object(values), Value::Object(more)) = (&mut values, more) {
+            values.extend(more);
+        }
+        values
     }
 
     /// Name and text of each document.

@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use l4d_data::benchmark::SetSplit;
 use l4d_data::digest::sha256_file;
 use l4d_data::store::{FolderLock, make_folder, remove_folder, write_atomic};
 use l4d_data::{Benchmark, DataError, Profile, Report, json, sums};
@@ -18,6 +17,8 @@ use crate::contents::{Contents, FILE, Publication, SUMS};
 use crate::documents::Documents;
 use crate::gather::{Gathered, Source, gather, size_of};
 use crate::inspect::digest_all;
+use crate::participants::{Draw, Handout};
+use crate::parts::{ORGANISER, PARTICIPANTS, home, parts};
 use crate::renders::{self, Renders};
 use crate::version::{self, Change, changes};
 use crate::votes::{self, Votes};
@@ -53,6 +54,7 @@ pub struct Plan {
     pub is_there: bool,
     gathered: Gathered,
     archives: Vec<Archive>,
+    handout: Option<Handout>,
 }
 
 /// An archive of a release.
@@ -86,29 +88,25 @@ pub fn examine(bench: &Benchmark, votes: &Votes, report: &mut Report) -> Result<
 /// If the benchmark or the earlier release cannot be read.
 pub fn plan(order: &ReleaseOptions<'_>, report: &mut Report) -> Result<Plan, DataError> {
     let gathered = examine(order.bench, order.votes, report)?;
-    if order.bench.manifest.split == SetSplit::Private {
-        let message = "is `private`: a release holds referents, predicates, tracks and truth";
-        let hint = "hand out the training views (`l4d export`) and the sentences, and keep the rest";
-        report.error(codes::PRIVATE, &order.bench.dir.manifest(), "field `split`", message, hint);
-    }
+    let handout = Handout::of(order.bench, &gathered, order.renders, report)?;
     let renders = order.renders.map(|(data, profile)| {
         let rendered = gathered.scenes.iter().filter(|scene| scene.tracks.is_some()).map(|scene| &scene.name);
         renders::list(data, profile, order.bench, rendered, report)
     });
     let contents = Contents::of(&gathered, order.votes, renders.as_ref(), order.publication);
-    let before = order.since.map(Contents::read).transpose()?;
+    let before = order.since.map(|since| Contents::read(&home(since))).transpose()?;
     let changes = before.as_ref().map(|before| changes(before, &contents)).unwrap_or_default();
     version::check(&order.bench.dir.manifest(), &contents, before.as_ref(), &changes, report);
     let folder = order.out.join(contents.folder());
     let is_there = folder.exists() && is_same(&folder, &contents, report);
     let archives = archives(&gathered, order.votes, renders);
-    Ok(Plan { contents, changes, folder, is_there, gathered, archives })
+    Ok(Plan { contents, changes, folder, is_there, gathered, archives, handout })
 }
 
 /// Whether the release exists already; one with other contents is a finding: what was published stays.
 fn is_same(folder: &Path, contents: &Contents, report: &mut Report) -> bool {
     let hint = "raise the version in panoptic-l4d.toml, or choose another --out";
-    match Contents::read(folder) {
+    match Contents::read(&home(folder)) {
         Ok(there) if there == *contents => return true,
         Ok(there) => {
             let found = changes(&there, contents);
@@ -150,28 +148,54 @@ impl Plan {
         2 * self.archives.iter().flat_map(|archive| &archive.files).map(|file| file.bytes).sum::<u64>()
     }
 
+    /// The folder of what participants get, if not everything is published.
+    pub fn participants(&self) -> Option<PathBuf> {
+        self.handout.as_ref().map(|_| self.folder.join(PARTICIPANTS))
+    }
+
+    /// The licence of the benchmark.
+    fn licence(&self) -> Result<Option<Vec<u8>>, DataError> {
+        let licence = self.gathered.files.iter().find(|file| file.name == "benchmark/LICENSE");
+        let read = |path: &PathBuf| fs::read(path).map_err(|source| DataError::io(path, "read", source));
+        licence.map(|licence| read(&licence.path)).transpose()
+    }
+
     /// Where the release is put together.
     fn staging(&self) -> PathBuf {
         self.folder.with_file_name(format!(".{}.partial", self.contents.folder()))
     }
 }
 
-/// Makes the release; `progress` gets bytes.
+/// Makes the release; `draw` is asked for the pictures of a private test, `progress` gets bytes.
 ///
 /// # Errors
 /// If another run makes a release there, or a file cannot be read or written, or changed since the plan.
-pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, DataError> {
+pub fn freeze(plan: &Plan, draw: Draw<'_>, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, DataError> {
     if plan.is_there {
-        let listed = sums::read(&plan.folder.join(SUMS))?;
-        let size =
-            |file: &String| (file.clone(), fs::metadata(plan.folder.join(file)).map_or(0, |data| data.len()));
-        return Ok(Released { files: listed.keys().map(size).collect() });
+        return Released::read(&plan.folder);
     }
     let staging = plan.staging();
     let _lock = FolderLock::take(staging.parent().unwrap_or(Path::new(".")))?;
-    enter(&staging, &plan.contents)?;
+    let home = if plan.handout.is_some() { staging.join(ORGANISER) } else { staging.clone() };
+    enter(&staging, &home, &plan.contents)?;
+    let documents = write_all(plan, &home, progress)?;
+    if let Some(handout) = &plan.handout {
+        let folder = staging.join(PARTICIPANTS);
+        handout.write(&folder, (&plan.gathered, &documents, plan.licence()?.as_deref()), draw, progress)?;
+    }
+    fs::rename(&staging, &plan.folder)
+        .map_err(|source| DataError::io(&plan.folder, "move the release to", source))?;
+    if let Some(Ok(parent)) = plan.folder.parent().map(File::open) {
+        // A filesystem that cannot sync folders is no error.
+        parent.sync_all().ok();
+    }
+    Released::read(&plan.folder)
+}
+
+/// Writes archives, tables, documents and sums into a folder.
+fn write_all(plan: &Plan, home: &Path, progress: &(dyn Fn(u64) + Sync)) -> Result<Documents, DataError> {
     plan.archives.par_iter().try_for_each(|archive| {
-        let path = staging.join(&archive.path);
+        let path = home.join(&archive.path);
         match path.exists() {
             true => {
                 progress(archive.files.iter().map(|file| file.bytes).sum());
@@ -183,47 +207,55 @@ pub fn freeze(plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Released, 
     let tables = tables::tables(&plan.gathered);
     let words = words::of(&plan.contents, &plan.gathered)?;
     for table in &tables {
-        write_atomic(&staging.join(table.path()), &table.bytes())?;
+        write_atomic(&home.join(table.path()), &table.bytes())?;
     }
     let sizes = plan.archives.iter().map(|archive| {
-        let path = staging.join(&archive.path);
+        let path = home.join(&archive.path);
         Ok((archive.path.as_str(), size_of(&path)?, archive.files.len()))
     });
     let sizes = sizes.collect::<Result<_, DataError>>()?;
     let documents = Documents::new(&plan.contents, &plan.gathered, &words, &tables, sizes);
     for (name, text) in documents.render()? {
-        write_atomic(&staging.join(name), text.as_bytes())?;
+        write_atomic(&home.join(name), text.as_bytes())?;
     }
-    if let Some(licence) = plan.gathered.files.iter().find(|file| file.name == "benchmark/LICENSE") {
-        let bytes = fs::read(&licence.path).map_err(|source| DataError::io(&licence.path, "read", source))?;
-        write_atomic(&staging.join("LICENSE"), &bytes)?;
+    if let Some(licence) = plan.licence()? {
+        write_atomic(&home.join("LICENSE"), &licence)?;
     }
-    let mut files = digest_all(&staging, progress)?;
+    let mut files = digest_all(home, progress)?;
     // Neither lists itself; both may be there from a run that was killed at the very end.
     files.remove(croissant::FILE);
     files.remove(SUMS);
-    let path = staging.join(croissant::FILE);
+    let path = home.join(croissant::FILE);
     json::write(&path, &croissant::document(&plan.contents, &plan.gathered, &words, &tables, &files))?;
     files.insert(croissant::FILE.to_owned(), (sha256_file(&path)?, size_of(&path)?));
     let listed: BTreeMap<String, String> =
-        files.iter().map(|(file, (digest, _))| (file.clone(), digest.clone())).collect();
-    write_atomic(&staging.join(SUMS), sums::to_text(&listed).as_bytes())?;
-    fs::rename(&staging, &plan.folder)
-        .map_err(|source| DataError::io(&plan.folder, "move the release to", source))?;
-    if let Some(Ok(parent)) = plan.folder.parent().map(File::open) {
-        // A filesystem that cannot sync folders is no error.
-        parent.sync_all().ok();
+        files.into_iter().map(|(file, (digest, _))| (file, digest)).collect();
+    write_atomic(&home.join(SUMS), sums::to_text(&listed).as_bytes())?;
+    Ok(documents)
+}
+
+impl Released {
+    /// The files that a release lists.
+    fn read(release: &Path) -> Result<Self, DataError> {
+        let mut files = BTreeMap::new();
+        for part in parts(release) {
+            for file in sums::read(&release.join(part).join(SUMS))?.into_keys() {
+                let file = Path::new(part).join(file);
+                let bytes = size_of(&release.join(&file))?;
+                files.insert(file.to_string_lossy().into_owned(), bytes);
+            }
+        }
+        Ok(Self { files })
     }
-    Ok(Released { files: files.into_iter().map(|(file, (_, bytes))| (file, bytes)).collect() })
 }
 
 /// Opens the folder in which the release is put together: as a killed run left it if that was after the same, else
 /// empty.
-fn enter(staging: &Path, contents: &Contents) -> Result<(), DataError> {
-    let is_same = json::read::<Contents>(&staging.join(FILE)).is_ok_and(|there| there == *contents);
+fn enter(staging: &Path, home: &Path, contents: &Contents) -> Result<(), DataError> {
+    let is_same = json::read::<Contents>(&home.join(FILE)).is_ok_and(|there| there == *contents);
     if !is_same {
         remove_folder(staging)?;
     }
-    make_folder(staging)?;
-    json::write(&staging.join(FILE), contents)
+    make_folder(home)?;
+    json::write(&home.join(FILE), contents)
 }

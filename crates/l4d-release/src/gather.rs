@@ -142,9 +142,8 @@ fn read_scene(bench: &Benchmark, name: &Name, profiles: &[Profile]) -> Result<Sc
         truths.insert(profile, bench.truth(profile, name)?);
     }
     let mut paths = vec![dir.queries(name)];
-    paths.extend(
-        [dir.composites(name), dir.absents(name), dir.tracks(name)].into_iter().filter(|path| path.exists()),
-    );
+    let others = [dir.composites(name), dir.absents(name), dir.tracks(name), dir.composition(name)];
+    paths.extend(others.into_iter().filter(|path| path.exists()));
     paths.extend(truths.keys().map(|&profile| dir.truth(profile, name)));
     Ok(SceneFacts {
         scale,

@@ -11,14 +11,31 @@ use rayon::prelude::*;
 use crate::codes;
 use crate::contents::{Contents, SUMS};
 use crate::gather::size_of;
+use crate::parts::{home, parts};
 
 const FETCH: &str = "fetch the file again";
 
-/// Compares a folder with its `SHA256SUMS`; gives what it says of itself, if that can be read. `progress` gets
-/// bytes.
+/// Compares each folder of a release with its `SHA256SUMS`; gives what it says of itself, if that can be read.
+/// `progress` gets bytes.
 pub fn inspect(release: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Report) -> Option<Contents> {
-    let path = release.join(SUMS);
-    let read = sums::read(&path).and_then(|listed| Ok((listed, files_below(release, report)?)));
+    for part in parts(release) {
+        inspect_folder(&release.join(part), progress, report)?;
+    }
+    match Contents::read(&home(release)) {
+        Ok(contents) => Some(contents),
+        // Other bytes were reported already.
+        Err(_) if report.has_errors() => None,
+        Err(error) => {
+            report.data_error(codes::LIST, &error);
+            None
+        }
+    }
+}
+
+/// Compares a folder with its `SHA256SUMS`; none if that cannot be read.
+fn inspect_folder(folder: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Report) -> Option<()> {
+    let path = folder.join(SUMS);
+    let read = sums::read(&path).and_then(|listed| Ok((listed, files_below(folder, report)?)));
     let (listed, there) = match read {
         Ok(read) => read,
         Err(error) => {
@@ -28,27 +45,17 @@ pub fn inspect(release: &Path, progress: &(dyn Fn(u64) + Sync), report: &mut Rep
     };
     for file in there.iter().filter(|file| *file != SUMS && !listed.contains_key(*file)) {
         let hint = "remove it: a reader of the release cannot know where it comes from";
-        report.error(codes::EXTRA, &release.join(file), "file", "is not listed in SHA256SUMS", hint);
+        report.error(codes::EXTRA, &folder.join(file), "file", "is not listed in SHA256SUMS", hint);
     }
     for file in listed.keys().filter(|file| !there.contains(*file)) {
         let message = "is listed in SHA256SUMS, but missing";
-        report.error(codes::MISSING, &release.join(file), "file", message, FETCH);
+        report.error(codes::MISSING, &folder.join(file), "file", message, FETCH);
     }
     let present: Vec<(&String, &String)> = listed.iter().filter(|(file, _)| there.contains(*file)).collect();
-    let compared: Vec<Report> = present
-        .into_par_iter()
-        .map(|(file, digest)| compare(&release.join(file), digest, progress))
-        .collect();
+    let compared: Vec<Report> =
+        present.into_par_iter().map(|(file, digest)| compare(&folder.join(file), digest, progress)).collect();
     compared.into_iter().for_each(|found| report.extend(found));
-    match Contents::read(release) {
-        Ok(contents) => Some(contents),
-        // Other bytes were reported already.
-        Err(_) if report.has_errors() => None,
-        Err(error) => {
-            report.data_error(codes::LIST, &error);
-            None
-        }
-    }
+    Some(())
 }
 
 fn compare(path: &Path, digest: &str, progress: &(dyn Fn(u64) + Sync)) -> Report {

@@ -1,6 +1,7 @@
 //! Freezing a version of the benchmark, and the forms in which platforms host it.
 //!
-//! A release is a self-contained folder: archives by scene, tables, metadata, checksums. It is a function of the
+//! A release is a self-contained folder: archives by scene, tables, metadata, checksums; that of a private test is two,
+//! one that the organiser keeps and one without answers. It is a function of the
 //! benchmark, the renders, the votes and the arguments, byte for byte.
 //! It carries files and counts what they say; the caller says what votes ([`votes::Votes`]) and scores
 //! ([`host::Entry`]) there are.
@@ -15,6 +16,8 @@ pub mod freeze;
 pub mod gather;
 pub mod host;
 pub mod inspect;
+pub mod participants;
+mod parts;
 pub mod renders;
 mod tables;
 pub mod version;

@@ -4,7 +4,9 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Result;
+use l4d_data::layout::SceneDir;
 use l4d_data::{Benchmark, Progress as _, Report, Status, Workspace};
+use l4d_import::handout;
 use l4d_release::{Plan, ReleaseOptions, freeze, inspect, plan};
 use serde_json::json;
 
@@ -26,7 +28,7 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
     let publication = publication(date, url, &args.creators)?;
     let bench = Benchmark::open(&args.bench)?;
     let votes = votes_of_people(&args.rounds, &bench)?;
-    let space = |profile| Workspace::new(profile, bench.manifest.draw()).with_data(args.data.as_deref());
+    let space = |profile| Workspace::new(profile).with_data(args.data.as_deref());
     let renders = args.profile.map(space);
     let order = ReleaseOptions {
         bench: &bench,
@@ -42,13 +44,16 @@ fn make(args: &ReleaseArgs, out: &Printer) -> Result<ExitStatus> {
         return out.findings(report, args.json);
     }
     let meter = Meter::new(out, plan.work_bytes(), "releasing");
-    let released = freeze(&plan, &|bytes| meter.add(bytes))?;
+    let source = format!("{} {}", plan.contents.name, plan.contents.version);
+    let draw = |scene: &SceneDir, data: &Path| handout::write(scene, &source, data);
+    let released = freeze(&plan, &draw, &|bytes| meter.add(bytes))?;
     out.finish();
     if args.json {
         out.json(&json!({
             "release": plan.folder,
             "version": plan.contents.version,
             "was_there": plan.is_there,
+            "participants": plan.participants(),
             "since": args.since,
             "changes": plan.changes,
             "queries": counts(&plan),
@@ -77,6 +82,12 @@ fn tell(plan: &Plan, files: usize, args: &ReleaseArgs, out: &Printer) {
     out.note(format!(
         "{verified} of {judged} scored queries are verified by people, {rejected} were rejected"
     ));
+    if let Some(participants) = plan.participants() {
+        out.note(format!(
+            "a private test: {} is for participants, the rest for you alone",
+            participants.display()
+        ));
+    }
     if args.since.is_some() {
         out.note(format!("changes since the earlier release: {}", plan.changes.len()));
         plan.changes
