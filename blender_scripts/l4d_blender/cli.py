@@ -91,7 +91,6 @@ def _parser() -> argparse.ArgumentParser:
         which.add_argument("--scene")
         if may_be_new:
             which.add_argument("--new", metavar="NAME", help="write the smallest recipe of that name first")
-        command.add_argument("--variant", type=int, default=0, help="0 is the benchmark")
         command.add_argument("--seed", type=int, default=0)
         command.add_argument(
             "--recipes", type=Path, default=recipes.RECIPES, help="folder of <scene>.py files"
@@ -157,7 +156,7 @@ def _plan(options: argparse.Namespace, events: _Events) -> None:
     _follow_parent()
     recipes.find(options.scene, options.recipes)
     _make_folder(options.out)
-    scene, description = recipes.build(options.scene, options.variant, options.seed, options.recipes)
+    scene, description = recipes.build(options.scene, options.seed, options.recipes)
     from . import plan
 
     for message, numbers in plan.write(
@@ -241,7 +240,7 @@ def _preview(options: argparse.Namespace, events: _Events) -> None:
     if options.new:
         events.send("written", path=str(new_scene.write(options.new, options.recipes)))
         options.scene = options.new
-    scene, _ = recipes.build(options.scene, options.variant, options.seed, options.recipes)
+    scene, _ = recipes.build(options.scene, options.seed, options.recipes)
     from . import preview
 
     count = max(options.views, 1)

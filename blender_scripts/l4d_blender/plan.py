@@ -55,7 +55,6 @@ def write_measured(
     plan = {
         "schema": "l4d/plan/1",
         "scene": scene.name,
-        "variant": scene.variant,
         "seed": scene.seed,
         "bpy": bpy.app.version_string.split()[0],
         "scripts": recipes.script_digests(recipe_folder, _RENDER_MODULES),

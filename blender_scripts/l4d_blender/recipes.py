@@ -51,7 +51,7 @@ def find(name: str, folder: Path = RECIPES) -> Path:
     return module if module.is_file() else module.with_suffix(".json")
 
 
-def build(name: str, variant: int = 0, seed: int = 0, folder: Path = RECIPES) -> tuple[Scene, str]:
+def build(name: str, seed: int = 0, folder: Path = RECIPES) -> tuple[Scene, str]:
     """Runs a recipe in a fresh Blender scene: the scene and its one-paragraph description."""
     path = find(name, folder)
     if path.suffix == ".json":
@@ -62,7 +62,7 @@ def build(name: str, variant: int = 0, seed: int = 0, folder: Path = RECIPES) ->
 
     try:
         recipe = _load(path)
-        scene = Scene(name, recipe.SCALE, variant, seed)
+        scene = Scene(name, recipe.SCALE, seed)
         recipe.build(scene)
         scene.check()
     except RecipeError as error:

@@ -68,12 +68,11 @@ class Event:
 class Scene:
     """A fresh Blender scene plus everything that is annotated in it."""
 
-    def __init__(self, name: str, scale: str, variant: int = 0, seed: int = 0) -> None:
+    def __init__(self, name: str, scale: str, seed: int = 0) -> None:
         if scale not in SCALES:
             raise RecipeError(f"SCALE of {name} is {scale!r}", f"one of {', '.join(SCALES)}")
         self.name = name
         self.scale = scale
-        self.variant = variant
         self.seed = seed
         self.exposure = 1.0
         self.instances: list[Instance] = []
@@ -91,7 +90,8 @@ class Scene:
 
     def rng(self, key: str) -> random.Random:
         """A random stream of its own per key: adding one elsewhere leaves the others as they are."""
-        return random.Random(f"{self.name}/{key}/{self.seed}.{self.variant}")
+        # The last digit counted variants once; what was drawn stays drawn.
+        return random.Random(f"{self.name}/{key}/{self.seed}.0")
 
     def instance(
         self,

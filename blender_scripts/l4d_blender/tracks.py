@@ -76,7 +76,7 @@ def tracks(scene: Scene, description: str, shapes: Sequence[Shape], cameras: lis
         "schema": "l4d/tracks/1",
         "scene": scene.name,
         "scale": scene.scale,
-        "variant": scene.variant,
+        "variant": 0,
         "seed": scene.seed,
         "fps": float(FPS),
         "frame_count": FRAME_COUNT,

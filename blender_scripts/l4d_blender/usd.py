@@ -184,7 +184,7 @@ def _annotate(stage: Usd.Stage, scene: Scene) -> None:
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     layer = stage.GetRootLayer()
-    layer.documentation = f"{scene.name}, variant {scene.variant}, seed {scene.seed}"
+    layer.documentation = f"{scene.name}, variant 0, seed {scene.seed}"
     prims = {
         prim.GetAttribute(_NAME_ATTRIBUTE).Get(): prim
         for prim in stage.Traverse()

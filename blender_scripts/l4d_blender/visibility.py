@@ -1,6 +1,6 @@
 """Which cameras see which objects, counted with a quick id-only render; and which camera is held out.
 
-The id pass is bit-stable: the choice of the test view is a function of the recipe, the variant and the seed.
+The id pass is bit-stable: the choice of the test view is a function of the recipe and the seed.
 """
 
 from __future__ import annotations

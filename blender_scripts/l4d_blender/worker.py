@@ -33,7 +33,6 @@ class Job:
     """What a render job asks for; images are (view, frame)."""
 
     scene: str
-    variant: int
     seed: int
     profile: str
     width: int
@@ -56,7 +55,6 @@ def read_job(path: Path) -> Job:
         images = {(str(image["view"]), int(image["frame"])) for image in fields["images"]}
         return Job(
             scene=str(fields["scene"]),
-            variant=int(fields["variant"]),
             seed=int(fields["seed"]),
             profile=str(fields["profile"]),
             width=int(fields["width"]),
@@ -79,7 +77,7 @@ def run(job: Job, send: Send) -> None:
     """Builds the scene, renders what the job lists and reports each image."""
     views = _views(job)
     started = time.monotonic()
-    scene, _ = recipes.build(job.scene, job.variant, job.seed, job.recipes)
+    scene, _ = recipes.build(job.scene, job.seed, job.recipes)
     _check_poses(scene, views, job)
     from .exr import frame_path, write_frame
     from .passes import Renderer
@@ -119,8 +117,8 @@ def _chunks(images: list[tuple[str, int]]) -> Iterator[dict[int, list[str]]]:
 def _views(job: Job) -> dict[str, dict]:
     """view.json of every view of the job, from tracks.json."""
     tracks = _read_json(job.tracks)
-    made_for = tuple(tracks.get(key) for key in ("scene", "variant", "seed"))
-    if made_for != (job.scene, job.variant, job.seed):
+    made_for = tuple(tracks.get(key) for key in ("scene", "seed"))
+    if made_for != (job.scene, job.seed):
         raise WorkerError(f"{job.tracks}: made for {made_for}, not for this job", "plan the scene again")
     known = {camera["name"]: camera for camera in tracks["cameras"]}
     views = {}

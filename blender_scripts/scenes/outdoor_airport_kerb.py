@@ -8,8 +8,6 @@ and who waves first.
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees
 
 from mathutils import Vector
@@ -34,53 +32,27 @@ BY_HAND = Vector((-0.44, 0.13, 0.0))
 BY_BENCH = Vector((-2.12, 0.72, 0.0))
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twin: suitcase.CaseLook = suitcase.CaseLook("medium", "ribbed", "teal")
-    other: suitcase.CaseLook = suitcase.CaseLook("large", "soft", "red", strap="cream")
-    walker: str = "woman"
-    walker_jacket: str = "yellow"
-    walker_top: Cloth = Cloth("white", "stripes", "navy", 0.045)
-    walker_hair: tuple[str, str] = ("ponytail", "dark_brown")
-    sitter_top: Cloth = Cloth("light_blue", "checks")
-    sitter_hair: str = "grey"
-    greet_last: int = 28
-    walk_last: int = 50
-    sun_azimuth_deg: float = 70.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: the pulled case and the one at the bench are twins whatever their look."""
-    twin, other = rng.sample(["teal", "navy", "yellow", "pink", "grey", "red", "orange"], 2)
-    strap = rng.choice([c for c in ("cream", "yellow", "black") if c != other])
-    jacket, top = rng.sample(["yellow", "red", "grey", "navy", "green"], 2)
-    return Choices(
-        twin=suitcase.CaseLook(rng.choice(["cabin", "medium"]), rng.choice(["ribbed", "smooth"]), twin),
-        other=suitcase.CaseLook("large", "soft", other, strap=strap),
-        walker=rng.choice(["woman", "man"]),
-        walker_jacket=jacket,
-        walker_top=Cloth("white", "stripes", top, 0.045),
-        walker_hair=(rng.choice(["ponytail", "bob", "bun"]), rng.choice(["dark_brown", "red", "blond"])),
-        sitter_top=Cloth(rng.choice(["light_blue", "green", "orange"]), "checks"),
-        sitter_hair=rng.choice(["grey", "black", "brown"]),
-        greet_last=rng.randint(26, 29),
-        walk_last=rng.randint(47, 52),
-        sun_azimuth_deg=rng.choice([25.0, 70.0, 130.0, 160.0]),
-    )
+TWIN = suitcase.CaseLook("medium", "ribbed", "teal")
+OTHER = suitcase.CaseLook("large", "soft", "red", strap="cream")
+WALKER_JACKET = "yellow"
+WALKER_TOP = Cloth("white", "stripes", "navy", 0.045)
+WALKER_HAIR = ("ponytail", "dark_brown")
+SITTER_TOP = Cloth("light_blue", "checks")
+SITTER_HAIR = "grey"
+GREET_LAST = 28
+WALK_LAST = 50
+SUN_AZIMUTH_DEG = 70.0
 
 
 def build(scene: Scene) -> None:
     """Sets the kerb, puts luggage and travellers on it, and lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _ground(scene)
     _surroundings(scene)
     _landmarks(scene)
-    cases = _suitcases(scene, choices)
-    _walker(scene, choices, *cases["pulled"])
-    _sitter(scene, choices, *cases["by_hand"])
-    _light(scene, choices)
+    cases = _suitcases(scene)
+    _walker(scene, *cases["pulled"])
+    _sitter(scene, *cases["by_hand"])
+    _light(scene)
     scene.cameras(
         (0.1, 0.25, 0.82), radius_m=5.3, heights_m=(1.55, 2.35), arc_deg=150.0, facing_deg=-90.0, fov_deg=50.0
     )
@@ -170,12 +142,12 @@ def _landmarks(scene: Scene) -> None:
 # --- luggage and travellers -------------------------------------------------------------------------------
 
 
-def _suitcases(scene: Scene, choices: Choices) -> dict[str, tuple[suitcase.Suitcase, Instance]]:
+def _suitcases(scene: Scene) -> dict[str, tuple[suitcase.Suitcase, Instance]]:
     rng = scene.rng("suitcases")
     plan = {
-        "pulled": (choices.twin, Vector((2.6, 2.6, 0.0)), 0.0),
-        "by_bench": (choices.twin, BY_BENCH, 0.45),
-        "by_hand": (choices.other, BY_HAND, 0.22),
+        "pulled": (TWIN, Vector((2.6, 2.6, 0.0)), 0.0),
+        "by_bench": (TWIN, BY_BENCH, 0.45),
+        "by_hand": (OTHER, BY_HAND, 0.22),
     }
     made = {}
     for id, (place, (look, spot, turn)) in enumerate(plan.items(), 1):
@@ -205,19 +177,18 @@ def _suitcases(scene: Scene, choices: Choices) -> dict[str, tuple[suitcase.Suitc
     return made
 
 
-def _walker(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: Instance) -> None:
+def _walker(scene: Scene, case: suitcase.Suitcase, instance: Instance) -> None:
     """Comes from the doors, stops near the kerb, parks the suitcase and hails a taxi."""
-    man = choices.walker == "man"
-    hair, hair_colour = choices.walker_hair
+    hair, hair_colour = WALKER_HAIR
     look = Look(
-        build=choices.walker,
-        height_m=1.77 if man else 1.69,
+        build="woman",
+        height_m=1.69,
         skin="tan",
-        hair="short" if man else hair,
+        hair=hair,
         hair_colour=hair_colour,
-        top=choices.walker_top,
+        top=WALKER_TOP,
         sleeve="long",
-        jacket=Cloth(choices.walker_jacket),
+        jacket=Cloth(WALKER_JACKET),
         shoes="boots",
         shoe_colour="brown",
         seed=scene.rng("walker").randrange(1000),
@@ -228,22 +199,17 @@ def _walker(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: I
         4,
         category="person",
         look=look,
-        attributes={
-            "hair": "short" if man else hair,
-            "jacket": choices.walker_jacket,
-            "top": "striped",
-            "trousers": "jeans",
-        },
+        attributes={"hair": hair, "jacket": WALKER_JACKET, "top": "striped", "trousers": "jeans"},
         at=(1.72, 1.74),
         heading_deg=degrees(-0.36),
     )
-    parked = walker.pull(case, instance, choices.walk_last, side="r")
-    walker.walk_along([(1.32, 0.40), (1.24, -0.66)], (0, choices.walk_last))
+    parked = walker.pull(case, instance, WALK_LAST, side="r")
+    walker.walk_along([(1.32, 0.40), (1.24, -0.66)], (0, WALK_LAST))
     walker.wave((parked + 2, LAST_FRAME - 2), side="l")
     walker.finish()
 
 
-def _sitter(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: Instance) -> None:
+def _sitter(scene: Scene, case: suitcase.Suitcase, instance: Instance) -> None:
     """Waves with one hand, the other on the suitcase; then sits down and telephones."""
     look = Look(
         build="man",
@@ -251,8 +217,8 @@ def _sitter(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: I
         girth=1.03,
         skin="fair",
         hair="short",
-        hair_colour=choices.sitter_hair,
-        top=choices.sitter_top,
+        hair_colour=SITTER_HAIR,
+        top=SITTER_TOP,
         sleeve="elbow",
         lower=Cloth("beige"),
         shoe_colour="brown",
@@ -268,11 +234,11 @@ def _sitter(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: I
         at=SITTER_AT,
     )
     frame = case.body.matrix_basis
-    hold_last = choices.greet_last + 3
+    hold_last = GREET_LAST + 3
     sitter.hand_on(
         instance, frame @ case.grip, hold_last, side="l", bar=frame.to_3x3() @ Vector((1.0, 0.0, 0.0))
     )
-    sitter.wave((1, choices.greet_last), side="r")
+    sitter.wave((1, GREET_LAST), side="r")
     seat = (SITTER_AT[0], BENCH.y - 0.06, street_bench.SEAT_M)
     sitter.sit(seat, (hold_last + 2, LAST_FRAME), down=20)
     sitter.phone((hold_last + 40, LAST_FRAME), side="r", draw=12)
@@ -282,9 +248,9 @@ def _sitter(scene: Scene, choices: Choices, case: suitcase.Suitcase, instance: I
 # --- light ------------------------------------------------------------------------------------------------
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Blue hour: what is left of the sky, the glow of the hall, and the lamps over the kerb."""
-    scene.sky(sun_elevation_deg=1.0, sun_azimuth_deg=choices.sun_azimuth_deg, strength=0.6)
+    scene.sky(sun_elevation_deg=1.0, sun_azimuth_deg=SUN_AZIMUTH_DEG, strength=0.6)
     warm, neutral = (1.0, 0.78, 0.52), (1.0, 0.90, 0.76)
     for k, x in enumerate((-9.0, 0.0, 9.0)):
         scene.area_light(

@@ -9,8 +9,6 @@ tells them apart. The dish passes from the first drinker to the third gull.
 from __future__ import annotations
 
 import math
-import random
-from dataclasses import dataclass
 from math import degrees
 
 from mathutils import Vector
@@ -44,44 +42,24 @@ LOOKS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "grey_backed"
-    third: str = "hooded"
-    late_s: int = 0
-    glaze: tuple[float, float, float] = (0.10, 0.23, 0.42)
-    boat: tuple[float, float, float] = (0.62, 0.60, 0.54)
-    sun_azimuth_deg: float = -28.0
-    sun_elevation_deg: float = 33.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: any plumage may be the doubled one."""
-    twins, third = rng.sample(["grey_backed", "hooded", "mottled_young"], 2)
-    return Choices(
-        twins=twins,
-        third=third,
-        late_s=rng.randint(-2, 4),
-        glaze=rng.choice([(0.10, 0.23, 0.42), (0.42, 0.12, 0.06), (0.09, 0.26, 0.16)]),
-        boat=rng.choice([(0.62, 0.60, 0.54), (0.10, 0.30, 0.26), (0.50, 0.10, 0.06)]),
-        sun_azimuth_deg=rng.uniform(-60.0, -10.0),
-        sun_elevation_deg=rng.uniform(28.0, 42.0),
-    )
+TWINS = "grey_backed"
+THIRD = "hooded"
+GLAZE = (0.10, 0.23, 0.42)
+BOAT_COLOUR = (0.62, 0.60, 0.54)
+SUN_AZIMUTH_DEG = -28.0
+SUN_ELEVATION_DEG = 33.0
 
 
 def build(scene: Scene) -> None:
     """Sets lake and dock, lets the birds act, lights the morning and places the cameras."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     shore = lake.Shore(
         seed=scene.rng("shore").randrange(1 << 30), water_m=WATER_M, shore_x_m=-2.35, hill_height_m=9.0
     )
     _lakeside(scene, shore)
-    marks = _landmarks(scene, choices)
-    _gulls(scene, choices, marks["dish"])
-    _ducks(scene, choices, marks["tray"])
-    _light(scene, choices)
+    marks = _landmarks(scene)
+    _gulls(scene, marks["dish"])
+    _ducks(scene, marks["tray"])
+    _light(scene)
     scene.cameras(
         (0.12, 0.24, 0.22),
         radius_m=2.65,
@@ -142,16 +120,16 @@ def _lakeside(scene: Scene, shore: lake.Shore) -> None:
     )
 
 
-def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _landmarks(scene: Scene) -> dict[str, Instance]:
     tray = scene.put("bird_feeder.seed_tray", "seed_tray", TRAY, degrees(0.25), rng=scene.rng("seeds"))
     post = scene.put("dock.mooring_post", "mooring_post", POST, rng=scene.rng("post"))
     scene.put("dock.rope_coil", "rope_coil", (0.74, -0.42), degrees(2.4), rng=scene.rng("coil"))
     return {
-        "dish": scene.add(1001, "bird_feeder.water_dish", "water_dish", DISH, glaze=choices.glaze),
+        "dish": scene.add(1001, "bird_feeder.water_dish", "water_dish", DISH, glaze=GLAZE),
         "tray": scene.instance("seed_tray", 1002, "tray", tray),
         "dock": scene.add(1003, "dock", "dock", x_range=DECK_X, half_width_m=HALF_WIDTH_M),
         "post": scene.instance("mooring_post", 1004, "post", post),
-        "boat": scene.add(1005, "rowing_boat", "rowing_boat", BOAT, degrees(1.42), colour=choices.boat),
+        "boat": scene.add(1005, "rowing_boat", "rowing_boat", BOAT, degrees(1.42), colour=BOAT_COLOUR),
         "reeds": scene.add(
             1006,
             "reeds",
@@ -197,40 +175,39 @@ def _at_dish(way_deg: float) -> tuple[Vector, Vector]:
     return dip + REACH_M * out, dip + Vector((0.0, 0.0, bird_feeder.WATER_Z_M - 0.004))
 
 
-def _gulls(scene: Scene, choices: Choices, dish: Instance) -> None:
+def _gulls(scene: Scene, dish: Instance) -> None:
     """The dish passes from the first drinker to the last; the one that lands only stands there."""
-    late = choices.late_s
     spot, dip = _at_dish(168.0)
-    first = _bird(scene, "gull_first_drinker", 1, choices.twins, spot, _towards(spot, DISH))
-    first.drink(dish, dip, 0, 40 + late)
-    first.turn(degrees(-1.85), 41 + late, 55 + late)
+    first = _bird(scene, "gull_first_drinker", 1, TWINS, spot, _towards(spot, DISH))
+    first.drink(dish, dip, 0, 40)
+    first.turn(degrees(-1.85), 41, 55)
     away = keys.Path([spot, spot + Vector((-0.34, 0.10, 0.0)), Vector((-0.93, 0.30, 0.0))])
-    first.walk(away, 56 + late, 88 + late)
-    first.pause(89 + late, LAST_FRAME)
+    first.walk(away, 56, 88)
+    first.pause(89, LAST_FRAME)
     first.finish()
 
     landing = DISH + Vector((-0.09, 0.47, 0.0))
-    lander = _bird(scene, "gull_landing", 2, choices.twins, landing, 0.0)
+    lander = _bird(scene, "gull_landing", 2, TWINS, landing, 0.0)
     way = [
         landing + Vector(p) for p in ((0.66, 1.08, 0.54), (0.36, 0.66, 0.34), (0.0, 0.17, 0.07), (0, 0, 0))
     ]
-    lander.glide_in(way, 0, 32 + late, 54 + late)
-    lander.stand(55 + late, LAST_FRAME)
+    lander.glide_in(way, 0, 32, 54)
+    lander.stand(55, LAST_FRAME)
     lander.finish()
 
     spot, dip = _at_dish(12.0)
     bend = spot + 0.9 * (spot - dip)
     bend.z = spot.z
     come = keys.Path([WAIT, WAIT.lerp(bend, 0.35), bend, spot])
-    last = _bird(scene, "gull_last_drinker", 3, choices.third, WAIT, _towards(WAIT, bend))
-    last.pause(0, 20 + late)
-    last.walk(come, 21 + late, 52 + late)
-    last.pause(53 + late, 57 + late)
-    last.drink(dish, dip, 58 + late, LAST_FRAME)
+    last = _bird(scene, "gull_last_drinker", 3, THIRD, WAIT, _towards(WAIT, bend))
+    last.pause(0, 20)
+    last.walk(come, 21, 52)
+    last.pause(53, 57)
+    last.drink(dish, dip, 58, LAST_FRAME)
     last.finish()
 
 
-def _ducks(scene: Scene, choices: Choices, tray: Instance) -> None:
+def _ducks(scene: Scene, tray: Instance) -> None:
     way = keys.Path(
         [(-0.28, 1.44, 0.0), (0.12, 1.56, 0.0), (0.50, 1.60, 0.0), (0.80, 1.56, 0.0), (1.02, 1.44, 0.0)]
     )
@@ -256,9 +233,9 @@ def _ducks(scene: Scene, choices: Choices, tray: Instance) -> None:
     eater.finish()
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """A clear, cool morning: the sun low on the right, sky light from the lake."""
-    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    azimuth, elevation = SUN_AZIMUTH_DEG, SUN_ELEVATION_DEG
     scene.sky(sun_elevation_deg=elevation, sun_azimuth_deg=azimuth, strength=0.20, haze=2.0)
     scene.sun(
         elevation_deg=elevation, azimuth_deg=azimuth, strength=3.6, angle_deg=1.0, colour=(1.0, 0.92, 0.80)

@@ -9,8 +9,6 @@ tells them apart. The chase passes from the first dog to the second.
 from __future__ import annotations
 
 import math
-import random
-from dataclasses import dataclass
 from math import degrees
 
 import bpy
@@ -46,45 +44,22 @@ COLOURS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "golden"
-    third: str = "black_white"
-    collars: tuple[str, str] = ("red", "blue")
-    man_top: str = "green"
-    woman_top: str = "purple"
-    pet: tuple[int, int] = (33, 68)
-    sun_azimuth_deg: float = -128.0
-    sun_elevation_deg: float = 40.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: any coat may be the doubled one."""
-    twins, third = rng.sample(sorted(COLOURS), 2)
-    collars = rng.sample(["red", "blue", "green", "orange"], 2)
-    tops = rng.sample(["green", "purple", "navy", "orange", "pink"], 2)
-    start = rng.randint(33, 34)
-    return Choices(
-        twins=twins,
-        third=third,
-        collars=(collars[0], collars[1]),
-        man_top=tops[0],
-        woman_top=tops[1],
-        pet=(start, start + rng.randint(33, 36)),
-        sun_azimuth_deg=rng.uniform(-150.0, -100.0),
-        sun_elevation_deg=rng.uniform(34.0, 46.0),
-    )
+TWINS = "golden"
+THIRD = "black_white"
+COLLARS = ("red", "blue")
+MAN_TOP = "green"
+WOMAN_TOP = "purple"
+PET = (33, 68)
+SUN_AZIMUTH_DEG = -128.0
+SUN_ELEVATION_DEG = 40.0
 
 
 def build(scene: Scene) -> None:
     """Sets the park, lets dogs and people act, lights it and places the cameras."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _park(scene)
     toy = _landmarks(scene)
-    _play(scene, choices, toy)
-    _light(scene, choices)
+    _play(scene, toy)
+    _light(scene)
     scene.cameras(
         (-0.06, -0.02, 0.64),
         radius_m=4.6,
@@ -197,13 +172,13 @@ def _landmarks(scene: Scene) -> Ball:
 # --- those who act ----------------------------------------------------------------------------------------
 
 
-def _play(scene: Scene, choices: Choices, toy: Ball) -> None:
+def _play(scene: Scene, toy: Ball) -> None:
     """Throw, chase, shove and second chase in the order of time; beside it the stroked dog."""
 
     def animal(
         name: str, id: int, coat: str, at: tuple[float, float], heading_deg: float, posture: str
     ) -> Dog:
-        collar = choices.collars[0] if coat == choices.twins else choices.collars[1]
+        collar = COLLARS[0] if coat == TWINS else COLLARS[1]
         looks = COLOURS[coat] | {"collar": collar}
         return Dog(
             scene,
@@ -217,17 +192,17 @@ def _play(scene: Scene, choices: Choices, toy: Ball) -> None:
             attributes=looks,
         )
 
-    chaser = animal("dog_chasing", 1, choices.third, CHASER, degrees(-1.45), "stand")
-    waiting = animal("dog_waiting", 2, choices.twins, (0.24, 0.58), degrees(1.72), "sit")
-    stroked = animal("dog_stroked", 3, choices.twins, (-0.98, 0.36), degrees(0.25), "sit")
+    chaser = animal("dog_chasing", 1, THIRD, CHASER, degrees(-1.45), "stand")
+    waiting = animal("dog_waiting", 2, TWINS, (0.24, 0.58), degrees(1.72), "sit")
+    stroked = animal("dog_stroked", 3, TWINS, (-0.98, 0.36), degrees(0.25), "sit")
 
     man = Thrower(
         scene,
         "man_throwing",
         4,
         category="person",
-        look=_man(scene, choices),
-        attributes={"top": choices.man_top, "pattern": "checked", "hair": "short"},
+        look=_man(scene),
+        attributes={"top": MAN_TOP, "pattern": "checked", "hair": "short"},
         at=(1.42, 0.42),
         heading_deg=degrees(-0.95),
     )
@@ -253,11 +228,11 @@ def _play(scene: Scene, choices: Choices, toy: Ball) -> None:
     waiting.run_along([(0.78, 0.30), (0.98, -0.38)], (69, LAST_FRAME), after=toy.instance)
     waiting.finish()
 
-    first, last = choices.pet
+    first, last = PET
     stroked.sit((0, last + 4))
     stroked.wag((first - 4, last + 4), 0.28)
     stroked.lie_down((last + 5, min(last + 30, LAST_FRAME)))
-    _woman(scene, choices, stroked)
+    _woman(scene, stroked)
     stroked.finish()
     toy.finish()
 
@@ -268,16 +243,16 @@ def _stop(chaser: Dog) -> tuple[float, float]:
     return BALL_STOPS[0] - reach, BALL_STOPS[1]
 
 
-def _woman(scene: Scene, choices: Choices, dog: Dog) -> None:
+def _woman(scene: Scene, dog: Dog) -> None:
     """Walks up to the dog by the bench and strokes its head."""
-    first, last = choices.pet
+    first, last = PET
     look = Look(
         build="woman",
         height_m=1.68,
         skin="tan",
         hair="ponytail",
         hair_colour="dark_brown",
-        top=Cloth(choices.woman_top, "stripes", repeat_m=0.06),
+        top=Cloth(WOMAN_TOP, "stripes", repeat_m=0.06),
         sleeve="long",
         bottom="trousers",
         lower=Cloth("denim", "denim"),
@@ -291,7 +266,7 @@ def _woman(scene: Scene, choices: Choices, dog: Dog) -> None:
         5,
         category="person",
         look=look,
-        attributes={"top": choices.woman_top, "pattern": "striped", "hair": "ponytail"},
+        attributes={"top": WOMAN_TOP, "pattern": "striped", "hair": "ponytail"},
         at=(-0.02, 1.42),
         heading_deg=degrees(-0.7),
     )
@@ -303,14 +278,14 @@ def _woman(scene: Scene, choices: Choices, dog: Dog) -> None:
     woman.finish()
 
 
-def _man(scene: Scene, choices: Choices) -> Look:
+def _man(scene: Scene) -> Look:
     return Look(
         build="man",
         height_m=1.82,
         skin="fair",
         hair="short",
         hair_colour="brown",
-        top=Cloth(choices.man_top, "checks", repeat_m=0.09),
+        top=Cloth(MAN_TOP, "checks", repeat_m=0.09),
         sleeve="long",
         bottom="trousers",
         lower=Cloth("beige"),
@@ -320,9 +295,9 @@ def _man(scene: Scene, choices: Choices) -> Look:
     )
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Thin cloud: a big soft sun, a bright sky."""
-    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    azimuth, elevation = SUN_AZIMUTH_DEG, SUN_ELEVATION_DEG
     scene.sky(sun_elevation_deg=elevation, sun_azimuth_deg=azimuth, strength=0.30, haze=5.0)
     scene.sun(
         elevation_deg=elevation, azimuth_deg=azimuth, strength=3.0, angle_deg=7.0, colour=(1.0, 0.93, 0.83)

@@ -10,8 +10,6 @@ they do, the hens by what they do and when.
 from __future__ import annotations
 
 import math
-import random
-from dataclasses import dataclass
 from math import degrees
 
 from mathutils import Vector
@@ -50,52 +48,26 @@ NAMES = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "galvanised"
-    others: tuple[str, str] = ("red", "blue")
-    dresses: tuple[str, str] = ("pink", "green")
-    hair: tuple[str, str] = ("blond", "dark_brown")
-    plumage: str = "russet"
-    wave: tuple[int, int] = (18, 74)
-    peck: tuple[int, int] = (17, 78)
-    sun_azimuth_deg: float = -118.0
-    sun_elevation_deg: float = 31.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: the bucket in the middle of the row and the one apart are twins whatever their look."""
-    twin = rng.choice(["galvanised", "white", "green"])
-    others = [look for look in ("red", "blue", "yellow", "green", "galvanised") if look != twin]
-    first, second = rng.sample(others, 2)
-    dresses = rng.sample(["pink", "green", "yellow", "light_blue", "orange", "white"], 2)
-    hair = rng.sample(["blond", "dark_brown", "red", "black", "brown"], 2)
-    wave, peck = rng.randint(12, 26), rng.randint(13, 24)
-    return Choices(
-        twins=twin,
-        others=(first, second),
-        dresses=(dresses[0], dresses[1]),
-        hair=(hair[0], hair[1]),
-        plumage=rng.choice(["russet", "white", "buff", "slate"]),
-        wave=(wave, wave + rng.randint(44, 58)),
-        peck=(peck, peck + rng.randint(47, 58)),
-        sun_azimuth_deg=rng.uniform(-145.0, -60.0),
-        sun_elevation_deg=rng.uniform(27.0, 40.0),
-    )
+TWINS = "galvanised"
+OTHERS = ("red", "blue")
+DRESSES = ("pink", "green")
+HAIR = ("blond", "dark_brown")
+PLUMAGE = "russet"
+WAVE = (18, 74)
+PECK = (17, 78)
+SUN_AZIMUTH_DEG = -118.0
+SUN_ELEVATION_DEG = 31.0
 
 
 def build(scene: Scene) -> None:
     """Sets the yard, puts those who act into it, and lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     terrain = _yard(scene)
     _surroundings(scene, terrain)
     _landmarks(scene)
-    buckets = _buckets(scene, choices)
-    _women(scene, choices, buckets["apart"])
-    _hens(scene, choices)
-    _light(scene, choices)
+    buckets = _buckets(scene)
+    _women(scene, buckets["apart"])
+    _hens(scene)
+    _light(scene)
     scene.cameras(
         (0.0, 0.2, 0.86), radius_m=5.2, heights_m=(1.45, 2.45), arc_deg=166.0, facing_deg=-90.0, fov_deg=47.0
     )
@@ -237,10 +209,10 @@ def _landmarks(scene: Scene) -> None:
 # --- those who act ----------------------------------------------------------------------------------------
 
 
-def _buckets(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _buckets(scene: Scene) -> dict[str, Instance]:
     rng = scene.rng("buckets")
-    looks = {"middle": choices.twins, "apart": choices.twins}
-    looks["haystack"], looks["well"] = choices.others
+    looks = {"middle": TWINS, "apart": TWINS}
+    looks["haystack"], looks["well"] = OTHERS
     plan = {
         "haystack": (ROW["haystack"], 1.25, None),
         "middle": (ROW["middle"], 0.0, None),
@@ -271,7 +243,7 @@ def _buckets(scene: Scene, choices: Choices) -> dict[str, Instance]:
     return instances
 
 
-def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
+def _women(scene: Scene, wanted: Instance) -> None:
     """One fetches the bucket that stands apart, the other waves from the well."""
     rng = scene.rng("women")
     fetcher_look = Look(
@@ -279,10 +251,10 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
         height_m=1.67,
         skin="fair",
         hair="ponytail",
-        hair_colour=choices.hair[0],
+        hair_colour=HAIR[0],
         bottom="dress",
         sleeve="short",
-        lower=Cloth(choices.dresses[0]),
+        lower=Cloth(DRESSES[0]),
         apron=Cloth("beige"),
         shoes="boots",
         shoe_colour="brown",
@@ -294,10 +266,10 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
         girth=1.06,
         skin="tan",
         hair="bun",
-        hair_colour=choices.hair[1],
+        hair_colour=HAIR[1],
         bottom="dress",
         sleeve="elbow",
-        lower=Cloth(choices.dresses[1], "dots", repeat_m=0.05),
+        lower=Cloth(DRESSES[1], "dots", repeat_m=0.05),
         shoes="boots",
         shoe_colour="black",
         seed=rng.randrange(1000),
@@ -309,7 +281,7 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
         5,
         category="woman",
         look=fetcher_look,
-        attributes={"dress": choices.dresses[0], "pattern": "plain", "apron": "beige"},
+        attributes={"dress": DRESSES[0], "pattern": "plain", "apron": "beige"},
         at=(0.22, 2.80),
         heading_deg=degrees(0.10),
     )
@@ -334,21 +306,21 @@ def _women(scene: Scene, choices: Choices, wanted: Instance) -> None:
         6,
         category="woman",
         look=waver_look,
-        attributes={"dress": choices.dresses[1], "pattern": "dotted", "apron": "none"},
+        attributes={"dress": DRESSES[1], "pattern": "dotted", "apron": "none"},
         at=(1.06, 0.66),
         heading_deg=degrees(-0.45),
     )
     waver.stand()
-    waver.wave(choices.wave, side="r")
+    waver.wave(WAVE, side="r")
     waver.finish()
 
 
-def _hens(scene: Scene, choices: Choices) -> None:
+def _hens(scene: Scene) -> None:
     def actor(name: str, id: int, at: Vector, heading_deg: float) -> Hen:
-        return Hen(scene, name, id, plumage=choices.plumage, at=at, heading_deg=heading_deg)
+        return Hen(scene, name, id, plumage=PLUMAGE, at=at, heading_deg=heading_deg)
 
     pecker = actor("hen_pecking", 7, Vector((-0.62, -1.18, 0.0)), degrees(0.9))
-    first, last = choices.peck
+    first, last = PECK
     pecker.stand(0, first - 1)
     pecker.peck(first, last)
     pecker.stand(last + 1, LAST_FRAME)
@@ -368,8 +340,8 @@ def _hens(scene: Scene, choices: Choices) -> None:
 # --- light ------------------------------------------------------------------------------------------------
 
 
-def _light(scene: Scene, choices: Choices) -> None:
-    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+def _light(scene: Scene) -> None:
+    azimuth, elevation = SUN_AZIMUTH_DEG, SUN_ELEVATION_DEG
     # The sky of a lower sun is the warmer one; shadows keep the length that leaves the yard readable.
     scene.sky(sun_elevation_deg=elevation - 12.0, sun_azimuth_deg=azimuth, strength=0.22)
     scene.sun(

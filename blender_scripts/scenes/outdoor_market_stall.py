@@ -8,8 +8,6 @@ basket of fruit changes hands, so who holds it depends on the time.
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, pi
 
 from mathutils import Matrix
@@ -73,42 +71,18 @@ STRIPES: tuple[tuple[Colour, Colour], ...] = (
 )
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: tuple[str, str] = ("light", "red")
-    handed: tuple[str, str, str] = ("dark", "green", "apples")
-    vendor: Look = VENDOR_LOOK
-    customer: Look = CUSTOMER_LOOK
-    release: int = 46
-    stripes: tuple[Colour, Colour] = STRIPES[0]
-    sun_azimuth_deg: float = -148.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: other baskets, other clothes, another awning, a bit earlier or later."""
-    first, second = rng.sample(["light", "dark", "grey"], 2)
-    cloths = rng.sample(["red", "green", "blue", "white", "yellow"], 2)
-    shirt = rng.choice(["red", "blue", "green", "purple"])
-    return Choices(
-        twins=(first, cloths[0]),
-        handed=(second, cloths[1], rng.choice(["apples", "lemons", "pears"])),
-        vendor=VENDOR_LOOK.dressed(top=Cloth(rng.choice(["light_blue", "white", "pink", "green"]))),
-        customer=CUSTOMER_LOOK.dressed(top=Cloth(shirt, "checks", "white", repeat_m=0.07)),
-        release=rng.randint(44, 48),
-        stripes=rng.choice(STRIPES),
-        sun_azimuth_deg=rng.uniform(-160.0, -50.0),
-    )
+TWINS = ("light", "red")
+HANDED = ("dark", "green", "apples")
+RELEASE = 46
+SUN_AZIMUTH_DEG = -148.0
 
 
 def build(scene: Scene) -> None:
     """Sets up the market, lets two people deal, lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _square(scene)
-    _stalls(scene, choices)
-    _deal(scene, choices, _baskets(scene, choices))
-    _light(scene, choices)
+    _stalls(scene)
+    _deal(scene, _baskets(scene))
+    _light(scene)
     scene.cameras(
         (0.02, 0.30, 0.86),
         radius_m=3.95,
@@ -149,10 +123,10 @@ def _square(scene: Scene) -> None:
     scatter(scene, "tree", [model], spots, rng, sunk_m=0.0)
 
 
-def _stalls(scene: Scene, choices: Choices) -> None:
+def _stalls(scene: Scene) -> None:
     """The stall of the story, and the others further off."""
-    scene.add(1001, "market_stall", "stall", STALL, stripes=choices.stripes)
-    others = [stripes for stripes in STRIPES if stripes != choices.stripes]
+    scene.add(1001, "market_stall", "stall", STALL, stripes=STRIPES[0])
+    others = STRIPES[1:]
     for k, (x, y, turn) in enumerate(
         ((-3.1, 4.3, 0.25), (2.7, 4.6, -0.15), (5.2, 1.9, -0.9), (-5.0, 1.2, 1.0), (0.1, 7.2, 0.05))
     ):
@@ -172,12 +146,12 @@ def _stalls(scene: Scene, choices: Choices) -> None:
         )
 
 
-def _baskets(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _baskets(scene: Scene) -> dict[str, Instance]:
     """The one that changes hands and two twins, equal to the last rod."""
     plan = {
-        "handed": ("basket_handed_over", choices.handed, "handed", Matrix()),
-        "standing": ("basket_on_ground", (*choices.twins, "empty"), "twins", None),
-        "carried": ("basket_of_customer", (*choices.twins, "empty"), "twins", Matrix()),
+        "handed": ("basket_handed_over", HANDED, "handed", Matrix()),
+        "standing": ("basket_on_ground", (*TWINS, "empty"), "twins", None),
+        "carried": ("basket_of_customer", (*TWINS, "empty"), "twins", Matrix()),
     }
     baskets = {}
     for id, (role, (name, look, key, at)) in enumerate(plan.items(), 1):
@@ -214,15 +188,15 @@ def _person(
     )
 
 
-def _deal(scene: Scene, choices: Choices, baskets: dict[str, Instance]) -> None:
+def _deal(scene: Scene, baskets: dict[str, Instance]) -> None:
     """The customer comes, takes the basket that the vendor holds out, and goes on."""
-    release = choices.release
-    vendor = _person(scene, "person_selling", 4, choices.vendor, *VENDOR)
+    release = RELEASE
+    vendor = _person(scene, "person_selling", 4, VENDOR_LOOK, *VENDOR)
     vendor.hold(baskets["handed"], NEAR_END, side="r", bar=(1.0, 0.0, 0.0), clear_m=CLEAR_M)
     vendor.offer(baskets["handed"], (release - 24, release + 20), release=release, side="r")
     vendor.wave((release + 26, LAST_FRAME), side="r")
 
-    customer = _person(scene, "person_buying", 5, choices.customer, (1.02, -0.11), degrees(-pi / 2 + 0.35))
+    customer = _person(scene, "person_buying", 5, CUSTOMER_LOOK, (1.02, -0.11), degrees(-pi / 2 + 0.35))
     customer.hold(baskets["carried"], GRIP, side="l", bar=(1.0, 0.0, 0.0), clear_m=CLEAR_M)
     customer.walk_to(HANDOVER, (0, 32), facing_deg=VENDOR[1] - 180.0)
     vendor.look_at((HANDOVER[0], HANDOVER[1], 1.5), (0, LAST_FRAME))
@@ -237,9 +211,9 @@ def _deal(scene: Scene, choices: Choices, baskets: dict[str, Instance]) -> None:
     swing_while_carried(baskets["handed"], FAR_END, [(leave, LAST_FRAME)])
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Sun behind thin haze: soft shadows, much light from all over the sky."""
     scene.exposure = 1.0
-    azimuth = choices.sun_azimuth_deg
+    azimuth = SUN_AZIMUTH_DEG
     scene.sky(sun_elevation_deg=24.0, sun_azimuth_deg=azimuth, strength=0.24, haze=4.0)
     scene.sun(elevation_deg=33.0, azimuth_deg=azimuth, strength=2.6, angle_deg=9.0, colour=(1.0, 0.90, 0.76))

@@ -9,8 +9,6 @@ strokes pass from the first cat to the one that comes.
 from __future__ import annotations
 
 import math
-import random
-from dataclasses import dataclass
 from math import degrees
 
 from mathutils import Vector
@@ -42,41 +40,18 @@ LOOKS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: cat.Coat = cat.GREY_TABBY
-    third: cat.Coat = cat.ORANGE
-    top: str = "light_blue"
-    dress: str = "red"
-    late: int = 0
-    sun_azimuth_deg: float = -152.0
-    sun_elevation_deg: float = 19.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: any coat may be the doubled one."""
-    twins, third = rng.sample([cat.GREY_TABBY, cat.ORANGE, cat.BLACK], 2)
-    top, dress = rng.sample(["light_blue", "red", "yellow", "green", "pink", "white"], 2)
-    return Choices(
-        twins=twins,
-        third=third,
-        top=top,
-        dress=dress,
-        late=rng.randint(-1, 3),
-        sun_azimuth_deg=rng.uniform(-165.0, -135.0),
-        sun_elevation_deg=rng.uniform(16.0, 23.0),
-    )
+TOP = "light_blue"
+DRESS = "red"
+SUN_AZIMUTH_DEG = -152.0
+SUN_ELEVATION_DEG = 19.0
 
 
 def build(scene: Scene) -> None:
     """Sets the park, lets cats and women act, lights the dusk and places the cameras."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _park(scene)
     _landmarks(scene)
-    _act(scene, choices)
-    _light(scene, choices)
+    _act(scene)
+    _light(scene)
     scene.cameras(
         (0.06, 0.12, 0.62),
         radius_m=3.40,
@@ -171,9 +146,8 @@ def _landmarks(scene: Scene) -> None:
 # --- those who act ----------------------------------------------------------------------------------------
 
 
-def _act(scene: Scene, choices: Choices) -> None:
+def _act(scene: Scene) -> None:
     """Stroking passes from the first cat to the one that comes; the twin only walks past."""
-    late = choices.late
 
     def animal(name: str, id: int, coat: cat.Coat, spot: Spot, posture: str) -> FriendlyCat:
         return FriendlyCat(
@@ -187,37 +161,37 @@ def _act(scene: Scene, choices: Choices) -> None:
             attributes=LOOKS[coat.name],
         )
 
-    first = animal("cat_stroked_first", 1, choices.twins, FIRST_CAT, "sit")
-    passer = animal("cat_passing", 2, choices.twins, PASSER_CAT, "sit")
-    comer = animal("cat_coming", 3, choices.third, ((-1.02, -0.46), degrees(1.25)), "stand")
+    first = animal("cat_stroked_first", 1, cat.GREY_TABBY, FIRST_CAT, "sit")
+    passer = animal("cat_passing", 2, cat.GREY_TABBY, PASSER_CAT, "sit")
+    comer = animal("cat_coming", 3, cat.ORANGE, ((-1.02, -0.46), degrees(1.25)), "stand")
 
-    comer.walk_along([(-0.58, -0.32), SECOND_SPOT], (12 + late, 48 + late))
-    comer.sit_down((48 + late, 58 + late))
-    comer.sit((58 + late, LAST_FRAME))
+    comer.walk_along([(-0.58, -0.32), SECOND_SPOT], (12, 48))
+    comer.sit_down((48, 58))
+    comer.sit((58, LAST_FRAME))
 
     friend = CatFriend(
         scene,
         "woman_crouching",
         4,
         category="woman",
-        look=_friend_look(scene, choices),
-        attributes={"top": choices.top, "pattern": "checked", "hair": "bun", "bottom": "trousers"},
+        look=_friend_look(scene),
+        attributes={"top": TOP, "pattern": "checked", "hair": "bun", "bottom": "trousers"},
         at=FRIEND,
         heading_deg=degrees(0.10),
     )
     friend.squat()
-    friend.stroke(first, (4 + late, 42 + late), side="l")
-    friend.stroke(comer, (58 + late, 92 + late), side="r")
+    friend.stroke(first, (4, 42), side="l")
+    friend.stroke(comer, (58, 92), side="r")
     friend.finish()
 
     first.sit((0, LAST_FRAME))
-    first.lean_in((14 + late, 36 + late))
-    first.watch(Vector((-0.35, -0.35, 0.25)), (44 + late, LAST_FRAME), ease_frames=12)
-    comer.lean_in((68 + late, 84 + late), roll=-0.10)
+    first.lean_in((14, 36))
+    first.watch(Vector((-0.35, -0.35, 0.25)), (44, LAST_FRAME), ease_frames=12)
+    comer.lean_in((68, 84), roll=-0.10)
 
-    passer.sit((0, 24 + late))
-    passer.stand_up((24 + late, 33 + late))
-    passer.walk_along([(1.08, -0.16), (0.72, -0.60), (0.20, -0.80)], (33 + late, 86 + late))
+    passer.sit((0, 24))
+    passer.stand_up((24, 33))
+    passer.walk_along([(1.08, -0.16), (0.72, -0.60), (0.20, -0.80)], (33, 86))
     for one in (first, passer, comer):
         one.finish()
 
@@ -226,24 +200,24 @@ def _act(scene: Scene, choices: Choices) -> None:
         "woman_phoning",
         5,
         category="woman",
-        look=_walker_look(scene, choices),
-        attributes={"top": choices.dress, "pattern": "dotted", "hair": "ponytail", "bottom": "dress"},
+        look=_walker_look(scene),
+        attributes={"top": DRESS, "pattern": "dotted", "hair": "ponytail", "bottom": "dress"},
         at=(1.70, 1.62),
         heading_deg=degrees(-1.5),
     )
     walker.walk_along([(0.80, 1.58), (-0.12, 1.34)], (0, 48), facing_deg=degrees(-0.45))
-    walker.phone((70 + late, LAST_FRAME))
+    walker.phone((70, LAST_FRAME))
     walker.finish()
 
 
-def _friend_look(scene: Scene, choices: Choices) -> Look:
+def _friend_look(scene: Scene) -> Look:
     return Look(
         build="woman",
         height_m=1.66,
         skin="fair",
         hair="bun",
         hair_colour="red",
-        top=Cloth(choices.top, "checks", repeat_m=0.07),
+        top=Cloth(TOP, "checks", repeat_m=0.07),
         sleeve="long",
         bottom="trousers",
         lower=Cloth("navy"),
@@ -253,7 +227,7 @@ def _friend_look(scene: Scene, choices: Choices) -> Look:
     )
 
 
-def _walker_look(scene: Scene, choices: Choices) -> Look:
+def _walker_look(scene: Scene) -> Look:
     return Look(
         build="woman",
         height_m=1.71,
@@ -262,16 +236,16 @@ def _walker_look(scene: Scene, choices: Choices) -> Look:
         hair_colour="black",
         bottom="dress",
         sleeve="elbow",
-        lower=Cloth(choices.dress, "dots", repeat_m=0.05),
+        lower=Cloth(DRESS, "dots", repeat_m=0.05),
         shoes="boots",
         shoe_colour="brown",
         seed=scene.rng("walker").randrange(1000),
     )
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """The sun is nearly down on the left; the lamp adds its own warmth."""
-    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    azimuth, elevation = SUN_AZIMUTH_DEG, SUN_ELEVATION_DEG
     scene.exposure = 1.5
     scene.sky(sun_elevation_deg=elevation - 9.0, sun_azimuth_deg=azimuth, strength=0.21, haze=2.5)
     scene.sun(

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass
 from math import degrees
 
 import bpy
@@ -71,60 +70,22 @@ BOY = Look(
 )
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    striped: tuple[str, str] = ("red", "white")
-    big: tuple[str, str] = ("blue", "yellow")
-    kicker: Look = GIRL
-    rider: Look = BOY
-    kick: int = 14
-    roll_off: int = 2
-    floor: tuple[tuple[float, float, float], tuple[float, float, float]] = (
-        (0.33, 0.115, 0.062),
-        (0.55, 0.38, 0.22),
-    )
-    sun_azimuth_deg: float = -62.0
-    sun_elevation_deg: float = 47.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: other paints, other clothes, perhaps swapped roles, a bit earlier or later."""
-    first, second = rng.sample(["red", "green", "orange", "purple", "blue"], 2)
-    looks = [GIRL, BOY]
-    rng.shuffle(looks)
-    tops = rng.sample(["yellow", "orange", "light_blue", "white", "red"], 2)
-    dressed = [
-        look.dressed(top=Cloth(top, look.top.pattern, "navy", look.top.repeat_m))
-        for look, top in zip(looks, tops)
-    ]
-    floors = (
-        ((0.30, 0.10, 0.055), (0.55, 0.38, 0.22)),
-        ((0.075, 0.17, 0.20), (0.30, 0.42, 0.40)),
-        ((0.10, 0.15, 0.07), (0.40, 0.42, 0.20)),
-    )
-    return Choices(
-        striped=(first, "white"),
-        big=(second, "light_blue" if second == "orange" else "yellow"),
-        kicker=dressed[0],
-        rider=dressed[1],
-        kick=rng.randint(14, 18),
-        roll_off=rng.randint(1, 5),
-        floor=rng.choice(floors),
-        sun_azimuth_deg=rng.uniform(-130.0, -45.0),
-        sun_elevation_deg=rng.uniform(38.0, 55.0),
-    )
+STRIPED = ("red", "white")
+BIG = ("blue", "yellow")
+KICK = 14
+ROLL_OFF = 2
+FLOOR = ((0.33, 0.115, 0.062), (0.55, 0.38, 0.22))
+SUN_AZIMUTH_DEG = -62.0
+SUN_ELEVATION_DEG = 47.0
 
 
 def build(scene: Scene) -> None:
     """Sets the place, puts those who act into it, and lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-    terrain = _ground(scene, choices)
+    terrain = _ground(scene)
     _surroundings(scene, terrain)
     seats = _landmarks(scene)
-    _play(scene, choices, seats)
-    _light(scene, choices)
+    _play(scene, seats)
+    _light(scene)
     scene.cameras(
         (0.08, 0.40, 0.60),
         radius_m=4.62,
@@ -138,7 +99,7 @@ def build(scene: Scene) -> None:
 # --- the place --------------------------------------------------------------------------------------------
 
 
-def _ground(scene: Scene, choices: Choices) -> ground.Terrain:
+def _ground(scene: Scene) -> ground.Terrain:
     """A lawn, and on it the rubber floor under what children fall from."""
     terrain = ground.Terrain(
         seed=scene.rng("terrain").randrange(1 << 30),
@@ -167,7 +128,7 @@ def _ground(scene: Scene, choices: Choices) -> ground.Terrain:
         a, b = 1 + ring * count, 1 + (ring + 1) * count
         faces += [(a + k, b + k, b + (k + 1) % count, a + (k + 1) % count) for k in range(count)]
     floor = mesh.from_pydata("rubber_floor", verts, faces, smooth=False)
-    mesh.set_material(floor, playground.rubber_granulate("rubber_floor", *choices.floor))
+    mesh.set_material(floor, playground.rubber_granulate("rubber_floor", *FLOOR))
     scene.make(
         "ground.grass",
         "lawn",
@@ -310,13 +271,13 @@ def _child(
     )
 
 
-def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Matrix]]) -> None:
+def _play(scene: Scene, seats: list[tuple[bpy.types.Object, Matrix]]) -> None:
     """The story in the order of time: a ball on the slide, a shot at the goal, a stop, a second kick."""
     rng = scene.rng("balls")
     striped, big = STRIPED_RADIUS_M, BIG_RADIUS_M
-    kicked = _make_ball(scene, "ball_shot", 1, striped, choices.striped, "striped", "small")
-    left = _make_ball(scene, "ball_in_sand", 2, striped, choices.striped, "striped", "small")
-    slid = _make_ball(scene, "ball_from_slide", 3, big, choices.big, "dotted", "large")
+    kicked = _make_ball(scene, "ball_shot", 1, striped, STRIPED, "striped", "small")
+    left = _make_ball(scene, "ball_in_sand", 2, striped, STRIPED, "striped", "small")
+    slid = _make_ball(scene, "ball_from_slide", 3, big, BIG, "dotted", "large")
 
     # The rider swings, drags the feet and hangs still; the shove of the kick rocks the seat a little.
     drag, stop, second = 37, 58, 74
@@ -325,7 +286,7 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
     angles = angles - 0.045 * np.exp(-(((frames - second - 3) / 7.0) ** 2))
     seat, hung = seats[0]
     keys.key_matrices(seat, [hung @ Matrix.Rotation(-a, 4, "X") for a in angles])
-    rider = _child(scene, "child_on_swing", 5, choices.rider, (0.0, 0.0), 0.0)
+    rider = _child(scene, "child_on_swing", 5, BOY, (0.0, 0.0), 0.0)
     rider.ride(hung, angles, hang_m=swing.HANG_M, chains_apart_m=swing.CHAINS_APART_M, drag=drag, stop=stop)
 
     # The big ball comes down the slide to the rider's feet.
@@ -336,7 +297,7 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
     roller = RollingBall(slid, big, line[0], _turned(rng))
     on_slope = keys.Path(line).length
     whole = keys.Path([*line, run_out, stops]).length
-    roll = (choices.roll_off, choices.roll_off + 58)
+    roll = (ROLL_OFF, ROLL_OFF + 58)
     roller.roll_along([*line[1:], run_out, stops], roll, downhill(on_slope / whole, 0.56))
     scene.event(slid, "roll_down", (roll[0], roll[0] + 32), scene.instances[1])
     rider.kick_seated(slid, (second - 12, second + 14), strike=second)
@@ -348,10 +309,10 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
     target = Vector((1.58, -0.50, FLOOR_M + striped))
     way = target - shot_from
     heading_deg = degrees(math.atan2(way.x, -way.y))
-    spot = kick_spot(choices.kicker, shot_from, heading_deg, striped)
+    spot = kick_spot(GIRL, shot_from, heading_deg, striped)
     start = Vector(spot) - 0.44 * Vector(way[:2]).normalized()
-    kicker = _child(scene, "child_at_ball", 4, choices.kicker, start, heading_deg)
-    first = choices.kick
+    kicker = _child(scene, "child_at_ball", 4, GIRL, start, heading_deg)
+    first = KICK
     strike = first + 10
     kicker.walk_to(spot, (0, first), facing_deg=heading_deg)
     kicker.kick(kicked, (first, strike + 16), strike=strike)
@@ -365,10 +326,10 @@ def _play(scene: Scene, choices: Choices, seats: list[tuple[bpy.types.Object, Ma
         actor.finish()
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """A clear morning: strong sun, blue shadows."""
     scene.exposure = 0.92
-    azimuth, elevation = choices.sun_azimuth_deg, choices.sun_elevation_deg
+    azimuth, elevation = SUN_AZIMUTH_DEG, SUN_ELEVATION_DEG
     scene.sky(sun_elevation_deg=elevation, sun_azimuth_deg=azimuth, strength=0.15)
     scene.sun(
         elevation_deg=elevation, azimuth_deg=azimuth, strength=4.2, angle_deg=1.2, colour=(1.0, 0.93, 0.82)

@@ -9,8 +9,6 @@ pedestrians by what they do and where they end up.
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, pi
 
 import bpy
@@ -37,55 +35,32 @@ PARKED = Vector((-5.1, 4.05, 0.0))
 BUS_STOP = Vector((-2.45, -1.30, PAVEMENT_M))
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twin: car.CarLook = car.CarLook("red", roof="white")
-    other: car.CarLook = car.CarLook("mint", roof="rack")
-    dress: Cloth = Cloth("yellow", "dots", "white", 0.06)
-    hair: tuple[str, str] = ("bun", "dark_brown")
-    shirt: Cloth = Cloth("white", "stripes", "blue", 0.06)
-    call_last: int = 38
-    wave: tuple[int, int] = (58, 92)
-    pull_out: int = 40
-    sun_azimuth_deg: float = -52.0
-    sun_elevation_deg: float = 46.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: the car that drives up and the one that stays parked are twins whatever their look."""
-    twin, other = rng.sample(["red", "blue", "silver", "green", "yellow", "mint", "orange"], 2)
-    wave = rng.randint(55, 60)
-    return Choices(
-        twin=car.CarLook(twin, roof=rng.choice(["white", "black"])),
-        other=car.CarLook(other, roof="rack"),
-        dress=Cloth(rng.choice(["yellow", "pink", "light_blue", "red"]), "dots", "white", 0.06),
-        hair=(rng.choice(["bun", "long", "bob"]), rng.choice(["dark_brown", "blond", "red"])),
-        shirt=Cloth("white", "stripes", rng.choice(["blue", "red", "green"]), 0.06),
-        call_last=rng.randint(34, 42),
-        wave=(wave, wave + rng.randint(30, 35)),
-        pull_out=rng.randint(37, 42),
-        sun_azimuth_deg=rng.choice([-52.0, -70.0, -115.0, -130.0]),
-        sun_elevation_deg=rng.uniform(38.0, 50.0),
-    )
+TWIN = car.CarLook("red", roof="white")
+OTHER = car.CarLook("mint", roof="rack")
+DRESS = Cloth("yellow", "dots", "white", 0.06)
+HAIR = ("bun", "dark_brown")
+SHIRT = Cloth("white", "stripes", "blue", 0.06)
+CALL_LAST = 38
+WAVE = (58, 92)
+PULL_OUT = 40
+SUN_AZIMUTH_DEG = -52.0
+SUN_ELEVATION_DEG = 46.0
 
 
 def build(scene: Scene) -> None:
     """Lays the street, puts cars and pedestrians on it, and lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _ground(scene)
     _houses(scene)
     _street_clutter(scene)
     _landmarks(scene)
-    arriving = _cars(scene, choices)
-    crossing = _crosser(scene, choices, arriving.instance)
+    arriving = _cars(scene)
+    crossing = _crosser(scene, arriving.instance)
     arriving.wait_for(crossing.instance, (50, LAST_FRAME))
-    _waiter(scene, choices)
-    scene.sky(sun_elevation_deg=38.0, sun_azimuth_deg=choices.sun_azimuth_deg, strength=0.20)
+    _waiter(scene)
+    scene.sky(sun_elevation_deg=38.0, sun_azimuth_deg=SUN_AZIMUTH_DEG, strength=0.20)
     scene.sun(
-        elevation_deg=choices.sun_elevation_deg,
-        azimuth_deg=choices.sun_azimuth_deg,
+        elevation_deg=SUN_ELEVATION_DEG,
+        azimuth_deg=SUN_AZIMUTH_DEG,
         strength=4.6,
         angle_deg=1.2,
         colour=(1.0, 0.94, 0.85),
@@ -242,12 +217,12 @@ def _landmarks(scene: Scene) -> None:
 # --- those who act ----------------------------------------------------------------------------------------
 
 
-def _cars(scene: Scene, choices: Choices) -> Driver:
+def _cars(scene: Scene) -> Driver:
     """The twin that drives up, the car that pulls out, the twin that stays; the first one's driver."""
     plan = {
-        "arriving": (choices.twin, ARRIVING, ALONG),
-        "pulling_out": (choices.other, LEAVING, BACK),
-        "parked": (choices.twin, PARKED, BACK),
+        "arriving": (TWIN, ARRIVING, ALONG),
+        "pulling_out": (OTHER, LEAVING, BACK),
+        "parked": (TWIN, PARKED, BACK),
     }
     drivers = {}
     for id, (what, (look, spot, heading)) in enumerate(plan.items(), 1):
@@ -262,7 +237,7 @@ def _cars(scene: Scene, choices: Choices) -> Driver:
         )
         drivers[what] = Driver(instance, made, spot, heading)
     drivers["arriving"].drive([(0, 2.1), (10, 2.1), (48, 0.0)])
-    start = choices.pull_out
+    start = PULL_OUT
     drivers["pulling_out"].drive(
         [(0, 0.0), (start, 0.0), (start + 30, 1.8), (LAST_FRAME, 1.8)],
         [(0, 0.0), (start - 8, 0.0), (start + 5, 0.62), (start + 31, 0.62), (start + 54, -0.25)],
@@ -271,9 +246,9 @@ def _cars(scene: Scene, choices: Choices) -> Driver:
     return drivers["arriving"]
 
 
-def _crosser(scene: Scene, choices: Choices, stopped: Instance) -> Traveller:
+def _crosser(scene: Scene, stopped: Instance) -> Traveller:
     """Waits at the dropped kerb until the red car has stopped, then walks over."""
-    style, colour = choices.hair
+    style, colour = HAIR
     look = Look(
         build="woman",
         height_m=1.68,
@@ -282,7 +257,7 @@ def _crosser(scene: Scene, choices: Choices, stopped: Instance) -> Traveller:
         hair_colour=colour,
         bottom="dress",
         sleeve="short",
-        lower=choices.dress,
+        lower=DRESS,
         shoe_colour="black",
         seed=scene.rng("crosser").randrange(1000),
     )
@@ -301,7 +276,7 @@ def _crosser(scene: Scene, choices: Choices, stopped: Instance) -> Traveller:
     return person
 
 
-def _waiter(scene: Scene, choices: Choices) -> None:
+def _waiter(scene: Scene) -> None:
     """Stands at the bus stop on the phone, puts it away and waves."""
     look = Look(
         build="man",
@@ -309,7 +284,7 @@ def _waiter(scene: Scene, choices: Choices) -> None:
         skin="fair",
         hair="short",
         hair_colour="black",
-        top=choices.shirt,
+        top=SHIRT,
         sleeve="short",
         bottom="shorts",
         lower=Cloth("navy"),
@@ -327,6 +302,6 @@ def _waiter(scene: Scene, choices: Choices) -> None:
         heading_deg=degrees(2.0),
         ground_m=PAVEMENT_M,
     )
-    person.phone((0, choices.call_last), side="r")
-    person.wave(choices.wave, side="l")
+    person.phone((0, CALL_LAST), side="r")
+    person.wave(WAVE, side="l")
     person.finish()

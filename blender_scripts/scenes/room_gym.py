@@ -11,8 +11,6 @@ Axes: the floor is z = 0, cameras on the -Y side; metres; a heading of 0 faces -
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, radians
 
 from l4d_blender.assets import dumbbell, gym_equipment
@@ -45,57 +43,29 @@ COATS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twin: str = "blue"
-    big: str = "yellow"
-    odd_one: str = "from_bench"
-    in_shorts: int = 0
-    shirts: tuple[str, str] = ("green", "orange")
-    builds: tuple[str, str] = ("man", "woman")
-    skins: tuple[str, str] = ("fair", "dark")
-    hair: tuple[str, str] = ("brown", "black")
-    brick: tuple[float, float, float] = (0.34, 0.13, 0.08)
-    paint: tuple[float, float, float] = (0.36, 0.40, 0.40)
-    vinyl: tuple[float, float, float] = (0.34, 0.045, 0.035)
-    sun: float = 1.0
-    delay: int = 0
-
-
-def _draw(rng: random.Random) -> Choices:
-    twin, big = rng.sample(("blue", "red", "yellow", "grey"), 2)
-    return Choices(
-        twin=twin,
-        big=big,
-        odd_one=rng.choice(PLACES),
-        in_shorts=rng.randrange(2),
-        shirts=tuple(rng.sample(("green", "orange", "white", "purple", "light_blue", "yellow"), 2)),
-        builds=rng.choice((("man", "woman"), ("woman", "man"), ("woman", "woman"))),
-        skins=tuple(rng.sample(("fair", "tan", "brown", "dark"), 2)),
-        hair=tuple(rng.sample(("brown", "black", "red", "blond", "dark_brown"), 2)),
-        brick=rng.choice(((0.34, 0.13, 0.08), (0.42, 0.33, 0.24), (0.20, 0.17, 0.16))),
-        paint=rng.choice(((0.36, 0.40, 0.40), (0.16, 0.24, 0.28), (0.45, 0.40, 0.30))),
-        vinyl=rng.choice(((0.34, 0.045, 0.035), (0.04, 0.05, 0.06), (0.05, 0.14, 0.26))),
-        sun=rng.uniform(0.7, 1.15),
-        delay=rng.randint(0, 4),
-    )
+TWIN_COLOUR = "blue"
+BIG_COLOUR = "yellow"
+SHIRTS = ("green", "orange")
+BUILDS = ("man", "woman")
+SKINS = ("fair", "dark")
+HAIR = ("brown", "black")
+BRICK = (0.34, 0.13, 0.08)
+PAINT = (0.36, 0.40, 0.40)
+VINYL = (0.34, 0.045, 0.035)
 
 
 def build(scene: Scene) -> None:
     """Builds the hall, sets the equipment, lets the athletes train, lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-    build_hall(scene, choices)
-    set_equipment(scene, choices)
-    train(scene, choices)
-    light(scene, choices)
+    build_hall(scene)
+    set_equipment(scene)
+    train(scene)
+    light(scene)
     scene.cameras(
         (0.10, 0.10, 0.84), radius_m=3.1, heights_m=(1.40, 1.70, 1.25), arc_deg=88, facing_deg=-90, fov_deg=50
     )
 
 
-def build_hall(scene: Scene, choices: Choices) -> None:
+def build_hall(scene: Scene) -> None:
     """Walls, windows and what stands along the walls."""
     rng = scene.rng("hall")
     scene.make(
@@ -105,8 +75,8 @@ def build_hall(scene: Scene, choices: Choices) -> None:
         half_width_m=HALF_WIDTH,
         back_m=BACK_Y,
         front_m=FRONT_Y,
-        brick=choices.brick,
-        paint=choices.paint,
+        brick=BRICK,
+        paint=PAINT,
     )
     panes = [
         scene.put("gym_room.window", f"window_{k}", (x, BACK_Y), rng=rng, columns=4)
@@ -137,11 +107,11 @@ def build_hall(scene: Scene, choices: Choices) -> None:
     )
 
 
-def set_equipment(scene: Scene, choices: Choices) -> None:
+def set_equipment(scene: Scene) -> None:
     """Step, bench and treadmill, a mat, bottles."""
     rng = scene.rng("equipment")
     step = scene.put("gym_equipment.step", "step", *STEP, rng=rng, colour=(0.10, 0.34, 0.36))
-    scene.add(1001, "gym_equipment.bench", "bench", *BENCH, rng=rng, colour=choices.vinyl)
+    scene.add(1001, "gym_equipment.bench", "bench", *BENCH, rng=rng, colour=VINYL)
     scene.instance("step", 1002, "step", step)
     scene.add(1003, "gym_equipment.treadmill", "treadmill", *TREADMILL, rng=rng)
     scene.put(
@@ -160,53 +130,52 @@ def set_equipment(scene: Scene, choices: Choices) -> None:
 # --- those who train --------------------------------------------------------------------------------------
 
 
-def train(scene: Scene, choices: Choices) -> None:
+def train(scene: Scene) -> None:
     """Everything that moves, in the order of time."""
-    d = choices.delay
-    taken, left, heavy = (weight(scene, choices, place, id) for id, place in enumerate(PLACES, 1))
+    taken, left, heavy = (weight(scene, place, id) for id, place in enumerate(PLACES, 1))
 
-    loner = hire(scene, choices, 0, "athlete_curling", 4, *LONER)
+    loner = hire(scene, 0, "athlete_curling", 4, *LONER)
     rest = loner.rest_matrix((*TAKEN, gym_equipment.STEP_TOP_M), "r")
     loner.train(
         taken,
         rest,
-        look_of(choices, "on_step").bar_height_m,
+        look_of("on_step").bar_height_m,
         side="r",
         take=(-4, 24),
-        curl=(24, 62 + d),
+        curl=(24, 62),
         reps=2,
-        put_down=(63 + d, 90),
+        put_down=(63, 90),
     )
     loner.finish()
 
     key_path(left.frame_object, still((*LEFT, gym_equipment.BENCH_TOP_M), 66.0))
 
-    comer = hire(scene, choices, 1, "athlete_stretching", 5, *WAITS)
+    comer = hire(scene, 1, "athlete_stretching", 5, *WAITS)
     comer.stretch((0, 36))
     comer.walk_to(AT_BENCH, (36, 56), facing_deg=BENCH_HEADING_DEG)
     rest = still((*BIG, gym_equipment.BENCH_TOP_M), BENCH_HEADING_DEG + 78.0)[0]
-    bar_m = look_of(choices, "from_bench").bar_height_m
+    bar_m = look_of("from_bench").bar_height_m
     comer.train(heavy, rest, bar_m, side="r", take=(54, 78), curl=(78, 122), reps=2)
     comer.finish()
 
 
-def look_of(choices: Choices, place: str) -> dumbbell.DumbbellLook:
+def look_of(place: str) -> dumbbell.DumbbellLook:
     """Two hexagonal twins and a big one with round plates."""
-    if place == choices.odd_one:
-        return dumbbell.round_plates(RUBBER, COATS[choices.big])
-    return dumbbell.hexagonal(RUBBER, COATS[choices.twin])
+    if place == "from_bench":
+        return dumbbell.round_plates(RUBBER, COATS[BIG_COLOUR])
+    return dumbbell.hexagonal(RUBBER, COATS[TWIN_COLOUR])
 
 
-def weight(scene: Scene, choices: Choices, place: str, id: int) -> Instance:
+def weight(scene: Scene, place: str, id: int) -> Instance:
     """The dumbbell for a place; it lies nowhere yet."""
-    look, odd = look_of(choices, place), place == choices.odd_one
+    look, odd = look_of(place), place == "from_bench"
     return scene.add(
         id,
         "dumbbell",
         f"dumbbell_{place}",
         (0.0, 0.0),
         attributes={
-            "colour": choices.big if odd else choices.twin,
+            "colour": BIG_COLOUR if odd else TWIN_COLOUR,
             "shape": look.heads,
             "size": "large" if odd else "medium",
         },
@@ -215,20 +184,18 @@ def weight(scene: Scene, choices: Choices, place: str, id: int) -> Instance:
     )
 
 
-def hire(
-    scene: Scene, choices: Choices, k: int, name: str, id: int, at: tuple[float, float], heading_deg: float
-) -> Lifter:
+def hire(scene: Scene, k: int, name: str, id: int, at: tuple[float, float], heading_deg: float) -> Lifter:
     """One of the two wears shorts and short sleeves, the other leggings and a sleeveless top."""
-    build, in_shorts = choices.builds[k], k == choices.in_shorts
+    build, in_shorts = BUILDS[k], k == 0
     man = build == "man"
     look = Look(
         build=build,
         height_m=1.79 if man else 1.70,
         girth=1.05 if man else 0.98,
-        skin=choices.skins[k],
+        skin=SKINS[k],
         hair="short" if man else ("bun" if in_shorts else "ponytail"),
-        hair_colour=choices.hair[k],
-        top=Cloth(choices.shirts[k]),
+        hair_colour=HAIR[k],
+        top=Cloth(SHIRTS[k]),
         sleeve="short" if in_shorts else "none",
         bottom="shorts" if in_shorts else "trousers",
         lower=Cloth("navy") if in_shorts else Cloth("black"),
@@ -242,7 +209,7 @@ def hire(
         category="athlete",
         look=look,
         attributes={
-            "top": choices.shirts[k],
+            "top": SHIRTS[k],
             "sleeves": look.sleeve,
             "legs": "shorts" if in_shorts else "leggings",
             "hair": look.hair,
@@ -255,7 +222,7 @@ def hire(
 # --- light ------------------------------------------------------------------------------------------------
 
 
-def light(scene: Scene, choices: Choices) -> None:
+def light(scene: Scene) -> None:
     """Late sun that slants in from the side windows, cool sky from the back, tubes under the roof."""
     scene.exposure = 1.1
     scene.hdri("city", strength=0.42, rotation_deg=degrees(2.2))
@@ -272,7 +239,7 @@ def light(scene: Scene, choices: Choices) -> None:
         (HALF_WIDTH - 0.2, 0.6, 2.5),
         (-0.2, -0.3, 0.4),
         size_m=(1.6, 1.4),
-        power_w=170 * choices.sun,
+        power_w=170,
         colour=(1.0, 0.74, 0.45),
     )
     beam.data.spread = radians(60)

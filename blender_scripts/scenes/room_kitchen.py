@@ -11,8 +11,6 @@ Axes: the cooks stand on the +Y side of the island and face -Y, where the camera
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, radians
 
 import numpy as np
@@ -53,50 +51,20 @@ SOUPS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    big_colour: str = "red"
-    soup: str = "pumpkin"
-    stirrer: str = "woman"
-    stirrer_wears_hat: bool = True
-    stirrer_in_plain: bool = True
-    shirts: tuple[str, str] = ("white", "navy")
-    hair: tuple[str, str] = ("dark_brown", "black")
-    front: tuple[float, float, float] = (0.115, 0.185, 0.165)
-    tile: tuple[float, float, float] = (0.68, 0.64, 0.55)
-    wall: tuple[float, float, float] = (0.62, 0.52, 0.36)
-    delay: int = 0
-    warm: float = 1.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    fronts = ((0.115, 0.185, 0.165), (0.50, 0.46, 0.38), (0.13, 0.19, 0.30), (0.36, 0.10, 0.07))
-    tiles = ((0.68, 0.64, 0.55), (0.34, 0.48, 0.50), (0.62, 0.60, 0.58))
-    walls = ((0.62, 0.52, 0.36), (0.50, 0.55, 0.50), (0.58, 0.56, 0.52))
-    return Choices(
-        big_colour=rng.choice(sorted(ENAMELS)),
-        soup=rng.choice(sorted(SOUPS)),
-        stirrer=rng.choice(("woman", "man")),
-        stirrer_wears_hat=rng.random() < 0.5,
-        stirrer_in_plain=rng.random() < 0.5,
-        shirts=tuple(rng.sample(("white", "navy", "light_blue", "grey", "green"), 2)),
-        hair=tuple(rng.sample(("dark_brown", "black", "brown", "red", "blond"), 2)),
-        front=rng.choice(fronts),
-        tile=rng.choice(tiles),
-        wall=rng.choice(walls),
-        delay=rng.randint(0, 3),
-        warm=rng.uniform(0.8, 1.2),
-    )
+BIG_COLOUR = "red"
+SOUP = "pumpkin"
+SHIRTS = ("white", "navy")
+HAIR = ("dark_brown", "black")
+FRONT = (0.115, 0.185, 0.165)
+TILE = (0.68, 0.64, 0.55)
+WALL = (0.62, 0.52, 0.36)
 
 
 def build(scene: Scene) -> None:
     """Fits the kitchen, puts pots and tools in place, lets the cooks work, lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-    fit_kitchen(scene, choices)
-    cook(scene, choices)
-    light(scene, choices)
+    fit_kitchen(scene)
+    cook(scene)
+    light(scene)
     scene.cameras(
         (0.10, 0.10, 1.14),
         radius_m=2.35,
@@ -110,11 +78,11 @@ def build(scene: Scene) -> None:
 # --- the kitchen ------------------------------------------------------------------------------------------
 
 
-def fit_kitchen(scene: Scene, choices: Choices) -> None:
+def fit_kitchen(scene: Scene) -> None:
     """The kitchen, and on the island the hob, a board beside it and a stand for hot pots."""
     rng = scene.rng("kitchen")
-    finish = units.Finish(front=choices.front)
-    kitchen = kitchen_set.build(rng, finish=finish, wall=choices.wall, tile=choices.tile)
+    finish = units.Finish(front=FRONT)
+    kitchen = kitchen_set.build(rng, finish=finish, wall=WALL, tile=TILE)
     top = units.TOP_M
     burners = [(x + 0.02, y + 0.04) for x, y in BURNERS]
     hob = scene.put(
@@ -140,22 +108,20 @@ def fit_kitchen(scene: Scene, choices: Choices) -> None:
 # --- those who work ---------------------------------------------------------------------------------------
 
 
-def cook(scene: Scene, choices: Choices) -> None:
+def cook(scene: Scene) -> None:
     """Everything that moves, in the order of time."""
-    d = choices.delay
-    big_look = pot.stock_pot(ENAMELS[choices.big_colour])
+    big_look = pot.stock_pot(ENAMELS[BIG_COLOUR])
     ways = {
         "stirred": still((*STIRRED, HOB_Z), -24.0),
-        "big": shift(still((*BIG, HOB_Z), 48.0), (BIG_MOVES, 0.0, 0.0), (50 + d, 66 + d)),
+        "big": shift(still((*BIG, HOB_Z), 48.0), (BIG_MOVES, 0.0, 0.0), (50, 66)),
         "poured": shift(still((*POURED, HOB_Z), 4.0), (*POURED_MOVES, 0.0), POURED_MOVING),
     }
     level = np.full(FRAME_COUNT, pot.SAUCEPAN.soup_m)
     pots = {
-        "stirred": put_pot(scene, choices, "pot_stirred_first", 1, pot.SAUCEPAN, ways["stirred"], level),
-        "big": put_pot(scene, choices, "pot_big", 2, big_look, ways["big"], level * 0.0 + big_look.soup_m),
+        "stirred": put_pot(scene, "pot_stirred_first", 1, pot.SAUCEPAN, ways["stirred"], level),
+        "big": put_pot(scene, "pot_big", 2, big_look, ways["big"], level * 0.0 + big_look.soup_m),
         "poured": put_pot(
             scene,
-            choices,
             "pot_poured_into",
             3,
             pot.SAUCEPAN,
@@ -166,15 +132,15 @@ def cook(scene: Scene, choices: Choices) -> None:
     spoon = scene.add(1002, "kitchen_tools.wooden_spoon", "spoon")
     jug = scene.add(1001, "kitchen_jug", "jug", colour=(0.66, 0.63, 0.54))
 
-    stir_and_taste(scene, choices, pots, ways, spoon)
-    pour_and_move(scene, choices, pots, ways, jug, big_look)
+    stir_and_taste(scene, pots, ways, spoon)
+    pour_and_move(scene, pots, ways, jug, big_look)
 
 
 def put_pot(
-    scene: Scene, choices: Choices, name: str, id: int, look: pot.PotLook, way: np.ndarray, level: np.ndarray
+    scene: Scene, name: str, id: int, look: pot.PotLook, way: np.ndarray, level: np.ndarray
 ) -> Instance:
     """A pot with its soup, moved along its way; `level` is the soup's height in the pot at every frame."""
-    colour, bits = SOUPS[choices.soup]
+    colour, bits = SOUPS[SOUP]
     body = scene.make("pot", name, scene.rng("pot"), look=look)
     surface = scene.make("pot.soup", f"{name}_soup", scene.rng(name), look=look, colour=colour, bits=bits)
     lifted = way.copy()
@@ -184,7 +150,7 @@ def put_pot(
     enamelled = look.enamel is not None
     attributes = {
         "material": "enamel" if enamelled else "steel",
-        "colour": choices.big_colour if enamelled else "grey",
+        "colour": BIG_COLOUR if enamelled else "grey",
         "size": "large" if enamelled else "small",
         "handles": look.handles,
         "lid": "none",
@@ -192,33 +158,28 @@ def put_pot(
     return scene.instance(name, id, "pot", [body, surface], attributes=attributes)
 
 
-def dress(choices: Choices, stirs: bool, seed: int) -> Look:
+def dress(stirs: bool, seed: int) -> Look:
     """One of them wears a plain apron, the other a striped apron and short sleeves."""
-    build = choices.stirrer if stirs else ("man" if choices.stirrer == "woman" else "woman")
-    woman, plain = build == "woman", stirs == choices.stirrer_in_plain
-    shirt = choices.shirts[0] if stirs else choices.shirts[1]
+    shirt = SHIRTS[0] if stirs else SHIRTS[1]
     return Look(
-        build=build,
-        height_m=1.69 if woman else 1.78,
-        girth=1.02 if woman else 1.06,
+        build="woman" if stirs else "man",
+        height_m=1.69 if stirs else 1.78,
+        girth=1.02 if stirs else 1.06,
         skin="fair" if stirs else "brown",
-        hair="bun" if woman else "short",
-        hair_colour=choices.hair[0 if stirs else 1],
+        hair="bun" if stirs else "short",
+        hair_colour=HAIR[0 if stirs else 1],
         top=Cloth(shirt),
-        sleeve="long" if plain else "short",
+        sleeve="long" if stirs else "short",
         lower=Cloth("grey", "checks", second="black", repeat_m=0.02),
-        apron=Cloth("brown") if plain else Cloth("white", "stripes", second="blue", repeat_m=0.05),
+        apron=Cloth("brown") if stirs else Cloth("white", "stripes", second="blue", repeat_m=0.05),
         shoe_colour="black",
         seed=seed,
     )
 
 
-def hire(
-    scene: Scene, choices: Choices, name: str, id: int, x: float, heading_deg: float, *, stirs: bool
-) -> Cook:
+def hire(scene: Scene, name: str, id: int, x: float, heading_deg: float, *, stirs: bool) -> Cook:
     """One cook behind the island; one of the two wears the tall hat."""
-    hatted = stirs == choices.stirrer_wears_hat
-    look = dress(choices, stirs, scene.rng(name).randrange(1000))
+    look = dress(stirs, scene.rng(name).randrange(1000))
     person = Cook(
         scene,
         name,
@@ -226,15 +187,15 @@ def hire(
         category="cook",
         look=look,
         attributes={
-            "hat": "tall" if hatted else "none",
-            "apron": "plain" if stirs == choices.stirrer_in_plain else "striped",
+            "hat": "tall" if stirs else "none",
+            "apron": "plain" if stirs else "striped",
             "sleeves": look.sleeve,
-            "shirt": choices.shirts[0 if stirs else 1],
+            "shirt": SHIRTS[0 if stirs else 1],
         },
         at=(x, COOKS_Y),
         heading_deg=heading_deg,
     )
-    if hatted:
+    if stirs:
         hat = chef_hat.put_on(f"{name}.hat", person.body)
         hat.pass_index = id
         person.instance.objects.append(hat)
@@ -242,44 +203,37 @@ def hire(
 
 
 def stir_and_taste(
-    scene: Scene, choices: Choices, pots: dict[str, Instance], ways: dict[str, np.ndarray], spoon: Instance
+    scene: Scene, pots: dict[str, Instance], ways: dict[str, np.ndarray], spoon: Instance
 ) -> None:
     """Her right hand leads the spoon all the time; the left holds the first saucepan still."""
-    d = choices.delay
-    chef = hire(scene, choices, "cook_stirring", 4, STIRRER_X, 0.0, stirs=True)
+    chef = hire(scene, "cook_stirring", 4, STIRRER_X, 0.0, stirs=True)
     chef.lean_in((-2, -1), 0.16)
     chef.lean_in((32, 46), 0.05)
-    chef.lean_in((54 + d, 70 + d), 0.26)
+    chef.lean_in((54, 70), 0.26)
 
     way = SpoonPath()
-    first, second = (0, 34), (70 + d, LAST_FRAME)
+    first, second = (0, 34), (70, LAST_FRAME)
     saucepan = {"radius_m": 0.046, "height_m": 0.030, "lean": (-0.20, 0.42, 1.0)}
     stock_pot = {"radius_m": 0.062, "height_m": 0.055, "lean": (-0.26, 0.36, 1.0)}
     chef.stir(way, pots["stirred"], ways["stirred"], first, **saucepan)
-    chef.taste(way, (42, 60 + d))
+    chef.taste(way, (42, 60))
     chef.stir(way, pots["big"], ways["big"], second, **stock_pot)
     chef.use_spoon(spoon, way, 0.255)
     chef.grip(pots["stirred"], ways["stirred"], LONG_HANDLE, first, side="l")
     chef.rest_hand("l", (STIRRER_X + 0.26, 0.20, units.TOP_M), (62, LAST_FRAME))
     chef.look_at((STIRRED[0], -0.55, 1.05), (0, 30))
-    chef.look_at((BIG[0] + BIG_MOVES, -0.55, 1.05), (66 + d, LAST_FRAME))
+    chef.look_at((BIG[0] + BIG_MOVES, -0.55, 1.05), (66, LAST_FRAME))
     chef.finish()
 
 
 def pour_and_move(
-    scene: Scene,
-    choices: Choices,
-    pots: dict[str, Instance],
-    ways: dict[str, np.ndarray],
-    jug: Instance,
-    big: pot.PotLook,
+    scene: Scene, pots: dict[str, Instance], ways: dict[str, np.ndarray], jug: Instance, big: pot.PotLook
 ) -> None:
     """The left hand pours and puts the jug down; the right pulls the big pot, the left pushes the other."""
-    d = choices.delay
-    helper = hire(scene, choices, "cook_pouring", 5, POURER_X, 0.0, stirs=False)
+    helper = hire(scene, "cook_pouring", 5, POURER_X, 0.0, stirs=False)
     helper.lean_in((-2, -1), 0.10)
     helper.lean_in((40, 52), 0.30)
-    helper.lean_in((66 + d, 78), 0.22)
+    helper.lean_in((66, 78), 0.22)
 
     turn = radians(16)
     route = JugPath(kitchen_jug.LIP, turn)
@@ -291,7 +245,7 @@ def pour_and_move(
     route.stand(60, JUG_ENDS)
     handle = Grip(kitchen_jug.GRIP, (0, 0, 1), (-0.30, -0.95, 0))
     jug_path = helper.pour(jug, route, handle, pots["poured"], (10, 38), side="l", puts_down=(44, 60))
-    colour, _ = SOUPS[choices.soup]
+    colour, _ = SOUPS[SOUP]
     falling = kitchen_jug.stream("stream", colour=colour)
     surface = np.full(FRAME_COUNT, HOB_Z + pot.SAUCEPAN.soup_m - 0.012)
     key_path(falling, stream_matrices(jug_path, kitchen_jug.LIP, surface, (9, 36), turn))
@@ -300,10 +254,10 @@ def pour_and_move(
         pots["big"],
         ways["big"],
         Grip(big.grip, (0, -1, 0), (-0.75, 0, -0.55)),
-        (48 + d, 68 + d),
+        (48, 68),
         side="r",
         arc_m=0.08,
-        moves=(50 + d, 66 + d),
+        moves=(50, 66),
     )
     helper.grip(
         pots["poured"], ways["poured"], LONG_HANDLE, (74, 94), side="l", arc_m=0.10, moves=POURED_MOVING
@@ -317,7 +271,7 @@ def pour_and_move(
 # --- light ------------------------------------------------------------------------------------------------
 
 
-def light(scene: Scene, choices: Choices) -> None:
+def light(scene: Scene) -> None:
     """Cool morning light through the window, warm lamps over the island, the rest of the house in front."""
     scene.exposure = 1.05
     scene.hdri("studio", strength=0.50, rotation_deg=degrees(0.6))
@@ -335,6 +289,6 @@ def light(scene: Scene, choices: Choices) -> None:
             (x, -0.75, 2.45),
             (x * 0.8, 0.1, 1.0),
             size_m=(0.45, 0.45),
-            power_w=15 * choices.warm,
+            power_w=15,
             colour=(1.0, 0.80, 0.58),
         )

@@ -1,6 +1,6 @@
 """Three cats in a sunny living room: one sleeps, one plays with a ball of wool, one comes and takes over.
 
-Story. Two of the three cats are twins (variant 0: grey tabbies; the third is orange and white), and so are
+Story. Two of the three cats are twins (grey tabbies; the third is orange and white), and so are
 two red balls of wool. One twin lies curled up asleep on the sofa. The other sits by the window, gets up, then
 walks across the rug and settles before a ball. Meanwhile the third cat bats that ball to and fro between its
 paws and knocks it away over the rug; it rolls to where the walker arrives, who bats it in turn, while the
@@ -54,59 +54,23 @@ RUG_TOP_M = rug.THICKNESS_M
 RUG_SIZE_M = (2.15, 1.50)
 
 
-@dataclass(frozen=True)
-class Cast:
-    """Coats of the three roles; exactly two of them are equal."""
-
-    sleeper: cat.Coat
-    walker: cat.Coat
-    player: cat.Coat
-
-
-CASTS = (
-    Cast(cat.GREY_TABBY, cat.GREY_TABBY, cat.ORANGE),
-    Cast(cat.ORANGE, cat.GREY_TABBY, cat.ORANGE),
-    Cast(cat.BLACK, cat.ORANGE, cat.ORANGE),
-    Cast(cat.BLACK, cat.BLACK, cat.GREY_TABBY),
-)
 COLOURS = {
     "grey_tabby": {"colour": "grey", "pattern": "striped"},
     "orange": {"colour": "orange", "pattern": "white_bib"},
     "black": {"colour": "black", "pattern": "plain"},
 }
-UPHOLSTERY = ((0.10, 0.19, 0.21), (0.30, 0.12, 0.09), (0.16, 0.20, 0.11))
-ARMCHAIR_CLOTH = ((0.52, 0.30, 0.07), (0.12, 0.18, 0.27), (0.45, 0.36, 0.26))
-WALLS = (
-    ((0.44, 0.47, 0.38), (0.58, 0.60, 0.50)),
-    ((0.50, 0.45, 0.37), (0.62, 0.57, 0.48)),
-    ((0.36, 0.43, 0.47), (0.50, 0.56, 0.58)),
-)
 
 
 class Stage:
-    """The layout of one variant: mirrored or not, everything a few centimetres off, looks drawn by seed."""
+    """The layout, everything a few centimetres off."""
 
     def __init__(self, scene: Scene) -> None:
-        rng = scene.rng("stage")
-        benchmark = scene.variant == 0
         self.scene = scene
-        self.mirror = 1 if benchmark else rng.choice((1, -1))
-        self.cast = CASTS[0] if benchmark else rng.choice(CASTS)
-        self.look = 0 if benchmark else rng.randrange(3)
-        self.jitter = rng
+        self.jitter = scene.rng("stage")
 
     def spot(self, spot: Spot, loose_m: float = 0.02) -> Spot:
-        """A spot of the layout in this variant."""
-        (x, y), heading_deg = Loose(self.jitter, loose_m, degrees(2 * loose_m))(spot)
-        return (self.mirror * x, y), self.mirror * heading_deg
-
-    def x(self, x: float) -> float:
-        """An x of the layout in this variant."""
-        return self.mirror * x
-
-    def paw(self, paw: str) -> str:
-        """The same side as seen from the layout."""
-        return paw if self.mirror > 0 else {"fore.L": "fore.R", "fore.R": "fore.L"}[paw]
+        """A spot near that of the layout."""
+        return Loose(self.jitter, loose_m, degrees(2 * loose_m))(spot)
 
 
 def build(scene: Scene) -> None:
@@ -129,7 +93,6 @@ def build(scene: Scene) -> None:
 def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng = stage.scene, stage.scene.rng("furniture")
-    wall, figure = WALLS[stage.look]
     scene.make(
         "room",
         "room",
@@ -137,12 +100,12 @@ def furnish(stage: Stage) -> None:
         half_width_m=HALF_WIDTH,
         back_m=BACK_WALL_Y,
         front_m=FRONT_Y,
-        wall=wall,
-        figure=figure,
+        wall=(0.44, 0.47, 0.38),
+        figure=(0.58, 0.60, 0.50),
     )
 
     couch_at = stage.spot(SOFA)
-    couch = scene.put("sofa", "sofa_body", *couch_at, rng=rng, colour=UPHOLSTERY[stage.look])
+    couch = scene.put("sofa", "sofa_body", *couch_at, rng=rng, colour=(0.10, 0.19, 0.21))
     scene.instance("sofa", 1001, "sofa", [couch, *cushions(stage, couch_at)], front="-y")
 
     table_at = stage.spot(LOW_TABLE)
@@ -155,27 +118,12 @@ def furnish(stage: Stage) -> None:
         at = (table_at[0][0] + dx, table_at[0][1] + dy)
         scene.place(thing, at, degrees(turn), on=coffee_table.HEIGHT_M)
 
-    scene.add(
-        1003,
-        "rug",
-        "rug",
-        (stage.x(RUG[0]), RUG[1]),
-        rng=rng,
-        size_m=RUG_SIZE_M,
-        palette=rug.PALETTES[stage.look],
-    )
+    scene.add(1003, "rug", "rug", (RUG[0], RUG[1]), rng=rng, size_m=RUG_SIZE_M, palette=rug.PALETTES[0])
 
-    scene.add(
-        1004,
-        "window",
-        "window",
-        (stage.x(WINDOW_X), BACK_WALL_Y),
-        rng=rng,
-        curtain=((0.62, 0.45, 0.22), (0.30, 0.36, 0.30), (0.55, 0.28, 0.20))[stage.look],
-    )
+    scene.add(1004, "window", "window", (WINDOW_X, BACK_WALL_Y), rng=rng, curtain=(0.62, 0.45, 0.22))
 
     scene.add(1005, "bookcase", "bookcase", *stage.spot(BOOKCASE, 0.01), rng=rng)
-    scene.add(1006, "armchair", "armchair", *stage.spot(ARMCHAIR), rng=rng, colour=ARMCHAIR_CLOTH[stage.look])
+    scene.add(1006, "armchair", "armchair", *stage.spot(ARMCHAIR), rng=rng, colour=(0.52, 0.30, 0.07))
 
     scene.put("floor_lamp", "floor_lamp", *stage.spot(LAMP), rng=rng)
     scene.put("houseplant", "plant", *stage.spot(PLANT), rng=rng)
@@ -192,14 +140,7 @@ def furnish(stage: Stage) -> None:
     for k, (x, z, size) in enumerate(
         ((-1.16, 0.97, (0.36, 0.46)), (-0.68, 1.02, (0.44, 0.34)), (-0.20, 0.97, (0.34, 0.44)))
     ):
-        scene.put(
-            "picture_frame",
-            f"picture_{k}",
-            (stage.x(x), BACK_WALL_Y, z),
-            rng=rng,
-            size_m=size,
-            palette=k + stage.look,
-        )
+        scene.put("picture_frame", f"picture_{k}", (x, BACK_WALL_Y, z), rng=rng, size_m=size, palette=k)
 
 
 def cushions(stage: Stage, couch: Spot) -> list[bpy.types.Object]:
@@ -217,8 +158,8 @@ def cushions(stage: Stage, couch: Spot) -> list[bpy.types.Object]:
         )
     ):
         pillow = stage.scene.make("cushion", f"cushion_{k}", rng, size_m=(size, size), material=cloth)
-        at = (couch[0][0] + stage.x(dx), couch[0][1] + dy, sofa.SEAT_HEIGHT_M - 0.005)
-        heading_deg, tilt_deg = degrees(stage.mirror * turn), -rng.uniform(16, 22)
+        at = (couch[0][0] + dx, couch[0][1] + dy, sofa.SEAT_HEIGHT_M - 0.005)
+        heading_deg, tilt_deg = degrees(turn), -rng.uniform(16, 22)
         made.append(stage.scene.place(pillow, at, heading_deg, tilt_deg=tilt_deg))
     return made
 
@@ -239,7 +180,7 @@ def put_toys(stage: Stage) -> Toys:
     balls = []
     for name, id, (x, y), floor in (
         ("yarn_ball_played", 4, ball_at, RUG_TOP_M),
-        ("yarn_ball_still", 5, (stage.x(BALL_UNDER_TABLE[0]), BALL_UNDER_TABLE[1]), RUG_TOP_M),
+        ("yarn_ball_still", 5, (BALL_UNDER_TABLE[0], BALL_UNDER_TABLE[1]), RUG_TOP_M),
     ):
         toy = scene.add(
             id,
@@ -266,14 +207,14 @@ def ahead_of(stage: Stage, spot: Spot, aside_m: float = 0.0) -> tuple[float, flo
     """Where a cat poised at a spot of the layout has a ball before its paws (`aside_m` to its left)."""
     (x, y), heading = spot[0], radians(spot[1])
     return (
-        stage.x(x + REACH_M * sin(heading) + aside_m * cos(heading)),
+        x + REACH_M * sin(heading) + aside_m * cos(heading),
         y - REACH_M * cos(heading) + aside_m * sin(heading),
     )
 
 
 def let_cats_play(stage: Stage, toys: Toys) -> None:
     """The action, in the order of time: batting, the long roll, the walk, the second player."""
-    scene, ball, cast, m = stage.scene, toys.played, stage.cast, stage.mirror
+    scene, ball = stage.scene, toys.played
 
     def animal(name: str, id: int, coat: cat.Coat, spot: Spot, posture: str, ground: Ground) -> Cat:
         (x, y), heading_deg = spot
@@ -282,23 +223,20 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
             name,
             id,
             coat=coat,
-            at=(m * x, y),
-            heading_deg=m * heading_deg,
+            at=(x, y),
+            heading_deg=heading_deg,
             ground=ground,
             posture=posture,
-            tail_side=m,
             attributes=COLOURS[coat.name],
         )
 
     def on_floor(x: float, y: float) -> float:
-        on_rug = abs(m * x - RUG[0]) < RUG_SIZE_M[0] / 2 and abs(y - RUG[1]) < RUG_SIZE_M[1] / 2
+        on_rug = abs(x - RUG[0]) < RUG_SIZE_M[0] / 2 and abs(y - RUG[1]) < RUG_SIZE_M[1] / 2
         return RUG_TOP_M if on_rug else 0.0
 
-    # It curls the same way round in a mirrored room, and its face should show.
-    asleep_at = (SLEEPER[0], m * SLEEPER[1])
-    sleeper = animal("cat_sleeper", 1, cast.sleeper, asleep_at, "sleep", level(sofa.SEAT_HEIGHT_M - 0.004))
-    walker = animal("cat_walker", 2, cast.walker, WALKER, "sit", on_floor)
-    player = animal("cat_player", 3, cast.player, PLAYER, "poise", on_floor)
+    sleeper = animal("cat_sleeper", 1, cat.GREY_TABBY, SLEEPER, "sleep", level(sofa.SEAT_HEIGHT_M - 0.004))
+    walker = animal("cat_walker", 2, cat.GREY_TABBY, WALKER, "sit", on_floor)
+    player = animal("cat_player", 3, cat.ORANGE, PLAYER, "poise", on_floor)
 
     sleeper.sleep((0, LAST_FRAME))
 
@@ -308,33 +246,26 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
     player.play_with(
         ball,
         [
-            Tap(6, stage.paw("fore.L"), near, 17),
-            Tap(17, stage.paw("fore.R"), far, 28),
-            Tap(28, stage.paw("fore.L"), near, 39),
-            Tap(39, stage.paw("fore.R"), rest, 68),
+            Tap(6, "fore.L", near, 17),
+            Tap(17, "fore.R", far, 28),
+            Tap(28, "fore.L", near, 39),
+            Tap(39, "fore.R", rest, 68),
         ],
         (0, 46),
     )
 
     (start, _), goal = WALKER, (0.36, 0.02)
-    toward = atan2(m * rest[0] - goal[0], goal[1] - rest[1])
-    stop = (m * rest[0] - REACH_M * sin(toward), rest[1] + REACH_M * cos(toward))
+    toward = atan2(rest[0] - goal[0], goal[1] - rest[1])
+    stop = (rest[0] - REACH_M * sin(toward), rest[1] + REACH_M * cos(toward))
     walker.sit((0, 13))
     walker.stand_up((13, 23))
     walker.walk_along(
-        [
-            (m * (0.5 * start[0] + 0.5 * stop[0] + 0.08), 0.5 * start[1] + 0.5 * stop[1]),
-            (m * stop[0], stop[1]),
-        ],
+        [((0.5 * start[0] + 0.5 * stop[0] + 0.08), 0.5 * start[1] + 0.5 * stop[1]), (stop[0], stop[1])],
         (23, 66),
     )
     walker.poise((66, 75))
     left = ahead_of(stage, (stop, degrees(toward)), 0.10)
-    walker.play_with(
-        ball,
-        [Tap(76, stage.paw("fore.R"), left, 86), Tap(86, stage.paw("fore.L"), rest, 96)],
-        (72, LAST_FRAME),
-    )
+    walker.play_with(ball, [Tap(76, "fore.R", left, 86), Tap(86, "fore.L", rest, 96)], (72, LAST_FRAME))
 
     player.sit_down((56, 72))
     player.watch(ball.centres, (46, LAST_FRAME), event_object=ball.instance)
@@ -345,21 +276,21 @@ def let_cats_play(stage: Stage, toys: Toys) -> None:
 
 def light(stage: Stage) -> None:
     """Daylight from the window, a sunbeam on the rug, the house from the open side, a warm lamp."""
-    scene, m = stage.scene, stage.mirror
+    scene = stage.scene
     scene.exposure = 1.12
-    scene.hdri("interior", strength=0.46, rotation_deg=m * degrees(1.2))
+    scene.hdri("interior", strength=0.46, rotation_deg=degrees(1.2))
     scene.area_light(
         "window_light",
-        (m * WINDOW_X, BACK_WALL_Y - 0.22, 1.35),
-        (m * 0.2, -0.5, 0.1),
+        (WINDOW_X, BACK_WALL_Y - 0.22, 1.35),
+        (0.2, -0.5, 0.1),
         size_m=(1.0, 1.2),
         power_w=13,
         colour=(0.92, 0.96, 1.0),
     )
     patch = scene.area_light(
         "sunbeam",
-        (m * 2.1, 1.2, 2.6),
-        (m * 0.35, -0.25, 0.0),
+        (2.1, 1.2, 2.6),
+        (0.35, -0.25, 0.0),
         size_m=(0.7, 0.9),
         power_w=13,
         colour=(1.0, 0.83, 0.58),
@@ -367,5 +298,5 @@ def light(stage: Stage) -> None:
     patch.data.spread = radians(26)
     lamp_x, lamp_y = LAMP[0]
     scene.point_light(
-        "lamp_glow", (m * lamp_x, lamp_y - 0.02, floor_lamp.SHADE_HEIGHT_M - 0.2), power_w=5, radius_m=0.12
+        "lamp_glow", (lamp_x, lamp_y - 0.02, floor_lamp.SHADE_HEIGHT_M - 0.2), power_w=5, radius_m=0.12
     )

@@ -13,7 +13,6 @@ Axes: the floor is z = 0, the whiteboard's wall at +Y, the window at -X, cameras
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
 from math import cos, degrees, pi, sin
 
 from mathutils import Matrix, Vector
@@ -21,7 +20,7 @@ from mathutils import Matrix, Vector
 from l4d_blender.assets import desk, high_table, laptop, office_chair, whiteboard
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.deskwork import Computer, OfficeWorker
-from l4d_blender.placing import Loose, pose
+from l4d_blender.placing import pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -52,54 +51,25 @@ MODELS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "silver"
-    other: str = "black"
-    shirt: str = "light_blue"
-    checked: str = "seated"
-    trousers: tuple[str, str] = ("beige", "black")
-    hair: tuple[str, str] = ("dark_brown", "grey")
-    skin: tuple[str, str] = ("fair", "tan")
-    write: int = 18
-    typing: tuple[int, int] = (30, 56)
-    sun_deg: float = 203.0
-    accent: tuple[float, float, float] = (0.10, 0.24, 0.26)
-    wall: tuple[float, float, float] = (0.56, 0.58, 0.57)
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: other metals, clothes and light, a few frames to and fro."""
-    start = rng.randint(29, 32)
-    skins, hair = rng.sample(["fair", "tan", "brown", "dark"], 2), rng.sample(["black", "grey", "red"], 2)
-    accents = ((0.30, 0.13, 0.07), (0.09, 0.13, 0.28), (0.20, 0.24, 0.08))
-    return Choices(
-        twins=rng.choice(["silver", "copper"]),
-        other=rng.choice(["black", "white"]),
-        shirt=rng.choice(["white", "green", "light_blue", "pink"]),
-        checked=rng.choice(["seated", "standing"]),
-        trousers=tuple(rng.sample(["beige", "black", "grey", "navy"], 2)),
-        hair=tuple(hair),
-        skin=tuple(skins),
-        write=rng.randint(16, 18),
-        typing=(start, start + rng.randint(22, 26)),
-        sun_deg=rng.uniform(190.0, 214.0),
-        accent=rng.choice(accents),
-        wall=rng.choice(((0.58, 0.55, 0.49), (0.50, 0.55, 0.60), (0.56, 0.58, 0.57))),
-    )
+TWINS = "silver"
+OTHER = "black"
+SHIRT = "light_blue"
+TROUSERS = ("beige", "black")
+HAIR = ("dark_brown", "grey")
+SKIN = ("fair", "tan")
+WRITE = 18
+TYPING = (30, 56)
+SUN_DEG = 203.0
+ACCENT = (0.10, 0.24, 0.26)
+WALL = (0.56, 0.58, 0.57)
 
 
 class Stage:
-    """The layout of one variant: everything a few centimetres off."""
+    """The layout."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-        loose = Loose(scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03)
-        spots = (DESK, HIGH_TABLE, WHITEBOARD, BOOKCASE, PLANT)
-        poses = (pose(loose.point(at), heading_deg) for at, heading_deg in spots)
+        poses = (pose(*spot) for spot in (DESK, HIGH_TABLE, WHITEBOARD, BOOKCASE, PLANT))
         self.desk, self.high_table, self.whiteboard, self.bookcase, self.plant = poses
 
 
@@ -129,7 +99,7 @@ def build(scene: Scene) -> None:
 
 def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
-    scene, rng, choices = stage.scene, stage.scene.rng("furniture"), stage.choices
+    scene, rng = stage.scene, stage.scene.rng("furniture")
     scene.make(
         "office_room",
         "office",
@@ -138,8 +108,8 @@ def furnish(stage: Stage) -> None:
         back_m=BACK_Y,
         front_m=FRONT_Y,
         window_y_m=WINDOW_Y,
-        wall=choices.wall,
-        accent=choices.accent,
+        wall=WALL,
+        accent=ACCENT,
     )
     scene.add(1001, "desk", "desk", ORIGIN, on=stage.desk, rng=rng, size_m=(1.30, 0.70))
     scene.add(1002, "high_table", "high_table", ORIGIN, on=stage.high_table, rng=rng)
@@ -186,7 +156,7 @@ def put_whiteboard(stage: Stage) -> Instance:
     """The board with the line that will be written, still hidden inside it."""
     scene = stage.scene
     body, stand = scene.make("whiteboard", "whiteboard")
-    strokes = whiteboard.ink("written", handwriting(stage.choices.write))
+    strokes = whiteboard.ink("written", handwriting(WRITE))
     whole = scene.place([body, stand, *strokes], ORIGIN, on=stage.whiteboard)
     return scene.instance("whiteboard", 1003, "whiteboard", whole, front="-y")
 
@@ -203,14 +173,14 @@ def handwriting(frames: int) -> list[Vector]:
 
 def put_laptops(stage: Stage) -> dict[str, Computer]:
     """Two twins, one on the desk and one on the high table, and a bigger one beside the latter."""
-    scene, choices = stage.scene, stage.choices
+    scene = stage.scene
     desk_at = stage.desk @ pose((DESK_SEAT_X, -0.13, desk.HEIGHT_M))
     over = stage.high_table @ pose((0.0, 0.0, high_table.HEIGHT_M))
     spots = {side: over @ pose((x, 0.09), 180.0) for side, x in HIGH_TABLE_SPOTS.items()}
     plan = (
-        ("first", "laptop_first", choices.twins, desk_at, False, 0),
-        ("idle", "laptop_idle", choices.twins, spots["left"], True, 1),
-        ("later", "laptop_later", choices.other, spots["right"], False, 2),
+        ("first", "laptop_first", TWINS, desk_at, False, 0),
+        ("idle", "laptop_idle", TWINS, spots["left"], True, 1),
+        ("later", "laptop_later", OTHER, spots["right"], False, 2),
     )
     computers = {}
     for id, (role, name, look, at, is_open, page) in enumerate(plan, 1):
@@ -226,37 +196,37 @@ def put_laptops(stage: Stage) -> dict[str, Computer]:
 # --- those who work ---------------------------------------------------------------------------------------
 
 
-def clothes(choices: Choices, role: str) -> tuple[Look, dict[str, str]]:
+def clothes(role: str) -> tuple[Look, dict[str, str]]:
     """Shirts of one colour: one checked with long sleeves, one plain with short ones."""
     n = ("seated", "standing").index(role)
-    checked = choices.checked == role
+    checked = role == "seated"
     look = Look(
         build="man",
         height_m=(1.79, 1.76)[n],
         girth=(1.0, 1.07)[n],
-        skin=choices.skin[n],
+        skin=SKIN[n],
         hair="short",
-        hair_colour=choices.hair[n],
-        top=Cloth(choices.shirt, "checks", "navy", 0.045) if checked else Cloth(choices.shirt),
+        hair_colour=HAIR[n],
+        top=Cloth(SHIRT, "checks", "navy", 0.045) if checked else Cloth(SHIRT),
         sleeve="long" if checked else "short",
-        lower=Cloth(choices.trousers[n]),
+        lower=Cloth(TROUSERS[n]),
         shoe_colour=("brown", "black")[n],
         seed=11 + n,
     )
     seen = {
-        "shirt": choices.shirt,
+        "shirt": SHIRT,
         "pattern": "checked" if checked else "plain",
         "sleeves": look.sleeve,
-        "trousers": choices.trousers[n],
-        "hair": choices.hair[n],
+        "trousers": TROUSERS[n],
+        "hair": HAIR[n],
     }
     return look, seen
 
 
 def sit_and_type(stage: Stage, computer: Computer) -> None:
     """The seated man: opens his laptop, types, stops, drinks."""
-    scene, (first, last) = stage.scene, stage.choices.typing
-    look, seen = clothes(stage.choices, "seated")
+    scene, (first, last) = stage.scene, TYPING
+    look, seen = clothes("seated")
     feet = stage.desk @ Vector((DESK_SEAT_X, -0.22, 0.0))
     seat = stage.desk @ Vector((DESK_SEAT_X, -0.66, office_chair.SEAT_M))
     heading_deg = degrees(stage.desk.to_euler().z + pi)
@@ -286,8 +256,8 @@ def sit_and_type(stage: Stage, computer: Computer) -> None:
 
 def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
     """The standing man: writes, lays the marker down, walks to the table's end, opens the laptop, types."""
-    scene, choices = stage.scene, stage.choices
-    look, seen = clothes(choices, "standing")
+    scene = stage.scene
+    look, seen = clothes("standing")
     pen = scene.add(1008, "whiteboard.marker", "marker")
     start = stage.whiteboard @ Vector((0.10, -0.50, 0.0))
     man = OfficeWorker(
@@ -300,7 +270,7 @@ def write_and_type(stage: Stage, board: Instance, computer: Computer) -> None:
         at=start,
         heading_deg=degrees(stage.whiteboard.to_euler().z + pi),
     )
-    done = choices.write
+    done = WRITE
     tray = Vector((0.20, whiteboard.TRAY_Y_M, whiteboard.TRAY_Z_M + 0.0095))
     strokes = [part for part in board.objects if part.name.startswith("written")]
     man.write_on(board, pen, handwriting(done), strokes, (0, done), tray, (done, done + 13))
@@ -324,11 +294,7 @@ def light(stage: Stage) -> None:
     scene.exposure = 1.1
     scene.hdri("interior", strength=0.34, rotation_deg=degrees(2.0))
     scene.sun(
-        elevation_deg=24.0,
-        azimuth_deg=stage.choices.sun_deg - 25.0,
-        strength=12.0,
-        angle_deg=0.7,
-        colour=(1.0, 0.80, 0.56),
+        elevation_deg=24.0, azimuth_deg=SUN_DEG - 25.0, strength=12.0, angle_deg=0.7, colour=(1.0, 0.80, 0.56)
     )
     middle = 0.5 * sum(WINDOW_Y)
     scene.area_light(

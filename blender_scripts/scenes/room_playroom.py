@@ -8,8 +8,6 @@ bears rock and two are held, but only the one of another look does both.
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import cos, degrees, exp, pi, radians
 
 from mathutils import Vector
@@ -74,58 +72,22 @@ BOY = Look(
     shoe_colour="blue",
     seed=31,
 )
-WALLS = (
-    ((0.60, 0.62, 0.52), (0.66, 0.67, 0.58)),
-    ((0.50, 0.60, 0.64), (0.57, 0.66, 0.69)),
-    ((0.66, 0.55, 0.46), (0.71, 0.61, 0.52)),
-)
-CHESTS = ((0.10, 0.30, 0.36), (0.42, 0.12, 0.10), (0.18, 0.28, 0.12))
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: tuple[str, str] = ("brown", "red")
-    other: tuple[str, str] = ("cream", "blue")
-    hugger: Look = GIRL
-    builder: Look = BOY
-    lift: int = 18
-    stack: int = 16
-    wall: tuple[tuple[float, float, float], tuple[float, float, float]] = WALLS[0]
-    chest: tuple[float, float, float] = CHESTS[0]
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: other bears, other clothes, a bit earlier or later, another wall."""
-    plush = rng.sample(["brown", "cream", "grey", "honey"], 2)
-    ribbons = rng.sample(["red", "blue", "green", "yellow"], 2)
-    dress, shirt = rng.sample(["purple", "pink", "green", "light_blue", "red", "orange"], 2)
-    hair = rng.sample(["blond", "brown", "black", "red"], 2)
-    girl = GIRL.dressed(lower=Cloth(dress, "dots", "white", repeat_m=0.045), hair_colour=hair[0])
-    boy = BOY.dressed(top=Cloth(shirt, "stripes", "white", repeat_m=0.05), hair_colour=hair[1])
-    return Choices(
-        twins=(plush[0], ribbons[0]),
-        other=(plush[1], ribbons[1]),
-        hugger=girl,
-        builder=boy,
-        lift=rng.randint(18, 22),
-        stack=rng.randint(12, 20),
-        wall=rng.choice(WALLS),
-        chest=rng.choice(CHESTS),
-    )
+WALL, FIGURE = (0.60, 0.62, 0.52), (0.66, 0.67, 0.58)
+TWINS = ("brown", "red")
+OTHER = ("cream", "blue")
+LIFT = 18
+STACK = 16
 
 
 def build(scene: Scene) -> None:
     """Furnishes the room, puts bears and children into it, lights it."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-    _room(scene, choices)
+    _room(scene)
     _clutter(scene)
-    rocker = _landmarks(scene, choices)
-    bears = _bears(scene, choices)
+    rocker = _landmarks(scene)
+    bears = _bears(scene)
     _rock(bears["rocker"], rocker)
-    _hugger(scene, choices, bears["mat"])
-    _builder(scene, choices, bears["table"])
+    _hugger(scene, bears["mat"])
+    _builder(scene, bears["table"])
     _light(scene)
     scene.cameras(
         (-0.13, 0.22, 0.48),
@@ -140,10 +102,9 @@ def build(scene: Scene) -> None:
 # --- the room ---------------------------------------------------------------------------------------------
 
 
-def _room(scene: Scene, choices: Choices) -> None:
+def _room(scene: Scene) -> None:
     """Walls, floor, window and what hangs on the walls."""
     rng = scene.rng("room")
-    wall, figure = choices.wall
     scene.make(
         "room",
         "room",
@@ -151,8 +112,8 @@ def _room(scene: Scene, choices: Choices) -> None:
         half_width_m=HALF_WIDTH,
         back_m=BACK_WALL_Y,
         front_m=FRONT_Y,
-        wall=wall,
-        figure=figure,
+        wall=WALL,
+        figure=FIGURE,
         boards=(0.50, 0.36, 0.22),
     )
     scene.add(
@@ -191,7 +152,7 @@ def _clutter(scene: Scene) -> None:
     scene.put("bookcase", "low_shelf", (1.36, 1.56), rng=rng, height_m=0.80, width_m=0.95, shelves=2)
 
 
-def _landmarks(scene: Scene, choices: Choices) -> Instance:
+def _landmarks(scene: Scene) -> Instance:
     """Furniture that sentences speak of; returns the rocking chair."""
     rng = scene.rng("furniture")
     scene.add(1002, "play_mat", "mat", *MAT, rng=rng, tiles=(5, 4), tile_m=0.44)
@@ -205,7 +166,7 @@ def _landmarks(scene: Scene, choices: Choices) -> Instance:
         size_m=TABLE_SIZE_M,
         colour=(0.50, 0.33, 0.17),
     )
-    scene.add(1004, "toy_chest", "toy_chest", *CHEST, on=MAT_M, rng=rng, paint=choices.chest)
+    scene.add(1004, "toy_chest", "toy_chest", *CHEST, on=MAT_M, rng=rng, paint=(0.10, 0.30, 0.36))
     scene.add(1005, "bookcase", "bookcase", *BOOKCASE, rng=rng, width_m=0.86, height_m=1.30, shelves=4)
     rocker = scene.add(1006, "rocking_chair", "rocking_chair", *ROCKER, on=MAT_M, rng=rng)
     chair = scene.make("wooden_chair", "stool", rng)
@@ -217,15 +178,15 @@ def _landmarks(scene: Scene, choices: Choices) -> Instance:
 # --- bears and children -----------------------------------------------------------------------------------
 
 
-def _bears(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _bears(scene: Scene) -> dict[str, Instance]:
     """The twins are equal to the last stitch."""
     table_top = MAT_M + coffee_table.HEIGHT_M
     seat = pose((0.0, rocking_chair.SEAT_Y_M + 0.02, rocking_chair.SEAT_M - 0.004))
     stand = pose((*ROCKER[0], MAT_M), ROCKER[1])
     plan = {
-        "mat": ("teddy_hugged", choices.other, pose((*BEAR_ON_MAT, MAT_M))),
-        "rocker": ("teddy_in_rocking_chair", choices.twins, stand @ seat),
-        "table": ("teddy_on_table", choices.twins, pose((*BEAR_ON_TABLE, table_top - 0.002))),
+        "mat": ("teddy_hugged", OTHER, pose((*BEAR_ON_MAT, MAT_M))),
+        "rocker": ("teddy_in_rocking_chair", TWINS, stand @ seat),
+        "table": ("teddy_on_table", TWINS, pose((*BEAR_ON_TABLE, table_top - 0.002))),
     }
     bears = {}
     for id, (place, (name, look, at)) in enumerate(plan.items(), 1):
@@ -276,18 +237,18 @@ def _child(
     )
 
 
-def _hugger(scene: Scene, choices: Choices, bear: Instance) -> None:
+def _hugger(scene: Scene, bear: Instance) -> None:
     """Comes from the bookcase, picks the bear up and hugs it."""
-    hugger = _child(scene, "child_hugging", 4, choices.hugger, (-0.04, 0.86), degrees(-0.45))
+    hugger = _child(scene, "child_hugging", 4, GIRL, (-0.04, 0.86), degrees(-0.45))
     spot = (BEAR_ON_MAT[0], BEAR_ON_MAT[1] + 0.26)
-    first = choices.lift
+    first = LIFT
     hugger.walk_to(spot, (0, first), facing_deg=0.0)
     hugger.lift(bear, teddy.SIDES_M, (first, first + 32), carry="chest")
     hugger.hug(bear, (first + 32, LAST_FRAME), half_m=abs(teddy.SIDES_M[0][0]))
     hugger.finish()
 
 
-def _builder(scene: Scene, choices: Choices, bear: Instance) -> None:
+def _builder(scene: Scene, bear: Instance) -> None:
     """Sits behind the table, an arm round the bear, and sets the last block on the tower."""
     rng = scene.rng("blocks")
     top = MAT_M + coffee_table.HEIGHT_M
@@ -305,11 +266,11 @@ def _builder(scene: Scene, choices: Choices, bear: Instance) -> None:
     scene.instance("tower", 1007, "tower", tower)
     loose = scene.instance("block", 1008, "block", scene.place(blocks[3], *LOOSE_BLOCK, on=top))
 
-    builder = _child(scene, "child_building", 5, choices.builder, CHAIR, 0.0)
+    builder = _child(scene, "child_building", 5, BOY, CHAIR, 0.0)
     builder.sit_at((*CHAIR, SEAT_M), 0.0)
     back = Vector((BEAR_ON_TABLE[0] - 0.045, BEAR_ON_TABLE[1] + 0.066, top + 0.165))
     builder.keep_hand_on(bear, back, side="l")
-    first = choices.stack
+    first = STACK
     builder.stack(
         loose, (TOWER[0], TOWER[1], top + 3 * BLOCK_M), (first, first + 40), height_m=BLOCK_M, side="r"
     )

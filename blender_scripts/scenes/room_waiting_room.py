@@ -11,8 +11,6 @@ Axes: the floor is z = 0, the door's wall at +Y, cameras on the -Y side; metres;
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, pi
 
 from mathutils import Euler, Matrix, Vector
@@ -21,7 +19,7 @@ from l4d_blender.assets import bags, chair_row, coffee_table, floor_lamp
 from l4d_blender.assets.person import Cloth, Look
 from l4d_blender.motion.reading import Reader, Spread
 from l4d_blender.motion.visitors import Visitor
-from l4d_blender.placing import Loose, pose
+from l4d_blender.placing import pose
 from l4d_blender.scene import Instance, Scene
 from l4d_blender.timeline import LAST_FRAME
 
@@ -44,51 +42,24 @@ ENTER = Vector((1.02, -0.93, 0.0))
 ORIGIN = (0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "brown"
-    other: str = "green"
-    pattern: str = "stripes"
-    cloth: tuple[str, str] = ("navy", "navy")
-    hair: tuple[str, str] = ("bun", "ponytail")
-    hair_colour: tuple[str, str] = ("dark_brown", "dark_brown")
-    skin: tuple[str, str] = ("brown", "fair")
-    pages: tuple[tuple[int, int], tuple[int, int]] = ((10, 28), (40, 58))
-    seats: tuple[float, float, float] = (0.05, 0.16, 0.28)
-    lower: tuple[float, float, float] = (0.17, 0.27, 0.24)
-
-
-def _draw(rng: random.Random) -> Choices:
-    """A variant: other colours and people, pages turned a little earlier or later."""
-    first, second = rng.randint(9, 14), rng.randint(38, 46)
-    colour = rng.choice(["navy", "red", "purple", "green"])
-    twins, other = rng.sample(["brown", "navy", "grey", "green", "red"], 2)
-    skins = rng.sample(["pale", "fair", "tan", "brown", "dark"], 2)
-    return Choices(
-        twins=twins,
-        other=other,
-        pattern=rng.choice(["stripes", "dots", "checks"]),
-        cloth=(colour, colour),
-        hair=tuple(rng.sample(["bun", "ponytail", "bob"], 2)),
-        hair_colour=(rng.choice(["dark_brown", "black", "grey"]), rng.choice(["red", "brown", "blond"])),
-        skin=tuple(skins),
-        pages=((first, first + 18), (second, second + 18)),
-        seats=rng.choice(((0.05, 0.16, 0.28), (0.30, 0.10, 0.05), (0.07, 0.20, 0.12))),
-        lower=rng.choice(((0.17, 0.27, 0.24), (0.28, 0.16, 0.12), (0.15, 0.20, 0.30))),
-    )
+TWINS = "brown"
+OTHER = "green"
+PATTERN = "stripes"
+CLOTH = ("navy", "navy")
+HAIR = ("bun", "ponytail")
+HAIR_COLOUR = ("dark_brown", "dark_brown")
+SKIN = ("brown", "fair")
+PAGES = ((10, 28), (40, 58))
+SHELL = (0.05, 0.16, 0.28)
+LOWER = (0.17, 0.27, 0.24)
 
 
 class Stage:
-    """The layout of one variant: everything a few centimetres off."""
+    """The layout."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
-        loose = Loose(scene.rng("layout"), 0.0 if scene.variant == 0 else 0.03)
-        spots = (CHAIRS, LOW_TABLE, MACHINE, PLANT, LAMP)
-        poses = (pose(loose.point(at), heading_deg) for at, heading_deg in spots)
+        poses = (pose(*spot) for spot in (CHAIRS, LOW_TABLE, MACHINE, PLANT, LAMP))
         self.chairs, self.low_table, self.machine, self.plant, self.lamp = poses
 
     def seat(self, number: int) -> Matrix:
@@ -122,24 +93,9 @@ def furnish(stage: Stage) -> None:
     """The room, its furniture as landmarks, and the clutter that nobody asks about."""
     scene, rng = stage.scene, stage.scene.rng("furniture")
     scene.make(
-        "waiting_room",
-        "room",
-        rng,
-        half_width_m=HALF_WIDTH,
-        back_m=BACK_Y,
-        front_m=FRONT_Y,
-        lower=stage.choices.lower,
+        "waiting_room", "room", rng, half_width_m=HALF_WIDTH, back_m=BACK_Y, front_m=FRONT_Y, lower=LOWER
     )
-    scene.add(
-        1001,
-        "chair_row",
-        "chair_row",
-        ORIGIN,
-        on=stage.chairs,
-        rng=rng,
-        count=SEATS,
-        shell=stage.choices.seats,
-    )
+    scene.add(1001, "chair_row", "chair_row", ORIGIN, on=stage.chairs, rng=rng, count=SEATS, shell=SHELL)
 
     scene.add(
         1002,
@@ -201,20 +157,18 @@ def furnish(stage: Stage) -> None:
 
 def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:
     """The duffel that is carried in, its twin on a seat, and the backpack on the next one."""
-    scene, choices = stage.scene, stage.choices
+    scene = stage.scene
     bodies = []
     for name in ("bag_brought", "bag_waiting"):
-        bodies.append(scene.make("bags.duffel", name, scene.rng(f"bags/{name}"), colour=choices.twins))
-    bodies.append(
-        scene.make("bags.backpack", "bag_fetched", scene.rng("bags/backpack"), colour=choices.other)
-    )
+        bodies.append(scene.make("bags.duffel", name, scene.rng(f"bags/{name}"), colour=TWINS))
+    bodies.append(scene.make("bags.backpack", "bag_fetched", scene.rng("bags/backpack"), colour=OTHER))
     scene.place(bodies[0], ENTER, on=stage.chairs)
     scene.place(bodies[1], ORIGIN, degrees(0.10), on=stage.seat(DUFFEL_SEAT))
     scene.place(bodies[2], (0.0, -0.03), on=stage.seat(BACKPACK_SEAT))
     looks = (
-        {"kind": "duffel", "colour": choices.twins},
-        {"kind": "duffel", "colour": choices.twins},
-        {"kind": "backpack", "colour": choices.other},
+        {"kind": "duffel", "colour": TWINS},
+        {"kind": "duffel", "colour": TWINS},
+        {"kind": "backpack", "colour": OTHER},
     )
     return tuple(
         scene.instance(body.name, id, "bag", body, attributes=seen)
@@ -225,15 +179,15 @@ def put_bags(stage: Stage) -> tuple[Instance, Instance, Instance]:
 # --- those who wait ---------------------------------------------------------------------------------------
 
 
-def clothes(choices: Choices, n: int) -> tuple[Look, dict[str, str]]:
+def clothes(n: int) -> tuple[Look, dict[str, str]]:
     """Two women in tops of one colour: one patterned with half sleeves, one plain with long ones."""
-    top = Cloth(choices.cloth[n], choices.pattern, "white", 0.045) if n == 0 else Cloth(choices.cloth[n])
+    top = Cloth(CLOTH[n], PATTERN, "white", 0.045) if n == 0 else Cloth(CLOTH[n])
     look = Look(
         build="woman",
         height_m=(1.66, 1.72)[n],
-        skin=choices.skin[n],
-        hair=choices.hair[n],
-        hair_colour=choices.hair_colour[n],
+        skin=SKIN[n],
+        hair=HAIR[n],
+        hair_colour=HAIR_COLOUR[n],
         top=top,
         sleeve=("elbow", "long")[n],
         bottom="trousers",
@@ -243,20 +197,20 @@ def clothes(choices: Choices, n: int) -> tuple[Look, dict[str, str]]:
         seed=21 + n,
     )
     seen = {
-        "top": choices.cloth[n],
-        "pattern": choices.pattern if n == 0 else "plain",
+        "top": CLOTH[n],
+        "pattern": PATTERN if n == 0 else "plain",
         "sleeves": look.sleeve,
         "trousers": ("beige", "blue")[n],
-        "hair": choices.hair[n],
+        "hair": HAIR[n],
     }
     return look, seen
 
 
 def read(stage: Stage) -> None:
     """The seated woman: turns two pages and then looks up."""
-    scene, choices = stage.scene, stage.choices
+    scene = stage.scene
     seat, turn = stage.seat(READER_SEAT), stage.chairs.to_euler().z
-    look, seen = clothes(choices, 0)
+    look, seen = clothes(0)
     feet = seat @ Vector((0.0, -0.40, 0.0))
     woman = Reader(
         scene,
@@ -268,14 +222,14 @@ def read(stage: Stage) -> None:
         at=feet,
         heading_deg=degrees(turn),
     )
-    made = scene.make("magazine", "magazine", leaves=len(choices.pages))
+    made = scene.make("magazine", "magazine", leaves=len(PAGES))
     held = scene.instance("magazine", 1006, "magazine", made, front="-y")
     # Held over the lap, its top away from her and raised towards her eyes: her left is the page at -X.
     tilt = Euler((0.75, 0.0, pi)).to_matrix().to_4x4()
     spread = Spread(held, made, seat @ Matrix.Translation((0.0, -0.39, 0.30)) @ tilt)
     woman.be_seated(seat @ Vector((0.0, 0.0, 0.0)), lean_deg=degrees(0.06))
     woman.hold_open(spread)
-    for leaf, frames in enumerate(choices.pages):
+    for leaf, frames in enumerate(PAGES):
         woman.turn_page(spread, leaf, frames)
     spread.finish()
     woman.look_at(tuple(stage.seat(BACKPACK_SEAT) @ Vector((0.05, -0.3, 0.9))), (70, LAST_FRAME))
@@ -285,7 +239,7 @@ def read(stage: Stage) -> None:
 def walk_in(stage: Stage, carried: Instance, backpack: Instance) -> None:
     """The standing woman: walks in with the duffel, sets it down, steps to the seats, lifts the backpack."""
     scene, turn = stage.scene, stage.chairs.to_euler().z
-    look, seen = clothes(stage.choices, 1)
+    look, seen = clothes(1)
     along_deg = degrees(turn - 0.5 * pi)
     start = stage.chairs @ ENTER
     woman = Visitor(

@@ -12,8 +12,6 @@ Axes: the table top is z = 0; the child sits at +Y and faces -Y, so the right ha
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, radians
 
 from mathutils import Matrix, Vector
@@ -56,43 +54,24 @@ PAINTS = {"red": RED, "blue": BLUE, "green": GREEN, "yellow": YELLOW}
 JERSEY = (0.42, 0.30, 0.10)
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "red"
-    others: str = "blue"
-    figures: tuple[str, str] = ("star", "moon")
-    push: tuple[int, int] = (14, 40)
-    slide: tuple[int, int] = (50, 68)
-    sun_azimuth_deg: float = -128.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    twins, others = rng.sample(list(PAINTS), 2)
-    figures = rng.sample(toy_block.FIGURES, 2)
-    first, late = rng.randint(12, 15), rng.randint(48, 53)
-    return Choices(
-        twins=twins,
-        others=others,
-        figures=(figures[0], figures[1]),
-        push=(first, first + rng.randint(25, 27)),
-        slide=(late, late + rng.randint(17, 20)),
-        sun_azimuth_deg=rng.uniform(-128.0, -60.0),
-    )
+TWINS = "red"
+OTHERS = "blue"
+FIGURES = ("star", "moon")
+PUSH = (14, 40)
+SLIDE = (50, 68)
+SUN_AZIMUTH_DEG = -128.0
 
 
 def build(scene: Scene) -> None:
     """The whole scene; the story happens in `_right_hand` and `_left_hand`."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _nursery(scene)
     _clutter(scene)
-    _light(scene, choices)
+    _light(scene)
     marks = _landmarks(scene)
     slide = RampSlide(marks["ramp"].matrix(0), 0.046, *SLIDE_Y)
-    blocks = _blocks(scene, choices, marks["tray"], slide)
-    _right_hand(scene, choices, blocks)
-    _left_hand(scene, choices, blocks["block_on_ramp"], slide)
+    blocks = _blocks(scene, marks["tray"], slide)
+    _right_hand(scene, blocks)
+    _left_hand(scene, blocks["block_on_ramp"], slide)
     scene.cameras(
         (0.0, -0.035, 0.035), radius_m=0.66, heights_m=(0.30, 0.44), arc_deg=140, facing_deg=-88, fov_deg=48
     )
@@ -143,15 +122,11 @@ def _clutter(scene: Scene) -> None:
     scene.put("yarn_ball", "ball", (-1.0, 0.75), on=FLOOR_M, rng=rng, radius_m=0.09)
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """A bright forenoon: low sun from the window's side, a pale room as fill."""
     scene.hdri("courtyard", 0.45, rotation_deg=degrees(2.2))
     scene.sun(
-        elevation_deg=44,
-        azimuth_deg=choices.sun_azimuth_deg,
-        strength=2.8,
-        angle_deg=3.0,
-        colour=(1.0, 0.90, 0.76),
+        elevation_deg=44, azimuth_deg=SUN_AZIMUTH_DEG, strength=2.8, angle_deg=3.0, colour=(1.0, 0.90, 0.76)
     )
     scene.area_light(
         "window_light",
@@ -175,14 +150,14 @@ def _landmarks(scene: Scene) -> dict[str, Instance]:
     return {name: scene.instance(name, id_, name, obj) for id_, name, obj in marks}
 
 
-def _blocks(scene: Scene, choices: Choices, tray: Instance, slide: RampSlide) -> dict[str, Instance]:
+def _blocks(scene: Scene, tray: Instance, slide: RampSlide) -> dict[str, Instance]:
     """Two twins and two others of one colour, at four places."""
-    shared, own = choices.figures
+    shared, own = FIGURES
     looks = {
-        "block_pushed": (choices.twins, shared, "small", "glossy"),
-        "block_stacked": (choices.twins, shared, "small", "glossy"),
-        "block_bumped": (choices.others, shared, "large", "glossy"),
-        "block_on_ramp": (choices.others, own, "small", "worn"),
+        "block_pushed": (TWINS, shared, "small", "glossy"),
+        "block_stacked": (TWINS, shared, "small", "glossy"),
+        "block_bumped": (OTHERS, shared, "large", "glossy"),
+        "block_on_ramp": (OTHERS, own, "small", "worn"),
     }
     level = tray.matrix(0) @ pose((0.0, 0.0, serving_tray.FLOOR_M))
     places = {
@@ -203,11 +178,11 @@ def _blocks(scene: Scene, choices: Choices, tray: Instance, slide: RampSlide) ->
     return blocks
 
 
-def _right_hand(scene: Scene, choices: Choices, blocks: dict[str, Instance]) -> None:
+def _right_hand(scene: Scene, blocks: dict[str, Instance]) -> None:
     """Pushes one block over the tray into another, then puts the twin of the first on top of that."""
     hand = _hand(scene, "hand_right", 1005, "r")
     pushed, bumped, stacked = (blocks[name] for name in ("block_pushed", "block_bumped", "block_stacked"))
-    first, last = choices.push
+    first, last = PUSH
     ahead = Matrix.Rotation(radians(TRAY[1]), 3, "Z") @ Vector((0.0, -0.066, 0.0))
     hand.approach(pushed, (first - 12, first), grip="push", heading_deg=TRAY[1], point=_middle(pushed, 0.028))
     hand.push(ahead[:2], (first, last), bumped=bumped)
@@ -221,10 +196,10 @@ def _right_hand(scene: Scene, choices: Choices, blocks: dict[str, Instance]) -> 
     hand.finish()
 
 
-def _left_hand(scene: Scene, choices: Choices, block: Instance, slide: RampSlide) -> None:
+def _left_hand(scene: Scene, block: Instance, slide: RampSlide) -> None:
     """Pushes a block over the edge of the slide's deck, then rests."""
     hand = _hand(scene, "hand_left", 1006, "l")
-    first, last = choices.slide
+    first, last = SLIDE
     hand.approach(block, (first - 16, first), grip="push", heading_deg=RAMP[1], point=_middle(block, 0.026))
     hand.push_down(slide, (first, last), 90)
     hand.release((last + 6, last + 14))

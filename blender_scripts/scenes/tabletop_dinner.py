@@ -11,8 +11,6 @@ Axes: the table top is z = 0; the diners sit at -X and +X and face each other; t
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees, pi
 
 from mathutils import Matrix, Vector
@@ -73,18 +71,6 @@ WOODEN = (
     ),
     {"material": "wood", "grip": "red", "end": "plain"},
 )
-DARK_WOODEN = (
-    spoon.Look(
-        length_m=0.270,
-        bowl_m=(0.056, 0.076),
-        handle_m=(0.0135, 0.0190),
-        thickness_m=0.0040,
-        material="wood",
-        colour=(0.24, 0.12, 0.05),
-        grip=(0.08, 0.17, 0.30),
-    ),
-    {"material": "wood", "grip": "blue", "end": "plain"},
-)
 PLAIN_METAL = (
     spoon.Look(length_m=0.222, bowl_m=(0.053, 0.076), handle_m=(0.0118, 0.0220), thickness_m=0.0028),
     {"material": "metal", "grip": "bare", "end": "plain"},
@@ -97,36 +83,18 @@ DINERS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants: the twins' look, timing, cloth, soup and the evening's light."""
-
-    twin: tuple[spoon.Look, dict[str, str]] = WOODEN
-    later: int = 0
-    napkin: tuple[float, float, float] = (0.50, 0.44, 0.33)
-    soup: tuple[float, float, float] = (0.52, 0.17, 0.025)
-    dusk: float = 1.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    return Choices(
-        rng.choice([WOODEN, DARK_WOODEN]),
-        rng.randint(-2, 2),
-        rng.choice([(0.50, 0.44, 0.33), (0.16, 0.24, 0.22), (0.34, 0.10, 0.10)]),
-        rng.choice([(0.52, 0.17, 0.025), (0.24, 0.30, 0.05), (0.50, 0.36, 0.12)]),
-        rng.uniform(0.7, 1.3),
-    )
+NAPKIN = (0.50, 0.44, 0.33)
+SOUP_COLOUR = (0.52, 0.17, 0.025)
 
 
 def build(scene: Scene) -> None:
     """Sets the table; the story happens in `_left_diner` and `_right_diner`."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _room(scene)
-    _light(scene, choices)
-    dishes = _landmarks(scene, choices)
-    spoons = _spoons(scene, choices)
-    _left_diner(scene, choices, spoons, dishes)
-    _right_diner(scene, choices, spoons, dishes)
+    _light(scene)
+    dishes = _landmarks(scene)
+    spoons = _spoons(scene)
+    _left_diner(scene, spoons, dishes)
+    _right_diner(scene, spoons, dishes)
     scene.cameras(
         (0.075, -0.02, 0.035), radius_m=0.82, heights_m=(0.48, 0.64), arc_deg=120, facing_deg=-90, fov_deg=47
     )
@@ -166,7 +134,7 @@ def _room(scene: Scene) -> None:
         scene.place(body, (x, 0.0), heading, on=SEAT_M)
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Candles, a warm lamp over the table, dusk in the window."""
     scene.hdri("night", 0.10, rotation_deg=degrees(0.6))
     scene.area_light(
@@ -178,23 +146,18 @@ def _light(scene: Scene, choices: Choices) -> None:
         colour=(1.0, 0.70, 0.42),
     )
     scene.area_light(
-        "dusk",
-        (1.15, 1.6, 0.75),
-        (0.1, 0.0, 0.0),
-        size_m=(1.1, 1.0),
-        power_w=10.0 * choices.dusk,
-        colour=(0.42, 0.58, 1.0),
+        "dusk", (1.15, 1.6, 0.75), (0.1, 0.0, 0.0), size_m=(1.1, 1.0), power_w=10.0, colour=(0.42, 0.58, 1.0)
     )
     for k, (x, y) in enumerate(CANDLES):
         at = candle.flame_at(CANDLE_HEIGHTS_M[k]) + Vector((x, y, 0.0))
         scene.point_light(f"flame{k}", at, power_w=3.8, radius_m=0.022, colour=(1.0, 0.60, 0.27))
 
 
-def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _landmarks(scene: Scene) -> dict[str, Instance]:
     """Bowls, plates, napkins, candles and the board."""
     rng = scene.rng("landmarks")
-    cloth = tableware.linen("napkins", choices.napkin, rng, stripe=(0.62, 0.58, 0.50), stripe_at_m=(0.062,))
-    vessels = {"soup_bowl": _soup(choices), "sauce_bowl": _sauce(), "deep_plate": _deep_plate(choices)}
+    cloth = tableware.linen("napkins", NAPKIN, rng, stripe=(0.62, 0.58, 0.50), stripe_at_m=(0.062,))
+    vessels = {"soup_bowl": _soup(), "sauce_bowl": _sauce(), "deep_plate": _deep_plate()}
     things = {name: scene.make("soup_bowl", name, rng, look=look) for name, look in vessels.items()}
     things["dish"] = scene.make("soup_bowl.plate", "dish", rng, radius_m=0.102)
     things["bread_board"] = scene.make("bread_board", "bread_board", rng)
@@ -225,8 +188,8 @@ def _landmarks(scene: Scene, choices: Choices) -> dict[str, Instance]:
     return made
 
 
-def _soup(choices: Choices) -> soup_bowl.Look:
-    return soup_bowl.Look(rim_m=(0.122, 0.126), level=0.60, soup=choices.soup)
+def _soup() -> soup_bowl.Look:
+    return soup_bowl.Look(rim_m=(0.122, 0.126), level=0.60, soup=SOUP_COLOUR)
 
 
 def _sauce() -> soup_bowl.Look:
@@ -235,21 +198,15 @@ def _sauce() -> soup_bowl.Look:
     )
 
 
-def _deep_plate(choices: Choices) -> soup_bowl.Look:
+def _deep_plate() -> soup_bowl.Look:
     return soup_bowl.Look(
-        rim_m=(0.116, 0.042),
-        brim_m=0.024,
-        foot_m=0.052,
-        level=0.62,
-        glaze=CREAM,
-        band=SAGE,
-        soup=choices.soup,
+        rim_m=(0.116, 0.042), brim_m=0.024, foot_m=0.052, level=0.62, glaze=CREAM, band=SAGE, soup=SOUP_COLOUR
     )
 
 
-def _spoons(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _spoons(scene: Scene) -> dict[str, Instance]:
     """The twins, one standing in the soup, and two of metal, one standing in the sauce."""
-    look, attributes = choices.twin
+    look, attributes = WOODEN
     colour = attributes["grip"]
     ringed = (
         spoon.Look(0.205, (0.050, 0.068), (0.0115, 0.0205), 0.0028, grip=look.grip, ring=True),
@@ -258,8 +215,8 @@ def _spoons(scene: Scene, choices: Choices) -> dict[str, Instance]:
     loose = Loose(scene.rng("layout"), 0.003, 2.0)
     made = {}
     for id_, name, (its, words), matrix in (
-        (1, "spoon_in_soup", choices.twin, _stir_soup(choices).at(pi)),
-        (2, "spoon_on_napkin", choices.twin, pose(*loose(SPOON_ON_NAPKIN))),
+        (1, "spoon_in_soup", WOODEN, _stir_soup().at(pi)),
+        (2, "spoon_on_napkin", WOODEN, pose(*loose(SPOON_ON_NAPKIN))),
         (3, "spoon_in_sauce", ringed, _leaning(ringed[0])),
         (4, "spoon_picked", PLAIN_METAL, pose(*loose(SPOON_PICKED))),
     ):
@@ -269,62 +226,56 @@ def _spoons(scene: Scene, choices: Choices) -> dict[str, Instance]:
     return made
 
 
-def _left_diner(
-    scene: Scene, choices: Choices, spoons: dict[str, Instance], dishes: dict[str, Instance]
-) -> None:
+def _left_diner(scene: Scene, spoons: dict[str, Instance], dishes: dict[str, Instance]) -> None:
     """The right hand stirs the soup, lays the spoon on the board and withdraws; the left one rests."""
-    t = choices.later
     hand = _hand(scene, "left_right", 1010)
-    held, look = spoons["spoon_in_soup"], choices.twin[0]
+    held, look = spoons["spoon_in_soup"], WOODEN[0]
     grip = held.matrix(0) @ look.tip.lerp(look.end, 0.90)
     hand.hold_from_start(held, grip="pen", point=grip, heading_deg=75.0)
-    hand.stir(dishes["soup_bowl"], _stir_soup(choices), (3, 36 + t), rounds=1.5, start_deg=180.0)
-    up = Matrix.Translation((-0.02, -0.06, 0.13)) @ held.matrix(36 + t)
-    hand.bring(up, (36 + t, 50 + t))
-    hand.lay_down(pose(*SPOON_LAID), (50 + t, 70 + t))
-    hand.release((70 + t, 80 + t))
-    hand.withdraw((80 + t, 94 + t))
+    hand.stir(dishes["soup_bowl"], _stir_soup(), (3, 36), rounds=1.5, start_deg=180.0)
+    up = Matrix.Translation((-0.02, -0.06, 0.13)) @ held.matrix(36)
+    hand.bring(up, (36, 50))
+    hand.lay_down(pose(*SPOON_LAID), (50, 70))
+    hand.release((70, 80))
+    hand.withdraw((80, 94))
     hand.finish()
     _hand(scene, "left_left", 1011).finish()
 
 
-def _right_diner(
-    scene: Scene, choices: Choices, spoons: dict[str, Instance], dishes: dict[str, Instance]
-) -> None:
+def _right_diner(scene: Scene, spoons: dict[str, Instance], dishes: dict[str, Instance]) -> None:
     """The left hand slides the dish with the sauce; the right one takes a spoon and stirs the plate."""
-    t = choices.later
     left = _hand(scene, "right_left", 1013)
     dish = dishes["dish"]
     edge = dish.matrix(0).translation + Vector((0.0, 0.0, 0.012))
     left.approach(dish, (2, 16), grip="push", point=edge, heading_deg=-98.0)
-    left.push_dish(DISH_SLIDES, (17, 48 + t), load=(dishes["sauce_bowl"], spoons["spoon_in_sauce"]))
-    left.release((48 + t, 57 + t))
-    left.withdraw((57 + t, 78 + t))
+    left.push_dish(DISH_SLIDES, (17, 48), load=(dishes["sauce_bowl"], spoons["spoon_in_sauce"]))
+    left.release((48, 57))
+    left.withdraw((57, 78))
     left.finish()
 
     right = _hand(scene, "right_right", 1012)
     taken = spoons["spoon_picked"]
     grip = taken.matrix(0) @ PLAIN_METAL[0].tip.lerp(PLAIN_METAL[0].end, 0.78)
-    right.approach(taken, (12, 30 + t), grip="pick", point=grip + Vector((0, 0, 0.004)), heading_deg=-80.0)
-    right.lift((30 + t, 43 + t), height_m=0.10)
-    way = _stir_plate(choices)
-    right.bring(way.at(pi), (43 + t, 59 + t))
-    right.stir(dishes["deep_plate"], way, (59 + t, 92 + t), rounds=1.0, start_deg=180.0)
+    right.approach(taken, (12, 30), grip="pick", point=grip + Vector((0, 0, 0.004)), heading_deg=-80.0)
+    right.lift((30, 43), height_m=0.10)
+    way = _stir_plate()
+    right.bring(way.at(pi), (43, 59))
+    right.stir(dishes["deep_plate"], way, (59, 92), rounds=1.0, start_deg=180.0)
     right.finish()
 
 
-def _stir_soup(choices: Choices) -> Stirring:
+def _stir_soup() -> Stirring:
     """How the wooden spoon goes round in the upper half of the soup."""
     foot = Vector((*SOUP, STIR_SOUP_AT_M))
-    inner, height = _soup(choices).inner_m
+    inner, height = _soup().inner_m
     rim = inner, height + soup_bowl.FLOOR_M - STIR_SOUP_AT_M
-    return Stirring(foot, rim, Vector((-1.0, -0.30, 0.0)), choices.twin[0].tip, circle_m=0.050)
+    return Stirring(foot, rim, Vector((-1.0, -0.30, 0.0)), WOODEN[0].tip, circle_m=0.050)
 
 
-def _stir_plate(choices: Choices) -> Stirring:
+def _stir_plate() -> Stirring:
     """How the metal spoon lies in the deep plate, clear of its rim."""
     foot = Vector((*PLATE_RIGHT, soup_bowl.FLOOR_M + 0.004))
-    inner, height = _deep_plate(choices).inner_m
+    inner, height = _deep_plate().inner_m
     lean = Vector((1.0, 0.45, 0.0))
     return Stirring(foot, (inner - 0.010, height + 0.012), lean, PLAIN_METAL[0].tip, circle_m=0.026)
 

@@ -12,8 +12,6 @@ at -X.
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees
 
 from mathutils import Matrix, Vector
@@ -61,41 +59,23 @@ LOOKS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants: colours of twins and others, when things happen, the morning's light."""
-
-    twins: str = "red"
-    others: str = "green"
-    later: int = 0
-    daylight: tuple[float, float, float] = (1.0, 0.90, 0.74)
-    bowl: tuple[float, float, float] = (0.06, 0.11, 0.22)
-    towel: tuple[float, float, float] = (0.40, 0.09, 0.06)
-
-
-def _draw(rng: random.Random) -> Choices:
-    twins, others = rng.sample(["red", "green", "yellow"], 2)
-    return Choices(
-        twins,
-        others,
-        rng.randint(-2, 2),
-        rng.choice([(1.0, 0.90, 0.74), (0.88, 0.94, 1.0)]),
-        rng.choice([(0.06, 0.11, 0.22), (0.30, 0.26, 0.19), (0.08, 0.17, 0.12)]),
-        rng.choice([(0.40, 0.09, 0.06), (0.10, 0.20, 0.36), (0.42, 0.27, 0.05)]),
-    )
+TWINS = "red"
+OTHERS = "green"
+DAYLIGHT = (1.0, 0.90, 0.74)
+BOWL_GLAZE = (0.06, 0.11, 0.22)
+TOWEL_STRIPE = (0.40, 0.09, 0.06)
 
 
 def build(scene: Scene) -> None:
     """Lays things out in the kitchen; the story happens in `_right_hand` and `_left_hand`."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _kitchen(scene)
-    _light(scene, choices)
+    _light(scene)
     loose = Loose(scene.rng("layout"), 0.005, 4.0)
-    _landmarks(scene, choices, loose)
+    _landmarks(scene, loose)
     _fruit(scene)
-    apples = _apples(scene, choices, loose)
-    _right_hand(scene, choices, apples)
-    _left_hand(scene, choices, apples)
+    apples = _apples(scene, loose)
+    _right_hand(scene, apples)
+    _left_hand(scene, apples)
     scene.cameras(
         (-0.01, 0.015, 0.04), radius_m=0.82, heights_m=(0.46, 0.59), arc_deg=128, facing_deg=-84, fov_deg=48
     )
@@ -150,30 +130,25 @@ def _kitchen(scene: Scene) -> None:
     )
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Low morning light from a window on the left, the rest of the kitchen as fill."""
     scene.hdri("interior", 0.24, rotation_deg=degrees(2.4))
     scene.area_light(
-        "morning",
-        (-1.55, -0.25, 0.78),
-        (0.05, 0.05, 0.0),
-        size_m=(0.5, 0.7),
-        power_w=78,
-        colour=choices.daylight,
+        "morning", (-1.55, -0.25, 0.78), (0.05, 0.05, 0.0), size_m=(0.5, 0.7), power_w=78, colour=DAYLIGHT
     )
     scene.area_light(
         "window", (-0.6, 1.9, 0.9), (0.0, 0.2, 0.0), size_m=(1.2, 0.8), power_w=10, colour=(0.85, 0.93, 1.0)
     )
 
 
-def _landmarks(scene: Scene, choices: Choices, loose: Loose) -> None:
+def _landmarks(scene: Scene, loose: Loose) -> None:
     """Things that sentences mention to say where something is."""
     rng = scene.rng("landmarks")
     stripes = tableware.linen(
         "towel_linen",
         (0.66, 0.63, 0.56),
         rng,
-        stripe=choices.towel,
+        stripe=TOWEL_STRIPE,
         stripe_at_m=(0.135, 0.146, 0.124),
         stripe_m=0.005,
     )
@@ -184,7 +159,7 @@ def _landmarks(scene: Scene, choices: Choices, loose: Loose) -> None:
             1001,
             "fruit_bowl",
             "bowl",
-            scene.put("fruit.fruit_bowl", "fruit_bowl", BOWL, 20, rng=rng, glaze=choices.bowl),
+            scene.put("fruit.fruit_bowl", "fruit_bowl", BOWL, 20, rng=rng, glaze=BOWL_GLAZE),
         ),
         (1002, "towel", "towel", scene.place(towel, *TOWEL)),
         (
@@ -214,10 +189,10 @@ def _fruit(scene: Scene) -> None:
     scene.put("fruit.lemon", "loose_lemon", (-0.385, -0.185), 130, rng=rng)
 
 
-def _apples(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Round]:
+def _apples(scene: Scene, loose: Loose) -> dict[str, Round]:
     """Two twins that have their leaves, and two others; those that will roll lie on their sides."""
-    skin, colour = LOOKS[choices.twins]
-    other_skin, other_colour = LOOKS[choices.others]
+    skin, colour = LOOKS[TWINS]
+    other_skin, other_colour = LOOKS[OTHERS]
     twin = (apple.Look(skin=skin), {**colour, **PLAIN, "leaf": "yes"})
     bitten = (
         apple.Look(skin=other_skin, bitten=True),
@@ -255,38 +230,36 @@ def _apples(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Round]:
     return made
 
 
-def _right_hand(scene: Scene, choices: Choices, apples: dict[str, Round]) -> None:
+def _right_hand(scene: Scene, apples: dict[str, Round]) -> None:
     """Sends one apple rolling with the fingertips, then turns its neighbour on the spot."""
     hand = _hand(scene, "hand_right", 1006, "r", HAND_RIGHT)
     pushed, turned = apples["apple_pushed"], apples["apple_on_towel"]
-    t = choices.later
     middle = pushed.instance.matrix(0) @ pushed.middle
     hand.approach(
-        pushed.instance, (0, 13 + t), grip="push", point=middle + Vector((0, 0, 0.004)), heading_deg=4.0
+        pushed.instance, (0, 13), grip="push", point=middle + Vector((0, 0, 0.004)), heading_deg=4.0
     )
-    hand.send_rolling(pushed, list(GREEN_ROLLS), (13 + t, 54 + t), let_go=27 + t)
+    hand.send_rolling(pushed, list(GREEN_ROLLS), (13, 54), let_go=27)
     stem = turned.instance.matrix(0) @ (turned.middle * 1.95)
-    hand.move_to((-0.24, 0.30, 0.0), (37 + t, 52 + t))
-    hand.approach(turned.instance, (50 + t, 66 + t), grip="pinch", point=stem)
-    hand.twist(turned, 75.0, (67 + t, 88 + t))
+    hand.move_to((-0.24, 0.30, 0.0), (37, 52))
+    hand.approach(turned.instance, (50, 66), grip="pinch", point=stem)
+    hand.twist(turned, 75.0, (67, 88))
     hand.finish()
 
 
-def _left_hand(scene: Scene, choices: Choices, apples: dict[str, Round]) -> None:
+def _left_hand(scene: Scene, apples: dict[str, Round]) -> None:
     """Lays an apple from the bowl down on its side; let go, it rolls; the one beside it in the bowl rocks."""
     hand = _hand(scene, "hand_left", 1007, "l", HAND_LEFT)
     taken = apples["apple_from_bowl"]
-    t = choices.later
     lying = taken.instance.matrix(0)
-    hand.approach(taken.instance, (2, 18 + t), grip="crown", point=lying @ taken.middle)
-    hand.lift((18 + t, 32 + t), height_m=0.13)
+    hand.approach(taken.instance, (2, 18), grip="crown", point=lying @ taken.middle)
+    hand.lift((18, 32), height_m=0.13)
     shift = Vector((*LAID_DOWN, taken.radius_m)) - lying @ taken.middle
-    hand.lay_down(Matrix.Translation(shift) @ lying, (32 + t, 56 + t))
-    hand.release((56 + t, 66 + t))
-    roll(taken, list(RED_ROLLS), (62 + t, 91 + t), free=72 + t)
-    hand.withdraw((66 + t, 84 + t))
+    hand.lay_down(Matrix.Translation(shift) @ lying, (32, 56))
+    hand.release((56, 66))
+    roll(taken, list(RED_ROLLS), (62, 91), free=72)
+    hand.withdraw((66, 84))
     hand.finish()
-    rock(apples["apple_left_in_bowl"], Vector((0.9, 0.35, 0.0)), (22 + t, 62 + t), swing_deg=13.0)
+    rock(apples["apple_left_in_bowl"], Vector((0.9, 0.35, 0.0)), (22, 62), swing_deg=13.0)
 
 
 def _hand(

@@ -76,18 +76,6 @@ RED: Look = (
     cup.Look(profile=cup.STRAIGHT, glaze=(0.46, 0.045, 0.035), pattern="dipped"),
     {"colour": "red", "pattern": "two_tone", "content": "empty"},
 )
-OCHRE: Look = (
-    cup.Look(profile=cup.STRAIGHT, glaze=(0.50, 0.30, 0.06), pattern="speckled", liquid=cup.COFFEE),
-    {"colour": "yellow", "pattern": "speckled", "content": "coffee"},
-)
-GREEN: Look = (
-    cup.Look(glaze=(0.10, 0.24, 0.17), pattern="dipped", liquid=cup.TEA),
-    {"colour": "green", "pattern": "two_tone", "content": "tea"},
-)
-STRIPED: Look = (
-    cup.Look(profile=cup.STRAIGHT, pattern="stripes", accent=(0.50, 0.08, 0.04)),
-    {"colour": "white", "pattern": "striped", "content": "empty"},
-)
 
 
 def build(scene: Scene) -> None:
@@ -203,8 +191,8 @@ def _landmarks(scene: Scene, loose: Loose) -> None:
 
 
 def _cups(scene: Scene, loose: Loose) -> dict[str, Instance]:
-    """Four cups at four places; which look stands where is the variant's choice."""
-    looks = _looks(scene)
+    """Four cups at four places; two of them are twins."""
+    looks = (TWIN, TWIN, BLUE, RED)
     spots = (
         (1, "cup_on_book", CUP_ON_BOOK),
         (2, "cup_by_keyboard", CUP_BY_KEYBOARD),
@@ -217,22 +205,10 @@ def _cups(scene: Scene, loose: Loose) -> dict[str, Instance]:
     return cups
 
 
-def _looks(scene: Scene) -> list[Look]:
-    """The benchmark's own order, or for other variants two twins and two others in any order."""
-    if scene.variant == 0:
-        return [TWIN, TWIN, BLUE, RED]
-    rng = scene.rng("looks")
-    twin, *others = rng.sample([TWIN, BLUE, RED, OCHRE, GREEN, STRIPED], 3)
-    looks = [twin, twin, *others]
-    rng.shuffle(looks)
-    return looks
-
-
 def _mice(scene: Scene, loose: Loose) -> dict[str, Instance]:
     """Two mice of one make."""
-    colour = "black" if scene.variant == 0 else scene.rng("mice").choice(list(computer_mouse.SHELLS))
-    shell = computer_mouse.SHELLS[colour]
-    attributes = {"colour": colour}
+    shell = computer_mouse.SHELLS["black"]
+    attributes = {"colour": "black"}
     return {
         "mouse_on_mat": scene.add(
             5, "computer_mouse", "mouse_on_mat", *loose(MOUSE_ON_MAT, 0.5), attributes=attributes, shell=shell

@@ -11,8 +11,6 @@ Axes: the desk top is z = 0; the writer sits at +Y and faces -Y, so the right ha
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees
 
 import bpy
@@ -61,46 +59,26 @@ BARRELS = {
     "green": (0.04, 0.22, 0.09),
     "red": (0.46, 0.035, 0.035),
 }
-COVERS = {"green": (0.06, 0.15, 0.13), "red": (0.36, 0.07, 0.05), "ochre": (0.46, 0.27, 0.06)}
+COVERS = {"green": (0.06, 0.15, 0.13), "red": (0.36, 0.07, 0.05)}
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "blue"
-    other: str = "orange"
-    covers: tuple[str, str] = ("green", "red")
-    push: tuple[int, int] = (15, 30)
-    writing: tuple[int, int] = (32, 70)
-    sun_azimuth_deg: float = 196.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    twins, other = rng.sample(list(BARRELS), 2)
-    covers = rng.sample(list(COVERS), 2)
-    first, late = rng.randint(14, 17), rng.randint(31, 34)
-    return Choices(
-        twins=twins,
-        other=other,
-        covers=(covers[0], covers[1]),
-        push=(first, first + 15),
-        writing=(late, late + rng.randint(34, 36)),
-        sun_azimuth_deg=rng.uniform(188.0, 204.0),
-    )
+TWINS = "blue"
+OTHER = "orange"
+PUSH = (15, 30)
+WRITING = (32, 70)
+SUN_AZIMUTH_DEG = 196.0
 
 
 def build(scene: Scene) -> None:
     """The whole scene; the story happens in `_right_hand` and `_left_hand`."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _office(scene)
     _clutter(scene)
-    _light(scene, choices)
+    _light(scene)
     _landmarks(scene)
-    notebooks, words = _notebooks(scene, choices)
-    pens = _pens(scene, choices, notebooks)
-    _right_hand(scene, choices, pens["pen_writing"], notebooks["notebook_open"], words)
-    _left_hand(scene, choices, pens)
+    notebooks, words = _notebooks(scene)
+    pens = _pens(scene, notebooks)
+    _right_hand(scene, pens["pen_writing"], notebooks["notebook_open"], words)
+    _left_hand(scene, pens)
     scene.cameras(
         (-0.012, -0.025, 0.012),
         radius_m=0.64,
@@ -157,7 +135,7 @@ def _clutter(scene: Scene) -> None:
     scene.put("plant_pot", "plant", (0.560, 0.285), rng=rng)
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Cool daylight through the blind at the right hand's side."""
     scene.hdri("studio", 0.55, rotation_deg=degrees(1.2))
     scene.area_light(
@@ -169,11 +147,7 @@ def _light(scene: Scene, choices: Choices) -> None:
         colour=(0.84, 0.92, 1.0),
     )
     scene.sun(
-        elevation_deg=30,
-        azimuth_deg=choices.sun_azimuth_deg,
-        strength=1.4,
-        angle_deg=2.0,
-        colour=(1.0, 0.92, 0.80),
+        elevation_deg=30, azimuth_deg=SUN_AZIMUTH_DEG, strength=1.4, angle_deg=2.0, colour=(1.0, 0.92, 0.80)
     )
 
 
@@ -190,9 +164,8 @@ def _landmarks(scene: Scene) -> None:
         scene.instance(name, id_, name, obj)
 
 
-def _notebooks(scene: Scene, choices: Choices) -> tuple[dict[str, Instance], list[bpy.types.Object]]:
+def _notebooks(scene: Scene) -> tuple[dict[str, Instance], list[bpy.types.Object]]:
     """One open, one shut; and the words that will be written."""
-    covers = choices.covers
     rng = scene.rng("notebook_open")
     opened = scene.put(
         "notebook.open_notebook",
@@ -200,7 +173,7 @@ def _notebooks(scene: Scene, choices: Choices) -> tuple[dict[str, Instance], lis
         *OPEN,
         on=PAD_M,
         rng=rng,
-        look=notebook.Look(cover=COVERS[covers[0]]),
+        look=notebook.Look(cover=COVERS["green"]),
     )
     words, x = [], LINE[0][0]
     for k, length in enumerate(WORDS_M):
@@ -208,8 +181,8 @@ def _notebooks(scene: Scene, choices: Choices) -> tuple[dict[str, Instance], lis
         z = notebook.page_z(x) + 0.0003
         words.append(scene.place(word, (x, LINE[0][1], z), on=opened))
         x += length + 0.005
-    plain = {"colour": covers[0], "pattern": "plain", "state": "open"}
-    dotted = {"colour": covers[1], "pattern": "dotted", "state": "shut"}
+    plain = {"colour": "green", "pattern": "plain", "state": "open"}
+    dotted = {"colour": "red", "pattern": "dotted", "state": "shut"}
     return {
         "notebook_open": scene.instance("notebook_open", 4, "notebook", [opened, *words], attributes=plain),
         "notebook_shut": scene.add(
@@ -219,19 +192,19 @@ def _notebooks(scene: Scene, choices: Choices) -> tuple[dict[str, Instance], lis
             *SHUT,
             attributes=dotted,
             on=PAD_M,
-            look=notebook.Look(cover=COVERS[covers[1]], dotted=True),
+            look=notebook.Look(cover=COVERS["red"], dotted=True),
         ),
     }, words
 
 
-def _pens(scene: Scene, choices: Choices, notebooks: dict[str, Instance]) -> dict[str, Instance]:
+def _pens(scene: Scene, notebooks: dict[str, Instance]) -> dict[str, Instance]:
     """Two twins and a banded one; two of the three lie on notebooks."""
     page = notebooks["notebook_open"].matrix(0) @ pose((0.0, 0.0, notebook.page_z(0.08)))
     cover = notebooks["notebook_shut"].matrix(0) @ pose((0.0, 0.0, notebook.SHUT_M))
     spots = {
-        "pen_writing": (page, WRITER_AT, choices.twins, 0),
-        "pen_on_pad": (PAD_M, ROLLS_ON_PAD, choices.twins, 0),
-        "pen_on_cover": (cover, ROLLS_ON_COVER, choices.other, 3),
+        "pen_writing": (page, WRITER_AT, TWINS, 0),
+        "pen_on_pad": (PAD_M, ROLLS_ON_PAD, TWINS, 0),
+        "pen_on_cover": (cover, ROLLS_ON_COVER, OTHER, 3),
     }
     pens = {}
     for id_, (name, (level, spot, barrel, bands)) in enumerate(spots.items(), 1):
@@ -248,12 +221,10 @@ def _pens(scene: Scene, choices: Choices, notebooks: dict[str, Instance]) -> dic
     return pens
 
 
-def _right_hand(
-    scene: Scene, choices: Choices, pen: Instance, page: Instance, words: list[bpy.types.Object]
-) -> None:
+def _right_hand(scene: Scene, pen: Instance, page: Instance, words: list[bpy.types.Object]) -> None:
     """Takes the pen that lies on the page, writes a line, lays it down and withdraws."""
     hand = _hand(scene, "hand_right", 1006, "r")
-    first, last = choices.writing
+    first, last = WRITING
     grip = pen.matrix(0) @ (writing.TIP + Vector((writing.GRIP_M, 0.0, 0.0)))
     hand.approach(pen, (2, first - 14), grip="pinch", heading_deg=8, point=grip)
     z = notebook.page_z(LINE[0][0]) + 0.0004
@@ -272,10 +243,10 @@ def _right_hand(
     hand.finish()
 
 
-def _left_hand(scene: Scene, choices: Choices, pens: dict[str, Instance]) -> None:
+def _left_hand(scene: Scene, pens: dict[str, Instance]) -> None:
     """Pushes the pen on the cover, then the one on the pad."""
     hand = _hand(scene, "hand_left", 1007, "l")
-    first, last = choices.push
+    first, last = PUSH
     _push(hand, pens["pen_on_cover"], (first - 13, first), (first, last), last + 14, 0.050)
     hand.release((last, last + 7))
     _push(hand, pens["pen_on_pad"], (last + 7, last + 24), (last + 24, last + 40), last + 62, 0.118)

@@ -12,9 +12,6 @@ Axes: the table top is z = 0; the host is at -X and faces +X, the guest at +Y fa
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
-
 import bpy
 from mathutils import Vector
 
@@ -63,12 +60,6 @@ BANDED = (
     {"colour": "white", "pattern": "banded", "shape": "wide"},
 )
 STRIPED = (cup.Look(pattern="stripes"), {"colour": "white", "pattern": "striped", "shape": "tall"})
-SPECKLED = (cup.Look(pattern="speckled"), {"colour": "white", "pattern": "speckled", "shape": "tall"})
-WIDE_STRIPED = (
-    cup.Look(profile=cup.BOWL, pattern="stripes", accent=(0.42, 0.08, 0.04)),
-    {"colour": "white", "pattern": "striped", "shape": "wide"},
-)
-TALL_DIPPED = (cup.Look(pattern="dipped"), {"colour": "white", "pattern": "two_tone", "shape": "tall"})
 
 ROUND_POT = (
     teapot.Look(knob="wood"),
@@ -80,55 +71,29 @@ TALL_POT = (
 )
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants: looks, which pot pours first, when, and the light."""
-
-    twin: tuple[cup.Look, dict[str, str]] = BANDED
-    other: tuple[cup.Look, dict[str, str]] = STRIPED
-    first_pot: tuple[teapot.Look, dict[str, str]] = ROUND_POT
-    second_pot: tuple[teapot.Look, dict[str, str]] = TALL_POT
-    later: int = 0
-    sun_azimuth_deg: float = -150.0
-    cloth: tuple[float, float, float] = (0.30, 0.36, 0.24)
-
-
-def _draw(rng: random.Random) -> Choices:
-    twin, other = rng.choice(
-        [(BANDED, STRIPED), (WIDE_STRIPED, SPECKLED), (BANDED, TALL_DIPPED), (WIDE_STRIPED, TALL_DIPPED)]
-    )
-    pots = [ROUND_POT, TALL_POT]
-    rng.shuffle(pots)
-    return Choices(
-        twin,
-        other,
-        *pots,
-        later=rng.randint(-2, 2),
-        sun_azimuth_deg=rng.uniform(-165.0, -120.0),
-        cloth=rng.choice([(0.30, 0.36, 0.24), (0.16, 0.24, 0.40), (0.45, 0.13, 0.10)]),
-    )
+SUN_AZIMUTH_DEG = -150.0
+CLOTH = (0.30, 0.36, 0.24)
 
 
 def build(scene: Scene) -> None:
     """Lays the table in the garden; the story happens in `_host` and `_guest`."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     scene.make("garden", "garden", floor_m=FLOOR_M)
-    _seats(scene, choices)
-    _light(scene, choices)
+    _seats(scene)
+    _light(scene)
 
     loose = Loose(scene.rng("layout"), 0.005, 5.0)
     _landmarks(scene, loose)
-    cups = _cups(scene, choices, loose)
-    pots = _pots(scene, choices, loose)
-    _host(scene, choices, cups, pots["pot_on_trivet"])
-    _guest(scene, choices, cups["cup_tall"], pots["pot_behind_tray"])
+    cups = _cups(scene, loose)
+    pots = _pots(scene, loose)
+    _host(scene, cups, pots["pot_on_trivet"])
+    _guest(scene, cups["cup_tall"], pots["pot_behind_tray"])
 
     scene.cameras(
         (0.0, -0.02, 0.05), radius_m=0.88, heights_m=(0.42, 0.58), arc_deg=132, facing_deg=-46, fov_deg=48
     )
 
 
-def _seats(scene: Scene, choices: Choices) -> None:
+def _seats(scene: Scene) -> None:
     """Table, cloth, chairs, and the two who sit there."""
     rng = scene.rng("seats")
     table = scene.make("dining_table", "table", rng, size_m=TABLE_M, under_cloth=True)
@@ -136,7 +101,7 @@ def _seats(scene: Scene, choices: Choices) -> None:
         "dining_table.tablecloth",
         "cloth",
         rng,
-        material=tableware.gingham("gingham", choices.cloth, rng, check_m=0.032),
+        material=tableware.gingham("gingham", CLOTH, rng, check_m=0.032),
         table_m=TABLE_M,
     )
     scene.place(table, TABLE)
@@ -161,15 +126,11 @@ def _seats(scene: Scene, choices: Choices) -> None:
     scene.place(spare, (0.47, 0.07))
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """Late morning: sun through haze, open sky."""
-    scene.sky(sun_elevation_deg=32.0, sun_azimuth_deg=choices.sun_azimuth_deg, strength=0.20)
+    scene.sky(sun_elevation_deg=32.0, sun_azimuth_deg=SUN_AZIMUTH_DEG, strength=0.20)
     scene.sun(
-        elevation_deg=50.0,
-        azimuth_deg=choices.sun_azimuth_deg,
-        strength=3.6,
-        angle_deg=3.0,
-        colour=(1.0, 0.87, 0.68),
+        elevation_deg=50.0, azimuth_deg=SUN_AZIMUTH_DEG, strength=3.6, angle_deg=3.0, colour=(1.0, 0.87, 0.68)
     )
 
 
@@ -188,14 +149,14 @@ def _landmarks(scene: Scene, loose: Loose) -> None:
         scene.instance(name, id_, category, obj)
 
 
-def _cups(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
+def _cups(scene: Scene, loose: Loose) -> dict[str, Instance]:
     """Two twins and another, each with some tea in it."""
     scene.put("saucer", "saucer", *loose((CUP_BY_HOST[0], 0.0), 0.0))
     cups = {}
     for id_, name, (look, attributes), spot, height_m in (
-        (1, "cup_by_host", choices.twin, CUP_BY_HOST, saucer.SAUCER_WELL_M),
-        (2, "cup_stirred", choices.twin, CUP_STIRRED, tray.TRAY_M),
-        (3, "cup_tall", choices.other, CUP_TALL, tray.TRAY_M),
+        (1, "cup_by_host", BANDED, CUP_BY_HOST, saucer.SAUCER_WELL_M),
+        (2, "cup_stirred", BANDED, CUP_STIRRED, tray.TRAY_M),
+        (3, "cup_tall", STRIPED, CUP_TALL, tray.TRAY_M),
     ):
         body = scene.put("cup", name, *loose(spot, 0.4), on=height_m, look=look)
         drink = tea.surface(f"{name}.tea", TEA)
@@ -204,12 +165,12 @@ def _cups(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
     return cups
 
 
-def _pots(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
+def _pots(scene: Scene, loose: Loose) -> dict[str, Instance]:
     """The pot that pours first stands on the trivet, the other behind the tray."""
     pots = {}
     for id_, name, (look, attributes), spot, height_m in (
-        (4, "pot_on_trivet", choices.first_pot, POT_ON_TRIVET, tray.TRIVET_M),
-        (5, "pot_behind_tray", choices.second_pot, POT_BEHIND_TRAY, 0.0),
+        (4, "pot_on_trivet", ROUND_POT, POT_ON_TRIVET, tray.TRIVET_M),
+        (5, "pot_behind_tray", TALL_POT, POT_BEHIND_TRAY, 0.0),
     ):
         pots[name] = scene.add(
             id_, "teapot", name, *loose(spot, 0.5), attributes=attributes, on=height_m, look=look
@@ -217,47 +178,37 @@ def _pots(scene: Scene, choices: Choices, loose: Loose) -> dict[str, Instance]:
     return pots
 
 
-def _host(scene: Scene, choices: Choices, cups: dict[str, Instance], pot: Instance) -> None:
+def _host(scene: Scene, cups: dict[str, Instance], pot: Instance) -> None:
     """The right hand pours into the cup in front of the host and puts the pot back; the left hand stirs."""
     look = HandLook(skin="fair", sleeve=Cloth("brown"), cuff="brown", scale=0.90)
     right = _hand(scene, "host_right", 1006, "r", look, HOST_RIGHT, CARDIGAN)
     stand = pot.matrix(0).translation.copy()
-    t = choices.later
-    _serve(
-        right,
-        choices.first_pot[0],
-        pot,
-        cups["cup_by_host"],
-        choices.twin[0],
-        (2, 14 + t, 29 + t, 60 + t),
-        90.0,
-    )
-    right.put_down(stand, (61 + t, 80 + t))
-    right.release((80 + t, 90 + t))
+    _serve(right, ROUND_POT[0], pot, cups["cup_by_host"], BANDED[0], (2, 14, 29, 60), 90.0)
+    right.put_down(stand, (61, 80))
+    right.release((80, 90))
     right.finish()
 
     left = _hand(scene, "host_left", 1007, "l", look, HOST_LEFT, CARDIGAN)
     stirred = cups["cup_stirred"]
     foot = stirred.matrix(0).translation + Vector((0, 0, cup.BOTTOM_M + 0.003))
-    lip_r, lip_z = choices.twin[0].profile[-1]
+    lip_r, lip_z = BANDED[0].profile[-1]
     inside = lip_r - cup.WALL_M, lip_z - cup.BOTTOM_M
     way = Stirring(foot, inside, Vector((-1.0, 0.35, 0.0)), SPOON.tip)
     body = scene.make("spoon", "spoon", look=SPOON)
     body.matrix_basis = way.at(0.0)
     held = scene.instance("spoon", 1010, "spoon", body)
     left.hold_from_start(held, grip="pinch", point=body.matrix_basis @ (SPOON.tip.lerp(SPOON.end, 0.82)))
-    left.stir(stirred, way, (6, 58 + t), rounds=2.0)
-    left.release((62 + t, 72 + t))
-    left.withdraw((72 + t, 90 + t))
+    left.stir(stirred, way, (6, 58), rounds=2.0)
+    left.release((62, 72))
+    left.withdraw((72, 90))
     left.finish()
 
 
-def _guest(scene: Scene, choices: Choices, filled: Instance, pot: Instance) -> None:
+def _guest(scene: Scene, filled: Instance, pot: Instance) -> None:
     """The guest's right hand fills the cup on the tray; the left one rests."""
     look = HandLook(skin="brown", sleeve=Cloth("green"), cuff="green", scale=0.90)
-    t = choices.later
     right = _hand(scene, "guest_right", 1008, "r", look, GUEST_RIGHT, SHIRT)
-    _serve(right, choices.second_pot[0], pot, filled, choices.other[0], (26 + t, 40 + t, 55 + t, 90 + t), 0.0)
+    _serve(right, TALL_POT[0], pot, filled, STRIPED[0], (26, 40, 55, 90), 0.0)
     right.finish()
     _hand(scene, "guest_left", 1009, "l", look, GUEST_LEFT, SHIRT).finish()
 

@@ -11,8 +11,6 @@ Axes: the table top is z = 0; the tinkerer sits at -X and faces +X, so the right
 
 from __future__ import annotations
 
-import random
-from dataclasses import dataclass
 from math import degrees
 
 from mathutils import Vector
@@ -57,40 +55,21 @@ PAINTS = {
 }
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What differs between variants; the story stays the same."""
-
-    twins: str = "red"
-    large: str = "teal"
-    chests: tuple[str, str] = ("dial", "gears")
-    walk: tuple[int, int] = (4, 44)
-    turn_deg: float = 150.0
-    lamp_w: float = 6.0
-
-
-def _draw(rng: random.Random) -> Choices:
-    twins, large = rng.sample(list(PAINTS), 2)
-    chests = rng.sample(toy_robot.CHESTS, 2)
-    first = rng.randint(2, 6)
-    return Choices(
-        twins=twins,
-        large=large,
-        chests=(chests[0], chests[1]),
-        walk=(first, first + 40),
-        turn_deg=rng.choice((-1, 1)) * rng.uniform(120.0, 170.0),
-        lamp_w=rng.uniform(5.0, 7.5),
-    )
+TWINS = "red"
+LARGE = "teal"
+CHESTS = ("dial", "gears")
+WALK = (4, 44)
+TURN_DEG = 150.0
+LAMP_W = 6.0
 
 
 def build(scene: Scene) -> None:
     """The whole scene; who does what is in `_robots`, `_right_hand` and `_left_hand`."""
-    choices = Choices() if scene.variant == 0 else _draw(scene.rng("choices"))
     _attic(scene)
     _clutter(scene)
-    _light(scene, choices)
+    _light(scene)
     _landmarks(scene)
-    robots = _robots(scene, choices)
+    robots = _robots(scene)
     tops = _tops(scene)
     _right_hand(scene, robots["robot_released"])
     _left_hand(scene, robots["robot_on_box"], tops["top_wooden"])
@@ -137,7 +116,7 @@ def _clutter(scene: Scene) -> None:
     scene.put("workshop_clutter.spool", "spool_red", (-0.06, -0.405), rng=rng, thread=(0.34, 0.05, 0.03))
 
 
-def _light(scene: Scene, choices: Choices) -> None:
+def _light(scene: Scene) -> None:
     """A warm desk lamp against the last blue light of the window."""
     scene.hdri("interior", 0.16, rotation_deg=degrees(2.4))
     scene.area_light(
@@ -152,11 +131,7 @@ def _light(scene: Scene, choices: Choices) -> None:
         colour=(1.0, 0.80, 0.56),
     )
     scene.point_light(
-        "lamp_light",
-        pose(*LAMP) @ desk_lamp.LIGHT,
-        power_w=choices.lamp_w,
-        radius_m=0.03,
-        colour=(1.0, 0.68, 0.36),
+        "lamp_light", pose(*LAMP) @ desk_lamp.LIGHT, power_w=LAMP_W, radius_m=0.03, colour=(1.0, 0.68, 0.36)
     )
 
 
@@ -191,12 +166,12 @@ def _landmarks(scene: Scene) -> None:
     )
 
 
-def _robots(scene: Scene, choices: Choices) -> dict[str, Instance]:
+def _robots(scene: Scene) -> dict[str, Instance]:
     """Two twins on the mat and a larger one on the box; they walk and turn by themselves."""
     spots = {
-        "robot_walker": (WALKER, MAT_M, choices.twins, choices.chests[0], "small"),
-        "robot_released": (RELEASED, MAT_M, choices.twins, choices.chests[0], "small"),
-        "robot_on_box": (TURNER, MAT_M + BOX_SIZE_M[2], choices.large, choices.chests[1], "large"),
+        "robot_walker": (WALKER, MAT_M, TWINS, CHESTS[0], "small"),
+        "robot_released": (RELEASED, MAT_M, TWINS, CHESTS[0], "small"),
+        "robot_on_box": (TURNER, MAT_M + BOX_SIZE_M[2], LARGE, CHESTS[1], "large"),
     }
     robots, movers = {}, {}
     for id_, (name, ((at, heading_deg), z, paint, chest, size)) in enumerate(spots.items(), 1):
@@ -205,11 +180,11 @@ def _robots(scene: Scene, choices: Choices) -> dict[str, Instance]:
         attributes = {"colour": paint, "chest": chest, "size": size}
         robots[name] = scene.instance(name, id_, "robot", robot, attributes=attributes, front="-y")
         movers[name] = WindUpRobot(robots[name], robot, pose((*at, z), heading_deg))
-    walk = choices.walk
+    walk = WALK
     movers["robot_walker"].walk(walk)
     movers["robot_walker"].turn((walk[1] + 8, walk[1] + 48), -130.0)
     movers["robot_released"].walk((54, 94), step_m=0.026, turn_deg=36.0)
-    movers["robot_on_box"].turn((43, 91), choices.turn_deg)
+    movers["robot_on_box"].turn((43, 91), TURN_DEG)
     for mover in movers.values():
         mover.finish()
     return robots

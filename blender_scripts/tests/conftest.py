@@ -41,7 +41,6 @@ def write_job(
     job = {
         "schema": "l4d/render-job/1",
         "scene": "toy_yard",
-        "variant": 0,
         "seed": 0,
         "profile": "tiny",
         "width": WIDTH,

@@ -24,7 +24,7 @@ TALL_M = {"lawn": 1.8, "road": 1.5, "water": 0.4}
 
 def furnished(place, seed: int) -> Stage:
     spec = Spec(f"outdoor_{seed}", "outdoor", seed)
-    stage = Stage(Scene(spec.scene, "outdoor", 0, seed), spec)
+    stage = Stage(Scene(spec.scene, "outdoor", seed), spec)
     place.furnish(stage)
     bpy.context.view_layer.update()
     return stage

@@ -106,7 +106,7 @@ def test_those_who_hand_over_face_each_other() -> None:
 
 def planned(theme: str, monkeypatch, draw: int = 0) -> tuple[Stage, list[Role], list[Item]]:
     """A theme's plan on a bare floor with two chairs and a plant, without bodies."""
-    scene = Scene("room_5", "room", 0, 5)
+    scene = Scene("room_5", "room", 5)
     stage = Stage(scene, Spec("room_5", "room", 5, draw))
     scene.cameras((0, 0.2, 0.7), radius_m=4.2, heights_m=(1.6, 2.0), arc_deg=120, facing_deg=-90, fov_deg=54)
     floor = stage.add_area(Area.rectangle("floor", (0.0, 0.2), (3.8, 3.0)))

@@ -20,7 +20,7 @@ from l4d_blender.scene import Scene
 
 def _stage() -> Stage:
     spec = Spec("room_77", "room", 77, 3)
-    stage = Stage(Scene(spec.scene, spec.scale, 0, spec.seed), spec)
+    stage = Stage(Scene(spec.scene, spec.scale, spec.seed), spec)
     stage.add_area(Area.rectangle("floor", (0.0, 0.0), (2.0, 2.0)))
     stage.area("floor").take((0.5, 0.5), 0.2, owner="lamp")
     stage.scene.cameras(

@@ -21,7 +21,7 @@ ROOMS = [place for place in shipped_places() if place.scale == "room"]
 def furnished(place, seed: int) -> Stage:
     for draw in range(4):
         spec = Spec(f"room_{seed}", "room", seed, draw)
-        stage = Stage(Scene(spec.scene, "room", 0, seed), spec)
+        stage = Stage(Scene(spec.scene, "room", seed), spec)
         try:
             place.furnish(stage)
         except Rejected:

@@ -23,7 +23,7 @@ THEMES = ("things_moved", "things_slid", "things_rolled")
 def _furnished(place: str, seed: int) -> Stage:
     for draw in range(6):
         spec = Spec(f"tabletop_{seed}", "tabletop", seed, draw, place)
-        stage = Stage(Scene(spec.scene, spec.scale, 0, spec.seed), spec)
+        stage = Stage(Scene(spec.scene, spec.scale, spec.seed), spec)
         try:
             places()[place].furnish(stage)
         except Exception as error:  # NoRoom, Rejected

@@ -116,10 +116,10 @@ def test_cameras_look_at_the_target_with_x_right_y_down_z_forward(tracks):
         assert abs(y / z) < 0.1
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_variant_another_scene(planned, tmp_path):
-    for variant in ("0", "1"):
-        out = str(tmp_path / variant)
-        options = ("--scene", "toy_yard", "--recipes", str(TOY), "--out", out, "--variant", variant)
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_scene(planned, tmp_path):
+    for seed in ("0", "1"):
+        out = str(tmp_path / seed)
+        options = ("--scene", "toy_yard", "--recipes", str(TOY), "--out", out, "--seed", seed)
         assert start_worker("plan", *options).returncode == 0
     for name in ("tracks.json", "plan.json", "scene.usdc"):
         assert (tmp_path / "0" / name).read_bytes() == (planned / name).read_bytes(), name

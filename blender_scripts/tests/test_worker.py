@@ -71,7 +71,7 @@ def test_a_rule_broken_by_a_recipe_has_file_line_and_hint(tmp_path):
     [
         ({"schema": "l4d/render-job/9"}, "schema"),
         ({"width": "wide"}, "wide"),
-        ({"variant": 3}, "made for"),
+        ({"seed": 3}, "made for"),
         ({"images": [{"view": "cam99", "frame": 0}]}, "cam99"),
         ({"images": [{"view": "cam01", "frame": 97}]}, "frame 97"),
         ({"scene": "nowhere"}, "nowhere"),

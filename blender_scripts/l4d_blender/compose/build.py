@@ -39,7 +39,7 @@ def _furnished(spec: Spec, place: Place) -> Stage:
     """An empty scene with the place in it; one without room for all of its landmarks is furnished anew."""
     plan = 0
     while True:
-        stage = Stage(Scene(spec.scene, spec.scale, 0, spec.seed), spec, plan)
+        stage = Stage(Scene(spec.scene, spec.scale, spec.seed), spec, plan)
         try:
             place.furnish(stage)
             return stage

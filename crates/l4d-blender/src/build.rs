@@ -6,21 +6,21 @@ use l4d_data::layout::BenchDir;
 use l4d_data::parallel::in_parallel;
 use l4d_data::store::sweep;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{Draw, Name, Progress, Report, Shard, Workspace};
+use l4d_data::{Name, Progress, Report, Shard, Workspace};
 
 use crate::Result;
 use crate::env::BlenderEnv;
 use crate::plan::{Recipe, plan};
 use crate::render::{PlannedScene, render};
-use crate::settle::{commit, settle};
+use crate::settle::{commit, commit_truth, settle};
 
 /// What is to be built.
 #[derive(Debug)]
 pub struct Order<'a> {
     /// Recipes.
     pub scenes: &'a [Name],
-    /// Which permutation and seed of them.
-    pub draw: Draw,
+    /// Of those in Python.
+    pub seed: u64,
     /// Profile and folders.
     pub space: &'a Workspace,
     /// Receives tracks and truth; its compositions come before recipes in Python.
@@ -64,7 +64,7 @@ pub fn build(
 ) -> Result<Built> {
     let profile = order.space.profile();
     // Some scenes at once: a plan is mostly one thread's work.
-    let recipe = |name| Recipe::of(order.bench, name, order.draw);
+    let recipe = |name| Recipe::of(order.bench, name, order.seed);
     let recipes: Vec<Recipe> = order.scenes.iter().map(recipe).collect::<Result<_>>()?;
     let plans = in_parallel(&recipes, order.jobs, |recipe| {
         progress.note(&format_args!("planning {}", recipe.scene));
@@ -93,7 +93,12 @@ pub fn build(
     for scene in &planned {
         sweep(scene.dir.root())?;
         let truth = settle(scene)?;
-        commit(&order.bench.truth(profile, &scene.recipe.scene), &truth, order.update_benchmark, report)?;
+        commit_truth(
+            &order.bench.truth(profile, &scene.recipe.scene),
+            &truth,
+            order.update_benchmark,
+            report,
+        )?;
         settled.push(scene.dir.root().to_owned());
     }
     Ok(Built { rendered, settled, unfinished: Vec::new() })

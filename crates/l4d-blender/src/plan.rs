@@ -10,7 +10,7 @@ use l4d_data::layout::{BenchDir, SceneDir};
 use l4d_data::store::{list_folder, make_folder};
 use l4d_data::tracks::Tracks;
 use l4d_data::workspace::SharedWork;
-use l4d_data::{At as _, DataError, Draw, Name, Progress, json};
+use l4d_data::{At as _, DataError, Name, Progress, json};
 use serde::Deserialize;
 
 use crate::Result;
@@ -21,7 +21,6 @@ use crate::worker::{self, WorkerEnd, WorkerEvent};
 #[derive(Debug, Deserialize)]
 struct PlanCard {
     scene: Name,
-    variant: u32,
     seed: u64,
     bpy: String,
     scripts: BTreeMap<String, String>,
@@ -35,25 +34,25 @@ struct PlanCard {
 pub struct Recipe {
     /// Which scene.
     pub scene: Name,
-    /// Variant and seed.
-    pub draw: Draw,
+    /// Of everything random.
+    pub seed: u64,
     /// The folder of its composition, and the composition's digest; none for a recipe in Python.
     composition: Option<(PathBuf, String)>,
 }
 
 impl Recipe {
-    /// The composition that a benchmark folder has for the scene, which fixes its own draw; otherwise the recipe in
-    /// Python with this draw.
+    /// The composition that a benchmark folder has for the scene, which fixes its own seed; otherwise the recipe in
+    /// Python with this seed.
     ///
     /// # Errors
     /// A composition that cannot be read.
-    pub fn of(bench: &BenchDir, scene: &Name, draw: Draw) -> Result<Self> {
+    pub fn of(bench: &BenchDir, scene: &Name, seed: u64) -> Result<Self> {
         let scene = scene.clone();
         Ok(match bench.read_composition(&scene)? {
-            None => Self { scene, draw, composition: None },
+            None => Self { scene, seed, composition: None },
             Some(composition) => {
                 let digest = sha256_file(&bench.composition(&scene))?;
-                Self { scene, draw: composition.draw(), composition: Some((bench.recipes(), digest)) }
+                Self { scene, seed: composition.seed, composition: Some((bench.recipes(), digest)) }
             }
         })
     }
@@ -94,12 +93,11 @@ pub fn plan(
         return Ok(plan);
     }
     make_folder(dir.root())?;
-    let Recipe { scene, draw, .. } = recipe;
+    let Recipe { scene, seed, .. } = recipe;
     let mut command = env.command();
     command.args(["plan", "--scene", scene]);
     recipe.folder().map(|folder| command.arg("--recipes").arg(folder));
-    command.args(["--variant", &draw.variant.to_string(), "--seed", &draw.seed.to_string(), "--out"]);
-    command.arg(dir.root());
+    command.args(["--seed", &seed.to_string(), "--out"]).arg(dir.root());
     let end = worker::run(command, &work.log("plan", scene), &mut |event| {
         if let WorkerEvent::Warning { message } = event {
             progress.warn(&format_args!("{scene}: {message}"));
@@ -116,13 +114,12 @@ pub fn plan(
 
 fn read_current(scripts: &Path, dir: &SceneDir, recipe: &Recipe) -> Option<Plan> {
     let card: PlanCard = json::read(&dir.plan()).ok()?;
-    let Recipe { scene, draw, .. } = recipe;
-    let same_draw = (&card.scene, card.variant, card.seed) == (scene, draw.variant, draw.seed)
+    let same_recipe = (&card.scene, card.seed) == (&recipe.scene, recipe.seed)
         && card.composition.as_deref() == recipe.digest();
     let unchanged = |(script, digest): (&String, &String)| {
         sha256_file(&scripts.join(script)).is_ok_and(|now| now == *digest)
     };
-    (same_draw && dir.usd().exists() && card.scripts.iter().all(unchanged)).then(|| read(dir).ok())?
+    (same_recipe && dir.usd().exists() && card.scripts.iter().all(unchanged)).then(|| read(dir).ok())?
 }
 
 fn read(dir: &SceneDir) -> Result<Plan> {

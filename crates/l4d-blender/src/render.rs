@@ -29,6 +29,7 @@ const LEAST_THREADS: usize = 2;
 #[serde(deny_unknown_fields)]
 pub(crate) struct RenderSettings {
     pub(crate) profile: Profile,
+    /// Always 0; there were others once.
     pub(crate) variant: u32,
     pub(crate) seed: u64,
     /// Of the colour pass, per pixel.
@@ -51,7 +52,6 @@ pub(crate) struct Image {
 struct Job<'a> {
     schema: &'a str,
     scene: &'a Name,
-    variant: u32,
     seed: u64,
     profile: Profile,
     width: u32,
@@ -87,8 +87,8 @@ impl PlannedScene {
     pub(crate) fn new(recipe: Recipe, dir: SceneDir, plan: Plan, profile: Profile, samples: u32) -> Self {
         let settings = RenderSettings {
             profile,
-            variant: recipe.draw.variant,
-            seed: recipe.draw.seed,
+            variant: 0,
+            seed: recipe.seed,
             samples,
             bpy: plan.bpy.clone(),
             scripts_sha256: plan.scripts_sha256.clone(),
@@ -244,7 +244,6 @@ impl Workers<'_> {
         let job = Job {
             schema: JOB_SCHEMA,
             scene: &scene.recipe.scene,
-            variant: scene.settings.variant,
             seed: scene.settings.seed,
             profile,
             width: profile.width(),

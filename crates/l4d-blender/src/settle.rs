@@ -99,3 +99,40 @@ pub(crate) fn commit<T: Serialize>(
         _ => Ok(write_atomic(path, text.as_bytes())?),
     }
 }
+
+/// The same for truth. One that another machine may have given stays as it is: results name its digest.
+pub(crate) fn commit_truth(path: &Path, truth: &Truth, update: bool, report: &mut Report) -> Result<()> {
+    if !update && Truth::read(path).is_ok_and(|standing| standing.agrees_with(truth)) {
+        return Ok(());
+    }
+    commit(path, truth, update, report)
+}
+
+#[cfg(test)]
+mod tests {
+    use l4d_testing::Dataset;
+
+    use super::*;
+
+    #[test]
+    fn truth_of_another_machine_stays_as_it_was_published() {
+        let dataset = Dataset::new();
+        let path = dataset.bench().truth(dataset.scene.profile, &dataset.scene.name);
+        let published = std::fs::read(&path).unwrap();
+        let build = |change: &dyn Fn(&mut Truth)| {
+            let mut truth = Truth::read(&path).unwrap();
+            change(&mut truth);
+            let mut report = Report::default();
+            commit_truth(&path, &truth, false, &mut report).unwrap();
+            assert_eq!(std::fs::read(&path).unwrap(), published);
+            report.len()
+        };
+        let count = |truth: &mut Truth, view: &str, pixels: u32| {
+            truth.visible.get_mut(view).unwrap().get_mut("ball_red").unwrap()[2] += pixels;
+        };
+        assert_eq!(build(&|truth| count(truth, "cam03", 1)), 0);
+        assert_eq!(build(&|truth| count(truth, "cam03", 5)), 1);
+        assert_eq!(build(&|truth| count(truth, "cam02", 1)), 1, "the held-out view");
+        assert_eq!(build(&|truth| drop(truth.instances[0].masks.remove("0048"))), 1);
+    }
+}

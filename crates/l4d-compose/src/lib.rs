@@ -11,6 +11,7 @@ mod choose;
 mod compose;
 mod enumerate;
 mod facts;
+mod ledger;
 mod parties;
 mod screen;
 mod sentence;

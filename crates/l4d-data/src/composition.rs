@@ -9,6 +9,8 @@ use crate::scene::Scale;
 
 /// Schema tag of a composition.
 pub const SCHEMA: &str = "l4d/composition/1";
+/// The largest seed: readers of JSON round larger numbers.
+pub const MOST_SEED: u64 = 1 << 53;
 
 /// A seed, and what is pinned instead of drawn from it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,9 +55,7 @@ impl Composition {
             verbs: Vec::new(),
         }
     }
-}
 
-impl Composition {
     /// The draw that its frames and tracks name.
     pub fn draw(&self) -> Draw {
         Draw { variant: 0, seed: self.seed }
@@ -71,6 +71,7 @@ impl Document for Composition {
     }
 
     fn problem(&self) -> Option<(String, String)> {
-        None
+        (self.seed > MOST_SEED)
+            .then(|| ("field `seed`".to_owned(), format!("is {}, but at most {MOST_SEED}", self.seed)))
     }
 }

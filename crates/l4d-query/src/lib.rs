@@ -11,7 +11,6 @@ mod obb;
 pub mod overlap;
 pub mod probes;
 pub mod prove;
-pub mod reground;
 pub mod relations;
 pub mod stats;
 pub mod summary;

@@ -7,19 +7,16 @@ use anyhow::Result;
 use l4d_blender::compose::{Rejection, Theme, reasons, themes};
 use l4d_blender::env::BlenderEnv;
 use l4d_compose::set::{Made, SetOrder, compose_set};
-use l4d_compose::wish;
+use l4d_compose::wish::{self, Ask, Secret};
+use l4d_data::Benchmark;
 use l4d_data::benchmark::SetSplit;
 use l4d_data::composition::Composition;
 use l4d_data::layout::BenchDir;
-use l4d_data::{Benchmark, Name, Scale};
 use l4d_query::prove::words;
 use serde_json::json;
 
 use crate::cli::scenes::ComposeArgs;
 use crate::out::{ExitStatus, Printer, refusal, table};
-
-/// Seeds below are those of the development set.
-const FIRST_TRAINING_SEED: u64 = 1000;
 
 pub(crate) fn run(args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
     let choice = args.python.choice();
@@ -27,66 +24,43 @@ pub(crate) fn run(args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
         let env = BlenderEnv::find_or_make(&choice, out)?;
         return list(&themes(&env, &choice.work)?, args, out);
     };
-    let wishes = wishes(args)?;
+    let secret = match (args.split, &args.secret) {
+        (SetSplit::Private, Some(path)) => Some(wish::read_secret(path)?),
+        (_, Some(_)) => return Err(refusal("--secret is for private sets", "add --split private")),
+        (_, None) => None,
+    };
+    let wishes = wishes(args, secret.as_ref())?;
     let avoid = match &args.avoid {
         Some(bench) => sentences(bench)?,
         None => BTreeSet::new(),
     };
-    let env = BlenderEnv::find_or_make(&choice, out)?;
+    let secret_digest = secret.as_ref().map(Secret::digest);
     let order = SetOrder {
         wishes: &wishes,
         out: &BenchDir::new(folder),
         split: args.split,
+        secret_digest: secret_digest.as_deref(),
+        force: args.force,
         draws: args.draws,
         avoid: &avoid,
         work: &choice.work,
         jobs: args.jobs,
     };
-    let made = compose_set(&env, &order, out)?;
+    let made = compose_set(&order, || BlenderEnv::find_or_make(&choice, out), out)?;
     print(&made, args, out)
 }
 
-/// What is asked for: the seeds, or the files of `--spec`.
-fn wishes(args: &ComposeArgs) -> Result<Vec<Composition>> {
-    let secret = args.secret.as_deref().map(wish::read_secret).transpose()?;
-    match (args.split, &secret) {
-        (SetSplit::Private, None) => {
-            return Err(refusal(
-                "a private set needs a secret: its scenes are a function of it",
-                "write 16 or more random bytes into a file (head -c 32 /dev/urandom > FILE) and name it with --secret",
-            ));
-        }
-        (SetSplit::Train | SetSplit::Dev, Some(_)) => {
-            return Err(refusal("--secret is for private sets", "add --split private"));
-        }
-        (SetSplit::Train, None) if args.seed < FIRST_TRAINING_SEED => {
-            return Err(refusal(
-                format!("seed {} belongs to the development set", args.seed),
-                format!("training seeds begin with {FIRST_TRAINING_SEED}"),
-            ));
-        }
-        (SetSplit::Dev, None) if args.seed + u64::from(args.count) > FIRST_TRAINING_SEED => {
-            return Err(refusal(
-                format!("seeds from {FIRST_TRAINING_SEED} on belong to training"),
-                "a development set has lower ones",
-            ));
-        }
-        _ => {}
-    }
-    let mut wishes = Vec::new();
-    for path in &args.spec {
-        wishes.push(wish::read(path, args.seed)?);
-    }
-    if args.spec.is_empty() {
-        for place in args.seed..args.seed.saturating_add(args.count.into()) {
-            let scale = args.scale.unwrap_or(Scale::ALL[(place % 3) as usize]);
-            let (name, seed) = match &secret {
-                Some(secret) => (format!("{}_p{place:04}", scale.as_str()), secret.seed(place)),
-                None => (format!("{}_{place:04}", scale.as_str()), place),
-            };
-            wishes.push(Composition::of(Name::new(name)?, scale, seed));
-        }
-    }
+/// What is asked for: the seeds, or the files of `--spec`, and on top what the options demand of every scene.
+fn wishes(args: &ComposeArgs, secret: Option<&Secret>) -> Result<Vec<Composition>> {
+    let ask = Ask {
+        split: args.split,
+        first: args.seed,
+        count: args.count,
+        scale: args.scale,
+        specs: &args.spec,
+        secret,
+    };
+    let mut wishes = ask.wishes()?;
     for wish in &mut wishes {
         wish.place = args.place.clone().or(wish.place.take());
         wish.theme = args.theme.clone().or(wish.theme.take());
@@ -126,11 +100,12 @@ fn list(themes: &[Theme], args: &ComposeArgs, out: &Printer) -> Result<ExitStatu
 
 fn print(made: &[Made], args: &ComposeArgs, out: &Printer) -> Result<ExitStatus> {
     let rejected: Vec<&Rejection> = made.iter().flat_map(|made| &made.rejected).collect();
+    let composed = made.iter().filter(|made| made.is_new).count();
     let reasons = reasons(rejected.iter().copied());
     if args.json {
         let reasons: Vec<_> =
             reasons.iter().map(|(reason, count)| json!({ "reason": reason, "draws": count })).collect();
-        out.json(&json!({ "out": args.out, "scenes": made, "rejected": reasons }))?;
+        out.json(&json!({ "out": args.out, "composed": composed, "scenes": made, "rejected": reasons }))?;
         return Ok(ExitStatus::Success);
     }
     let heading = ["scene", "theme", "place", "queries", "composites", "absent", "thrown away"];
@@ -143,6 +118,9 @@ fn print(made: &[Made], args: &ComposeArgs, out: &Printer) -> Result<ExitStatus>
         row
     }));
     out.data(table(&rows))?;
+    if composed == 0 {
+        out.note(format!("nothing was composed: all {} scenes were there", made.len()));
+    }
     let draws = made.len() + rejected.len();
     out.note(format!("{} of {draws} draws were thrown away", rejected.len()));
     for (reason, count) in reasons.iter().take(8) {

@@ -88,7 +88,7 @@ def build(name: str, seed: int) -> Arrangement:
     """Builds the arrangement of a seed in a fresh Blender scene; raises `Rejected` if it finds no room."""
     rng = random.Random(f"arrangement/{seed}")
     place = rng.choice(shipped_places())
-    stage = Stage(Scene(name, place.scale, 0, seed), Spec(name, place.scale, seed))
+    stage = Stage(Scene(name, place.scale, seed), Spec(name, place.scale, seed))
     made = Arrangement(stage, place, rng, [])
     try:
         place.furnish(stage)
